@@ -1,0 +1,56 @@
+"""The engine's clock: every timeout, watchdog and timer reads it, never ``time.*``."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+SERVO_PERIOD = 0.001
+"""Servo and physics period [s] (1000 Hz)."""
+
+WHOLE_BODY_PERIOD = 0.005
+"""Whole-body control period [s] (200 Hz); a whole multiple of the servo period."""
+
+DECISION_PERIOD = 0.020
+"""Tree tick period [s] (50 Hz)."""
+
+PERCEPTION_PERIOD = 0.100
+"""Perception period [s] (10 Hz)."""
+
+
+def cycles(seconds: float) -> int:
+    """Return how many servo cycles a duration takes.
+
+    Raises:
+        ValueError: the duration is not a whole number of servo periods.
+    """
+    count = round(seconds / SERVO_PERIOD)
+    if abs(count * SERVO_PERIOD - seconds) > 1e-9:
+        raise ValueError(f"{seconds} s is not a whole number of servo periods of {SERVO_PERIOD} s")
+    return count
+
+
+class Clock(Protocol):
+    """What tells the time."""
+
+    def now(self) -> float:
+        """Return the engine's time [s] since the run began."""
+        ...
+
+
+class CycleClock:
+    """Simulation time: the number of servo cycles since the run began."""
+
+    def __init__(self) -> None:
+        self.cycle = 0
+
+    def now(self) -> float:
+        """Return the engine's time [s]."""
+        return self.cycle * SERVO_PERIOD
+
+    def advance(self) -> None:
+        """Count one servo cycle."""
+        self.cycle += 1
+
+    def due(self, period_cycles: int) -> bool:
+        """Return whether a loop that runs every ``period_cycles`` runs in this cycle."""
+        return self.cycle % period_cycles == 0

@@ -1,0 +1,78 @@
+"""Errors: one base class, and messages that say what, where and what would be valid."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+
+@dataclass(frozen=True)
+class Place:
+    """A position in a file; line and column count from 1, 0 means unknown."""
+
+    file: str
+    line: int = 0
+    column: int = 0
+
+    def __str__(self) -> str:
+        if not self.line:
+            return self.file
+        return f"{self.file}:{self.line}:{self.column}"
+
+
+@dataclass(frozen=True)
+class Problem:
+    """One mistake: what is wrong, where, and what would be valid."""
+
+    message: str
+    place: Place | None = None
+    hint: str = ""
+
+    def __str__(self) -> str:
+        where = f"{self.place}: " if self.place else ""
+        hint = f"\n    {self.hint}" if self.hint else ""
+        return f"{where}{self.message}{hint}"
+
+
+class HumanoidBtError(Exception):
+    """Base of every error this package raises on purpose."""
+
+
+class UserError(HumanoidBtError, ValueError):
+    """A mistake in what the user gave: a file, a name, a value, a flag.
+
+    Args:
+        problems: every mistake found, or the message of the only one.
+        place: where it is, for a single message.
+        hint: what would be valid, for a single message.
+    """
+
+    def __init__(self, problems: str | Sequence[Problem], place: Place | None = None, hint: str = "") -> None:
+        self.problems: tuple[Problem, ...] = (
+            (Problem(problems, place, hint),) if isinstance(problems, str) else tuple(problems)
+        )
+        super().__init__("\n".join(str(p) for p in self.problems))
+
+
+class ResourceConflict(HumanoidBtError):
+    """Two living nodes commanded one resource in the same tick."""
+
+
+def nearest(name: str, valid: Iterable[str]) -> str:
+    """Return a hint: the nearest valid name if one is close, and the valid ones."""
+    names = sorted(set(valid))
+    if not names:
+        return ""
+    close = difflib.get_close_matches(name, names, n=1, cutoff=0.6)
+    shown = ", ".join(names) if len(names) <= 30 else ", ".join(names[:30]) + ", ..."
+    return (f"did you mean {close[0]!r}? " if close else "") + f"valid: {shown}"
+
+
+def relative(path: Path) -> str:
+    """Return a path as people read it: relative to the working directory where it lies below it."""
+    try:
+        return str(path.resolve().relative_to(Path.cwd()))
+    except (ValueError, OSError):
+        return str(path)

@@ -1,0 +1,243 @@
+"""Plain frozen data that every layer shares: state, command, percepts, targets.
+
+Units are SI, angles radians. Frames: *world* is fixed, z up; *base* is the robot's pelvis link.
+Quaternions are (w, x, y, z), as in MuJoCo. Arrays are copies that nobody changes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from enum import Enum
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Side = Literal["left", "right"]
+SIDES: tuple[Side, Side] = ("left", "right")
+
+RESOURCES = ("base", "left_hand", "right_hand", "gaze", "posture")
+"""What a skill can command; each has at most one owner at a time."""
+
+
+@dataclass(frozen=True, slots=True)
+class BaseTarget:
+    """Where to stand: middle between the feet, world frame.
+
+    Attributes:
+        position: shape (2,) [m].
+        heading: [rad].
+    """
+
+    position: Array
+    heading: float
+
+
+@dataclass(frozen=True, slots=True)
+class HandTarget:
+    """Where to bring a palm.
+
+    Attributes:
+        position: shape (3,), world frame [m].
+    """
+
+    position: Array
+
+
+@dataclass(frozen=True, slots=True)
+class GazeTarget:
+    """What to look at.
+
+    Attributes:
+        point: shape (3,), world frame [m].
+    """
+
+    point: Array
+
+
+@dataclass(frozen=True, slots=True)
+class PostureTarget:
+    """How to hold the body while standing.
+
+    Attributes:
+        height: offset of the centre of mass from its height in the home posture [m].
+    """
+
+    height: float
+
+
+Target = BaseTarget | HandTarget | GazeTarget | PostureTarget
+
+
+@dataclass(frozen=True, slots=True)
+class Command:
+    """What decision asks of control, once per tick. A resource without a target is released.
+
+    Attributes:
+        sequence: counts up by one per command.
+        stamp: engine time of the tick [s].
+        targets: resource -> target.
+        sources: resource -> path of the tree node that asked for it.
+    """
+
+    sequence: int
+    stamp: float
+    targets: Mapping[str, Target] = field(default_factory=dict)
+    sources: Mapping[str, str] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True)
+class Percept:
+    """What perception says of one thing.
+
+    Attributes:
+        name: the percept's name, as trees refer to it.
+        stamp: engine time at which it was seen [s].
+        position: shape (3,), in the robot's base frame at ``stamp`` [m].
+        confidence: in [0, 1].
+    """
+
+    name: str
+    stamp: float
+    position: Array
+    confidence: float
+
+
+@dataclass(frozen=True, slots=True)
+class JointCommand:
+    """What the servo gives the drives, every cycle; each of shape (nj,).
+
+    Torque of a joint: stiffness (position - q) + damping (velocity - qd) + torque, limited by the drive.
+
+    Attributes:
+        position: [rad].
+        velocity: [rad/s].
+        stiffness: [Nm/rad].
+        damping: [Nm s/rad].
+        torque: feedforward [Nm].
+    """
+
+    position: Array
+    velocity: Array
+    stiffness: Array
+    damping: Array
+    torque: Array
+
+
+@dataclass(frozen=True, slots=True)
+class Measurement:
+    """What the plant measured in one cycle, in MuJoCo's layout for a robot with a free base.
+
+    Attributes:
+        time: engine time [s].
+        qpos: shape (7 + nj,): base position (world) [m], base quaternion wxyz, joint positions [rad].
+        qvel: shape (6 + nj,): base linear velocity (world) [m/s], base angular velocity (base frame) [rad/s],
+            joint velocities [rad/s].
+        joint_torque: shape (nj,): torque that the drives applied [Nm].
+        foot_force: normal force on the (left, right) foot, shape (2,) [N].
+    """
+
+    time: float
+    qpos: Array
+    qvel: Array
+    joint_torque: Array
+    foot_force: Array
+
+
+class Mode(Enum):
+    """What the supervisor allows."""
+
+    RUN = "run"
+    PROTECTIVE_STOP = "protective_stop"
+    EMERGENCY_STOP = "emergency_stop"
+    DAMP = "damp"
+
+
+class Gait(Enum):
+    """What the legs do."""
+
+    STAND = "stand"
+    STEP = "step"
+    SETTLE = "settle"
+
+
+@dataclass(frozen=True, slots=True)
+class FootPose:
+    """A foothold or a sole, world frame.
+
+    Attributes:
+        x, y, z: sole centre [m].
+        yaw: heading [rad].
+    """
+
+    x: float
+    y: float
+    yaw: float
+    z: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class State:
+    """What control knows, as decision and the recording see it.
+
+    Attributes:
+        time: engine time [s].
+        cycle: servo cycle.
+        joint_positions, joint_velocities, joint_torques: measured, shape (nj,) [rad], [rad/s], [Nm].
+        setpoint_positions, setpoint_velocities: what the servo was told, shape (nj,) [rad], [rad/s].
+        base_position: world frame, shape (3,) [m].
+        base_quaternion: world frame, wxyz, shape (4,).
+        base_linear_velocity: world frame, shape (3,) [m/s].
+        base_angular_velocity: base frame, shape (3,) [rad/s].
+        com, com_velocity: centre of mass, world frame, shape (3,) [m], [m/s].
+        hands: palm positions, world frame, side -> shape (3,) [m].
+        feet: measured sole poses.
+        stance: middle between the feet on the ground and its heading, world frame, shape (3,): x, y [m], yaw [rad].
+        gaze_position: where the gaze site is, world frame, shape (3,) [m].
+        gaze_direction: unit vector, world frame, shape (3,).
+        foot_force: normal force on each foot [N].
+        gait: what the legs do.
+        footsteps: planned footholds ahead, the next first, with their side.
+        base_settled: standing, at rest, no step pending.
+        mode: what the supervisor allows.
+        stop_reason: why the mode is not RUN, else "".
+        stop_source: who caused it, else "".
+        command_sequence: of the command in force, -1 for none.
+        command_sources: resource -> path of the node, of the command in force.
+        targets: resource -> target, of the command in force.
+        hand_errors: measured distance of each commanded palm to its target [m].
+        limit_flags: joints at a soft, rate or torque limit in this cycle, by name.
+    """
+
+    time: float
+    cycle: int
+    joint_positions: Array
+    joint_velocities: Array
+    joint_torques: Array
+    setpoint_positions: Array
+    setpoint_velocities: Array
+    base_position: Array
+    base_quaternion: Array
+    base_linear_velocity: Array
+    base_angular_velocity: Array
+    com: Array
+    com_velocity: Array
+    hands: Mapping[Side, Array]
+    feet: Mapping[Side, FootPose]
+    stance: Array
+    gaze_position: Array
+    gaze_direction: Array
+    foot_force: Mapping[Side, float]
+    gait: Gait
+    footsteps: tuple[tuple[Side, FootPose], ...]
+    base_settled: bool
+    mode: Mode
+    stop_reason: str
+    stop_source: str
+    command_sequence: int
+    command_sources: Mapping[str, str]
+    targets: Mapping[str, Target]
+    hand_errors: Mapping[Side, float]
+    limit_flags: tuple[str, ...]

@@ -1,0 +1,290 @@
+"""Declared parameters: name, type, unit, default and a one-line doc, said once where they are used.
+
+Skills, tree nodes, robots and scenes all declare what they accept with :func:`param`; reading, checking,
+help texts and documentation come from that one declaration.
+
+    @dataclass(frozen=True)
+    class Noise:
+        position: float = param(0.01, unit="m", minimum=0, doc="Standard deviation.")
+
+    noise = read(Noise, document.load(path))
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import functools
+import math
+import re
+import types
+import typing
+from collections.abc import Mapping
+from typing import Any, NewType
+
+from humanoid_bt.document import Item
+from humanoid_bt.errors import Place, Problem, UserError, nearest
+
+PerceptName = NewType("PerceptName", str)
+"""The type of a parameter that names a percept; checks use it to see who reads what."""
+
+_REQUIRED: Any = object()
+
+_UNITS: dict[str, dict[str, float]] = {  # declared unit -> what may be written, and its factor
+    "m": {"m": 1.0, "cm": 0.01, "mm": 0.001},
+    "s": {"s": 1.0, "ms": 0.001, "min": 60.0},
+    "rad": {"rad": 1.0, "deg": math.pi / 180},
+    "m/s": {"m/s": 1.0, "cm/s": 0.01},
+    "rad/s": {"rad/s": 1.0, "deg/s": math.pi / 180},
+    "kg": {"kg": 1.0, "g": 0.001},
+    "N": {"N": 1.0},
+    "Nm": {"Nm": 1.0},
+    "Hz": {"Hz": 1.0},
+}
+_QUANTITY = re.compile(r"^\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([A-Za-z/]+)\s*$")
+
+
+@dataclasses.dataclass(frozen=True)
+class Param:
+    """One declared parameter.
+
+    Attributes:
+        name: as written in files.
+        type: its Python type.
+        default: its default, or :data:`REQUIRED`.
+        doc: one line.
+        unit: SI unit of a number, "" for none.
+        minimum, above, maximum: bounds of a number; ``above`` is exclusive.
+    """
+
+    name: str
+    type: Any
+    default: Any = _REQUIRED
+    doc: str = ""
+    unit: str = ""
+    minimum: float | None = None
+    above: float | None = None
+    maximum: float | None = None
+
+    @property
+    def required(self) -> bool:
+        """Whether the parameter has no default."""
+        return self.default is _REQUIRED
+
+    @property
+    def type_name(self) -> str:
+        """The type as people read it: ``number [m]``, ``left | right``."""
+        return _type_name(self.type) + (f" [{self.unit}]" if self.unit else "")
+
+    def convert(self, item: Item) -> Any:
+        """Return the value of a YAML item as this parameter's type.
+
+        Raises:
+            UserError: the value has the wrong type or unit, or is out of bounds.
+        """
+        return _convert(self.type, item, self)
+
+
+def param(
+    default: Any = _REQUIRED,
+    *,
+    doc: str,
+    unit: str = "",
+    minimum: float | None = None,
+    above: float | None = None,
+    maximum: float | None = None,
+) -> Any:
+    """Declare a parameter: the value of an annotated attribute of a dataclass, a skill or a tree node."""
+    declared = Param("", None, default, doc, unit, minimum, above, maximum)
+    if default is _REQUIRED:
+        return dataclasses.field(metadata={"param": declared})
+    if isinstance(default, (list, dict)):
+        return dataclasses.field(default_factory=lambda: default.copy(), metadata={"param": declared})
+    return dataclasses.field(default=default, metadata={"param": declared})
+
+
+def params_of(cls: type) -> dict[str, Param]:
+    """Return the declared parameters of a class, inherited ones first.
+
+    Dataclasses and plain classes (skills, tree nodes) are read alike.
+    """
+    return dict(_params_of(cls))
+
+
+@functools.cache
+def _params_of(cls: type) -> Mapping[str, Param]:
+    found: dict[str, Param] = {}
+    if dataclasses.is_dataclass(cls):
+        fields = {field.name: field for field in dataclasses.fields(cls)}
+    else:
+        fields = {
+            name: value
+            for base in reversed(cls.__mro__)
+            for name, value in vars(base).items()
+            if isinstance(value, dataclasses.Field)
+        }
+    declared = {name: field.metadata["param"] for name, field in fields.items() if "param" in field.metadata}
+    if not declared:
+        return found
+    hints = typing.get_type_hints(cls)
+    for name, spec in declared.items():
+        found[name] = dataclasses.replace(spec, name=name, type=hints[name])
+    return found
+
+
+def read(cls: type, item: Item, what: str = "") -> Any:
+    """Read a YAML mapping into a dataclass whose fields are declared with :func:`param`.
+
+    Args:
+        cls: the dataclass.
+        item: the mapping.
+        what: what is being read, for messages ("robot", "scene").
+
+    Raises:
+        UserError: with every problem found, each with its place.
+    """
+    if not isinstance(item.value, dict):
+        raise UserError(f"{what or 'this'} must be a mapping, not {item.kind}", item.place)
+    values, problems = read_values(params_of(cls), item, what)
+    if problems:
+        raise UserError(problems)
+    return cls(**values)
+
+
+def read_values(
+    params: Mapping[str, Param], item: Item, what: str = "", also: frozenset[str] = frozenset()
+) -> tuple[dict[str, Any], list[Problem]]:
+    """Convert a mapping's items by their declarations; return the values and every problem.
+
+    Keys in ``also`` are left to the caller. Missing parameters with a default are not in the values.
+    """
+    values: dict[str, Any] = {}
+    problems: list[Problem] = []
+    of = f" of {what}" if what else ""
+    for key, child in item.value.items():
+        if key in params:
+            try:
+                values[key] = params[key].convert(child)
+            except UserError as error:
+                problems += error.problems
+        elif key not in also:
+            hint = nearest(key, [*params, *also])
+            problems.append(Problem(f"unknown parameter {key!r}{of}", item.key_places.get(key), hint))
+    for name, spec in params.items():
+        if spec.required and name not in item.value:
+            hint = f"{name}: {spec.type_name}  # {spec.doc}"
+            problems.append(Problem(f"the parameter {name!r}{of} is missing", item.place, hint))
+    return values, problems
+
+
+def _type_name(kind: Any) -> str:
+    origin, args = typing.get_origin(kind), typing.get_args(kind)
+    if origin is typing.Literal:
+        return " | ".join(str(arg) for arg in args)
+    if origin in (typing.Union, types.UnionType):
+        return " or ".join(_type_name(arg) for arg in args if arg is not type(None))
+    if origin in (list, tuple):
+        inner = [arg for arg in args if arg is not Ellipsis]
+        return f"list of {'' if Ellipsis in args or origin is list else len(inner)} {_type_name(inner[0])}s".replace(
+            "  ", " "
+        )
+    if origin is dict:
+        return f"mapping of {_type_name(args[1])}"
+    if kind is PerceptName:
+        return "percept"
+    return {float: "number", int: "whole number", str: "text", bool: "true or false"}.get(kind) or str(
+        getattr(kind, "__name__", kind)
+    )
+
+
+def _wrong(item: Item, spec: Param, kind: Any) -> UserError:
+    shown = f" {item.value!r}" if not isinstance(item.value, (dict, list)) and item.value is not None else ""
+    return UserError(
+        f"{spec.name!r} must be {_article(_type_name(kind))}, not {item.kind}{shown}", item.place, spec.doc
+    )
+
+
+def _article(noun: str) -> str:
+    if noun.startswith(("text", "true")) or "|" in noun:
+        return noun
+    return ("an " if noun[0] in "aeiou" else "a ") + noun
+
+
+def _convert(kind: Any, item: Item, spec: Param) -> Any:
+    origin, args = typing.get_origin(kind), typing.get_args(kind)
+    if kind is Any:
+        return item.plain()
+    if origin in (typing.Union, types.UnionType):
+        return _convert_union(args, item, spec)
+    if origin is typing.Literal:
+        if item.value not in args:
+            raise UserError(
+                f"{spec.name!r} cannot be {item.value!r}", item.place, nearest(str(item.value), [str(a) for a in args])
+            )
+        return item.value
+    if origin in (list, tuple):
+        return _convert_sequence(origin, args, item, spec)
+    if origin is dict:
+        if not isinstance(item.value, dict):
+            raise _wrong(item, spec, kind)
+        return {key: _convert(args[1], child, spec) for key, child in item.value.items()}
+    if dataclasses.is_dataclass(kind):
+        assert isinstance(kind, type)
+        return read(kind, item, repr(spec.name))
+    if kind in (float, int):
+        return _convert_number(kind, item, spec)
+    python_type = getattr(kind, "__supertype__", kind)
+    if not isinstance(item.value, python_type):
+        raise _wrong(item, spec, kind)
+    return item.value
+
+
+def _convert_union(args: tuple[Any, ...], item: Item, spec: Param) -> Any:
+    if item.value is None and type(None) in args:
+        return None
+    kinds = [arg for arg in args if arg is not type(None)]
+    for kind in kinds[:-1]:
+        try:
+            return _convert(kind, item, spec)
+        except UserError:
+            continue
+    return _convert(kinds[-1], item, spec)
+
+
+def _convert_sequence(origin: Any, args: tuple[Any, ...], item: Item, spec: Param) -> Any:
+    if not isinstance(item.value, list):
+        raise _wrong(item, spec, origin[args])
+    kinds = [args[0]] * len(item.value) if origin is list or Ellipsis in args else list(args)
+    if len(kinds) != len(item.value):
+        raise UserError(f"{spec.name!r} must have {len(kinds)} values, not {len(item.value)}", item.place, spec.doc)
+    return origin(_convert(kind, child, spec) for kind, child in zip(kinds, item.value, strict=True))
+
+
+def _convert_number(kind: Any, item: Item, spec: Param) -> float | int:
+    value = item.value
+    if isinstance(value, str) and (match := _QUANTITY.match(value)):
+        allowed = _UNITS.get(spec.unit, {})
+        if match[2] not in allowed:
+            valid = ", ".join(allowed) if allowed else "a plain number"
+            raise UserError(f"{spec.name!r} has the unit {match[2]!r}", item.place, f"valid: {valid}")
+        value = float(match[1]) * allowed[match[2]]
+    if isinstance(value, bool) or not isinstance(value, (int, float)) or (kind is int and value != int(value)):
+        raise _wrong(item, spec, kind)
+    if not math.isfinite(value):
+        raise UserError(f"{spec.name!r} must be finite, not {value}", item.place)
+    low, above, high = spec.minimum, spec.above, spec.maximum
+    bad = (low is not None and value < low) or (above is not None and value <= above)
+    if bad or (high is not None and value > high):
+        bounds = [f">= {low:g}" if low is not None else "", f"> {above:g}" if above is not None else ""]
+        bounds.append(f"<= {high:g}" if high is not None else "")
+        wanted = " and ".join(bound for bound in bounds if bound)
+        raise UserError(f"{spec.name!r} must be {wanted}, not {item.value!r}", item.place, spec.doc)
+    return kind(value)
+
+
+def item_of(value: Any, place: Place) -> Item:
+    """Wrap a plain Python value (a default, a ``--set`` argument) as an item with one place."""
+    if isinstance(value, dict):
+        return Item({key: item_of(child, place) for key, child in value.items()}, place)
+    if isinstance(value, (list, tuple)):
+        return Item([item_of(child, place) for child in value], place)
+    return Item(value, place)

@@ -1,0 +1,238 @@
+"""The robot as decision sees it: a snapshot of state and percepts in, targets out, leases on resources.
+
+Targets set during a tick are buffered and leave as one :class:`~humanoid_bt.messages.Command` at its end.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from humanoid_bt.clock import Clock
+from humanoid_bt.errors import HumanoidBtError, ResourceConflict
+from humanoid_bt.messages import (
+    RESOURCES,
+    Array,
+    BaseTarget,
+    Command,
+    GazeTarget,
+    HandTarget,
+    Percept,
+    PostureTarget,
+    Side,
+    State,
+    Target,
+)
+from humanoid_bt.plant.robot_config import RobotConfig
+
+_POSE_HISTORY = 64  # ticks of base poses kept to place late percepts: 1.3 s at 50 Hz
+
+
+@dataclass(frozen=True, slots=True)
+class Track:
+    """The latest percept of one thing, placed in the world.
+
+    Attributes:
+        name: the percept's name.
+        stamp: when it was seen [s].
+        age: how long ago that is [s].
+        position_world: shape (3,) [m], from the base pose at the time it was seen.
+        position_base: shape (3,), in the robot's base frame now [m].
+        distance: horizontal distance from the robot's stance (middle between the feet) [m].
+        bearing: direction of it from the stance's heading, left positive [rad].
+        confidence: in [0, 1].
+    """
+
+    name: str
+    stamp: float
+    age: float
+    position_world: Array
+    position_base: Array
+    distance: float
+    bearing: float
+    confidence: float
+
+
+class Robot:
+    """Everything decision knows and asks of one robot.
+
+    Args:
+        config: the robot's numbers.
+        clock: the engine's clock.
+    """
+
+    def __init__(self, config: RobotConfig, clock: Clock) -> None:
+        self.config = config
+        self.clock = clock
+        self._state: State | None = None
+        self._percepts: dict[str, tuple[Percept, Array]] = {}
+        self._tracks: dict[str, Track] = {}
+        self._poses: deque[tuple[float, Array, Array]] = deque(maxlen=_POSE_HISTORY)
+        self._handles: list[RobotHandle] = []
+        self._sequence = 0
+
+    @property
+    def state(self) -> State:
+        """The state at the start of this tick."""
+        if self._state is None:
+            raise HumanoidBtError("the robot has no state before the first tick")
+        return self._state
+
+    def handle(self, node_path: str, resources: tuple[str, ...]) -> RobotHandle:
+        """Return the handle through which one tree node commands the robot.
+
+        Args:
+            node_path: the node's path, the source of its targets.
+            resources: what it may command.
+        """
+        handle = RobotHandle(self, node_path, resources)
+        self._handles.append(handle)
+        return handle
+
+    def track(self, name: str) -> Track | None:
+        """Return the latest percept of this name as it was at the start of the tick, or None if never seen."""
+        return self._tracks.get(name)
+
+    def begin_tick(self, state: State, percepts: Mapping[str, Percept]) -> None:
+        """Take the snapshot that the whole tick sees, and forget the targets of the last one."""
+        self._state = state
+        self._poses.append((state.time, state.base_position, _rotation(state.base_quaternion)))
+        for name, percept in percepts.items():
+            known = self._percepts.get(name)
+            if known is None or known[0].stamp < percept.stamp:
+                self._percepts[name] = (percept, self._place(percept))
+        self._tracks = {name: self._track(percept, world) for name, (percept, world) in self._percepts.items()}
+        for handle in self._handles:
+            handle.targets.clear()
+
+    def commit(self) -> Command:
+        """Return the one command of this tick.
+
+        Raises:
+            ResourceConflict: two nodes that are both alive command one resource.
+        """
+        targets: dict[str, Target] = {}
+        sources: dict[str, str] = {}
+        for handle in self._handles:
+            for resource, target in handle.targets.items():
+                if resource in targets:
+                    raise ResourceConflict(
+                        f"{resource!r} is commanded by two nodes at once: {sources[resource]!r} and {handle.path!r}"
+                    )
+                targets[resource] = target
+                sources[resource] = handle.path
+        command = Command(self._sequence, self.state.time, targets, sources)
+        self._sequence += 1
+        return command
+
+    def _place(self, percept: Percept) -> Array:
+        _, position, rotation = min(self._poses, key=lambda pose: abs(pose[0] - percept.stamp))
+        return np.asarray(position + rotation @ percept.position)
+
+    def _track(self, percept: Percept, world: Array) -> Track:
+        state = self.state
+        offset = world[:2] - state.stance[:2]
+        bearing = math.atan2(offset[1], offset[0]) - float(state.stance[2])
+        return Track(
+            name=percept.name,
+            stamp=percept.stamp,
+            age=self.clock.now() - percept.stamp,
+            position_world=world,
+            position_base=_rotation(state.base_quaternion).T @ (world - state.base_position),
+            distance=math.hypot(*offset),
+            bearing=(bearing + math.pi) % (2 * math.pi) - math.pi,
+            confidence=percept.confidence,
+        )
+
+
+class RobotHandle:
+    """One tree node's way to the robot: it may read everything and command what it declared.
+
+    A target holds for one tick; a skill sets it again in every ``update``. What it does not set is released.
+    """
+
+    def __init__(self, robot: Robot, path: str, resources: tuple[str, ...]) -> None:
+        self._robot = robot
+        self._resources = resources
+        self.path = path
+        self.targets: dict[str, Target] = {}
+
+    @property
+    def state(self) -> State:
+        """The state at the start of this tick."""
+        return self._robot.state
+
+    @property
+    def config(self) -> RobotConfig:
+        """The robot's numbers."""
+        return self._robot.config
+
+    @property
+    def clock(self) -> Clock:
+        """The engine's clock."""
+        return self._robot.clock
+
+    def track(self, name: str) -> Track | None:
+        """Return the latest percept of this name, or None if it was never seen."""
+        return self._robot.track(name)
+
+    def walk_to(self, position: Any, heading: float) -> None:
+        """Ask the robot to walk until it stands at a place.
+
+        Args:
+            position: shape (2,), middle between the feet, world frame [m].
+            heading: world frame [rad].
+        """
+        self._set("base", BaseTarget(_vector(position, 2), _number(heading)))
+
+    def move_hand(self, side: Side, position: Any) -> None:
+        """Ask for a palm at a position: shape (3,), world frame [m]."""
+        self._set(f"{side}_hand", HandTarget(_vector(position, 3)))
+
+    def look_at(self, point: Any) -> None:
+        """Ask the head, and the torso where the neck ends, to look at a point: shape (3,), world frame [m]."""
+        self._set("gaze", GazeTarget(_vector(point, 3)))
+
+    def set_height(self, offset: float) -> None:
+        """Ask for the centre of mass this much above (or below) its home height [m]."""
+        self._set("posture", PostureTarget(_number(offset)))
+
+    def release(self) -> None:
+        """Take back everything asked for in this tick; called when the node ends or is halted."""
+        self.targets.clear()
+
+    def _set(self, resource: str, target: Target) -> None:
+        if resource not in self._resources:
+            declared = ", ".join(self._resources) or "none"
+            raise HumanoidBtError(
+                f"{self.path!r} commands {resource!r} without declaring it (declared: {declared}; "
+                f"valid: {', '.join(RESOURCES)})"
+            )
+        self.targets[resource] = target
+
+
+def _vector(values: Any, size: int) -> Array:
+    vector: Array = np.array(values, dtype=float)
+    if vector.shape != (size,):
+        raise ValueError(f"a target position must have shape ({size},), not {vector.shape}")
+    return vector
+
+
+def _number(value: Any) -> float:
+    return float(value)
+
+
+def _rotation(quaternion: Array) -> Array:
+    w, x, y, z = quaternion
+    return np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+        ]
+    )

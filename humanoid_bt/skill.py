@@ -1,0 +1,87 @@
+"""The base class of a leaf that commands the robot.
+
+A skill is one file in a workspace's ``skills/`` folder:
+
+    class Wave(Skill):
+        \"\"\"Raise a hand and wave.\"\"\"
+
+        resources = ("right_hand",)
+        times: int = param(3, minimum=1, doc="How often.")
+
+        def initialise(self) -> None: ...
+        def update(self) -> Status: ...
+
+Its name in trees is the class name in snake_case.
+"""
+
+from __future__ import annotations
+
+import re
+from typing import Any, ClassVar
+
+import py_trees
+from py_trees.common import Status
+
+from humanoid_bt.params import PerceptName, params_of
+from humanoid_bt.robot import Robot, RobotHandle
+
+__all__ = ["PerceptName", "Skill", "Status", "node_type_name"]
+
+
+def node_type_name(cls: type) -> str:
+    """Return the name of a class in tree files: snake_case, or its ``type_name`` if it has one."""
+    named = vars(cls).get("type_name")
+    return named if isinstance(named, str) else re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", cls.__name__).lower()
+
+
+class Skill(py_trees.behaviour.Behaviour):
+    """A leaf that commands the robot.
+
+    Subclasses declare parameters with :func:`~humanoid_bt.params.param`; instances have their values as
+    attributes. ``self.robot`` is there from ``setup`` on. Nothing in a skill blocks or sleeps.
+
+    Args:
+        name: the node's name.
+        values: parameter values, already of their declared types.
+
+    Attributes:
+        resources: what the skill may command (of :data:`~humanoid_bt.messages.RESOURCES`).
+        robot: how it reads the robot's state and percepts and sets targets.
+    """
+
+    resources: ClassVar[tuple[str, ...]] = ()
+    robot: RobotHandle
+
+    def __init__(self, name: str = "", **values: Any) -> None:
+        super().__init__(name or node_type_name(type(self)))
+        for key, spec in params_of(type(self)).items():
+            if key not in values and spec.required:
+                raise TypeError(f"{type(self).__name__} needs the parameter {key!r}")
+            setattr(self, key, values.pop(key) if key in values else spec.default)
+        if values:
+            raise TypeError(f"{type(self).__name__} has no parameter {', '.join(map(repr, values))}")
+        self.path = self.name
+
+    def setup(self, *, robot: Robot, **_: Any) -> None:
+        """Take the robot; called once, before the first tick."""
+        self.robot = robot.handle(self.path, self.resources)
+
+    def stop(self, new_status: Status) -> None:
+        """End or halt the skill: ``terminate``, then give back what it commanded in this tick."""
+        super().stop(new_status)
+        self.robot.release()
+
+    def running(self, feedback: str) -> Status:
+        """Return RUNNING with a word on what is happening."""
+        self.feedback_message = feedback
+        return Status.RUNNING
+
+    def succeed(self, feedback: str) -> Status:
+        """Return SUCCESS with a word on what was reached."""
+        self.feedback_message = feedback
+        return Status.SUCCESS
+
+    def fail(self, feedback: str) -> Status:
+        """Return FAILURE with the reason."""
+        self.feedback_message = feedback
+        return Status.FAILURE

@@ -1,0 +1,1 @@
+"""The testing kit: a simulated robot for tests of one skill."""

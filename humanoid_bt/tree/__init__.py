@@ -1,0 +1,1 @@
+"""YAML to py_trees: nodes, building, checking, showing, ticking."""
