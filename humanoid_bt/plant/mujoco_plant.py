@@ -1,0 +1,135 @@
+"""The simulated plant: a robot in a scene, in MuJoCo, one servo period a step."""
+
+from __future__ import annotations
+
+import math
+
+import mujoco
+import numpy as np
+
+from humanoid_bt.clock import SERVO_PERIOD
+from humanoid_bt.errors import Place, UserError, relative
+from humanoid_bt.messages import SIDES, Array, JointCommand, Measurement
+from humanoid_bt.plant.robot_model import BASE_COORDINATES, BASE_DOFS, RobotModel, foot_sensor
+from humanoid_bt.plant.scene import Scene
+
+
+class MujocoPlant:
+    """A robot standing in a scene.
+
+    Args:
+        robot: the robot.
+        scene: what surrounds it.
+
+    Raises:
+        UserError: robot and scene do not go together.
+
+    Attributes:
+        model, data: MuJoCo's; the robot's coordinates come first.
+        time: engine time [s].
+        external_force_max: largest external force or torque there ever was on any body [N, Nm].
+    """
+
+    def __init__(self, robot: RobotModel, scene: Scene) -> None:
+        self.robot = robot
+        self.scene = scene
+        spec = robot.spec()
+        spec.option.timestep = SERVO_PERIOD
+        spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
+        spec.option.jacobian = mujoco.mjtJacobian.mjJAC_DENSE  # the sparse solver of MuJoCo 4.0.0 converges slowly
+        scene.add_to(spec)
+        try:
+            self.model = spec.compile()
+        except ValueError as error:
+            where = Place(relative(scene.config.path))
+            raise UserError(f"the scene does not compile: {' '.join(str(error).split())}", where) from error
+        self.data = mujoco.MjData(self.model)
+        joints = len(robot.joint_names)
+        self._nq, self._nv = BASE_COORDINATES + joints, BASE_DOFS + joints
+        self._objects = {name: self.model.body(f"object_{name}").id for name in scene.config.objects}
+        self._force_at = [int(self.model.sensor(foot_sensor(side)).adr[0]) + 2 for side in SIDES]
+        self._stiffness = robot.stiffness.copy()
+        self._damping = robot.damping.copy()
+        self._pushes: dict[int, tuple[float, Array]] = {}
+        self.external_force_max = 0.0
+        self.cycle = 0
+
+    @property
+    def time(self) -> float:
+        """Engine time [s]."""
+        return self.cycle * SERVO_PERIOD
+
+    def place(self, qpos: Array) -> None:
+        """Put the robot at the scene's start pose, at rest, before a run begins.
+
+        Args:
+            qpos: standing posture with the middle between the feet at the origin, heading along x, shape (7 + nj,).
+        """
+        x, y, heading = self.scene.start_pose
+        mujoco.mj_resetData(self.model, self.data)
+        start = qpos.copy()
+        cos, sin = math.cos(heading), math.sin(heading)
+        start[0], start[1] = x + cos * qpos[0] - sin * qpos[1], y + sin * qpos[0] + cos * qpos[1]
+        turn = np.array([math.cos(heading / 2), 0.0, 0.0, math.sin(heading / 2)])
+        mujoco.mju_mulQuat(start[3:7], turn, qpos[3:7])
+        self.data.qpos[: self._nq] = start
+        self._pushes.clear()
+        self.external_force_max = 0.0
+        self.cycle = 0
+        self.move_objects()
+        mujoco.mj_forward(self.model, self.data)
+
+    def measure(self) -> Measurement:
+        """Return what the robot's sensors say now."""
+        data = self.data
+        sensors = data.sensordata
+        left, right = self._force_at
+        return Measurement(
+            time=self.time,
+            qpos=data.qpos[: self._nq].copy(),
+            qvel=data.qvel[: self._nv].copy(),
+            joint_torque=data.actuator_force.copy(),
+            foot_force=np.array([abs(sensors[left]), abs(sensors[right])]),
+        )
+
+    def step(self, command: JointCommand) -> None:
+        """Drive the joints for one servo period."""
+        data = self.data
+        if command.stiffness is not self._stiffness or command.damping is not self._damping:
+            self._stiffness, self._damping = command.stiffness, command.damping
+            self.model.actuator_biasprm[:, 1] = -command.stiffness
+            self.model.actuator_biasprm[:, 2] = -command.damping
+        data.ctrl[:] = command.stiffness * command.position + command.damping * command.velocity + command.torque
+        if self._pushes:
+            self._apply_pushes()
+        mujoco.mj_step(self.model, data)
+        self.cycle += 1
+
+    def move_objects(self) -> None:
+        """Put the scene's objects where its script says they are now."""
+        for name, body in self._objects.items():
+            self.model.body_pos[body] = self.scene.object_position(name, self.time)
+
+    def push(self, body: str, force: Array, duration: float) -> None:
+        """Push a body with an external force: a disturbance for tests, counted in ``external_force_max``.
+
+        Args:
+            body: name of the body.
+            force: world frame, shape (3,) [N].
+            duration: [s].
+        """
+        self._pushes[self.model.body(body).id] = (self.time + duration, np.array(force, dtype=float))
+
+    def _apply_pushes(self) -> None:
+        for body, (until, force) in list(self._pushes.items()):
+            if self.time >= until:
+                self.data.xfrc_applied[body] = 0.0
+                del self._pushes[body]
+            else:
+                self.data.xfrc_applied[body, :3] = force
+        self.note_external_force()
+
+    def note_external_force(self) -> None:
+        """Look at every external force that MuJoCo applies now and remember the largest."""
+        largest = max(float(np.abs(self.data.xfrc_applied).max()), float(np.abs(self.data.qfrc_applied).max()))
+        self.external_force_max = max(self.external_force_max, largest)
