@@ -1,0 +1,156 @@
+"""One servo cycle: measure, supervise, every fifth cycle plan the whole body, drive the joints."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+from humanoid_bt.clock import WHOLE_BODY_PERIOD, cycles
+from humanoid_bt.control.servo import Servo
+from humanoid_bt.control.supervisor import Supervisor
+from humanoid_bt.control.whole_body import WholeBody
+from humanoid_bt.messages import (
+    SIDES,
+    Array,
+    Command,
+    FootPose,
+    Gait,
+    HandTarget,
+    JointCommand,
+    Measurement,
+    Mode,
+    Side,
+    State,
+)
+from humanoid_bt.plant.robot_model import BASE_COORDINATES, BASE_DOFS, RobotModel
+
+_SETTLED_AFTER = 0.2  # s of standing
+_SETTLED_SPEED = 0.03  # m/s of the centre of mass
+
+
+class Plant(Protocol):
+    """What the servo drives: a simulation or a real robot."""
+
+    def measure(self) -> Measurement:
+        """Return what the sensors say now."""
+        ...
+
+    def step(self, command: JointCommand) -> None:
+        """Drive the joints for one servo period."""
+        ...
+
+
+class Controller:
+    """Everything that runs at the servo's rate for one robot.
+
+    Args:
+        robot: the robot.
+        plant: what it drives.
+
+    Attributes:
+        supervisor: decides what is allowed.
+        whole_body: plans the setpoints.
+        servo: drives the joints.
+        cycle: servo cycles so far.
+    """
+
+    def __init__(self, robot: RobotModel, plant: Plant) -> None:
+        self._robot, self._plant = robot, plant
+        self.supervisor = Supervisor(robot.config.fall)
+        self.whole_body = WholeBody(robot)
+        self.servo = Servo(robot)
+        self._whole_body_period = cycles(WHOLE_BODY_PERIOD)
+        self.cycle = 0
+        self._measurement = plant.measure()
+        self.reset()
+
+    def reset(self) -> None:
+        """Start a run with the robot standing as the plant has it."""
+        self.cycle = 0
+        self._measurement = self._plant.measure()
+        self.whole_body.reset(self._measurement)
+        self.servo.reset(self._measurement.qpos[BASE_COORDINATES:])
+        self.supervisor.reset_run(float(self._measurement.qpos[2]))
+
+    def submit(self, command: Command) -> bool:
+        """Give a command from decision to the supervisor; return whether it is in force."""
+        return self.supervisor.submit(command)
+
+    def run_cycle(self) -> None:
+        """Run one servo cycle."""
+        supervisor = self.supervisor
+        measurement = self._measurement
+        supervisor.check(self.cycle, measurement, self.whole_body.solved)
+        if supervisor.mode is Mode.DAMP:
+            self.servo.damp()
+        elif self.cycle % self._whole_body_period == 0:
+            self._plan(measurement)
+        self._plant.step(self.servo.command)
+        self.cycle += 1
+        self._measurement = self._plant.measure()
+
+    def _plan(self, measurement: Measurement) -> None:
+        supervisor = self.supervisor
+        setpoint = self.whole_body.update(measurement, supervisor.targets, supervisor.hold)
+        try:
+            self.servo.follow(setpoint)
+        except ValueError:
+            self.servo.hold()
+
+    def state(self) -> State:
+        """Return a snapshot of everything."""
+        measurement, body, supervisor = self._measurement, self.whole_body, self.supervisor
+        dynamics, walker, command = body.dynamics, body.walker, supervisor.command
+        dynamics.update(measurement)
+        joint_command = self.servo.command
+        feet: dict[Side, FootPose] = {side: dynamics.foot_pose(side) for side in SIDES}
+        settled = (
+            walker.gait is Gait.STAND and walker.still_for >= _SETTLED_AFTER and body.com_speed < _SETTLED_SPEED
+        )
+        return State(
+            time=measurement.time,
+            cycle=self.cycle,
+            joint_positions=measurement.qpos[BASE_COORDINATES:].copy(),
+            joint_velocities=measurement.qvel[BASE_DOFS:].copy(),
+            joint_torques=measurement.joint_torque,
+            setpoint_positions=joint_command.position.copy(),
+            setpoint_velocities=joint_command.velocity.copy(),
+            base_position=measurement.qpos[:3].copy(),
+            base_quaternion=measurement.qpos[3:7].copy(),
+            base_linear_velocity=measurement.qvel[:3].copy(),
+            base_angular_velocity=measurement.qvel[3:6].copy(),
+            com=dynamics.com,
+            com_velocity=dynamics.com_velocity,
+            hands=dynamics.hands,
+            feet=feet,
+            stance=walker.stance,
+            gaze_position=dynamics.gaze_position,
+            gaze_direction=dynamics.gaze_direction,
+            foot_force=dict(zip(SIDES, measurement.foot_force.tolist(), strict=True)),
+            gait=walker.gait,
+            footsteps=tuple((step.side, _foot_pose(step.pose)) for step in walker.footsteps),
+            base_settled=settled,
+            mode=supervisor.mode,
+            stop_reason=supervisor.reason,
+            stop_source=supervisor.source,
+            command_sequence=command.sequence if command else -1,
+            command_sources=command.sources if command else {},
+            targets=supervisor.targets,
+            hand_errors=self._hand_errors(dynamics.hands),
+            limit_flags=tuple(
+                name for name, flag in zip(self._robot.joint_names, self.servo.limited, strict=True) if flag
+            ),
+        )
+
+    def _hand_errors(self, hands: dict[Side, Array]) -> dict[Side, float]:
+        errors: dict[Side, float] = {}
+        for side, palm in hands.items():
+            target = self.supervisor.targets.get(f"{side}_hand")
+            if isinstance(target, HandTarget):
+                offset = target.position - palm
+                errors[side] = float((offset @ offset) ** 0.5)
+        return errors
+
+
+def _foot_pose(pose: Array) -> FootPose:
+    x, y, yaw = pose.tolist()
+    return FootPose(x, y, yaw)

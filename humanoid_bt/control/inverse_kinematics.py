@@ -1,0 +1,230 @@
+"""Whole-body inverse kinematics with mink: one differential step per control period from the last setpoint."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import mink
+import mujoco
+import numpy as np
+
+from humanoid_bt.messages import SIDES, Array, Side
+from humanoid_bt.plant.robot_model import BASE_COORDINATES, GAZE_SITE, RobotModel, palm_site, sole_site
+
+_ACCELERATION_LIMIT = 100.0  # rad/s^2, of the planned motion, as it goes into the feedforward
+_SMOOTH_TIME = 0.02  # s, low-pass of planned acceleration and momentum rate
+_SOLVER = "daqp"
+
+
+@dataclass(frozen=True)
+class BodyTargets:
+    """What the whole body shall do in this control period; world frame.
+
+    Attributes:
+        com: centre of mass, shape (3,) [m].
+        soles: pose (x, y, yaw) of each sole.
+        sole_heights: [m].
+        sole_twists: correction of each sole's pose, shape (6,).
+        heading: of the pelvis [rad].
+        torso_yaw: of the torso relative to the heading [rad].
+        gaze: (yaw relative to the heading, pitch) of the view [rad].
+        hands: palm positions, shape (3,) [m], of the hands that are commanded.
+        reaching: how far the body is given to the hands, in [0, 1].
+        posture: joint posture, shape (nj,) [rad].
+    """
+
+    com: Array
+    soles: Mapping[Side, Array]
+    sole_heights: Mapping[Side, float]
+    sole_twists: Mapping[Side, Array]
+    heading: float
+    torso_yaw: float
+    gaze: tuple[float, float]
+    hands: Mapping[Side, Array]
+    reaching: float
+    posture: Array
+
+
+class InverseKinematics:
+    """Keeps the configuration of the last setpoint and moves it toward the targets.
+
+    Args:
+        robot: the robot.
+        dt: control period [s].
+
+    Attributes:
+        velocity: of the planned motion, shape (nv,) [m/s, rad/s].
+        acceleration: smoothed, shape (nv,).
+        momentum_rate: smoothed rate of the planned motion's angular momentum, shape (3,) [Nm].
+        solved: whether the last step had a solution.
+    """
+
+    def __init__(self, robot: RobotModel, dt: float) -> None:
+        config, weights = robot.config, robot.config.whole_body
+        self._robot, self._weights, self._dt = robot, weights, dt
+        self._model = _within_soft_limits(robot)
+        self._configuration = mink.Configuration(self._model)
+        self._com = mink.ComTask(cost=list(weights.com))
+        self._soles = {
+            side: _frame(sole_site(side), "site", weights.foot_position, weights.foot_orientation) for side in SIDES
+        }
+        self._base = _frame(config.base, "body", 0.0, weights.base_orientation)
+        self._torso = _frame(config.torso, "body", 0.0, weights.torso_orientation)
+        self._posture = mink.PostureTask(self._model, cost=weights.posture)
+        self._gaze = _frame(GAZE_SITE, "site", 0.0, weights.gaze) if config.neck else None
+        self._hands = {
+            side: _frame(palm_site(side), "site", weights.hand, 0.0, lm_damping=1.0)
+            for side in SIDES
+            if side in config.hands
+        }
+        self._limits = [mink.ConfigurationLimit(self._model)]
+        self._root = self._model.body(config.base).id
+        self._palms = {side: self._model.site(palm_site(side)).id for side in self._hands}
+        self.reset(robot.home_qpos)
+
+    def reset(self, qpos: Array) -> None:
+        """Start at rest from a configuration, shape (7 + nj,), clamped into the soft limits."""
+        start = qpos.copy()
+        start[BASE_COORDINATES:] = np.clip(start[BASE_COORDINATES:], self._robot.lower, self._robot.upper)
+        self._configuration.update(start)
+        self.velocity: Array = np.zeros(self._model.nv)
+        self.acceleration: Array = np.zeros(self._model.nv)
+        self.momentum_rate: Array = np.zeros(3)
+        self._momentum: Array = np.zeros(3)
+        self.solved = True
+
+    @property
+    def base_pose(self) -> Array:
+        """Reference of the base: position and quaternion wxyz, shape (7,)."""
+        return np.asarray(self._configuration.data.qpos[:BASE_COORDINATES])
+
+    @property
+    def joints(self) -> Array:
+        """Reference of the joints, shape (nj,) [rad]."""
+        return np.asarray(self._configuration.data.qpos[BASE_COORDINATES:])
+
+    def palm(self, side: Side) -> Array:
+        """Reference position of a palm, world frame, shape (3,)."""
+        return np.array(self._configuration.data.site_xpos[self._palms[side]])
+
+    def step(self, targets: BodyTargets) -> bool:
+        """Move one control period toward the targets; without a solution hold, and return False."""
+        tasks = self._set_targets(targets)
+        try:
+            velocity = mink.solve_ik(
+                self._configuration,
+                tasks,
+                self._dt,
+                solver=_SOLVER,
+                damping=self._weights.damping,
+                limits=self._limits,
+            )
+            self.solved = bool(np.isfinite(velocity).all())
+        except mink.NoSolutionFound:
+            self.solved = False
+        if not self.solved:
+            velocity = np.zeros(self._model.nv)
+        self._configuration.integrate_inplace(velocity, self._dt)
+        self._follow_motion(velocity)
+        return self.solved
+
+    def _set_targets(self, targets: BodyTargets) -> list[mink.BaseTask]:
+        weights, reaching = self._weights, targets.reaching
+        for side in SIDES:
+            x, y, yaw = targets.soles[side]
+            pose = _pose(yaw, (x, y, targets.sole_heights[side]))
+            self._soles[side].set_target(mink.SE3.exp(targets.sole_twists[side]) @ pose)
+        self._com.set_target(targets.com)
+        height = _blend(weights.com[2], weights.reach_height, reaching)
+        self._com.set_cost([weights.com[0], weights.com[1], height])
+        self._base.set_target(_pose(targets.heading))
+        self._base.set_orientation_cost(_blend(weights.base_orientation, weights.reach_base, reaching))
+        self._torso.set_target(_pose(targets.heading + targets.torso_yaw))
+        self._torso.set_orientation_cost(_blend(weights.torso_orientation, weights.reach_torso, reaching))
+        self._posture.set_target(np.concatenate([self.base_pose, targets.posture]))
+        tasks = [self._com, self._soles["left"], self._soles["right"], self._base, self._torso, self._posture]
+        if self._gaze is not None:
+            yaw, pitch = targets.gaze
+            view = mink.SO3.from_z_radians(targets.heading + yaw) @ mink.SO3.from_y_radians(pitch)
+            self._gaze.set_target(mink.SE3.from_rotation(view))
+            tasks.append(self._gaze)
+        for side, position in targets.hands.items():
+            self._hands[side].set_target(mink.SE3.from_translation(position))
+            tasks.append(self._hands[side])
+        return tasks
+
+    def _follow_motion(self, velocity: Array) -> None:
+        smooth = min(1.0, self._dt / _SMOOTH_TIME)
+        rate = np.clip((velocity - self.velocity) / self._dt, -_ACCELERATION_LIMIT, _ACCELERATION_LIMIT)
+        self.acceleration += smooth * (rate - self.acceleration)
+        self.velocity = velocity
+        data = self._configuration.data
+        data.qvel[:] = velocity
+        mujoco.mj_comVel(self._model, data)
+        mujoco.mj_subtreeVel(self._model, data)
+        momentum = data.subtree_angmom[self._root].copy()
+        self.momentum_rate += smooth * ((momentum - self._momentum) / self._dt - self.momentum_rate)
+        self._momentum = momentum
+
+
+def standing_posture(robot: RobotModel, steps: int = 200) -> Array:
+    """Return the configuration in which the robot starts: feet flat on the ground, the weight over their middle.
+
+    The middle between the feet is the origin, heading along x.
+
+    Returns:
+        shape (7 + nj,).
+    """
+    config, weights = robot.config, robot.config.whole_body
+    model = _within_soft_limits(robot)
+    configuration = mink.Configuration(model, robot.home_qpos)
+    lowest = min(configuration.data.site(sole_site(side)).xpos[2] for side in SIDES)
+    lifted = robot.home_qpos.copy()
+    lifted[2] -= lowest
+    configuration.update(lifted)
+    ahead = configuration.data.site(sole_site("left")).xpos[0]
+    height = configuration.data.subtree_com[model.body(config.base).id][2]
+    com = mink.ComTask(cost=[20.0, 20.0, 20.0])
+    com.set_target([ahead, 0.0, height])
+    posture = mink.PostureTask(model, cost=0.1)
+    posture.set_target(lifted)
+    tasks = [com, posture]
+    for side, sign in (("left", 1.0), ("right", -1.0)):
+        sole = _frame(sole_site(side), "site", weights.foot_position, weights.foot_orientation)
+        sole.set_target(_pose(0.0, (ahead, sign * config.gait.stance_width / 2, 0.0)))
+        tasks.append(sole)
+    for body in (config.base, config.torso):
+        upright = _frame(body, "body", 0.0, 5.0)
+        upright.set_target(_pose(0.0))
+        tasks.append(upright)
+    limits = [mink.ConfigurationLimit(model)]
+    for _ in range(steps):
+        velocity = mink.solve_ik(configuration, tasks, 0.01, solver=_SOLVER, damping=1e-3, limits=limits)
+        configuration.integrate_inplace(velocity, 0.01)
+    qpos: Array = configuration.q.copy()
+    qpos[0] -= ahead
+    return qpos
+
+
+def _within_soft_limits(robot: RobotModel) -> mujoco.MjModel:
+    """Return a copy of the robot whose joint ranges are the soft limits, so that the solver keeps to them."""
+    model = robot.spec().compile()
+    limited = model.jnt_limited.astype(bool)
+    limited[0] = False
+    model.jnt_range[limited] = np.stack([robot.lower, robot.upper], axis=1)[limited[1:]]
+    return model
+
+
+def _frame(name: str, kind: str, position: float, orientation: float, lm_damping: float = 0.0) -> mink.FrameTask:
+    return mink.FrameTask(name, kind, position_cost=position, orientation_cost=orientation, lm_damping=lm_damping)
+
+
+def _pose(yaw: float, position: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> mink.SE3:
+    w, z = math.cos(yaw / 2), math.sin(yaw / 2)
+    return mink.SE3(np.array([w, 0.0, 0.0, z, *position]))
+
+
+def _blend(free: float, reaching: float, share: float) -> float:
+    return free * (1 - share) + reaching * share

@@ -1,0 +1,128 @@
+"""References of hands, gaze, posture and height: they follow targets at limited speed, and come to rest when released."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from humanoid_bt.control.planar import wrap
+from humanoid_bt.messages import Array
+from humanoid_bt.plant.robot_config import WholeBodyConfig
+
+_CORRECT_WITHIN = 0.05  # m from the target at which the measured error is integrated
+_CORRECT_MAX = 0.05  # m
+_PITCH_RANGE = (-0.5, 0.8)  # rad, up and down
+_NECK_SHARE = 0.7  # of the neck's range that is used before the torso helps
+_RELAX_SPEED = 1.0  # rad/s at which released joints go back to the home posture
+
+
+class HandReference:
+    """The reference of one palm: goes to the target at limited speed, then corrects the measured error.
+
+    Args:
+        weights: the robot's numbers.
+        dt: control period [s].
+    """
+
+    def __init__(self, weights: WholeBodyConfig, dt: float) -> None:
+        self._weights, self._dt = weights, dt
+        self._position: Array | None = None
+        self._correction: Array = np.zeros(3)
+
+    def update(self, target: Array | None, hold: bool, measured: Array, reference: Array) -> Array | None:
+        """Return where the inverse kinematics shall bring the palm, or None when it is free.
+
+        Args:
+            target: world frame, shape (3,) [m]; None to release the hand.
+            hold: stay where the reference is, whatever the target.
+            measured, reference: palm positions, of the robot and of the inverse kinematics, shape (3,) [m].
+        """
+        if hold:
+            return None if self._position is None else self._position + self._correction
+        if target is None:
+            self._position = None
+            self._correction = np.zeros(3)
+            return None
+        if self._position is None:
+            self._position = reference.copy()
+        error = target - self._position
+        distance = math.sqrt(error @ error)
+        self._position = self._position + error * min(1.0, self._weights.hand_speed * self._dt / max(distance, 1e-9))
+        if distance < _CORRECT_WITHIN:
+            correction = self._correction + self._weights.hand_integral * self._dt * (target - measured)
+            self._correction = np.clip(correction, -_CORRECT_MAX, _CORRECT_MAX)
+        return self._position + self._correction
+
+
+class GazeReference:
+    """The reference of the view: yaw relative to the stance's heading and pitch, at limited speed.
+
+    Args:
+        weights: the robot's numbers.
+        dt: control period [s].
+        neck_range: farthest the neck turns to either side [rad], 0 without a neck.
+
+    Attributes:
+        yaw, pitch: [rad].
+    """
+
+    def __init__(self, weights: WholeBodyConfig, dt: float, neck_range: float) -> None:
+        self._limit, self._step = weights.gaze_yaw, weights.gaze_speed * dt
+        self._neck = _NECK_SHARE * neck_range
+        self.yaw = self.pitch = 0.0
+
+    def update(self, point: Array | None, hold: bool, eyes: Array, heading: float) -> None:
+        """Turn toward a point, world frame, shape (3,); ahead if None.
+
+        Args:
+            point: what to look at.
+            hold: stay.
+            eyes: position of the gaze site, world frame, shape (3,) [m].
+            heading: of the stance [rad].
+        """
+        if hold:
+            return
+        yaw = pitch = 0.0
+        if point is not None:
+            x, y, z = (point - eyes).tolist()
+            yaw = wrap(math.atan2(y, x) - heading)
+            pitch = -math.atan2(z, math.hypot(x, y))
+            if abs(yaw) > self._limit and yaw * self.yaw < 0:
+                yaw = -yaw  # behind the robot: stay on the side it looks over already
+        yaw = min(max(yaw, -self._limit), self._limit)
+        pitch = min(max(pitch, _PITCH_RANGE[0]), _PITCH_RANGE[1])
+        self.yaw = approach(self.yaw, yaw, self._step)
+        self.pitch = approach(self.pitch, pitch, self._step)
+
+    @property
+    def torso_yaw(self) -> float:
+        """How far the torso turns because the neck does not turn far enough [rad]."""
+        return self.yaw - min(max(self.yaw, -self._neck), self._neck)
+
+
+class PostureReference:
+    """The joint posture that fills what the tasks leave free: home, or on its way back to it.
+
+    Args:
+        home: shape (nj,) [rad].
+        dt: control period [s].
+    """
+
+    def __init__(self, home: Array, dt: float) -> None:
+        self._home, self._step = home, _RELAX_SPEED * dt
+        self.joints: Array = home.copy()
+
+    def release_from(self, joints: Array) -> None:
+        """Start from these joint angles, shape (nj,), when something that held them was released."""
+        self.joints = joints.copy()
+
+    def update(self) -> None:
+        """Move back toward home."""
+        error = self._home - self.joints
+        self.joints = self.joints + np.clip(error, -self._step, self._step)
+
+
+def approach(value: float, goal: float, step: float) -> float:
+    """Return ``value`` moved toward ``goal`` by at most ``step``."""
+    return value + min(max(goal - value, -step), step)

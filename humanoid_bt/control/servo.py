@@ -1,0 +1,79 @@
+"""The servo (1 kHz): setpoints to joint commands, inside soft limits, speed and torque limits."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from humanoid_bt.clock import WHOLE_BODY_PERIOD, cycles
+from humanoid_bt.control.whole_body import Setpoint
+from humanoid_bt.messages import Array, JointCommand
+from humanoid_bt.plant.robot_model import RobotModel
+
+LIMIT_TOLERANCE = 1e-3
+"""How far [rad] a setpoint may lie outside the soft limits before it is flagged: solvers overshoot by 1e-6."""
+
+
+class Servo:
+    """Turns setpoints into joint commands.
+
+    Args:
+        robot: the robot.
+
+    Attributes:
+        position: last validated setpoint, shape (nj,) [rad].
+        limited: joints at a limit in this cycle, shape (nj,) of bool.
+        clamps: how many setpoints were clamped so far.
+    """
+
+    def __init__(self, robot: RobotModel) -> None:
+        self._robot = robot
+        self._step = robot.speed_limit * WHOLE_BODY_PERIOD
+        self._period = cycles(WHOLE_BODY_PERIOD)
+        self._zeros = np.zeros_like(robot.lower)
+        self.position: Array = self._zeros.copy()
+        self.limited = np.zeros(len(robot.lower), dtype=bool)
+        self.clamps = 0
+        self._command = self._hold()
+
+    def reset(self, position: Array) -> None:
+        """Start from joint positions, shape (nj,)."""
+        self.position = np.clip(position, self._robot.lower, self._robot.upper)
+        self.limited = np.zeros_like(self.limited)
+        self.clamps = 0
+        self._command = self._hold()
+
+    @property
+    def command(self) -> JointCommand:
+        """The command in force."""
+        return self._command
+
+    def follow(self, setpoint: Setpoint) -> None:
+        """Take a new setpoint if it is finite, clamped into the limits; otherwise go on with the last one.
+
+        Raises:
+            ValueError: the setpoint is not finite; the last one stays in force.
+        """
+        robot = self._robot
+        if not (np.isfinite(setpoint.position).all() and np.isfinite(setpoint.torque).all()):
+            raise ValueError("the setpoint is not finite")
+        slow = np.clip(setpoint.position, self.position - self._step, self.position + self._step)
+        inside = np.clip(slow, robot.lower, robot.upper)
+        torque = np.clip(setpoint.torque, -robot.torque_limit, robot.torque_limit)
+        self.limited = np.abs(inside - setpoint.position) > LIMIT_TOLERANCE
+        self.clamps += int(self.limited.any())
+        self.position = inside
+        self._command = JointCommand(inside, setpoint.velocity, robot.stiffness, robot.damping, torque)
+
+    def hold(self) -> None:
+        """Hold the last validated setpoint at rest, with the torque that carried it."""
+        self._command = self._hold(self._command.torque)
+
+    def damp(self) -> None:
+        """Let go: no stiffness, only joint damping (stop category 0 of IEC 60204-1)."""
+        zeros = self._zeros
+        self._command = JointCommand(zeros, zeros, zeros, self._robot.damping, zeros)
+
+    def _hold(self, torque: Array | None = None) -> JointCommand:
+        robot = self._robot
+        feedforward = self._zeros if torque is None else torque
+        return JointCommand(self.position, self._zeros, robot.stiffness, robot.damping, feedforward)

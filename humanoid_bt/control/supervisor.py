@@ -1,0 +1,202 @@
+"""The supervisor: what may go on. Below everything else, every servo cycle; no tree can switch it off."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from humanoid_bt.clock import SERVO_PERIOD, cycles
+from humanoid_bt.messages import (
+    RESOURCES,
+    BaseTarget,
+    Command,
+    GazeTarget,
+    HandTarget,
+    Measurement,
+    Mode,
+    PostureTarget,
+    Target,
+)
+from humanoid_bt.plant.robot_config import FallConfig
+
+DECISION_TIMEOUT = 0.100
+"""Silence of decision [s] after which the robot goes to a protective stop."""
+
+NO_SOLUTION_TIMEOUT = 0.200
+"""Time without a solution of the inverse kinematics [s] after which the robot goes to a protective stop."""
+
+_WORKSPACE = 1000.0  # m from the world's origin beyond which a target is malformed
+_HEIGHT_OFFSET = 0.5  # m
+
+_TARGET_TYPES: dict[str, type] = {
+    "base": BaseTarget,
+    "left_hand": HandTarget,
+    "right_hand": HandTarget,
+    "gaze": GazeTarget,
+    "posture": PostureTarget,
+}
+
+
+@dataclass(frozen=True)
+class Stop:
+    """A stop that the supervisor ordered.
+
+    Attributes:
+        time: engine time [s].
+        mode: the kind of stop.
+        reason: why.
+        source: who asked or what caused it.
+        resources: resource -> path of the node of the command in force then.
+    """
+
+    time: float
+    mode: Mode
+    reason: str
+    source: str
+    resources: Mapping[str, str]
+
+
+class Supervisor:
+    """Decides in every servo cycle whether targets are followed, held or let go.
+
+    Args:
+        fall: when the robot counts as falling.
+
+    Attributes:
+        mode: what is allowed now.
+        reason, source: why and by whom, "" in mode RUN.
+        command: the last accepted command.
+        stops: every stop so far.
+        rejected: commands that were refused so far, as text.
+    """
+
+    def __init__(self, fall: FallConfig) -> None:
+        self._fall = fall
+        self._decision_timeout = cycles(DECISION_TIMEOUT)
+        self._no_solution_timeout = cycles(NO_SOLUTION_TIMEOUT)
+        self.reset_run(1.0)
+
+    def reset_run(self, home_height: float) -> None:
+        """Start a run; ``home_height`` is the height of the base when standing [m]."""
+        self._home_height = home_height
+        self.mode, self.reason, self.source = Mode.RUN, "", ""
+        self.command: Command | None = None
+        self.stops: list[Stop] = []
+        self.rejected: list[str] = []
+        self._accepted_cycle: int | None = None
+        self._unsolved_cycles = 0
+        self._falling = False
+        self._estop: tuple[str, str] | None = None
+        self._cycle = 0
+
+    # ---- requests -------------------------------------------------------------------------------------------------
+
+    def raise_estop(self, source: str, reason: str) -> None:
+        """Raise the emergency stop; it stays until :meth:`reset`."""
+        if self._estop is None:
+            self._estop = (source, reason)
+
+    def reset(self) -> str:
+        """Clear a latched stop. Return "" when done, else why it is refused."""
+        if self._falling:
+            return "the robot has fallen"
+        self._estop = None
+        if self.mode in (Mode.EMERGENCY_STOP, Mode.DAMP):
+            self.mode, self.reason, self.source = Mode.RUN, "", ""
+            self._accepted_cycle = None
+        return ""
+
+    def submit(self, command: Command) -> bool:
+        """Take a command if it is intact; return whether it is now in force."""
+        fault = self._fault(command)
+        if fault:
+            self.rejected.append(f"command {command.sequence}: {fault}")
+            return False
+        self.command = command
+        self._accepted_cycle = self._cycle
+        return True
+
+    def _fault(self, command: Command) -> str:
+        if self.command is not None and command.sequence <= self.command.sequence:
+            return f"out of order after {self.command.sequence}"
+        now = self._cycle * SERVO_PERIOD
+        if not math.isfinite(command.stamp) or abs(command.stamp - now) > DECISION_TIMEOUT:
+            return f"stamped {command.stamp:.3f} s at {now:.3f} s"
+        for resource, target in command.targets.items():
+            if resource not in RESOURCES or not isinstance(target, _TARGET_TYPES[resource]):
+                return f"{resource!r} cannot take a {type(target).__name__}"
+            fault = _target_fault(target)
+            if fault:
+                return f"the target of {resource!r} {fault} (from {command.sources.get(resource, 'unknown')!r})"
+        return ""
+
+    # ---- every servo cycle ----------------------------------------------------------------------------------------
+
+    def check(self, cycle: int, measurement: Measurement, solved: bool) -> None:
+        """Look at everything in the order of precedence and set the mode."""
+        self._cycle = cycle
+        self._unsolved_cycles = 0 if solved else self._unsolved_cycles + 1
+        self._falling = self._is_falling(measurement)
+        if self._falling:
+            self._stop(Mode.DAMP, "the robot is falling", "supervisor")
+        elif self._estop is not None:
+            self._stop(Mode.EMERGENCY_STOP, self._estop[1], self._estop[0])
+        elif self.mode in (Mode.RUN, Mode.PROTECTIVE_STOP):
+            cause = self._protective_cause()
+            if cause:
+                self._stop(Mode.PROTECTIVE_STOP, cause, "supervisor")
+            elif self.mode is Mode.PROTECTIVE_STOP:
+                self.mode, self.reason, self.source = Mode.RUN, "", ""
+
+    def _protective_cause(self) -> str:
+        if self._accepted_cycle is not None and self._cycle - self._accepted_cycle > self._decision_timeout:
+            return f"decision silent for more than {DECISION_TIMEOUT * 1000:.0f} ms"
+        if self._unsolved_cycles > self._no_solution_timeout:
+            return f"inverse kinematics without a solution for more than {NO_SOLUTION_TIMEOUT * 1000:.0f} ms"
+        return ""
+
+    def _stop(self, mode: Mode, reason: str, source: str) -> None:
+        if mode is self.mode or self.mode is Mode.DAMP:
+            return
+        self.mode, self.reason, self.source = mode, reason, source
+        resources = dict(self.command.sources) if self.command else {}
+        self.stops.append(Stop(self._cycle * SERVO_PERIOD, mode, reason, source, resources))
+
+    def _is_falling(self, measurement: Measurement) -> bool:
+        height = measurement.qpos[2]
+        _, x, y, _ = measurement.qpos[3:7].tolist()
+        upright = 1 - 2 * (x * x + y * y)  # cosine of the base's tilt
+        low = height < self._fall.height * self._home_height
+        return bool(low or upright < math.cos(self._fall.tilt) or not math.isfinite(height))
+
+    @property
+    def targets(self) -> Mapping[str, Target]:
+        """The targets in force; none unless the mode is RUN."""
+        if self.mode is Mode.RUN and self.command is not None:
+            return self.command.targets
+        return {}
+
+    @property
+    def hold(self) -> bool:
+        """Whether the body shall stop and stay."""
+        return self.mode is not Mode.RUN
+
+
+def _target_fault(target: Target) -> str:
+    match target:
+        case BaseTarget(position=position, heading=heading):
+            values, shape, limit = np.append(position, heading), (3,), _WORKSPACE
+        case HandTarget(position=position) | GazeTarget(point=position):
+            values, shape, limit = np.asarray(position), (3,), _WORKSPACE
+        case PostureTarget(height=height):
+            values, shape, limit = np.array([height]), (1,), _HEIGHT_OFFSET
+    if values.shape != shape:
+        return "is malformed"
+    if not np.isfinite(values).all():
+        return "is not finite"
+    if float(np.abs(values).max()) > limit:
+        return "is out of range"
+    return ""

@@ -1,0 +1,196 @@
+"""The whole-body loop (200 Hz): targets and measured state in, joint setpoints out.
+
+It balances whatever the targets are, so that a robot without commands goes on standing.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from humanoid_bt.clock import WHOLE_BODY_PERIOD
+from humanoid_bt.control.dynamics import RobotDynamics
+from humanoid_bt.control.feedforward import Feedforward
+from humanoid_bt.control.inverse_kinematics import BodyTargets, InverseKinematics
+from humanoid_bt.control.references import GazeReference, HandReference, PostureReference, approach
+from humanoid_bt.control.stabilizer import Stabilizer
+from humanoid_bt.control.swing import TiltCompensation
+from humanoid_bt.control.walking import Walker
+from humanoid_bt.messages import (
+    SIDES,
+    Array,
+    BaseTarget,
+    GazeTarget,
+    HandTarget,
+    Measurement,
+    PostureTarget,
+    Side,
+    Target,
+)
+from humanoid_bt.plant.robot_model import BASE_COORDINATES, BASE_DOFS, RobotModel
+
+_BLEND_TIME = 0.3  # s in which the body is given to a reaching hand, and taken back
+
+
+@dataclass(frozen=True)
+class Setpoint:
+    """What the servo shall follow; each of shape (nj,).
+
+    Attributes:
+        position: [rad].
+        velocity: [rad/s].
+        torque: feedforward [Nm].
+    """
+
+    position: Array
+    velocity: Array
+    torque: Array
+
+
+class WholeBody:
+    """Walking, balance, hands and gaze of one robot.
+
+    Args:
+        robot: the robot.
+
+    Attributes:
+        dynamics: the measured robot, as of the last update.
+        walker: its gait.
+        solved: whether the last inverse kinematics had a solution.
+    """
+
+    def __init__(self, robot: RobotModel) -> None:
+        config, dt = robot.config, WHOLE_BODY_PERIOD
+        self._robot, self._dt = robot, dt
+        self.dynamics = RobotDynamics(robot)
+        self.walker = Walker(config.gait, config.sole, dt)
+        self._stabilizer = Stabilizer(config.gait, config.sole, robot.mass, dt)
+        self._tilt = TiltCompensation(dt)
+        self._kinematics = InverseKinematics(robot, dt)
+        self._feedforward = Feedforward(robot, self.dynamics)
+        neck_range = 0.0
+        if config.neck:
+            yaw = robot.joint(config.neck.yaw)
+            neck_range = float(min(robot.upper[yaw], -robot.lower[yaw]))
+        self._gaze = GazeReference(config.whole_body, dt, neck_range)
+        self._hands: dict[Side, HandReference] = {}
+        self._posture = PostureReference(robot.home_qpos[BASE_COORDINATES:], dt)
+        self._height = self._home_height = 0.0
+        self._reaching = 0.0
+        self._commanded: frozenset[Side] = frozenset()
+        self._zmp: Array = np.zeros(2)
+
+    def reset(self, measurement: Measurement) -> None:
+        """Stand where the robot is, with everything at rest."""
+        config, dt = self._robot.config, self._dt
+        self.dynamics.update(measurement)
+        self._kinematics.reset(measurement.qpos)
+        self._stabilizer.reset(self.dynamics.com)
+        self.walker.reset(self.dynamics.soles, self._stabilizer.omega)
+        self._tilt = TiltCompensation(dt)
+        self._gaze.yaw = self._gaze.pitch = 0.0
+        self._hands = {side: HandReference(config.whole_body, dt) for side in self.dynamics.hands}
+        self._posture = PostureReference(measurement.qpos[BASE_COORDINATES:].copy(), dt)
+        self._home_height = float(self.dynamics.com[2])
+        self._height = self._reaching = 0.0
+        self._commanded = frozenset()
+        self._zmp = self.walker.zmp_reference.copy()
+
+    @property
+    def solved(self) -> bool:
+        """Whether the last inverse kinematics had a solution."""
+        return self._kinematics.solved
+
+    def update(self, measurement: Measurement, targets: Mapping[str, Target], hold: bool) -> Setpoint:
+        """Return the setpoints of this control period.
+
+        Args:
+            measurement: the measured state.
+            targets: resource -> target; what is missing comes to rest.
+            hold: finish the step, stand, and keep hands, gaze and height where they are.
+        """
+        dynamics, walker, stabilizer = self.dynamics, self.walker, self._stabilizer
+        dynamics.update(measurement)
+        dcm = dynamics.com[:2] + dynamics.com_velocity[:2] / stabilizer.omega
+        force: dict[Side, float] = dict(zip(SIDES, measurement.foot_force.tolist(), strict=True))
+        goal = None if hold else _goal(targets)
+        walker.update(goal, dcm, self._zmp, dynamics.soles, force)
+        load = stabilizer.update(
+            dynamics.com,
+            dcm,
+            walker.dcm_reference,
+            walker.zmp_reference,
+            self._kinematics.momentum_rate,
+            dynamics.soles,
+            walker.contact,
+        )
+        self._zmp = load.zmp
+        self._tilt.update(walker.swing, measurement.qpos[:BASE_COORDINATES], self._kinematics.base_pose)
+        self._kinematics.step(self._body_targets(targets, hold))
+        position = self._kinematics.joints.copy()
+        velocity = self._kinematics.velocity[BASE_DOFS:]
+        torque = self._feedforward.torques(load, self._kinematics.acceleration, position, velocity)
+        return Setpoint(position, velocity, torque)
+
+    def _body_targets(self, targets: Mapping[str, Target], hold: bool) -> BodyTargets:
+        walker, kinematics = self.walker, self._kinematics
+        heading = float(walker.stance[2])
+        hands = self._hand_positions(targets, hold)
+        self._reaching += (float(bool(hands)) - self._reaching) * min(1.0, self._dt / _BLEND_TIME)
+        gaze = targets.get("gaze")
+        point = gaze.point if isinstance(gaze, GazeTarget) else None
+        self._gaze.update(point, hold, self.dynamics.gaze_position, heading)
+        if not hold:
+            posture = targets.get("posture")
+            wanted = posture.height if isinstance(posture, PostureTarget) else 0.0
+            self._height = approach(self._height, wanted, self._robot.config.whole_body.height_speed * self._dt)
+        com = self._stabilizer.com_reference
+        com[2] = self._home_height + self._height
+        if not hold:
+            self._posture.update()
+        return BodyTargets(
+            com=com,
+            soles=walker.foot_reference,
+            sole_heights=walker.foot_height,
+            sole_twists=self._tilt.twist,
+            heading=heading,
+            torso_yaw=self._gaze.torso_yaw,
+            gaze=(self._gaze.yaw, self._gaze.pitch),
+            hands=hands,
+            reaching=self._reaching,
+            posture=self._posture.joints,
+        )
+
+    def _hand_positions(self, targets: Mapping[str, Target], hold: bool) -> dict[Side, Array]:
+        positions: dict[Side, Array] = {}
+        for side, reference in self._hands.items():
+            target = targets.get(f"{side}_hand")
+            point = target.position if isinstance(target, HandTarget) else None
+            position = reference.update(point, hold, self.dynamics.palm(side), self._kinematics.palm(side))
+            if position is not None:
+                positions[side] = position
+        commanded = frozenset(positions)
+        if self._commanded - commanded:
+            self._posture.release_from(self._kinematics.joints)
+        self._commanded = commanded
+        return positions
+
+    @property
+    def stance(self) -> Array:
+        """Pose of the middle between the feet (x, y, yaw), world frame."""
+        return self.walker.stance
+
+    @property
+    def com_speed(self) -> float:
+        """Horizontal speed of the centre of mass [m/s]."""
+        return math.hypot(*self.dynamics.com_velocity[:2])
+
+
+def _goal(targets: Mapping[str, Target]) -> Array | None:
+    base = targets.get("base")
+    if not isinstance(base, BaseTarget):
+        return None
+    return np.array([base.position[0], base.position[1], base.heading])
