@@ -98,6 +98,11 @@ class Robot:
         """Return the latest percept of this name as it was at the start of the tick, or None if never seen."""
         return self._tracks.get(name)
 
+    @property
+    def tracks(self) -> Mapping[str, Track]:
+        """Every percept seen so far, by name, as it was at the start of the tick."""
+        return self._tracks
+
     def begin_tick(self, state: State, percepts: Mapping[str, Percept]) -> None:
         """Take the snapshot that the whole tick sees, and forget the targets of the last one."""
         self._state = state
@@ -129,6 +134,12 @@ class Robot:
         command = Command(self._sequence, self.state.time, targets, sources)
         self._sequence += 1
         return command
+
+    def release_all(self) -> Command:
+        """Return a command that releases everything."""
+        for handle in self._handles:
+            handle.targets.clear()
+        return self.commit()
 
     def _place(self, percept: Percept) -> Array:
         _, position, rotation = min(self._poses, key=lambda pose: abs(pose[0] - percept.stamp))

@@ -90,6 +90,7 @@ class Supervisor:
         self._unsolved_cycles = 0
         self._falling = False
         self._estop: tuple[str, str] | None = None
+        self._requested: tuple[str, str] | None = None
         self._cycle = 0
 
     # ---- requests -------------------------------------------------------------------------------------------------
@@ -98,6 +99,10 @@ class Supervisor:
         """Raise the emergency stop; it stays until :meth:`reset`."""
         if self._estop is None:
             self._estop = (source, reason)
+
+    def request_stop(self, source: str, reason: str) -> None:
+        """Ask for a protective stop until the end of the run: what commanded the robot has failed."""
+        self._requested = self._requested or (source, reason)
 
     def reset(self) -> str:
         """Clear a latched stop. Return "" when done, else why it is refused."""
@@ -147,16 +152,21 @@ class Supervisor:
         elif self.mode in (Mode.RUN, Mode.PROTECTIVE_STOP):
             cause = self._protective_cause()
             if cause:
-                self._stop(Mode.PROTECTIVE_STOP, cause, "supervisor")
+                self._stop(Mode.PROTECTIVE_STOP, *cause)
             elif self.mode is Mode.PROTECTIVE_STOP:
                 self.mode, self.reason, self.source = Mode.RUN, "", ""
 
-    def _protective_cause(self) -> str:
+    def _protective_cause(self) -> tuple[str, str] | None:
+        """Return (reason, source) of what keeps the robot from being commanded, if anything does."""
+        if self._requested is not None:
+            source, reason = self._requested
+            return reason, source
         if self._accepted_cycle is not None and self._cycle - self._accepted_cycle > self._decision_timeout:
-            return f"decision silent for more than {DECISION_TIMEOUT * 1000:.0f} ms"
+            return f"decision silent for more than {DECISION_TIMEOUT * 1000:.0f} ms", "supervisor"
         if self._unsolved_cycles > self._no_solution_timeout:
-            return f"inverse kinematics without a solution for more than {NO_SOLUTION_TIMEOUT * 1000:.0f} ms"
-        return ""
+            silence = f"{NO_SOLUTION_TIMEOUT * 1000:.0f} ms"
+            return f"inverse kinematics without a solution for more than {silence}", "supervisor"
+        return None
 
     def _stop(self, mode: Mode, reason: str, source: str) -> None:
         if mode is self.mode or self.mode is Mode.DAMP:

@@ -119,14 +119,6 @@ class WholeBodyConfig:
 
 
 @dataclass(frozen=True, kw_only=True)
-class ReachConfig:
-    """Where to stand to reach something, and what is within reach."""
-
-    forward: float = param(0.30, unit="m", doc="Target ahead of the middle between the feet.")
-    sideways: float = param(0.12, unit="m", doc="Target to the side of the hand that reaches.")
-
-
-@dataclass(frozen=True, kw_only=True)
 class FallConfig:
     """When the robot counts as falling: drives are damped then."""
 
@@ -155,7 +147,7 @@ class RobotConfig:
     soft_limit_margin: float = param(0.02, minimum=0, unit="rad", doc="Soft limits lie this far inside the model's.")
     gait: GaitConfig = param(GaitConfig(), doc="Walking.")
     whole_body: WholeBodyConfig = param(WholeBodyConfig(), doc="Whole-body control.")
-    reach: ReachConfig = param(ReachConfig(), doc="Reaching.")
+    reach_distance: float = param(0.33, above=0, unit="m", doc="Where to stand to reach: the target this far ahead.")
     fall: FallConfig = param(FallConfig(), doc="Falling.")
     path: Path = field(default=Path(), compare=False)
 

@@ -1,0 +1,75 @@
+"""Lockstep mode: all loops in one process on the simulation clock, in a fixed order.
+
+At a cycle in which several are due: perception, then decision, then control and plant. The same robot, scene, seed
+and commands give the same states, bit for bit.
+"""
+
+from __future__ import annotations
+
+import functools
+from pathlib import Path
+
+from humanoid_bt.clock import DECISION_PERIOD, PERCEPTION_PERIOD, CycleClock, cycles
+from humanoid_bt.control.controller import Controller
+from humanoid_bt.control.inverse_kinematics import standing_posture
+from humanoid_bt.messages import Array, Command, Percept, State
+from humanoid_bt.plant.mujoco_plant import MujocoPlant
+from humanoid_bt.plant.perception import SimulatedPerception
+from humanoid_bt.plant.robot_config import load_robot_config
+from humanoid_bt.plant.robot_model import RobotModel
+from humanoid_bt.plant.scene import Scene
+
+
+@functools.lru_cache(maxsize=4)
+def load_robot(path: Path) -> tuple[RobotModel, Array]:
+    """Return a robot and the configuration it starts in, shape (7 + nj,).
+
+    Raises:
+        UserError: ``robot.yaml`` or the model is not valid.
+    """
+    robot = RobotModel(load_robot_config(path))
+    return robot, standing_posture(robot)
+
+
+class Lockstep:
+    """A robot in a scene with control and perception, advanced one decision period at a time.
+
+    Args:
+        robot: the robot.
+        start: configuration to start in, shape (7 + nj,).
+        scene: what surrounds it.
+        seed: of the perception's noise.
+
+    Attributes:
+        plant, controller, perception: the parts.
+        clock: the engine's clock.
+    """
+
+    def __init__(self, robot: RobotModel, start: Array, scene: Scene, seed: int) -> None:
+        self.robot, self.scene = robot, scene
+        self.clock = CycleClock()
+        self.plant = MujocoPlant(robot, scene)
+        self.plant.place(start)
+        self.controller = Controller(robot, self.plant)
+        self.perception = SimulatedPerception(scene, seed)
+        self._percepts: dict[str, Percept] = {}
+        self._decision = cycles(DECISION_PERIOD)
+        self._perceive = cycles(PERCEPTION_PERIOD)
+
+    def sense(self) -> tuple[State, dict[str, Percept]]:
+        """Return the state and the latest percepts, for one tick of decision."""
+        self.plant.move_objects()
+        state = self.controller.state()
+        if self.clock.due(self._perceive):
+            for percept in self.perception.observe(state):
+                self._percepts[percept.name] = percept
+        return state, dict(self._percepts)
+
+    def advance(self, command: Command | None) -> None:
+        """Give a command to control (None: decision is silent) and run one decision period of servo cycles."""
+        if command is not None:
+            self.controller.submit(command)
+        for _ in range(self._decision):
+            self.controller.run_cycle()
+            self.clock.advance()
+        self.plant.note_external_force()

@@ -1,0 +1,100 @@
+"""The report of a run."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict, dataclass, field
+from enum import IntEnum
+from pathlib import Path
+from typing import Any
+
+from humanoid_bt.errors import UserError
+
+
+class ExitCode(IntEnum):
+    """Exit codes of the command line."""
+
+    SUCCESS = 0
+    FAILURE = 1
+    USAGE = 2
+    STOPPED = 3
+    ERROR = 4
+    INTERRUPTED = 130
+
+
+OUTCOMES: dict[str, ExitCode] = {
+    "success": ExitCode.SUCCESS,
+    "failure": ExitCode.FAILURE,
+    "unfinished": ExitCode.FAILURE,
+    "stopped": ExitCode.STOPPED,
+    "error": ExitCode.ERROR,
+    "interrupted": ExitCode.INTERRUPTED,
+}
+"""Outcome of a run -> exit code."""
+
+
+@dataclass(frozen=True)
+class Report:
+    """What happened in a run.
+
+    Attributes:
+        tree, robot, scene, seed, parameters: what was run.
+        outcome: of :data:`OUTCOMES`.
+        reason: why, in words.
+        sim_time: simulated time [s].
+        wall_time: time taken [s].
+        real_time_factor: simulated over taken time.
+        trace_hash: SHA-256 over all states, commands and node changes.
+        timeline: every change of a node's status: time [s], path, status, feedback.
+        hand_error: distance of the hand that was commanded last to the object it went for, at the end [m].
+        fell: whether the robot fell.
+        stops: every stop the supervisor ordered.
+        external_force_max: largest external force or torque on any body [N, Nm].
+        recording: path of the recording.
+    """
+
+    tree: str
+    robot: str
+    scene: str
+    seed: int
+    parameters: dict[str, Any]
+    outcome: str
+    reason: str
+    sim_time: float
+    wall_time: float
+    trace_hash: str
+    timeline: list[dict[str, Any]]
+    hand_error: float | None
+    fell: bool
+    stops: list[dict[str, Any]]
+    external_force_max: float
+    recording: str | None
+    versions: dict[str, str] = field(default_factory=dict)
+
+    @property
+    def exit_code(self) -> ExitCode:
+        """The exit code that tells this outcome."""
+        return OUTCOMES[self.outcome]
+
+    @property
+    def real_time_factor(self) -> float:
+        """Simulated over taken time."""
+        return self.sim_time / self.wall_time if self.wall_time > 0 else 0.0
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return everything as plain data for JSON."""
+        values = asdict(self)
+        values["exit_code"] = int(self.exit_code)
+        values["real_time_factor"] = self.real_time_factor
+        return values
+
+    def write(self, path: Path) -> None:
+        """Write the report as JSON.
+
+        Raises:
+            UserError: the file cannot be written.
+        """
+        try:
+            path.write_text(json.dumps(self.to_dict(), indent=2) + "\n", encoding="utf-8")
+        except OSError as error:
+            raise UserError(f"the report cannot be written to {str(path)!r}: {error.strerror}") from error

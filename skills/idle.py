@@ -1,0 +1,38 @@
+"""Stand and look alive."""
+
+import math
+
+import numpy as np
+
+from humanoid_bt.params import param
+from humanoid_bt.skill import Skill, Status
+
+
+class Idle(Skill):
+    """Stand, breathe, and look around ever wider; never ends by itself."""
+
+    resources = ("gaze", "posture")
+
+    look_around: bool = param(True, doc="Sweep the view from side to side.")
+    sweep_period: float = param(9.0, unit="s", above=0, doc="Time of a sweep from side to side and back.")
+    breath: float = param(0.005, unit="m", minimum=0, maximum=0.03, doc="Rise and fall of the body.")
+    breath_period: float = param(4.0, unit="s", above=0, doc="Time of a breath.")
+
+    def initialise(self) -> None:
+        """Begin with a glance ahead."""
+        self._since = self.robot.clock.now()
+
+    def update(self) -> Status:
+        """Breathe and sweep the view."""
+        elapsed = self.robot.clock.now() - self._since
+        self.robot.set_height(-self.breath * (1 - math.cos(2 * math.pi * elapsed / self.breath_period)) / 2)
+        if not self.look_around:
+            return self.running("standing")
+        widest = self.robot.config.whole_body.gaze_yaw
+        amplitude = min(widest, 0.4 + 0.25 * elapsed)
+        yaw = amplitude * math.sin(2 * math.pi * elapsed / self.sweep_period)
+        x, y, heading = self.robot.state.stance
+        eyes = self.robot.state.gaze_position[2]
+        ahead = np.array([math.cos(heading + yaw), math.sin(heading + yaw)])
+        self.robot.look_at([x + 2 * ahead[0], y + 2 * ahead[1], eyes - 0.4])
+        return self.running("looking around")
