@@ -1,0 +1,153 @@
+"""Scene files: where the robot starts, what stands around it, what perception sees of it, and what happens when."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Literal
+
+from humanoid_bt import document
+from humanoid_bt.document import Item
+from humanoid_bt.errors import Problem, UserError, nearest
+from humanoid_bt.params import param, read
+
+Shape = Literal["ball", "box", "cylinder"]
+Color = Literal["red", "orange", "yellow", "green", "blue", "purple", "white", "grey", "black"]
+
+_SIZES: dict[Shape, str] = {"ball": "[diameter]", "box": "[length, width, height]", "cylinder": "[diameter, height]"}
+
+
+@dataclass(frozen=True, kw_only=True)
+class StartConfig:
+    """Where the robot stands at the beginning."""
+
+    position: tuple[float, float] = param((0.0, 0.0), unit="m", doc="Middle between its feet, x y in the world.")
+    heading: float = param(0.0, unit="rad", doc="Where it faces; 0 is the world's x, left is positive.")
+
+
+@dataclass(frozen=True, kw_only=True)
+class RandomPlaceConfig:
+    """A place drawn from the seed, each number between a low and a high end."""
+
+    distance: tuple[float, float] = param(minimum=0, unit="m", doc="Horizontal distance from the robot's start.")
+    bearing: tuple[float, float] = param(unit="rad", doc="Direction from the robot's start heading, left positive.")
+    height: tuple[float, float] = param(unit="m", doc="Above the floor.")
+
+
+@dataclass(frozen=True, kw_only=True)
+class ObjectConfig:
+    """A thing in the scene; it has either a position or a random one."""
+
+    shape: Shape = param(doc="Its shape.")
+    size: list[float] = param(
+        above=0, unit="m", doc="Full lengths: diameter | length, width, height | diameter, height."
+    )
+    color: Color = param("orange", doc="Its colour.")
+    position: tuple[float, float, float] | None = param(None, unit="m", doc="Its centre in the world, x y z.")
+    random: RandomPlaceConfig | None = param(None, doc="Draws its centre from the seed.")
+    stand: bool = param(False, doc="A thin pole with a flat base stands under it; both can be bumped into.")
+    solid: bool = param(False, doc="Hands and feet bump into it; if false it is a marker that a hand may enter.")
+
+
+@dataclass(frozen=True, kw_only=True)
+class PerceptConfig:
+    """What simulated perception makes of one object, 10 times a second."""
+
+    object: str = param(doc="The object that is seen.")
+    noise: float = param(0.003, minimum=0, unit="m", doc="Standard deviation of each coordinate at 0 m.")
+    noise_per_meter: float = param(0.004, minimum=0, doc="Growth of that deviation with distance [m/m].")
+    range: float = param(4.0, above=0, unit="m", doc="Farther away it is not seen.")
+    field_of_view: float = param(1.745, above=0, maximum=6.2832, unit="rad", doc="Full horizontal angle (100 deg).")
+    vertical_field_of_view: float = param(1.396, above=0, maximum=3.1416, unit="rad", doc="Full angle (80 deg).")
+    drop_out: float = param(0.02, minimum=0, maximum=1, doc="Probability that an observation publishes nothing.")
+
+
+@dataclass(frozen=True, kw_only=True)
+class EventConfig:
+    """Something that happens at a time: exactly one of hide, show and move."""
+
+    at: float = param(minimum=0, unit="s", doc="When, on the engine's clock.")
+    hide: str | None = param(None, doc="The object that perception no longer sees; it stays where it is.")
+    show: str | None = param(None, doc="The object that perception sees again.")
+    move: str | None = param(None, doc="The object that moves; its stand stays.")
+    to: tuple[float, float, float] | None = param(None, unit="m", doc="Where its centre moves, in the world.")
+    over: float = param(0.0, minimum=0, unit="s", doc="How long the move takes; 0 is a jump.")
+
+    @property
+    def object(self) -> str:
+        """The object it happens to."""
+        return self.hide or self.show or self.move or ""
+
+
+@dataclass(frozen=True, kw_only=True)
+class SceneConfig:
+    """A scene. Angles [rad], lengths [m], times [s], world frame, from ``sim/scenes/*.yaml``."""
+
+    format: int = param(doc="Version of this file's form: 1.", minimum=1, maximum=1)
+    name: str = param(doc="The scene's name.")
+    description: str = param("", doc="One line for people.")
+    robot: StartConfig = param(StartConfig(), doc="Where the robot starts.")
+    objects: dict[str, ObjectConfig] = param({}, doc="What stands in the scene, by name.")
+    percepts: dict[str, PerceptConfig] = param({}, doc="What perception publishes, by the name that trees use.")
+    events: list[EventConfig] = param([], doc="What happens when.")
+    path: Path = field(default=Path(), compare=False)
+
+
+def load_scene(path: Path) -> SceneConfig:
+    """Read a scene file.
+
+    Raises:
+        UserError: with every problem found, each with its place.
+    """
+    item = document.load(path)
+    config: SceneConfig = read(SceneConfig, item, "the scene")
+    problems = [*_object_problems(config, item), *_percept_problems(config, item), *_event_problems(config, item)]
+    if problems:
+        raise UserError(problems)
+    return dataclasses.replace(config, path=path)
+
+
+def _object_problems(config: SceneConfig, item: Item) -> Iterator[Problem]:
+    for name, thing in config.objects.items():
+        written = item.value["objects"].value[name]
+        if (thing.position is None) == (thing.random is None):
+            both = "both a position and a random one" if thing.position is not None else "no position"
+            hint = "give it either position: [x, y, z] or random: {distance: ..., bearing: ..., height: ...}"
+            yield Problem(f"the object {name!r} has {both}", written.place, hint)
+        wanted = _SIZES[thing.shape]
+        if len(thing.size) != wanted.count(",") + 1:
+            yield Problem(f"a {thing.shape}'s size is {wanted}", written.value["size"].place, "full lengths [m]")
+        for what, (low, high) in dataclasses.asdict(thing.random).items() if thing.random else ():
+            if low > high:
+                place = written.value["random"].value[what].place
+                yield Problem(f"{what!r} runs from {low:g} down to {high:g}", place, "give the low end first")
+
+
+def _percept_problems(config: SceneConfig, item: Item) -> Iterator[Problem]:
+    for name, percept in config.percepts.items():
+        if percept.object not in config.objects:
+            yield _no_object(percept.object, config, item.value["percepts"].value[name].value["object"])
+
+
+def _event_problems(config: SceneConfig, item: Item) -> Iterator[Problem]:
+    for index, event in enumerate(config.events):
+        written = item.value["events"].value[index]
+        actions = [key for key in ("hide", "show", "move") if getattr(event, key) is not None]
+        if len(actions) != 1:
+            found = " and ".join(actions) or "none of them"
+            yield Problem(f"an event is one of hide, show and move, not {found}", written.place)
+        for key in actions:
+            if getattr(event, key) not in config.objects:
+                yield _no_object(getattr(event, key), config, written.value[key])
+        if "move" in actions and event.to is None:
+            yield Problem("a move needs where it goes", written.place, "to: [x, y, z]  # m, in the world")
+        for key in ("to", "over"):
+            if "move" not in actions and key in written.value:
+                yield Problem(f"{key!r} belongs to a move", written.key_places[key])
+
+
+def _no_object(name: str, config: SceneConfig, item: Item) -> Problem:
+    hint = nearest(name, config.objects) or "this scene has no objects"
+    return Problem(f"there is no object {name!r} in this scene", item.place, hint)

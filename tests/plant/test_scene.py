@@ -1,0 +1,210 @@
+"""Scenes: what is where at which time, and what a mistake in a scene file is answered with."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import pytest
+
+from humanoid_bt.errors import UserError
+from humanoid_bt.plant.scene import Scene, load_scene
+
+SCENES = Path(__file__).resolve().parents[2] / "sim" / "scenes"
+
+BALL = "shape: ball, size: [8 cm]"
+
+
+def scene(folder: Path, body: str, seed: int = 0) -> Scene:
+    return Scene(load_scene(write(folder, body)), seed)
+
+
+def write(folder: Path, body: str) -> Path:
+    path = folder / "scene.yaml"
+    path.write_text("format: 1\nname: scene\n" + body)
+    return path
+
+
+def problems(folder: Path, body: str) -> str:
+    with pytest.raises(UserError) as error:
+        load_scene(write(folder, body))
+    return str(error.value)
+
+
+@pytest.mark.parametrize("path", sorted(SCENES.glob("*.yaml")), ids=lambda path: path.stem)
+def test_every_scene_of_the_project_can_be_simulated(path: Path) -> None:
+    config = load_scene(path)
+    assert config.name == path.stem
+    assert config.path == path
+    spec = mujoco.MjSpec()
+    Scene(config, 1).add_to(spec)
+    model = spec.compile()
+    data = mujoco.MjData(model)
+    mujoco.mj_step(model, data)
+    assert model.geom("floor").contype[0] == 1
+    assert data.ncon == 0
+
+
+def test_the_same_seed_gives_the_same_scene_and_another_seed_another() -> None:
+    config = load_scene(SCENES / "random_target.yaml")
+    first, again, other = (Scene(config, seed).object_position("ball", 0) for seed in (3, 3, 4))
+    np.testing.assert_array_equal(first, again)
+    assert np.linalg.norm(first - other) > 0.01
+
+
+def test_random_places_lie_within_their_bounds_around_the_start(tmp_path: Path) -> None:
+    text = f"""
+robot: {{position: [2, 1], heading: 90 deg}}
+objects:
+  ball: {{{BALL}, random: {{distance: [1, 3], bearing: [-30 deg, 0 deg], height: [60 cm, 1]}}}}
+"""
+    config = load_scene(write(tmp_path, text))
+    places = np.array([Scene(config, seed).object_position("ball", 0) for seed in range(200)])
+    offset = places[:, :2] - [2, 1]
+    distance, bearing = np.hypot(*offset.T), np.arctan2(offset[:, 1], offset[:, 0]) - math.pi / 2
+    for values, low, high in ((distance, 1, 3), (bearing, -math.pi / 6, 0), (places[:, 2], 0.6, 1)):
+        assert (values >= low - 1e-9).all()
+        assert (values <= high + 1e-9).all()
+        assert np.ptp(values) > 0.8 * (high - low)
+
+
+def test_another_object_does_not_move_the_first(tmp_path: Path) -> None:
+    place = "random: {distance: [1, 3], bearing: [-1, 1], height: [0, 1]}"
+    one = scene(tmp_path, f"objects:\n  ball: {{{BALL}, {place}}}\n")
+    two = scene(tmp_path, f"objects:\n  another: {{{BALL}, {place}}}\n  ball: {{{BALL}, {place}}}\n")
+    np.testing.assert_array_equal(one.object_position("ball", 0), two.object_position("ball", 0))
+    assert np.linalg.norm(two.object_position("another", 0) - two.object_position("ball", 0)) > 0.01
+
+
+def test_objects_move_in_a_straight_line_and_a_later_move_takes_over(tmp_path: Path) -> None:
+    moving = scene(
+        tmp_path,
+        f"""
+objects: {{ball: {{{BALL}, position: [0, 0, 1]}}}}
+events:
+  - {{at: 5, move: ball, to: [1, 9, 1]}}
+  - {{at: 1 s, move: ball, to: [4, 0, 1], over: 4 s}}
+  - {{at: 3 s, move: ball, to: [2, 0, 2], over: 1000 ms}}
+""",
+    )
+    expected: dict[float, list[float]]
+    expected = {0: [0, 0, 1], 1: [0, 0, 1], 2: [1, 0, 1], 3: [2, 0, 1], 3.5: [2, 0, 1.5], 4.5: [2, 0, 2], 5: [1, 9, 1]}
+    for time, position in expected.items():
+        np.testing.assert_allclose(moving.object_position("ball", time), position, err_msg=f"at {time} s")
+
+
+def test_a_position_that_is_given_out_belongs_to_the_caller(tmp_path: Path) -> None:
+    still = scene(tmp_path, f"objects: {{ball: {{{BALL}, position: [0, 0, 1]}}}}\n")
+    still.object_position("ball", 0)[:] = 7
+    np.testing.assert_array_equal(still.object_position("ball", 0), [0, 0, 1])
+
+
+def test_the_demo_hides_its_ball_for_three_seconds() -> None:
+    demo = Scene(load_scene(SCENES / "ball_on_stand.yaml"), 0)
+    hidden = {time: demo.hidden("ball", time) for time in (0, 3.999, 4, 6.999, 7, 100)}
+    assert hidden == {0: False, 3.999: False, 4: True, 6.999: True, 7: False, 100: False}
+    assert demo.events(0, 100) == [(4.0, "ball hidden"), (7.0, "ball shown")]
+
+
+def test_every_event_is_reported_once_by_consecutive_calls(tmp_path: Path) -> None:
+    busy = scene(
+        tmp_path,
+        f"""
+objects: {{ball: {{{BALL}, position: [0, 0, 1]}}}}
+events: [{{at: 0, hide: ball}}, {{at: 2, move: ball, to: [1, 2, 0.5], over: 3}}]
+""",
+    )
+    told = [event for time in range(4) for event in busy.events(time, time + 1)]
+    assert told == [(0.0, "ball hidden"), (2.0, "ball moves to (1, 2, 0.5) over 3 s")]
+
+
+def test_the_start_pose_is_the_files(tmp_path: Path) -> None:
+    assert scene(tmp_path, "robot: {position: [1, -2], heading: 180 deg}").start_pose == (1, -2, math.pi)
+    assert scene(tmp_path, "").start_pose == (0, 0, 0)
+
+
+def contacts_of_a_probe(target: Scene, position: list[float]) -> int:
+    spec = mujoco.MjSpec()
+    target.add_to(spec)
+    probe = spec.worldbody.add_body(name="probe", pos=position)
+    probe.add_freejoint()
+    probe.add_geom(type=mujoco.mjtGeom.mjGEOM_SPHERE, size=[0.02, 0, 0], contype=1, conaffinity=1)
+    model = spec.compile()
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    return int(data.ncon)
+
+
+@pytest.mark.parametrize(("solid", "expected"), [("true", True), ("false", False)])
+@pytest.mark.parametrize("shape", [BALL, "shape: box, size: [0.1, 0.1, 0.1]", "shape: cylinder, size: [0.1, 0.1]"])
+def test_only_a_solid_object_is_bumped_into(tmp_path: Path, shape: str, solid: str, expected: bool) -> None:
+    target = scene(tmp_path, f"objects: {{thing: {{{shape}, position: [1, 0, 0.8], solid: {solid}}}}}\n")
+    assert bool(contacts_of_a_probe(target, [1, 0, 0.83])) == expected
+    assert not contacts_of_a_probe(target, [1, 0, 0.9])
+
+
+def test_a_stand_is_solid_but_leaves_a_hand_room_below_a_marker(tmp_path: Path) -> None:
+    target = scene(tmp_path, f"objects: {{ball: {{{BALL}, position: [1, 0, 0.8], stand: true}}}}\n")
+    assert contacts_of_a_probe(target, [1, 0, 0.5])
+    assert contacts_of_a_probe(target, [1.08, 0, 0.025])
+    assert not contacts_of_a_probe(target, [1, 0, 0.7])
+    low = scene(tmp_path, f"objects: {{ball: {{{BALL}, position: [1, 0, 0.04], stand: true}}}}\n")
+    low.add_to(spec := mujoco.MjSpec())
+    spec.compile()
+
+
+def test_an_object_moves_with_its_body_and_its_stand_stays(tmp_path: Path) -> None:
+    target = scene(tmp_path, f"objects: {{ball: {{{BALL}, position: [1, 0, 0.8], stand: true}}}}\n")
+    target.add_to(spec := mujoco.MjSpec())
+    model = spec.compile()
+    data = mujoco.MjData(model)
+    model.body("object_ball").pos[:] = [2, 1, 1]
+    mujoco.mj_step(model, data)
+    np.testing.assert_allclose(data.geom("object_ball").xpos, [2, 1, 1])
+    np.testing.assert_allclose(data.body("stand_ball").xpos, [1, 0, 0])
+
+
+@pytest.mark.parametrize(
+    ("body", "place", "message"),
+    [
+        ("objects: {ball: {shape: ball, size: [0.1]}}", "3:17", "'ball' has no position"),
+        (f"objects: {{ball: {{{BALL}, position: [0, 0, 1], random: {{distance: [1, 2], bearing: [0, 1], "
+         "height: [0, 1]}}}", "3:17", "both a position and a random one"),
+        ("objects: {ball: {shape: bal, size: [0.1], position: [0, 0, 1]}}", "3:25", "did you mean 'ball'"),
+        ("objects: {ball: {shape: box, size: [0.1], position: [0, 0, 1]}}", "3:36", "[length, width, height]"),
+        (f"objects: {{ball: {{{BALL}, random: {{distance: [3, 1], bearing: [0, 1], height: [0, 1]}}}}}}",
+         "3:64", "from 3 down to 1"),
+        (f"objects: {{ball: {{{BALL}, position: [0, 0, 1]}}}}\npercepts: {{target: {{object: bal}}}}",
+         "4:29", "did you mean 'ball'"),
+        (f"objects: {{ball: {{{BALL}, position: [0, 0, 1]}}}}\nevents:\n  - {{at: 1, hide: bll}}",
+         "5:19", "did you mean 'ball'"),
+        (f"objects: {{ball: {{{BALL}, position: [0, 0, 1]}}}}\nevents:\n  - {{at: 1, hide: ball, show: ball}}",
+         "5:5", "not hide and show"),
+        ("events:\n  - {at: 1}", "4:5", "not none of them"),
+        (f"objects: {{ball: {{{BALL}, position: [0, 0, 1]}}}}\nevents:\n  - {{at: 1, move: ball}}",
+         "5:5", "to: [x, y, z]"),
+        (f"objects: {{ball: {{{BALL}, position: [0, 0, 1]}}}}\nevents:\n  - {{at: 1, hide: ball, over: 2}}",
+         "5:25", "'over' belongs to a move"),
+        ("percepts: {target: {object: ball}}", "3:29", "this scene has no objects"),
+        ("robot: {heading: 10 m}", "3:18", "valid: rad, deg"),
+        ("object: {}", "3:1", "did you mean 'objects'"),
+    ],
+)  # fmt: skip
+def test_a_mistake_is_answered_with_its_place_and_the_fix(tmp_path: Path, body: str, place: str, message: str) -> None:
+    told = problems(tmp_path, body + "\n")
+    assert f"scene.yaml:{place}: " in told
+    assert message in told
+
+
+def test_all_mistakes_are_told_at_once(tmp_path: Path) -> None:
+    told = problems(tmp_path, "percepts: {a: {object: x}, b: {object: y}}\nevents: [{at: 1}]\n")
+    assert told.count("scene.yaml:") == 3
+
+
+def test_a_model_with_a_floor_of_its_own_is_refused(tmp_path: Path) -> None:
+    spec = mujoco.MjSpec()
+    spec.worldbody.add_geom(name="floor", type=mujoco.mjtGeom.mjGEOM_PLANE, size=[1, 1, 1])
+    with pytest.raises(UserError, match="already has a floor"):
+        scene(tmp_path, "").add_to(spec)
