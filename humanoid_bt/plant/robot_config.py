@@ -147,7 +147,7 @@ class RobotConfig:
     soft_limit_margin: float = param(0.02, minimum=0, unit="rad", doc="Soft limits lie this far inside the model's.")
     gait: GaitConfig = param(GaitConfig(), doc="Walking.")
     whole_body: WholeBodyConfig = param(WholeBodyConfig(), doc="Whole-body control.")
-    reach_distance: float = param(0.33, above=0, unit="m", doc="Where to stand to reach: the target this far ahead.")
+    reach_distance: float = param(0.40, above=0, unit="m", doc="Where to stand to reach: the target this far ahead.")
     fall: FallConfig = param(FallConfig(), doc="Falling.")
     path: Path = field(default=Path(), compare=False)
 
