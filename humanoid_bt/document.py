@@ -121,7 +121,8 @@ class _Loader(yaml.SafeLoader):
     def compose_node(self, parent: yaml.Node | None, index: int) -> yaml.Node | None:
         self.depth += 1
         if self.depth > MAX_DEPTH:
-            raise UserError(f"nested deeper than {MAX_DEPTH} levels", _place(self.file, self.peek_event().start_mark))
+            place = _place(self.file, parent.start_mark) if parent else Place(self.file)
+            raise UserError(f"nested deeper than {MAX_DEPTH} levels", place)
         node = super().compose_node(parent, index)
         self.depth -= 1
         return node
@@ -131,7 +132,7 @@ class _Reader:
     """Turns one document's nodes into items."""
 
     def __init__(self, text: str, name: str, problems: list[Problem]) -> None:
-        self.loader = _Loader(text, name)
+        self.loader: Any = _Loader(text, name)
         self.name = name
         self.problems = problems
         self.count = 0

@@ -103,7 +103,7 @@ def param(
     if default is _REQUIRED:
         return dataclasses.field(metadata={"param": declared})
     if isinstance(default, (list, dict)):
-        return dataclasses.field(default_factory=lambda: default.copy(), metadata={"param": declared})
+        return dataclasses.field(default_factory=default.copy, metadata={"param": declared})
     return dataclasses.field(default=default, metadata={"param": declared})
 
 
@@ -207,7 +207,7 @@ def read_values(
     return values, problems
 
 
-def _type_name(kind: Any) -> str:
+def _type_name(kind: Any) -> str:  # noqa: PLR0911 (a table of cases)
     origin, args = typing.get_origin(kind), typing.get_args(kind)
     if origin is typing.Literal:
         return " | ".join(str(arg) for arg in args)
@@ -245,7 +245,7 @@ def _article(noun: str) -> str:
     return ("an " if noun[0] in "aeiou" else "a ") + noun
 
 
-def _convert(kind: Any, item: Item, spec: Param) -> Any:
+def _convert(kind: Any, item: Item, spec: Param) -> Any:  # noqa: PLR0911 (a table of cases)
     origin, args = typing.get_origin(kind), typing.get_args(kind)
     if kind is Any:
         return item.plain()
@@ -329,7 +329,8 @@ def _convert_number(kind: Any, item: Item, spec: Param) -> float | int:
         bounds.append(f"<= {high:g}" if high is not None else "")
         wanted = " and ".join(bound for bound in bounds if bound)
         raise UserError(f"{spec.name!r} must be {wanted}, not {item.value!r}", item.place, spec.doc)
-    return kind(value)
+    number: float | int = kind(value)
+    return number
 
 
 def item_of(value: Any, place: Place) -> Item:

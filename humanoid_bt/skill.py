@@ -60,8 +60,9 @@ class Skill(py_trees.behaviour.Behaviour):
         self.path = self.name
         self.halt_reason = ""
 
-    def setup(self, *, robot: Robot, **_: Any) -> None:
-        """Take the robot; called once, before the first tick."""
+    def setup(self, **kwargs: Any) -> None:
+        """Take the robot (``robot``, a :class:`~humanoid_bt.robot.Robot`); called once, before the first tick."""
+        robot: Robot = kwargs["robot"]
         self.robot = robot.handle(self.path, self.resources)
 
     def stop(self, new_status: Status) -> None:

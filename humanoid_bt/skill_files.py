@@ -65,13 +65,20 @@ def load_skills(workspace: Workspace) -> dict[str, type[Behaviour]]:
 
 def class_place(cls: type) -> Place:
     """Return where a skill's class is written."""
-    module = sys.modules.get(cls.__module__)
-    file = relative(Path(getattr(module, "__file__", None) or "?"))
-    for number, line in enumerate(getattr(module, _SOURCE, "").splitlines(), 1):
+    path = class_file(cls)
+    file = relative(path) if path else cls.__module__
+    source = getattr(sys.modules.get(cls.__module__), _SOURCE, "")
+    for number, line in enumerate(source.splitlines(), 1):
         words = line.replace("(", " ").replace(":", " ").split()
         if words[:2] == ["class", cls.__name__]:
             return Place(file, number, line.index("class") + 1)
     return Place(file)
+
+
+def class_file(cls: type) -> Path | None:
+    """Return the file that a class is written in, None if it is not known."""
+    file = getattr(sys.modules.get(cls.__module__), "__file__", None)
+    return Path(file) if file else None
 
 
 def place_in_file(error: BaseException, file: Path) -> Place | None:
@@ -111,9 +118,8 @@ def _module(path: Path) -> ModuleType:
 def _behaviours(module: ModuleType) -> list[type[Behaviour]]:
     return [
         cls
-        for cls in vars(module).values()
-        if isinstance(cls, type)
-        and issubclass(cls, Behaviour)
+        for cls in dict.fromkeys(value for value in vars(module).values() if isinstance(value, type))
+        if issubclass(cls, Behaviour)
         and cls.__module__ == module.__name__
         and not inspect.isabstract(cls)
         and not cls.__name__.startswith("_")
