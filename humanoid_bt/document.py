@@ -1,6 +1,7 @@
 """YAML files with the place of every value, so that a mistake can be shown where it is.
 
-Only what ``yaml.safe_load`` would give: mappings, lists, strings, numbers, booleans and null.
+Only what ``yaml.safe_load`` would give: mappings with text keys, lists, text, numbers, booleans and null. A file
+cannot exhaust memory or the stack: its size after expanding aliases and its depth are bounded.
 """
 
 from __future__ import annotations
@@ -11,7 +12,17 @@ from typing import Any
 
 import yaml
 
-from humanoid_bt.errors import Place, UserError, relative
+from humanoid_bt.errors import Place, Problem, UserError, relative
+
+MAX_ITEMS = 100_000
+"""Most values in one file, aliases expanded."""
+
+MAX_DEPTH = 100
+"""Deepest nesting of mappings and lists in one file."""
+
+_TAG = "tag:yaml.org,2002:"
+_CONSTRUCTED = {_TAG + name for name in ("null", "bool", "int", "float")}
+_TEXT = {_TAG + name for name in ("str", "timestamp", "value", "merge")}  # a date or a lone "=" is text here
 
 
 @dataclass(frozen=True)
@@ -43,72 +54,162 @@ class Item:
         return names.get(type(self.value), "a number")
 
 
+def read_text(path: Path) -> str:
+    """Return a file's text.
+
+    Raises:
+        UserError: the file cannot be read or is not UTF-8.
+    """
+    try:
+        return path.read_text(encoding="utf-8")
+    except UnicodeDecodeError as error:
+        raise UserError("the file is not UTF-8 text", Place(relative(path))) from error
+    except OSError as error:
+        raise UserError(f"cannot be read: {error.strerror}", Place(relative(path))) from error
+
+
 def load(path: Path) -> Item:
     """Read a YAML file.
 
     Raises:
-        UserError: the file cannot be read, is no valid YAML, or has duplicate keys.
+        UserError: the file cannot be read, is no valid YAML, has duplicate keys, or is too large or too deep.
     """
-    name = relative(path)
-    try:
-        text = path.read_text(encoding="utf-8")
-    except UnicodeDecodeError as error:
-        raise UserError("the file is not UTF-8 text", Place(name)) from error
-    except OSError as error:
-        raise UserError(f"cannot be read: {error.strerror}", Place(name)) from error
-    return parse(text, name)
+    return parse(read_text(path), relative(path))
 
 
-def parse(text: str, name: str) -> Item:
+def parse(text: str, name: str, problems: list[Problem] | None = None) -> Item:
     """Parse YAML text; ``name`` stands in messages for the file.
+
+    Args:
+        text: the YAML text.
+        name: the file's name.
+        problems: takes the mistakes after which reading can go on (duplicate keys); raised if None.
 
     Raises:
         UserError: as :func:`load`.
     """
-    loader = yaml.SafeLoader(text)
+    found: list[Problem] = [] if problems is None else problems
     try:
-        node = loader.get_single_node()
-        if node is None:
-            raise UserError("the file is empty", Place(name, 1, 1))
-        return _item(loader, node, name, ())
+        item = _Reader(text, name, found).document()
+    except yaml.reader.ReaderError as error:
+        before = text[: error.position]
+        place = Place(name, before.count("\n") + 1, len(before) - before.rfind("\n"))
+        raise UserError(f"not valid YAML: the character {error.character!r} is not allowed", place) from error
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
-        place = Place(name, mark.line + 1, mark.column + 1) if mark else Place(name)
         what = " ".join(part for part in (error.context, error.problem) if part)
-        raise UserError(f"not valid YAML: {what}", place) from error
-    except yaml.YAMLError as error:
-        raise UserError(f"not valid YAML: {str(error).splitlines()[0]}", Place(name)) from error
+        raise UserError(f"not valid YAML: {what}", _place(name, mark) if mark else Place(name)) from error
     except RecursionError as error:
         raise UserError("nested too deeply", Place(name)) from error
-    finally:
-        loader.dispose()
+    if found and problems is None:
+        raise UserError(found)
+    return item
 
 
-def _item(loader: yaml.SafeLoader, node: yaml.Node, name: str, above: tuple[int, ...]) -> Item:
-    place = Place(name, node.start_mark.line + 1, node.start_mark.column + 1)
-    if id(node) in above:
-        raise UserError("an alias refers to a value that contains it", place)
-    if isinstance(node, yaml.ScalarNode):
+def _place(name: str, mark: yaml.Mark) -> Place:
+    return Place(name, mark.line + 1, mark.column + 1)
+
+
+class _Loader(yaml.SafeLoader):
+    """A safe loader that refuses deep nesting while composing, which recurses."""
+
+    def __init__(self, text: str, name: str) -> None:
+        super().__init__(text)
+        self.file = name
+        self.depth = 0
+
+    def compose_node(self, parent: yaml.Node | None, index: int) -> yaml.Node | None:
+        self.depth += 1
+        if self.depth > MAX_DEPTH:
+            place = _place(self.file, parent.start_mark) if parent else Place(self.file)
+            raise UserError(f"nested deeper than {MAX_DEPTH} levels", place)
+        node = super().compose_node(parent, index)
+        self.depth -= 1
+        return node
+
+
+class _Reader:
+    """Turns one document's nodes into items."""
+
+    def __init__(self, text: str, name: str, problems: list[Problem]) -> None:
+        self.loader: Any = _Loader(text, name)
+        self.name = name
+        self.problems = problems
+        self.count = 0
+        self.merged: dict[int, dict[str, tuple[Place, yaml.Node]]] = {}
+
+    def document(self) -> Item:
         try:
-            return Item(loader.construct_object(node), place)
-        except (ValueError, OverflowError) as error:
-            raise UserError(f"{node.value!r} is not a valid value: {error}", place) from error
-    above = (*above, id(node))
-    if isinstance(node, yaml.SequenceNode):
-        return Item([_item(loader, child, name, above) for child in node.value], place)
-    keys: dict[str, Place] = {}
-    for key_node, _ in node.value:
-        key_place = Place(name, key_node.start_mark.line + 1, key_node.start_mark.column + 1)
-        if not isinstance(key_node, yaml.ScalarNode):
-            raise UserError("a key must be text", key_place)
-        if key_node.value in keys:
-            raise UserError(
-                f"the key {key_node.value!r} stands twice in one mapping", key_place, f"first at {keys[key_node.value]}"
-            )
-        keys[key_node.value] = key_place
-    loader.flatten_mapping(node)  # merge keys (<<) come first, so a mapping's own keys win
-    values: dict[str, Item] = {}
-    for key_node, value_node in node.value:
-        values[key_node.value] = _item(loader, value_node, name, above)
-        keys.setdefault(key_node.value, place)
-    return Item(values, place, keys)
+            node = self.loader.get_single_node()
+            if node is None:
+                raise UserError("the file is empty", Place(self.name, 1, 1))
+            return self.item(node, ())
+        finally:
+            self.loader.dispose()
+
+    def item(self, node: yaml.Node, above: tuple[int, ...]) -> Item:
+        place = _place(self.name, node.start_mark)
+        self.count += 1
+        if self.count > MAX_ITEMS:
+            raise UserError(f"more than {MAX_ITEMS} values, aliases expanded", place)
+        if isinstance(node, yaml.ScalarNode):
+            return Item(self.scalar(node, place), place)
+        if id(node) in above:
+            raise UserError("an alias refers to a value that contains it", place)
+        above = (*above, id(node))
+        if len(above) > MAX_DEPTH:
+            raise UserError(f"nested deeper than {MAX_DEPTH} levels", place)
+        if isinstance(node, yaml.SequenceNode) and node.tag == _TAG + "seq":
+            return Item([self.item(child, above) for child in node.value], place)
+        if not isinstance(node, yaml.MappingNode) or node.tag != _TAG + "map":
+            raise self.unknown_tag(node, place)
+        pairs = self.pairs(node, ())
+        values = {key: self.item(value, above) for key, (_, value) in pairs.items()}
+        return Item(values, place, {key: key_place for key, (key_place, _) in pairs.items()})
+
+    def scalar(self, node: yaml.ScalarNode, place: Place) -> Any:
+        if node.tag in _TEXT:
+            return node.value
+        if node.tag not in _CONSTRUCTED:
+            raise self.unknown_tag(node, place)
+        try:
+            return self.loader.construct_object(node)
+        except (ValueError, LookupError, ArithmeticError, AttributeError, TypeError) as error:
+            kind = node.tag.removeprefix(_TAG)
+            raise UserError(f"{node.value[:40]!r} is not a valid {kind}", place) from error
+
+    def unknown_tag(self, node: yaml.Node, place: Place) -> UserError:
+        return UserError(f"the tag {node.tag.replace(_TAG, '!!')!r} is not supported", place, "write a plain value")
+
+    def pairs(self, node: yaml.MappingNode, above: tuple[int, ...]) -> dict[str, tuple[Place, yaml.Node]]:
+        """Return a mapping's keys with their places and values; its own keys win over merged ones (``<<``)."""
+        if id(node) in self.merged:
+            return self.merged[id(node)]
+        above = (*above, id(node))
+        own: dict[str, tuple[Place, yaml.Node]] = {}
+        inherited: dict[str, tuple[Place, yaml.Node]] = {}
+        for key_node, value_node in node.value:
+            place = _place(self.name, key_node.start_mark)
+            if not isinstance(key_node, yaml.ScalarNode):
+                raise UserError("a key must be text", place)
+            key = key_node.value
+            if key_node.tag == _TAG + "merge":
+                for source in self.sources(value_node, above):
+                    inherited = self.pairs(source, above) | inherited
+            elif key in own:
+                hint = f"first at {own[key][0]}"
+                self.problems.append(Problem(f"the key {key!r} stands twice in one mapping", place, hint))
+            else:
+                own[key] = (place, value_node)
+        self.merged[id(node)] = inherited | own
+        return self.merged[id(node)]
+
+    def sources(self, node: yaml.Node, above: tuple[int, ...]) -> list[yaml.MappingNode]:
+        nodes = node.value if isinstance(node, yaml.SequenceNode) else [node]
+        for source in nodes:
+            place = _place(self.name, source.start_mark)
+            if not isinstance(source, yaml.MappingNode):
+                raise UserError("only mappings can be merged with <<", place)
+            if id(source) in above:
+                raise UserError("an alias refers to a value that contains it", place)
+        return list(nodes)

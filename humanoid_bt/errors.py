@@ -56,7 +56,7 @@ class UserError(HumanoidBtError, ValueError):
         super().__init__("\n".join(str(p) for p in self.problems))
 
 
-class ResourceConflict(HumanoidBtError):
+class ResourceConflict(HumanoidBtError):  # noqa: N818 (the name says it)
     """Two living nodes commanded one resource in the same tick."""
 
 

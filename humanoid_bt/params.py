@@ -12,6 +12,7 @@ help texts and documentation come from that one declaration.
 
 from __future__ import annotations
 
+import copy
 import dataclasses
 import functools
 import math
@@ -40,6 +41,10 @@ _UNITS: dict[str, dict[str, float]] = {  # declared unit -> what may be written,
     "Nm": {"Nm": 1.0},
     "Hz": {"Hz": 1.0},
 }
+UNITS = tuple(_UNITS)
+"""SI units that a parameter can declare."""
+
+_EXPONENT = re.compile(r"^[-+]?(?:\d+\.?\d*|\.\d+)[eE][-+]?\d+$")  # YAML 1.1 reads 1e-3 as text
 _QUANTITY = re.compile(r"^\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([A-Za-z/]+)\s*$")
 
 
@@ -98,7 +103,7 @@ def param(
     if default is _REQUIRED:
         return dataclasses.field(metadata={"param": declared})
     if isinstance(default, (list, dict)):
-        return dataclasses.field(default_factory=lambda: default.copy(), metadata={"param": declared})
+        return dataclasses.field(default_factory=default.copy, metadata={"param": declared})
     return dataclasses.field(default=default, metadata={"param": declared})
 
 
@@ -131,6 +136,27 @@ def _params_of(cls: type) -> Mapping[str, Param]:
     return found
 
 
+def assign(target: Any, values: Mapping[str, Any]) -> None:
+    """Set an instance's declared parameters as attributes: the values given, defaults for the rest.
+
+    Raises:
+        TypeError: a required parameter is missing, or a value is for none that is declared.
+    """
+    declared, owner = params_of(type(target)), type(target).__name__
+    if unknown := [name for name in values if name not in declared]:
+        raise TypeError(f"{owner} has no parameter {', '.join(map(repr, unknown))}")
+    for name, spec in declared.items():
+        if name not in values and spec.required:
+            raise TypeError(f"{owner} needs the parameter {name!r}")
+        setattr(target, name, values[name] if name in values else copy.copy(spec.default))
+
+
+def base_unit(text: str) -> str | None:
+    """Return the SI unit of a written quantity ("45 cm" -> "m"), None if it is none."""
+    match = _QUANTITY.match(text)
+    return next((unit for unit, known in _UNITS.items() if match and match[2] in known), None)
+
+
 def read(cls: type, item: Item, what: str = "") -> Any:
     """Read a YAML mapping into a dataclass whose fields are declared with :func:`param`.
 
@@ -151,11 +177,16 @@ def read(cls: type, item: Item, what: str = "") -> Any:
 
 
 def read_values(
-    params: Mapping[str, Param], item: Item, what: str = "", also: frozenset[str] = frozenset()
+    params: Mapping[str, Param],
+    item: Item,
+    what: str = "",
+    also: frozenset[str] = frozenset(),
+    noun: str = "parameter",
 ) -> tuple[dict[str, Any], list[Problem]]:
     """Convert a mapping's items by their declarations; return the values and every problem.
 
-    Keys in ``also`` are left to the caller. Missing parameters with a default are not in the values.
+    Keys in ``also`` are left to the caller. Missing parameters with a default are not in the values. ``noun`` is
+    what a key is called in messages.
     """
     values: dict[str, Any] = {}
     problems: list[Problem] = []
@@ -168,18 +199,20 @@ def read_values(
                 problems += error.problems
         elif key not in also:
             hint = nearest(key, [*params, *also])
-            problems.append(Problem(f"unknown parameter {key!r}{of}", item.key_places.get(key), hint))
+            problems.append(Problem(f"unknown {noun} {key!r}{of}", item.key_places.get(key), hint))
     for name, spec in params.items():
         if spec.required and name not in item.value:
             hint = f"{name}: {spec.type_name}  # {spec.doc}"
-            problems.append(Problem(f"the parameter {name!r}{of} is missing", item.place, hint))
+            problems.append(Problem(f"the {noun} {name!r}{of} is missing", item.place, hint))
     return values, problems
 
 
-def _type_name(kind: Any) -> str:
+def _type_name(kind: Any) -> str:  # noqa: PLR0911 (a table of cases)
     origin, args = typing.get_origin(kind), typing.get_args(kind)
     if origin is typing.Literal:
         return " | ".join(str(arg) for arg in args)
+    if kind is Any:
+        return "anything"
     if origin in (typing.Union, types.UnionType):
         return " or ".join(_type_name(arg) for arg in args if arg is not type(None))
     if origin in (list, tuple):
@@ -197,10 +230,13 @@ def _type_name(kind: Any) -> str:
 
 
 def _wrong(item: Item, spec: Param, kind: Any) -> UserError:
-    shown = f" {item.value!r}" if not isinstance(item.value, (dict, list)) and item.value is not None else ""
-    return UserError(
-        f"{spec.name!r} must be {_article(_type_name(kind))}, not {item.kind}{shown}", item.place, spec.doc
-    )
+    return UserError(f"{spec.name!r} must be {_article(_type_name(kind))}, not {_shown(item)}", item.place, spec.doc)
+
+
+def _shown(item: Item) -> str:
+    if isinstance(item.value, (dict, list)) or item.value is None:
+        return item.kind
+    return f"{item.kind} {item.value!r}"
 
 
 def _article(noun: str) -> str:
@@ -209,16 +245,16 @@ def _article(noun: str) -> str:
     return ("an " if noun[0] in "aeiou" else "a ") + noun
 
 
-def _convert(kind: Any, item: Item, spec: Param) -> Any:
+def _convert(kind: Any, item: Item, spec: Param) -> Any:  # noqa: PLR0911 (a table of cases)
     origin, args = typing.get_origin(kind), typing.get_args(kind)
     if kind is Any:
         return item.plain()
     if origin in (typing.Union, types.UnionType):
         return _convert_union(args, item, spec)
     if origin is typing.Literal:
-        if item.value not in args:
+        if not any(type(item.value) is type(arg) and item.value == arg for arg in args):
             raise UserError(
-                f"{spec.name!r} cannot be {item.value!r}", item.place, nearest(str(item.value), [str(a) for a in args])
+                f"{spec.name!r} cannot be {_shown(item)}", item.place, nearest(str(item.value), [str(a) for a in args])
             )
         return item.value
     if origin in (list, tuple):
@@ -242,12 +278,19 @@ def _convert_union(args: tuple[Any, ...], item: Item, spec: Param) -> Any:
     if item.value is None and type(None) in args:
         return None
     kinds = [arg for arg in args if arg is not type(None)]
-    for kind in kinds[:-1]:
+    if len(kinds) == 1:
+        return _convert(kinds[0], item, spec)
+    for kind in kinds:
         try:
             return _convert(kind, item, spec)
         except UserError:
-            continue
-    return _convert(kinds[-1], item, spec)
+            if kind in (float, int) and _is_number(item.value):
+                raise  # it is out of bounds, which says more than what else it could be
+    raise _wrong(item, spec, spec.type)
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, (int, float)) and not isinstance(value, bool)
 
 
 def _convert_sequence(origin: Any, args: tuple[Any, ...], item: Item, spec: Param) -> Any:
@@ -267,10 +310,18 @@ def _convert_number(kind: Any, item: Item, spec: Param) -> float | int:
             valid = ", ".join(allowed) if allowed else "a plain number"
             raise UserError(f"{spec.name!r} has the unit {match[2]!r}", item.place, f"valid: {valid}")
         value = float(match[1]) * allowed[match[2]]
-    if isinstance(value, bool) or not isinstance(value, (int, float)) or (kind is int and value != int(value)):
+    elif isinstance(value, str) and _EXPONENT.match(value):
+        value = float(value)
+    if not _is_number(value):
         raise _wrong(item, spec, kind)
-    if not math.isfinite(value):
-        raise UserError(f"{spec.name!r} must be finite, not {value}", item.place)
+    try:
+        finite = math.isfinite(value)
+    except OverflowError:  # a whole number beyond what a float holds
+        finite = False
+    if not finite:
+        raise UserError(f"{spec.name!r} must be finite, not {str(value)[:20]}", item.place)
+    if kind is int and value != int(value):
+        raise _wrong(item, spec, kind)
     low, above, high = spec.minimum, spec.above, spec.maximum
     bad = (low is not None and value < low) or (above is not None and value <= above)
     if bad or (high is not None and value > high):
@@ -278,7 +329,8 @@ def _convert_number(kind: Any, item: Item, spec: Param) -> float | int:
         bounds.append(f"<= {high:g}" if high is not None else "")
         wanted = " and ".join(bound for bound in bounds if bound)
         raise UserError(f"{spec.name!r} must be {wanted}, not {item.value!r}", item.place, spec.doc)
-    return kind(value)
+    number: float | int = kind(value)
+    return number
 
 
 def item_of(value: Any, place: Place) -> Item:

@@ -22,7 +22,7 @@ from typing import Any, ClassVar
 import py_trees
 from py_trees.common import Status
 
-from humanoid_bt.params import PerceptName, params_of
+from humanoid_bt.params import PerceptName, assign
 from humanoid_bt.robot import Robot, RobotHandle
 
 __all__ = ["PerceptName", "Skill", "Status", "node_type_name"]
@@ -47,6 +47,8 @@ class Skill(py_trees.behaviour.Behaviour):
     Attributes:
         resources: what the skill may command (of :data:`~humanoid_bt.messages.RESOURCES`).
         robot: how it reads the robot's state and percepts and sets targets.
+        path: the node's path in its tree, set before ``setup``.
+        halt_reason: why it is being halted, set before ``terminate(INVALID)``: preempted, timed out, ...
     """
 
     resources: ClassVar[tuple[str, ...]] = ()
@@ -54,22 +56,21 @@ class Skill(py_trees.behaviour.Behaviour):
 
     def __init__(self, name: str = "", **values: Any) -> None:
         super().__init__(name or node_type_name(type(self)))
-        for key, spec in params_of(type(self)).items():
-            if key not in values and spec.required:
-                raise TypeError(f"{type(self).__name__} needs the parameter {key!r}")
-            setattr(self, key, values.pop(key) if key in values else spec.default)
-        if values:
-            raise TypeError(f"{type(self).__name__} has no parameter {', '.join(map(repr, values))}")
+        assign(self, values)
         self.path = self.name
+        self.halt_reason = ""
 
-    def setup(self, *, robot: Robot, **_: Any) -> None:
-        """Take the robot; called once, before the first tick."""
+    def setup(self, **kwargs: Any) -> None:
+        """Take the robot (``robot``, a :class:`~humanoid_bt.robot.Robot`); called once, before the first tick."""
+        robot: Robot = kwargs["robot"]
         self.robot = robot.handle(self.path, self.resources)
 
     def stop(self, new_status: Status) -> None:
         """End or halt the skill: ``terminate``, then give back what it commanded in this tick."""
-        super().stop(new_status)
-        self.robot.release()
+        try:
+            super().stop(new_status)
+        finally:
+            self.robot.release()
 
     def running(self, feedback: str) -> Status:
         """Return RUNNING with a word on what is happening."""

@@ -1,0 +1,77 @@
+"""Making a tree's nodes from their drafts."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from py_trees.behaviour import Behaviour
+
+from humanoid_bt.errors import Problem
+from humanoid_bt.skill_files import class_file, place_in_file
+from humanoid_bt.tree.read import Draft
+from humanoid_bt.tree.tree import Node
+
+
+def build(root: Draft, tree_name: str, problems: list[Problem]) -> tuple[Node, ...]:
+    """Return every node of a tree, parents before children.
+
+    Args:
+        root: the tree's root.
+        tree_name: the first part of every path.
+        problems: takes the mistakes that only show when a node is made; the nodes are incomplete then.
+    """
+    made: dict[int, Behaviour] = {}
+    if _make(root, made, problems) is None:
+        return ()
+    nodes: list[Node] = []
+    _collect(_Step(root, f"{tree_name}/{root.name}", -1, ""), made, nodes)
+    return tuple(nodes)
+
+
+def _make(draft: Draft, made: dict[int, Behaviour], problems: list[Problem]) -> Behaviour | None:
+    """Make a node and those below it; None if a mistake is in them, but then the others have been tried."""
+    children = [_make(child, made, problems) for child in draft.children]
+    branches = {key: _make(child, made, problems) for key, child in draft.branches.items()}
+    if not draft.sound or None in children or None in branches.values():
+        return None
+    try:
+        if draft.type.kind == "composite":
+            behaviour = draft.type.factory(draft.name, children, **draft.values)
+        elif draft.type.kind == "decorator":
+            behaviour = draft.type.factory(draft.name, children[0], **branches, **draft.values)
+        else:
+            behaviour = draft.type.factory(name=draft.name, **draft.values)
+    except Exception as error:  # a skill's constructor is the user's code
+        builtin = isinstance(error, ValueError) and draft.type.kind != "skill"
+        what = str(error) if builtin else f"{type(error).__name__}: {error}"
+        file = class_file(draft.type.cls)
+        place = place_in_file(error, file) if file and not builtin else None
+        hint = f"raised at {place}" if place else ""
+        problems.append(Problem(f"{draft.type.type_name!r} cannot be made: {what}", draft.place, hint))
+        return None
+    made[id(draft)] = behaviour
+    return behaviour
+
+
+@dataclass(frozen=True)
+class _Step:
+    draft: Draft
+    path: str
+    parent: int
+    branch: str
+
+
+def _collect(step: _Step, made: dict[int, Behaviour], nodes: list[Node]) -> None:
+    draft, path = step.draft, step.path
+    behaviour = made[id(draft)]
+    vars(behaviour)["path"] = path  # plain behaviours know their path too
+    index = len(nodes)
+    nodes.append(Node(path, draft.name, draft.type, draft.values, draft.place, behaviour, step.parent, step.branch))
+    taken: set[str] = set()
+    for key, child in draft.below():
+        below, count = f"{path}/{child.name}", 1
+        while below in taken:
+            count += 1
+            below = f"{path}/{child.name}#{count}"
+        taken.add(below)
+        _collect(_Step(child, below, index, key), made, nodes)

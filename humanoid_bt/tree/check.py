@@ -1,0 +1,57 @@
+"""Safety checks of a tree before it runs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from humanoid_bt.errors import Problem
+from humanoid_bt.tree.guards import EmergencyStop, Watchdog
+from humanoid_bt.tree.parallel import Parallel
+from humanoid_bt.tree.read import Draft
+
+
+def check_safety(root: Draft) -> list[Problem]:
+    """Return what is unsafe in a tree.
+
+    - a node that commands a resource outside an ``emergency_stop``;
+    - a percept used outside a ``watchdog`` on it (its ``on_stale`` is outside: the percept is stale there);
+    - children of a ``parallel`` that command the same resource.
+    """
+    return list(_check(root, False, frozenset()))
+
+
+def _check(draft: Draft, stoppable: bool, watched: frozenset[str]) -> Iterator[Problem]:
+    node_type = draft.type
+    name = node_type.type_name
+    if node_type.resources and not stoppable:
+        resources = ", ".join(node_type.resources)
+        yield Problem(f"{name!r} commands {resources} outside an emergency_stop", draft.place, "emergency_stop: {...}")
+    reads = node_type.percepts(draft.values)
+    if node_type.cls is not Watchdog:
+        for parameter, percepts in reads.items():
+            for percept in percepts:
+                if percept not in watched:
+                    place = draft.value_places.get(parameter, draft.place)
+                    hint = f"watchdog: {{percept: {percept}, max_age: 0.5, ...}}"
+                    yield Problem(f"{name!r} uses the percept {percept!r} outside a watchdog on it", place, hint)
+    if node_type.cls is Parallel:
+        yield from _overlaps(draft)
+    stoppable = stoppable or node_type.cls is EmergencyStop
+    for key, child in draft.below():
+        fresh = node_type.cls is Watchdog and not key
+        yield from _check(child, stoppable, watched | set(reads["percept"]) if fresh else watched)
+
+
+def _overlaps(parallel: Draft) -> Iterator[Problem]:
+    owners: dict[str, Draft] = {}
+    for child in parallel.children:
+        for resource in sorted(_resources(child)):
+            if resource in owners:
+                message = f"{owners[resource].name!r} and {child.name!r} run at once and both command {resource}"
+                yield Problem(message, child.place, f"the first is at {owners[resource].place}")
+            else:
+                owners[resource] = child
+
+
+def _resources(draft: Draft) -> set[str]:
+    return set(draft.type.resources).union(*(_resources(child) for _, child in draft.below()))

@@ -1,0 +1,98 @@
+"""Conditions on percepts, with hysteresis: a value that jitters about a threshold does not make the tree flap.
+
+A condition remembers that it held as long as it is checked tick after tick; a branch that was halted or preempted
+starts afresh, with the plain threshold.
+"""
+
+from __future__ import annotations
+
+import abc
+import math
+from typing import Any
+
+from py_trees.behaviour import Behaviour
+from py_trees.common import Status
+
+from humanoid_bt.params import PerceptName, assign, param
+from humanoid_bt.robot import Robot, Track
+from humanoid_bt.tree.ticking import FAILURE, INVALID, SUCCESS
+
+
+class PerceptCondition(Behaviour):
+    """Base of the conditions on one percept."""
+
+    percept: PerceptName = param(doc="The percept to look at.")
+
+    def __init__(self, name: str, **values: Any) -> None:
+        super().__init__(name)
+        assign(self, values)
+        self._held = False
+
+    @abc.abstractmethod
+    def holds(self, track: Track, held: bool) -> bool:
+        """Return whether the condition holds, and say why in the feedback; ``held`` is whether it did before."""
+
+    def setup(self, **kwargs: Any) -> None:
+        """Take ``robot``."""
+        self.robot: Robot = kwargs["robot"]
+
+    def initialise(self) -> None:
+        """Forget that it held if its branch was left."""
+        if self.status is INVALID:
+            self._held = False
+
+    def update(self) -> Status:
+        """Check the percept as it was at the start of the tick."""
+        track = self.robot.track(self.percept)
+        if track is None:
+            self.feedback_message = f"{self.percept!r} was never seen"
+            self._held = False
+        else:
+            self._held = self.holds(track, self._held)
+        return SUCCESS if self._held else FAILURE
+
+    def stop(self, new_status: Status) -> None:
+        """Take the status; there is nothing to end."""
+        self.status = new_status
+
+
+class Confident(PerceptCondition):
+    """Succeed while a percept's confidence is high enough."""
+
+    above: float = param(minimum=0, maximum=1, doc="Confidence from which it holds.")
+    hysteresis: float = param(0.1, minimum=0, maximum=1, doc="Once it holds, it does down to this much less.")
+
+    def __init__(self, name: str, **values: Any) -> None:
+        super().__init__(name, **values)
+        if 0 < self.above <= self.hysteresis:
+            raise ValueError(f"'hysteresis' ({self.hysteresis:g}) must be less than 'above' ({self.above:g})")
+
+    def holds(self, track: Track, held: bool) -> bool:
+        """Compare the confidence."""
+        limit = self.above - self.hysteresis if held else self.above
+        good = track.confidence >= limit
+        self.feedback_message = f"confidence {track.confidence:.2f} {'>=' if good else '<'} {limit:g}"
+        return good
+
+
+class Within(PerceptCondition):
+    """Succeed while a percept is near enough, and ahead if a bearing is given."""
+
+    distance: float = param(above=0, unit="m", doc="Horizontal distance up to which it holds.")
+    hysteresis: float = param(0.05, minimum=0, unit="m", doc="Once it holds, it does up to this much farther.")
+    bearing: float | None = param(None, above=0, maximum=math.pi, unit="rad", doc="Largest angle to either side.")
+    bearing_hysteresis: float = param(0.1, minimum=0, unit="rad", doc="Once it holds, it does this much farther.")
+
+    def holds(self, track: Track, held: bool) -> bool:
+        """Compare the distance, then the bearing."""
+        limit = self.distance + self.hysteresis if held else self.distance
+        if track.distance > limit:
+            self.feedback_message = f"distance {track.distance:.2f} m > {limit:g} m"
+            return False
+        if self.bearing is not None:
+            widest = self.bearing + self.bearing_hysteresis if held else self.bearing
+            if abs(track.bearing) > widest:
+                self.feedback_message = f"bearing {track.bearing:.2f} rad beyond {widest:g} rad"
+                return False
+        self.feedback_message = f"distance {track.distance:.2f} m <= {limit:g} m"
+        return True

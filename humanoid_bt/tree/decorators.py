@@ -1,0 +1,126 @@
+"""Decorators that change how one child runs: inverter, retry, repeat, timeout."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import py_trees
+from py_trees.behaviour import Behaviour
+from py_trees.common import Status
+
+from humanoid_bt.clock import Clock
+from humanoid_bt.params import assign, param
+from humanoid_bt.robot import Robot
+from humanoid_bt.tree.ticking import FAILURE, INVALID, RUNNING, SUCCESS, Branch, Seen, halt, tick
+
+TIME_TOLERANCE = 1e-9
+"""Times within this of a limit count as at the limit [s]: engine times are sums and differences of floats."""
+
+
+class Decorator(Branch, py_trees.decorators.Decorator):
+    """Base of the nodes with one child."""
+
+    def __init__(self, name: str, child: Behaviour, **values: Any) -> None:
+        super().__init__(name, child)
+        assign(self, values)
+
+
+class Inverter(Decorator):
+    """Turn success into failure and failure into success."""
+
+    def advance(self, seen: Seen) -> Status:
+        """Tick the child and swap its result."""
+        status = tick(self.decorated, seen)
+        if status is RUNNING:
+            return status
+        return FAILURE if status is SUCCESS else SUCCESS
+
+
+class Retry(Decorator):
+    """Try the child again when it fails, one attempt per tick."""
+
+    attempts: int = param(minimum=-1, doc="How many attempts at most; -1 for ever.")
+
+    def __init__(self, name: str, child: Behaviour, **values: Any) -> None:
+        super().__init__(name, child, **values)
+        _not_zero("attempts", self.attempts)
+        self._failures = 0
+
+    def initialise(self) -> None:
+        """Start to count."""
+        self._failures = 0
+
+    def advance(self, seen: Seen) -> Status:
+        """Tick the child; a failure is one attempt."""
+        status = tick(self.decorated, seen)
+        if status is SUCCESS:
+            self.feedback_message = f"succeeded in attempt {_of(self._failures + 1, self.attempts)}"
+        if status is not FAILURE:
+            return status
+        self._failures += 1
+        self.feedback_message = f"attempt {_of(self._failures, self.attempts)} failed"
+        return FAILURE if self._failures == self.attempts else RUNNING
+
+
+class Repeat(Decorator):
+    """Run the child again when it succeeds, one run per tick; fail when it fails."""
+
+    times: int = param(-1, minimum=-1, doc="How many successes; -1 for ever.")
+
+    def __init__(self, name: str, child: Behaviour, **values: Any) -> None:
+        super().__init__(name, child, **values)
+        _not_zero("times", self.times)
+        self._successes = 0
+
+    def initialise(self) -> None:
+        """Start to count."""
+        self._successes = 0
+
+    def advance(self, seen: Seen) -> Status:
+        """Tick the child; a success is one time."""
+        status = tick(self.decorated, seen)
+        if status is not SUCCESS:
+            return status
+        self._successes += 1
+        self.feedback_message = f"done {_of(self._successes, self.times)}"
+        return SUCCESS if self._successes == self.times else RUNNING
+
+
+class Timeout(Decorator):
+    """Halt the child and fail when it runs for too long."""
+
+    duration: float = param(above=0, unit="s", doc="How long the child may run.")
+
+    def __init__(self, name: str, child: Behaviour, **values: Any) -> None:
+        super().__init__(name, child, **values)
+        self._clock: Clock
+        self._started = 0.0
+
+    def setup(self, **kwargs: Any) -> None:
+        """Take the engine's clock, from ``robot``."""
+        robot: Robot = kwargs["robot"]
+        self._clock = robot.clock
+
+    def initialise(self) -> None:
+        """Start to measure."""
+        self._started = self._clock.now()
+        self.feedback_message = ""
+
+    def advance(self, seen: Seen) -> Status:
+        """Tick the child unless its time is up."""
+        elapsed = self._clock.now() - self._started
+        if elapsed < self.duration - TIME_TOLERANCE:
+            return tick(self.decorated, seen)
+        self.feedback_message = f"timed out after {elapsed:.2f} s (limit {self.duration:g} s)"
+        if self.decorated.status is not INVALID:
+            halt(self.decorated, f"timed out after {elapsed:.2f} s", seen)
+        return FAILURE
+
+
+def _not_zero(name: str, count: int) -> None:
+    if count == 0:
+        raise ValueError(f"{name!r} must be at least 1, or -1 for ever")
+
+
+def _of(count: int, limit: int) -> str:
+    return str(count) if limit == -1 else f"{count} of {limit}"

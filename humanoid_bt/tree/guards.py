@@ -1,0 +1,81 @@
+"""Decorators that keep the robot safe: they ask and explain; the supervisor below the tree enforces."""
+
+from __future__ import annotations
+
+from typing import Any, ClassVar
+
+from py_trees.behaviour import Behaviour
+from py_trees.common import Status
+
+from humanoid_bt.messages import Mode
+from humanoid_bt.params import PerceptName, param
+from humanoid_bt.robot import Robot
+from humanoid_bt.tree.decorators import TIME_TOLERANCE, Decorator
+from humanoid_bt.tree.ticking import FAILURE, INVALID, RUNNING, Seen, halt, tick
+
+
+class EmergencyStop(Decorator):
+    """Halt the child and fail while the robot is in an emergency stop; hold during a protective stop.
+
+    Skills that command the robot stand below one.
+    """
+
+    def setup(self, **kwargs: Any) -> None:
+        """Take ``robot``."""
+        self.robot: Robot = kwargs["robot"]
+
+    def advance(self, seen: Seen) -> Status:
+        """Tick the child if the robot may run."""
+        state = self.robot.state
+        if state.mode is Mode.RUN:
+            self.feedback_message = ""
+            return tick(self.decorated, seen)
+        held = state.mode is Mode.PROTECTIVE_STOP
+        what = {Mode.PROTECTIVE_STOP: "held", Mode.DAMP: "damped"}.get(state.mode, "emergency stop")
+        source = f" (from {state.stop_source})" if state.stop_source else ""
+        self.feedback_message = f"{what}: {state.stop_reason or 'no reason given'}{source}"
+        if self.decorated.status is not INVALID:
+            halt(self.decorated, self.feedback_message, seen)
+        return RUNNING if held else FAILURE
+
+
+class Watchdog(Decorator):
+    """Run the child only while a percept is fresh; run ``on_stale`` instead, or fail, while it is not."""
+
+    branches: ClassVar[dict[str, str]] = {"on_stale": "What runs while the percept is stale; without it, fail."}
+
+    percept: PerceptName = param(doc="The percept to watch.")
+    max_age: float = param(above=0, unit="s", doc="Older than this it is stale.")
+
+    def __init__(self, name: str, child: Behaviour, on_stale: Behaviour | None = None, **values: Any) -> None:
+        super().__init__(name, child, **values)
+        self.on_stale = on_stale
+        if on_stale is not None:
+            self.children.append(on_stale)
+            on_stale.parent = self
+
+    def setup(self, **kwargs: Any) -> None:
+        """Take ``robot``."""
+        self.robot: Robot = kwargs["robot"]
+
+    def advance(self, seen: Seen) -> Status:
+        """Tick the child or ``on_stale``, and halt the other."""
+        track = self.robot.track(self.percept)
+        if track is not None and track.age <= self.max_age + TIME_TOLERANCE:
+            self.feedback_message = ""
+            if self.on_stale is not None and self.on_stale.status is not INVALID:
+                halt(self.on_stale, f"{self.percept!r} is fresh again", seen)
+            return tick(self.decorated, seen)
+        if track is None:
+            self.feedback_message = f"{self.percept!r} was never seen"
+        else:
+            self.feedback_message = f"{self.percept!r} is {track.age:.2f} s old (limit {self.max_age:g} s)"
+        if self.decorated.status is not INVALID:
+            halt(self.decorated, self.feedback_message, seen)
+        return FAILURE if self.on_stale is None else tick(self.on_stale, seen)
+
+    def tip(self) -> Behaviour | None:
+        """Return the deepest node of the branch that was ticked last."""
+        if self.on_stale is not None and self.on_stale.status is not INVALID:
+            return self.on_stale.tip()
+        return super().tip()

@@ -1,0 +1,169 @@
+"""Node types: the built-in ones and the workspace's skills, each with what it says about itself.
+
+Reading, checking, help and documentation of trees all come from this one registry.
+"""
+
+from __future__ import annotations
+
+import inspect
+import types
+import typing
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+from py_trees.behaviour import Behaviour
+
+from humanoid_bt.errors import Place, Problem, UserError, nearest
+from humanoid_bt.params import Param, PerceptName, params_of
+from humanoid_bt.skill import node_type_name
+from humanoid_bt.skill_files import class_place, load_skills
+from humanoid_bt.tree.composites import Selector, Sequence
+from humanoid_bt.tree.conditions import Confident, Within
+from humanoid_bt.tree.decorators import Inverter, Repeat, Retry, Timeout
+from humanoid_bt.tree.guards import EmergencyStop, Watchdog
+from humanoid_bt.tree.parallel import Parallel
+from humanoid_bt.workspace import Workspace
+
+Kind = Literal["composite", "decorator", "condition", "skill"]
+
+BUILTIN: dict[Kind, tuple[type[Behaviour], ...]] = {
+    "composite": (Sequence, Selector, Parallel),
+    "decorator": (Inverter, Retry, Repeat, Timeout, EmergencyStop, Watchdog),
+    "condition": (Confident, Within),
+}
+"""The built-in node types."""
+
+NODE_KEYS = {"name": "What the node is called; its type if not given.", "children": "The nodes below it."}
+"""Keys that a node's body may have besides its parameters; every node has a name, composites have children."""
+
+
+@dataclass(frozen=True)
+class NodeType:
+    """One type of node.
+
+    Attributes:
+        type_name: as written in trees.
+        kind: composite, decorator, condition or skill.
+        cls: its class.
+        doc: one line.
+        params: its declared parameters by name.
+        resources: what it may command.
+        branches: optional sub-trees besides the child, with a one-line doc each (a watchdog's ``on_stale``).
+    """
+
+    type_name: str
+    kind: Kind
+    cls: type[Behaviour]
+    doc: str
+    params: Mapping[str, Param]
+    resources: tuple[str, ...] = ()
+    branches: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def factory(self) -> Callable[..., Behaviour]:
+        """What makes a node: called with ``name``, children and parameter values."""
+        return self.cls
+
+    def percepts(self, values: Mapping[str, Any]) -> dict[str, list[str]]:
+        """Return parameter -> percepts that a node with these parameter values names."""
+        found: dict[str, list[str]] = {}
+        for name, spec in self.params.items():
+            if _names_percepts(spec.type):
+                value = values.get(name, None if spec.required else spec.default)
+                found[name] = [value] if isinstance(value, str) else list(value or ())
+        return found
+
+
+class Registry(Mapping[str, NodeType]):
+    """Every node type by name.
+
+    Args:
+        skills: the workspace's skills by name, as :func:`~humanoid_bt.skill_files.load_skills` gives them.
+
+    Raises:
+        UserError: a skill has the name of a built-in node type or of a key that stands beside nodes.
+    """
+
+    def __init__(self, skills: Mapping[str, type[Behaviour]]) -> None:
+        self._types: dict[str, NodeType] = {}
+        keys = dict(NODE_KEYS)
+        for kind, classes in BUILTIN.items():
+            for cls in classes:
+                node_type = _node_type(node_type_name(cls), kind, cls)
+                self._types[node_type.type_name] = node_type
+                if kind == "decorator":
+                    keys |= dict.fromkeys((*node_type.params, *node_type.branches), "")
+        problems: list[Problem] = []
+        for name, cls in skills.items():
+            if name in self._types or name in keys:
+                what = "a built-in node type" if name in self._types else "a key of a built-in node type"
+                problems.append(Problem(f"the skill {name!r} has the name of {what}", class_place(cls), "rename it"))
+            else:
+                self._types[name] = _node_type(name, "skill", cls)
+        if problems:
+            raise UserError(problems)
+
+    @classmethod
+    def of(cls, workspace: Workspace) -> Registry:
+        """Return the registry of a workspace.
+
+        Raises:
+            UserError: its skills cannot be loaded, or clash with built-in node types.
+        """
+        return cls(load_skills(workspace))
+
+    def __getitem__(self, name: str) -> NodeType:
+        return self._types[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._types)
+
+    def __len__(self) -> int:
+        return len(self._types)
+
+    def find(self, name: str, place: Place | None = None) -> NodeType:
+        """Return a node type.
+
+        Raises:
+            UserError: there is none of this name.
+        """
+        if name not in self._types:
+            raise UserError(f"unknown node {name!r}", place, nearest(name, self._types))
+        return self._types[name]
+
+
+def _node_type(name: str, kind: Kind, cls: type[Behaviour]) -> NodeType:
+    return NodeType(
+        type_name=name,
+        kind=kind,
+        cls=cls,
+        doc=(vars(cls).get("__doc__") or "").strip().split("\n")[0],
+        params=params_of(cls) or (_signature(cls) if kind == "skill" else {}),
+        resources=tuple(getattr(cls, "resources", ())),
+        branches=getattr(cls, "branches", {}),
+    )
+
+
+def _signature(cls: type) -> dict[str, Param]:
+    """Return the parameters of a plain py_trees behaviour: those of its constructor but for the name."""
+    found: dict[str, Param] = {}
+    constructor = inspect.getattr_static(cls, "__init__")
+    try:
+        hints = typing.get_type_hints(constructor)
+    except (NameError, TypeError):
+        hints = {}
+    for name, argument in list(inspect.signature(constructor).parameters.items())[1:]:
+        if name == "name" or argument.kind in (argument.VAR_POSITIONAL, argument.VAR_KEYWORD):
+            continue
+        spec = Param(name, hints.get(name, Any))
+        found[name] = spec if argument.default is argument.empty else Param(name, spec.type, argument.default)
+    return found
+
+
+def _names_percepts(kind: Any) -> bool:
+    if kind is PerceptName:
+        return True
+    inner = typing.get_args(kind)
+    containers = (typing.Union, types.UnionType, list, tuple)
+    return typing.get_origin(kind) in containers and any(map(_names_percepts, inner))

@@ -1,0 +1,93 @@
+"""Showing trees as text and as Graphviz graphs."""
+
+from __future__ import annotations
+
+import json
+import textwrap
+from collections.abc import Mapping
+from typing import Any
+
+from py_trees.common import Status
+
+from humanoid_bt.tree.tree import Node, Tree
+
+MARKS = {Status.SUCCESS: "✓", Status.FAILURE: "✗", Status.RUNNING: "▶", Status.INVALID: "○"}
+"""How a status is shown."""
+
+_SHAPES = {"composite": "box", "decorator": "ellipse", "condition": "diamond", "skill": "component"}
+
+
+def parameter_text(node: Node) -> str:
+    """Return the parameters of a node that differ from their defaults: ``percept: target, max_age: 0.5 s``."""
+    shown = []
+    for name, value in node.values.items():
+        spec = node.type.params[name]
+        if spec.required or value != spec.default:
+            shown.append(f"{name}: {_value_text(value)}{' ' + spec.unit if spec.unit else ''}")
+    return ", ".join(shown)
+
+
+def unicode_tree(tree: Tree, statuses: Mapping[str, Status] | None = None, width: int = 80) -> str:
+    """Return a tree drawn with lines.
+
+    Args:
+        tree: the tree.
+        statuses: node path to status; shown as a mark before each name if given.
+        width: columns to fit into as well as its depth allows.
+    """
+    children: dict[int, list[int]] = {}
+    for index, node in enumerate(tree.nodes):
+        children.setdefault(node.parent, []).append(index)
+    title = f"{tree.name}: {tree.description}" if tree.description else tree.name
+    lines = textwrap.wrap(title, width)
+
+    def draw(index: int, before: str, last: bool) -> None:
+        node = tree.nodes[index]
+        mark = f"{MARKS[statuses.get(node.path, Status.INVALID)]} " if statuses is not None else ""
+        label = f"{node.branch}: {node.name}" if node.branch else node.name
+        if node.name != node.type_name:
+            label += f" ({node.type_name})"
+        below = before + ("   " if last else "│  ")
+        head = f"{before}{'└─ ' if last else '├─ '}{mark}"
+        inner = children.get(index, [])
+        hanging = below + ("│    " if inner else "     ")
+        text = f"{label}  {parameters}" if (parameters := parameter_text(node)) else label
+        room = max(width - len(hanging), 24)
+        first, *rest = textwrap.wrap(text, max(width - len(head), 24), break_long_words=False) or [""]
+        lines.append(head + first)
+        if rest:
+            lines.extend(hanging + line for line in textwrap.wrap(" ".join(rest), room, break_long_words=False))
+        for child in inner:
+            draw(child, below, child == inner[-1])
+
+    draw(0, "", True)
+    return "\n".join(lines)
+
+
+def dot_tree(tree: Tree) -> str:
+    """Return a tree as a Graphviz graph."""
+    lines = [
+        f"digraph {_quoted(tree.name)} {{",
+        "  ordering=out;",
+        '  node [fontname="Helvetica", fontsize=10];',
+        '  edge [fontname="Helvetica", fontsize=9];',
+    ]
+    for index, node in enumerate(tree.nodes):
+        parts = [node.name, f"({node.type_name})" if node.name != node.type_name else "", parameter_text(node)]
+        label = _quoted("\n".join(part for part in parts if part))
+        lines.append(f"  n{index} [label={label}, shape={_SHAPES[node.kind]}, tooltip={_quoted(node.path)}];")
+    for index, node in enumerate(tree.nodes):
+        if node.parent >= 0:
+            label = f" [label={_quoted(node.branch)}, style=dashed]" if node.branch else ""
+            lines.append(f"  n{node.parent} -> n{index}{label};")
+    return "\n".join([*lines, "}"]) + "\n"
+
+
+def _value_text(value: Any) -> str:
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    return f"{value:g}" if isinstance(value, float) else str(value)
+
+
+def _quoted(text: str) -> str:
+    return json.dumps(text, ensure_ascii=False)
