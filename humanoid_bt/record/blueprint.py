@@ -8,12 +8,13 @@ from typing import Any
 import rerun as rr
 import rerun.blueprint as rrb
 
-from humanoid_bt.record import documents, events, lanes, overlays, plots, tree_view
-from humanoid_bt.record.columns import TIMELINE, entity
+from humanoid_bt.record import documents, events, overlays, plots, tree_view
+from humanoid_bt.record.columns import LANES, TIMELINE, entity
 from humanoid_bt.record.scene_view import WORLD
 
-_EYE = (2.6, -2.2, 1.5)  # camera at the start [m]: from the front right, at head height
-_LOOK_AT = (0.4, 0.0, 0.75)
+_EYE = (2.3, -1.9, 1.4)  # camera at the start [m]: from the front right, at head height
+_LOOK_AT = (0.3, 0.0, 0.7)
+_BACKGROUND = (126, 139, 156)  # lighter than most robots, darker than labels
 _MARGIN = 24.0  # around the tree, in the graph's units
 
 
@@ -25,13 +26,13 @@ def blueprint(positions: Iterable[tuple[float, float]], groups: Iterable[str], r
         groups: joint groups that have plots.
         robot: entity of the robot's base, which the camera follows.
     """
-    left = rrb.Vertical(_scene(robot), _lanes(), row_shares=[3, 2])
+    left = rrb.Vertical(_scene(robot), _lanes(), row_shares=[9, 7])
     texts = rrb.Tabs(
         rrb.TextLogView(name="events", origin=events.EVENTS, columns=_log_columns()),
         rrb.TextDocumentView(name="run", origin=documents.RUN),
         rrb.TextDocumentView(name="tree file", origin=documents.TREE),
     )
-    right = rrb.Vertical(_graph(positions), _plots(groups), texts, row_shares=[5, 5, 3])
+    right = rrb.Vertical(_graph(positions), _plots(groups), texts, row_shares=[9, 9, 6])
     return rrb.Blueprint(
         rrb.Horizontal(left, right, column_shares=[1, 1]),
         rrb.TimePanel(state="collapsed", timeline=TIMELINE, play_state="following"),
@@ -53,13 +54,14 @@ def _scene(robot: str) -> Any:
         origin=WORLD,
         contents=["/**"],
         eye_controls=rrb.EyeControls3D(position=_EYE, look_target=_LOOK_AT, eye_up=(0, 0, 1), tracking_entity=robot),
+        background=_BACKGROUND,
         line_grid=False,
         overrides={overlays.PATH: all_until_now},
     )
 
 
 def _lanes() -> Any:
-    return rrb.StateTimelineView(name="nodes over time", contents=[f"/{lanes.LANES}/**", f"/{tree_view.LANES}/**"])
+    return rrb.StateTimelineView(name="nodes over time", origin=LANES)
 
 
 def _graph(positions: Iterable[tuple[float, float]]) -> Any:
@@ -74,10 +76,14 @@ def _plots(groups: Iterable[str]) -> Any:
     overview = rrb.Vertical(
         rrb.TimeSeriesView(name="percepts", origin=plots.PERCEPTS),
         rrb.TimeSeriesView(name="foot forces", origin=plots.FEET),
-        rrb.TimeSeriesView(name="base and hands", contents=[f"/{plots.BASE}", f"/{plots.HANDS}"]),
         name="overview",
     )
-    return rrb.Tabs(overview, *(_joints(group) for group in groups), name="plots", active_tab=0)
+    base = rrb.Vertical(
+        rrb.TimeSeriesView(name="base", origin=plots.BASE),
+        rrb.TimeSeriesView(name="distance of the palms to their targets [m]", origin=plots.HANDS),
+        name="base and hands",
+    )
+    return rrb.Tabs(overview, base, *(_joints(group) for group in groups), name="plots", active_tab=0)
 
 
 def _joints(group: str) -> Any:

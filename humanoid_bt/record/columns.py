@@ -13,6 +13,9 @@ from humanoid_bt.messages import Array
 TIMELINE = "sim_time"
 """The one timeline: the engine's time."""
 
+LANES = "lanes"
+"""Parent of all lanes of the state timeline, which shows them sorted by entity."""
+
 Color = tuple[int, int, int]
 
 
@@ -21,7 +24,12 @@ def entity(*parts: str) -> str:
     return "/".join(rr.escape_entity_path_part(part) for part in parts)
 
 
-def send(stream: Any, path: str, times: Sequence[float], columns: Any) -> None:
+def lane(number: int, name: str) -> str:
+    """Return the entity of a lane of the state timeline."""
+    return f"{LANES}/{number:02d}_" + "".join(c if c.isascii() and c.isalnum() else "_" for c in name)
+
+
+def send(stream: Any, path: str, times: Sequence[float] | Array, columns: Any) -> None:
     """Write rows of one entity.
 
     Args:

@@ -19,7 +19,7 @@ _LEVELS: dict[str, tuple[str, Color]] = {
     "warning": ("WARN", (240, 160, 40)),
     "error": ("ERROR", (232, 74, 74)),
 }
-_NODE_LEVEL = "TRACE"  # the viewer filters by level: node changes can be hidden at a click
+_NODE_LEVEL = "DEBUG"  # the viewer filters by level: node changes can be hidden at a click
 _SOURCES = ("run", "tree")
 
 
@@ -43,7 +43,8 @@ class EventLog:
     def node_changed(self, time: float, path: str, status: str, feedback: str) -> None:
         """Take a node's change of status."""
         reason = f": {feedback}" if feedback else ""
-        text = f"{STATUS_GLYPHS[status]} {path} {status}{reason}"
+        name = path.rsplit("/", 1)[-1]
+        text = f"{STATUS_GLYPHS[status]} {name} {status}{reason}  ({path})"
         self._lines["tree"].append((time, _NODE_LEVEL, printable(text), STATUS_COLORS[status]))
 
     def flush(self, stream: Any) -> None:

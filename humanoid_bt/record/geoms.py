@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import mujoco
@@ -12,7 +13,8 @@ from humanoid_bt.messages import Array
 
 _TILE = 0.5  # side of a floor tile [m]: a step is about a third of it
 _FLOOR_HALF_SIZE = 8.0  # a plane is infinite for contacts; this much of it is drawn [m]
-_FLOOR_COLORS = ((58, 66, 78), (48, 55, 66))
+_FLOOR_COLORS = ((88, 98, 112), (74, 83, 96))
+_DARKEST = 0.16  # the viewer's light is weak: a black robot would vanish against the background
 _INVISIBLE = 0.02  # alpha below which a geom is not drawn
 
 
@@ -23,27 +25,8 @@ def is_drawn(model: mujoco.MjModel, geom: int) -> bool:
 
 def shape(model: mujoco.MjModel, geom: int) -> Any | None:
     """Return a geom as a rerun archetype in the geom's own frame, None for a kind that rerun has no shape for."""
-    size = model.geom_size[geom]
-    look: dict[str, Any] = {"colors": [_color(model, geom)], "fill_mode": rr.components.FillMode.Solid}
-    kind = mujoco.mjtGeom(int(model.geom_type[geom]))
-    match kind:
-        case mujoco.mjtGeom.mjGEOM_SPHERE:
-            return rr.Ellipsoids3D(half_sizes=[[size[0]] * 3], **look)
-        case mujoco.mjtGeom.mjGEOM_ELLIPSOID:
-            return rr.Ellipsoids3D(half_sizes=[size], **look)
-        case mujoco.mjtGeom.mjGEOM_CAPSULE:  # rerun's capsule starts at its origin, MuJoCo's is centred
-            return rr.Capsules3D(lengths=[2 * size[1]], radii=[size[0]], translations=[[0, 0, -size[1]]], **look)
-        case mujoco.mjtGeom.mjGEOM_CYLINDER:
-            return rr.Cylinders3D(lengths=[2 * size[1]], radii=[size[0]], **look)
-        case mujoco.mjtGeom.mjGEOM_BOX:
-            return rr.Boxes3D(half_sizes=[size], **look)
-        case mujoco.mjtGeom.mjGEOM_PLANE:
-            return _floor(size)
-        case mujoco.mjtGeom.mjGEOM_MESH:
-            return _mesh(model, geom)
-        case mujoco.mjtGeom.mjGEOM_HFIELD:
-            return _height_field(model, geom)
-    return None
+    draw = _SHAPES.get(int(model.geom_type[geom]))
+    return draw(model, geom) if draw else None
 
 
 def _rgba(model: mujoco.MjModel, geom: int) -> Array:
@@ -52,7 +35,36 @@ def _rgba(model: mujoco.MjModel, geom: int) -> Array:
 
 
 def _color(model: mujoco.MjModel, geom: int) -> Any:
-    return np.round(np.clip(_rgba(model, geom), 0, 1) * 255).astype(np.uint8)
+    rgba = np.clip(_rgba(model, geom), 0, 1)
+    rgba[:3] = _DARKEST + (1 - _DARKEST) * rgba[:3]
+    return np.round(rgba * 255).astype(np.uint8)
+
+
+def _solid(model: mujoco.MjModel, geom: int) -> dict[str, Any]:
+    return {"colors": [_color(model, geom)], "fill_mode": rr.components.FillMode.Solid}
+
+
+def _sphere(model: mujoco.MjModel, geom: int) -> Any:
+    return rr.Ellipsoids3D(half_sizes=[[model.geom_size[geom][0]] * 3], **_solid(model, geom))
+
+
+def _ellipsoid(model: mujoco.MjModel, geom: int) -> Any:
+    return rr.Ellipsoids3D(half_sizes=[model.geom_size[geom]], **_solid(model, geom))
+
+
+def _capsule(model: mujoco.MjModel, geom: int) -> Any:
+    radius, half, _ = model.geom_size[geom]
+    start = [[0, 0, -half]]  # rerun's capsule starts at its origin, MuJoCo's is centred
+    return rr.Capsules3D(lengths=[2 * half], radii=[radius], translations=start, **_solid(model, geom))
+
+
+def _cylinder(model: mujoco.MjModel, geom: int) -> Any:
+    radius, half, _ = model.geom_size[geom]
+    return rr.Cylinders3D(lengths=[2 * half], radii=[radius], **_solid(model, geom))
+
+
+def _box(model: mujoco.MjModel, geom: int) -> Any:
+    return rr.Boxes3D(half_sizes=[model.geom_size[geom]], **_solid(model, geom))
 
 
 def _mesh(model: mujoco.MjModel, geom: int) -> Any:
@@ -94,17 +106,30 @@ def _height_field(model: mujoco.MjModel, geom: int) -> Any:
     )
 
 
-def _floor(size: Array) -> Any:
-    half_x, half_y = (max(float(half), _FLOOR_HALF_SIZE) for half in size[:2])
+def _floor(model: mujoco.MjModel, geom: int) -> Any:
+    half_x, half_y = (max(float(half), _FLOOR_HALF_SIZE) for half in model.geom_size[geom][:2])
     x, y = (np.arange(-round(half / _TILE), round(half / _TILE)) * _TILE for half in (half_x, half_y))
     grid_x, grid_y = (grid.reshape(-1, 1) for grid in np.meshgrid(x, y, indexing="ij"))
     corners = np.array([[0, 0], [1, 0], [1, 1], [0, 1]]) * _TILE
     vertices = np.stack([grid_x + corners[:, 0], grid_y + corners[:, 1], np.zeros((len(grid_x), 4))], -1)
     odd = (np.round(grid_x / _TILE) + np.round(grid_y / _TILE)).astype(int)[:, 0] % 2
     first = np.arange(len(grid_x))[:, None] * 4
+    halves = (np.array([0, 1, 2]), np.array([0, 2, 3]))
     return rr.Mesh3D(
         vertex_positions=vertices.reshape(-1, 3),
-        triangle_indices=np.concatenate([first + [0, 1, 2], first + [0, 2, 3]]),
+        triangle_indices=np.concatenate([first + half for half in halves]),
         vertex_colors=np.repeat(np.array(_FLOOR_COLORS, dtype=np.uint8)[odd], 4, axis=0),
         vertex_normals=np.tile([0.0, 0.0, 1.0], (vertices.shape[0] * 4, 1)),
     )
+
+
+_SHAPES: dict[int, Callable[[mujoco.MjModel, int], Any]] = {
+    int(mujoco.mjtGeom.mjGEOM_PLANE): _floor,
+    int(mujoco.mjtGeom.mjGEOM_HFIELD): _height_field,
+    int(mujoco.mjtGeom.mjGEOM_SPHERE): _sphere,
+    int(mujoco.mjtGeom.mjGEOM_CAPSULE): _capsule,
+    int(mujoco.mjtGeom.mjGEOM_ELLIPSOID): _ellipsoid,
+    int(mujoco.mjtGeom.mjGEOM_CYLINDER): _cylinder,
+    int(mujoco.mjtGeom.mjGEOM_BOX): _box,
+    int(mujoco.mjtGeom.mjGEOM_MESH): _mesh,
+}

@@ -7,9 +7,7 @@ from typing import Any
 import rerun as rr
 
 from humanoid_bt.messages import Gait, Mode, State
-from humanoid_bt.record.columns import Color, send
-
-LANES = "robot/state"
+from humanoid_bt.record.columns import Color, lane, send
 
 _FREE, _LIMITED = "free", "limited"
 _LOOKS: dict[str, dict[str, Color]] = {
@@ -26,18 +24,21 @@ _LOOKS: dict[str, dict[str, Color]] = {
     },
     "limits": {_FREE: (60, 66, 75), _LIMITED: (240, 160, 40)},
 }
+LANE_COUNT = len(_LOOKS)
+"""Number of lanes written here; the tree's come after them."""
 
 
 class RobotLanes:
     """Writes mode, gait and limits when they change."""
 
     def __init__(self) -> None:
-        self._now: dict[str, str] = {}
-        self._changes: dict[str, list[tuple[float, str]]] = {lane: [] for lane in _LOOKS}
+        self._lanes = [lane(number, name) for number, name in enumerate(_LOOKS)]
+        self._now = [""] * LANE_COUNT
+        self._changes: list[list[tuple[float, str]]] = [[] for _ in _LOOKS]
 
     def log_static(self, stream: Any) -> None:
         """Write the looks of the states."""
-        for lane, colors in _LOOKS.items():
+        for number, colors in enumerate(_LOOKS.values()):
             states = list(colors)
             look = rr.StateConfiguration(
                 values=states,
@@ -45,23 +46,20 @@ class RobotLanes:
                 colors=list(colors.values()),
                 visible=[state != _FREE for state in states],
             )
-            stream.log(f"{LANES}/{lane}", look, static=True)
+            stream.log(self._lanes[number], look, static=True)
 
     def add(self, state: State) -> None:
         """Take one state."""
-        self._set(state.time, "mode", state.mode.value)
-        self._set(state.time, "gait", state.gait.value)
-        self._set(state.time, "limits", _LIMITED if state.limit_flags else _FREE)
+        values = (state.mode.value, state.gait.value, _LIMITED if state.limit_flags else _FREE)
+        for number, value in enumerate(values):
+            if self._now[number] != value:
+                self._now[number] = value
+                self._changes[number].append((state.time, value))
 
     def flush(self, stream: Any) -> None:
         """Write the changes since the last flush."""
-        for lane, changes in self._changes.items():
+        for path, changes in zip(self._lanes, self._changes, strict=True):
             if changes:
                 columns = rr.StateChange.columns(state=[value for _, value in changes])
-                send(stream, f"{LANES}/{lane}", [time for time, _ in changes], columns)
+                send(stream, path, [time for time, _ in changes], columns)
                 changes.clear()
-
-    def _set(self, time: float, lane: str, value: str) -> None:
-        if self._now.get(lane) != value:
-            self._now[lane] = value
-            self._changes[lane].append((time, value))

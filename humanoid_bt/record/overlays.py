@@ -53,7 +53,9 @@ class Overlays:
     def log_static(self, stream: Any) -> None:
         """Write what never changes: frames, sizes, colours."""
         frame = rr.CoordinateFrame(WORLD)
-        balance = rr.Points3D.from_fields(colors=[_COM_COLOR, _DCM_COLOR], radii=[0.018], labels=["CoM", "DCM"])
+        balance = rr.Points3D.from_fields(
+            colors=[_COM_COLOR, _DCM_COLOR], radii=[0.018], labels=["CoM", "DCM"], show_labels=False
+        )
         support = rr.LineStrips3D.from_fields(colors=[_SUPPORT_COLOR], radii=[0.005])
         stream.log(f"{WORLD}/balance/points", frame, balance, static=True)
         stream.log(f"{WORLD}/balance/support", frame, support, static=True)
@@ -133,11 +135,11 @@ class Overlays:
         found = [target for target in bases if isinstance(target, BaseTarget)]
         arrows = rr.Arrows3D.columns(
             origins=_rows([[*target.position, _LIFT] for target in found]),
-            vectors=_rows([[0.25 * math.cos(target.heading), 0.25 * math.sin(target.heading), 0.0] for target in found]),
+            vectors=_rows(
+                [[0.25 * math.cos(target.heading), 0.25 * math.sin(target.heading), 0.0] for target in found]
+            ),
         )
-        send_sets(
-            stream, f"{WORLD}/targets/base", times, arrows, [int(isinstance(base, BaseTarget)) for base in bases]
-        )
+        send_sets(stream, f"{WORLD}/targets/base", times, arrows, [int(isinstance(base, BaseTarget)) for base in bases])
         rays = np.array([[state.gaze_position, _gaze_end(state)] for state, _ in self._samples])
         send(stream, f"{WORLD}/gaze", times, rr.LineStrips3D.columns(strips=list(rays)))
 
@@ -153,7 +155,9 @@ class Overlays:
         columns = rr.Boxes3D.columns(
             half_sizes=_rows([self._half_size] * len(flat)),
             centers=_rows([[foot.x, foot.y, foot.z + _LIFT] for _, foot in flat]),
-            quaternions=[rr.Quaternion(xyzw=[0, 0, math.sin(foot.yaw / 2), math.cos(foot.yaw / 2)]) for _, foot in flat],
+            quaternions=[
+                rr.Quaternion(xyzw=[0, 0, math.sin(foot.yaw / 2), math.cos(foot.yaw / 2)]) for _, foot in flat
+            ],
             colors=[SIDE_COLORS[side] for side, _ in flat],
             fill_mode=[rr.components.FillMode.Solid] * len(flat),
         )

@@ -18,7 +18,7 @@ from humanoid_bt.plant.robot_config import RobotConfig
 from humanoid_bt.record.blueprint import blueprint
 from humanoid_bt.record.documents import log_documents
 from humanoid_bt.record.events import EventLog, Level
-from humanoid_bt.record.lanes import RobotLanes
+from humanoid_bt.record.lanes import LANE_COUNT, RobotLanes
 from humanoid_bt.record.overlays import Overlays
 from humanoid_bt.record.plots import Plots
 from humanoid_bt.record.scene_view import SceneView
@@ -55,6 +55,7 @@ class Recorder:
         model: mujoco.MjModel,
         joint_names: tuple[str, ...],
         config: RobotConfig,
+        *,
         tree: TreeView,
         sinks: Sinks,
         info: Mapping[str, str],
@@ -62,7 +63,7 @@ class Recorder:
         self._scene = SceneView(model, len(joint_names))
         self._overlays = Overlays(config.sole)
         self._plots = Plots(model, joint_names, config)
-        self._tree = TreeStatus(tree.nodes)
+        self._tree = TreeStatus(tree.nodes, first_lane=LANE_COUNT)
         self._lanes = RobotLanes()
         self._events = EventLog()
         self._last_flush = self._last_frame = -np.inf

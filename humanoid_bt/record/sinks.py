@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import errno
+import importlib.util
 import logging
 import os
 import socket
@@ -193,9 +194,10 @@ def _free_port() -> int:
 
 def _rerun_program() -> str:
     """Return the viewer's program, which the rerun package brings along."""
-    import rerun_cli  # noqa: PLC0415 - only needed when a viewer is opened
-
-    return str(Path(next(iter(rerun_cli.__path__))) / "rerun")
+    package = importlib.util.find_spec("rerun_cli")
+    if package is None or not package.submodule_search_locations:
+        raise UserError("the viewer's program is missing", hint="pip install rerun-sdk brings it along")
+    return str(Path(package.submodule_search_locations[0]) / "rerun")
 
 
 def _start_viewer(port: int) -> subprocess.Popen[bytes]:

@@ -9,10 +9,9 @@ from typing import Any, Protocol
 import rerun as rr
 
 from humanoid_bt.errors import HumanoidBtError, nearest
-from humanoid_bt.record.columns import Color, send, send_sets
+from humanoid_bt.record.columns import Color, lane, send, send_sets
 
 GRAPH = "tree/graph"
-LANES = "tree/nodes"
 
 STATUS_COLORS: dict[str, Color] = {
     "INVALID": (92, 99, 110),
@@ -77,15 +76,16 @@ class TreeStatus:
 
     Args:
         nodes: all nodes, each after its parent.
+        first_lane: number of the first node's lane in the state timeline.
     """
 
-    def __init__(self, nodes: Sequence[NodeView]) -> None:
+    def __init__(self, nodes: Sequence[NodeView], first_lane: int = 0) -> None:
         self._index = {node.path: index for index, node in enumerate(nodes)}
         self._parents = [_parent(node) for node in nodes]
         self._labels = [_label(node) for node in nodes]
         depths = _depths(self._parents)
         self.positions = _layout(self._parents, depths, self._labels)
-        self._lanes = [_lane(index, node, depths[index]) for index, node in enumerate(nodes)]
+        self._lanes = _lanes(nodes, self._parents, first_lane)
         self._status = ["INVALID"] * len(nodes)
         self._changes: list[tuple[float, int, str]] = []
 
@@ -102,11 +102,10 @@ class TreeStatus:
             colors=list(STATUS_COLORS.values()),
             visible=[state != "INVALID" for state in states],
         )
-        for lane in self._lanes:
-            stream.log(lane, look, static=True)
         self._send_graph(stream, [0.0], [list(self._status)])
-        for lane in self._lanes:
-            send(stream, lane, [0.0], rr.StateChange.columns(state=["INVALID"]))
+        for path in self._lanes:
+            stream.log(path, look, static=True)
+            send(stream, path, [0.0], rr.StateChange.columns(state=["INVALID"]))
 
     def change(self, time: float, path: str, status: str) -> None:
         """Take a node's change of status.
@@ -156,9 +155,11 @@ def _label(node: NodeView) -> str:
     return printable(name)
 
 
-def _lane(index: int, node: NodeView, depth: int) -> str:
-    name = "".join(c if c.isalnum() or c in "_-" else "_" for c in printable(node.name))
-    return f"{LANES}/{index:02d}_{name}"
+def _lanes(nodes: Sequence[NodeView], parents: Sequence[int | None], first: int) -> list[str]:
+    """Return each node's lane: leaves first, in the tree's order, for what they do is the story of a run."""
+    inner = set(parents)
+    order = sorted(range(len(nodes)), key=lambda index: (index in inner, index))
+    return [lane(first + order.index(index), node.name) for index, node in enumerate(nodes)]
 
 
 def _depths(parents: Sequence[int | None]) -> list[int]:
@@ -168,9 +169,7 @@ def _depths(parents: Sequence[int | None]) -> list[int]:
     return depths
 
 
-def _layout(
-    parents: Sequence[int | None], depths: Sequence[int], labels: Sequence[str]
-) -> list[tuple[float, float]]:
+def _layout(parents: Sequence[int | None], depths: Sequence[int], labels: Sequence[str]) -> list[tuple[float, float]]:
     """Return each label's centre: depth to the right, leaves below each other, parents beside their children."""
     widths = [_CHARACTER * (2 + max(map(len, label.split("\n")))) for label in labels]
     starts = [0.0]
