@@ -1,0 +1,107 @@
+"""How the viewer shows a run at once: robot and tree side by side, time below, plots and events at hand."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+import rerun as rr
+import rerun.blueprint as rrb
+
+from humanoid_bt.record import documents, events, overlays, plots, tree_view
+from humanoid_bt.record.columns import LANES, TIMELINE, entity
+from humanoid_bt.record.scene_view import WORLD
+
+_EYE = (2.3, -1.9, 1.4)  # camera at the start [m]: from the front right, at head height
+_LOOK_AT = (0.3, 0.0, 0.7)
+_BACKGROUND = (126, 139, 156)  # lighter than most robots, darker than labels
+_MARGIN = 24.0  # around the tree, in the graph's units
+
+
+def blueprint(positions: Iterable[tuple[float, float]], groups: Iterable[str], robot: str) -> Any:
+    """Return the layout.
+
+    Args:
+        positions: centres of the tree's labels in the graph.
+        groups: joint groups that have plots.
+        robot: entity of the robot's base, which the camera follows.
+    """
+    left = rrb.Vertical(_scene(robot), _lanes(), row_shares=[9, 7])
+    texts = rrb.Tabs(
+        rrb.TextLogView(name="events", origin=events.EVENTS, columns=_log_columns()),
+        rrb.TextDocumentView(name="run", origin=documents.RUN),
+        rrb.TextDocumentView(name="tree file", origin=documents.TREE),
+    )
+    right = rrb.Vertical(_graph(positions), _plots(groups), texts, row_shares=[9, 9, 6])
+    return rrb.Blueprint(
+        rrb.Horizontal(left, right, column_shares=[1, 1]),
+        rrb.TimePanel(state="collapsed", timeline=TIMELINE, play_state="following"),
+        rrb.BlueprintPanel(state="collapsed"),
+        rrb.SelectionPanel(state="collapsed"),
+        auto_layout=False,
+        auto_views=False,
+    )
+
+
+def _scene(robot: str) -> Any:
+    all_until_now = rrb.VisibleTimeRanges(
+        timeline=TIMELINE,
+        start=rr.TimeRangeBoundary.infinite(),
+        end=rr.TimeRangeBoundary.cursor_relative(seconds=0),
+    )
+    return rrb.Spatial3DView(
+        name="robot",
+        origin=WORLD,
+        contents=["/**"],
+        eye_controls=rrb.EyeControls3D(position=_EYE, look_target=_LOOK_AT, eye_up=(0, 0, 1), tracking_entity=robot),
+        background=_BACKGROUND,
+        line_grid=False,
+        overrides={overlays.PATH: all_until_now},
+    )
+
+
+def _lanes() -> Any:
+    return rrb.StateTimelineView(name="nodes over time", origin=LANES)
+
+
+def _graph(positions: Iterable[tuple[float, float]]) -> Any:
+    xs, ys = zip(*positions, strict=True)
+    bounds = rrb.VisualBounds2D(
+        x_range=(min(xs) - 3 * _MARGIN, max(xs) + 3 * _MARGIN), y_range=(min(ys) - _MARGIN, max(ys) + _MARGIN)
+    )
+    return rrb.GraphView(name="tree", origin=tree_view.GRAPH, visual_bounds=bounds)
+
+
+def _plots(groups: Iterable[str]) -> Any:
+    overview = rrb.Vertical(
+        rrb.TimeSeriesView(name="percepts", origin=plots.PERCEPTS),
+        rrb.TimeSeriesView(name="foot forces", origin=plots.FEET),
+        name="overview",
+    )
+    base = rrb.Vertical(
+        rrb.TimeSeriesView(name="base", origin=plots.BASE),
+        rrb.TimeSeriesView(name="distance of the palms to their targets [m]", origin=plots.HANDS),
+        name="base and hands",
+    )
+    return rrb.Tabs(overview, base, *(_joints(group) for group in groups), name="plots", active_tab=0)
+
+
+def _joints(group: str) -> Any:
+    path = f"/{entity(plots.JOINTS, group)}"
+    return rrb.Vertical(
+        rrb.TimeSeriesView(
+            name=f"{group}: position against setpoint [rad]",
+            contents=[f"{path}/setpoint", f"{path}/position", f"{path}/limit"],
+        ),
+        rrb.TimeSeriesView(name=f"{group}: torque [Nm]", contents=[f"{path}/torque"]),
+        row_shares=[3, 2],
+        name=group,
+    )
+
+
+def _log_columns() -> Any:
+    kinds = (rrb.encodings.TextLogColumnKind.LogLevel, rrb.encodings.TextLogColumnKind.Body)
+    return rrb.TextLogColumns(
+        timeline_columns=[rrb.encodings.TimelineColumn(TIMELINE)],
+        text_log_columns=[rrb.encodings.TextLogColumn(kind) for kind in kinds],
+    )

@@ -1,0 +1,65 @@
+"""Rows in time for rerun: whole batches of columns, which cost a tenth of one call per value."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import rerun as rr
+
+from humanoid_bt.messages import Array
+
+TIMELINE = "sim_time"
+"""The one timeline: the engine's time."""
+
+LANES = "lanes"
+"""Parent of all lanes of the state timeline, which shows them sorted by entity."""
+
+Color = tuple[int, int, int]
+
+
+def entity(*parts: str) -> str:
+    """Return the entity path of these parts, whose names may hold any characters."""
+    return "/".join(rr.escape_entity_path_part(part) for part in parts)
+
+
+def lane(number: int, name: str) -> str:
+    """Return the entity of a lane of the state timeline."""
+    return f"{LANES}/{number:02d}_" + "".join(c if c.isascii() and c.isalnum() else "_" for c in name)
+
+
+def send(stream: Any, path: str, times: Sequence[float] | Array, columns: Any) -> None:
+    """Write rows of one entity.
+
+    Args:
+        stream: the rerun recording stream.
+        path: the entity.
+        times: engine time of each row [s].
+        columns: what ``Archetype.columns`` returns, one entry per row.
+    """
+    stream.send_columns(path, [time_column(times)], columns)
+
+
+def send_sets(stream: Any, path: str, times: Sequence[float], columns: Any, lengths: Sequence[int]) -> None:
+    """Write rows of one entity that hold any number of instances each, none included.
+
+    Args:
+        stream: the rerun recording stream.
+        path: the entity.
+        times: engine time of each row [s].
+        columns: what ``Archetype.columns`` returns for all instances of all rows.
+        lengths: number of instances of each row.
+    """
+    stream.send_columns(path, [time_column(times)], columns.partition(np.asarray(lengths)))
+
+
+def time_column(times: Sequence[float] | Array) -> Any:
+    """Return the index column of engine times [s]."""
+    nanoseconds = np.round(np.asarray(times, dtype=float) * 1e9).astype("timedelta64[ns]")
+    return rr.TimeColumn(TIMELINE, duration=nanoseconds)
+
+
+def xyzw(quaternions: Array) -> Array:
+    """Return quaternions, shape (..., 4), wxyz as MuJoCo has them, in rerun's order."""
+    return np.roll(quaternions, -1, axis=-1)

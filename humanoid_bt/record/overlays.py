@@ -1,0 +1,234 @@
+"""What the robot sees, wants and balances on, drawn into the 3D view."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import rerun as rr
+
+from humanoid_bt.messages import SIDES, Array, BaseTarget, FootPose, GazeTarget, HandTarget, Side, State
+from humanoid_bt.plant.robot_config import SoleConfig
+from humanoid_bt.record.columns import Color, entity, send, send_sets
+from humanoid_bt.record.scene_view import WORLD
+from humanoid_bt.robot import Track
+
+PATH = f"{WORLD}/path"
+"""Entity of the ground path; the view shows all its points up to now."""
+
+SIDE_COLORS: dict[Side, Color] = {"left": (77, 171, 247), "right": (255, 146, 43)}
+
+_GRAVITY = 9.81  # m/s^2
+_LOADED = 20.0  # force above which a foot supports [N]
+_PATH_SPACING = 0.04  # distance between points of the ground path [m]
+_LIFT = 0.004  # flat things lie this far above the floor, or they flicker [m]
+_GAZE_LENGTH = 0.35  # of the gaze without a target [m]
+_FADED = 0.5  # age at which a percept is drawn grey [s]; perception runs at 10 Hz
+_COM_COLOR = (255, 255, 255)
+_DCM_COLOR = (240, 101, 149)
+_SUPPORT_COLOR = (105, 219, 124)
+_PATH_COLOR = (134, 142, 150)
+_GAZE_COLOR = (102, 217, 232)
+_BASE_COLOR = (252, 196, 25)
+_OLD_COLOR = (120, 124, 130)
+
+
+class Overlays:
+    """Percepts, targets, footsteps, balance and path of one robot.
+
+    Args:
+        sole: the rectangle drawn for a foothold.
+    """
+
+    def __init__(self, sole: SoleConfig) -> None:
+        self._sole = sole
+        self._half_size = [sole.half_length, sole.half_width, 0.001]
+        self._samples: list[tuple[State, Mapping[str, Track]]] = []
+        self._footsteps: tuple[tuple[Side, FootPose], ...] | None = None
+        self._last_path: Array | None = None
+        self._percepts: set[str] = set()
+
+    def log_static(self, stream: Any) -> None:
+        """Write what never changes: frames, sizes, colours."""
+        frame = rr.CoordinateFrame(WORLD)
+        balance = rr.Points3D.from_fields(
+            colors=[_COM_COLOR, _DCM_COLOR], radii=[0.018], labels=["CoM", "DCM"], show_labels=False
+        )
+        support = rr.LineStrips3D.from_fields(colors=[_SUPPORT_COLOR], radii=[0.005])
+        stream.log(f"{WORLD}/balance/points", frame, balance, static=True)
+        stream.log(f"{WORLD}/balance/support", frame, support, static=True)
+        stream.log(PATH, frame, rr.Points3D.from_fields(colors=[_PATH_COLOR], radii=[0.012]), static=True)
+        stream.log(f"{WORLD}/footsteps", frame, static=True)
+        stream.log(f"{WORLD}/targets/hands", frame, rr.Points3D.from_fields(radii=[0.028]), static=True)
+        stream.log(f"{WORLD}/targets/errors", frame, rr.LineStrips3D.from_fields(radii=[0.004]), static=True)
+        base = rr.Arrows3D.from_fields(colors=[_BASE_COLOR], radii=[0.012])
+        stream.log(f"{WORLD}/targets/base", frame, base, static=True)
+        gaze = rr.LineStrips3D.from_fields(colors=[_GAZE_COLOR], radii=[0.0025])
+        stream.log(f"{WORLD}/gaze", frame, gaze, static=True)
+
+    def add(self, state: State, tracks: Mapping[str, Track]) -> None:
+        """Take one state and the percepts as they are known with it."""
+        self._samples.append((state, tracks))
+
+    def flush(self, stream: Any) -> None:
+        """Write what was added since the last flush."""
+        if not self._samples:
+            return
+        times = [state.time for state, _ in self._samples]
+        self._flush_percepts(stream)
+        self._flush_balance(stream, times)
+        self._flush_hands(stream, times)
+        self._flush_base_and_gaze(stream, times)
+        self._flush_footsteps(stream)
+        self._flush_path(stream)
+        self._samples = []
+
+    def _flush_percepts(self, stream: Any) -> None:
+        for name in sorted({name for _, tracks in self._samples for name in tracks}):
+            path = entity(WORLD, "percepts", name)
+            if name not in self._percepts:
+                self._percepts.add(name)
+                look = rr.Points3D.from_fields(labels=[name], radii=[0.035], show_labels=True)
+                stream.log(path, rr.CoordinateFrame(WORLD), look, static=True)
+            seen = [(state.time, tracks[name]) for state, tracks in self._samples if name in tracks]
+            columns = rr.Points3D.columns(
+                positions=[track.position_world for _, track in seen],
+                colors=[_confidence_color(track) for _, track in seen],
+            )
+            send(stream, path, [time for time, _ in seen], columns)
+
+    def _flush_balance(self, stream: Any, times: list[float]) -> None:
+        com = np.array([state.com for state, _ in self._samples])
+        velocity = np.array([state.com_velocity[:2] for state, _ in self._samples])
+        # Divergent component of motion of the linear inverted pendulum: x + v / omega.
+        period = np.sqrt(np.maximum(com[:, 2:], 0.05) / _GRAVITY)
+        points = np.full((len(times), 2, 3), _LIFT)
+        points[:, 0, :2] = com[:, :2]
+        points[:, 1, :2] = com[:, :2] + velocity * period
+        columns = rr.Points3D.columns(positions=points.reshape(-1, 3))
+        send_sets(stream, f"{WORLD}/balance/points", times, columns, [2] * len(times))
+        polygons = [self._support(state) for state, _ in self._samples]
+        strips = rr.LineStrips3D.columns(strips=[polygon for polygon in polygons if len(polygon)])
+        send_sets(stream, f"{WORLD}/balance/support", times, strips, [min(len(polygon), 1) for polygon in polygons])
+
+    def _flush_hands(self, stream: Any, times: list[float]) -> None:
+        targets = [
+            [
+                (side, target.position, state.hands.get(side, target.position))
+                for side in SIDES
+                if isinstance(target := state.targets.get(f"{side}_hand"), HandTarget)
+            ]
+            for state, _ in self._samples
+        ]
+        counts = [len(row) for row in targets]
+        flat = [hand for row in targets for hand in row]
+        colors = [SIDE_COLORS[side] for side, _, _ in flat]
+        points = rr.Points3D.columns(positions=_rows([position for _, position, _ in flat]), colors=colors)
+        send_sets(stream, f"{WORLD}/targets/hands", times, points, counts)
+        lines = rr.LineStrips3D.columns(strips=[np.array([target, palm]) for _, target, palm in flat], colors=colors)
+        send_sets(stream, f"{WORLD}/targets/errors", times, lines, counts)
+
+    def _flush_base_and_gaze(self, stream: Any, times: list[float]) -> None:
+        bases = [state.targets.get("base") for state, _ in self._samples]
+        found = [target for target in bases if isinstance(target, BaseTarget)]
+        arrows = rr.Arrows3D.columns(
+            origins=_rows([[*target.position, _LIFT] for target in found]),
+            vectors=_rows(
+                [[0.25 * math.cos(target.heading), 0.25 * math.sin(target.heading), 0.0] for target in found]
+            ),
+        )
+        send_sets(stream, f"{WORLD}/targets/base", times, arrows, [int(isinstance(base, BaseTarget)) for base in bases])
+        rays = np.array([[state.gaze_position, _gaze_end(state)] for state, _ in self._samples])
+        send(stream, f"{WORLD}/gaze", times, rr.LineStrips3D.columns(strips=list(rays)))
+
+    def _flush_footsteps(self, stream: Any) -> None:
+        changes: list[State] = []
+        for state, _ in self._samples:
+            if state.footsteps != self._footsteps:
+                self._footsteps = state.footsteps
+                changes.append(state)
+        if not changes:
+            return
+        flat = [step for state in changes for step in state.footsteps]
+        columns = rr.Boxes3D.columns(
+            half_sizes=_rows([self._half_size] * len(flat)),
+            centers=_rows([[foot.x, foot.y, foot.z + _LIFT] for _, foot in flat]),
+            quaternions=[
+                rr.Quaternion(xyzw=[0, 0, math.sin(foot.yaw / 2), math.cos(foot.yaw / 2)]) for _, foot in flat
+            ],
+            colors=[SIDE_COLORS[side] for side, _ in flat],
+            fill_mode=[rr.components.FillMode.Solid] * len(flat),
+        )
+        times = [state.time for state in changes]
+        send_sets(stream, f"{WORLD}/footsteps", times, columns, [len(state.footsteps) for state in changes])
+
+    def _flush_path(self, stream: Any) -> None:
+        points: list[tuple[float, Array]] = []
+        for state, _ in self._samples:
+            here = state.stance[:2]
+            if self._last_path is None or np.hypot(*(here - self._last_path)) >= _PATH_SPACING:
+                self._last_path = here
+                points.append((state.time, np.array([here[0], here[1], _LIFT])))
+        if points:
+            columns = rr.Points3D.columns(positions=[point for _, point in points])
+            send(stream, PATH, [time for time, _ in points], columns)
+
+    def _support(self, state: State) -> Array:
+        corners = [
+            corner
+            for side in SIDES
+            if state.foot_force[side] > _LOADED
+            for corner in _sole_corners(state.feet[side], self._sole)
+        ]
+        if not corners:
+            return np.empty((0, 3))
+        hull = _convex_hull(corners)
+        return np.array([(x, y, _LIFT) for x, y in (*hull, hull[0])])
+
+
+def _rows(values: list[Any]) -> Array:
+    return np.array(values, dtype=float).reshape(-1, 3)
+
+
+def _gaze_end(state: State) -> Array:
+    target = state.targets.get("gaze")
+    if isinstance(target, GazeTarget):
+        return target.point
+    return np.asarray(state.gaze_position + _GAZE_LENGTH * state.gaze_direction)
+
+
+def _confidence_color(track: Track) -> Color:
+    """Red at no confidence, yellow at half, green at full; grey once old."""
+    if track.age > _FADED:
+        return _OLD_COLOR
+    share = min(max(track.confidence, 0.0), 1.0)
+    return (round(230 * min(1.0, 2 - 2 * share)), round(210 * min(1.0, 2 * share)), 70)
+
+
+def _sole_corners(foot: FootPose, sole: SoleConfig) -> list[tuple[float, float]]:
+    cos, sin = math.cos(foot.yaw), math.sin(foot.yaw)
+    return [
+        (foot.x + cos * along - sin * across, foot.y + sin * along + cos * across)
+        for along in (-sole.half_length, sole.half_length)
+        for across in (-sole.half_width, sole.half_width)
+    ]
+
+
+def _convex_hull(points: list[tuple[float, float]]) -> list[tuple[float, float]]:
+    """Return the hull counter-clockwise (Andrew's monotone chain)."""
+    ordered = sorted(points)
+
+    def half(chain: list[tuple[float, float]]) -> list[tuple[float, float]]:
+        kept: list[tuple[float, float]] = []
+        for x, y in chain:
+            while len(kept) > 1:
+                (ax, ay), (bx, by) = kept[-2:]
+                if (bx - ax) * (y - ay) - (by - ay) * (x - ax) > 0:
+                    break
+                kept.pop()
+            kept.append((x, y))
+        return kept[:-1]
+
+    return half(ordered) + half(ordered[::-1])

@@ -1,0 +1,144 @@
+"""Numbers over time: joints against setpoints and limits, torques, feet, base, percepts."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import mujoco
+import numpy as np
+import rerun as rr
+
+from humanoid_bt.messages import SIDES, Array, State
+from humanoid_bt.plant.robot_config import RobotConfig
+from humanoid_bt.record.columns import Color, entity, send
+from humanoid_bt.record.overlays import SIDE_COLORS
+from humanoid_bt.robot import Track
+
+JOINTS = "joints"
+FEET = "robot/foot_force"
+BASE = "robot/base"
+HANDS = "robot/hand_error"
+PERCEPTS = "percepts"
+
+_NEAR_LIMIT = 0.1  # a soft limit is drawn once a joint is this near [rad]; all of them would flatten the plot
+_LIMIT_COLOR = (230, 60, 60)
+_PALETTE: tuple[Color, ...] = (
+    (77, 171, 247),
+    (255, 169, 77),
+    (105, 219, 124),
+    (218, 119, 242),
+    (255, 212, 59),
+    (102, 217, 232),
+    (250, 162, 193),
+    (173, 181, 189),
+)
+_PERCEPT_SERIES = ("confidence", "age [s]", "distance [m]")
+
+
+class Plots:
+    """Time series of one robot.
+
+    Args:
+        model: gives the joints' ranges.
+        joint_names: the robot's joints, in the state's order.
+        config: joint groups, soft limits.
+    """
+
+    def __init__(self, model: mujoco.MjModel, joint_names: Sequence[str], config: RobotConfig) -> None:
+        self._names = tuple(joint_names)
+        members: dict[str, list[int]] = {group: [] for group in (*config.groups, "other")}
+        for index, name in enumerate(joint_names):
+            members[config.group(name)].append(index)
+        self.groups: dict[str, Array] = {group: np.array(found) for group, found in members.items() if found}
+        ranges = np.array([_limits(model, name, config.soft_limit_margin) for name in joint_names]).reshape(-1, 2)
+        self._lower, self._upper = ranges[:, 0], ranges[:, 1]
+        self._samples: list[tuple[State, Mapping[str, Track]]] = []
+        self._percepts: set[str] = set()
+
+    def log_static(self, stream: Any) -> None:
+        """Write names and looks of all series."""
+        for group, joints in self.groups.items():
+            names = _short([self._names[joint] for joint in joints])
+            colors = [_PALETTE[index % len(_PALETTE)] for index in range(len(names))]
+            path = entity(JOINTS, group)
+            pale = [(*color, 90) for color in colors]
+            _style(stream, f"{path}/setpoint", [f"{name} setpoint" for name in names], pale, 4.0)
+            _style(stream, f"{path}/position", names, colors, 1.5)
+            _style(stream, f"{path}/limit", [f"{name} limit" for name in names], [_LIMIT_COLOR] * len(names), 1.0)
+            _style(stream, f"{path}/torque", names, colors, 1.5)
+        sides = [SIDE_COLORS[side] for side in SIDES]
+        _style(stream, FEET, ["left foot [N]", "right foot [N]"], sides, 1.5)
+        _style(stream, HANDS, ["left hand error [m]", "right hand error [m]"], sides, 1.5)
+        _style(stream, BASE, ["speed [m/s]", "turn rate [rad/s]", "tilt [rad]"], list(_PALETTE[2:5]), 1.5)
+
+    def add(self, state: State, tracks: Mapping[str, Track]) -> None:
+        """Take one state and the percepts as they are known with it."""
+        self._samples.append((state, tracks))
+
+    def flush(self, stream: Any) -> None:
+        """Write what was added since the last flush."""
+        if not self._samples:
+            return
+        states = [state for state, _ in self._samples]
+        times = [state.time for state in states]
+        self._flush_joints(stream, times, states)
+        _scalars(stream, FEET, times, np.array([[state.foot_force[side] for side in SIDES] for state in states]))
+        errors = np.array([[state.hand_errors.get(side, np.nan) for side in SIDES] for state in states])
+        _scalars(stream, HANDS, times, errors)
+        _scalars(stream, BASE, times, _base(states))
+        self._flush_percepts(stream)
+        self._samples = []
+
+    def _flush_joints(self, stream: Any, times: list[float], states: list[State]) -> None:
+        position = np.array([state.joint_positions for state in states])
+        setpoint = np.array([state.setpoint_positions for state in states])
+        torque = np.array([state.joint_torques for state in states])
+        lowest, highest = np.minimum(position, setpoint), np.maximum(position, setpoint)
+        limit = np.where(lowest < self._lower + _NEAR_LIMIT, self._lower, np.nan)
+        limit = np.where(highest > self._upper - _NEAR_LIMIT, self._upper, limit)
+        for group, joints in self.groups.items():
+            path = entity(JOINTS, group)
+            _scalars(stream, f"{path}/position", times, position[:, joints])
+            _scalars(stream, f"{path}/setpoint", times, setpoint[:, joints])
+            _scalars(stream, f"{path}/torque", times, torque[:, joints])
+            _scalars(stream, f"{path}/limit", times, limit[:, joints])
+
+    def _flush_percepts(self, stream: Any) -> None:
+        for name in sorted({name for _, tracks in self._samples for name in tracks}):
+            path = entity(PERCEPTS, name)
+            if name not in self._percepts:
+                self._percepts.add(name)
+                _style(stream, path, [f"{name} {series}" for series in _PERCEPT_SERIES], list(_PALETTE[2:5]), 1.5)
+            seen = [(state.time, tracks[name]) for state, tracks in self._samples if name in tracks]
+            values = np.array([[track.confidence, track.age, track.distance] for _, track in seen])
+            _scalars(stream, path, [time for time, _ in seen], values)
+
+
+def _scalars(stream: Any, path: str, times: Sequence[float], values: Array) -> None:
+    send(stream, path, times, rr.Scalars.columns(scalars=values))
+
+
+def _style(stream: Any, path: str, names: Sequence[str], colors: Sequence[Any], width: float) -> None:
+    stream.log(path, rr.SeriesLines(names=names, colors=colors, widths=[width] * len(names)), static=True)
+
+
+def _short(names: Sequence[str]) -> list[str]:
+    return [name.removesuffix("_joint").replace("_", " ") for name in names]
+
+
+def _limits(model: mujoco.MjModel, joint: str, margin: float) -> tuple[float, float]:
+    found = model.joint(joint)
+    if not model.jnt_limited[found.id]:
+        return -np.inf, np.inf
+    return float(found.range[0] + margin), float(found.range[1] - margin)
+
+
+def _base(states: Sequence[State]) -> Array:
+    linear = np.array([state.base_linear_velocity[:2] for state in states])
+    turn = np.array([state.base_angular_velocity[2] for state in states])
+    quaternion = np.array([state.base_quaternion for state in states])
+    # Cosine of the tilt: the z axis of the base along the world's, from the rotation matrix's last element.
+    upright = 1 - 2 * (quaternion[:, 1] ** 2 + quaternion[:, 2] ** 2)
+    tilt = np.arccos(np.clip(upright, -1, 1))
+    return np.stack([np.hypot(linear[:, 0], linear[:, 1]), turn, tilt], axis=1)

@@ -1,0 +1,159 @@
+"""The recorder: everything a run shows, into one rerun recording.
+
+Recording is cheap because a sample only keeps references: all encoding happens in batches.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from types import TracebackType
+from typing import Self
+
+import mujoco
+import numpy as np
+
+from humanoid_bt.errors import HumanoidBtError
+from humanoid_bt.messages import Array, State
+from humanoid_bt.plant.robot_config import RobotConfig
+from humanoid_bt.record.blueprint import blueprint
+from humanoid_bt.record.documents import log_documents
+from humanoid_bt.record.events import EventLog, Level
+from humanoid_bt.record.lanes import LANE_COUNT, RobotLanes
+from humanoid_bt.record.overlays import Overlays
+from humanoid_bt.record.plots import Plots
+from humanoid_bt.record.scene_view import SceneView
+from humanoid_bt.record.sinks import Outlet, Sinks
+from humanoid_bt.record.tree_view import TreeStatus, TreeView
+from humanoid_bt.robot import Track
+
+_BATCH = 0.5  # time covered by a batch [s]; about this much is lost when the program is killed
+_FRAME = 0.04  # time between poses of the 3D view [s]: 25 a second look fluent at half the cost of every tick
+_SLACK = 1e-6  # times are sums of periods
+
+
+class Recorder:
+    """Records one run and shows it live.
+
+    Call :meth:`sample` once per tick and the others when something happens, in the order of time. Use it as
+    a context manager, or close it: after that the file is whole.
+
+    Args:
+        model: the whole scene; the robot's qpos comes first: free base, then joints in the order of ``joint_names``.
+            Scene objects are bodies named ``object_<name>``.
+        joint_names: the robot's joints.
+        config: the robot's numbers.
+        tree: what is shown of the tree.
+        sinks: where the recording goes.
+        info: about the run: heading -> text, such as tree, robot, seed, versions, parameters.
+
+    Raises:
+        UserError: a sink cannot be opened.
+    """
+
+    def __init__(
+        self,
+        model: mujoco.MjModel,
+        joint_names: tuple[str, ...],
+        config: RobotConfig,
+        *,
+        tree: TreeView,
+        sinks: Sinks,
+        info: Mapping[str, str],
+    ) -> None:
+        self._scene = SceneView(model, len(joint_names))
+        self._overlays = Overlays(config.sole)
+        self._plots = Plots(model, joint_names, config)
+        self._tree = TreeStatus(tree.nodes, first_lane=LANE_COUNT)
+        self._lanes = RobotLanes()
+        self._events = EventLog()
+        self._last_flush = self._last_frame = -np.inf
+        self._closed = False
+        layout = blueprint(self._tree.positions, self._plots.groups, self._scene.folder(config.base))
+        self._outlet = Outlet(sinks, info.get("tree", tree.file) or "run", layout)
+        try:
+            for part in (self._scene, self._overlays, self._plots, self._tree, self._lanes):
+                part.log_static(self._outlet.stream)
+            log_documents(self._outlet.stream, tree, info)
+        except BaseException:
+            self._outlet.close()
+            raise
+
+    @property
+    def url(self) -> str:
+        """Address of the web viewer, "" if none is served."""
+        return self._outlet.url
+
+    def sample(self, state: State, tracks: Mapping[str, Track], objects: Mapping[str, Array]) -> None:
+        """Record one tick.
+
+        Args:
+            state: what control knows.
+            tracks: percepts by name, placed in the world.
+            objects: true positions of scene objects by name, world frame, shape (3,) [m].
+        """
+        self._check_open()
+        seen = dict(tracks)
+        self._plots.add(state, seen)
+        self._lanes.add(state)
+        if state.time - self._last_frame >= _FRAME - _SLACK:
+            self._last_frame = state.time
+            self._scene.add(state, objects)
+            self._overlays.add(state, seen)
+        if self._last_flush == -np.inf:
+            self._last_flush = state.time
+        if state.time - self._last_flush >= _BATCH - _SLACK:
+            self.flush()
+            self._last_flush = state.time
+
+    def node_changed(self, time: float, path: str, status: str, feedback: str) -> None:
+        """Record that a node's status changed.
+
+        Args:
+            time: engine time [s].
+            path: the node's path.
+            status: RUNNING, SUCCESS, FAILURE or INVALID.
+            feedback: what the node says about it.
+        """
+        self._check_open()
+        self._tree.change(time, path, status)
+        self._events.node_changed(time, path, status, feedback)
+
+    def event(self, time: float, level: Level, text: str) -> None:
+        """Record something that happened.
+
+        Args:
+            time: engine time [s].
+            level: info, warning or error.
+            text: what happened.
+        """
+        self._check_open()
+        self._events.event(time, level, text)
+
+    def flush(self) -> None:
+        """Write what was recorded since the last batch; does nothing after :meth:`close`."""
+        if self._closed:
+            return
+        for part in (self._scene, self._overlays, self._plots, self._tree, self._lanes, self._events):
+            part.flush(self._outlet.stream)
+
+    def close(self) -> None:
+        """Write the rest and close the recording; further calls do nothing."""
+        if self._closed:
+            return
+        try:
+            self.flush()
+        finally:
+            self._closed = True
+            self._outlet.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def _check_open(self) -> None:
+        if self._closed:
+            raise HumanoidBtError("the recording is closed")

@@ -1,0 +1,133 @@
+"""The robot and the scene: every geom once, then only the poses of the bodies that move."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Mapping
+from typing import Any
+
+import mujoco
+import numpy as np
+import rerun as rr
+
+from humanoid_bt.errors import HumanoidBtError, nearest
+from humanoid_bt.messages import Array, State
+from humanoid_bt.record import geoms
+from humanoid_bt.record.columns import entity, send, xyzw
+
+WORLD = "world"
+"""Root entity of the 3D view, and the name of its frame."""
+
+POSES = "poses"
+"""The one entity that carries the poses of all moving bodies."""
+
+_OBJECT_PREFIX = "object_"
+
+
+class SceneView:
+    """Draws a model's bodies at recorded states.
+
+    Works on copies of the model and its data, so that nothing it does reaches the simulation.
+
+    Args:
+        model: the whole scene; the robot's qpos comes first: free base, then joints.
+        joint_count: number of the robot's joints after the base.
+    """
+
+    def __init__(self, model: mujoco.MjModel, joint_count: int) -> None:
+        self._model = copy.copy(model)
+        self._data = mujoco.MjData(self._model)
+        self._joint_count = joint_count
+        names = {body: _body_name(model, body) for body in range(1, model.nbody)}
+        self._objects = {
+            name.removeprefix(_OBJECT_PREFIX): body for body, name in names.items() if name.startswith(_OBJECT_PREFIX)
+        }
+        roots = {body for body in names if model.body_weldid[body] != 0} | set(self._objects.values())
+        self._moving = np.array([body for body in names if self._hangs_on(body, roots)], dtype=int)
+        self._frames = [names[body] for body in self._moving]
+        self._times: list[float] = []
+        self._positions: list[Array] = []
+        self._quaternions: list[Array] = []
+
+    def log_static(self, stream: Any) -> None:
+        """Write the geoms: those of moving bodies in their bodies' frames, the others in the world's."""
+        model, data = self._model, self._data
+        mujoco.mj_kinematics(model, data)
+        stream.log(WORLD, rr.ViewCoordinates.RIGHT_HAND_Z_UP, rr.CoordinateFrame(WORLD), static=True)
+        moving = {int(body) for body in self._moving}
+        for geom in range(model.ngeom):
+            drawn = geoms.shape(model, geom) if geoms.is_drawn(model, geom) else None
+            if drawn is None:
+                continue
+            body = int(model.geom_bodyid[geom])
+            if body in moving:
+                position, quaternion = model.geom_pos[geom], model.geom_quat[geom]
+            else:
+                position, quaternion = data.geom_xpos[geom], np.zeros(4)
+                mujoco.mju_mat2Quat(quaternion, data.geom_xmat[geom])
+            stream.log(
+                f"{self._folder(body)}/{entity(model.geom(geom).name or f'geom_{geom}')}",
+                drawn,
+                rr.InstancePoses3D(translations=[position], quaternions=[rr.Quaternion(xyzw=xyzw(quaternion))]),
+                rr.CoordinateFrame(_body_name(model, body) if body in moving else WORLD),
+                static=True,
+            )
+
+    def add(self, state: State, objects: Mapping[str, Array]) -> None:
+        """Compute the bodies' poses in one state.
+
+        Args:
+            state: base pose and joint positions.
+            objects: object name -> position, world frame, shape (3,) [m].
+
+        Raises:
+            HumanoidBtError: the scene has no object of that name.
+        """
+        model, data = self._model, self._data
+        for name, position in objects.items():
+            body = self._objects.get(name)
+            if body is None:
+                raise HumanoidBtError(f"the scene has no object {name!r}; {nearest(name, self._objects)}")
+            model.body_pos[body] = position
+        data.qpos[:3] = state.base_position
+        data.qpos[3:7] = state.base_quaternion
+        data.qpos[7 : 7 + self._joint_count] = state.joint_positions
+        mujoco.mj_kinematics(model, data)
+        self._times.append(state.time)
+        self._positions.append(data.xpos[self._moving])
+        self._quaternions.append(data.xquat[self._moving])
+
+    def flush(self, stream: Any) -> None:
+        """Write the poses added since the last flush."""
+        rows, bodies = len(self._times), len(self._moving)
+        if rows and bodies:
+            columns = rr.Transform3D.columns(
+                translation=np.concatenate(self._positions),
+                quaternion=xyzw(np.concatenate(self._quaternions)),
+                parent_frame=[WORLD] * (rows * bodies),
+                child_frame=self._frames * rows,
+            )
+            send(stream, POSES, np.repeat(self._times, bodies), columns)
+        self._times, self._positions, self._quaternions = [], [], []
+
+    def _hangs_on(self, body: int, roots: set[int]) -> bool:
+        while body:
+            if body in roots:
+                return True
+            body = int(self._model.body_parentid[body])
+        return False
+
+    def folder(self, body_name: str) -> str:
+        """Return the entity that holds a body's geoms."""
+        return self._folder(self._model.body(body_name).id)
+
+    def _folder(self, body: int) -> str:
+        if not body:
+            return f"{WORLD}/scene"
+        root = int(self._model.body_rootid[body])
+        part = "robot" if self._model.body_weldid[root] else "scene"
+        return entity(WORLD, part, _body_name(self._model, body))
+
+
+def _body_name(model: mujoco.MjModel, body: int) -> str:
+    return model.body(body).name or f"body_{body}"

@@ -1,0 +1,253 @@
+"""Where a recording goes: a file, a native viewer, a web viewer on this machine."""
+
+from __future__ import annotations
+
+import contextlib
+import errno
+import importlib.util
+import logging
+import os
+import socket
+import subprocess
+import sys
+import tempfile
+import time
+from dataclasses import dataclass
+from pathlib import Path
+from typing import IO, Any
+from urllib.parse import quote
+
+import rerun as rr
+
+from humanoid_bt.errors import UserError, relative
+
+_log = logging.getLogger(__name__)
+
+APPLICATION = "humanoid_bt"
+LOOPBACK = "127.0.0.1"
+
+_VIEWER_MEMORY = "1GiB"  # of the server that keeps the run for a browser that opens late
+_START_TIMEOUT = 20.0  # a viewer is up in 1 s; a cold disk takes longer [s]
+_WITH_PARENT = 'exec 3<&0; (read -r _ <&3; kill $$) & exec "$@" </dev/null 3<&-'
+"""Shell: run a program, and end it at the end of input, which comes when the parent closes its end or dies."""
+
+_FLUSH_TIMEOUT = 5.0  # what a live viewer gets at the end to take the rest [s]
+
+
+@dataclass(frozen=True)
+class Sinks:
+    """Where a recording goes; any of them together.
+
+    Attributes:
+        file: the .rrd file to write, overwritten if it exists.
+        view: open the native viewer on this machine's display.
+        serve: serve the web viewer on this port of 127.0.0.1, and its data on the port after it.
+    """
+
+    file: Path | None = None
+    view: bool = False
+    serve: int | None = None
+
+    def check(self) -> None:
+        """Find out what would not work, before a run starts.
+
+        Raises:
+            UserError: no display, a port in use, a folder that cannot be written.
+        """
+        if self.file is not None:
+            _check_file(self.file)
+        if self.view:
+            _check_display()
+        if self.serve is not None:
+            if not 1 <= self.serve <= 65534:
+                raise UserError(f"port {self.serve} does not exist", hint="valid: 1024 to 65534")
+            _check_port(self.serve)
+            _check_port(self.serve + 1)
+
+
+class Outlet:
+    """An open recording stream and the viewers it feeds.
+
+    Args:
+        sinks: where it goes.
+        name: the recording's name in the viewer.
+        blueprint: how the viewer shows it.
+
+    Attributes:
+        stream: the rerun recording stream.
+        url: address of the web viewer, "" if none is served.
+
+    Raises:
+        UserError: a sink cannot be opened; those opened before are closed again.
+    """
+
+    def __init__(self, sinks: Sinks, name: str, blueprint: Any) -> None:
+        sinks.check()
+        self.stream = rr.RecordingStream(APPLICATION)
+        self.url = ""
+        self._viewer: subprocess.Popen[bytes] | None = None
+        self._web: subprocess.Popen[bytes] | None = None
+        self._closed = False
+        try:
+            targets = self._open(sinks)
+            if targets:
+                self._set_sinks(targets, sinks, blueprint)
+            self.stream.send_recording_name(name)
+        except BaseException:
+            self.close()
+            raise
+
+    def close(self) -> None:
+        """Write out everything and close; the file is whole then. The native viewer stays open."""
+        if self._closed:
+            return
+        self._closed = True
+        if self._viewer is not None:
+            self._release_viewer(self._viewer)
+        self.stream.disconnect()
+        if self._web is not None:
+            if self._web.stdin is not None:
+                self._web.stdin.close()
+            self._web.wait()
+
+    def _open(self, sinks: Sinks) -> list[Any]:
+        targets: list[Any] = []
+        if sinks.file is not None:
+            targets.append(rr.FileSink(sinks.file))
+        if sinks.serve is not None:
+            server = rr.GrpcServerSink(LOOPBACK, sinks.serve + 1, server_memory_limit=_VIEWER_MEMORY)
+            targets.append(server)
+            source = f"rerun+http://{LOOPBACK}:{sinks.serve + 1}/proxy"
+            self._web = _serve_web(sinks.serve, source)
+            self.url = f"http://{LOOPBACK}:{sinks.serve}?url={quote(source, safe='')}"
+        if sinks.view:
+            port = _free_port()
+            self._viewer = _start_viewer(port)
+            targets.append(rr.GrpcSink(f"rerun+http://{LOOPBACK}:{port}/proxy"))
+        return targets
+
+    def _set_sinks(self, targets: list[Any], sinks: Sinks, blueprint: Any) -> None:
+        try:
+            self.stream.set_sinks(*targets, default_blueprint=blueprint)
+        except RuntimeError as error:
+            raise UserError(f"the recording cannot be opened: {error}", hint=f"asked for: {sinks}") from error
+
+    def _release_viewer(self, viewer: subprocess.Popen[bytes]) -> None:
+        """Give the viewer the rest of the data. One that hangs is ended: it would keep this program from ending."""
+        try:
+            self.stream.flush(timeout_sec=_FLUSH_TIMEOUT)
+        except RuntimeError as error:
+            if viewer.poll() is None:
+                _log.warning("the viewer did not take the recording's end within %g s: %s", _FLUSH_TIMEOUT, error)
+                viewer.kill()
+                viewer.wait()
+
+
+def _check_file(path: Path) -> None:
+    folder = path.parent
+    shown = relative(path)
+    if path.is_dir():
+        raise UserError(f"the recording {shown!r} is a folder", hint="valid: a file name, such as run.rrd")
+    if not folder.is_dir():
+        raise UserError(f"the recording's folder {relative(folder)!r} is missing", hint=f"mkdir -p {relative(folder)}")
+    existed = path.exists()
+    try:
+        with path.open("ab"):
+            pass
+        if not existed:
+            path.unlink()
+    except OSError as error:
+        reason = error.strerror or type(error).__name__
+        raise UserError(
+            f"the recording {shown!r} cannot be written: {reason}", hint="valid: a file in a folder that you may write"
+        ) from error
+
+
+def _check_display() -> None:
+    if sys.platform == "darwin" or os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"):
+        return
+    raise UserError(
+        "no display to open the viewer on (neither DISPLAY nor WAYLAND_DISPLAY is set)",
+        hint="use --serve to watch in a browser, or open the recording later with: rerun FILE",
+    )
+
+
+def _check_port(port: int) -> None:
+    with socket.socket() as probe:
+        probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        try:
+            probe.bind((LOOPBACK, port))
+        except OSError as error:
+            if error.errno == errno.EADDRINUSE:
+                raise UserError(
+                    f"port {port} is in use on {LOOPBACK}",
+                    hint="the web viewer needs a free port and the one after it: choose another, such as --serve 9190",
+                ) from error
+            raise UserError(f"port {port} cannot be used: {error.strerror}", hint="valid: 1024 to 65534") from error
+
+
+def _free_port() -> int:
+    with socket.socket() as probe:
+        probe.bind((LOOPBACK, 0))
+        return int(probe.getsockname()[1])
+
+
+def _rerun_program() -> str:
+    """Return the viewer's program, which the rerun package brings along."""
+    package = importlib.util.find_spec("rerun_cli")
+    if package is None or not package.submodule_search_locations:
+        raise UserError("the viewer's program is missing", hint="pip install rerun-sdk brings it along")
+    return str(Path(package.submodule_search_locations[0]) / "rerun")
+
+
+def _start_viewer(port: int) -> subprocess.Popen[bytes]:
+    """Open the native viewer; it listens on loopback only and outlives this program."""
+    options = ["--bind", LOOPBACK, "--port", str(port), "--hide-welcome-screen", "--expect-data-soon"]
+    with tempfile.TemporaryFile() as messages:
+        viewer = subprocess.Popen(
+            [_rerun_program(), *options],
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.DEVNULL,
+            stderr=messages,
+            start_new_session=True,  # Ctrl-C ends the run, not the viewer
+        )
+        _wait_until_open(viewer, port, "the viewer", messages)
+    return viewer
+
+
+def _serve_web(port: int, source: str) -> subprocess.Popen[bytes]:
+    """Serve the web viewer on loopback (rerun's own function for it listens on every interface).
+
+    It ends with this program, also when this program is killed.
+    """
+    options = ["--serve-web", "--bind", LOOPBACK, "--web-viewer-port", str(port), source]
+    with tempfile.TemporaryFile() as messages:
+        web = subprocess.Popen(
+            ["/bin/sh", "-c", _WITH_PARENT, "sh", _rerun_program(), *options],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.DEVNULL,
+            stderr=messages,
+            start_new_session=True,
+        )
+        try:
+            _wait_until_open(web, port, "the web viewer", messages)
+        except BaseException:
+            web.communicate()
+            raise
+    return web
+
+
+def _wait_until_open(process: subprocess.Popen[bytes], port: int, what: str, messages: IO[bytes]) -> None:
+    deadline = time.monotonic() + _START_TIMEOUT
+    while time.monotonic() < deadline:
+        with contextlib.suppress(OSError), socket.create_connection((LOOPBACK, port), timeout=0.2):
+            return
+        if process.poll() is not None:
+            break
+        time.sleep(0.05)
+    messages.seek(0)
+    lines = messages.read().decode(errors="replace").strip().splitlines()
+    reason = lines[-1] if lines else "it said nothing"
+    if process.stdin is None:
+        process.kill()
+    raise UserError(f"{what} did not start: {reason}", hint="without it: --record FILE, and open it with: rerun FILE")

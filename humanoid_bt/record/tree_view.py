@@ -1,0 +1,202 @@
+"""The tree: a graph with live colours, and one lane per node in a state timeline."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import rerun as rr
+
+from humanoid_bt.errors import HumanoidBtError, nearest
+from humanoid_bt.record.columns import Color, lane, send, send_sets
+
+GRAPH = "tree/graph"
+
+STATUS_COLORS: dict[str, Color] = {
+    "INVALID": (92, 99, 110),
+    "RUNNING": (66, 153, 245),
+    "SUCCESS": (64, 180, 90),
+    "FAILURE": (232, 74, 74),
+}
+STATUS_GLYPHS = {"INVALID": "○", "RUNNING": "▶", "SUCCESS": "✓", "FAILURE": "✗"}
+
+_GLYPHS = frozenset("✓✗▶●○→")  # beyond ASCII the viewer's font has few glyphs, and some missing ones crash it
+_CHARACTER = 7.2  # width of a label's character in the graph's units
+_ROW = 44.0  # distance of leaves
+_GAP = 46.0  # free space between a label and its children
+
+
+class NodeView(Protocol):
+    """What is shown of a tree's node; the nodes come parents first."""
+
+    @property
+    def path(self) -> str:
+        """Unique in the tree."""
+
+    @property
+    def name(self) -> str:
+        """As its author called it."""
+
+    @property
+    def type_name(self) -> str:
+        """As tree files call its type."""
+
+    @property
+    def kind(self) -> str:
+        """One of composite, decorator, condition, skill."""
+
+    @property
+    def parent(self) -> int | None:
+        """Index of its parent, None or negative for the root."""
+
+
+@dataclass(frozen=True)
+class TreeView:
+    """What is shown of a tree.
+
+    Attributes:
+        nodes: all nodes, each after its parent, children in their order.
+        source: text of the tree file.
+        file: its name.
+    """
+
+    nodes: Sequence[NodeView]
+    source: str = ""
+    file: str = ""
+
+
+def printable(text: str) -> str:
+    """Return a text with only the characters that the viewer can draw."""
+    return "".join(c if c in _GLYPHS or " " <= c <= "~" or c == "\n" else "?" for c in text)
+
+
+class TreeStatus:
+    """Draws a tree and its nodes' status.
+
+    Args:
+        nodes: all nodes, each after its parent.
+        first_lane: number of the first node's lane in the state timeline.
+    """
+
+    def __init__(self, nodes: Sequence[NodeView], first_lane: int = 0) -> None:
+        self._index = {node.path: index for index, node in enumerate(nodes)}
+        self._parents = [_parent(node) for node in nodes]
+        self._labels = [_label(node) for node in nodes]
+        depths = _depths(self._parents)
+        self.positions = _layout(self._parents, depths, self._labels)
+        self._lanes = _lanes(nodes, self._parents, first_lane)
+        self._status = ["INVALID"] * len(nodes)
+        self._changes: list[tuple[float, int, str]] = []
+
+    def log_static(self, stream: Any) -> None:
+        """Write the graph's shape and the looks of the states."""
+        ids = [str(index) for index in range(len(self._labels))]
+        edges = [(str(parent), str(index)) for index, parent in enumerate(self._parents) if parent is not None]
+        nodes = rr.GraphNodes(ids, positions=self.positions, show_labels=True)
+        stream.log(GRAPH, nodes, rr.GraphEdges(edges, graph_type="directed"), static=True)
+        states = list(STATUS_COLORS)
+        look = rr.StateConfiguration(
+            values=states,
+            labels=[state.lower() for state in states],
+            colors=list(STATUS_COLORS.values()),
+            visible=[state != "INVALID" for state in states],
+        )
+        self._send_graph(stream, [0.0], [list(self._status)])
+        for path in self._lanes:
+            stream.log(path, look, static=True)
+            send(stream, path, [0.0], rr.StateChange.columns(state=["INVALID"]))
+
+    def change(self, time: float, path: str, status: str) -> None:
+        """Take a node's change of status.
+
+        Raises:
+            HumanoidBtError: there is no such node or status.
+        """
+        if path not in self._index:
+            raise HumanoidBtError(f"the tree has no node {path!r}; {nearest(path, self._index)}")
+        if status not in STATUS_COLORS:
+            raise HumanoidBtError(f"no status {status!r}; {nearest(status, STATUS_COLORS)}")
+        self._changes.append((time, self._index[path], status))
+
+    def flush(self, stream: Any) -> None:
+        """Write the changes since the last flush."""
+        frames: dict[float, list[str]] = {}
+        lanes: dict[int, list[tuple[float, str]]] = {}
+        for time, index, status in self._changes:
+            self._status[index] = status
+            frames[time] = list(self._status)
+            lanes.setdefault(index, []).append((time, status))
+        if frames:
+            self._send_graph(stream, list(frames), list(frames.values()))
+        for index, changes in lanes.items():
+            columns = rr.StateChange.columns(state=[status for _, status in changes])
+            send(stream, self._lanes[index], [time for time, _ in changes], columns)
+        self._changes = []
+
+    def _send_graph(self, stream: Any, times: Sequence[float], frames: Sequence[Sequence[str]]) -> None:
+        columns = rr.GraphNodes.columns(
+            colors=[STATUS_COLORS[status] for frame in frames for status in frame],
+            labels=[
+                f"{STATUS_GLYPHS[status]} {label}"
+                for frame in frames
+                for status, label in zip(frame, self._labels, strict=True)
+            ],
+        )
+        send_sets(stream, GRAPH, times, columns, [len(frame) for frame in frames])
+
+
+def _parent(node: NodeView) -> int | None:
+    return None if node.parent is None or node.parent < 0 else node.parent
+
+
+def _label(node: NodeView) -> str:
+    name = node.name if node.name == node.type_name else f"{node.name}\n({node.type_name})"
+    return printable(name)
+
+
+def _lanes(nodes: Sequence[NodeView], parents: Sequence[int | None], first: int) -> list[str]:
+    """Return each node's lane: leaves first, in the tree's order, for what they do is the story of a run."""
+    inner = set(parents)
+    order = sorted(range(len(nodes)), key=lambda index: (index in inner, index))
+    return [lane(first + order.index(index), node.name) for index, node in enumerate(nodes)]
+
+
+def _depths(parents: Sequence[int | None]) -> list[int]:
+    depths: list[int] = []
+    for parent in parents:
+        depths.append(0 if parent is None else depths[parent] + 1)
+    return depths
+
+
+def _layout(parents: Sequence[int | None], depths: Sequence[int], labels: Sequence[str]) -> list[tuple[float, float]]:
+    """Return each label's centre: depth to the right, leaves below each other, parents beside their children."""
+    widths = [_CHARACTER * (2 + max(map(len, label.split("\n")))) for label in labels]
+    starts = [0.0]
+    for depth in range(max(depths, default=0)):
+        column = max(width for width, d in zip(widths, depths, strict=True) if d == depth)
+        starts.append(starts[-1] + column + _GAP)
+    children: list[list[int]] = [[] for _ in parents]
+    for index, parent in enumerate(parents):
+        if parent is not None:
+            children[parent].append(index)
+    heights: dict[int, float] = {}
+    row = 0.0
+    for index in _leaves_first(parents, children):
+        if children[index]:
+            heights[index] = (heights[children[index][0]] + heights[children[index][-1]]) / 2
+        else:
+            heights[index] = row
+            row += _ROW
+    return [(starts[depths[i]] + widths[i] / 2, heights[i]) for i in range(len(parents))]
+
+
+def _leaves_first(parents: Sequence[int | None], children: Sequence[Sequence[int]]) -> list[int]:
+    """Return all nodes so that children come before their parent, and siblings in their order."""
+    order: list[int] = []
+    stack = [index for index, parent in enumerate(parents) if parent is None]
+    while stack:
+        index = stack.pop()
+        order.append(index)
+        stack.extend(children[index])
+    return order[::-1]
