@@ -93,7 +93,7 @@ def show(arguments: argparse.Namespace) -> int:
 def skills(arguments: argparse.Namespace) -> int:
     """List skills, or explain some."""
     registry = Registry.of(Workspace(arguments.workspace))
-    known = {name: kind for name, kind in registry.types.items() if kind.kind == "skill"}
+    known = {name: kind for name, kind in registry.items() if kind.kind == "skill"}
     unknown = [name for name in arguments.names if name not in known]
     if unknown:
         raise UserError([Problem(f"no skill named {name!r}", None, nearest(name, known)) for name in unknown])

@@ -48,6 +48,11 @@ class Sinks:
     view: bool = False
     serve: int | None = None
 
+    @property
+    def active(self) -> bool:
+        """Whether anything is recorded or shown at all."""
+        return self.file is not None or self.view or self.serve is not None
+
     def check(self) -> None:
         """Find out what would not work, before a run starts.
 
@@ -163,8 +168,13 @@ def _check_file(path: Path) -> None:
         ) from error
 
 
+def has_display() -> bool:
+    """Return whether there is a display to open a viewer on."""
+    return bool(sys.platform == "darwin" or os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
+
+
 def _check_display() -> None:
-    if sys.platform == "darwin" or os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"):
+    if has_display():
         return
     raise UserError(
         "no display to open the viewer on (neither DISPLAY nor WAYLAND_DISPLAY is set)",

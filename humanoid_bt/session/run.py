@@ -15,7 +15,7 @@ import numpy as np
 from py_trees.common import Status
 
 from humanoid_bt.clock import DECISION_PERIOD
-from humanoid_bt.errors import HumanoidBtError, relative
+from humanoid_bt.errors import HumanoidBtError, UserError, relative
 from humanoid_bt.messages import SIDES, Command, HandTarget, Mode, Side, State
 from humanoid_bt.plant.scene import Scene, load_scene
 from humanoid_bt.record.recorder import Recorder
@@ -334,12 +334,22 @@ def versions() -> dict[str, str]:
 
 
 def default_recording(tree: str) -> Path:
-    """Return where a run is recorded by default: a new file in ``runs/`` below the working directory."""
+    """Return where a run is recorded by default: a new file in ``runs/`` below the working directory, which is made.
+
+    Raises:
+        UserError: the folder cannot be made.
+    """
+    folder = Path("runs")
+    try:
+        folder.mkdir(exist_ok=True)
+    except OSError as error:
+        hint = "give another place with --record FILE, or --no-record"
+        raise UserError(f"the folder {str(folder.absolute())!r} cannot be made: {error.strerror}", hint=hint) from error
     stamp = time.strftime("%Y%m%d-%H%M%S")
     name = Path(tree).stem
-    path = Path("runs") / f"{name}-{stamp}.rrd"
+    path = folder / f"{name}-{stamp}.rrd"
     number = 2
     while path.exists():
-        path = Path("runs") / f"{name}-{stamp}-{number}.rrd"
+        path = folder / f"{name}-{stamp}-{number}.rrd"
         number += 1
     return path
