@@ -10,23 +10,23 @@ import rerun.blueprint as rrb
 
 from humanoid_bt.record import documents, events, overlays, plots, tree_view
 from humanoid_bt.record.columns import LANES, TIMELINE, entity
-from humanoid_bt.record.scene_view import WORLD
+from humanoid_bt.record.scene_view import BASE, WORLD
 
-_EYE = (2.3, -1.9, 1.4)  # camera at the start [m]: from the front right, at head height
-_LOOK_AT = (0.3, 0.0, 0.7)
+_EYE = (1.4, -2.2, 1.3)  # camera at the start, in heights of the base: from the front right, at the chest
+_LOOK_AT = (0.4, 0.0, 0.9)
 _BACKGROUND = (126, 139, 156)  # lighter than most robots, darker than labels
 _MARGIN = 24.0  # around the tree, in the graph's units
 
 
-def blueprint(positions: Iterable[tuple[float, float]], groups: Iterable[str], robot: str) -> Any:
+def blueprint(positions: Iterable[tuple[float, float]], groups: Iterable[str], base_height: float) -> Any:
     """Return the layout.
 
     Args:
         positions: centres of the tree's labels in the graph.
         groups: joint groups that have plots.
-        robot: entity of the robot's base, which the camera follows.
+        base_height: of the standing robot [m], the measure of the picture.
     """
-    left = rrb.Vertical(_scene(robot), _lanes(), row_shares=[9, 7])
+    left = rrb.Vertical(_scene(base_height), _lanes(), row_shares=[9, 7])
     texts = rrb.Tabs(
         rrb.TextLogView(name="events", origin=events.EVENTS, columns=_log_columns()),
         rrb.TextDocumentView(name="run", origin=documents.RUN),
@@ -43,7 +43,7 @@ def blueprint(positions: Iterable[tuple[float, float]], groups: Iterable[str], r
     )
 
 
-def _scene(robot: str) -> Any:
+def _scene(base_height: float) -> Any:
     all_until_now = rrb.VisibleTimeRanges(
         timeline=TIMELINE,
         start=rr.TimeRangeBoundary.infinite(),
@@ -53,7 +53,12 @@ def _scene(robot: str) -> Any:
         name="robot",
         origin=WORLD,
         contents=["/**"],
-        eye_controls=rrb.EyeControls3D(position=_EYE, look_target=_LOOK_AT, eye_up=(0, 0, 1), tracking_entity=robot),
+        eye_controls=rrb.EyeControls3D(
+            position=[base_height * value for value in _EYE],
+            look_target=[base_height * value for value in _LOOK_AT],
+            eye_up=(0, 0, 1),
+            tracking_entity=BASE,
+        ),
         background=_BACKGROUND,
         line_grid=False,
         overrides={overlays.PATH: all_until_now},

@@ -60,7 +60,7 @@ class Recorder:
         sinks: Sinks,
         info: Mapping[str, str],
     ) -> None:
-        self._scene = SceneView(model, len(joint_names))
+        self._scene = SceneView(model, len(joint_names), config.base)
         self._overlays = Overlays(config.sole)
         self._plots = Plots(model, joint_names, config)
         self._tree = TreeStatus(tree.nodes, first_lane=LANE_COUNT)
@@ -68,7 +68,7 @@ class Recorder:
         self._events = EventLog()
         self._last_flush = self._last_frame = -np.inf
         self._closed = False
-        layout = blueprint(self._tree.positions, self._plots.groups, self._scene.folder(config.base))
+        layout = blueprint(self._tree.positions, self._plots.groups, self._scene.base_height)
         self._outlet = Outlet(sinks, info.get("tree", tree.file) or "run", layout)
         try:
             for part in (self._scene, self._overlays, self._plots, self._tree, self._lanes):

@@ -18,9 +18,14 @@ from humanoid_bt.record.columns import entity, send, xyzw
 WORLD = "world"
 """Root entity of the 3D view, and the name of its frame."""
 
+BASE = f"{WORLD}/base"
+"""A point ahead of the robot's base that the camera follows."""
+
 POSES = "poses"
 """The one entity that carries the poses of all moving bodies."""
 
+_AHEAD = 0.4  # of that point, as a share of the base's height: what the robot goes for is in the picture too
+_BASE_HEIGHTS = (0.4, 1.2)  # believable ones [m]: a model may also leave its base at the origin
 _OBJECT_PREFIX = "object_"
 
 
@@ -32,12 +37,18 @@ class SceneView:
     Args:
         model: the whole scene; the robot's qpos comes first: free base, then joints.
         joint_count: number of the robot's joints after the base.
+        base: body with the robot's free joint.
+
+    Attributes:
+        base_height: of the standing robot, as far as the model tells [m].
     """
 
-    def __init__(self, model: mujoco.MjModel, joint_count: int) -> None:
+    def __init__(self, model: mujoco.MjModel, joint_count: int, base: str) -> None:
         self._model = copy.copy(model)
         self._data = mujoco.MjData(self._model)
         self._joint_count = joint_count
+        self._base = base
+        self.base_height = float(np.clip(model.body(base).pos[2], *_BASE_HEIGHTS))
         names = {body: _body_name(model, body) for body in range(1, model.nbody)}
         self._objects = {
             name.removeprefix(_OBJECT_PREFIX): body for body, name in names.items() if name.startswith(_OBJECT_PREFIX)
@@ -54,6 +65,8 @@ class SceneView:
         model, data = self._model, self._data
         mujoco.mj_kinematics(model, data)
         stream.log(WORLD, rr.ViewCoordinates.RIGHT_HAND_Z_UP, rr.CoordinateFrame(WORLD), static=True)
+        ahead = [[_AHEAD * self.base_height, 0, 0]]
+        stream.log(BASE, rr.CoordinateFrame(self._base), rr.Points3D(ahead, radii=[0.0]), static=True)
         moving = {int(body) for body in self._moving}
         for geom in range(model.ngeom):
             drawn = geoms.shape(model, geom) if geoms.is_drawn(model, geom) else None
@@ -116,10 +129,6 @@ class SceneView:
                 return True
             body = int(self._model.body_parentid[body])
         return False
-
-    def folder(self, body_name: str) -> str:
-        """Return the entity that holds a body's geoms."""
-        return self._folder(self._model.body(body_name).id)
 
     def _folder(self, body: int) -> str:
         if not body:
