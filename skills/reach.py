@@ -9,6 +9,8 @@ from humanoid_bt.messages import Side
 from humanoid_bt.params import param
 from humanoid_bt.skill import PerceptName, Skill, Status
 
+_MOVED = 0.04  # m; more than a percept's noise
+
 
 class Reach(Skill):
     """Stand and bring a palm to the target, balanced, and keep it there for a moment."""
@@ -67,8 +69,8 @@ class Reach(Skill):
         return "left" if bearing > 0 else "right"
 
     def _follow(self, position: np.ndarray, stamp: float) -> np.ndarray:
-        """Low-pass the target's position, once per percept."""
-        if self._aim is None:
+        """Low-pass the target's position, once per percept; follow at once what has really moved."""
+        if self._aim is None or np.linalg.norm(position - self._aim) > _MOVED:
             self._aim = position.copy()
         elif stamp > self._last_stamp:
             elapsed = stamp - self._last_stamp

@@ -190,7 +190,9 @@ class Printer:
         self._console.print(text)
 
     def _line(self, at: float, sign: str, style: str, name: str, text: str) -> None:
-        line = Text.assemble((f"{at:7.2f} s ", "dim"), (f"{sign} ", style), (f"{name:<12} " if name else "", "bold"), text)
+        line = Text.assemble(
+            (f"{at:7.2f} s ", "dim"), (f"{sign} ", style), (f"{name:<12} " if name else "", "bold"), text
+        )
         self._console.print(line, soft_wrap=not self._console.is_terminal)
 
 
@@ -201,7 +203,9 @@ def _wall() -> float:
 def _summary(console: Console, report: Report) -> None:
     style = _OUTCOME_STYLES.get(report.outcome, "bold red")
     console.print(Text.assemble("\n", (report.outcome, style), f": {report.reason}"))
-    rows = [("simulated", f"{report.sim_time:.2f} s in {report.wall_time:.2f} s ({report.real_time_factor:.1f}x real time)")]
+    rows = [
+        ("simulated", f"{report.sim_time:.2f} s in {report.wall_time:.2f} s ({report.real_time_factor:.1f}x real time)")
+    ]
     if report.hand_error is not None:
         rows.append(("hand error", f"{report.hand_error * 100:.1f} cm"))
     stops = ", ".join(f"{s['mode'].replace('_', ' ')} at {s['time']:.2f} s ({s['reason']})" for s in report.stops)

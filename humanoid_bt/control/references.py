@@ -13,7 +13,7 @@ from humanoid_bt.plant.robot_config import WholeBodyConfig
 _CORRECT_WITHIN = 0.05  # m from the target at which the measured error is integrated
 _CORRECT_MAX = 0.05  # m
 _PITCH_RANGE = (-0.5, 0.8)  # rad, up and down
-_NECK_SHARE = 0.7  # of the neck's range that is used before the torso helps
+_NECK_SHARE = 0.9  # of the neck's range that is used before the torso helps
 _RELAX_SPEED = 1.0  # rad/s at which released joints go back to the home posture
 
 

@@ -114,7 +114,7 @@ class WholeBodyConfig:
     hand_speed: float = param(0.4, above=0, unit="m/s", doc="Speed of a hand's reference.")
     hand_integral: float = param(2.0, minimum=0, doc="Gain on a hand's measured error near its target [1/s].")
     gaze_speed: float = param(1.5, above=0, unit="rad/s", doc="Speed of the gaze's reference.")
-    gaze_yaw: float = param(2.2, above=0, unit="rad", doc="Farthest the gaze turns, with the torso's help.")
+    gaze_yaw: float = param(2.35, above=0, unit="rad", doc="Farthest the gaze turns, with the torso's help.")
     height_speed: float = param(0.05, above=0, unit="m/s", doc="Speed of a posture's height change.")
 
 

@@ -8,13 +8,13 @@ from __future__ import annotations
 
 import functools
 from pathlib import Path
+from typing import Protocol
 
 from humanoid_bt.clock import DECISION_PERIOD, PERCEPTION_PERIOD, CycleClock, cycles
 from humanoid_bt.control.controller import Controller
 from humanoid_bt.control.inverse_kinematics import standing_posture
 from humanoid_bt.messages import Array, Command, Percept, State
 from humanoid_bt.plant.mujoco_plant import MujocoPlant
-from humanoid_bt.plant.perception import SimulatedPerception
 from humanoid_bt.plant.robot_config import load_robot_config
 from humanoid_bt.plant.robot_model import RobotModel
 from humanoid_bt.plant.scene import Scene
@@ -31,6 +31,14 @@ def load_robot(path: Path) -> tuple[RobotModel, Array]:
     return robot, standing_posture(robot)
 
 
+class Perception(Protocol):
+    """What sees: called once per perception period."""
+
+    def observe(self, state: State) -> list[Percept]:
+        """Return what is published at the state's time."""
+        ...
+
+
 class Lockstep:
     """A robot in a scene with control and perception, advanced one decision period at a time.
 
@@ -38,23 +46,31 @@ class Lockstep:
         robot: the robot.
         start: configuration to start in, shape (7 + nj,).
         scene: what surrounds it.
-        seed: of the perception's noise.
+        perception: what it sees.
 
     Attributes:
         plant, controller, perception: the parts.
         clock: the engine's clock.
     """
 
-    def __init__(self, robot: RobotModel, start: Array, scene: Scene, seed: int) -> None:
-        self.robot, self.scene = robot, scene
+    def __init__(self, robot: RobotModel, start: Array, scene: Scene, perception: Perception) -> None:
+        self.robot, self.scene, self._start = robot, scene, start
         self.clock = CycleClock()
         self.plant = MujocoPlant(robot, scene)
         self.plant.place(start)
         self.controller = Controller(robot, self.plant)
-        self.perception = SimulatedPerception(scene, seed)
+        self.perception = perception
         self._percepts: dict[str, Percept] = {}
         self._decision = cycles(DECISION_PERIOD)
         self._perceive = cycles(PERCEPTION_PERIOD)
+
+    def reset(self, perception: Perception) -> None:
+        """Begin a new run: the robot stands at the start, time is zero, nothing was seen."""
+        self.clock.cycle = 0
+        self.plant.place(self._start)
+        self.controller.reset()
+        self.perception = perception
+        self._percepts = {}
 
     def sense(self) -> tuple[State, dict[str, Percept]]:
         """Return the state and the latest percepts, for one tick of decision."""

@@ -17,6 +17,7 @@ from py_trees.common import Status
 from humanoid_bt.clock import DECISION_PERIOD
 from humanoid_bt.errors import HumanoidBtError, UserError, relative
 from humanoid_bt.messages import SIDES, Command, HandTarget, Mode, Side, State
+from humanoid_bt.plant.perception import SimulatedPerception
 from humanoid_bt.plant.scene import Scene, load_scene
 from humanoid_bt.record.recorder import Recorder
 from humanoid_bt.record.sinks import Sinks
@@ -93,7 +94,8 @@ class Run:
         self._scene = Scene(load_scene(scene_path), options.seed)
         options.sinks.check()
         model, start = load_robot(robot_path)
-        self._lockstep = Lockstep(model, start, self._scene, options.seed)
+        perception = SimulatedPerception(self._scene, options.seed)
+        self._lockstep = Lockstep(model, start, self._scene, perception)
         self._robot = Robot(model.config, self._lockstep.clock)
         self._executor = Executor(self.tree, self._robot, self._on_change)
         self._executor.setup()
@@ -281,9 +283,9 @@ class Run:
             self._lockstep.plant.model,
             self._lockstep.robot.joint_names,
             self._robot.config,
-            TreeView(tree.nodes, tree.source, relative(tree.path)),
-            options.sinks,
-            info,
+            tree=TreeView(tree.nodes, tree.source, relative(tree.path)),
+            sinks=options.sinks,
+            info=info,
         )
 
     def _report(self, outcome: str, reason: str, sim_time: float, wall_time: float) -> Report:

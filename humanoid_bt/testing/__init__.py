@@ -1,1 +1,9 @@
-"""The testing kit: a simulated robot for tests of one skill."""
+"""The testing kit: a pytest plugin with a real simulated robot for tests of one skill.
+
+    def test_reach_touches_what_it_sees(rig):
+        result = rig.run("reach", target=(0.4, 0.2, 0.9))
+        assert result.succeeded, result.feedback
+        assert rig.hand_distance("left", (0.4, 0.2, 0.9)) < 0.02
+
+The fixture :func:`rig` is there as soon as ``humanoid_bt`` is installed.
+"""

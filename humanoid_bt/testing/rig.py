@@ -1,0 +1,263 @@
+"""A real simulated robot on which one skill runs alone, in lockstep."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from py_trees.common import Status
+
+from humanoid_bt.clock import PERCEPTION_PERIOD
+from humanoid_bt.control.supervisor import Stop
+from humanoid_bt.errors import Place, UserError, nearest
+from humanoid_bt.messages import Array, Command, Mode, Percept, Side, State
+from humanoid_bt.params import PerceptName, item_of
+from humanoid_bt.plant.scene import Scene, load_scene
+from humanoid_bt.robot import Robot
+from humanoid_bt.session.lockstep import Lockstep, load_robot
+from humanoid_bt.tree.executor import Executor, NodeChange
+from humanoid_bt.tree.registry import NodeType, Registry
+from humanoid_bt.tree.tree import Node, Tree
+from humanoid_bt.workspace import Workspace
+
+_PLACE = Place("rig.run")
+
+
+@dataclass(frozen=True)
+class RigResult:
+    """What a skill did on the rig.
+
+    Attributes:
+        status: how it ended; RUNNING when the time was up.
+        feedback: the last thing it said.
+        time: how long it ran [s].
+        states: the state at every tick.
+        commands: the command of every tick.
+        changes: every change of the skill's status.
+        stops: every stop the supervisor ordered.
+    """
+
+    status: Status
+    feedback: str
+    time: float
+    states: list[State] = field(repr=False)
+    commands: list[Command] = field(repr=False)
+    changes: list[NodeChange] = field(repr=False)
+    stops: list[Stop]
+
+    @property
+    def succeeded(self) -> bool:
+        """Whether the skill ended with SUCCESS."""
+        return self.status is Status.SUCCESS
+
+    @property
+    def failed(self) -> bool:
+        """Whether the skill ended with FAILURE."""
+        return self.status is Status.FAILURE
+
+    @property
+    def fell(self) -> bool:
+        """Whether the robot fell."""
+        return any(stop.mode is Mode.DAMP for stop in self.stops)
+
+
+class ScriptedPerception:
+    """Percepts that a test dictates: exact positions, at 10 Hz, from any place in the world."""
+
+    def __init__(self) -> None:
+        self._seen: dict[str, tuple[Array, float]] = {}
+
+    def see(self, name: str, position: Any, confidence: float) -> None:
+        """Publish a thing at a position, shape (3,), world frame [m], from now on."""
+        self._seen[name] = (np.array(position, dtype=float), confidence)
+
+    def lose(self, name: str) -> None:
+        """Publish nothing of a thing from now on; its last percept grows old."""
+        self._seen.pop(name, None)
+
+    def observe(self, state: State) -> list[Percept]:
+        """Return what is published now, in the robot's base frame."""
+        w, x, y, z = state.base_quaternion
+        rotation = np.array(
+            [
+                [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+                [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+                [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+            ]
+        )
+        return [
+            Percept(name, state.time, rotation.T @ (position - state.base_position), confidence)
+            for name, (position, confidence) in self._seen.items()
+        ]
+
+
+class Rig:
+    """A simulated robot on an empty floor, for one skill at a time.
+
+    Nothing of the robot is faked: free base, contacts, torque limits, servo, supervisor. Only what it sees is
+    dictated by the test.
+
+    Args:
+        workspace: where skills are found.
+        robot: name of the robot.
+
+    Raises:
+        UserError: the robot or a skill has mistakes.
+    """
+
+    def __init__(self, workspace: Workspace, robot: str = "humanoid") -> None:
+        self.workspace = workspace
+        self._registry = Registry.of(workspace)
+        self._model, start = load_robot(workspace.find_robot(robot))
+        scene = Scene(load_scene(workspace.find_scene("empty")), seed=0)
+        self._perception = ScriptedPerception()
+        self._lockstep = Lockstep(self._model, start, scene, self._perception)
+        self._script: list[tuple[float, Callable[[], None]]] = []
+        self._silent_until = -math.inf
+        self.reset()
+
+    def reset(self) -> None:
+        """Stand at the origin, heading along x, at time zero, with nothing seen."""
+        self._perception = ScriptedPerception()
+        self._lockstep.reset(self._perception)
+        self._robot = Robot(self._model.config, self._lockstep.clock)
+        self._script = []
+        self._silent_until = -math.inf
+
+    # ---- what the test reads ----------------------------------------------------------------------------------------
+
+    @property
+    def time(self) -> float:
+        """Engine time [s]."""
+        return self._lockstep.clock.now()
+
+    @property
+    def state(self) -> State:
+        """The robot's state now."""
+        return self._lockstep.controller.state()
+
+    def hand_distance(self, side: Side, position: Any) -> float:
+        """Return how far a palm is from a position, shape (3,), world frame [m]."""
+        return float(np.linalg.norm(self.state.hands[side] - np.asarray(position, dtype=float)))
+
+    # ---- what the test dictates -------------------------------------------------------------------------------------
+
+    def see(self, name: str, position: Any, confidence: float = 0.95) -> None:
+        """Let the robot see a thing at a position, shape (3,), world frame [m], from now on."""
+        self._perception.see(name, position, confidence)
+
+    def lose(self, name: str) -> None:
+        """Let perception of a thing end: its last percept grows old."""
+        self._perception.lose(name)
+
+    def push(self, force: Any, duration: float = 0.1, body: str = "") -> None:
+        """Push a body (default: the torso) with a force, shape (3,), world frame [N], for a time [s]."""
+        self._lockstep.plant.push(body or self._model.config.torso, np.asarray(force, dtype=float), duration)
+
+    def raise_estop(self, reason: str = "raised by the test") -> None:
+        """Raise the emergency stop."""
+        self._lockstep.controller.supervisor.raise_estop("rig", reason)
+
+    def silence_decision(self, duration: float) -> None:
+        """Let no command reach control for a time [s], as if decision were stuck."""
+        self._silent_until = self.time + duration
+
+    def at(self, time: float, action: Callable[[], None]) -> None:
+        """Do something at an engine time [s], such as ``rig.at(1.0, lambda: rig.lose("target"))``."""
+        self._script.append((time, action))
+
+    # ---- running ----------------------------------------------------------------------------------------------------
+
+    def run(self, skill: str, *, timeout: float = 10.0, **values: Any) -> RigResult:
+        """Run one skill until it ends or the time is up; then it is halted.
+
+        Args:
+            skill: its name in trees.
+            timeout: longest simulated time [s].
+            values: its parameters. For a parameter that names a percept a position (x, y, z) may be given, world
+                frame [m]: the robot sees a thing there under the parameter's name.
+
+        Raises:
+            UserError: there is no such skill or parameter, or a value has the wrong type.
+            NodeError: the skill raised an exception.
+        """
+        tree = self._tree(skill, values)
+        changes: list[NodeChange] = []
+        executor = Executor(tree, self._robot, changes.append)
+        executor.setup()
+        states: list[State] = []
+        commands: list[Command] = []
+        begin = self.time
+        behaviour = tree.root
+        while True:
+            state, command = self._tick(executor)
+            states.append(state)
+            commands.append(command)
+            status, feedback = behaviour.status, behaviour.feedback_message
+            if status is not Status.RUNNING or self.time - begin >= timeout:
+                break
+            self._advance(command)
+        if status is Status.RUNNING:
+            executor.halt("the test's time is up")
+        stops = list(self._lockstep.controller.supervisor.stops)
+        return RigResult(status, feedback, self.time - begin, states, commands, changes, stops)
+
+    def settle(self, duration: float = 2.0) -> State:
+        """Let the robot come to rest with nothing commanded, for a time [s]; return the state then."""
+        until = self.time + duration
+        while self.time < until:
+            state, percepts = self._sense()
+            self._robot.begin_tick(state, percepts)
+            self._advance(self._robot.release_all())
+        return self.state
+
+    def _tick(self, executor: Executor) -> tuple[State, Command]:
+        state, percepts = self._sense()
+        return state, executor.tick(state, percepts)
+
+    def _sense(self) -> tuple[State, dict[str, Percept]]:
+        due = [entry for entry in self._script if entry[0] <= self.time + 1e-9]
+        self._script = [entry for entry in self._script if entry not in due]
+        for _, action in due:
+            action()
+        return self._lockstep.sense()
+
+    def _advance(self, command: Command) -> None:
+        self._lockstep.advance(None if self.time < self._silent_until else command)
+
+    def _tree(self, skill: str, values: dict[str, Any]) -> Tree:
+        node_type = self._registry.get(skill)
+        if node_type is None or node_type.kind != "skill":
+            known = [name for name, kind in self._registry.items() if kind.kind == "skill"]
+            raise UserError(f"no skill named {skill!r}", hint=nearest(skill, known))
+        converted = self._convert(node_type, values)
+        behaviour = node_type.cls(name=skill, **converted)
+        behaviour.path = skill  # type: ignore[attr-defined]
+        node = Node(skill, skill, node_type, converted, _PLACE, behaviour, -1)
+        return Tree(skill, node_type.doc, Path(_PLACE.file), None, None, {}, "", (node,))
+
+    def _convert(self, node_type: NodeType, values: dict[str, Any]) -> dict[str, Any]:
+        converted: dict[str, Any] = {}
+        for name, value in values.items():
+            spec = node_type.params.get(name)
+            if spec is None:
+                hint = nearest(name, node_type.params)
+                raise UserError(f"the skill {node_type.type_name!r} has no parameter {name!r}", hint=hint)
+            if spec.type is PerceptName and not isinstance(value, str):
+                self.see(name, value)
+                self._wait_for_perception()
+                converted[name] = name
+            else:
+                converted[name] = spec.convert(item_of(value, _PLACE))
+        return converted
+
+    def _wait_for_perception(self) -> None:
+        """Stand until perception runs next, so that what was just dictated is seen in the skill's first tick."""
+        while not self._lockstep.clock.due(round(PERCEPTION_PERIOD * 1000)):
+            state, percepts = self._sense()
+            self._robot.begin_tick(state, percepts)
+            self._advance(self._robot.release_all())

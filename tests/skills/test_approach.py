@@ -1,0 +1,59 @@
+"""The skill ``approach``, alone on the simulated robot."""
+
+import math
+
+import numpy as np
+import pytest
+
+from humanoid_bt.messages import Gait
+from humanoid_bt.testing.rig import Rig
+
+
+@pytest.mark.parametrize(("distance", "bearing"), [(1.0, 0.0), (0.9, 1.2)])
+def test_walks_up_to_the_target_and_faces_it(rig: Rig, distance: float, bearing: float) -> None:
+    target = np.array([distance * math.cos(bearing), distance * math.sin(bearing), 0.9])
+    result = rig.run("approach", target=target, distance=0.4, timeout=15)
+    assert result.succeeded, result.feedback
+    x, y, heading = rig.state.stance
+    assert math.hypot(target[0] - x, target[1] - y) == pytest.approx(0.4, abs=0.08)
+    assert math.atan2(target[1] - y, target[0] - x) == pytest.approx(heading, abs=0.13)
+    assert not result.stops
+
+
+def test_succeeds_at_once_when_it_is_there(rig: Rig) -> None:
+    rig.settle(0.5)
+    result = rig.run("approach", target=(0.4, 0.0, 0.9), distance=0.4)
+    assert result.succeeded
+    assert result.time < 0.5
+    assert all(state.gait is Gait.STAND for state in result.states)
+
+
+def test_looks_at_the_target_while_it_walks(rig: Rig) -> None:
+    target = np.array([1.0, 0.5, 0.9])
+    result = rig.run("approach", target=target, timeout=3)
+    to_target = target - result.states[-1].gaze_position
+    aligned = result.states[-1].gaze_direction @ to_target / np.linalg.norm(to_target)
+    assert aligned > math.cos(math.radians(12))
+
+
+def test_stops_within_a_step_when_halted(rig: Rig) -> None:
+    result = rig.run("approach", target=(3.0, 0.0, 0.9), timeout=3)
+    assert result.states[-1].gait is Gait.STEP
+    where = rig.state.stance[0]
+    settled = rig.settle(2.5)
+    assert settled.base_settled
+    assert settled.stance[0] - where < 0.35
+
+
+def test_follows_a_target_that_moves(rig: Rig) -> None:
+    rig.at(1.5, lambda: rig.see("target", (0.9, 0.6, 0.9)))
+    result = rig.run("approach", target=(1.0, 0.0, 0.9), distance=0.4, timeout=15)
+    assert result.succeeded, result.feedback
+    x, y, _ = rig.state.stance
+    assert math.hypot(0.9 - x, 0.6 - y) == pytest.approx(0.4, abs=0.08)
+
+
+def test_fails_when_the_target_was_never_seen(rig: Rig) -> None:
+    result = rig.run("approach", target="nothing")
+    assert result.failed
+    assert "nothing was never seen" in result.feedback

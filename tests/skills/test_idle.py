@@ -1,0 +1,37 @@
+"""The skill ``idle``, alone on the simulated robot."""
+
+import math
+
+import numpy as np
+import pytest
+from py_trees.common import Status
+
+from humanoid_bt.messages import Gait
+from humanoid_bt.testing.rig import Rig
+
+
+def test_stands_where_it_is(rig: Rig) -> None:
+    start = rig.state.stance.copy()
+    result = rig.run("idle", timeout=6)
+    assert result.status is Status.RUNNING
+    assert np.linalg.norm(rig.state.stance[:2] - start[:2]) < 0.005
+    assert all(state.gait is Gait.STAND for state in result.states)
+
+
+def test_looks_to_both_sides_ever_wider(rig: Rig) -> None:
+    result = rig.run("idle", timeout=9)
+    yaw = [math.atan2(state.gaze_direction[1], state.gaze_direction[0]) for state in result.states]
+    first, second = max(yaw[:225]), -min(yaw[225:])
+    assert 0.3 < first < second
+
+
+def test_breathes(rig: Rig) -> None:
+    result = rig.run("idle", look_around=False, breath=0.01, timeout=4)
+    heights = [state.com[2] for state in result.states]
+    assert max(heights) - min(heights) == pytest.approx(0.01, abs=0.004)
+
+
+def test_stands_up_again_when_halted(rig: Rig) -> None:
+    height = rig.state.com[2]
+    rig.run("idle", breath=0.02, timeout=2)
+    assert rig.settle(1.5).com[2] == pytest.approx(height, abs=0.002)

@@ -1,0 +1,66 @@
+"""The skill ``reach``, alone on the simulated robot."""
+
+import numpy as np
+import pytest
+
+from humanoid_bt.messages import Side
+from humanoid_bt.testing.rig import Rig
+
+
+@pytest.mark.parametrize(
+    ("target", "side"),
+    [((0.40, 0.15, 0.95), "left"), ((0.42, -0.10, 0.62), "right"), ((0.35, -0.25, 1.05), "right")],
+)
+def test_brings_the_nearest_palm_to_the_target(rig: Rig, target: tuple[float, ...], side: Side) -> None:
+    result = rig.run("reach", target=target)
+    assert result.succeeded, result.feedback
+    assert rig.hand_distance(side, target) < 0.02
+    assert not result.stops
+
+
+def test_uses_the_hand_it_is_told(rig: Rig) -> None:
+    target = (0.40, 0.05, 0.9)
+    result = rig.run("reach", target=target, hand="right")
+    assert result.succeeded, result.feedback
+    assert rig.hand_distance("right", target) < 0.02
+    assert all("left_hand" not in command.targets for command in result.commands)
+
+
+def test_follows_a_target_that_moves(rig: Rig) -> None:
+    rig.at(1.0, lambda: rig.see("target", (0.40, 0.20, 0.85)))
+    result = rig.run("reach", target=(0.40, 0.10, 1.0))
+    assert result.succeeded, result.feedback
+    assert rig.hand_distance("left", (0.40, 0.20, 0.85)) < 0.02
+
+
+def test_says_how_near_it_came_when_the_target_is_out_of_reach(rig: Rig) -> None:
+    result = rig.run("reach", target=(0.9, 0.2, 0.9), timeout=12)
+    assert result.failed
+    assert "comes no nearer than" in result.feedback
+    assert not result.fell
+
+
+def test_takes_the_hand_back_and_stands_when_halted(rig: Rig) -> None:
+    rest = rig.state.hands["left"].copy()
+    rig.run("reach", target=(0.40, 0.20, 0.95), timeout=1.2)
+    assert np.linalg.norm(rig.state.hands["left"] - rest) > 0.15
+    settled = rig.settle(2.5)
+    assert settled.base_settled
+    assert np.linalg.norm(settled.hands["left"] - rest) < 0.03
+
+
+def test_waits_for_a_steady_base(rig: Rig) -> None:
+    rig.run("approach", target=(2.0, 0.0, 0.9), timeout=2)
+    rig.see("thing", (0.8, 0.1, 0.9))
+    result = rig.run("reach", target="thing", timeout=0.3)
+    assert result.feedback == "waiting for a steady base"
+    assert not any("left_hand" in c.targets or "right_hand" in c.targets for c in result.commands)
+
+
+def test_survives_an_emergency_stop_with_the_arm_out(rig: Rig) -> None:
+    rig.at(1.0, rig.raise_estop)
+    rig.run("reach", target=(0.40, 0.20, 0.95), timeout=1.5)
+    before = rig.state.hands["left"].copy()
+    settled = rig.settle(1.5)
+    assert settled.mode.value == "emergency_stop"
+    assert np.linalg.norm(settled.hands["left"] - before) < 0.02
