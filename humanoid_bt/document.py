@@ -94,7 +94,8 @@ def parse(text: str, name: str, problems: list[Problem] | None = None) -> Item:
     except yaml.reader.ReaderError as error:
         before = text[: error.position]
         place = Place(name, before.count("\n") + 1, len(before) - before.rfind("\n"))
-        raise UserError(f"not valid YAML: the character {error.character!r} is not allowed", place) from error
+        code = ord(text[error.position])
+        raise UserError(f"not valid YAML: the character U+{code:04X} is not allowed", place) from error
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         what = " ".join(part for part in (error.context, error.problem) if part)

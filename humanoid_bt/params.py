@@ -151,6 +151,11 @@ def assign(target: Any, values: Mapping[str, Any]) -> None:
         setattr(target, name, values[name] if name in values else copy.copy(spec.default))
 
 
+def is_number_text(text: str) -> bool:
+    """Return whether text is a number that YAML 1.1 takes for text (``1e-3``)."""
+    return _EXPONENT.match(text) is not None
+
+
 def base_unit(text: str) -> str | None:
     """Return the SI unit of a written quantity ("45 cm" -> "m"), None if it is none."""
     match = _QUANTITY.match(text)
@@ -310,7 +315,7 @@ def _convert_number(kind: Any, item: Item, spec: Param) -> float | int:
             valid = ", ".join(allowed) if allowed else "a plain number"
             raise UserError(f"{spec.name!r} has the unit {match[2]!r}", item.place, f"valid: {valid}")
         value = float(match[1]) * allowed[match[2]]
-    elif isinstance(value, str) and _EXPONENT.match(value):
+    elif isinstance(value, str) and is_number_text(value):
         value = float(value)
     if not _is_number(value):
         raise _wrong(item, spec, kind)

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+import difflib
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 from humanoid_bt import document
 from humanoid_bt.document import Item
 from humanoid_bt.errors import Place, Problem, UserError, nearest
-from humanoid_bt.params import UNITS, Param, PerceptName, base_unit, item_of, param, read
+from humanoid_bt.params import UNITS, Param, PerceptName, base_unit, is_number_text, item_of, param, read
 
 TYPES: dict[str, Any] = {
     "number": float,
@@ -94,6 +95,7 @@ class Parameters:
             return None
         name = item.value[1:]
         if name not in self._known:
+            self._used.update(difflib.get_close_matches(name, self._known, n=1))  # one mistake, not two
             hint = nearest(name, self._known) or "the tree declares no parameters"
             raise UserError(f"unknown parameter {item.value!r}", item.place, hint)
         self._used.add(name)
@@ -130,7 +132,9 @@ class Parameters:
         origin = self._origins.get(problem.place) if problem.place else None
         if origin is None:
             return problem
-        return Problem(problem.message, problem.place, "; ".join(part for part in (problem.hint, origin) if part))
+        return Problem(
+            problem.message, problem.place, "; ".join(part for part in (problem.hint.rstrip("."), origin) if part)
+        )
 
     def report_unused(self) -> None:
         """Note a problem for every parameter that no node uses."""
@@ -148,6 +152,8 @@ class Parameters:
             self._known[name] = Parameter(spec, place)  # so that its uses are no mistakes if its value is one
             if name in overrides:
                 override = _set_place(name, overrides)
+                if spec.type is float and not spec.unit:
+                    spec = replace(spec, unit=base_unit(overrides[name]) or "")
                 value = spec.convert(_override(spec, overrides[name], override))
                 self._known[name] = Parameter(spec, place, value, True, override)
             elif default is not None:
@@ -187,7 +193,7 @@ def _declaration(name: str, item: Item) -> tuple[Param, Item | None]:
 def _inferred(name: str, default: Item) -> Param:
     if isinstance(default.value, str):
         unit = base_unit(default.value)  # "45 cm" is a number with a unit
-        return Param(name, float, unit=unit) if unit else Param(name, str)
+        return Param(name, float, unit=unit or "") if unit or is_number_text(default.value) else Param(name, str)
     kinds = {bool: bool, int: float, float: float}  # 1 may become 0.5 with --set
     return Param(name, kinds.get(type(default.value), Any))
 

@@ -162,8 +162,9 @@ class Reader:
     def _resolved(self, spec: Param, item: Item) -> Item | None:
         try:
             parameter = self._parameters.used(item)
-            if parameter and parameter.spec.unit and spec.unit and parameter.spec.unit != spec.unit:
-                message = f"{spec.name!r} is in {spec.unit}, {item.value} in {parameter.spec.unit}"
+            if parameter and parameter.spec.unit and parameter.spec.unit != spec.unit:
+                wanted = f"in {spec.unit}" if spec.unit else f"a {spec.type_name} without a unit"
+                message = f"{spec.name!r} is {wanted}, {item.value} in {parameter.spec.unit}"
                 raise UserError(message, item.place, f"{item.value} is declared at {parameter.place}")
             return self._parameters.resolve(item)
         except UserError as error:

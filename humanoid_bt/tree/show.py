@@ -14,6 +14,7 @@ from humanoid_bt.tree.tree import Node, Tree
 MARKS = {Status.SUCCESS: "✓", Status.FAILURE: "✗", Status.RUNNING: "▶", Status.INVALID: "○"}
 """How a status is shown."""
 
+_GLUE = "\N{NO-BREAK SPACE}"
 _SHAPES = {"composite": "box", "decorator": "ellipse", "condition": "diamond", "skill": "component"}
 
 
@@ -23,7 +24,8 @@ def parameter_text(node: Node) -> str:
     for name, value in node.values.items():
         spec = node.type.params[name]
         if spec.required or value != spec.default:
-            shown.append(f"{name}: {_value_text(value)}{' ' + spec.unit if spec.unit else ''}")
+            unit = f" {spec.unit}" if spec.unit and value is not None else ""
+            shown.append(f"{name}: {_value_text(value)}{unit}")
     return ", ".join(shown)
 
 
@@ -52,11 +54,7 @@ def unicode_tree(tree: Tree, statuses: Mapping[str, Status] | None = None, width
         inner = children.get(index, [])
         hanging = below + ("│    " if inner else "     ")
         text = f"{label}  {parameters}" if (parameters := parameter_text(node)) else label
-        room = max(width - len(hanging), 24)
-        first, *rest = textwrap.wrap(text, max(width - len(head), 24), break_long_words=False) or [""]
-        lines.append(head + first)
-        if rest:
-            lines.extend(hanging + line for line in textwrap.wrap(" ".join(rest), room, break_long_words=False))
+        lines.extend(_wrapped(text, head, hanging, width))
         for child in inner:
             draw(child, below, child == inner[-1])
 
@@ -81,6 +79,21 @@ def dot_tree(tree: Tree) -> str:
             label = f" [label={_quoted(node.branch)}, style=dashed]" if node.branch else ""
             lines.append(f"  n{node.parent} -> n{index}{label};")
     return "\n".join([*lines, "}"]) + "\n"
+
+
+def _wrapped(text: str, first: str, others: str, width: int) -> list[str]:
+    """Break a line between parameters where it is too long for the width."""
+    label, gap, parameters = text.partition("  ")
+    glued = [piece.replace(" ", _GLUE) for piece in (label, *parameters.split(", "))]
+    lines = textwrap.wrap(
+        glued[0] + gap + ", ".join(glued[1:]),
+        width,
+        initial_indent=first,
+        subsequent_indent=others,
+        break_long_words=False,
+        break_on_hyphens=False,
+    )
+    return [line.replace(_GLUE, " ") for line in lines]
 
 
 def _value_text(value: Any) -> str:
