@@ -25,7 +25,7 @@ from humanoid_bt.skill import Skill, node_type_name
 from humanoid_bt.workspace import Workspace
 
 _SOURCE = "__humanoid_bt_source__"
-_TAKEN = frozenset((*dir(Dummy()), *dir(Skill), "path", "robot", "halt_reason"))
+_TAKEN = frozenset((*dir(Dummy("node")), *dir(Skill), "path", "robot", "halt_reason"))
 """Attributes that a node has already; a parameter of that name would break it."""
 
 
