@@ -96,7 +96,7 @@ def _joints(group: str) -> Any:
     return rrb.Vertical(
         rrb.TimeSeriesView(
             name=f"{group}: position against setpoint [rad]",
-            contents=[f"{path}/setpoint", f"{path}/position", f"{path}/limit"],
+            contents=[f"{path}/setpoint", f"{path}/position", f"{path}/soft_limit"],
         ),
         rrb.TimeSeriesView(name=f"{group}: torque [Nm]", contents=[f"{path}/torque"]),
         row_shares=[3, 2],
