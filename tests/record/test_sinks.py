@@ -6,6 +6,8 @@ import errno
 import socket
 import subprocess
 import sys
+import urllib.request
+from collections.abc import Callable
 from pathlib import Path
 from typing import NoReturn
 
@@ -13,7 +15,9 @@ import pytest
 
 from humanoid_bt.errors import UserError
 from humanoid_bt.record import sinks
+from humanoid_bt.record.recorder import Recorder
 from humanoid_bt.record.sinks import Sinks
+from tests.record.helpers import rows
 
 
 def test_a_missing_folder_is_named_with_the_remedy(tmp_path: Path) -> None:
@@ -71,6 +75,42 @@ def test_a_port_in_use_is_named(offset: int) -> None:
 def test_a_port_that_cannot_be_is_refused(port: int) -> None:
     with pytest.raises(UserError, match="does not exist"):
         Sinks(serve=port).check()
+
+
+def listens(address: str, port: int) -> bool:
+    try:
+        socket.create_connection((address, port), timeout=1.0).close()
+    except OSError:
+        return False
+    return True
+
+
+def free_pair() -> int:
+    for port in range(20000, 30000, 2):
+        try:
+            Sinks(serve=port).check()
+        except UserError:
+            continue
+        return port
+    raise AssertionError("no free ports")
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="other systems have only one loopback address")
+def test_the_web_viewer_is_served_on_loopback_only_and_ends_with_the_run(
+    record: Callable[..., Recorder], tmp_path: Path
+) -> None:
+    port = free_pair()
+    with record(sinks=Sinks(tmp_path / "run.rrd", serve=port)) as recorder:
+        recorder.event(0.0, "info", "started")
+        assert recorder.url.startswith(f"http://127.0.0.1:{port}?url=")
+        with urllib.request.urlopen(recorder.url) as page:
+            assert b"rerun" in page.read().lower()
+        # Whoever binds all addresses also answers on the other loopback ones.
+        for used in (port, port + 1):
+            assert listens("127.0.0.1", used)
+            assert not listens("127.0.0.2", used)
+    assert not listens("127.0.0.1", port)
+    assert rows(tmp_path / "run.rrd", "/events/run", "TextLog:text") == [(0.0, ["started"])]
 
 
 def test_importing_the_package_does_not_import_the_viewer() -> None:
