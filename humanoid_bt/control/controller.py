@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Protocol
 
+import numpy as np
+
 from humanoid_bt.clock import WHOLE_BODY_PERIOD, cycles
 from humanoid_bt.control.servo import Servo
 from humanoid_bt.control.supervisor import Supervisor
@@ -59,13 +61,13 @@ class Controller:
         self.whole_body = WholeBody(robot)
         self.servo = Servo(robot)
         self._whole_body_period = cycles(WHOLE_BODY_PERIOD)
-        self.cycle = 0
-        self._measurement = plant.measure()
         self.reset()
 
     def reset(self) -> None:
         """Start a run with the robot standing as the plant has it."""
         self.cycle = 0
+        self._setpoint_fault = ""
+        self._limp = False
         self._measurement = self._plant.measure()
         self.whole_body.reset(self._measurement)
         self.servo.reset(self._measurement.qpos[BASE_COORDINATES:])
@@ -79,22 +81,30 @@ class Controller:
         """Run one servo cycle."""
         supervisor = self.supervisor
         measurement = self._measurement
-        supervisor.check(self.cycle, measurement, self.whole_body.solved)
+        supervisor.check(self.cycle, measurement, self._setpoint_fault)
         if supervisor.mode is Mode.DAMP:
             self.servo.damp()
+            self._limp = True
+            self._setpoint_fault = ""
         elif self.cycle % self._whole_body_period == 0:
+            if self._limp:
+                self._stand_up(measurement)
             self._plan(measurement)
         self._plant.step(self.servo.command)
         self.cycle += 1
         self._measurement = self._plant.measure()
 
     def _plan(self, measurement: Measurement) -> None:
-        supervisor = self.supervisor
-        setpoint = self.whole_body.update(measurement, supervisor.targets, supervisor.hold)
-        try:
-            self.servo.follow(setpoint)
-        except ValueError:
-            self.servo.hold()
+        supervisor, body = self.supervisor, self.whole_body
+        setpoint = body.update(measurement, supervisor.targets, supervisor.hold)
+        refused = self.servo.follow(setpoint)
+        self._setpoint_fault = refused or ("" if body.solved else "inverse kinematics without a solution")
+
+    def _stand_up(self, measurement: Measurement) -> None:
+        """Stiffen limp joints where they are: the setpoints from before the fall would be a blow."""
+        self.whole_body.restart(measurement)
+        self.servo.reset(measurement.qpos[BASE_COORDINATES:])
+        self._limp = False
 
     def state(self) -> State:
         """Return a snapshot of everything."""
@@ -109,7 +119,7 @@ class Controller:
             cycle=self.cycle,
             joint_positions=measurement.qpos[BASE_COORDINATES:].copy(),
             joint_velocities=measurement.qvel[BASE_DOFS:].copy(),
-            joint_torques=measurement.joint_torque,
+            joint_torques=measurement.joint_torque.copy(),
             setpoint_positions=joint_command.position.copy(),
             setpoint_velocities=joint_command.velocity.copy(),
             base_position=measurement.qpos[:3].copy(),
@@ -134,10 +144,14 @@ class Controller:
             command_sources=command.sources if command else {},
             targets=supervisor.targets,
             hand_errors=self._hand_errors(dynamics.hands),
-            limit_flags=tuple(
-                name for name, flag in zip(self._robot.joint_names, self.servo.limited, strict=True) if flag
-            ),
+            limit_flags=self._limit_flags(),
         )
+
+    def _limit_flags(self) -> tuple[str, ...]:
+        """Return the joints whose setpoint was clamped or whose drive gives all the torque it has."""
+        robot = self._robot
+        limited = self.servo.limited | (np.abs(self._measurement.joint_torque) >= robot.torque_limit)
+        return tuple(robot.joint_names[i] for i in np.flatnonzero(limited))
 
     def _hand_errors(self, hands: dict[Side, Array]) -> dict[Side, float]:
         errors: dict[Side, float] = {}

@@ -1,4 +1,7 @@
-"""References of hands, gaze, posture and height: they follow targets at limited speed, and come to rest when released."""
+"""References of hands, gaze and posture.
+
+They follow targets at limited speed, and come to rest when released.
+"""
 
 from __future__ import annotations
 

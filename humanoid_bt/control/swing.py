@@ -49,6 +49,7 @@ class Swing:
         sole: SoleConfig,
         omega: float,
         dt: float,
+        *,
         side: Side,
         start: Array,
         foothold: Array,
