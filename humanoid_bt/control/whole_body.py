@@ -148,17 +148,16 @@ class WholeBody:
         walker = self.walker
         heading = float(walker.stance[2])
         hands = self._hand_positions(targets, hold)
-        self._reaching += (float(bool(hands)) - self._reaching) * min(1.0, self._dt / _BLEND_TIME)
         gaze = targets.get("gaze")
         point = gaze.point if isinstance(gaze, GazeTarget) else None
         self._gaze.update(point, hold, self.dynamics.gaze_position, heading)
         if not hold:
+            self._reaching += (float(bool(hands)) - self._reaching) * min(1.0, self._dt / _BLEND_TIME)
             posture = targets.get("posture")
             wanted = posture.height if isinstance(posture, PostureTarget) else 0.0
             self._height = approach(self._height, wanted, self._robot.config.whole_body.height_speed * self._dt)
-        x, y = self._stabilizer.com_reference
-        if not hold:
             self._posture.update()
+        x, y = self._stabilizer.com_reference
         return BodyTargets(
             com=np.array([x, y, self._home_height + self._height]),
             soles=walker.foot_reference,
