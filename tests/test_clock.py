@@ -21,7 +21,7 @@ def test_durations_count_in_servo_cycles() -> None:
 
 @pytest.mark.parametrize("seconds", [0.0005, 0.0204, 1 / 3])
 def test_a_duration_between_cycles_is_refused(seconds: float) -> None:
-    with pytest.raises(ValueError, match="whole number of servo periods of 0.001 s"):
+    with pytest.raises(ValueError, match=r"whole number of servo periods of 0\.001 s"):
         cycles(seconds)
 
 

@@ -85,8 +85,9 @@ class RobotModel:
         config = self.config
         spec = _read(config)
         _check_names(spec, config)
-        for key in list(spec.keys):
-            spec.delete(key)  # their size no longer fits once a scene is added
+        # keyframes no longer fit once a scene is added; sensors may read actuators that are replaced
+        for element in [*spec.keys, *spec.sensors]:
+            spec.delete(element)
         _add_drives(spec, config)
         for side in SIDES:
             _add_site(spec, sole_site(side), config.legs[side].sole)

@@ -29,7 +29,11 @@ def standing_load(robot: RobotModel, dynamics: RobotDynamics, left: float = 0.5)
 
 
 def torques(
-    robot: RobotModel, dynamics: RobotDynamics, load: Load, position: Array | None = None, acceleration: Array | None = None
+    robot: RobotModel,
+    dynamics: RobotDynamics,
+    load: Load,
+    position: Array | None = None,
+    acceleration: Array | None = None,
 ) -> Array:
     joints = dynamics.data.qpos[BASE_COORDINATES:].copy()
     still = np.zeros(robot.model.nv)

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -15,8 +16,8 @@ ORIGIN = np.zeros(3)
 NO_CONTACT = 0.10  # m between the feet's centres; the built-in soles are 0.09 m wide
 GOALS = [
     np.array([distance * math.cos(bearing), distance * math.sin(bearing), heading])
-    for distance, bearing, heading in np.random.default_rng(0).uniform([0, -math.pi, -math.pi], [3, math.pi, math.pi], (25, 3))
-]  # fmt: skip
+    for distance, bearing, heading in np.random.default_rng(0).uniform([0, -3, -3], [3, 3, 3], (25, 3))
+]
 
 
 @pytest.fixture
@@ -41,7 +42,7 @@ def walk(planner: FootstepPlanner, goal: Array) -> list[Footstep]:
 def test_a_walk_reaches_its_goal_in_steps_that_the_robot_can_make(planner: FootstepPlanner, goal: Array) -> None:
     made = walk(planner, goal)
     assert planner.arrived(planner.stance_beside(made[-1].side, made[-1].pose), goal)
-    for before, step in zip(made, made[1:], strict=False):
+    for before, step in pairwise(made):
         assert step.side == OTHER[before.side]
         start = planner.stance_beside(before.side, before.pose)
         end = planner.stance_beside(step.side, step.pose)
@@ -101,6 +102,8 @@ def test_a_goal_beside_makes_it_sidestep_without_turning(planner: FootstepPlanne
     np.testing.assert_allclose(after, [-0.05, GAIT.step_sideways, 0])
 
 
-@pytest.mark.parametrize(("goal", "side"), [([2, 1, 0], "left"), ([2, -1, 0], "right"), ([0, 0, 1], "left"), ([0, 0, -1], "right")])  # fmt: skip
+@pytest.mark.parametrize(
+    ("goal", "side"), [([2, 1, 0], "left"), ([2, -1, 0], "right"), ([0, 0, 1], "left"), ([0, 0, -1], "right")]
+)
 def test_the_foot_inside_the_turn_steps_first(planner: FootstepPlanner, goal: list[float], side: str) -> None:
     assert planner.first_swing(ORIGIN, np.array(goal, dtype=float)) == side

@@ -92,7 +92,7 @@ def test_the_standing_posture_is_symmetric_upright_and_inside_the_soft_limits(
 def test_the_centre_of_mass_moves_and_the_feet_stay(
     robot: RobotModel, standing: Array, kinematics: InverseKinematics
 ) -> None:
-    goal = Pose(robot, standing).com + [0.02, 0.04, -0.03]
+    goal = Pose(robot, standing).com + np.array([0.02, 0.04, -0.03])
     wanted = targets(robot, standing, com=goal)
     for _ in range(200):
         assert kinematics.step(wanted)
@@ -154,7 +154,7 @@ def test_without_a_solution_it_holds_and_says_so(
 
 
 def test_the_planned_motion_is_reported(robot: RobotModel, standing: Array, kinematics: InverseKinematics) -> None:
-    wanted = targets(robot, standing, com=Pose(robot, standing).com + [0, 0.05, 0])
+    wanted = targets(robot, standing, com=Pose(robot, standing).com + np.array([0, 0.05, 0]))
     before = kinematics.joints.copy()
     kinematics.step(wanted)
     np.testing.assert_allclose(kinematics.velocity[6:] * DT, kinematics.joints - before, atol=1e-9)

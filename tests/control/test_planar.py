@@ -10,8 +10,16 @@ from humanoid_bt.control.planar import ahead, inside, middle, rotate, seen_from,
 
 @pytest.mark.parametrize(
     ("angle", "wrapped"),
-    [(0, 0), (3, 3), (-3, -3), (math.pi, -math.pi), (2 * math.pi + 0.1, 0.1), (-2 * math.pi - 0.1, -0.1), (7 * math.pi, -math.pi)],
-)  # fmt: skip
+    [
+        (0, 0),
+        (3, 3),
+        (-3, -3),
+        (math.pi, -math.pi),
+        (7 * math.pi, -math.pi),
+        (6.4, 6.4 - 2 * math.pi),
+        (-4, 2 * math.pi - 4),
+    ],
+)
 def test_wrap_keeps_the_direction(angle: float, wrapped: float) -> None:
     assert wrap(angle) == pytest.approx(wrapped)
 

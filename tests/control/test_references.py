@@ -40,9 +40,9 @@ def test_near_the_target_a_measured_error_is_corrected_up_to_a_bound() -> None:
     last = follow(hand, 160, sag)[-1]
     np.testing.assert_allclose(last, TARGET, atol=0.08)
     for _ in range(2000):
-        bounded = hand.update(TARGET, False, TARGET + [0, 0, -0.5], PALM)
+        bounded = hand.update(TARGET, False, TARGET + np.array([0, 0, -0.5]), PALM)
     assert bounded is not None
-    np.testing.assert_allclose(bounded, TARGET + [0, 0, 0.05], atol=1e-6)
+    np.testing.assert_allclose(bounded, TARGET + np.array([0, 0, 0.05]), atol=1e-6)
 
 
 def test_the_correction_takes_a_steady_sag_out() -> None:

@@ -88,7 +88,7 @@ def test_an_accepted_command_is_in_force(run: Run) -> None:
     assert not run.supervisor.hold
 
 
-# ---- emergency stop ---------------------------------------------------------------------------------------------------
+# ---- emergency stop -------------------------------------------------------------------------------------------------
 
 
 def test_an_emergency_stop_is_latched_until_reset(run: Run) -> None:
@@ -145,7 +145,7 @@ def test_a_reset_cannot_clear_a_stop_that_no_cycle_has_seen(run: Run) -> None:
     assert run.mode is Mode.EMERGENCY_STOP
 
 
-# ---- silent decision --------------------------------------------------------------------------------------------------
+# ---- silent decision ------------------------------------------------------------------------------------------------
 
 
 def test_silent_decision_is_a_protective_stop_until_fresh_commands_come(run: Run) -> None:
@@ -181,7 +181,7 @@ def test_a_requested_stop_stays_whatever_decision_sends(run: Run) -> None:
     assert (run.supervisor.reason, run.supervisor.source) == ("it failed", "the tree")
 
 
-# ---- commands that are not intact -------------------------------------------------------------------------------------
+# ---- commands that are not intact -----------------------------------------------------------------------------------
 
 GOOD = np.array([0.4, 0.1, 0.9])
 
@@ -246,7 +246,7 @@ def test_junk_is_refused(run: Run, junk: Any) -> None:
     assert "malformed" in run.supervisor.rejected[-1]
 
 
-# ---- no valid setpoint ------------------------------------------------------------------------------------------------
+# ---- no valid setpoint ----------------------------------------------------------------------------------------------
 
 
 def test_no_valid_setpoint_for_a_while_is_a_protective_stop_until_there_is_one(run: Run) -> None:
@@ -268,7 +268,7 @@ def test_a_solution_in_between_starts_the_count_again(run: Run) -> None:
     assert run.supervisor.stops == []
 
 
-# ---- falling ----------------------------------------------------------------------------------------------------------
+# ---- falling --------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -308,7 +308,7 @@ def test_reset_is_refused_while_the_robot_lies(run: Run) -> None:
     assert run.mode is Mode.RUN
 
 
-# ---- precedence and records -------------------------------------------------------------------------------------------
+# ---- precedence and records -----------------------------------------------------------------------------------------
 
 
 def test_an_emergency_stop_outranks_a_protective_stop(run: Run) -> None:

@@ -23,9 +23,16 @@ DCM_END = np.array([0.10, 0.02])  # planned at touchdown
 def swing_of(side: Side = "left") -> Swing:
     mirror = np.array([1, 1, 1]) if side == "left" else np.array([1, -1, -1])
     return Swing(
-        GAIT, SOLE, OMEGA, DT,
-        side=side, start=START * mirror, foothold=FOOTHOLD * mirror, support=SUPPORT * mirror, dcm_end=DCM_END * mirror[:2],
-    )  # fmt: skip
+        GAIT,
+        SOLE,
+        OMEGA,
+        DT,
+        side=side,
+        start=START * mirror,
+        foothold=FOOTHOLD * mirror,
+        support=SUPPORT * mirror,
+        dcm_end=DCM_END * mirror[:2],
+    )
 
 
 def planned_dcm(elapsed: int) -> Array:
@@ -122,7 +129,7 @@ def test_it_hurries_when_the_foot_would_have_to_cross_the_other() -> None:
     assert swing.rate == 1
 
 
-# ---- the swing foot stays level with the ground when the base tilts ---------------------------------------------------
+# ---- the swing foot stays level with the ground when the base tilts -------------------------------------------------
 
 UPRIGHT = np.array([0.0, 0, 0.7, 1, 0, 0, 0])
 

@@ -20,11 +20,17 @@ class Ideal:
 
     def __init__(self) -> None:
         self.walker = Walker(GAIT, SOLE, DT)
-        self.walker.reset({side: ahead(np.zeros(3), 0, sign * 0.09) for side, sign in zip(SIDES, (1, -1), strict=True)}, OMEGA)
+        self.walker.reset(
+            {side: ahead(np.zeros(3), 0, sign * 0.09) for side, sign in zip(SIDES, (1, -1), strict=True)}, OMEGA
+        )
         self.gaits: list[Gait] = []
 
     def go(
-        self, seconds: float, goal: Array | None = None, error: Array | None = None, force: dict[Side, float] | None = None
+        self,
+        seconds: float,
+        goal: Array | None = None,
+        error: Array | None = None,
+        force: dict[Side, float] | None = None,
     ) -> None:
         walker = self.walker
         for _ in range(round(seconds / DT)):
@@ -119,7 +125,7 @@ def test_references_of_the_feet_never_jump(ideal: Ideal) -> None:
 
 def test_a_standing_foot_that_slips_is_followed_slowly(ideal: Ideal) -> None:
     walker = ideal.walker
-    slipped = {side: pose + [0.02, 0, 0.1] for side, pose in walker.foot_reference.items()}
+    slipped = {side: pose + np.array([0.02, 0, 0.1]) for side, pose in walker.foot_reference.items()}
     walker.update(None, np.zeros(2), np.zeros(2), slipped, NO_FORCE)
     assert 0 < walker.foot_reference["left"][0] < 0.002
     for _ in range(100):
@@ -129,8 +135,14 @@ def test_a_standing_foot_that_slips_is_followed_slowly(ideal: Ideal) -> None:
 
 @pytest.mark.parametrize(
     ("error", "steps", "side"),
-    [([0.05, 0], False, ""), ([0.11, 0], True, ""), ([0, 0.10], False, ""), ([0, 0.16], True, "left"), ([0, -0.16], True, "right")],
-)  # fmt: skip
+    [
+        ([0.05, 0], False, ""),
+        ([0.11, 0], True, ""),
+        ([0, 0.10], False, ""),
+        ([0, 0.16], True, "left"),
+        ([0, -0.16], True, "right"),
+    ],
+)
 def test_a_push_beyond_the_feet_makes_a_standing_robot_step(
     ideal: Ideal, error: list[float], steps: bool, side: str
 ) -> None:
