@@ -1,4 +1,7 @@
-"""One servo cycle: measure, supervise, every fifth cycle plan the whole body, drive the joints."""
+"""One servo cycle: measure, supervise, every fifth cycle plan the whole body, drive the joints.
+
+A stop does not wait for the fifth cycle: the whole body is planned anew in the cycle in which the supervisor orders it.
+"""
 
 from __future__ import annotations
 
@@ -68,6 +71,8 @@ class Controller:
         self.cycle = 0
         self._setpoint_fault = ""
         self._limp = False
+        self._held = False
+        self._next_plan = 0  # cycle
         self._measurement = self._plant.measure()
         self.whole_body.reset(self._measurement)
         self.servo.reset(self._measurement.qpos[BASE_COORDINATES:])
@@ -86,10 +91,12 @@ class Controller:
             self.servo.damp()
             self._limp = True
             self._setpoint_fault = ""
-        elif self.cycle % self._whole_body_period == 0:
+        elif self.cycle >= self._next_plan or (supervisor.hold and not self._held):
             if self._limp:
                 self._stand_up(measurement)
             self._plan(measurement)
+            self._next_plan = self.cycle + self._whole_body_period
+        self._held = supervisor.hold
         self._plant.step(self.servo.command)
         self.cycle += 1
         self._measurement = self._plant.measure()
@@ -113,7 +120,12 @@ class Controller:
         dynamics.update(measurement)
         joint_command = self.servo.command
         feet: dict[Side, FootPose] = {side: dynamics.foot_pose(side) for side in SIDES}
-        settled = walker.gait is Gait.STAND and walker.still_for >= _SETTLED_AFTER and body.com_speed < _SETTLED_SPEED
+        settled = (
+            supervisor.mode is not Mode.DAMP
+            and walker.gait is Gait.STAND
+            and walker.still_for >= _SETTLED_AFTER
+            and body.com_speed < _SETTLED_SPEED
+        )
         return State(
             time=measurement.time,
             cycle=self.cycle,

@@ -188,7 +188,7 @@ class Supervisor:
         return None
 
     def _stop(self, mode: Mode, reason: str, source: str) -> None:
-        if mode is self.mode or self.mode is Mode.DAMP:
+        if self.mode is Mode.DAMP or (mode, reason, source) == (self.mode, self.reason, self.source):
             return
         self.mode, self.reason, self.source = mode, reason, source
         resources = dict(self.command.sources) if self.command else {}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+from collections.abc import Mapping
 from dataclasses import fields
 
 import mink
@@ -11,7 +12,20 @@ import numpy as np
 import pytest
 from control_rig import ControlRig
 
-from humanoid_bt.messages import SIDES, Array, BaseTarget, Gait, GazeTarget, HandTarget, Mode, PostureTarget, State
+from humanoid_bt.control.whole_body import Setpoint
+from humanoid_bt.messages import (
+    SIDES,
+    Array,
+    BaseTarget,
+    Gait,
+    GazeTarget,
+    HandTarget,
+    Measurement,
+    Mode,
+    PostureTarget,
+    State,
+    Target,
+)
 from humanoid_bt.plant.robot_model import BASE_COORDINATES, RobotModel, palm_site, sole_site
 
 FORWARD = {"base": BaseTarget(np.array([1.0, 0.0]), 0.0)}
@@ -78,6 +92,28 @@ def test_an_emergency_stop_while_walking_ends_in_a_stable_stand(rig: ControlRig)
     assert rig.state.mode is Mode.EMERGENCY_STOP
     np.testing.assert_allclose(rig.state.setpoint_positions, setpoints, atol=0.02)
     assert np.linalg.norm(rig.state.base_position - state.base_position) < 5e-3
+
+
+@pytest.mark.parametrize("phase", range(5))
+def test_an_emergency_stop_is_planned_in_the_very_next_servo_cycle(
+    rig: ControlRig, monkeypatch: pytest.MonkeyPatch, phase: int
+) -> None:
+    rig.run(0.3, REACH)
+    for _ in range(phase):
+        rig.controller.run_cycle()
+    plans: list[tuple[int, bool]] = []
+    update = rig.controller.whole_body.update
+
+    def spy(measurement: Measurement, targets: Mapping[str, Target], hold: bool) -> Setpoint:
+        plans.append((rig.controller.cycle, hold))
+        return update(measurement, targets, hold)
+
+    monkeypatch.setattr(rig.controller.whole_body, "update", spy)
+    raised = rig.controller.cycle
+    rig.controller.supervisor.raise_estop("test", "pressed")
+    for _ in range(11):
+        rig.controller.run_cycle()
+    assert plans == [(raised, True), (raised + 5, True), (raised + 10, True)]
 
 
 def test_after_a_reset_commands_are_followed_again(rig: ControlRig) -> None:
@@ -158,6 +194,7 @@ def test_a_strong_push_ends_limp_on_the_ground_and_nothing_blows_up(rig: Control
     for values in (state.joint_positions, state.joint_velocities, state.base_position, state.joint_torques):
         assert np.isfinite(values).all()
     assert state.base_position[2] < 0.4
+    assert not state.base_settled
     friction = np.clip(-robot.damping * state.joint_velocities, -robot.torque_limit, robot.torque_limit)
     np.testing.assert_allclose(state.joint_torques, friction, atol=2.0)
     assert "falling" in rig.controller.supervisor.reset()

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import mink
@@ -7,7 +8,8 @@ import mujoco
 import numpy as np
 import pytest
 
-from humanoid_bt.control.inverse_kinematics import BodyTargets, InverseKinematics
+from humanoid_bt.control.inverse_kinematics import BodyTargets, InverseKinematics, standing_posture
+from humanoid_bt.errors import UserError
 from humanoid_bt.messages import SIDES, Array
 from humanoid_bt.plant.robot_model import BASE_COORDINATES, RobotModel, palm_site, sole_site
 
@@ -87,6 +89,13 @@ def test_the_standing_posture_is_symmetric_upright_and_inside_the_soft_limits(
     np.testing.assert_allclose(standing[3:7], [1, 0, 0, 0], atol=1e-2)
     inside = (standing[BASE_COORDINATES:] >= robot.lower - 1e-6) & (standing[BASE_COORDINATES:] <= robot.upper + 1e-6)
     assert inside.all()
+
+
+def test_a_robot_that_cannot_stand_is_answered_with_the_place_of_its_home_posture(robot: RobotModel) -> None:
+    config = replace(robot.config, gait=replace(robot.config.gait, stance_width=1.5))
+    with pytest.raises(UserError, match="humanoid cannot stand with flat feet") as error:
+        standing_posture(RobotModel(config))
+    assert error.value.problems[0].place == config.place("home")
 
 
 def test_the_centre_of_mass_moves_and_the_feet_stay(

@@ -181,6 +181,15 @@ def test_a_requested_stop_stays_whatever_decision_sends(run: Run) -> None:
     assert (run.supervisor.reason, run.supervisor.source) == ("it failed", "the tree")
 
 
+def test_a_new_cause_of_a_protective_stop_is_told(run: Run) -> None:
+    run.send()
+    run.go(150)
+    run.supervisor.request_stop("the tree", "it failed")
+    run.go(50, alive=True)
+    assert [stop.reason for stop in run.supervisor.stops] == ["decision silent for more than 100 ms", "it failed"]
+    assert run.supervisor.reason == "it failed"
+
+
 # ---- commands that are not intact -----------------------------------------------------------------------------------
 
 GOOD = np.array([0.4, 0.1, 0.9])
