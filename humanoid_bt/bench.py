@@ -25,7 +25,8 @@ from humanoid_bt.plant.scene import Scene, load_scene
 from humanoid_bt.record.sinks import Sinks
 from humanoid_bt.robot import Robot
 from humanoid_bt.session.lockstep import load_robot
-from humanoid_bt.session.run import Run, RunOptions
+from humanoid_bt.session.options import RunOptions
+from humanoid_bt.session.run import Run
 from humanoid_bt.testing.rig import ScriptedPerception
 from humanoid_bt.tree.executor import Executor
 from humanoid_bt.tree.load import load_tree

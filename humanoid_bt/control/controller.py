@@ -103,9 +103,7 @@ class Controller:
         dynamics.update(measurement)
         joint_command = self.servo.command
         feet: dict[Side, FootPose] = {side: dynamics.foot_pose(side) for side in SIDES}
-        settled = (
-            walker.gait is Gait.STAND and walker.still_for >= _SETTLED_AFTER and body.com_speed < _SETTLED_SPEED
-        )
+        settled = walker.gait is Gait.STAND and walker.still_for >= _SETTLED_AFTER and body.com_speed < _SETTLED_SPEED
         return State(
             time=measurement.time,
             cycle=self.cycle,

@@ -87,7 +87,9 @@ class Stabilizer:
         acceleration = self.omega**2 * (com[:2] - (zmp - shift))
         force = self._mass * np.array([acceleration[0], acceleration[1], GRAVITY])
         reference = self.com_reference
-        reference[:2] += dt * (self.omega * (dcm_reference - reference[:2]) + gait.com_slide * (com[:2] - reference[:2]))
+        reference[:2] += dt * (
+            self.omega * (dcm_reference - reference[:2]) + gait.com_slide * (com[:2] - reference[:2])
+        )
         return Load(share, cop, zmp, force)
 
     def _share(

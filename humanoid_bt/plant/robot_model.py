@@ -92,7 +92,11 @@ class RobotModel:
                 type=mujoco.mjtSensor.mjSENS_CONTACT,
                 objtype=mujoco.mjtObj.mjOBJ_BODY,
                 objname=config.legs[side].sole.body,
-                intprm=[1 << int(mujoco.mjtConDataField.mjCONDATA_FORCE), 3, 1],  # force, summed over contacts, one slot
+                intprm=[
+                    1 << int(mujoco.mjtConDataField.mjCONDATA_FORCE),
+                    3,
+                    1,
+                ],  # force, summed over contacts, one slot
             )
         _add_site(spec, GAZE_SITE, config.gaze)
         return spec
