@@ -18,7 +18,7 @@ from py_trees.common import ParallelPolicy, Status
 
 from humanoid_bt.clock import WHOLE_BODY_PERIOD, cycles
 from humanoid_bt.control.controller import Controller
-from humanoid_bt.control.inverse_kinematics import SOLVER
+from humanoid_bt.control.inverse_kinematics import _SOLVER as SOLVER
 from humanoid_bt.messages import JointCommand, State
 from humanoid_bt.plant.mujoco_plant import MujocoPlant
 from humanoid_bt.plant.scene import Scene, load_scene
@@ -162,7 +162,7 @@ def _whole_body(repetitions: int) -> Figure:
     plant.place(start)
     controller = Controller(robot, plant)
     period = cycles(WHOLE_BODY_PERIOD)
-    kinematics = controller.whole_body.kinematics
+    kinematics = controller.whole_body._kinematics
 
     def ours() -> float:
         spent = 0.0
@@ -174,11 +174,12 @@ def _whole_body(repetitions: int) -> Figure:
         return spent / _CALLS
 
     def theirs() -> float:
+        tasks = kinematics._set_targets(controller.whole_body._body_targets({}, False))
+        configuration, limits = kinematics._configuration, kinematics._limits
+
         def solve() -> None:
             for _ in range(_CALLS):
-                mink.solve_ik(
-                    kinematics.configuration, kinematics.tasks, WHOLE_BODY_PERIOD, SOLVER, limits=kinematics.limits
-                )
+                mink.solve_ik(configuration, tasks, WHOLE_BODY_PERIOD, SOLVER, limits=limits)
 
         return _cpu(solve) / _CALLS
 
@@ -285,6 +286,7 @@ def _figure(
     baseline: str,
     unit: str,
     pairs: list[tuple[float, float]],
+    *,
     scale: float = 1.0,
     must: float | None = None,
     aim: float | None = None,
