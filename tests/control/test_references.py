@@ -124,7 +124,7 @@ def test_the_torso_helps_only_beyond_what_the_neck_turns() -> None:
     gaze.yaw = 0.6
     assert gaze.torso_yaw == 0
     gaze.yaw = -1.5
-    assert gaze.torso_yaw == pytest.approx(-0.8)
+    assert -1.0 < gaze.torso_yaw <= -0.5  # at least what is missing: the neck turns 1 rad, and keeps a reserve
     without_neck = GazeReference(WEIGHTS, DT, 0.0)
     without_neck.yaw = 0.5
     assert without_neck.torso_yaw == 0.5
