@@ -19,12 +19,12 @@ from py_trees.common import ParallelPolicy, Status
 from humanoid_bt.clock import WHOLE_BODY_PERIOD, cycles
 from humanoid_bt.control.controller import Controller
 from humanoid_bt.control.inverse_kinematics import _SOLVER as SOLVER
+from humanoid_bt.control.robots import load_robot
 from humanoid_bt.messages import JointCommand, State
 from humanoid_bt.plant.mujoco_plant import MujocoPlant
 from humanoid_bt.plant.scene import Scene, load_scene
 from humanoid_bt.record.sinks import Sinks
 from humanoid_bt.robot import Robot
-from humanoid_bt.session.lockstep import load_robot
 from humanoid_bt.session.options import RunOptions
 from humanoid_bt.session.run import Run
 from humanoid_bt.testing.rig import ScriptedPerception

@@ -107,6 +107,11 @@ class Supervisor:
         """Ask for a protective stop until the end of the run: what commanded the robot has failed."""
         self._requested = self._requested or (source, reason)
 
+    def forgive_silence(self) -> None:
+        """Let decision's silence count from now on: control itself was held up, and could not hear."""
+        if self._heard_cycle is not None:
+            self._heard_cycle = self._cycle
+
     def reset(self) -> str:
         """Clear a latched stop. Return "" when done, else why it is refused.
 

@@ -6,29 +6,14 @@ and commands give the same states, bit for bit.
 
 from __future__ import annotations
 
-import functools
-from pathlib import Path
 from typing import Protocol
 
 from humanoid_bt.clock import DECISION_PERIOD, PERCEPTION_PERIOD, CycleClock, cycles
 from humanoid_bt.control.controller import Controller
-from humanoid_bt.control.inverse_kinematics import standing_posture
 from humanoid_bt.messages import Array, Command, Percept, State
 from humanoid_bt.plant.mujoco_plant import MujocoPlant
-from humanoid_bt.plant.robot_config import load_robot_config
 from humanoid_bt.plant.robot_model import RobotModel
 from humanoid_bt.plant.scene import Scene
-
-
-@functools.lru_cache(maxsize=4)
-def load_robot(path: Path) -> tuple[RobotModel, Array]:
-    """Return a robot and the configuration it starts in, shape (7 + nj,).
-
-    Raises:
-        UserError: ``robot.yaml`` or the model is not valid.
-    """
-    robot = RobotModel(load_robot_config(path))
-    return robot, standing_posture(robot)
 
 
 class Perception(Protocol):

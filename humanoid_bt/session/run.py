@@ -14,6 +14,7 @@ from typing import NamedTuple, Protocol
 from py_trees.common import Status
 
 from humanoid_bt.clock import DECISION_PERIOD
+from humanoid_bt.control.robots import load_robot
 from humanoid_bt.errors import HumanoidBtError, Place, UserError, nearest, relative
 from humanoid_bt.messages import Mode, State
 from humanoid_bt.plant.mujoco_plant import MujocoPlant
@@ -25,7 +26,7 @@ from humanoid_bt.record.sinks import Sinks
 from humanoid_bt.record.tree_view import TreeView
 from humanoid_bt.robot import Robot
 from humanoid_bt.session.happenings import Happenings
-from humanoid_bt.session.lockstep import Lockstep, load_robot
+from humanoid_bt.session.lockstep import Lockstep
 from humanoid_bt.session.options import RunOptions, make_folder
 from humanoid_bt.session.report import Report, stops_of, timeline_of, versions
 from humanoid_bt.session.trace import Trace

@@ -12,13 +12,14 @@ import numpy as np
 from py_trees.common import Status
 
 from humanoid_bt.clock import PERCEPTION_PERIOD
+from humanoid_bt.control.robots import load_robot
 from humanoid_bt.control.supervisor import Stop
 from humanoid_bt.errors import Place, UserError, nearest
 from humanoid_bt.messages import Array, Command, Mode, Percept, Side, State
 from humanoid_bt.params import PerceptName, item_of
 from humanoid_bt.plant.scene import Scene, load_scene
 from humanoid_bt.robot import Robot
-from humanoid_bt.session.lockstep import Lockstep, load_robot
+from humanoid_bt.session.lockstep import Lockstep
 from humanoid_bt.tree.executor import Executor, NodeChange
 from humanoid_bt.tree.registry import NodeType, Registry
 from humanoid_bt.tree.tree import Node, Tree

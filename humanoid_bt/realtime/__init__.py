@@ -1,0 +1,1 @@
+"""Realtime mode: control, decision and perception as processes of their own, joined by shared memory."""

@@ -1,0 +1,86 @@
+"""The channels of a run, by name, in its folder; who writes which."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Self
+
+from humanoid_bt.link.estop import EStop
+from humanoid_bt.link.heartbeat import Heartbeat
+from humanoid_bt.link.ring import RingReader, RingWriter
+from humanoid_bt.link.run_folder import RunFolder
+
+_SIZES: dict[str, tuple[int, int]] = {  # ring -> (bytes in a slot, slots)
+    "command": (4096, 8),  # decision -> control
+    "request": (1024, 8),  # decision -> control: a stop, with source and reason
+    "state": (16384, 16),  # control -> all; 80 ms at 200 Hz
+    "percept": (16384, 8),  # perception -> decision
+    "notice": (2048, 256),  # control -> decision: what happened
+    "refusal": (1024, 256),  # control -> decision: commands that were refused
+    "timing": (4096, 8),  # control -> all: how punctual it is
+    "status": (8192, 8),  # decision -> all: what the tree does
+}
+
+
+@dataclass(frozen=True)
+class RunSpec:
+    """What control and perception need to know of a run.
+
+    Attributes:
+        robot, scene: paths of ``robot.yaml`` and of the scene file.
+        seed: of everything random.
+        core: processor that control is pinned to, None for any.
+        log: file in which control notes what happens, which stays when the folder is gone; "" for none.
+        hold: how long control goes on balancing after decision died [s].
+    """
+
+    robot: str
+    scene: str
+    seed: int
+    core: int | None
+    log: str
+    hold: float
+
+    def write(self, folder: RunFolder) -> None:
+        """Leave it in the run's folder."""
+        folder.path("spec.json").write_text(json.dumps(asdict(self)), encoding="utf-8")
+
+    @classmethod
+    def read(cls, folder: RunFolder) -> Self:
+        """Return what the owner of a run's folder left there."""
+        return cls(**json.loads(folder.path("spec.json").read_text(encoding="utf-8")))
+
+
+def create_channels(folder: RunFolder) -> None:
+    """Make every channel of a run, before its processes start."""
+    for name, (size, slots) in _SIZES.items():
+        RingWriter.create(folder.path(name), size, slots).close()
+    EStop.create(folder.path("estop")).close()
+    Heartbeat.create(folder.path("quit")).close()
+
+
+def writer(folder: RunFolder, name: str) -> RingWriter:
+    """Return the writing end of a ring."""
+    return RingWriter.open(folder.path(name))
+
+
+def reader(folder: RunFolder, name: str) -> RingReader:
+    """Return a reading end of a ring."""
+    return RingReader.open(folder.path(name))
+
+
+def estop(folder: RunFolder) -> EStop:
+    """Return an end of the e-stop."""
+    return EStop.open(folder.path("estop"))
+
+
+def quit_flag(folder: RunFolder) -> Heartbeat:
+    """Return the flag with which decision ends the run: it has beaten once."""
+    return Heartbeat.open(folder.path("quit"))
+
+
+def open_folder(path: str) -> RunFolder:
+    """Return the folder of a run that another process made."""
+    return RunFolder.open(Path(path))

@@ -1,0 +1,192 @@
+"""The control process: the servo loop at 1 kHz on the wall clock, with whole-body control, supervisor and plant.
+
+It goes on balancing the robot whatever becomes of the other processes, and imports nothing of trees or viewers.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import sys
+import time
+from contextlib import suppress
+from pathlib import Path
+from types import FrameType
+
+from humanoid_bt.clock import DECISION_PERIOD, SERVO_PERIOD, WHOLE_BODY_PERIOD, cycles
+from humanoid_bt.control.controller import Controller
+from humanoid_bt.control.robots import load_robot
+from humanoid_bt.errors import UserError
+from humanoid_bt.link.run_folder import RunFolder
+from humanoid_bt.link.wire import Event, WireError, decode_command, decode_event, encode_event, encode_state
+from humanoid_bt.link.wire.event import Level
+from humanoid_bt.plant.mujoco_plant import MujocoPlant
+from humanoid_bt.plant.scene import Scene, load_scene
+from humanoid_bt.realtime import channels
+from humanoid_bt.realtime.channels import RunSpec
+from humanoid_bt.realtime.schedule import Schedule, claim
+from humanoid_bt.realtime.timing import Stopwatch
+
+_STALL = 10  # servo cycles skipped in a row after which the others are forgiven a silence, because it was our own
+_TIMING_PERIOD = 200  # servo cycles between two reports of the timing
+_PARENT_PERIOD = 20  # servo cycles between two looks whether decision lives
+_SETTLE = 6.0  # s that the robot gets to come to a stand when control itself is told to end
+
+
+class ControlProcess:
+    """Runs one robot until decision ends the run, or has been dead for a while.
+
+    Args:
+        folder: the run's folder, with its channels.
+    """
+
+    def __init__(self, folder: RunFolder) -> None:
+        self._folder = folder
+        self._spec = spec = RunSpec.read(folder)
+        robot, start = load_robot(Path(spec.robot))
+        self._plant = MujocoPlant(robot, Scene(load_scene(Path(spec.scene)), spec.seed))
+        self._plant.place(start)
+        self._controller = Controller(robot, self._plant)
+        self._commands = channels.reader(folder, "command")
+        self._requests = channels.reader(folder, "request")
+        self._states = channels.writer(folder, "state")
+        self._notices = channels.writer(folder, "notice")
+        self._refusals = channels.writer(folder, "refusal")
+        self._timings = channels.writer(folder, "timing")
+        self._estop = channels.estop(folder)
+        self._quit = channels.quit_flag(folder)
+        self._command_sequence = self._request_sequence = 0
+        self._told_stops = self._told_refusals = 0
+        self._estop_raised = False
+        self._parent = os.getppid()
+        self._orphaned_at: int | None = None
+        self._ends_at: int | None = None
+        self._state_phase = cycles(WHOLE_BODY_PERIOD)
+        self._object_phase = cycles(DECISION_PERIOD)
+
+    def run(self) -> None:
+        """Run the servo loop to its end."""
+        privileges = claim(self._spec.core)
+        for warning in privileges.warnings:
+            self._tell("warning", warning)
+        stopwatch = Stopwatch(privileges.fifo)
+        signal.signal(signal.SIGINT, signal.SIG_IGN)  # the terminal's Ctrl-C is for decision
+        signal.signal(signal.SIGTERM, self._on_terminate)
+        self._publish()
+        schedule = Schedule(SERVO_PERIOD, spin=privileges.fifo)
+        controller = self._controller
+        while not self._ended():
+            late, skipped = schedule.wait()
+            began = time.monotonic_ns()
+            if skipped >= _STALL:
+                controller.supervisor.forgive_silence()
+                self._tell("warning", f"control stalled for {skipped} ms")
+            self._listen()
+            if controller.cycle % self._object_phase == 0:
+                self._plant.move_objects()
+            controller.run_cycle()
+            self._after_cycle(stopwatch)
+            stopwatch.note(late, time.monotonic_ns() - began, skipped)
+        self._close(stopwatch)
+
+    # ---- in ---------------------------------------------------------------------------------------------------------
+
+    def _listen(self) -> None:
+        """Take what the other processes say: e-stop first, then requests, then commands."""
+        supervisor = self._controller.supervisor
+        if self._estop.poll():
+            self._follow_estop()
+        if self._requests.sequence != self._request_sequence:
+            entries, _ = self._requests.since(self._request_sequence)
+            for self._request_sequence, payload in entries:
+                source, _, reason = decode_event(payload).text.partition(": ")
+                supervisor.request_stop(source, reason)
+        if self._commands.sequence != self._command_sequence:
+            entries, _ = self._commands.since(self._command_sequence)
+            for self._command_sequence, payload in entries:
+                try:
+                    supervisor.submit(decode_command(payload))
+                except WireError as error:
+                    supervisor.rejected.append(f"command: {error}")
+
+    def _follow_estop(self) -> None:
+        supervisor = self._controller.supervisor
+        while (request := self._estop.reset_request) is not None:
+            refusal = supervisor.reset()
+            self._estop.answer(request.ticket, not refusal, refusal)
+            self._tell("warning", f"reset by {request.source}: {refusal and 'refused: ' + refusal or 'done'}")
+        raised = self._estop.raised
+        if raised is not None:
+            supervisor.raise_estop(raised.source, raised.reason)
+
+    def _on_terminate(self, _number: int, _frame: FrameType | None) -> None:
+        self._controller.supervisor.request_stop("the control process", "it was told to end (SIGTERM)")
+        self._ends_at = self._controller.cycle + cycles(_SETTLE)
+
+    # ---- out --------------------------------------------------------------------------------------------------------
+
+    def _after_cycle(self, stopwatch: Stopwatch) -> None:
+        cycle, supervisor = self._controller.cycle, self._controller.supervisor
+        if cycle % self._state_phase == 2:  # not in the cycle that plans the whole body: that one is full
+            self._publish()
+        if len(supervisor.stops) > self._told_stops:
+            for stop in supervisor.stops[self._told_stops :]:
+                self._log("stop", f"{stop.mode.value}: {stop.reason} ({stop.source})", commanded_by=dict(stop.resources))
+            self._told_stops = len(supervisor.stops)
+            self._publish()
+        if supervisor.rejected:
+            for text in supervisor.rejected:
+                self._refusals.write(text.encode()[:1000])
+            supervisor.rejected.clear()
+        if cycle % _TIMING_PERIOD == 3:
+            self._timings.write(stopwatch.timing.to_bytes())
+        if cycle % _PARENT_PERIOD == 4 and self._orphaned_at is None and os.getppid() != self._parent:
+            self._orphaned_at = cycle
+            self._tell("error", f"decision died; control holds the robot for {self._spec.hold:g} s and ends")
+
+    def _publish(self) -> None:
+        self._states.write(encode_state(self._controller.state()))
+
+    def _tell(self, level: Level, text: str) -> None:
+        self._notices.write(encode_event(Event(self._plant.time, level, text)))
+        self._log(level, text)
+
+    def _log(self, kind: str, text: str, **more: object) -> None:
+        """Note it in the file that stays. A full disk must not stop the servo."""
+        if self._spec.log:
+            line = json.dumps({"time": round(self._plant.time, 3), "kind": kind, "text": text, **more})
+            with suppress(OSError), Path(self._spec.log).open("a", encoding="utf-8") as file:
+                file.write(line + "\n")
+
+    # ---- the end ----------------------------------------------------------------------------------------------------
+
+    def _ended(self) -> bool:
+        cycle = self._controller.cycle
+        if self._quit.count or (self._ends_at is not None and cycle >= self._ends_at):
+            return True
+        return self._orphaned_at is not None and cycle - self._orphaned_at >= cycles(self._spec.hold)
+
+    def _close(self, stopwatch: Stopwatch) -> None:
+        self._plant.note_external_force()
+        self._publish()
+        result = {"external_force_max": self._plant.external_force_max}
+        self._folder.path("result.json").write_text(json.dumps(result), encoding="utf-8")
+        self._timings.write(stopwatch.timing.to_bytes())
+        if self._orphaned_at is not None:
+            self._log("end", "control ended: decision died before")
+            self._folder.close()
+
+
+def main() -> int:
+    """Run control for the run whose folder is the first argument."""
+    try:
+        ControlProcess(channels.open_folder(sys.argv[1])).run()
+    except UserError as error:
+        sys.stderr.write(f"error: {error}\n")
+        return 2
+    return 0
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())
