@@ -80,7 +80,9 @@ def test_a_reader_that_leaves_does_not_stop_the_robot(project: Path, tmp_path: P
 
 def test_a_closed_output_does_no_harm(project: Path) -> None:
     command = f'exec "{sys.executable}" -m humanoid_bt run wait --no-record >&-'
-    done = subprocess.run(["/bin/sh", "-c", command], cwd=project, env=environment(), capture_output=True, text=True)
+    done = subprocess.run(
+        ["/bin/sh", "-c", command], check=False, cwd=project, env=environment(), capture_output=True, text=True
+    )
     assert (done.returncode, done.stderr) == (0, "")
 
 
@@ -88,7 +90,13 @@ def test_a_closed_output_does_no_harm(project: Path) -> None:
 def test_an_output_that_is_full_is_told(project: Path) -> None:
     with Path("/dev/full").open("w") as full:
         done = subprocess.run(
-            [*PROGRAM, "show", "wait"], cwd=project, env=environment(), stdout=full, stderr=subprocess.PIPE, text=True
+            [*PROGRAM, "show", "wait"],
+            check=False,
+            cwd=project,
+            env=environment(),
+            stdout=full,
+            stderr=subprocess.PIPE,
+            text=True,
         )
     assert done.returncode == 4
     assert done.stderr.startswith("error: the output could not be written: ")

@@ -52,6 +52,7 @@ def ran(
     project: Path,
     recording: Path | None = None,
     interrupted: Callable[[], str] = lambda: "",
+    *,
     seed: int = 0,
     duration: float = 30.0,
 ) -> Ran:

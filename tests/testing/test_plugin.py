@@ -43,7 +43,7 @@ def test_a_scripted_emergency_stop(rig):
     rig.at(0.1, rig.raise_estop)
     result = rig.run("walk", timeout=0.3)
     assert [stop.mode.value for stop in result.stops] == ["emergency_stop"]
-    assert rig.settle().base_settled
+    assert rig.settle(4.0).base_settled
 """
 
 
