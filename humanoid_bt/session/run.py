@@ -15,6 +15,7 @@ from py_trees.common import Status
 
 from humanoid_bt.clock import DECISION_PERIOD
 from humanoid_bt.control.robots import load_robot
+from humanoid_bt.control.supervisor import Supervisor
 from humanoid_bt.errors import HumanoidBtError, Place, UserError, nearest, relative
 from humanoid_bt.messages import Mode, State
 from humanoid_bt.plant.mujoco_plant import MujocoPlant
@@ -97,7 +98,7 @@ class Run:
         self._executor = Executor(self.tree, self._robot, self._on_change)
         self._executor.setup()
         self._trace = Trace(self._scene)
-        self._happenings = Happenings(self._lockstep.controller.supervisor, self._scene)
+        self._happenings = Happenings(self.supervisor, self._scene)
         self._recorder: Recorder | None = None
         self._pace = options.pace
         self._began = 0.0
@@ -107,6 +108,16 @@ class Run:
     def plant(self) -> MujocoPlant:
         """The simulation."""
         return self._lockstep.plant
+
+    @property
+    def supervisor(self) -> Supervisor:
+        """What may stop the robot."""
+        return self._lockstep.controller.supervisor
+
+    @property
+    def state(self) -> State:
+        """What control knows now."""
+        return self._lockstep.controller.state()
 
     @property
     def scene_name(self) -> str:
@@ -185,7 +196,7 @@ class Run:
             return _End("success", self._why(Status.SUCCESS) or "the tree succeeded")
         if status is Status.FAILURE:
             return _End("stopped", stop) if latched else _End("failure", self._why(status) or "the tree failed")
-        if latched and state.time - self._lockstep.controller.supervisor.stops[-1].time > _AFTER_STOP:
+        if latched and state.time - self.supervisor.stops[-1].time > _AFTER_STOP:
             return _End("stopped", stop)
         if state.time >= self._options.duration - DECISION_PERIOD / 2:
             return _End("unfinished", f"the tree was still running after {self._options.duration:g} s")
@@ -218,7 +229,7 @@ class Run:
         """Halt the tree and let control bring the robot to rest, with nothing commanded any more."""
         self._ended_at = self._now
         if end.failure:
-            self._lockstep.controller.supervisor.request_stop("the tree", end.failure)
+            self.supervisor.request_stop("the tree", end.failure)
         try:
             self._executor.halt("the run ended")
         except HumanoidBtError as error:
@@ -321,7 +332,6 @@ class Run:
         return Recorder(lockstep.plant.model, names, config, tree=view, sinks=sinks, info=info)
 
     def _report(self, end: _End, wall_time: float) -> Report:
-        supervisor = self._lockstep.controller.supervisor
         file = self._options.sinks.file
         return Report(
             tree=self.tree.name,
@@ -336,8 +346,8 @@ class Run:
             trace_hash=self._trace.digest,
             timeline=timeline_of(self._trace.timeline),
             hand_error=self._trace.hand_error,
-            fell=any(stop.mode is Mode.DAMP for stop in supervisor.stops),
-            stops=stops_of(supervisor.stops),
+            fell=any(stop.mode is Mode.DAMP for stop in self.supervisor.stops),
+            stops=stops_of(self.supervisor.stops),
             external_force_max=self._lockstep.plant.external_force_max,
             recording=str(file) if file else None,
             versions=versions(),

@@ -1,0 +1,3 @@
+"""Plugins that tests of the project use."""
+
+pytest_plugins = ["pytester"]

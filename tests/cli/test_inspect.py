@@ -1,0 +1,138 @@
+"""``check``, ``show``, ``skills``, ``robots`` and the help."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from humanoid_bt.cli import main
+
+
+@pytest.fixture(autouse=True)
+def in_project(project: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(project)
+    monkeypatch.setenv("COLUMNS", "80")
+
+
+def code_of(arguments: list[str]) -> int:
+    """Return the exit code, also where the parser exits."""
+    try:
+        return main(arguments)
+    except SystemExit as exit:
+        return int(exit.code or 0)
+
+
+def test_check_takes_names_files_and_folders(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["check", "fetch", "trees/wait.yaml", "skills", "ball_on_stand", "humanoid"]) == 0
+    out = capsys.readouterr().out.splitlines()
+    assert [line.endswith(": ok") for line in out] == [True] * 5
+    assert "skills/mine.py: ok" in out
+
+
+def test_check_tells_every_mistake_with_its_place(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "trees").mkdir()
+    (tmp_path / "trees/good.yaml").write_text("format: 1\nroot: {emergency_stop: idle}\n", encoding="utf-8")
+    (tmp_path / "trees/bare.yaml").write_text("format: 1\nroot: idle\n", encoding="utf-8")
+    (tmp_path / "trees/broken.yaml").write_text("format: 1\nroot: [\n", encoding="utf-8")
+    (tmp_path / "trees/empty.yaml").write_text("", encoding="utf-8")
+    assert main(["check", str(tmp_path)]) == 2
+    out, err = capsys.readouterr()
+    assert out == f"{tmp_path / 'trees/good.yaml'}: ok\n"
+    assert f"{tmp_path / 'trees/bare.yaml'}:2:7: 'idle' commands gaze, posture outside an emergency_stop" in err
+    assert "broken.yaml:3:1: not valid YAML" in err
+    assert "empty.yaml:1:1: the file is empty" in err
+    assert err.endswith("3 files have mistakes, of 4 checked\n")
+
+
+def test_check_tells_a_broken_skill_once(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    for part in ("trees", "skills"):
+        (tmp_path / part).mkdir()
+    (tmp_path / "skills/broken.py").write_text("1 +\n", encoding="utf-8")
+    for name in ("one", "two"):
+        (tmp_path / f"trees/{name}.yaml").write_text("format: 1\nroot: {emergency_stop: idle}\n", encoding="utf-8")
+    assert main(["check", str(tmp_path)]) == 2
+    assert capsys.readouterr().err.count("the skill file cannot be imported") == 1
+
+
+def test_check_without_files_says_what_to_give(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert main(["check"]) == 2
+    assert "give names, files or folders" in capsys.readouterr().err
+
+
+def test_show_draws_a_tree(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["show", "fetch"]) == 0
+    drawn = capsys.readouterr().out.splitlines()
+    assert drawn[1] == "└─ emergency_stop"
+    assert any(line.endswith("approach  target: target, distance: 0.4 m") for line in drawn)
+
+
+def test_show_writes_dot(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["show", "fetch", "--format", "dot"]) == 0
+    text = capsys.readouterr().out
+    assert text.startswith('digraph "fetch" {')
+    assert text.endswith("}\n")
+
+
+@pytest.mark.parametrize("columns", [40, 50, 80, 120])
+def test_skills_fit_the_terminal(
+    columns: int, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("COLUMNS", str(columns))
+    assert main(["skills", "approach", "walk"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert max(len(line) for line in lines if "/" not in line) <= max(columns, 48)
+    assert [line for line in lines if line != line.rstrip()] == []
+    text = " ".join(" ".join(lines).split())
+    assert "angle_tolerance number [rad] = 0.12" in text
+    assert "commands base; from skills/mine.py" in text
+
+
+def test_an_unknown_skill_gets_the_valid_names(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["skills", "aproach"]) == 2
+    assert "did you mean 'approach'?" in capsys.readouterr().err
+
+
+def test_robots_are_listed(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["robots"]) == 0
+    out = capsys.readouterr().out
+    assert out.startswith("humanoid  ")
+    assert "31 joints" in out
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        ([], "required: COMMAND\n    see: humanoid-bt --help"),
+        (["rum"], "unknown command 'rum': did you mean 'run'?"),
+        (["run"], "required: TREE\n    see: humanoid-bt run --help"),
+        (["run", "fetch", "--sed", "3"], "unknown argument '--sed'"),
+        (["run", "fetch", "--robto=x"], "unknown argument '--robto=x'; did you mean '--robot'?"),
+        (["run", "fetch", "--seed", "x"], "argument --seed: must be a whole number, 0 or more, not 'x'"),
+        (["run", "fetch", "--seed", "-1"], "must be a whole number, 0 or more"),
+        (["run", "fetch", "--duration", "0"], "must be a number above 0, not '0'"),
+        (["run", "fetch", "--serve", "99999"], "must be a port from 1 to 65534"),
+        (["run", "fetch", "--mode", "fast"], "unknown --mode 'fast': valid: lockstep"),
+        (["run", "fetch", "--view", "--no-view"], "not allowed with argument --view"),
+        (["robots", "humanoid"], "unknown argument 'humanoid'"),
+    ],
+)
+def test_wrong_arguments_get_two_lines(arguments: list[str], says: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert code_of(arguments) == 2
+    err = capsys.readouterr().err
+    assert says in err
+    assert len(err.splitlines()) == 2
+
+
+@pytest.mark.parametrize("command", ["run", "check", "show", "skills", "robots", "bench"])
+def test_every_command_has_help(command: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert code_of([command, "--help"]) == 0
+    assert f"usage: humanoid-bt {command}" in capsys.readouterr().out
+
+
+def test_the_help_tells_the_exit_codes(capsys: pytest.CaptureFixture[str]) -> None:
+    assert code_of(["--help"]) == 0
+    assert "3    stopped for safety" in capsys.readouterr().out

@@ -1,0 +1,111 @@
+"""The command line as a process of its own: signals, pipes, determinism, imports."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+PROGRAM = [sys.executable, "-m", "humanoid_bt"]
+
+
+def environment(**values: str) -> dict[str, str]:
+    """Return an environment without a display."""
+    kept = {name: value for name, value in os.environ.items() if name not in ("DISPLAY", "WAYLAND_DISPLAY")}
+    return kept | {"PYTHONIOENCODING": "utf-8"} | values
+
+
+def test_two_processes_give_the_same_trace(project: Path, tmp_path: Path) -> None:
+    hashes = []
+    for number in ("1", "2"):
+        file = tmp_path / f"{number}.json"
+        subprocess.run(
+            [*PROGRAM, "run", "fetch", "--seed", "5", "--no-record", "--duration", "4", "--quiet", "--report", file],
+            cwd=project,
+            env=environment(PYTHONHASHSEED=number),
+            check=False,
+            capture_output=True,
+        )
+        hashes.append(json.loads(file.read_text(encoding="utf-8"))["trace_hash"])
+    assert hashes[0] == hashes[1]
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+def test_a_signal_brings_the_robot_to_a_stand(number: signal.Signals, project: Path, tmp_path: Path) -> None:
+    report, recording = tmp_path / "report.json", tmp_path / "run.rrd"
+    process = subprocess.Popen(
+        [*PROGRAM, "run", "walk", "--pace", "2", "--report", report, "--record", recording],
+        cwd=project,
+        env=environment(PYTHONUNBUFFERED="1"),
+        stdout=subprocess.PIPE,
+        text=True,
+    )
+    assert process.stdout is not None
+    for line in process.stdout:
+        if "▶ walk" in line:
+            break
+    process.send_signal(number)
+    rest = process.stdout.read()
+    assert process.wait() == 130
+    assert "○ walk halted: the run ended" in rest
+    assert "interrupted: " in rest
+    assert json.loads(report.read_text(encoding="utf-8"))["outcome"] == "interrupted"
+    assert recording.stat().st_size > 0
+
+
+def test_a_reader_that_leaves_does_not_stop_the_robot(project: Path, tmp_path: Path) -> None:
+    report = tmp_path / "report.json"
+    process = subprocess.Popen(
+        [*PROGRAM, "run", "wait", "--no-record", "--report", report],
+        cwd=project,
+        env=environment(PYTHONUNBUFFERED="1"),
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    assert process.stdout is not None and process.stderr is not None
+    process.stdout.readline()
+    process.stdout.close()
+    errors = process.stderr.read()
+    process.stderr.close()
+    assert process.wait() == 0
+    assert errors == ""
+    assert json.loads(report.read_text(encoding="utf-8"))["outcome"] == "success"
+
+
+def test_a_closed_output_does_no_harm(project: Path) -> None:
+    command = f'exec "{sys.executable}" -m humanoid_bt run wait --no-record >&-'
+    done = subprocess.run(
+        ["/bin/sh", "-c", command], check=False, cwd=project, env=environment(), capture_output=True, text=True
+    )
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="there is no /dev/full")
+def test_an_output_that_is_full_is_told(project: Path) -> None:
+    with Path("/dev/full").open("w") as full:
+        done = subprocess.run(
+            [*PROGRAM, "show", "wait"],
+            check=False,
+            cwd=project,
+            env=environment(),
+            stdout=full,
+            stderr=subprocess.PIPE,
+            text=True,
+        )
+    assert done.returncode == 4
+    assert done.stderr.startswith("error: the output could not be written: ")
+
+
+def test_importing_the_package_imports_nothing_heavy() -> None:
+    code = (
+        "import sys, humanoid_bt, humanoid_bt.cli; "
+        "print({'mujoco', 'mink', 'rerun', 'py_trees', 'numpy', 'rich', 'yaml'} & set(sys.modules))"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "set()"

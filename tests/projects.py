@@ -1,0 +1,102 @@
+"""A user's project folder with good and bad skills, for tests that run it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+SKILLS = '''
+import math
+
+from humanoid_bt.params import param
+from humanoid_bt.skill import Skill, Status
+
+
+class Wait(Skill):
+    """Stand for a while."""
+
+    duration: float = param(0.2, unit="s", above=0, doc="How long.")
+
+    def initialise(self) -> None:
+        self._since = self.robot.clock.now()
+
+    def update(self) -> Status:
+        elapsed = self.robot.clock.now() - self._since
+        return self.succeed("waited") if elapsed >= self.duration else self.running("waiting")
+
+
+class GiveUp(Skill):
+    """Fail."""
+
+    def update(self) -> Status:
+        return self.fail("the thing is not there")
+
+
+class Walk(Skill):
+    """Walk ahead for ever, and raise after a while if asked to."""
+
+    resources = ("base",)
+    raise_after: float | None = param(None, unit="s", doc="When to raise.")
+
+    def update(self) -> Status:
+        if self.raise_after is not None and self.robot.clock.now() >= self.raise_after:
+            raise KeyError("missing")
+        self.robot.walk_to((3.0, 0.0), 0.0)
+        return self.running("walking")
+
+
+class Exit(Skill):
+    """Leave the program."""
+
+    def update(self) -> Status:
+        raise SystemExit(7)
+
+
+class Hang(Skill):
+    """Loop for ever, as far as the person at the keyboard allows."""
+
+    def update(self) -> Status:
+        raise KeyboardInterrupt
+
+
+class Stubborn(Skill):
+    """Raise when halted."""
+
+    def update(self) -> Status:
+        return self.running("on")
+
+    def terminate(self, new_status: Status) -> None:
+        raise RuntimeError("not now")
+
+
+class Nowhere(Skill):
+    """Send a hand to a place that is none."""
+
+    resources = ("left_hand",)
+
+    def update(self) -> Status:
+        self.robot.move_hand("left", (math.nan, 0.0, 0.0))
+        return self.running("sending")
+'''
+
+TREES = {
+    "wait": "wait",
+    "give_up": "give_up",
+    "walk": "walk",
+    "raise": "{walk: {raise_after: 1.0}}",
+    "exit": "exit",
+    "hang": "hang",
+    "stubborn": "stubborn",
+    "nowhere": "nowhere",
+}
+
+
+def make_project(folder: Path) -> Path:
+    """Make a project with one tree per skill; return its folder."""
+    (folder / "skills").mkdir(parents=True)
+    (folder / "skills" / "mine.py").write_text(SKILLS, encoding="utf-8")
+    (folder / "trees").mkdir()
+    for name, root in TREES.items():
+        (folder / "trees" / f"{name}.yaml").write_text(
+            f"format: 1\nroot:\n  emergency_stop: {root}\n", encoding="utf-8"
+        )
+    return folder

@@ -1,0 +1,75 @@
+"""Running a tree of a project as the command line does, with everything it tells kept."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from humanoid_bt.record.sinks import Sinks
+from humanoid_bt.session.options import RunOptions
+from humanoid_bt.session.report import Report
+from humanoid_bt.session.run import Run
+from humanoid_bt.tree.executor import NodeChange
+from humanoid_bt.workspace import Workspace
+
+
+@dataclass
+class Told:
+    """A listener that keeps what it is told."""
+
+    changes: list[NodeChange] = field(default_factory=list)
+    events: list[tuple[float, str, str]] = field(default_factory=list)
+    ticks: int = 0
+
+    def node_changed(self, change: NodeChange) -> None:
+        self.changes.append(change)
+
+    def event(self, time: float, level: str, text: str) -> None:
+        self.events.append((time, level, text))
+
+    def progress(self, time: float, running: str) -> None:
+        self.ticks += 1
+
+
+@dataclass
+class Ran:
+    """A run that is over."""
+
+    session: Run
+    report: Report
+    told: Told
+    recording: Path | None
+
+    @property
+    def settled(self) -> bool:
+        """Whether the robot came to a stand."""
+        return self.session.state.base_settled
+
+
+def ran(
+    tree: str,
+    project: Path,
+    recording: Path | None = None,
+    interrupted: Callable[[], str] = lambda: "",
+    *,
+    seed: int = 0,
+    duration: float = 30.0,
+) -> Ran:
+    """Run a tree to its end."""
+    told = Told()
+    options = RunOptions(tree, seed=seed, duration=duration, sinks=Sinks(file=recording))
+    session = Run(options, Workspace(project), told)
+    return Ran(session, session.execute(interrupted), told, recording)
+
+
+def after(calls: int, reason: str) -> Callable[[], str]:
+    """Return an interruption that comes at a tick, counted from 1."""
+    count = 0
+
+    def ask() -> str:
+        nonlocal count
+        count += 1
+        return reason if count >= calls else ""
+
+    return ask

@@ -1,0 +1,223 @@
+"""Whole runs in lockstep, with their recordings and reports."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pyarrow as pa
+import pytest
+import rerun as rr
+
+from humanoid_bt.errors import UserError
+from humanoid_bt.record.sinks import Sinks
+from humanoid_bt.session.options import RunOptions
+from humanoid_bt.session.run import Run
+from humanoid_bt.workspace import Workspace
+from tests.session.helpers import Ran, Told, after, ran
+
+
+@pytest.fixture(scope="module")
+def fetched(project: Path, tmp_path_factory: pytest.TempPathFactory) -> Ran:
+    return ran("fetch", project, tmp_path_factory.mktemp("fetch") / "fetch.rrd")
+
+
+@pytest.fixture(scope="module")
+def raised(project: Path, tmp_path_factory: pytest.TempPathFactory) -> Ran:
+    return ran("raise", project, tmp_path_factory.mktemp("raise") / "raise.rrd")
+
+
+@pytest.fixture(scope="module")
+def interrupted(project: Path, tmp_path_factory: pytest.TempPathFactory) -> Ran:
+    return ran("walk", project, tmp_path_factory.mktemp("walk") / "walk.rrd", after(60, "Ctrl-C"))
+
+
+def last_sample(recording: Path) -> float:
+    """Return the last time [s] that the recording has anything at."""
+    last = 0.0
+    for chunk in rr.chunk.RrdReader(recording).stream():
+        batch = chunk.to_record_batch()
+        if "sim_time" in batch.schema.names:
+            last = max(last, *(time / 1e9 for time in batch.column("sim_time").cast(pa.int64()).to_pylist()))
+    return last
+
+
+def test_the_demo_ends_with_a_hand_on_the_target(fetched: Ran) -> None:
+    report = fetched.report
+    assert (report.outcome, report.exit_code) == ("success", 0)
+    assert report.reason.startswith("reach: ")
+    assert report.hand_error is not None and report.hand_error < 0.02
+    assert not report.fell
+    assert report.stops == []
+    assert fetched.settled
+
+
+def test_nothing_but_the_world_holds_the_robot(fetched: Ran) -> None:
+    assert fetched.report.external_force_max == 0
+
+
+def test_the_timeline_tells_every_change_in_order(fetched: Ran) -> None:
+    timeline = fetched.report.timeline
+    assert [entry["time"] for entry in timeline] == sorted(entry["time"] for entry in timeline)
+    assert timeline[-1]["time"] <= fetched.report.sim_time
+    ended = [entry for entry in timeline if entry["path"].endswith("/reach") and entry["status"] == "SUCCESS"]
+    assert len(ended) == 1
+    assert ended[0]["time"] == fetched.report.sim_time
+
+
+def test_the_scene_tells_its_events_once_and_on_time(fetched: Ran) -> None:
+    scene = [(time, text) for time, _, text in fetched.told.events if text.startswith("scene: ")]
+    assert scene == [(3.0, "scene: ball hidden"), (6.0, "scene: ball shown")]
+
+
+def test_the_report_is_json(fetched: Ran, tmp_path: Path) -> None:
+    file = tmp_path / "report.json"
+    fetched.report.write(file)
+    report = json.loads(file.read_text(encoding="utf-8"))
+    expected = {"outcome", "exit_code", "sim_time", "wall_time", "real_time_factor", "trace_hash", "timeline"}
+    expected |= {"hand_error", "fell", "stops", "external_force_max", "recording", "parameters", "versions", "seed"}
+    assert expected <= report.keys()
+    assert report["exit_code"] == 0
+    assert report["real_time_factor"] == pytest.approx(report["sim_time"] / report["wall_time"])
+    assert Path(report["recording"]) == fetched.recording
+
+
+def test_the_recording_covers_the_run(fetched: Ran) -> None:
+    assert fetched.recording is not None
+    assert last_sample(fetched.recording) >= fetched.report.sim_time - 0.05
+
+
+def test_a_failing_tree_says_why(project: Path) -> None:
+    report = ran("give_up", project).report
+    assert (report.outcome, report.exit_code) == ("failure", 1)
+    assert report.reason == "give_up: the thing is not there"
+
+
+def test_a_tree_that_goes_on_is_unfinished(project: Path) -> None:
+    report = ran("wait", project, duration=0.1).report
+    assert (report.outcome, report.exit_code, report.sim_time) == ("unfinished", 1, 0.1)
+
+
+def test_an_emergency_stop_ends_the_run(project: Path) -> None:
+    told = Told()
+    session = Run(RunOptions("walk"), Workspace(project), told)
+    ask = after(20, "pressed")
+
+    def press() -> str:
+        if ask():
+            session.supervisor.raise_estop("button", "pressed by hand")
+        return ""
+
+    report = session.execute(press)
+    assert (report.outcome, report.exit_code) == ("stopped", 3)
+    assert report.reason == "pressed by hand (button)"
+    assert [stop["mode"] for stop in report.stops] == ["emergency_stop"]
+    assert report.stops[0]["commanded_by"] == {"base": "walk/emergency_stop/walk"}
+    assert session.state.base_settled
+    told_at = [time for time, level, text in told.events if level == "error" and "pressed by hand" in text]
+    assert told_at == [report.stops[0]["time"]]
+
+
+def test_an_exception_names_node_tree_and_skill(raised: Ran, project: Path) -> None:
+    report = raised.report
+    assert (report.outcome, report.exit_code) == ("error", 4)
+    line = 1 + (project / "skills/mine.py").read_text(encoding="utf-8").splitlines().index(
+        '            raise KeyError("missing")'
+    )
+    assert f"{project / 'trees/raise.yaml'}:3:" in report.reason
+    assert "'raise/emergency_stop/walk' raised KeyError: 'missing'" in report.reason
+    assert f"raised at {project / 'skills/mine.py'}:{line}:" in report.reason
+    assert "KeyError: 'missing'" in report.traceback
+
+
+def test_after_an_exception_the_robot_stands_and_the_recording_is_whole(raised: Ran) -> None:
+    assert raised.settled
+    assert [stop["mode"] for stop in raised.report.stops] == ["protective_stop"]
+    assert raised.recording is not None
+    assert last_sample(raised.recording) > raised.report.sim_time
+
+
+def test_an_interrupted_robot_stands_and_the_recording_is_whole(interrupted: Ran) -> None:
+    report = interrupted.report
+    assert (report.outcome, report.reason, report.exit_code) == ("interrupted", "Ctrl-C", 130)
+    assert interrupted.settled
+    assert report.stops == []
+    assert interrupted.recording is not None
+    assert last_sample(interrupted.recording) > report.sim_time
+    assert interrupted.told.changes[-1].time == pytest.approx(report.sim_time)
+
+
+def test_a_second_interruption_ends_at_once_and_still_reports(project: Path, tmp_path: Path) -> None:
+    done = ran("hang", project, tmp_path / "hang.rrd")
+    assert done.report.exit_code == 130
+    assert "skills/mine.py" in done.report.reason
+    assert "'hang/emergency_stop/hang'" in done.report.reason
+    assert done.recording is not None
+    assert last_sample(done.recording) == 0.0
+
+
+def test_a_skill_cannot_leave_the_program(project: Path) -> None:
+    report = ran("exit", project).report
+    assert report.exit_code == 4
+    assert "raised SystemExit: 7" in report.reason
+
+
+def test_a_skill_that_raises_when_halted_is_an_error(project: Path) -> None:
+    report = ran("stubborn", project, duration=0.1).report
+    assert report.exit_code == 4
+    assert "raised RuntimeError: not now" in report.reason
+
+
+def test_an_error_of_our_own_still_brings_the_robot_to_a_stand(
+    project: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    told = Told()
+
+    def broken(_time: float, _running: str) -> None:
+        told.ticks += 1
+        if told.ticks == 60:
+            raise ZeroDivisionError("a bug")
+
+    monkeypatch.setattr(told, "progress", broken)
+    session = Run(RunOptions("walk"), Workspace(project), told)
+    report = session.execute()
+    assert (report.outcome, report.exit_code) == ("error", 4)
+    assert report.reason == "internal error: ZeroDivisionError: a bug"
+    assert "in broken" in report.traceback
+    assert session.state.base_settled
+
+
+def test_refused_commands_are_told_once_a_second(project: Path) -> None:
+    told = ran("nowhere", project, duration=2.0).told
+    refused = [text for _, _, text in told.events if text.startswith("refused")]
+    assert refused[0].startswith("refused a command: the target of 'left_hand' is not finite")
+    assert 2 <= len(refused) <= 3
+
+
+def test_a_percept_that_never_comes_is_told(project: Path) -> None:
+    told = Told()
+    run = Run(RunOptions("fetch", scene="empty", duration=0.1), Workspace(project), told)
+    run.execute()
+    assert (0.0, "warning", "the scene 'empty' publishes no percept 'target' (it publishes none)") in told.events
+
+
+def test_the_same_run_has_the_same_hash_and_another_seed_another(project: Path) -> None:
+    hashes = [ran("fetch", project, seed=seed, duration=1.0).report.trace_hash for seed in (3, 3, 4)]
+    assert hashes[0] == hashes[1] != hashes[2]
+
+
+def test_a_view_that_cannot_be_opened_is_a_mistake_only_if_asked_for(
+    project: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refuse(_port: int) -> None:
+        raise UserError("the viewer did not start: no screen")
+
+    monkeypatch.setenv("DISPLAY", ":77")
+    monkeypatch.setattr("humanoid_bt.record.sinks._start_viewer", refuse)
+    asked = RunOptions("give_up", sinks=Sinks(view=True))
+    with pytest.raises(UserError, match="did not start"):
+        Run(asked, Workspace(project), Told()).execute()
+    told = Told()
+    report = Run(RunOptions("give_up", sinks=Sinks(view=True), view_optional=True), Workspace(project), told).execute()
+    assert report.outcome == "failure"
+    assert told.events[0][2] == "no live view: the viewer did not start: no screen"

@@ -1,0 +1,93 @@
+"""The testing kit in a user's own project, run by a pytest of its own."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from tests.projects import make_project
+
+TESTS = """
+from humanoid_bt.errors import UserError
+from humanoid_bt.tree.executor import NodeError
+import pytest
+
+def test_a_skill_of_this_project(rig):
+    result = rig.run("wait", duration=0.3)
+    assert result.succeeded, result.feedback
+    assert result.time == pytest.approx(0.3)
+
+def test_a_built_in_skill(rig):
+    assert rig.run("idle", timeout=0.2).commands
+
+def test_every_test_starts_afresh(rig):
+    assert rig.time == 0.0
+
+def test_failures_come_with_feedback(rig):
+    result = rig.run("give_up")
+    assert result.failed
+    assert result.feedback == "the thing is not there"
+
+def test_an_exception_of_a_skill_reaches_the_test(rig):
+    with pytest.raises(NodeError, match="KeyError: 'missing'"):
+        rig.run("walk", raise_after=0.04)
+
+def test_mistakes_name_what_is_valid(rig):
+    with pytest.raises(UserError, match="did you mean 'wait'"):
+        rig.run("wiat")
+    with pytest.raises(UserError, match="did you mean 'duration'"):
+        rig.run("wait", durations=1)
+
+def test_a_scripted_emergency_stop(rig):
+    rig.at(0.1, rig.raise_estop)
+    result = rig.run("walk", timeout=0.3)
+    assert [stop.mode.value for stop in result.stops] == ["emergency_stop"]
+    assert rig.settle(4.0).base_settled
+"""
+
+
+@pytest.fixture
+def user(pytester: pytest.Pytester) -> pytest.Pytester:
+    pytester.makepyfile(test_mine=TESTS)
+    return pytester
+
+
+def test_a_project_tests_its_skills_with_the_rig(user: pytest.Pytester) -> None:
+    make_project(user.path)
+    result = user.runpytest_inprocess("-p", "no:cacheprovider")
+    result.assert_outcomes(passed=7)
+
+
+def test_the_workspace_can_lie_elsewhere(user: pytest.Pytester) -> None:
+    make_project(user.path / "robot")
+    user.makeini("[pytest]\nhumanoid_bt_workspace = robot\nhumanoid_bt_robot = humanoid\n")
+    result = user.runpytest_inprocess("-k", "of_this_project", "-p", "no:cacheprovider")
+    result.assert_outcomes(passed=1, deselected=6)
+
+
+def test_an_unknown_robot_is_one_clear_message(user: pytest.Pytester) -> None:
+    make_project(user.path)
+    user.makeini("[pytest]\nhumanoid_bt_robot = humanoit\n")
+    result = user.runpytest_inprocess("-k", "of_this_project", "-p", "no:cacheprovider")
+    result.assert_outcomes(errors=1, deselected=6)
+    result.stdout.fnmatch_lines(["*no robot named 'humanoit'*"])
+
+
+def test_a_project_without_the_rig_pays_nothing(pytester: pytest.Pytester) -> None:
+    pytester.makepyfile(
+        "import sys\ndef test_imports():\n    assert 'mujoco' not in sys.modules and 'py_trees' not in sys.modules\n"
+    )
+    result = pytester.runpytest_subprocess("-p", "no:cacheprovider")
+    result.assert_outcomes(passed=1)
+
+
+def test_the_fixture_explains_itself(pytester: pytest.Pytester) -> None:
+    result = pytester.runpytest_inprocess("--fixtures", "-p", "no:cacheprovider")
+    result.stdout.fnmatch_lines(["rig*", "*real simulated robot*"])
+
+
+@pytest.fixture(autouse=True)
+def _clean_names(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """Let the inner pytest have modules of its own."""
+    monkeypatch.syspath_prepend(str(tmp_path))
