@@ -66,7 +66,7 @@ class Block:
     text: str
 
     def __str__(self) -> str:
-        return f"{self.page.relative_to(ROOT)}:{self.first}"
+        return f"{self.page.name}:{self.first}"
 
 
 def pages() -> list[Path]:
