@@ -15,6 +15,7 @@ import numpy as np
 
 from humanoid_bt.clock import Clock
 from humanoid_bt.errors import HumanoidBtError, ResourceConflict
+from humanoid_bt.geometry import rotation_matrix
 from humanoid_bt.messages import (
     RESOURCES,
     Array,
@@ -106,7 +107,7 @@ class Robot:
     def begin_tick(self, state: State, percepts: Mapping[str, Percept]) -> None:
         """Take the snapshot that the whole tick sees, and forget the targets of the last one."""
         self._state = state
-        self._poses.append((state.time, state.base_position, _rotation(state.base_quaternion)))
+        self._poses.append((state.time, state.base_position, rotation_matrix(state.base_quaternion)))
         for name, percept in percepts.items():
             known = self._percepts.get(name)
             if known is None or known[0].stamp < percept.stamp:
@@ -154,7 +155,7 @@ class Robot:
             stamp=percept.stamp,
             age=self.clock.now() - percept.stamp,
             position_world=world,
-            position_base=_rotation(state.base_quaternion).T @ (world - state.base_position),
+            position_base=rotation_matrix(state.base_quaternion).T @ (world - state.base_position),
             distance=math.hypot(*offset),
             bearing=(bearing + math.pi) % (2 * math.pi) - math.pi,
             confidence=percept.confidence,
@@ -236,14 +237,3 @@ def _vector(values: Any, size: int) -> Array:
 
 def _number(value: Any) -> float:
     return float(value)
-
-
-def _rotation(quaternion: Array) -> Array:
-    w, x, y, z = quaternion
-    return np.array(
-        [
-            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-        ]
-    )

@@ -15,15 +15,18 @@ from pathlib import Path
 from types import ModuleType
 
 from py_trees.behaviour import Behaviour
+from py_trees.behaviours import Dummy
 
 from humanoid_bt.document import read_text
 from humanoid_bt.errors import Place, Problem, UserError, relative
 from humanoid_bt.messages import RESOURCES
 from humanoid_bt.params import params_of
-from humanoid_bt.skill import node_type_name
+from humanoid_bt.skill import Skill, node_type_name
 from humanoid_bt.workspace import Workspace
 
 _SOURCE = "__humanoid_bt_source__"
+_TAKEN = frozenset((*dir(Dummy("node")), *dir(Skill), "path", "robot", "halt_reason"))
+"""Attributes that a node has already; a parameter of that name would break it."""
 
 
 @dataclass(frozen=True)
@@ -138,7 +141,13 @@ def _mistakes(name: str, cls: type[Behaviour], place: Place) -> list[Problem]:
             if resource not in RESOURCES
         ]
     try:
-        params_of(cls)
+        declared = params_of(cls)
     except (NameError, KeyError, TypeError) as error:
         problems.append(Problem(f"the parameters of {name!r} cannot be read: {error}", place, "annotate each of them"))
+    else:
+        problems += [
+            Problem(f"{name!r} declares the parameter {parameter!r}, which every node has already", place, "rename it")
+            for parameter in declared
+            if parameter in _TAKEN
+        ]
     return problems

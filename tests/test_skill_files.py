@@ -91,6 +91,10 @@ def test_nothing_is_written_beside_the_files(workspace: Workspace) -> None:
         ),
         (WAVE.replace("    'Wave.'", "    x: Nowhere = param(1, doc='')"), r"bad.py.*NameError: name 'Nowhere'"),
         (WAVE.replace("    'Wave.'", "    x: 'Nowhere' = param(1, doc='')"), r"bad.py:3:1: .*cannot be read"),
+        (
+            WAVE.replace("    'Wave.'", "    status: int = param(1, doc='')"),
+            r"bad.py:3:1: .*declares the parameter 'status', which every node has",
+        ),
         (WAVE.replace("    'Wave.'", "    x = param(1, doc='')"), r"bad.py:3:1: .*cannot be read"),
     ],
 )

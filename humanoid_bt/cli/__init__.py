@@ -69,9 +69,9 @@ def _dispatch(arguments: argparse.Namespace) -> int:
 
         return run(arguments)
     if arguments.command == "bench":
-        from humanoid_bt.bench import bench
+        from humanoid_bt.cli.bench import bench
 
-        return bench(arguments.repetitions, arguments.json)
+        return bench(arguments)
     from humanoid_bt.cli import inspect
 
     commands = {"check": inspect.check, "show": inspect.show, "skills": inspect.skills, "robots": inspect.robots}

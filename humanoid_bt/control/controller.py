@@ -1,8 +1,13 @@
-"""One servo cycle: measure, supervise, every fifth cycle plan the whole body, drive the joints."""
+"""One servo cycle: measure, supervise, every fifth cycle plan the whole body, drive the joints.
+
+A stop does not wait for the fifth cycle: the whole body is planned anew in the cycle in which the supervisor orders it.
+"""
 
 from __future__ import annotations
 
 from typing import Protocol
+
+import numpy as np
 
 from humanoid_bt.clock import WHOLE_BODY_PERIOD, cycles
 from humanoid_bt.control.servo import Servo
@@ -59,13 +64,15 @@ class Controller:
         self.whole_body = WholeBody(robot)
         self.servo = Servo(robot)
         self._whole_body_period = cycles(WHOLE_BODY_PERIOD)
-        self.cycle = 0
-        self._measurement = plant.measure()
         self.reset()
 
     def reset(self) -> None:
         """Start a run with the robot standing as the plant has it."""
         self.cycle = 0
+        self._setpoint_fault = ""
+        self._limp = False
+        self._held = False
+        self._next_plan = 0  # cycle
         self._measurement = self._plant.measure()
         self.whole_body.reset(self._measurement)
         self.servo.reset(self._measurement.qpos[BASE_COORDINATES:])
@@ -79,22 +86,32 @@ class Controller:
         """Run one servo cycle."""
         supervisor = self.supervisor
         measurement = self._measurement
-        supervisor.check(self.cycle, measurement, self.whole_body.solved)
+        supervisor.check(self.cycle, measurement, self._setpoint_fault)
         if supervisor.mode is Mode.DAMP:
             self.servo.damp()
-        elif self.cycle % self._whole_body_period == 0:
+            self._limp = True
+            self._setpoint_fault = ""
+        elif self.cycle >= self._next_plan or (supervisor.hold and not self._held):
+            if self._limp:
+                self._stand_up(measurement)
             self._plan(measurement)
+            self._next_plan = self.cycle + self._whole_body_period
+        self._held = supervisor.hold
         self._plant.step(self.servo.command)
         self.cycle += 1
         self._measurement = self._plant.measure()
 
     def _plan(self, measurement: Measurement) -> None:
-        supervisor = self.supervisor
-        setpoint = self.whole_body.update(measurement, supervisor.targets, supervisor.hold)
-        try:
-            self.servo.follow(setpoint)
-        except ValueError:
-            self.servo.hold()
+        supervisor, body = self.supervisor, self.whole_body
+        setpoint = body.update(measurement, supervisor.targets, supervisor.hold)
+        refused = self.servo.follow(setpoint)
+        self._setpoint_fault = refused or ("" if body.solved else "inverse kinematics without a solution")
+
+    def _stand_up(self, measurement: Measurement) -> None:
+        """Stiffen limp joints where they are: the setpoints from before the fall would be a blow."""
+        self.whole_body.restart(measurement)
+        self.servo.reset(measurement.qpos[BASE_COORDINATES:])
+        self._limp = False
 
     def state(self) -> State:
         """Return a snapshot of everything."""
@@ -104,14 +121,17 @@ class Controller:
         joint_command = self.servo.command
         feet: dict[Side, FootPose] = {side: dynamics.foot_pose(side) for side in SIDES}
         settled = (
-            walker.gait is Gait.STAND and walker.still_for >= _SETTLED_AFTER and body.com_speed < _SETTLED_SPEED
+            supervisor.mode is not Mode.DAMP
+            and walker.gait is Gait.STAND
+            and walker.still_for >= _SETTLED_AFTER
+            and body.com_speed < _SETTLED_SPEED
         )
         return State(
             time=measurement.time,
             cycle=self.cycle,
             joint_positions=measurement.qpos[BASE_COORDINATES:].copy(),
             joint_velocities=measurement.qvel[BASE_DOFS:].copy(),
-            joint_torques=measurement.joint_torque,
+            joint_torques=measurement.joint_torque.copy(),
             setpoint_positions=joint_command.position.copy(),
             setpoint_velocities=joint_command.velocity.copy(),
             base_position=measurement.qpos[:3].copy(),
@@ -136,10 +156,14 @@ class Controller:
             command_sources=command.sources if command else {},
             targets=supervisor.targets,
             hand_errors=self._hand_errors(dynamics.hands),
-            limit_flags=tuple(
-                name for name, flag in zip(self._robot.joint_names, self.servo.limited, strict=True) if flag
-            ),
+            limit_flags=self._limit_flags(),
         )
+
+    def _limit_flags(self) -> tuple[str, ...]:
+        """Return the joints whose setpoint was clamped or whose drive gives all the torque it has."""
+        robot = self._robot
+        limited = self.servo.limited | (np.abs(self._measurement.joint_torque) >= robot.torque_limit)
+        return tuple(robot.joint_names[i] for i in np.flatnonzero(limited))
 
     def _hand_errors(self, hands: dict[Side, Array]) -> dict[Side, float]:
         errors: dict[Side, float] = {}

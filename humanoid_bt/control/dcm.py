@@ -59,7 +59,7 @@ def plan_dcm(zmp: Array, omega: float, dt: float) -> Array:
 
 
 def plan_walk(
-    gait: GaitConfig, omega: float, dt: float, zmp: Array, support: Array, shift: float, steps: Sequence[Footstep]
+    gait: GaitConfig, omega: float, dt: float, *, zmp: Array, support: Array, shift: float, steps: Sequence[Footstep]
 ) -> DcmPlan:
     """Plan from a weight shift onto the support foot over the given footholds to rest.
 
@@ -84,8 +84,16 @@ def plan_walk(
     return DcmPlan(trajectory, plan_dcm(trajectory, omega, dt))
 
 
-def plan_settle(gait: GaitConfig, omega: float, dt: float, zmp: Array, middle: Array) -> DcmPlan:
-    """Plan from where the ZMP is to rest over the middle between the feet, shape (2,)."""
+def plan_settle(gait: GaitConfig, omega: float, dt: float, *, zmp: Array, middle: Array) -> DcmPlan:
+    """Plan from where the ZMP is to rest over the middle between the feet.
+
+    Args:
+        gait: the robot's gait.
+        omega: [1/s].
+        dt: [s].
+        zmp: where the ZMP is now, shape (2,) [m].
+        middle: between the feet, shape (2,) [m].
+    """
     trajectory = np.vstack([_ramp(zmp, middle, round(gait.last_shift / dt)), _hold(middle, round(_REST / dt))])
     return DcmPlan(trajectory, plan_dcm(trajectory, omega, dt))
 

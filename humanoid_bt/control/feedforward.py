@@ -32,8 +32,10 @@ class Feedforward:
         self._hips = {
             side: (robot.joint(config.legs[side].hip_roll), robot.joint(config.legs[side].hip_pitch)) for side in SIDES
         }
-        # the ankles: joint, axis of the sole along which it moves the pressure, and how far it may
-        half_length, half_width = (half - 0.5 * config.sole.margin for half in _half_sizes(robot))
+        # the ankles: joint, axis of the sole along which it moves the pressure, and how far it may:
+        # half the margin more than is planned, which leaves the joint feedback some room
+        half_length = config.sole.half_length - 0.5 * config.sole.margin
+        half_width = config.sole.half_width - 0.5 * config.sole.margin
         self._ankles = {
             side: (
                 (robot.joint(config.legs[side].ankle_pitch), 0, half_length),
@@ -94,7 +96,3 @@ class Feedforward:
             ) + robot.damping[joint] * (velocity[joint] - dynamics.data.qvel[dof])
             whole = min(max(feedback + torque[joint], centred - reach), centred + reach)
             torque[joint] = whole - feedback
-
-
-def _half_sizes(robot: RobotModel) -> tuple[float, float]:
-    return robot.config.sole.half_length, robot.config.sole.half_width

@@ -107,6 +107,4 @@ class FootstepPlanner:
 
 def _within(stance: Array, goal: Array, distance: float, angle: float) -> bool:
     offset = goal[:2] - stance[:2]
-    return math.hypot(*offset) < distance and abs(wrap(goal[2] - stance[2])) < angle
-
-
+    return math.hypot(*offset) < distance and bool(abs(wrap(goal[2] - stance[2])) < angle)

@@ -10,12 +10,14 @@ import mink
 import mujoco
 import numpy as np
 
+from humanoid_bt.errors import UserError
 from humanoid_bt.messages import SIDES, Array, Side
 from humanoid_bt.plant.robot_model import BASE_COORDINATES, GAZE_SITE, RobotModel, palm_site, sole_site
 
 _ACCELERATION_LIMIT = 100.0  # rad/s^2, of the planned motion, as it goes into the feedforward
 _SMOOTH_TIME = 0.02  # s, low-pass of planned acceleration and momentum rate
 _SOLVER = "daqp"
+_STANDING_TOLERANCE = 0.02  # m and rad, of the start posture
 
 
 @dataclass(frozen=True)
@@ -176,6 +178,9 @@ def standing_posture(robot: RobotModel, steps: int = 200) -> Array:
 
     Returns:
         shape (7 + nj,).
+
+    Raises:
+        UserError: the home posture and the numbers of the legs do not let it stand like that.
     """
     config, weights = robot.config, robot.config.whole_body
     model = _within_soft_limits(robot)
@@ -190,11 +195,10 @@ def standing_posture(robot: RobotModel, steps: int = 200) -> Array:
     com.set_target([ahead, 0.0, height])
     posture = mink.PostureTask(model, cost=0.1)
     posture.set_target(lifted)
-    tasks = [com, posture]
-    for side, sign in (("left", 1.0), ("right", -1.0)):
-        sole = _frame(sole_site(side), "site", weights.foot_position, weights.foot_orientation)
+    soles = [_frame(sole_site(side), "site", weights.foot_position, weights.foot_orientation) for side in SIDES]
+    for sole, sign in zip(soles, (1.0, -1.0), strict=True):
         sole.set_target(_pose(0.0, (ahead, sign * config.gait.stance_width / 2, 0.0)))
-        tasks.append(sole)
+    tasks = [com, posture, *soles]
     for body in (config.base, config.torso):
         upright = _frame(body, "body", 0.0, 5.0)
         upright.set_target(_pose(0.0))
@@ -203,6 +207,10 @@ def standing_posture(robot: RobotModel, steps: int = 200) -> Array:
     for _ in range(steps):
         velocity = mink.solve_ik(configuration, tasks, 0.01, solver=_SOLVER, damping=1e-3, limits=limits)
         configuration.integrate_inplace(velocity, 0.01)
+    errors = [com.compute_error(configuration)[:2], *(sole.compute_error(configuration) for sole in soles)]
+    if np.abs(np.concatenate(errors)).max() > _STANDING_TOLERANCE:
+        hint = "look at home, gait.stance_width and the soles' bodies and positions"
+        raise UserError(f"{config.name} cannot stand with flat feet in its home posture", config.place("home"), hint)
     qpos: Array = configuration.q.copy()
     qpos[0] -= ahead
     return qpos

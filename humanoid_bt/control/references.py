@@ -1,4 +1,7 @@
-"""References of hands, gaze, posture and height: they follow targets at limited speed, and come to rest when released."""
+"""References of hands, gaze and posture.
+
+They follow targets at limited speed, and come to rest when released.
+"""
 
 from __future__ import annotations
 
@@ -27,8 +30,9 @@ class HandReference:
 
     def __init__(self, weights: WholeBodyConfig, dt: float) -> None:
         self._weights, self._dt = weights, dt
-        self._position: Array | None = None
+        self._position: Array | None = None  # on the way to the target
         self._correction: Array = np.zeros(3)
+        self._sent: Array = np.zeros(3)  # what was returned last
 
     def update(self, target: Array | None, hold: bool, measured: Array, reference: Array) -> Array | None:
         """Return where the inverse kinematics shall bring the palm, or None when it is free.
@@ -39,20 +43,21 @@ class HandReference:
             measured, reference: palm positions, of the robot and of the inverse kinematics, shape (3,) [m].
         """
         if hold:
-            return None if self._position is None else self._position + self._correction
+            return None if self._position is None else self._sent
         if target is None:
             self._position = None
             self._correction = np.zeros(3)
             return None
         if self._position is None:
-            self._position = reference.copy()
+            self._position = self._sent = reference.copy()
+        step = self._weights.hand_speed * self._dt
         error = target - self._position
-        distance = math.sqrt(error @ error)
-        self._position = self._position + error * min(1.0, self._weights.hand_speed * self._dt / max(distance, 1e-9))
-        if distance < _CORRECT_WITHIN:
+        self._position = _toward(self._position, target, step)
+        if error @ error < _CORRECT_WITHIN**2:
             correction = self._correction + self._weights.hand_integral * self._dt * (target - measured)
             self._correction = np.clip(correction, -_CORRECT_MAX, _CORRECT_MAX)
-        return self._position + self._correction
+        self._sent = _toward(self._sent, self._position + self._correction, step)
+        return self._sent
 
 
 class GazeReference:
@@ -121,6 +126,13 @@ class PostureReference:
         """Move back toward home."""
         error = self._home - self.joints
         self.joints = self.joints + np.clip(error, -self._step, self._step)
+
+
+def _toward(point: Array, goal: Array, step: float) -> Array:
+    """Return a point moved toward another by at most ``step``, shape (3,)."""
+    way = goal - point
+    distance = math.sqrt(way @ way)
+    return goal.copy() if distance <= step else np.asarray(point + way * (step / distance))
 
 
 def approach(value: float, goal: float, step: float) -> float:

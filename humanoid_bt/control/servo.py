@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from humanoid_bt.clock import WHOLE_BODY_PERIOD, cycles
+from humanoid_bt.clock import WHOLE_BODY_PERIOD
 from humanoid_bt.control.whole_body import Setpoint
 from humanoid_bt.messages import Array, JointCommand
 from humanoid_bt.plant.robot_model import RobotModel
@@ -21,15 +21,14 @@ class Servo:
 
     Attributes:
         position: last validated setpoint, shape (nj,) [rad].
-        limited: joints at a limit in this cycle, shape (nj,) of bool.
+        limited: joints whose last setpoint was clamped: soft limit, speed or torque, shape (nj,) of bool.
         clamps: how many setpoints were clamped so far.
     """
 
     def __init__(self, robot: RobotModel) -> None:
         self._robot = robot
         self._step = robot.speed_limit * WHOLE_BODY_PERIOD
-        self._period = cycles(WHOLE_BODY_PERIOD)
-        self._zeros = np.zeros_like(robot.lower)
+        self._zeros: Array = np.zeros_like(robot.lower)
         self.position: Array = self._zeros.copy()
         self.limited = np.zeros(len(robot.lower), dtype=bool)
         self.clamps = 0
@@ -47,22 +46,32 @@ class Servo:
         """The command in force."""
         return self._command
 
-    def follow(self, setpoint: Setpoint) -> None:
-        """Take a new setpoint if it is finite, clamped into the limits; otherwise go on with the last one.
+    def follow(self, setpoint: Setpoint) -> str:
+        """Take a new setpoint, clamped into the limits, if it is finite; otherwise hold the last one.
 
-        Raises:
-            ValueError: the setpoint is not finite; the last one stays in force.
+        Call it once per whole-body period: the speed limit counts on it.
+
+        Returns:
+            Why the setpoint was refused, "" when it is in force.
         """
         robot = self._robot
-        if not (np.isfinite(setpoint.position).all() and np.isfinite(setpoint.torque).all()):
-            raise ValueError("the setpoint is not finite")
+        values = (setpoint.position, setpoint.velocity, setpoint.torque)
+        if not all(np.isfinite(value).all() for value in values):
+            self.hold()
+            return "the setpoint is not finite"
         slow = np.clip(setpoint.position, self.position - self._step, self.position + self._step)
         inside = np.clip(slow, robot.lower, robot.upper)
+        velocity = np.clip(setpoint.velocity, -robot.speed_limit, robot.speed_limit)
         torque = np.clip(setpoint.torque, -robot.torque_limit, robot.torque_limit)
-        self.limited = np.abs(inside - setpoint.position) > LIMIT_TOLERANCE
+        self.limited = (
+            (np.abs(inside - setpoint.position) > LIMIT_TOLERANCE)
+            | (velocity != setpoint.velocity)
+            | (torque != setpoint.torque)
+        )
         self.clamps += int(self.limited.any())
         self.position = inside
-        self._command = JointCommand(inside, setpoint.velocity, robot.stiffness, robot.damping, torque)
+        self._command = JointCommand(inside, velocity, robot.stiffness, robot.damping, torque)
+        return ""
 
     def hold(self) -> None:
         """Hold the last validated setpoint at rest, with the torque that carried it."""
@@ -71,7 +80,9 @@ class Servo:
     def damp(self) -> None:
         """Let go: no stiffness, only joint damping (stop category 0 of IEC 60204-1)."""
         zeros = self._zeros
-        self._command = JointCommand(zeros, zeros, zeros, self._robot.damping, zeros)
+        if self._command.stiffness is not zeros:
+            self.limited = np.zeros_like(self.limited)
+            self._command = JointCommand(self.position, zeros, zeros, self._robot.damping, zeros)
 
     def _hold(self, torque: Array | None = None) -> JointCommand:
         robot = self._robot

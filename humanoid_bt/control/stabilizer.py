@@ -40,23 +40,24 @@ class Stabilizer:
         dt: control period [s].
 
     Attributes:
-        com_reference: reference of the centre of mass, shape (3,), world frame [m].
+        com_reference: reference of the centre of mass, shape (2,), world frame [m].
         omega: sqrt(g / z_c) [1/s].
     """
 
     def __init__(self, gait: GaitConfig, sole: SoleConfig, mass: float, dt: float) -> None:
         self._gait, self._mass, self._dt = gait, mass, dt
         self._half = (sole.half_length - sole.margin, sole.half_width - sole.margin)
-        self.com_reference: Array = np.zeros(3)
+        self.com_reference: Array = np.zeros(2)
         self.omega = 1.0
 
     def reset(self, com: Array) -> None:
         """Start from a robot at rest with its centre of mass at ``com``, shape (3,), above the ground."""
-        self.com_reference = com.copy()
+        self.com_reference = com[:2].copy()
         self.omega = float(np.sqrt(GRAVITY / com[2]))
 
     def update(
         self,
+        *,
         com: Array,
         dcm: Array,
         dcm_reference: Array,
@@ -87,7 +88,7 @@ class Stabilizer:
         acceleration = self.omega**2 * (com[:2] - (zmp - shift))
         force = self._mass * np.array([acceleration[0], acceleration[1], GRAVITY])
         reference = self.com_reference
-        reference[:2] += dt * (self.omega * (dcm_reference - reference[:2]) + gait.com_slide * (com[:2] - reference[:2]))
+        reference += dt * (self.omega * (dcm_reference - reference) + gait.com_slide * (com[:2] - reference))
         return Load(share, cop, zmp, force)
 
     def _share(

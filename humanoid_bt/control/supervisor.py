@@ -21,12 +21,13 @@ from humanoid_bt.messages import (
     Target,
 )
 from humanoid_bt.plant.robot_config import FallConfig
+from humanoid_bt.plant.robot_model import BASE_COORDINATES
 
 DECISION_TIMEOUT = 0.100
 """Silence of decision [s] after which the robot goes to a protective stop."""
 
 NO_SOLUTION_TIMEOUT = 0.200
-"""Time without a solution of the inverse kinematics [s] after which the robot goes to a protective stop."""
+"""Time without a new valid setpoint [s] after which the robot goes to a protective stop."""
 
 _WORKSPACE = 1000.0  # m from the world's origin beyond which a target is malformed
 _HEIGHT_OFFSET = 0.5  # m
@@ -70,11 +71,12 @@ class Supervisor:
         reason, source: why and by whom, "" in mode RUN.
         command: the last accepted command.
         stops: every stop so far.
-        rejected: commands that were refused so far, as text.
+        rejected: what was refused so far, as text: commands, and setpoints that the body could not plan.
     """
 
     def __init__(self, fall: FallConfig) -> None:
         self._fall = fall
+        self._least_upright = math.cos(fall.tilt)
         self._decision_timeout = cycles(DECISION_TIMEOUT)
         self._no_solution_timeout = cycles(NO_SOLUTION_TIMEOUT)
         self.reset_run(1.0)
@@ -86,9 +88,10 @@ class Supervisor:
         self.command: Command | None = None
         self.stops: list[Stop] = []
         self.rejected: list[str] = []
-        self._accepted_cycle: int | None = None
-        self._unsolved_cycles = 0
-        self._falling = False
+        self._last_sequence: int | None = None
+        self._heard_cycle: int | None = None  # when decision was last heard; None before its first command
+        self._faulty_cycles = 0
+        self._falling = ""
         self._estop: tuple[str, str] | None = None
         self._requested: tuple[str, str] | None = None
         self._cycle = 0
@@ -105,28 +108,37 @@ class Supervisor:
         self._requested = self._requested or (source, reason)
 
     def reset(self) -> str:
-        """Clear a latched stop. Return "" when done, else why it is refused."""
+        """Clear a latched stop. Return "" when done, else why it is refused.
+
+        What was commanded before is forgotten: the robot stands until a fresh command comes. An emergency stop that
+        no servo cycle has seen yet is not cleared.
+        """
         if self._falling:
-            return "the robot has fallen"
-        self._estop = None
+            return self._falling
         if self.mode in (Mode.EMERGENCY_STOP, Mode.DAMP):
+            self._estop = None
             self.mode, self.reason, self.source = Mode.RUN, "", ""
-            self._accepted_cycle = None
+            self.command = None
+            self._heard_cycle = self._cycle
         return ""
 
     def submit(self, command: Command) -> bool:
         """Take a command if it is intact; return whether it is now in force."""
-        fault = self._fault(command)
+        try:
+            fault = self._fault(command)
+        except (AttributeError, TypeError, ValueError) as error:  # whatever decision sends, the servo goes on
+            fault = f"malformed: {error}"
         if fault:
-            self.rejected.append(f"command {command.sequence}: {fault}")
+            self.rejected.append(f"command {getattr(command, 'sequence', '?')}: {fault}")
             return False
         self.command = command
-        self._accepted_cycle = self._cycle
+        self._last_sequence = command.sequence
+        self._heard_cycle = self._cycle
         return True
 
     def _fault(self, command: Command) -> str:
-        if self.command is not None and command.sequence <= self.command.sequence:
-            return f"out of order after {self.command.sequence}"
+        if self._last_sequence is not None and command.sequence <= self._last_sequence:
+            return f"out of order after {self._last_sequence}"
         now = self._cycle * SERVO_PERIOD
         if not math.isfinite(command.stamp) or abs(command.stamp - now) > DECISION_TIMEOUT:
             return f"stamped {command.stamp:.3f} s at {now:.3f} s"
@@ -140,47 +152,57 @@ class Supervisor:
 
     # ---- every servo cycle ----------------------------------------------------------------------------------------
 
-    def check(self, cycle: int, measurement: Measurement, solved: bool) -> None:
-        """Look at everything in the order of precedence and set the mode."""
+    def check(self, cycle: int, measurement: Measurement, setpoint_fault: str = "") -> None:
+        """Look at everything in the order of precedence and set the mode.
+
+        Args:
+            cycle: the servo cycle that begins.
+            measurement: the measured state.
+            setpoint_fault: why there is no new valid setpoint, else "".
+        """
         self._cycle = cycle
-        self._unsolved_cycles = 0 if solved else self._unsolved_cycles + 1
-        self._falling = self._is_falling(measurement)
+        if setpoint_fault and not self._faulty_cycles:
+            self.rejected.append(f"setpoint at {cycle * SERVO_PERIOD:.3f} s: {setpoint_fault}")
+        self._faulty_cycles = self._faulty_cycles + 1 if setpoint_fault else 0
+        self._falling = self._why_falling(measurement)
         if self._falling:
-            self._stop(Mode.DAMP, "the robot is falling", "supervisor")
+            self._stop(Mode.DAMP, self._falling, "supervisor")
         elif self._estop is not None:
             self._stop(Mode.EMERGENCY_STOP, self._estop[1], self._estop[0])
         elif self.mode in (Mode.RUN, Mode.PROTECTIVE_STOP):
-            cause = self._protective_cause()
+            cause = self._protective_cause(setpoint_fault)
             if cause:
                 self._stop(Mode.PROTECTIVE_STOP, *cause)
             elif self.mode is Mode.PROTECTIVE_STOP:
                 self.mode, self.reason, self.source = Mode.RUN, "", ""
 
-    def _protective_cause(self) -> tuple[str, str] | None:
+    def _protective_cause(self, setpoint_fault: str) -> tuple[str, str] | None:
         """Return (reason, source) of what keeps the robot from being commanded, if anything does."""
         if self._requested is not None:
             source, reason = self._requested
             return reason, source
-        if self._accepted_cycle is not None and self._cycle - self._accepted_cycle > self._decision_timeout:
+        if self._heard_cycle is not None and self._cycle - self._heard_cycle > self._decision_timeout:
             return f"decision silent for more than {DECISION_TIMEOUT * 1000:.0f} ms", "supervisor"
-        if self._unsolved_cycles > self._no_solution_timeout:
-            silence = f"{NO_SOLUTION_TIMEOUT * 1000:.0f} ms"
-            return f"inverse kinematics without a solution for more than {silence}", "supervisor"
+        if self._faulty_cycles > self._no_solution_timeout:
+            return f"{setpoint_fault} for more than {NO_SOLUTION_TIMEOUT * 1000:.0f} ms", "supervisor"
         return None
 
     def _stop(self, mode: Mode, reason: str, source: str) -> None:
-        if mode is self.mode or self.mode is Mode.DAMP:
+        if self.mode is Mode.DAMP or (mode, reason, source) == (self.mode, self.reason, self.source):
             return
         self.mode, self.reason, self.source = mode, reason, source
         resources = dict(self.command.sources) if self.command else {}
         self.stops.append(Stop(self._cycle * SERVO_PERIOD, mode, reason, source, resources))
 
-    def _is_falling(self, measurement: Measurement) -> bool:
-        height = measurement.qpos[2]
-        _, x, y, _ = measurement.qpos[3:7].tolist()
+    def _why_falling(self, measurement: Measurement) -> str:
+        """Return why the robot cannot be kept on its feet, "" when it can."""
+        if not math.isfinite(measurement.qpos.sum() + measurement.qvel.sum()):
+            return "the measured state is not finite"
+        _, _, height, _, x, y, _ = measurement.qpos[:BASE_COORDINATES].tolist()
+        if height < self._fall.height * self._home_height:
+            return "the robot is falling: its base is low"
         upright = 1 - 2 * (x * x + y * y)  # cosine of the base's tilt
-        low = height < self._fall.height * self._home_height
-        return bool(low or upright < math.cos(self._fall.tilt) or not math.isfinite(height))
+        return "the robot is falling: its base is tilted" if upright < self._least_upright else ""
 
     @property
     def targets(self) -> Mapping[str, Target]:
@@ -198,15 +220,15 @@ class Supervisor:
 def _target_fault(target: Target) -> str:
     match target:
         case BaseTarget(position=position, heading=heading):
-            values, shape, limit = np.append(position, heading), (3,), _WORKSPACE
+            values, shape, number, limit = position, (2,), heading, _WORKSPACE
         case HandTarget(position=position) | GazeTarget(point=position):
-            values, shape, limit = np.asarray(position), (3,), _WORKSPACE
+            values, shape, number, limit = position, (3,), 0.0, _WORKSPACE
         case PostureTarget(height=height):
-            values, shape, limit = np.array([height]), (1,), _HEIGHT_OFFSET
-    if values.shape != shape:
+            values, shape, number, limit = np.zeros(0), (0,), height, _HEIGHT_OFFSET
+    if not isinstance(values, np.ndarray) or values.shape != shape or values.dtype.kind not in "fi":
         return "is malformed"
-    if not np.isfinite(values).all():
+    if not (np.isfinite(values).all() and math.isfinite(number)):
         return "is not finite"
-    if float(np.abs(values).max()) > limit:
+    if max(float(np.abs(values).max(initial=0.0)), abs(number)) > limit:
         return "is out of range"
     return ""

@@ -13,6 +13,8 @@ from humanoid_bt.messages import SIDES, Array, Side
 from humanoid_bt.plant.robot_config import GaitConfig, SoleConfig
 
 _ARRIVE_EARLY = 0.04  # s before touchdown at which the foot is over its foothold
+_LATE_SHARE = 0.3  # of what is still missing then, in each control period
+_SPEED_MAX = 4.0  # m/s along each axis, of the foot's reference: a foothold that moves late is not reached
 _LAND_FROM = 0.93  # share of the swing after which the foot only goes down
 _LAND_DEPTH = 0.004  # m below the ground that it aims at, so that it does land
 _ADJUST_TIME = 0.03  # s, low-pass of the adjustment
@@ -49,6 +51,7 @@ class Swing:
         sole: SoleConfig,
         omega: float,
         dt: float,
+        *,
         side: Side,
         start: Array,
         foothold: Array,
@@ -110,11 +113,15 @@ class Swing:
         dt = self._dt
         remaining = max((1.0 - self.progress) * self._gait.single_support / self.rate - _ARRIVE_EARLY, 0.0)
         for axis, motion in enumerate(self._motion):
-            error = self.target[axis] - motion[0]
-            if remaining > 1e-3:
-                motion[:] = _minimum_jerk(motion, error, remaining, dt)
+            error = float(self.target[axis]) - motion[0]
+            if remaining > dt:
+                after = _minimum_jerk(motion, error, remaining, dt)
             else:
-                motion[:] = [motion[0] + 0.3 * error, 0.0, 0.0]
+                after = [motion[0] + _LATE_SHARE * error, 0.0, 0.0]
+            if abs(after[0] - motion[0]) > _SPEED_MAX * dt:
+                speed = math.copysign(_SPEED_MAX, after[0] - motion[0])
+                after = [motion[0] + speed * dt, speed, 0.0]
+            motion[:] = after
         share = min(1.0, self.progress / _LAND_FROM)
         if share < 1.0:
             self.height = self._gait.lift * 0.5 * (1 - math.cos(2 * math.pi * share))
@@ -126,13 +133,19 @@ class Swing:
 
 
 def _minimum_jerk(motion: list[float], error: float, remaining: float, dt: float) -> list[float]:
-    """Go on for ``dt`` on the minimum-jerk path that ends at rest after ``remaining`` (Hoff and Arbib 1993)."""
+    """Go on for ``dt`` on the minimum-jerk path that ends at rest after ``remaining`` (Hoff and Arbib 1993).
+
+    Evaluated exactly: near the end an explicit step of the jerk overshoots without bound.
+    """
     position, velocity, acceleration = motion
-    jerk = (60 * error - 36 * velocity * remaining - 9 * acceleration * remaining**2) / remaining**3
+    h, v, a = remaining, velocity, acceleration
+    cubic = (20 * error - 12 * v * h - 3 * a * h**2) / (2 * h**3)
+    quartic = (-30 * error + 16 * v * h + 3 * a * h**2) / (2 * h**4)
+    quintic = (12 * error - 6 * v * h - a * h**2) / (2 * h**5)
     return [
-        position + velocity * dt + acceleration * dt * dt / 2,
-        velocity + acceleration * dt,
-        acceleration + jerk * dt,
+        position + dt * (v + dt * (a / 2 + dt * (cubic + dt * (quartic + dt * quintic)))),
+        v + dt * (a + dt * (3 * cubic + dt * (4 * quartic + dt * 5 * quintic))),
+        a + dt * (6 * cubic + dt * (12 * quartic + dt * 20 * quintic)),
     ]
 
 

@@ -106,7 +106,9 @@ class Walker:
         self.footsteps, done = self._planner.plan(swing, support, goal)
         self._ends = done and len(self.footsteps) == 1
         self._double = round(shift / self._dt)
-        self._plan = plan_walk(self._numbers, self._omega, self._dt, zmp, support, shift, self.footsteps)
+        self._plan = plan_walk(
+            self._numbers, self._omega, self._dt, zmp=zmp, support=support, shift=shift, steps=self.footsteps
+        )
         self._elapsed, self._contacts, self._stepping, self.swing = 0.0, 0, swing, None
         self.gait = Gait.STEP
 
@@ -138,11 +140,11 @@ class Walker:
             self._sole,
             self._omega,
             self._dt,
-            side,
-            self.foot_reference[side],
-            self.footsteps[0].pose,
-            self.foot_reference[OTHER[side]],
-            self._plan.dcm[self._double + self._single - 1],
+            side=side,
+            start=self.foot_reference[side],
+            foothold=self.footsteps[0].pose,
+            support=self.foot_reference[OTHER[side]],
+            dcm_end=self._plan.dcm[self._double + self._single - 1],
         )
 
     def _touch_down(self, side: Side, goal: Array | None) -> None:
@@ -152,7 +154,8 @@ class Walker:
         if not self._ends:
             self._start_step(OTHER[side], goal, self.zmp_reference, self._numbers.double_support)
             return
-        self._plan = plan_settle(self._numbers, self._omega, self._dt, self.zmp_reference, self.stance[:2])
+        middle = self.stance[:2]
+        self._plan = plan_settle(self._numbers, self._omega, self._dt, zmp=self.zmp_reference, middle=middle)
         self.gait, self._elapsed, self.footsteps = Gait.SETTLE, 0.0, []
 
     def _settle(self) -> None:

@@ -77,14 +77,22 @@ class WholeBody:
             neck_range = float(min(robot.upper[yaw], -robot.lower[yaw]))
         self._gaze = GazeReference(config.whole_body, dt, neck_range)
         self._hands: dict[Side, HandReference] = {}
-        self._posture = PostureReference(robot.home_qpos[BASE_COORDINATES:], dt)
+        self._home_joints: Array = robot.home_qpos[BASE_COORDINATES:]
+        self._posture = PostureReference(self._home_joints, dt)
         self._height = self._home_height = 0.0
         self._reaching = 0.0
         self._commanded: frozenset[Side] = frozenset()
         self._zmp: Array = np.zeros(2)
 
     def reset(self, measurement: Measurement) -> None:
-        """Stand where the robot is, with everything at rest."""
+        """Begin a run: the robot stands at rest, and how it stands is its home posture."""
+        self._home_joints = measurement.qpos[BASE_COORDINATES:].copy()
+        self.dynamics.update(measurement)
+        self._home_height = float(self.dynamics.com[2])
+        self.restart(measurement)
+
+    def restart(self, measurement: Measurement) -> None:
+        """Stand where the robot is, with everything at rest, and return to the home posture slowly."""
         config, dt = self._robot.config, self._dt
         self.dynamics.update(measurement)
         self._kinematics.reset(measurement.qpos)
@@ -93,9 +101,10 @@ class WholeBody:
         self._tilt = TiltCompensation(dt)
         self._gaze.yaw = self._gaze.pitch = 0.0
         self._hands = {side: HandReference(config.whole_body, dt) for side in self.dynamics.hands}
-        self._posture = PostureReference(measurement.qpos[BASE_COORDINATES:].copy(), dt)
-        self._home_height = float(self.dynamics.com[2])
-        self._height = self._reaching = 0.0
+        self._posture = PostureReference(self._home_joints, dt)
+        self._posture.release_from(self._kinematics.joints)
+        self._height = float(self.dynamics.com[2]) - self._home_height
+        self._reaching = 0.0
         self._commanded = frozenset()
         self._zmp = self.walker.zmp_reference.copy()
 
@@ -119,13 +128,13 @@ class WholeBody:
         goal = None if hold else _goal(targets)
         walker.update(goal, dcm, self._zmp, dynamics.soles, force)
         load = stabilizer.update(
-            dynamics.com,
-            dcm,
-            walker.dcm_reference,
-            walker.zmp_reference,
-            self._kinematics.momentum_rate,
-            dynamics.soles,
-            walker.contact,
+            com=dynamics.com,
+            dcm=dcm,
+            dcm_reference=walker.dcm_reference,
+            zmp_reference=walker.zmp_reference,
+            momentum_rate=self._kinematics.momentum_rate,
+            soles=dynamics.soles,
+            contact=walker.contact,
         )
         self._zmp = load.zmp
         self._tilt.update(walker.swing, measurement.qpos[:BASE_COORDINATES], self._kinematics.base_pose)
@@ -136,23 +145,21 @@ class WholeBody:
         return Setpoint(position, velocity, torque)
 
     def _body_targets(self, targets: Mapping[str, Target], hold: bool) -> BodyTargets:
-        walker, kinematics = self.walker, self._kinematics
+        walker = self.walker
         heading = float(walker.stance[2])
         hands = self._hand_positions(targets, hold)
-        self._reaching += (float(bool(hands)) - self._reaching) * min(1.0, self._dt / _BLEND_TIME)
         gaze = targets.get("gaze")
         point = gaze.point if isinstance(gaze, GazeTarget) else None
         self._gaze.update(point, hold, self.dynamics.gaze_position, heading)
         if not hold:
+            self._reaching += (float(bool(hands)) - self._reaching) * min(1.0, self._dt / _BLEND_TIME)
             posture = targets.get("posture")
             wanted = posture.height if isinstance(posture, PostureTarget) else 0.0
             self._height = approach(self._height, wanted, self._robot.config.whole_body.height_speed * self._dt)
-        com = self._stabilizer.com_reference
-        com[2] = self._home_height + self._height
-        if not hold:
             self._posture.update()
+        x, y = self._stabilizer.com_reference
         return BodyTargets(
-            com=com,
+            com=np.array([x, y, self._home_height + self._height]),
             soles=walker.foot_reference,
             sole_heights=walker.foot_height,
             sole_twists=self._tilt.twist,
@@ -177,11 +184,6 @@ class WholeBody:
             self._posture.release_from(self._kinematics.joints)
         self._commanded = commanded
         return positions
-
-    @property
-    def stance(self) -> Array:
-        """Pose of the middle between the feet (x, y, yaw), world frame."""
-        return self.walker.stance
 
     @property
     def com_speed(self) -> float:

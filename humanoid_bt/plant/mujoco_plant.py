@@ -8,7 +8,7 @@ import mujoco
 import numpy as np
 
 from humanoid_bt.clock import SERVO_PERIOD
-from humanoid_bt.errors import Place, UserError, relative
+from humanoid_bt.errors import Place, UserError, nearest, relative
 from humanoid_bt.messages import SIDES, Array, JointCommand, Measurement
 from humanoid_bt.plant.robot_model import BASE_COORDINATES, BASE_DOFS, RobotModel, foot_sensor
 from humanoid_bt.plant.scene import Scene
@@ -36,6 +36,7 @@ class MujocoPlant:
         spec = robot.spec()
         spec.option.timestep = SERVO_PERIOD
         spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
+        spec.option.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET  # a state that blew up must be seen
         spec.option.jacobian = mujoco.mjtJacobian.mjJAC_DENSE  # the sparse solver of MuJoCo 4.0.0 converges slowly
         scene.add_to(spec)
         try:
@@ -117,8 +118,14 @@ class MujocoPlant:
             body: name of the body.
             force: world frame, shape (3,) [N].
             duration: [s].
+
+        Raises:
+            UserError: there is no such body.
         """
-        self._pushes[self.model.body(body).id] = (self.time + duration, np.array(force, dtype=float))
+        bodies = [self.model.body(i).name for i in range(1, self.model.nbody)]
+        if body not in bodies:
+            raise UserError(f"there is no body {body!r} to push", hint=nearest(body, bodies))
+        self._pushes[self.model.body(body).id] = (self.time + duration, np.array(force, dtype=float).reshape(3))
 
     def _apply_pushes(self) -> None:
         for body, (until, force) in list(self._pushes.items()):

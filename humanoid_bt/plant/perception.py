@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 
+from humanoid_bt.geometry import rotation_matrix
 from humanoid_bt.messages import Array, Percept, State
 from humanoid_bt.plant.scene import Scene, random_stream
 from humanoid_bt.plant.scene_config import PerceptConfig
@@ -61,7 +62,7 @@ class SimulatedPerception:
                 continue
             offset = _CONFIDENCE_NOISE * float(confidence_noise)
             confidence += min(max(offset, -_CONFIDENCE_NOISE_LIMIT), _CONFIDENCE_NOISE_LIMIT)
-            in_base = _rotation(state.base_quaternion).T @ (self._last_seen[name] - state.base_position)
+            in_base = rotation_matrix(state.base_quaternion).T @ (self._last_seen[name] - state.base_position)
             percepts.append(Percept(name, state.time, in_base, confidence))
         return percepts
 
@@ -71,21 +72,9 @@ def _in_view(position: Array, state: State, config: PerceptConfig) -> bool:
     forward = state.gaze_direction
     left = np.cross([0.0, 0.0, 1.0], forward)
     if np.linalg.norm(left) < 1e-6:  # looking straight up or down: the body says where left is
-        left = _rotation(state.base_quaternion)[:, 1]
+        left = rotation_matrix(state.base_quaternion)[:, 1]
     left = left / np.linalg.norm(left)
     offset = position - state.gaze_position
     ahead, aside, above = float(offset @ forward), float(offset @ left), float(offset @ np.cross(forward, left))
     horizontal, vertical = math.atan2(aside, ahead), math.atan2(above, math.hypot(ahead, aside))
     return abs(horizontal) <= config.field_of_view / 2 and abs(vertical) <= config.vertical_field_of_view / 2
-
-
-def _rotation(quaternion: Array) -> Array:
-    """Return the rotation matrix, base to world, of a wxyz quaternion."""
-    w, x, y, z = quaternion
-    return np.array(
-        [
-            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-        ]
-    )

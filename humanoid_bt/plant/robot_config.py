@@ -8,7 +8,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from humanoid_bt import document
-from humanoid_bt.errors import Problem, UserError, relative
+from humanoid_bt.document import Item
+from humanoid_bt.errors import Place, Problem, UserError, relative
 from humanoid_bt.messages import SIDES
 from humanoid_bt.params import param, read
 
@@ -150,6 +151,19 @@ class RobotConfig:
     reach_distance: float = param(0.40, above=0, unit="m", doc="Where to stand to reach: the target this far ahead.")
     fall: FallConfig = param(FallConfig(), doc="Falling.")
     path: Path = field(default=Path(), compare=False)
+    written: Item | None = field(default=None, compare=False, repr=False)
+
+    def place(self, *keys: str | int) -> Place:
+        """Return where a value is written, as in ``place("legs", "left", "sole")``, or what should hold it."""
+        item = self.written
+        if item is None:
+            return Place(relative(self.path))
+        for key in keys:
+            try:
+                item = item.value[key]
+            except (KeyError, IndexError, TypeError):
+                break
+        return item.place
 
     def drive(self, joint: str) -> DriveConfig | None:
         """Return the drive of a joint, None if no group names it."""
@@ -191,4 +205,4 @@ def load_robot_config(path: Path) -> RobotConfig:
         problems.append(Problem(f"the model file {config.model!r} is missing", item.value["model"].place, hint))
     if problems:
         raise UserError(problems)
-    return dataclasses.replace(config, path=path)
+    return dataclasses.replace(config, path=path, written=item)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import fnmatch
+from collections.abc import Iterator
 
 import mujoco
 import numpy as np
@@ -31,6 +32,10 @@ GAZE_SITE = "hbt_gaze"
 def foot_sensor(side: str) -> str:
     """Return the name of the contact-force sensor of a foot."""
     return f"hbt_{side}_foot_force"
+
+
+_FORCE = 1 << int(mujoco.mjtConDataField.mjCONDATA_FORCE)
+_NET = 3  # what a contact sensor makes of several contacts: their sum, in the world frame
 
 
 class RobotModel:
@@ -80,8 +85,9 @@ class RobotModel:
         config = self.config
         spec = _read(config)
         _check_names(spec, config)
-        for key in list(spec.keys):
-            spec.delete(key)  # their size no longer fits once a scene is added
+        # keyframes no longer fit once a scene is added; sensors may read actuators that are replaced
+        for element in [*spec.keys, *spec.sensors]:
+            spec.delete(element)
         _add_drives(spec, config)
         for side in SIDES:
             _add_site(spec, sole_site(side), config.legs[side].sole)
@@ -92,65 +98,106 @@ class RobotModel:
                 type=mujoco.mjtSensor.mjSENS_CONTACT,
                 objtype=mujoco.mjtObj.mjOBJ_BODY,
                 objname=config.legs[side].sole.body,
-                intprm=[1 << int(mujoco.mjtConDataField.mjCONDATA_FORCE), 3, 1],  # force, summed over contacts, one slot
+                intprm=[_FORCE, _NET, 1],
             )
         _add_site(spec, GAZE_SITE, config.gaze)
         return spec
 
 
 def _read(config: RobotConfig) -> mujoco.MjSpec:
-    path = config.path.parent / config.model
     try:
-        return mujoco.MjSpec.from_file(str(path))
+        return mujoco.MjSpec.from_file(str(config.path.parent / config.model))
     except ValueError as error:
-        raise UserError(f"not a valid MJCF model: {_first_line(error)}", Place(relative(path))) from error
+        raise UserError(f"not a valid MJCF model: {_one_line(error)}", _model(config)) from error
 
 
 def _compile(spec: mujoco.MjSpec, config: RobotConfig) -> mujoco.MjModel:
     try:
         return spec.compile()
     except ValueError as error:
-        path = config.path.parent / config.model
-        raise UserError(f"the model does not compile: {_first_line(error)}", Place(relative(path))) from error
+        raise UserError(f"the model does not compile: {_one_line(error)}", _model(config)) from error
 
 
-def _first_line(error: ValueError) -> str:
+def _model(config: RobotConfig) -> Place:
+    return Place(relative(config.path.parent / config.model))
+
+
+def _one_line(error: ValueError) -> str:
     return " ".join(str(error).split())
 
 
 def _check_names(spec: mujoco.MjSpec, config: RobotConfig) -> None:
-    place = Place(relative(config.path))
+    """Refuse a ``robot.yaml`` that does not fit its model."""
     bodies = [body.name for body in spec.bodies]
     free = [joint for joint in spec.joints if joint.type == mujoco.mjtJoint.mjJNT_FREE]
     hinges = [joint.name for joint in spec.joints if joint.type != mujoco.mjtJoint.mjJNT_FREE]
     problems: list[Problem] = []
-
-    def need(what: str, names: Iterable[str], valid: list[str]) -> None:
-        problems.extend(
-            Problem(f"the model has no {what} {name!r}", place, nearest(name, valid))
-            for name in names
-            if name not in valid
+    for keys, name in _named_bodies(config):
+        if name not in bodies:
+            problems.append(Problem(f"the model has no body {name!r}", config.place(*keys), nearest(name, bodies)))
+    for keys, name in _named_joints(config):
+        if name not in hinges:
+            problems.append(Problem(f"the model has no joint {name!r}", config.place(*keys), nearest(name, hinges)))
+    for keys, pattern in _joint_patterns(config):
+        if not fnmatch.filter(hinges, pattern):
+            hint = nearest(pattern, hinges)
+            problems.append(Problem(f"no joint of the model matches {pattern!r}", config.place(*keys), hint))
+    if len(free) != 1 or free[0].parent.name != config.base or spec.joints[0].type != mujoco.mjtJoint.mjJNT_FREE:
+        hint = "a floating base: <freejoint/> in that body, before every other joint"
+        wanted = f"the model must have exactly one free joint, on the base {config.base!r}"
+        problems.append(Problem(wanted, config.place("base"), hint))
+    sliding = [joint.name for joint in spec.joints if joint.type not in _ROBOT_JOINTS]
+    if sliding:
+        problems.append(
+            Problem(f"only hinges can be driven; these joints are none: {', '.join(sliding)}", _model(config))
         )
-
-    legs = config.legs.values()
-    sites = [leg.sole for leg in legs] + list(config.hands.values()) + [config.gaze]
-    need("body", [config.base, config.torso, *(site.body for site in sites)], bodies)
-    need("joint", [j for leg in legs for j in (leg.hip_roll, leg.hip_pitch, leg.ankle_pitch, leg.ankle_roll)], hinges)
-    if config.neck:
-        need("joint", [config.neck.yaw, config.neck.pitch], hinges)
-    if len(free) != 1 or free[0].parent.name != config.base:
-        problems.append(Problem(f"the model must have exactly one free joint, on the base {config.base!r}", place))
-    if any(joint.type != mujoco.mjtJoint.mjJNT_HINGE for joint in spec.joints if joint not in free):
-        problems.append(Problem("every joint but the base's must be a hinge", place))
     if list(spec.equalities):
-        problems.append(Problem("the model has equality constraints; the robot must stand on its own", place))
-    problems += [
-        Problem(f"no group in 'drives' matches the joint {name!r}", place, "every joint needs a drive")
-        for name in hinges
-        if config.drive(name) is None
-    ]
+        message = "the model has equality constraints; the robot must stand on its own"
+        problems.append(Problem(message, _model(config)))
+    if any(body.gravcomp for body in spec.bodies):
+        problems.append(
+            Problem("the model has bodies with gravcomp; the robot must carry its own weight", _model(config))
+        )
+    undriven = [name for name in hinges if config.drive(name) is None]
+    if undriven:
+        message = f"no group in 'drives' matches {', '.join(repr(name) for name in undriven)}"
+        problems.append(Problem(message, config.place("drives"), "every joint needs a drive"))
     if problems:
         raise UserError(problems)
+
+
+_ROBOT_JOINTS = (mujoco.mjtJoint.mjJNT_FREE, mujoco.mjtJoint.mjJNT_HINGE)
+_Reference = tuple[tuple[str | int, ...], str]  # keys in robot.yaml, and the name written there
+
+
+def _named_bodies(config: RobotConfig) -> Iterator[_Reference]:
+    yield ("base",), config.base
+    yield ("torso",), config.torso
+    for side, leg in config.legs.items():
+        yield ("legs", side, "sole", "body"), leg.sole.body
+    for side, hand in config.hands.items():
+        yield ("hands", side, "body"), hand.body
+    yield ("gaze", "body"), config.gaze.body
+
+
+def _named_joints(config: RobotConfig) -> Iterator[_Reference]:
+    for side, leg in config.legs.items():
+        for what in ("hip_roll", "hip_pitch", "ankle_pitch", "ankle_roll"):
+            yield ("legs", side, what), getattr(leg, what)
+    if config.neck:
+        yield ("neck", "yaw"), config.neck.yaw
+        yield ("neck", "pitch"), config.neck.pitch
+
+
+def _joint_patterns(config: RobotConfig) -> Iterator[_Reference]:
+    for i, drive in enumerate(config.drives):
+        for k, pattern in enumerate(drive.joints):
+            yield ("drives", i, "joints", k), pattern
+    for pattern in config.home:
+        yield ("home", pattern), pattern
+    for name, patterns in config.groups.items():
+        for k, pattern in enumerate(patterns):
+            yield ("groups", name, k), pattern
 
 
 def _add_drives(spec: mujoco.MjSpec, config: RobotConfig) -> None:

@@ -15,14 +15,14 @@ from humanoid_bt.record.scene_view import BASE, WORLD
 _EYE = (1.4, -2.2, 1.3)  # camera at the start, in heights of the base: from the front right, at the chest
 _LOOK_AT = (0.4, 0.0, 0.9)
 _BACKGROUND = (126, 139, 156)  # lighter than most robots, darker than labels
-_MARGIN = 24.0  # around the tree, in the graph's units
+_MARGIN = 12.0  # around the tree, in the graph's units
 
 
-def blueprint(positions: Iterable[tuple[float, float]], groups: Iterable[str], base_height: float) -> Any:
+def blueprint(graph: tuple[float, float], groups: Iterable[str], base_height: float) -> Any:
     """Return the layout.
 
     Args:
-        positions: centres of the tree's labels in the graph.
+        graph: width and height of the tree's graph.
         groups: joint groups that have plots.
         base_height: of the standing robot [m], the measure of the picture.
     """
@@ -32,7 +32,7 @@ def blueprint(positions: Iterable[tuple[float, float]], groups: Iterable[str], b
         rrb.TextDocumentView(name="run", origin=documents.RUN),
         rrb.TextDocumentView(name="tree file", origin=documents.TREE),
     )
-    right = rrb.Vertical(_graph(positions), _plots(groups), texts, row_shares=[9, 9, 6])
+    right = rrb.Vertical(_graph(graph), _plots(groups), texts, row_shares=[9, 9, 6])
     return rrb.Blueprint(
         rrb.Horizontal(left, right, column_shares=[1, 1]),
         rrb.TimePanel(state="collapsed", timeline=TIMELINE, play_state="following"),
@@ -69,11 +69,9 @@ def _lanes() -> Any:
     return rrb.StateTimelineView(name="nodes over time", origin=LANES)
 
 
-def _graph(positions: Iterable[tuple[float, float]]) -> Any:
-    xs, ys = zip(*positions, strict=True)
-    bounds = rrb.VisualBounds2D(
-        x_range=(min(xs) - 3 * _MARGIN, max(xs) + 3 * _MARGIN), y_range=(min(ys) - _MARGIN, max(ys) + _MARGIN)
-    )
+def _graph(size: tuple[float, float]) -> Any:
+    width, height = size
+    bounds = rrb.VisualBounds2D(x_range=(-_MARGIN, width + _MARGIN), y_range=(-_MARGIN, height + _MARGIN))
     return rrb.GraphView(name="tree", origin=tree_view.GRAPH, visual_bounds=bounds)
 
 
@@ -96,7 +94,7 @@ def _joints(group: str) -> Any:
     return rrb.Vertical(
         rrb.TimeSeriesView(
             name=f"{group}: position against setpoint [rad]",
-            contents=[f"{path}/setpoint", f"{path}/position", f"{path}/limit"],
+            contents=[f"{path}/setpoint", f"{path}/position", f"{path}/soft_limit"],
         ),
         rrb.TimeSeriesView(name=f"{group}: torque [Nm]", contents=[f"{path}/torque"]),
         row_shares=[3, 2],

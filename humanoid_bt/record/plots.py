@@ -65,7 +65,7 @@ class Plots:
             pale = [(*color, 90) for color in colors]
             _style(stream, f"{path}/setpoint", [f"{name} setpoint" for name in names], pale, 4.0)
             _style(stream, f"{path}/position", names, colors, 1.5)
-            _style(stream, f"{path}/limit", [f"{name} limit" for name in names], [_LIMIT_COLOR] * len(names), 1.0)
+            _style(stream, f"{path}/soft_limit", [f"{name} limit" for name in names], [_LIMIT_COLOR] * len(names), 1.0)
             _style(stream, f"{path}/torque", names, colors, 1.5)
         sides = [SIDE_COLORS[side] for side in SIDES]
         _style(stream, FEET, ["left foot [N]", "right foot [N]"], sides, 1.5)
@@ -102,7 +102,7 @@ class Plots:
             _scalars(stream, f"{path}/position", times, position[:, joints])
             _scalars(stream, f"{path}/setpoint", times, setpoint[:, joints])
             _scalars(stream, f"{path}/torque", times, torque[:, joints])
-            _scalars(stream, f"{path}/limit", times, limit[:, joints])
+            _scalars(stream, f"{path}/soft_limit", times, limit[:, joints])
 
     def _flush_percepts(self, stream: Any) -> None:
         for name in sorted({name for _, tracks in self._samples for name in tracks}):

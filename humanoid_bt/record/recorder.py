@@ -68,7 +68,7 @@ class Recorder:
         self._events = EventLog()
         self._last_flush = self._last_frame = -np.inf
         self._closed = False
-        layout = blueprint(self._tree.positions, self._plots.groups, self._scene.base_height)
+        layout = blueprint(self._tree.size, self._plots.groups, self._scene.base_height)
         self._outlet = Outlet(sinks, info.get("tree", tree.file) or "run", layout)
         try:
             for part in (self._scene, self._overlays, self._plots, self._tree, self._lanes):

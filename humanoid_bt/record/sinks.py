@@ -11,6 +11,7 @@ import socket
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 from dataclasses import dataclass
 from pathlib import Path
@@ -107,9 +108,13 @@ class Outlet:
         if self._closed:
             return
         self._closed = True
-        if self._viewer is not None:
-            self._release_viewer(self._viewer)
-        self.stream.disconnect()
+        # Closing waits for the viewer to take the rest. One that hangs is ended, or it would keep the run from ending.
+        patience = threading.Timer(_FLUSH_TIMEOUT, self._end_viewer)
+        patience.start()
+        try:
+            self.stream.disconnect()
+        finally:
+            patience.cancel()
         if self._web is not None:
             if self._web.stdin is not None:
                 self._web.stdin.close()
@@ -137,15 +142,10 @@ class Outlet:
         except RuntimeError as error:
             raise UserError(f"the recording cannot be opened: {error}", hint=f"asked for: {sinks}") from error
 
-    def _release_viewer(self, viewer: subprocess.Popen[bytes]) -> None:
-        """Give the viewer the rest of the data. One that hangs is ended: it would keep this program from ending."""
-        try:
-            self.stream.flush(timeout_sec=_FLUSH_TIMEOUT)
-        except RuntimeError as error:
-            if viewer.poll() is None:
-                _log.warning("the viewer did not take the recording's end within %g s: %s", _FLUSH_TIMEOUT, error)
-                viewer.kill()
-                viewer.wait()
+    def _end_viewer(self) -> None:
+        if self._viewer is not None and self._viewer.poll() is None:
+            _log.warning("the viewer did not take the recording's end within %g s and was ended", _FLUSH_TIMEOUT)
+            self._viewer.kill()
 
 
 def _check_file(path: Path) -> None:

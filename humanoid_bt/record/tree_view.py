@@ -77,6 +77,9 @@ class TreeStatus:
     Args:
         nodes: all nodes, each after its parent.
         first_lane: number of the first node's lane in the state timeline.
+
+    Attributes:
+        size: width and height of the graph, whose corner is at the origin.
     """
 
     def __init__(self, nodes: Sequence[NodeView], first_lane: int = 0) -> None:
@@ -84,7 +87,12 @@ class TreeStatus:
         self._parents = [_parent(node) for node in nodes]
         self._labels = [_label(node) for node in nodes]
         depths = _depths(self._parents)
-        self.positions = _layout(self._parents, depths, self._labels)
+        widths = [_CHARACTER * (2 + max(map(len, label.split("\n")))) for label in self._labels]
+        self._positions = _layout(self._parents, depths, widths)
+        self.size = (
+            max(x + width / 2 for (x, _), width in zip(self._positions, widths, strict=True)),
+            max(y for _, y in self._positions) + _ROW / 2,
+        )
         self._lanes = _lanes(nodes, self._parents, first_lane)
         self._status = ["INVALID"] * len(nodes)
         self._changes: list[tuple[float, int, str]] = []
@@ -93,7 +101,7 @@ class TreeStatus:
         """Write the graph's shape and the looks of the states."""
         ids = [str(index) for index in range(len(self._labels))]
         edges = [(str(parent), str(index)) for index, parent in enumerate(self._parents) if parent is not None]
-        nodes = rr.GraphNodes(ids, positions=self.positions, show_labels=True)
+        nodes = rr.GraphNodes(ids, positions=self._positions, show_labels=True)
         stream.log(GRAPH, nodes, rr.GraphEdges(edges, graph_type="directed"), static=True)
         states = list(STATUS_COLORS)
         look = rr.StateConfiguration(
@@ -169,9 +177,8 @@ def _depths(parents: Sequence[int | None]) -> list[int]:
     return depths
 
 
-def _layout(parents: Sequence[int | None], depths: Sequence[int], labels: Sequence[str]) -> list[tuple[float, float]]:
+def _layout(parents: Sequence[int | None], depths: Sequence[int], widths: Sequence[float]) -> list[tuple[float, float]]:
     """Return each label's centre: depth to the right, leaves below each other, parents beside their children."""
-    widths = [_CHARACTER * (2 + max(map(len, label.split("\n")))) for label in labels]
     starts = [0.0]
     for depth in range(max(depths, default=0)):
         column = max(width for width, d in zip(widths, depths, strict=True) if d == depth)
@@ -181,7 +188,7 @@ def _layout(parents: Sequence[int | None], depths: Sequence[int], labels: Sequen
         if parent is not None:
             children[parent].append(index)
     heights: dict[int, float] = {}
-    row = 0.0
+    row = _ROW / 2
     for index in _leaves_first(parents, children):
         if children[index]:
             heights[index] = (heights[children[index][0]] + heights[children[index][-1]]) / 2

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import dataclass
 
 from py_trees.behaviour import Behaviour
@@ -67,11 +68,11 @@ def _collect(step: _Step, made: dict[int, Behaviour], nodes: list[Node]) -> None
     vars(behaviour)["path"] = path  # plain behaviours know their path too
     index = len(nodes)
     nodes.append(Node(path, draft.name, draft.type, draft.values, draft.place, behaviour, step.parent, step.branch))
-    taken: set[str] = set()
+    taken: Counter[str] = Counter()
     for key, child in draft.below():
-        below, count = f"{path}/{child.name}", 1
+        below = f"{path}/{child.name}"
         while below in taken:
-            count += 1
-            below = f"{path}/{child.name}#{count}"
-        taken.add(below)
+            taken[below] += 1
+            below = f"{below}#{taken[below]}"
+        taken[below] = 1
         _collect(_Step(child, below, index, key), made, nodes)

@@ -107,7 +107,7 @@ class Reader:
         own = self._body(draft, body)
         if own is not None:
             self._values(draft, own)
-        draft.sound = len(self._problems) == before
+        draft.sound = draft.sound and len(self._problems) == before
         if own is not None:
             self._below(draft, own)
         return draft
@@ -140,7 +140,8 @@ class Reader:
             elif key in wanted:
                 value = self._resolved(wanted[key], item)
                 if value is None:
-                    del wanted[key]  # its mistake is noted
+                    del wanted[key]  # its mistake is noted, here or where the parameter is declared
+                    draft.sound = False
                 else:
                     given[key] = value
                     draft.value_places[key] = item.place

@@ -105,7 +105,7 @@ def test_the_demo_hides_its_ball_for_three_seconds() -> None:
     demo = Scene(load_scene(SCENES / "ball_on_stand.yaml"), 0)
     hidden = {time: demo.hidden("ball", time) for time in (0, 2.999, 3, 5.999, 6, 100)}
     assert hidden == {0: False, 2.999: False, 3: True, 5.999: True, 6: False, 100: False}
-    assert demo.events(0, 100) == [(4.0, "ball hidden"), (7.0, "ball shown")]
+    assert demo.events(0, 100) == [(3.0, "ball hidden"), (6.0, "ball shown")]
 
 
 def test_every_event_is_reported_once_by_consecutive_calls(tmp_path: Path) -> None:

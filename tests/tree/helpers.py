@@ -121,8 +121,8 @@ def make_workspace(root: Path, skills: str = SKILLS) -> Workspace:
     return Workspace(root)
 
 
-def make_robot() -> Robot:
-    """Return a robot at time 0."""
+def make_robot(clock: CycleClock) -> Robot:
+    """Return a robot."""
     sole = SiteConfig(body="foot")
     leg = LegConfig(hip_roll="a", hip_pitch="b", ankle_pitch="c", ankle_roll="d", sole=sole)
     config = RobotConfig(
@@ -136,7 +136,7 @@ def make_robot() -> Robot:
         gaze=SiteConfig(body="head"),
         drives=[],
     )
-    return Robot(config, CycleClock())
+    return Robot(config, clock)
 
 
 def make_state(time: float = 0.0, mode: Mode = Mode.RUN, reason: str = "", source: str = "") -> State:
@@ -187,7 +187,8 @@ class Run:
 
     def __init__(self, tree: Tree) -> None:
         self.tree = tree
-        self.robot = make_robot()
+        self.clock = CycleClock()
+        self.robot = make_robot(self.clock)
         self.changes: list[NodeChange] = []
         self.executor = Executor(tree, self.robot, self.changes.append)
         self.executor.setup()
@@ -196,7 +197,7 @@ class Run:
 
     @property
     def time(self) -> float:
-        return self.robot.clock.now()
+        return self.clock.now()
 
     def tick(
         self, percepts: Mapping[str, Percept] = NO_TARGET, mode: Mode = Mode.RUN, reason: str = "", source: str = ""
@@ -206,7 +207,7 @@ class Run:
         try:
             return self.executor.tick(make_state(self.time, mode, reason, source), percepts)
         finally:
-            self.robot.clock.cycle += 100
+            self.clock.cycle += 100
 
     def ticks(self, count: int) -> str:
         """Tick often; return the root's statuses as letters."""

@@ -30,6 +30,12 @@ def test_retry_counts_afresh_and_says_where_it_is(workspace: Workspace) -> None:
     assert retry.feedback("retry") == "attempt 2 of 2 failed"
 
 
+def test_repeat_counts_afresh(workspace: Workspace) -> None:
+    repeat = run(workspace, "{repeat: {times: 2, act: {script: s}}}")
+    assert repeat.ticks(4) == "rsrs"
+    assert repeat.feedback("repeat") == "done 2 of 2"
+
+
 @pytest.mark.parametrize("root", ["{retry: {attempts: 0, act: }}", "{repeat: {times: 0, act: }}"])
 def test_a_count_of_zero_is_refused(workspace: Workspace, root: str) -> None:
     with pytest.raises(UserError, match="must be at least 1, or -1 for ever"):

@@ -13,7 +13,8 @@ def test_a_tick_commits_one_command_with_its_sources(workspace: Workspace) -> No
     idle = run(workspace, "{emergency_stop: idle}")
     first, second = idle.tick(), idle.tick()
     assert dict(first.sources) == {"gaze": "t/emergency_stop/idle"}
-    assert (first.sequence, second.sequence, second.stamp) == (0, 1, pytest.approx(0.1))
+    assert (first.sequence, second.sequence) == (0, 1)
+    assert second.stamp == pytest.approx(0.1)
     assert idle.executor.status is Status.RUNNING
 
 

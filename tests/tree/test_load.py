@@ -202,3 +202,15 @@ def test_a_skill_file_that_cannot_be_imported_is_answered_with_its_line(workspac
 
 def test_a_users_skill_works_like_a_built_in_one(workspace: Workspace) -> None:
     assert run(workspace, "{sequence: [{plain: {count: 3}}]}").ticks(3) == "rrs"
+
+
+def test_deep_trees_load_and_run(workspace: Workspace) -> None:
+    deep = run(workspace, "{inverter: " * 96 + "act" + "}" * 96)
+    assert deep.ticks(1) == "r"
+    assert len(deep.tree.nodes) == 97
+
+
+def test_many_equal_siblings_get_different_paths(workspace: Workspace) -> None:
+    tree = load(workspace, f"root: [{', '.join(['act'] * 500)}]".replace("root: ", "root: {sequence: ") + "}")
+    assert len({node.path for node in tree.nodes}) == 501
+    assert tree.nodes[-1].path.endswith("/act#500")

@@ -65,6 +65,12 @@ def test_a_value_reaches_the_node(workspace: Workspace) -> None:
             "$n is used at",
         ),
         (
+            "parameters: {n: 1 s}\nroot: {timeout: {duration: $n, act: }}",
+            {"n": "2 m"},
+            "--set n=2 m 'n' has the unit 'm'",
+            "valid: s, ms, min",
+        ),
+        (
             "parameters: {n: -1}\nroot: {timeout: {duration: $n, act: }}",
             {},
             "3:28 'duration' must be > 0, not -1.0",

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import py_trees
 from py_trees.common import Status
 
 from humanoid_bt.tree import Tree, dot_tree, unicode_tree
@@ -69,3 +70,9 @@ def test_dot_tree_has_every_node_and_edge(workspace: Workspace) -> None:
 def test_dot_tree_quotes_names(workspace: Workspace) -> None:
     dot = dot_tree(load(workspace, "root: {plain: {name: 'say \"hi\" \\ there'}}"))
     assert r"say \"hi\" \\ there" in dot
+
+
+def test_py_trees_can_draw_it_too(workspace: Workspace) -> None:
+    root = load(workspace, "root: {parallel: [act, {selector: {memory: true, children: [act]}}]}").root
+    assert "/_/ parallel" in py_trees.display.unicode_tree(root)
+    assert "parallel" in py_trees.display.dot_tree(root).to_string()

@@ -6,7 +6,7 @@ import py_trees
 
 from humanoid_bt.tree.ticking import INVALID, halt
 from humanoid_bt.workspace import Workspace
-from tests.tree.helpers import make_robot, make_state, run
+from tests.tree.helpers import make_state, run
 
 NESTED = """
 emergency_stop:
@@ -81,12 +81,6 @@ def test_a_plain_behaviour_with_its_own_children_is_ticked_and_halted_whole(work
     opaque.tick()
     halt(opaque.tree.root, "test", [])
     assert [node.status for node in opaque.tree.root.iterate()] == [INVALID] * 3
-
-
-def test_skills_see_the_snapshot_of_the_tick(workspace: Workspace) -> None:
-    robot = make_robot()
-    robot.begin_tick(make_state(1.5), {})
-    assert robot.state.time == 1.5
 
 
 def _indented(text: str) -> str:

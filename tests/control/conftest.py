@@ -1,0 +1,44 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from control_rig import ControlRig
+
+from humanoid_bt.control.inverse_kinematics import standing_posture
+from humanoid_bt.messages import Array, Measurement
+from humanoid_bt.plant.robot_config import load_robot_config
+from humanoid_bt.plant.robot_model import RobotModel
+
+ROBOT = Path(__file__).resolve().parents[2] / "sim" / "humanoid" / "robot.yaml"
+
+
+@pytest.fixture(scope="session")
+def robot() -> RobotModel:
+    return RobotModel(load_robot_config(ROBOT))
+
+
+@pytest.fixture(scope="session")
+def standing(robot: RobotModel) -> Array:
+    """The configuration in which the robot starts, shape (7 + nj,)."""
+    posture = standing_posture(robot)
+    posture.setflags(write=False)
+    return posture
+
+
+@pytest.fixture(scope="session")
+def shared_rig(robot: RobotModel, standing: Array) -> ControlRig:
+    return ControlRig(robot, standing)
+
+
+@pytest.fixture
+def rig(shared_rig: ControlRig) -> ControlRig:
+    """A robot that stands at the origin at time 0."""
+    shared_rig.reset()
+    return shared_rig
+
+
+@pytest.fixture
+def measurement(rig: ControlRig) -> Measurement:
+    """What the sensors say of the standing robot."""
+    return rig.plant.measure()

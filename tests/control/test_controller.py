@@ -1,0 +1,351 @@
+"""The whole control layer on real physics."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Mapping
+from dataclasses import fields
+
+import mink
+import mujoco
+import numpy as np
+import pytest
+from control_rig import ControlRig
+
+from humanoid_bt.control.whole_body import Setpoint
+from humanoid_bt.messages import (
+    SIDES,
+    Array,
+    BaseTarget,
+    Gait,
+    GazeTarget,
+    HandTarget,
+    Measurement,
+    Mode,
+    PostureTarget,
+    State,
+    Target,
+)
+from humanoid_bt.plant.robot_model import BASE_COORDINATES, RobotModel, palm_site, sole_site
+
+FORWARD = {"base": BaseTarget(np.array([1.0, 0.0]), 0.0)}
+FAR = {"base": BaseTarget(np.array([3.0, 0.0]), 0.0)}
+BALL = np.array([0.35, 0.2, 0.9])
+REACH = {"left_hand": HandTarget(BALL)}
+
+
+def walking(state: State) -> bool:
+    return state.gait is Gait.STEP and state.base_position[0] > 0.2
+
+
+def drift(rig: ControlRig, seconds: float) -> float:
+    """Return how far the base moves in that time [m]."""
+    before = rig.state.base_position
+    rig.run(seconds)
+    return float(np.linalg.norm(rig.state.base_position - before))
+
+
+def test_it_stands_still(rig: ControlRig, standing: Array) -> None:
+    rig.run(5.0, {})
+    state = rig.state
+    np.testing.assert_allclose(state.base_position, standing[:3], atol=3e-3)
+    np.testing.assert_allclose(state.stance, [0, 0, 0], atol=1e-3)
+    np.testing.assert_allclose(state.joint_positions, standing[BASE_COORDINATES:], atol=5e-3)
+    assert state.gait is Gait.STAND
+    assert state.base_settled
+    assert state.mode is Mode.RUN
+    assert state.limit_flags == ()
+
+
+def test_it_walks_a_meter_and_stands_there(rig: ControlRig) -> None:
+    assert rig.run(9.0, FORWARD, until=lambda state: state.time > 2 and state.base_settled)
+    state = rig.state
+    assert np.linalg.norm(state.stance - [1, 0, 0]) < 0.03
+    assert rig.controller.supervisor.stops == []
+    assert rig.plant.external_force_max == 0
+    assert drift(rig, 0.1) < 2e-3
+
+
+def test_a_released_walk_ends_in_a_stand_before_the_goal(rig: ControlRig) -> None:
+    assert rig.run(5.0, FAR, until=walking)
+    assert rig.state.footsteps
+    assert rig.run(4.0, {}, until=lambda state: state.base_settled)
+    state = rig.state
+    assert state.mode is Mode.RUN
+    assert state.base_position[0] < 1.0
+    assert state.footsteps == ()
+
+
+def test_an_emergency_stop_while_walking_ends_in_a_stable_stand(rig: ControlRig) -> None:
+    targets = {**FAR, "right_hand": HandTarget(np.array([0.55, -0.25, 0.8]))}
+    assert rig.run(5.0, targets, until=walking)
+    palm = rig.state.hands["right"]
+    rig.controller.supervisor.raise_estop("test", "pressed")
+    assert rig.run(4.0, targets, until=lambda state: state.base_settled)  # decision goes on commanding
+    state = rig.state
+    assert state.mode is Mode.EMERGENCY_STOP
+    assert (state.stop_reason, state.stop_source) == ("pressed", "test")
+    assert state.targets == {}
+    assert np.linalg.norm(state.hands["right"] - palm) < 0.06  # it stays where it was while the body comes to rest
+    setpoints = state.setpoint_positions
+    rig.run(1.0, targets)
+    assert rig.state.mode is Mode.EMERGENCY_STOP
+    np.testing.assert_allclose(rig.state.setpoint_positions, setpoints, atol=0.02)
+    assert np.linalg.norm(rig.state.base_position - state.base_position) < 5e-3
+
+
+@pytest.mark.parametrize("phase", range(5))
+def test_an_emergency_stop_is_planned_in_the_very_next_servo_cycle(
+    rig: ControlRig, monkeypatch: pytest.MonkeyPatch, phase: int
+) -> None:
+    rig.run(0.3, REACH)
+    for _ in range(phase):
+        rig.controller.run_cycle()
+    plans: list[tuple[int, bool]] = []
+    update = rig.controller.whole_body.update
+
+    def spy(measurement: Measurement, targets: Mapping[str, Target], hold: bool) -> Setpoint:
+        plans.append((rig.controller.cycle, hold))
+        return update(measurement, targets, hold)
+
+    monkeypatch.setattr(rig.controller.whole_body, "update", spy)
+    raised = rig.controller.cycle
+    rig.controller.supervisor.raise_estop("test", "pressed")
+    for _ in range(11):
+        rig.controller.run_cycle()
+    assert plans == [(raised, True), (raised + 5, True), (raised + 10, True)]
+
+
+def test_after_a_reset_commands_are_followed_again(rig: ControlRig) -> None:
+    rig.run(0.2, {})
+    rig.controller.supervisor.raise_estop("test", "pressed")
+    rig.run(0.3, REACH)
+    assert rig.state.hand_errors == {}
+    assert rig.controller.supervisor.reset() == ""
+    assert rig.run(3.0, REACH, until=lambda state: state.hand_errors.get("left", 1.0) < 0.02)
+    assert rig.state.mode is Mode.RUN
+
+
+def test_silent_decision_while_walking_ends_in_a_stand(rig: ControlRig) -> None:
+    assert rig.run(5.0, FAR, until=walking)
+    rig.run(0.08)
+    assert rig.state.mode is Mode.RUN
+    rig.run(0.04)
+    assert rig.state.mode is Mode.PROTECTIVE_STOP
+    assert rig.stands()
+    assert rig.state.base_position[0] < 1.0
+    rig.run(0.04, {})
+    assert rig.state.mode is Mode.RUN
+
+
+def test_silent_decision_while_reaching_holds_the_hand_where_it_is(rig: ControlRig) -> None:
+    rig.run(0.5, REACH)
+    rig.run(0.2)
+    held = rig.state
+    assert held.mode is Mode.PROTECTIVE_STOP
+    assert np.linalg.norm(held.hands["left"] - BALL) > 0.05  # it was on its way
+    rig.run(1.0)
+    np.testing.assert_allclose(rig.state.hands["left"], held.hands["left"], atol=8e-3)
+    np.testing.assert_allclose(rig.state.setpoint_positions, held.setpoint_positions, atol=0.06)
+    assert rig.run(3.0, REACH, until=lambda state: state.hand_errors.get("left", 1.0) < 0.02)
+
+
+def test_a_hand_reaches_and_returns(rig: ControlRig, standing: Array) -> None:
+    assert rig.run(4.0, REACH, until=lambda state: state.hand_errors["left"] < 0.002)
+    rig.run(3.0, {})
+    arm = slice(rig.robot.joint("left_shoulder_pitch"), rig.robot.joint("left_elbow") + 1)
+    home = standing[BASE_COORDINATES:]
+    np.testing.assert_allclose(rig.state.joint_positions[arm], home[arm], atol=0.05)
+
+
+def test_gaze_and_height_are_followed(rig: ControlRig) -> None:
+    point = np.array([1.0, 1.0, 0.9])
+    height = rig.state.com[2]
+    rig.run(1.5, {"gaze": GazeTarget(point), "posture": PostureTarget(-0.03)})
+    state = rig.state
+    aim = point - state.gaze_position
+    assert state.gaze_direction @ aim / np.linalg.norm(aim) > np.cos(0.1)
+    assert state.com[2] - height == pytest.approx(-0.03, abs=0.01)
+    rig.run(1.5, {})
+    assert rig.state.com[2] == pytest.approx(height, abs=5e-3)
+    assert rig.state.gaze_direction[0] > 0.99
+
+
+@pytest.mark.parametrize("direction", [0.0, 2.0, 4.0])
+def test_a_push_while_walking_is_survived(rig: ControlRig, direction: float) -> None:
+    assert rig.run(5.0, FAR, until=walking)
+    rig.plant.push("torso", 60 * np.array([np.cos(direction), np.sin(direction), 0]), 0.1)
+    rig.run(1.0, FAR)
+    assert rig.run(4.0, {}, until=lambda state: state.base_settled)
+    assert rig.state.mode is Mode.RUN
+    assert rig.plant.external_force_max > 30
+
+
+def test_a_strong_push_ends_limp_on_the_ground_and_nothing_blows_up(rig: ControlRig, robot: RobotModel) -> None:
+    rig.run(0.3, REACH)
+    rig.plant.push("torso", np.array([600.0, 0, 0]), 0.2)
+    assert rig.run(3.0, REACH, until=lambda state: state.mode is Mode.DAMP)
+    assert rig.state.stop_reason.startswith("the robot is falling")
+    assert rig.controller.supervisor.stops[-1].resources == {"left_hand": "root/left_hand"}
+    assert not rig.controller.servo.command.stiffness.any()
+    rig.run(2.0, REACH)
+    state = rig.state
+    assert state.mode is Mode.DAMP
+    for values in (state.joint_positions, state.joint_velocities, state.base_position, state.joint_torques):
+        assert np.isfinite(values).all()
+    assert state.base_position[2] < 0.4
+    assert not state.base_settled
+    friction = np.clip(-robot.damping * state.joint_velocities, -robot.torque_limit, robot.torque_limit)
+    np.testing.assert_allclose(state.joint_torques, friction, atol=2.0)
+    assert "falling" in rig.controller.supervisor.reset()
+
+
+def test_a_robot_put_back_on_its_feet_stands_softly_after_reset(rig: ControlRig, standing: Array) -> None:
+    rig.run(0.1, {})
+    rig.plant.push("torso", np.array([600.0, 0, 0]), 0.2)
+    rig.run(3.0, {}, until=lambda state: state.mode is Mode.DAMP)
+    rig.run(0.5)
+    again = standing.copy()
+    again[0] += 0.4
+    again[BASE_COORDINATES + rig.robot.joint("left_shoulder_pitch")] -= 0.5  # people do not put an arm back exactly
+    rig.plant.data.qpos[:] = again
+    rig.plant.data.qvel[:] = 0
+    for _ in range(2):
+        rig.controller.run_cycle()
+    assert rig.controller.supervisor.mode is Mode.DAMP
+    assert rig.controller.supervisor.reset() == ""
+    fastest = 0.0
+    for _ in range(60):
+        rig.run(0.02, {})
+        fastest = max(fastest, float(np.abs(rig.state.joint_velocities).max()))
+    state = rig.state
+    assert state.mode is Mode.RUN
+    assert state.base_settled
+    assert fastest < 2.0
+    np.testing.assert_allclose(state.stance, [0.4, 0, 0], atol=0.02)
+    np.testing.assert_allclose(state.joint_positions, standing[BASE_COORDINATES:], atol=0.05)
+
+
+def test_setpoints_that_are_refused_are_told_and_end_in_a_protective_stop(
+    rig: ControlRig, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    rig.run(0.1, {})
+    before = rig.state.setpoint_positions
+    feedforward = rig.controller.whole_body._feedforward
+    nan = np.full(len(before), np.nan)
+    with monkeypatch.context() as patch:
+        patch.setattr(feedforward, "torques", lambda *_: nan)
+        rig.run(0.18, {})
+        assert rig.state.mode is Mode.RUN
+        np.testing.assert_array_equal(rig.state.setpoint_positions, before)
+        rig.run(0.06, {})
+        assert rig.state.mode is Mode.PROTECTIVE_STOP
+        assert rig.state.stop_reason == "the setpoint is not finite for more than 200 ms"
+        assert len(rig.controller.supervisor.rejected) == 1
+        assert "not finite" in rig.controller.supervisor.rejected[0]
+    rig.run(0.1, {})
+    assert rig.state.mode is Mode.RUN
+
+
+def test_inverse_kinematics_without_a_solution_holds_then_stops(
+    rig: ControlRig, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def no_solution(*_: object, **__: object) -> Array:
+        raise mink.NoSolutionFound("daqp")
+
+    rig.run(0.3, REACH)
+    before = rig.state.setpoint_positions
+    with monkeypatch.context() as patch:
+        patch.setattr(mink, "solve_ik", no_solution)
+        rig.run(0.18, REACH)
+        assert rig.state.mode is Mode.RUN
+        np.testing.assert_allclose(rig.state.setpoint_positions, before, atol=1e-9)
+        rig.run(0.06, REACH)
+        assert rig.state.mode is Mode.PROTECTIVE_STOP
+        assert "without a solution" in rig.state.stop_reason
+    assert rig.run(4.0, REACH, until=lambda state: state.hand_errors.get("left", 1.0) < 0.02)
+
+
+# ---- the state ------------------------------------------------------------------------------------------------------
+
+
+def test_the_state_says_where_everything_is(rig: ControlRig, robot: RobotModel) -> None:
+    rig.run(1.9, {"base": BaseTarget(np.array([1.0, 0.5]), 0.6), **REACH})
+    state, measured = rig.state, rig.plant.measure()
+    truth = mujoco.MjData(rig.plant.model)
+    truth.qpos[:], truth.qvel[:] = measured.qpos, measured.qvel
+    mujoco.mj_forward(rig.plant.model, truth)
+    assert state.cycle == 1900
+    assert state.time == pytest.approx(1.9)
+    np.testing.assert_array_equal(state.base_position, measured.qpos[:3])
+    np.testing.assert_array_equal(state.base_quaternion, measured.qpos[3:7])
+    np.testing.assert_array_equal(state.joint_positions, measured.qpos[BASE_COORDINATES:])
+    np.testing.assert_array_equal(state.joint_velocities, measured.qvel[6:])
+    np.testing.assert_array_equal(state.joint_torques, measured.joint_torque)
+    for side in SIDES:
+        np.testing.assert_allclose(state.hands[side], truth.site(palm_site(side)).xpos, atol=1e-9)
+        sole, foot = truth.site(sole_site(side)), state.feet[side]
+        np.testing.assert_allclose([foot.x, foot.y, foot.z], sole.xpos, atol=1e-9)
+        assert foot.yaw == pytest.approx(np.arctan2(sole.xmat[3], sole.xmat[0]))
+    np.testing.assert_allclose(state.com, truth.subtree_com[1], atol=1e-9)
+    np.testing.assert_allclose(state.gaze_position, truth.site("hbt_gaze").xpos, atol=1e-9)
+    np.testing.assert_allclose(state.gaze_direction, truth.site("hbt_gaze").xmat.reshape(3, 3)[:, 0], atol=1e-9)
+    assert state.hand_errors == {"left": pytest.approx(np.linalg.norm(state.hands["left"] - BALL))}
+    assert state.command_sequence == rig.sequence
+    assert state.command_sources == {"base": "root/base", "left_hand": "root/left_hand"}
+    assert state.targets["left_hand"] is REACH["left_hand"]
+    assert state.gait is Gait.STEP
+    assert not state.base_settled
+    assert [side for side, _ in state.footsteps] in (["left", "right"] * 2, ["right", "left"] * 2)
+    middle = [(state.feet["left"].x + state.feet["right"].x) / 2, (state.feet["left"].y + state.feet["right"].y) / 2]
+    np.testing.assert_allclose(state.stance[:2], middle, atol=0.02)
+
+
+def test_a_state_does_not_change_later(rig: ControlRig) -> None:
+    rig.run(1.0, FAR)
+    state = rig.state
+    kept = copy.deepcopy(state)
+    rig.run(0.3, {**FAR, **REACH})
+    for field in fields(state):
+        now, then = getattr(state, field.name), getattr(kept, field.name)
+        if isinstance(now, np.ndarray):
+            np.testing.assert_array_equal(now, then, err_msg=field.name)
+        elif field.name == "hands":
+            for side in SIDES:
+                np.testing.assert_array_equal(now[side], then[side])
+        elif field.name not in ("targets", "footsteps"):
+            assert now == then, field.name
+
+
+def test_looking_does_not_change_what_happens(rig: ControlRig) -> None:
+    """Asking for the state between the periods of the whole-body loop has no effect on it."""
+    traces = []
+    for looks in (False, True):
+        rig.reset()
+        for _ in range(300):
+            if rig.controller.cycle % 20 == 0:
+                rig.command(FAR)
+            if looks:
+                rig.controller.state()
+            rig.controller.run_cycle()
+        traces.append(rig.plant.measure().qpos)
+    np.testing.assert_array_equal(*traces)
+
+
+def test_a_second_run_is_bit_identical_to_the_first(robot: RobotModel, standing: Array) -> None:
+    def trace(rig: ControlRig) -> list[bytes]:
+        samples = []
+        targets = {"base": BaseTarget(np.array([0.3, 0.0]), 0.0), **REACH, "posture": PostureTarget(-0.02)}
+        for _ in range(12):
+            rig.run(0.1, targets)
+            state = rig.state
+            samples.append(state.joint_positions.tobytes() + state.setpoint_positions.tobytes() + state.com.tobytes())
+        return samples
+
+    fresh = ControlRig(robot, standing)
+    first = trace(fresh)
+    fresh.plant.push("torso", np.array([600.0, 0, 0]), 0.2)
+    fresh.run(1.5, FAR)  # the second run begins after a fall
+    fresh.controller.supervisor.raise_estop("test", "pressed")
+    fresh.reset()
+    assert trace(fresh) == first

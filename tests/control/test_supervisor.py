@@ -1,0 +1,377 @@
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from humanoid_bt.control.supervisor import Supervisor
+from humanoid_bt.messages import (
+    BaseTarget,
+    Command,
+    GazeTarget,
+    HandTarget,
+    Measurement,
+    Mode,
+    PostureTarget,
+    Target,
+)
+from humanoid_bt.plant.robot_config import FallConfig
+
+HEIGHT = 0.7
+UPRIGHT = Measurement(
+    time=0.0,
+    qpos=np.array([0, 0, HEIGHT, 1, 0, 0, 0, 0.1, -0.1]),
+    qvel=np.zeros(8),
+    joint_torque=np.zeros(2),
+    foot_force=np.zeros(2),
+)
+HAND: Mapping[str, Target] = {"left_hand": HandTarget(np.array([0.4, 0.1, 0.9]))}
+SOURCES = {"left_hand": "root/reach"}
+
+
+def lying(pitch: float = 1.5, height: float = HEIGHT) -> Measurement:
+    qpos = UPRIGHT.qpos.copy()
+    qpos[2:7] = [height, math.cos(pitch / 2), 0, math.sin(pitch / 2), 0]
+    return replace(UPRIGHT, qpos=qpos)
+
+
+class Run:
+    """A supervisor and its cycles."""
+
+    def __init__(self) -> None:
+        self.supervisor = Supervisor(FallConfig())
+        self.supervisor.reset_run(HEIGHT)
+        self.cycle = -1
+        self.sequence = 0
+        self.go()
+
+    @property
+    def mode(self) -> Mode:
+        return self.supervisor.mode
+
+    def go(self, cycles: int = 1, measurement: Measurement = UPRIGHT, fault: str = "", alive: bool = False) -> None:
+        """Pass some cycles; ``alive``: decision sends a command in each of them."""
+        for _ in range(cycles):
+            self.cycle += 1
+            self.supervisor.check(self.cycle, measurement, fault)
+            if alive:
+                self.send()
+
+    def send(self, targets: Any = HAND, sequence: int | None = None, age: float = 0.0) -> bool:
+        if sequence is None:
+            self.sequence += 1
+            sequence = self.sequence
+        return self.supervisor.submit(Command(sequence, self.cycle * 1e-3 - age, targets, SOURCES))
+
+
+@pytest.fixture
+def run() -> Run:
+    return Run()
+
+
+def test_it_begins_in_run_with_nothing_commanded(run: Run) -> None:
+    run.go(1000)
+    assert run.mode is Mode.RUN
+    assert not run.supervisor.hold
+    assert run.supervisor.targets == {}
+    assert run.supervisor.stops == []
+
+
+def test_an_accepted_command_is_in_force(run: Run) -> None:
+    assert run.send()
+    run.go()
+    assert run.supervisor.targets is HAND
+    assert not run.supervisor.hold
+
+
+# ---- emergency stop -------------------------------------------------------------------------------------------------
+
+
+def test_an_emergency_stop_is_latched_until_reset(run: Run) -> None:
+    run.send()
+    run.supervisor.raise_estop("keyboard", "pressed")
+    run.go(500, alive=True)
+    assert run.mode is Mode.EMERGENCY_STOP
+    assert run.supervisor.hold
+    assert run.supervisor.targets == {}
+    assert (run.supervisor.reason, run.supervisor.source) == ("pressed", "keyboard")
+    assert run.supervisor.reset() == ""
+    run.go()
+    assert run.mode is Mode.RUN
+    assert (run.supervisor.reason, run.supervisor.source) == ("", "")
+
+
+def test_it_acts_in_the_next_cycle_and_names_the_first_who_raised_it(run: Run) -> None:
+    run.supervisor.raise_estop("tree", "too near")
+    run.supervisor.raise_estop("keyboard", "pressed")
+    run.go()
+    assert run.mode is Mode.EMERGENCY_STOP
+    assert run.supervisor.source == "tree"
+    assert len(run.supervisor.stops) == 1
+
+
+def test_after_a_reset_the_old_command_is_not_taken_up_again(run: Run) -> None:
+    run.send()
+    run.supervisor.raise_estop("keyboard", "pressed")
+    run.go(50)
+    run.supervisor.reset()
+    run.go()
+    assert run.mode is Mode.RUN
+    assert run.supervisor.targets == {}
+    run.go(101)
+    assert run.mode is Mode.PROTECTIVE_STOP  # decision is silent: it was alive before
+    assert run.send()
+    run.go()
+    assert run.supervisor.targets is HAND
+
+
+def test_a_reset_does_not_let_old_commands_in(run: Run) -> None:
+    run.send()
+    run.supervisor.raise_estop("keyboard", "pressed")
+    run.go()
+    run.supervisor.reset()
+    assert not run.send(sequence=run.sequence)
+    assert "out of order" in run.supervisor.rejected[-1]
+
+
+def test_a_reset_cannot_clear_a_stop_that_no_cycle_has_seen(run: Run) -> None:
+    run.supervisor.raise_estop("keyboard", "pressed")
+    assert run.supervisor.reset() == ""
+    run.go()
+    assert run.mode is Mode.EMERGENCY_STOP
+
+
+# ---- silent decision ------------------------------------------------------------------------------------------------
+
+
+def test_silent_decision_is_a_protective_stop_until_fresh_commands_come(run: Run) -> None:
+    run.send()
+    run.go(100)
+    assert run.mode is Mode.RUN
+    run.go(1)
+    assert run.mode is Mode.PROTECTIVE_STOP
+    assert run.supervisor.hold
+    assert run.supervisor.targets == {}
+    assert "silent" in run.supervisor.reason
+    run.go(1000)
+    assert run.send()
+    run.go()
+    assert run.mode is Mode.RUN
+    assert run.supervisor.targets is HAND
+    assert [stop.mode for stop in run.supervisor.stops] == [Mode.PROTECTIVE_STOP]
+
+
+def test_rejected_commands_do_not_keep_decision_alive(run: Run) -> None:
+    run.send()
+    for _ in range(6):
+        run.go(20)
+        assert not run.send({"left_hand": HandTarget(np.full(3, np.nan))})
+    assert run.mode is Mode.PROTECTIVE_STOP
+
+
+def test_a_requested_stop_stays_whatever_decision_sends(run: Run) -> None:
+    run.send()
+    run.supervisor.request_stop("the tree", "it failed")
+    run.go(300, alive=True)
+    assert run.mode is Mode.PROTECTIVE_STOP
+    assert (run.supervisor.reason, run.supervisor.source) == ("it failed", "the tree")
+
+
+def test_a_new_cause_of_a_protective_stop_is_told(run: Run) -> None:
+    run.send()
+    run.go(150)
+    run.supervisor.request_stop("the tree", "it failed")
+    run.go(50, alive=True)
+    assert [stop.reason for stop in run.supervisor.stops] == ["decision silent for more than 100 ms", "it failed"]
+    assert run.supervisor.reason == "it failed"
+
+
+# ---- commands that are not intact -----------------------------------------------------------------------------------
+
+GOOD = np.array([0.4, 0.1, 0.9])
+
+
+@pytest.mark.parametrize(
+    ("targets", "why"),
+    [
+        ({"left_hand": HandTarget(np.array([0.4, np.nan, 0.9]))}, "not finite"),
+        ({"left_hand": HandTarget(np.array([0.4, np.inf, 0.9]))}, "not finite"),
+        ({"base": BaseTarget(np.zeros(2), math.nan)}, "not finite"),
+        ({"posture": PostureTarget(math.inf)}, "not finite"),
+        ({"base": BaseTarget(np.array([1e5, 0]), 0.0)}, "out of range"),
+        ({"posture": PostureTarget(-3.0)}, "out of range"),
+        ({"gaze": GazeTarget(np.array([0, 0, 1e4]))}, "out of range"),
+        ({"left_hand": HandTarget(np.zeros(2))}, "malformed"),
+        ({"left_hand": HandTarget(np.zeros((3, 1)))}, "malformed"),
+        ({"base": BaseTarget(np.zeros((2, 1)), 0.0)}, "malformed"),
+        ({"left_hand": HandTarget(np.array(["a", "b", "c"]))}, "malformed"),  # type: ignore[arg-type]
+        ({"left_hand": HandTarget(None)}, "malformed"),  # type: ignore[arg-type]
+        ({"base": BaseTarget(np.zeros(2), "north")}, "malformed"),  # type: ignore[arg-type]
+        ({"left_hand": BaseTarget(np.zeros(2), 0.0)}, "cannot take a BaseTarget"),
+        ({"tail": HandTarget(GOOD)}, "cannot take a HandTarget"),
+        ({"left_hand": GOOD}, "cannot take a ndarray"),
+        (None, "malformed"),
+    ],
+)
+def test_a_command_that_is_not_intact_is_refused_and_the_last_good_one_holds(run: Run, targets: Any, why: str) -> None:
+    run.send()
+    run.go(50)
+    assert not run.send(targets)
+    assert why in run.supervisor.rejected[-1]
+    run.go()
+    assert run.mode is Mode.RUN
+    assert run.supervisor.targets is HAND
+
+
+def test_a_refusal_names_the_node_that_commanded(run: Run) -> None:
+    run.send({"left_hand": HandTarget(np.full(3, np.nan))})
+    assert "'root/reach'" in run.supervisor.rejected[-1]
+
+
+@pytest.mark.parametrize("age", [0.12, -0.12, math.nan])
+def test_a_command_from_another_time_is_refused(run: Run, age: float) -> None:
+    run.go(500)
+    assert not run.send(age=age)
+    assert "stamped" in run.supervisor.rejected[-1]
+    assert run.supervisor.targets == {}
+
+
+@pytest.mark.parametrize("sequence", [5, 4, -1])
+def test_repeated_and_overtaken_commands_are_refused(run: Run, sequence: int) -> None:
+    run.send(sequence=5)
+    assert not run.send({}, sequence=sequence)
+    assert run.supervisor.targets is HAND
+    assert run.send({}, sequence=6)
+
+
+@pytest.mark.parametrize("junk", [None, "go", Command("x", 0.0), Command(9, None)])  # type: ignore[arg-type]
+def test_junk_is_refused(run: Run, junk: Any) -> None:
+    run.send()
+    assert not run.supervisor.submit(junk)
+    assert "malformed" in run.supervisor.rejected[-1]
+
+
+# ---- no valid setpoint ----------------------------------------------------------------------------------------------
+
+
+def test_no_valid_setpoint_for_a_while_is_a_protective_stop_until_there_is_one(run: Run) -> None:
+    run.go(200, fault="no solution", alive=True)
+    assert run.mode is Mode.RUN
+    assert run.supervisor.rejected == ["setpoint at 0.001 s: no solution"]  # told once, not in every cycle
+    run.go(1, fault="no solution", alive=True)
+    assert run.mode is Mode.PROTECTIVE_STOP
+    assert run.supervisor.reason == "no solution for more than 200 ms"
+    run.go(1, alive=True)
+    assert run.mode is Mode.RUN
+
+
+def test_a_solution_in_between_starts_the_count_again(run: Run) -> None:
+    for _ in range(3):
+        run.go(150, fault="no solution", alive=True)
+        run.go(1, alive=True)
+    assert run.mode is Mode.RUN
+    assert run.supervisor.stops == []
+
+
+# ---- falling --------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("measurement", "why"),
+    [
+        (lying(pitch=0.95), "tilted"),
+        (lying(pitch=-0.95), "tilted"),
+        (lying(pitch=3.0), "tilted"),
+        (lying(pitch=0.0, height=0.41), "low"),
+        (replace(UPRIGHT, qpos=np.full(9, np.nan)), "not finite"),
+        (replace(UPRIGHT, qvel=np.full(8, np.inf)), "not finite"),
+    ],
+)
+def test_a_falling_robot_is_damped_and_that_is_latched(run: Run, measurement: Measurement, why: str) -> None:
+    run.send()
+    run.go(1, measurement)
+    assert run.mode is Mode.DAMP
+    assert why in run.supervisor.reason
+    assert run.supervisor.targets == {}
+    run.go(300, alive=True)  # it got up, and decision is alive
+    assert run.mode is Mode.DAMP
+
+
+@pytest.mark.parametrize("measurement", [lying(pitch=0.8), lying(pitch=0.0, height=0.44)])
+def test_leaning_and_crouching_are_not_falling(run: Run, measurement: Measurement) -> None:
+    run.go(10, measurement)
+    assert run.mode is Mode.RUN
+
+
+def test_reset_is_refused_while_the_robot_lies(run: Run) -> None:
+    run.go(10, lying())
+    assert "falling" in run.supervisor.reset()
+    assert run.mode is Mode.DAMP
+    run.go(1)
+    assert run.supervisor.reset() == ""
+    run.go(1)
+    assert run.mode is Mode.RUN
+
+
+# ---- precedence and records -----------------------------------------------------------------------------------------
+
+
+def test_an_emergency_stop_outranks_a_protective_stop(run: Run) -> None:
+    run.send()
+    run.go(150)
+    assert run.mode is Mode.PROTECTIVE_STOP
+    run.supervisor.raise_estop("keyboard", "pressed")
+    run.go(1)
+    assert run.mode is Mode.EMERGENCY_STOP
+    run.go(300)  # decision is silent all the time
+    assert run.supervisor.reason == "pressed"
+
+
+def test_falling_outranks_an_emergency_stop_and_one_reset_clears_both(run: Run) -> None:
+    run.supervisor.raise_estop("keyboard", "pressed")
+    run.go(10)
+    run.go(1, lying())
+    assert run.mode is Mode.DAMP
+    run.go(10)
+    assert run.mode is Mode.DAMP
+    assert run.supervisor.reset() == ""
+    run.go(1)
+    assert run.mode is Mode.RUN
+
+
+def test_an_emergency_stop_raised_while_lying_stays_until_reset(run: Run) -> None:
+    run.go(1, lying())
+    run.supervisor.raise_estop("keyboard", "pressed")
+    run.go(10, lying())
+    assert run.mode is Mode.DAMP
+    assert run.supervisor.reset() != ""
+    run.go(1)
+    assert run.mode is Mode.DAMP
+
+
+def test_a_stop_records_when_why_and_who_commanded_what(run: Run) -> None:
+    run.send()
+    run.go(40)
+    run.supervisor.raise_estop("root/guard", "too near")
+    run.go(2)
+    (stop,) = run.supervisor.stops
+    assert (stop.mode, stop.reason, stop.source) == (Mode.EMERGENCY_STOP, "too near", "root/guard")
+    assert stop.time == pytest.approx(0.041)
+    assert stop.resources == SOURCES
+
+
+def test_a_new_run_forgets_everything(run: Run) -> None:
+    run.send()
+    run.supervisor.raise_estop("keyboard", "pressed")
+    run.supervisor.request_stop("the tree", "it failed")
+    run.go(5, lying())
+    run.supervisor.reset_run(HEIGHT)
+    assert (run.mode, run.supervisor.stops, run.supervisor.rejected) == (Mode.RUN, [], [])
+    assert run.supervisor.targets == {}
+    run.supervisor.check(0, UPRIGHT)
+    assert run.supervisor.mode is Mode.RUN
+    assert run.supervisor.submit(Command(0, 0.0, HAND, SOURCES))
