@@ -18,14 +18,15 @@ from py_trees.common import ParallelPolicy, Status
 
 from humanoid_bt.clock import WHOLE_BODY_PERIOD, cycles
 from humanoid_bt.control.controller import Controller
-from humanoid_bt.control.inverse_kinematics import SOLVER
+from humanoid_bt.control.inverse_kinematics import _SOLVER as SOLVER
 from humanoid_bt.messages import JointCommand, State
 from humanoid_bt.plant.mujoco_plant import MujocoPlant
 from humanoid_bt.plant.scene import Scene, load_scene
 from humanoid_bt.record.sinks import Sinks
 from humanoid_bt.robot import Robot
 from humanoid_bt.session.lockstep import load_robot
-from humanoid_bt.session.run import Run, RunOptions
+from humanoid_bt.session.options import RunOptions
+from humanoid_bt.session.run import Run
 from humanoid_bt.testing.rig import ScriptedPerception
 from humanoid_bt.tree.executor import Executor
 from humanoid_bt.tree.load import load_tree
@@ -161,7 +162,7 @@ def _whole_body(repetitions: int) -> Figure:
     plant.place(start)
     controller = Controller(robot, plant)
     period = cycles(WHOLE_BODY_PERIOD)
-    kinematics = controller.whole_body.kinematics
+    kinematics = controller.whole_body._kinematics
 
     def ours() -> float:
         spent = 0.0
@@ -173,11 +174,12 @@ def _whole_body(repetitions: int) -> Figure:
         return spent / _CALLS
 
     def theirs() -> float:
+        tasks = kinematics._set_targets(controller.whole_body._body_targets({}, False))
+        configuration, limits = kinematics._configuration, kinematics._limits
+
         def solve() -> None:
             for _ in range(_CALLS):
-                mink.solve_ik(
-                    kinematics.configuration, kinematics.tasks, WHOLE_BODY_PERIOD, SOLVER, limits=kinematics.limits
-                )
+                mink.solve_ik(configuration, tasks, WHOLE_BODY_PERIOD, SOLVER, limits=limits)
 
         return _cpu(solve) / _CALLS
 
@@ -284,6 +286,7 @@ def _figure(
     baseline: str,
     unit: str,
     pairs: list[tuple[float, float]],
+    *,
     scale: float = 1.0,
     must: float | None = None,
     aim: float | None = None,

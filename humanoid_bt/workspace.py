@@ -36,11 +36,16 @@ class Workspace:
 
     @classmethod
     def of_tree(cls, path: Path) -> Workspace:
-        """Return the workspace a tree file belongs to: the folder above its ``trees/``, else the current one."""
-        for parent in path.resolve().parents:
+        """Return the workspace a tree file belongs to.
+
+        It is the folder above its ``trees/``, else its own folder if that has ``skills/`` or ``sim/``, else the
+        current one.
+        """
+        folder = path.resolve().parent
+        for parent in (folder, *folder.parents):
             if parent.name == "trees":
                 return cls(parent.parent)
-        return cls()
+        return cls(folder if (folder / "skills").is_dir() or (folder / "sim").is_dir() else None)
 
     def trees(self) -> dict[str, Path]:
         """Return every tree file by name."""
@@ -95,6 +100,8 @@ class Workspace:
         if name in known:
             return known[name]
         path = Path(name)
+        if path.is_dir():
+            raise UserError(f"{name!r} is a folder, not a {what}", hint=nearest(name, known))
         if path.suffix in {".yaml", ".yml"} or "/" in name:
             if path.is_file():
                 return path

@@ -12,8 +12,7 @@ from rich.table import Table
 
 from humanoid_bt.bench import Figure, measure
 from humanoid_bt.errors import UserError
-from humanoid_bt.session.report import ExitCode
-from humanoid_bt.session.run import versions
+from humanoid_bt.session.report import ExitCode, versions
 
 
 def bench(arguments: argparse.Namespace) -> int:

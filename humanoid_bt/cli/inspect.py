@@ -7,34 +7,41 @@ import sys
 from pathlib import Path
 
 from rich.console import Console
-from rich.table import Table
 from rich.text import Text
 
+from humanoid_bt.cli.output import columns, hanging, print_lines, width
 from humanoid_bt.errors import Problem, UserError, nearest, relative
-from humanoid_bt.params import Param, params_of
+from humanoid_bt.params import Param
 from humanoid_bt.plant.robot_config import load_robot_config
 from humanoid_bt.plant.robot_model import RobotModel
 from humanoid_bt.plant.scene import load_scene
 from humanoid_bt.session.report import ExitCode
+from humanoid_bt.skill_files import class_file
 from humanoid_bt.tree.load import load_tree
 from humanoid_bt.tree.registry import NodeType, Registry
 from humanoid_bt.tree.show import dot_tree, unicode_tree
 from humanoid_bt.workspace import Workspace
 
+_UNWRAPPED = 10_000  # columns of a line that goes to a file or another program
+
 
 def check(arguments: argparse.Namespace) -> int:
-    """Check files; print every problem; return the exit code."""
+    """Check files; print every problem once; return the exit code."""
     files = _files(arguments)
+    told: set[Problem] = set()
     failed = 0
     for path in files:
         problems = _check_file(path, arguments.workspace)
         for problem in problems:
-            print(f"error: {problem}", file=sys.stderr)
+            if problem not in told:
+                print(f"error: {problem}", file=sys.stderr)
+        told.update(problems)
         failed += bool(problems)
         if not problems:
             print(f"{relative(path)}: ok")
     if failed:
-        print(f"{failed} of {len(files)} files have mistakes", file=sys.stderr)
+        count = "1 file has" if failed == 1 else f"{failed} files have"
+        print(f"{count} mistakes, of {len(files)} checked", file=sys.stderr)
     return ExitCode.USAGE if failed else ExitCode.SUCCESS
 
 
@@ -44,8 +51,8 @@ def _files(arguments: argparse.Namespace) -> list[Path]:
         files = _files_in(workspace.root)
         if not files:
             raise UserError(
-                f"nothing to check below {relative(workspace.root)!r}",
-                hint="give names, files or folders, or go to a folder with trees/ or sim/",
+                f"nothing to check in {relative(workspace.root)!r}",
+                hint="give names, files or folders, or go to a folder with trees/, skills/ or sim/",
             )
         return files
     found: list[Path] = []
@@ -54,30 +61,46 @@ def _files(arguments: argparse.Namespace) -> list[Path]:
         if path.is_dir():
             inside = _files_in(path)
             if not inside:
-                raise UserError(f"no tree, scene or robot files in {text!r}", hint="they end in .yaml")
+                raise UserError(f"nothing to check in {text!r}", hint="trees, scenes and robots end in .yaml")
             found += inside
         else:
-            found.append(workspace.find_tree(text))
-    return list(dict.fromkeys(found))
+            found.append(path if path.suffix == ".py" and path.is_file() else _named(text, workspace))
+    return list(dict.fromkeys(path.resolve() for path in found))
+
+
+def _named(text: str, workspace: Workspace) -> Path:
+    """Return the file of a name: a tree's, else a scene's or a robot's."""
+    known = {**workspace.robots(), **workspace.scenes(), **workspace.trees()}
+    if text in known:
+        return known[text]
+    if Path(text).is_file():
+        return Path(text)
+    raise UserError(f"no file and no tree, scene or robot named {text!r}", hint=nearest(Path(text).stem, known))
 
 
 def _files_in(folder: Path) -> list[Path]:
-    """Return the files of a workspace, or all YAML files of any other folder."""
-    parts = [folder / "trees", folder / "sim"]
-    folders = [part for part in parts if part.is_dir()] or [folder]
-    return sorted(path for part in folders for path in part.rglob("*.yaml"))
+    """Return the files of a workspace, or all YAML and skill files of any other folder."""
+    parts = [part for part in (folder / "skills", folder / "trees", folder / "sim") if part.is_dir()]
+    found = [path for part in parts or [folder] for path in sorted(part.rglob("*.yaml"))]
+    skill_folders = [folder] if folder.resolve().name == "skills" else [folder / "skills"]
+    skills = [path for part in skill_folders for path in sorted(part.glob("*.py")) if not path.name.startswith("_")]
+    return [*skills, *found]
 
 
 def _check_file(path: Path, root: Path | None) -> tuple[Problem, ...]:
     try:
-        if path.name == "robot.yaml":
+        if path.suffix == ".py":
+            Registry.of(Workspace(root or path.parent.parent))
+        elif path.name == "robot.yaml":
             RobotModel(load_robot_config(path))
         elif path.parent.name == "scenes":
             load_scene(path)
         else:
             load_tree(path, Workspace(root) if root else Workspace.of_tree(path))
     except UserError as error:
-        return error.problems
+        if path.suffix != ".py":
+            return error.problems
+        return tuple(problem for problem in error.problems if problem.place and problem.place.file == relative(path))
     return ()
 
 
@@ -86,7 +109,9 @@ def show(arguments: argparse.Namespace) -> int:
     workspace = Workspace(arguments.workspace)
     path = workspace.find_tree(arguments.tree)
     tree = load_tree(path, workspace if arguments.workspace else Workspace.of_tree(path))
-    print(unicode_tree(tree) if arguments.format == "unicode" else dot_tree(tree))
+    wide = width() if sys.stdout.isatty() else _UNWRAPPED
+    text = unicode_tree(tree, width=wide) if arguments.format == "unicode" else dot_tree(tree)
+    print(text.rstrip("\n"))
     return ExitCode.SUCCESS
 
 
@@ -98,35 +123,41 @@ def skills(arguments: argparse.Namespace) -> int:
     if unknown:
         raise UserError([Problem(f"no skill named {name!r}", None, nearest(name, known)) for name in unknown])
     console = Console(highlight=False)
-    for name in arguments.names or sorted(known):
+    for number, name in enumerate(arguments.names or sorted(known)):
+        if number:
+            print()
         _explain(console, known[name])
     return ExitCode.SUCCESS
 
 
 def _explain(console: Console, skill: NodeType) -> None:
-    console.print(Text.assemble((skill.type_name, "bold"), f"  {skill.doc}"))
+    _headline(console, skill.type_name, skill.doc)
+    file = class_file(skill.cls)
     commands = ", ".join(skill.resources) or "nothing"
-    console.print(Text(f"  commands {commands}", style="dim"))
-    table = Table(box=None, show_header=False, padding=(0, 1), pad_edge=False)
-    for spec in params_of(skill.cls).values():
-        table.add_row("  " + spec.name, spec.type_name.replace("[", r"\["), _default(spec), spec.doc)
-    if table.row_count:
-        console.print(table)
-    console.print()
+    print_lines(hanging("  ", f"commands {commands}" + (f"; from {relative(file)}" if file else "")))
+    rows = [(spec.name, spec.type_name, _default(spec), spec.doc) for spec in skill.params.values()]
+    print_lines(columns(rows, indent=2))
+
+
+def _headline(console: Console, name: str, doc: str) -> None:
+    """Print a name in bold and what it is."""
+    text = Text("\n".join(hanging(f"{name}  ", doc)))
+    text.stylize("bold", 0, len(name))
+    console.print(text, soft_wrap=True)
 
 
 def _default(spec: Param) -> str:
     if spec.required:
         return "required"
-    return "" if spec.default is None else str(spec.default)
+    if spec.default is None:
+        return "optional"
+    value = str(spec.default)
+    return f"= {value.lower() if isinstance(spec.default, bool) else value}"
 
 
 def robots(arguments: argparse.Namespace) -> int:
     """List robots."""
     console = Console(highlight=False)
-    table = Table(box=None, pad_edge=False)
-    for heading in ("robot", "mass", "joints", "description", "file"):
-        table.add_column(heading, overflow="fold")
     problems: list[Problem] = []
     for name, path in sorted(Workspace(arguments.workspace).robots().items()):
         try:
@@ -134,9 +165,8 @@ def robots(arguments: argparse.Namespace) -> int:
         except UserError as error:
             problems += error.problems
             continue
-        joints = str(len(robot.joint_names))
-        table.add_row(name, f"{robot.mass:.1f} kg", joints, robot.config.description, relative(path))
-    console.print(table)
+        _headline(console, name, robot.config.description)
+        print_lines(hanging("  ", f"{robot.mass:.1f} kg, {len(robot.joint_names)} joints; {relative(path)}"))
     if problems:
         raise UserError(problems)
     return ExitCode.SUCCESS

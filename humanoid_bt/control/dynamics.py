@@ -22,7 +22,6 @@ class RobotDynamics:
         com, com_velocity: shape (3,) [m], [m/s].
         soles: poses (x, y, yaw) of the soles.
         roll, pitch: tilt of the base [rad].
-        bias: Coriolis, centrifugal and gravity forces, shape (nv,).
     """
 
     def __init__(self, robot: RobotModel) -> None:
@@ -33,6 +32,8 @@ class RobotDynamics:
         self._palm = {side: robot.model.site(palm_site(side)).id for side in robot.config.hands if side in SIDES}
         self._gaze = robot.model.site(GAZE_SITE).id
         self._foot = {side: robot.model.body(robot.config.legs[side].sole.body).id for side in SIDES}
+        self.com: Array = np.zeros(3)
+        self.com_velocity: Array = np.zeros(3)
         self.soles: dict[Side, Array] = {}
         self.roll = self.pitch = 0.0
         self._product = np.zeros(robot.model.nv)
@@ -48,8 +49,8 @@ class RobotDynamics:
         mujoco.mj_comVel(model, data)
         mujoco.mj_rne(model, data, 0, data.qfrc_bias)
         mujoco.mj_subtreeVel(model, data)
-        self.com: Array = data.subtree_com[self._base].copy()
-        self.com_velocity: Array = data.subtree_linvel[self._base].copy()
+        self.com = data.subtree_com[self._base].copy()
+        self.com_velocity = data.subtree_linvel[self._base].copy()
         for side, site in self._sole.items():
             x, y, _ = data.site_xpos[site]
             matrix = data.site_xmat[site]

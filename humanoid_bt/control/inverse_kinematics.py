@@ -14,9 +14,10 @@ from humanoid_bt.errors import UserError
 from humanoid_bt.messages import SIDES, Array, Side
 from humanoid_bt.plant.robot_model import BASE_COORDINATES, GAZE_SITE, RobotModel, palm_site, sole_site
 
+_NO_TWIST = 1e-14  # square of a twist too small to matter
 _ACCELERATION_LIMIT = 100.0  # rad/s^2, of the planned motion, as it goes into the feedforward
 _SMOOTH_TIME = 0.02  # s, low-pass of planned acceleration and momentum rate
-_SOLVER = "daqp"
+SOLVER = "daqp"
 _STANDING_TOLERANCE = 0.02  # m and rad, of the start posture
 
 
@@ -61,13 +62,14 @@ class InverseKinematics:
         acceleration: smoothed, shape (nv,).
         momentum_rate: smoothed rate of the planned motion's angular momentum, shape (3,) [Nm].
         solved: whether the last step had a solution.
+        configuration, tasks, limits: mink's problem of the last step.
     """
 
     def __init__(self, robot: RobotModel, dt: float) -> None:
         config, weights = robot.config, robot.config.whole_body
         self._robot, self._weights, self._dt = robot, weights, dt
         self._model = _within_soft_limits(robot)
-        self._configuration = mink.Configuration(self._model)
+        self.configuration = mink.Configuration(self._model)
         self._com = mink.ComTask(cost=list(weights.com))
         self._soles = {
             side: _frame(sole_site(side), "site", weights.foot_position, weights.foot_orientation) for side in SIDES
@@ -81,7 +83,9 @@ class InverseKinematics:
             for side in SIDES
             if side in config.hands
         }
-        self._limits = [mink.ConfigurationLimit(self._model)]
+        self.limits = [mink.ConfigurationLimit(self._model)]
+        self.tasks: list[mink.BaseTask] = []
+        self._reaching = 0.0
         self._root = self._model.body(config.base).id
         self._palms = {side: self._model.site(palm_site(side)).id for side in self._hands}
         self.reset(robot.home_qpos)
@@ -90,7 +94,7 @@ class InverseKinematics:
         """Start at rest from a configuration, shape (7 + nj,), clamped into the soft limits."""
         start = qpos.copy()
         start[BASE_COORDINATES:] = np.clip(start[BASE_COORDINATES:], self._robot.lower, self._robot.upper)
-        self._configuration.update(start)
+        self.configuration.update(start)
         self.velocity: Array = np.zeros(self._model.nv)
         self.acceleration: Array = np.zeros(self._model.nv)
         self.momentum_rate: Array = np.zeros(3)
@@ -100,69 +104,74 @@ class InverseKinematics:
     @property
     def base_pose(self) -> Array:
         """Reference of the base: position and quaternion wxyz, shape (7,)."""
-        return np.asarray(self._configuration.data.qpos[:BASE_COORDINATES])
+        return np.asarray(self.configuration.data.qpos[:BASE_COORDINATES])
 
     @property
     def joints(self) -> Array:
         """Reference of the joints, shape (nj,) [rad]."""
-        return np.asarray(self._configuration.data.qpos[BASE_COORDINATES:])
+        return np.asarray(self.configuration.data.qpos[BASE_COORDINATES:])
 
     def palm(self, side: Side) -> Array:
         """Reference position of a palm, world frame, shape (3,)."""
-        return np.array(self._configuration.data.site_xpos[self._palms[side]])
+        return np.array(self.configuration.data.site_xpos[self._palms[side]])
 
     def step(self, targets: BodyTargets) -> bool:
         """Move one control period toward the targets; without a solution hold, and return False."""
-        tasks = self._set_targets(targets)
+        self.tasks = self._set_targets(targets)
         try:
             velocity = mink.solve_ik(
-                self._configuration,
-                tasks,
+                self.configuration,
+                self.tasks,
                 self._dt,
-                solver=_SOLVER,
+                solver=SOLVER,
                 damping=self._weights.damping,
-                limits=self._limits,
+                limits=self.limits,
             )
             self.solved = bool(np.isfinite(velocity).all())
         except mink.NoSolutionFound:
             self.solved = False
         if not self.solved:
             velocity = np.zeros(self._model.nv)
-        self._configuration.integrate_inplace(velocity, self._dt)
+        self.configuration.integrate_inplace(velocity, self._dt)
         self._follow_motion(velocity)
         return self.solved
 
     def _set_targets(self, targets: BodyTargets) -> list[mink.BaseTask]:
-        weights, reaching = self._weights, targets.reaching
         for side in SIDES:
             x, y, yaw = targets.soles[side]
             pose = _pose(yaw, (x, y, targets.sole_heights[side]))
-            self._soles[side].set_target(mink.SE3.exp(targets.sole_twists[side]) @ pose)
+            twist = targets.sole_twists[side]
+            corrected = twist @ twist > _NO_TWIST
+            self._soles[side].set_target(mink.SE3.exp(twist) @ pose if corrected else pose)
         self._com.set_target(targets.com)
-        height = _blend(weights.com[2], weights.reach_height, reaching)
-        self._com.set_cost([weights.com[0], weights.com[1], height])
         self._base.set_target(_pose(targets.heading))
-        self._base.set_orientation_cost(_blend(weights.base_orientation, weights.reach_base, reaching))
         self._torso.set_target(_pose(targets.heading + targets.torso_yaw))
-        self._torso.set_orientation_cost(_blend(weights.torso_orientation, weights.reach_torso, reaching))
         self._posture.set_target(np.concatenate([self.base_pose, targets.posture]))
+        if targets.reaching != self._reaching:
+            self._give_body_to_hands(targets.reaching)
         tasks = [self._com, self._soles["left"], self._soles["right"], self._base, self._torso, self._posture]
         if self._gaze is not None:
             yaw, pitch = targets.gaze
-            view = mink.SO3.from_z_radians(targets.heading + yaw) @ mink.SO3.from_y_radians(pitch)
-            self._gaze.set_target(mink.SE3.from_rotation(view))
+            self._gaze.set_target(_view(targets.heading + yaw, pitch))
             tasks.append(self._gaze)
         for side, position in targets.hands.items():
             self._hands[side].set_target(mink.SE3.from_translation(position))
             tasks.append(self._hands[side])
         return tasks
 
+    def _give_body_to_hands(self, reaching: float) -> None:
+        weights = self._weights
+        self._reaching = reaching
+        self._com.set_cost([*weights.com[:2], _blend(weights.com[2], weights.reach_height, reaching)])
+        self._base.set_orientation_cost(_blend(weights.base_orientation, weights.reach_base, reaching))
+        self._torso.set_orientation_cost(_blend(weights.torso_orientation, weights.reach_torso, reaching))
+
     def _follow_motion(self, velocity: Array) -> None:
         smooth = min(1.0, self._dt / _SMOOTH_TIME)
         rate = np.clip((velocity - self.velocity) / self._dt, -_ACCELERATION_LIMIT, _ACCELERATION_LIMIT)
         self.acceleration += smooth * (rate - self.acceleration)
         self.velocity = velocity
-        data = self._configuration.data
+        data = self.configuration.data
         data.qvel[:] = velocity
         mujoco.mj_comVel(self._model, data)
         mujoco.mj_subtreeVel(self._model, data)
@@ -205,7 +214,7 @@ def standing_posture(robot: RobotModel, steps: int = 200) -> Array:
         tasks.append(upright)
     limits = [mink.ConfigurationLimit(model)]
     for _ in range(steps):
-        velocity = mink.solve_ik(configuration, tasks, 0.01, solver=_SOLVER, damping=1e-3, limits=limits)
+        velocity = mink.solve_ik(configuration, tasks, 0.01, solver=SOLVER, damping=1e-3, limits=limits)
         configuration.integrate_inplace(velocity, 0.01)
     errors = [com.compute_error(configuration)[:2], *(sole.compute_error(configuration) for sole in soles)]
     if np.abs(np.concatenate(errors)).max() > _STANDING_TOLERANCE:
@@ -232,6 +241,12 @@ def _frame(name: str, kind: str, position: float, orientation: float, lm_damping
 def _pose(yaw: float, position: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> mink.SE3:
     w, z = math.cos(yaw / 2), math.sin(yaw / 2)
     return mink.SE3(np.array([w, 0.0, 0.0, z, *position]))
+
+
+def _view(yaw: float, pitch: float) -> mink.SE3:
+    """Return the pose that looks along a yaw and then a pitch: the product of the two turns' quaternions."""
+    cy, sy, cp, sp = math.cos(yaw / 2), math.sin(yaw / 2), math.cos(pitch / 2), math.sin(pitch / 2)
+    return mink.SE3(np.array([cy * cp, -sy * sp, cy * sp, sy * cp, 0.0, 0.0, 0.0]))
 
 
 def _blend(free: float, reaching: float, share: float) -> float:

@@ -161,7 +161,7 @@ class TiltCompensation:
 
     _RISE, _DECAY = 0.02, 0.12  # s
     _FADE_IN = 0.3  # share of the swing
-    _LIMIT = 0.3
+    _LIMIT = 0.3  # m and rad, of each coordinate of the twist
 
     def __init__(self, dt: float) -> None:
         self._dt = dt

@@ -17,6 +17,7 @@ from humanoid_bt.plant.robot_config import GaitConfig, SoleConfig
 _FOLLOW_TIME = 0.08  # s, a standing foot's reference follows the measured foot
 _LAND_TIME = 0.04  # s, a standing foot's height decays to the ground
 _CATCH_AT = 0.90  # share of the support at which the DCM of a standing robot makes it step
+_CATCH_MIDDLE = 0.02  # m to the right of the middle up to which it is still the left foot that steps
 _CONTACTS_NEEDED = 2  # control periods of force on the swing foot before it counts as touchdown
 
 
@@ -71,7 +72,7 @@ class Walker:
 
     @property
     def stance(self) -> Array:
-        """Pose of the middle between the feet' references, shape (3,), world frame."""
+        """Pose of the middle between the references of the feet, shape (3,), world frame."""
         return middle(self.foot_reference["left"], self.foot_reference["right"])
 
     def update(
@@ -173,7 +174,7 @@ class Walker:
         left, right = self.foot_reference["left"], self.foot_reference["right"]
         spread = abs(seen_from(stance, left)[1] - seen_from(stance, right)[1]) / 2
         if abs(x) > _CATCH_AT * self._sole.half_length or abs(y) > _CATCH_AT * (spread + self._sole.half_width):
-            swing: Side = "right" if y < -0.02 else "left"  # the DCM is over the foot that steps to catch it
+            swing: Side = "right" if y < -_CATCH_MIDDLE else "left"  # the DCM is over the foot that steps to catch it
             self._start_step(swing, goal, zmp, self._numbers.quick_shift)
 
     def _follow_ground(self, soles: Mapping[Side, Array]) -> None:

@@ -32,6 +32,7 @@ from humanoid_bt.messages import (
 )
 from humanoid_bt.plant.robot_model import BASE_COORDINATES, BASE_DOFS, RobotModel
 
+_BLENDED = 1e-3  # of a share; the rest is taken in one step
 _BLEND_TIME = 0.3  # s in which the body is given to a reaching hand, and taken back
 
 
@@ -59,6 +60,7 @@ class WholeBody:
     Attributes:
         dynamics: the measured robot, as of the last update.
         walker: its gait.
+        kinematics: its planned motion.
         solved: whether the last inverse kinematics had a solution.
     """
 
@@ -69,7 +71,7 @@ class WholeBody:
         self.walker = Walker(config.gait, config.sole, dt)
         self._stabilizer = Stabilizer(config.gait, config.sole, robot.mass, dt)
         self._tilt = TiltCompensation(dt)
-        self._kinematics = InverseKinematics(robot, dt)
+        self.kinematics = InverseKinematics(robot, dt)
         self._feedforward = Feedforward(robot, self.dynamics)
         neck_range = 0.0
         if config.neck:
@@ -95,14 +97,14 @@ class WholeBody:
         """Stand where the robot is, with everything at rest, and return to the home posture slowly."""
         config, dt = self._robot.config, self._dt
         self.dynamics.update(measurement)
-        self._kinematics.reset(measurement.qpos)
+        self.kinematics.reset(measurement.qpos)
         self._stabilizer.reset(self.dynamics.com)
         self.walker.reset(self.dynamics.soles, self._stabilizer.omega)
         self._tilt = TiltCompensation(dt)
         self._gaze.yaw = self._gaze.pitch = 0.0
         self._hands = {side: HandReference(config.whole_body, dt) for side in self.dynamics.hands}
         self._posture = PostureReference(self._home_joints, dt)
-        self._posture.release_from(self._kinematics.joints)
+        self._posture.release_from(self.kinematics.joints)
         self._height = float(self.dynamics.com[2]) - self._home_height
         self._reaching = 0.0
         self._commanded = frozenset()
@@ -111,7 +113,7 @@ class WholeBody:
     @property
     def solved(self) -> bool:
         """Whether the last inverse kinematics had a solution."""
-        return self._kinematics.solved
+        return self.kinematics.solved
 
     def update(self, measurement: Measurement, targets: Mapping[str, Target], hold: bool) -> Setpoint:
         """Return the setpoints of this control period.
@@ -132,16 +134,16 @@ class WholeBody:
             dcm=dcm,
             dcm_reference=walker.dcm_reference,
             zmp_reference=walker.zmp_reference,
-            momentum_rate=self._kinematics.momentum_rate,
+            momentum_rate=self.kinematics.momentum_rate,
             soles=dynamics.soles,
             contact=walker.contact,
         )
         self._zmp = load.zmp
-        self._tilt.update(walker.swing, measurement.qpos[:BASE_COORDINATES], self._kinematics.base_pose)
-        self._kinematics.step(self._body_targets(targets, hold))
-        position = self._kinematics.joints.copy()
-        velocity = self._kinematics.velocity[BASE_DOFS:]
-        torque = self._feedforward.torques(load, self._kinematics.acceleration, position, velocity)
+        self._tilt.update(walker.swing, measurement.qpos[:BASE_COORDINATES], self.kinematics.base_pose)
+        self.kinematics.step(self._body_targets(targets, hold))
+        position = self.kinematics.joints.copy()
+        velocity = self.kinematics.velocity[BASE_DOFS:]
+        torque = self._feedforward.torques(load, self.kinematics.acceleration, position, velocity)
         return Setpoint(position, velocity, torque)
 
     def _body_targets(self, targets: Mapping[str, Target], hold: bool) -> BodyTargets:
@@ -152,7 +154,7 @@ class WholeBody:
         point = gaze.point if isinstance(gaze, GazeTarget) else None
         self._gaze.update(point, hold, self.dynamics.gaze_position, heading)
         if not hold:
-            self._reaching += (float(bool(hands)) - self._reaching) * min(1.0, self._dt / _BLEND_TIME)
+            self._reaching = _blend(self._reaching, float(bool(hands)), self._dt)
             posture = targets.get("posture")
             wanted = posture.height if isinstance(posture, PostureTarget) else 0.0
             self._height = approach(self._height, wanted, self._robot.config.whole_body.height_speed * self._dt)
@@ -176,12 +178,12 @@ class WholeBody:
         for side, reference in self._hands.items():
             target = targets.get(f"{side}_hand")
             point = target.position if isinstance(target, HandTarget) else None
-            position = reference.update(point, hold, self.dynamics.palm(side), self._kinematics.palm(side))
+            position = reference.update(point, hold, self.dynamics.palm(side), self.kinematics.palm(side))
             if position is not None:
                 positions[side] = position
         commanded = frozenset(positions)
         if self._commanded - commanded:
-            self._posture.release_from(self._kinematics.joints)
+            self._posture.release_from(self.kinematics.joints)
         self._commanded = commanded
         return positions
 
@@ -189,6 +191,12 @@ class WholeBody:
     def com_speed(self) -> float:
         """Horizontal speed of the centre of mass [m/s]."""
         return math.hypot(*self.dynamics.com_velocity[:2])
+
+
+def _blend(value: float, goal: float, dt: float) -> float:
+    """Return a share moved toward its goal, which it reaches in the end."""
+    after = value + (goal - value) * min(1.0, dt / _BLEND_TIME)
+    return goal if abs(goal - after) < _BLENDED else after
 
 
 def _goal(targets: Mapping[str, Target]) -> Array | None:

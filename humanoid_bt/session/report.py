@@ -2,13 +2,21 @@
 
 from __future__ import annotations
 
+import importlib.metadata
 import json
+from collections.abc import Iterable
 from dataclasses import asdict, dataclass, field
 from enum import IntEnum
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from humanoid_bt.errors import UserError
+
+if TYPE_CHECKING:  # the command line reads the exit codes long before it needs the engine
+    from humanoid_bt.control.supervisor import Stop
+    from humanoid_bt.tree.executor import NodeChange
+
+_PACKAGES = ("humanoid-bt", "mujoco", "mink", "py_trees", "numpy", "rerun-sdk")
 
 
 class ExitCode(IntEnum):
@@ -51,6 +59,8 @@ class Report:
         stops: every stop the supervisor ordered.
         external_force_max: largest external force or torque on any body [N, Nm].
         recording: path of the recording.
+        versions: of the packages that a run depends on.
+        traceback: of the exception that ended the run, for its author.
     """
 
     tree: str
@@ -70,6 +80,7 @@ class Report:
     external_force_max: float
     recording: str | None
     versions: dict[str, str] = field(default_factory=dict)
+    traceback: str = ""
 
     @property
     def exit_code(self) -> ExitCode:
@@ -98,3 +109,36 @@ class Report:
             path.write_text(json.dumps(self.to_dict(), indent=2) + "\n", encoding="utf-8")
         except OSError as error:
             raise UserError(f"the report cannot be written to {str(path)!r}: {error.strerror}") from error
+
+
+def timeline_of(changes: Iterable[NodeChange]) -> list[dict[str, Any]]:
+    """Return node changes as plain data."""
+    return [
+        {"time": round(change.time, 3), "path": change.path, "status": change.status.name, "feedback": change.feedback}
+        for change in changes
+    ]
+
+
+def stops_of(stops: Iterable[Stop]) -> list[dict[str, Any]]:
+    """Return stops as plain data."""
+    return [
+        {
+            "time": stop.time,
+            "mode": stop.mode.value,
+            "reason": stop.reason,
+            "source": stop.source,
+            "commanded_by": dict(stop.resources),
+        }
+        for stop in stops
+    ]
+
+
+def versions() -> dict[str, str]:
+    """Return the versions of the packages that a run depends on."""
+    found: dict[str, str] = {}
+    for package in _PACKAGES:
+        try:
+            found[package] = importlib.metadata.version(package)
+        except importlib.metadata.PackageNotFoundError:
+            found[package] = "unknown"
+    return found

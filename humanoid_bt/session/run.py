@@ -2,38 +2,45 @@
 
 from __future__ import annotations
 
-import hashlib
-import importlib.metadata
+import dataclasses
+import logging
+import shutil
 import time
-from collections.abc import Callable, Mapping
+import traceback
+from collections.abc import Callable
 from contextlib import ExitStack
-from dataclasses import dataclass, field
-from pathlib import Path
-from typing import Any, Protocol
+from typing import NamedTuple, Protocol
 
-import numpy as np
 from py_trees.common import Status
 
 from humanoid_bt.clock import DECISION_PERIOD
-from humanoid_bt.errors import HumanoidBtError, UserError, relative
-from humanoid_bt.messages import SIDES, Command, HandTarget, Mode, Side, State
+from humanoid_bt.errors import HumanoidBtError, Place, UserError, nearest, relative
+from humanoid_bt.messages import Mode, State
+from humanoid_bt.plant.mujoco_plant import MujocoPlant
 from humanoid_bt.plant.perception import SimulatedPerception
 from humanoid_bt.plant.scene import Scene, load_scene
+from humanoid_bt.record.events import Level
 from humanoid_bt.record.recorder import Recorder
 from humanoid_bt.record.sinks import Sinks
 from humanoid_bt.record.tree_view import TreeView
 from humanoid_bt.robot import Robot
+from humanoid_bt.session.happenings import Happenings
 from humanoid_bt.session.lockstep import Lockstep, load_robot
-from humanoid_bt.session.report import Report
-from humanoid_bt.tree.executor import Executor, NodeChange
+from humanoid_bt.session.options import RunOptions, make_folder
+from humanoid_bt.session.report import Report, stops_of, timeline_of, versions
+from humanoid_bt.session.trace import Trace
+from humanoid_bt.skill_files import class_file, place_in_file
+from humanoid_bt.tree.executor import Executor, NodeChange, NodeError
 from humanoid_bt.tree.load import load_tree
 from humanoid_bt.workspace import Workspace
+
+_log = logging.getLogger(__name__)
 
 DEFAULT_ROBOT, DEFAULT_SCENE = "humanoid", "empty"
 
 _SETTLE_TIME = 5.0  # s that the robot gets to come to a stand after the tree's end
 _AFTER_STOP = 2.0  # s after a latched stop until the run ends, if the tree goes on
-_PACKAGES = ("humanoid-bt", "mujoco", "mink", "py_trees", "numpy", "rerun-sdk")
+_FULL_DISK = 64 * 1024  # bytes; what cannot be written of a recording is smaller than this
 
 
 class Listener(Protocol):
@@ -42,35 +49,20 @@ class Listener(Protocol):
     def node_changed(self, change: NodeChange) -> None:
         """A node's status changed."""
 
-    def event(self, time: float, level: str, text: str) -> None:
-        """Something else happened; ``level`` is info, warning or error."""
+    def event(self, time: float, level: Level, text: str) -> None:
+        """Something else happened."""
 
     def progress(self, time: float, running: str) -> None:
         """A tick is over; ``running`` is the deepest running node and what it says."""
 
 
-@dataclass(frozen=True)
-class RunOptions:
-    """What to run, and how.
+class _End(NamedTuple):
+    """How a run ended: the outcome, why, and of an exception: it in a few words, its traceback."""
 
-    Attributes:
-        tree: name or path of the tree.
-        robot, scene: names or paths; None for what the tree says.
-        overrides: parameter values as text.
-        seed: of everything random.
-        duration: longest simulated time [s].
-        pace: simulated seconds per second; None for as fast as it can.
-        sinks: where the recording goes.
-    """
-
-    tree: str
-    robot: str | None = None
-    scene: str | None = None
-    overrides: Mapping[str, str] = field(default_factory=dict)
-    seed: int = 0
-    duration: float = 120.0
-    pace: float | None = None
-    sinks: Sinks = field(default_factory=Sinks)
+    outcome: str
+    reason: str
+    failure: str = ""
+    traceback: str = ""
 
 
 class Run:
@@ -83,31 +75,37 @@ class Run:
 
     Raises:
         UserError: the tree, robot, scene or a skill has mistakes, or a sink cannot be opened.
+        NodeError: a skill raised an exception in ``setup``.
+
+    Attributes:
+        tree: what runs.
     """
 
     def __init__(self, options: RunOptions, workspace: Workspace, listener: Listener) -> None:
         self._options, self._listener = options, listener
-        tree_path = workspace.find_tree(options.tree)
-        self.tree = load_tree(tree_path, workspace, options.overrides)
+        self.tree = load_tree(workspace.find_tree(options.tree), workspace, options.overrides)
         robot_path = workspace.find_robot(options.robot or self.tree.robot or DEFAULT_ROBOT)
         scene_path = workspace.find_scene(options.scene or self.tree.scene or DEFAULT_SCENE)
         self._scene = Scene(load_scene(scene_path), options.seed)
+        if options.sinks.file is not None:
+            make_folder(options.sinks.file)
         options.sinks.check()
         model, start = load_robot(robot_path)
-        perception = SimulatedPerception(self._scene, options.seed)
-        self._lockstep = Lockstep(model, start, self._scene, perception)
+        self._lockstep = Lockstep(model, start, self._scene, SimulatedPerception(self._scene, options.seed))
         self._robot = Robot(model.config, self._lockstep.clock)
         self._executor = Executor(self.tree, self._robot, self._on_change)
         self._executor.setup()
-        self._timeline: list[NodeChange] = []
-        self._hash = hashlib.sha256()
-        self._told_stops = self._told_rejected = 0
-        self._last_event = -1.0
-        self._last_hand: tuple[Side, str] | None = None
-        self._hand_error: float | None = None
+        self._trace = Trace(self._scene)
+        self._happenings = Happenings(self._lockstep.controller.supervisor, self._scene)
         self._recorder: Recorder | None = None
-        self._state: State | None = None
-        self.view_url = ""
+        self._pace = options.pace
+        self._began = 0.0
+        self._ended_at: float | None = None
+
+    @property
+    def plant(self) -> MujocoPlant:
+        """The simulation."""
+        return self._lockstep.plant
 
     @property
     def scene_name(self) -> str:
@@ -122,173 +120,206 @@ class Run:
     def execute(self, interrupted: Callable[[], str] = lambda: "") -> Report:
         """Run the tree to its end, bring the robot to a stand, close the recording.
 
+        A report comes back whatever the tree, a skill or a person at the keyboard does.
+
         Args:
-            interrupted: asked at every tick; a reason ends the run.
+            interrupted: asked at every tick; a reason ends the run. It may also raise KeyboardInterrupt, as any
+                code may: that ends the run at once.
+
+        Raises:
+            UserError: the recording or the view cannot be opened.
         """
-        began = time.monotonic()
         with ExitStack() as stack:
             if self._options.sinks.active:
                 self._recorder = stack.enter_context(self._open_recorder())
-                self.view_url = self._recorder.url
-            outcome, reason = self._tick_to_end(interrupted, began)
-            sim_time = self._lockstep.clock.now()
-            self._event("info" if outcome == "success" else "warning", f"the tree ended: {outcome}: {reason}")
-            self._come_to_stand(reason)
-        return self._report(outcome, reason, sim_time, time.monotonic() - began)
+            self._began = time.monotonic()
+            end = self._run(interrupted)
+            wall_time = time.monotonic() - self._began
+        self._warn_of_full_disk()
+        return self._report(end, wall_time)
+
+    def _run(self, interrupted: Callable[[], str]) -> _End:
+        try:
+            self._warn_of_percepts()
+            return self._finish(self._tick_to_end(interrupted))
+        except KeyboardInterrupt as error:
+            return _End("interrupted", f"stopped at once{self._where(error)}")
+        except Exception as error:
+            failure = f"internal error: {type(error).__name__}: {error}"
+            end = _End("error", failure, failure, traceback.format_exc())
+        self._recorder = None  # it may be what failed; it is closed all the same
+        try:
+            return self._finish(end)
+        except Exception:
+            _log.exception("the robot could not be brought to a stand")
+            return end
 
     # ---- while the tree runs --------------------------------------------------------------------------------------
 
-    def _tick_to_end(self, interrupted: Callable[[], str], began: float) -> tuple[str, str]:
+    def _tick_to_end(self, interrupted: Callable[[], str]) -> _End:
         lockstep, executor = self._lockstep, self._executor
         while True:
             state, percepts = lockstep.sense()
-            self._state = state
+            self._tell(state.time)
             try:
                 command = executor.tick(state, percepts)
             except HumanoidBtError as error:
-                lockstep.controller.supervisor.request_stop("the tree", str(error).splitlines()[0])
-                return "error", str(error)
-            self._after_tick(state, command)
-            ended = self._end(state) or self._interruption(interrupted())
-            if ended:
-                return ended
+                return _failed(error)
+            self._trace.tick(state, command)
+            self._after_tick(state)
+            end = self._end(state)
+            if end is None and (reason := interrupted()):
+                end = _End("interrupted", reason)
+            if end is not None:
+                self._trace.measure_hand(state)
+                return end
             lockstep.advance(command)
-            self._pace(began)
+            self._keep_pace()
 
-    def _end(self, state: State) -> tuple[str, str] | None:
+    def _end(self, state: State) -> _End | None:
         latched = state.mode in (Mode.EMERGENCY_STOP, Mode.DAMP)
         stop = f"{state.stop_reason} ({state.stop_source})"
-        root = self._executor.tree.root
-        if root.status is Status.SUCCESS:
-            self._measure_hand(state)
-            return "success", root.feedback_message or "the tree succeeded"
-        if root.status is Status.FAILURE:
-            return ("stopped", stop) if latched else ("failure", self._why_failed())
+        status = self._executor.status
+        if status is Status.SUCCESS:
+            return _End("success", self._why(Status.SUCCESS) or "the tree succeeded")
+        if status is Status.FAILURE:
+            return _End("stopped", stop) if latched else _End("failure", self._why(status) or "the tree failed")
         if latched and state.time - self._lockstep.controller.supervisor.stops[-1].time > _AFTER_STOP:
-            return "stopped", stop
+            return _End("stopped", stop)
         if state.time >= self._options.duration - DECISION_PERIOD / 2:
-            self._measure_hand(state)
-            return "unfinished", f"the tree was still running after {self._options.duration:g} s"
+            return _End("unfinished", f"the tree was still running after {self._options.duration:g} s")
         return None
 
-    @staticmethod
-    def _interruption(reason: str) -> tuple[str, str] | None:
-        return ("interrupted", reason) if reason else None
-
-    def _why_failed(self) -> str:
-        """Return what the deepest node says that failed in the last tick."""
-        now = self._lockstep.clock.now()
-        for change in self._timeline:
-            if change.time >= now and change.status is Status.FAILURE and change.feedback:
+    def _why(self, status: Status) -> str:
+        """Return what the first node says that took a status in the last tick: it decided for those above it."""
+        for change in self._trace.timeline:
+            if change.time >= self._now and change.status is status and change.feedback:
                 return f"{change.path.rsplit('/', 1)[-1]}: {change.feedback}"
-        return "the tree failed"
+        return ""
 
-    def _after_tick(self, state: State, command: Command) -> None:
-        self._digest(state, command)
-        self._follow_hand(command)
-        self._tell_events(state.time)
+    def _after_tick(self, state: State) -> None:
         if self._recorder is not None:
-            self._recorder.sample(state, self._robot.tracks, self._object_positions(state.time))
+            objects = {name: self._scene.object_position(name, state.time) for name in self._scene.config.objects}
+            self._recorder.sample(state, self._robot.tracks, objects)
         tip = self._executor.tree.root.tip()
-        running = f"{tip.name}: {tip.feedback_message}" if tip is not None else ""
+        running = f"{tip.name}: {tip.feedback_message}" if tip is not None else "coming to a stand"
         self._listener.progress(state.time, running)
 
-    def _digest(self, state: State, command: Command) -> None:
-        for values in (state.joint_positions, state.joint_velocities, state.setpoint_positions, state.base_position):
-            self._hash.update(values.tobytes())
-        self._hash.update(f"{state.cycle} {state.mode.value} {sorted(command.sources.items())}".encode())
-
-    def _follow_hand(self, command: Command) -> None:
-        """Remember which hand goes for which object: the one nearest to the hand's target."""
-        for side in SIDES:
-            target = command.targets.get(f"{side}_hand")
-            positions = self._object_positions(command.stamp)
-            if isinstance(target, HandTarget) and positions:
-                aim = target.position
-                nearest = min(positions, key=lambda name: float(np.linalg.norm(positions[name] - aim)))
-                self._last_hand = (side, nearest)
-
-    def _measure_hand(self, state: State) -> None:
-        if self._last_hand is not None:
-            side, thing = self._last_hand
-            offset = state.hands[side] - self._scene.object_position(thing, state.time)
-            self._hand_error = float(np.linalg.norm(offset))
-
-    def _object_positions(self, now: float) -> dict[str, Any]:
-        return {name: self._scene.object_position(name, now) for name in self._scene.config.objects}
-
-    def _tell_events(self, now: float) -> None:
-        supervisor = self._lockstep.controller.supervisor
-        for stop in supervisor.stops[self._told_stops :]:
-            self._event("error", f"{stop.mode.value.replace('_', ' ')}: {stop.reason} ({stop.source})")
-        self._told_stops = len(supervisor.stops)
-        for text in supervisor.rejected[self._told_rejected :]:
-            self._event("warning", f"rejected {text}")
-        self._told_rejected = len(supervisor.rejected)
-        for at, text in self._scene.events(self._last_event, now):
-            self._event("info", f"scene: {text}", at)
-        self._last_event = now
-
-    def _event(self, level: str, text: str, at: float | None = None) -> None:
-        now = self._lockstep.clock.now() if at is None else at
-        self._listener.event(now, level, text)
-        if self._recorder is not None:
-            self._recorder.event(now, level, text)  # type: ignore[arg-type]
-
-    def _on_change(self, change: NodeChange) -> None:
-        self._timeline.append(change)
-        self._hash.update(f"{change.time} {change.path} {change.status.name}".encode())
-        self._listener.node_changed(change)
-        if self._recorder is not None:
-            self._recorder.node_changed(change.time, change.path, change.status.name, change.feedback)
-
-    def _pace(self, began: float) -> None:
-        if self._options.pace:
-            ahead = self._lockstep.clock.now() / self._options.pace - (time.monotonic() - began)
+    def _keep_pace(self) -> None:
+        if self._pace:
+            ahead = self._now / self._pace - (time.monotonic() - self._began)
             if ahead > 0:
                 time.sleep(ahead)
 
     # ---- after it -------------------------------------------------------------------------------------------------
 
-    def _come_to_stand(self, reason: str) -> None:
+    def _finish(self, end: _End) -> _End:
         """Halt the tree and let control bring the robot to rest, with nothing commanded any more."""
-        lockstep = self._lockstep
+        self._ended_at = self._now
+        if end.failure:
+            self._lockstep.controller.supervisor.request_stop("the tree", end.failure)
         try:
-            self._executor.halt(reason)
+            self._executor.halt("the run ended")
         except HumanoidBtError as error:
-            self._event("error", str(error))
-        until = lockstep.clock.now() + _SETTLE_TIME
-        while lockstep.clock.now() < until:
+            if end.outcome == "unfinished":
+                end = _failed(error)
+            else:
+                self._event("error", str(error))
+        self._event("info" if end.outcome == "success" else "warning", f"the tree ended: {end.outcome}")
+        lockstep = self._lockstep
+        until = self._now + _SETTLE_TIME
+        while self._now < until:
             lockstep.advance(self._robot.release_all())
             state, percepts = lockstep.sense()
+            self._tell(state.time)
             self._robot.begin_tick(state, percepts)
-            self._state = state
-            self._tell_events(state.time)
-            if self._recorder is not None:
-                self._recorder.sample(state, self._robot.tracks, self._object_positions(state.time))
+            self._after_tick(state)
             if state.base_settled and state.mode is not Mode.DAMP:
                 break
+            self._keep_pace()
+        return end
+
+    def _where(self, error: BaseException) -> str:
+        """Return in which line of a skill an exception came, as " in FILE:LINE:COLUMN"; "" if in none."""
+        for node in self.tree.nodes:
+            file = class_file(node.type.cls) if node.kind == "skill" else None
+            place: Place | None = place_in_file(error, file) if file else None
+            if place is not None:
+                return f" in {place}, in the node {node.path!r}"
+        return ""
+
+    # ---- telling --------------------------------------------------------------------------------------------------
+
+    @property
+    def _now(self) -> float:
+        return self._lockstep.clock.now()
+
+    def _tell(self, now: float) -> None:
+        for happening in self._happenings.until(now):
+            self._event(happening.level, happening.text, happening.time)
+
+    def _event(self, level: Level, text: str, at: float | None = None) -> None:
+        now = self._now if at is None else at
+        self._listener.event(now, level, text)
+        if self._recorder is not None:
+            self._recorder.event(now, level, text)
+
+    def _on_change(self, change: NodeChange) -> None:
+        self._trace.node_changed(change)
+        self._listener.node_changed(change)
+        if self._recorder is not None:
+            self._recorder.node_changed(change.time, change.path, change.status.name, change.feedback)
+
+    def _warn_of_percepts(self) -> None:
+        """Say which percepts will never come: a tree may well wait for one, but most often it is a slip."""
+        published = self._scene.config.percepts
+        named = {
+            name for node in self.tree.nodes for names in node.type.percepts(node.values).values() for name in names
+        }
+        for name in sorted(named - published.keys()):
+            hint = nearest(name, published) or "it publishes none"
+            self._event("warning", f"the scene {self.scene_name!r} publishes no percept {name!r} ({hint})")
+
+    def _warn_of_full_disk(self) -> None:
+        """Say so if the recording is cut short (the viewer's library only logs it)."""
+        file = self._options.sinks.file
+        if file is not None and shutil.disk_usage(file.parent).free < _FULL_DISK:
+            self._listener.event(self._now, "error", f"the disk is full: the recording {str(file)!r} is cut short")
+
+    # ---- the recording and the report -----------------------------------------------------------------------------
 
     def _open_recorder(self) -> Recorder:
-        tree, options = self.tree, self._options
+        sinks = self._options.sinks
+        try:
+            recorder = self._recorder_for(sinks)
+        except UserError as error:
+            if not (sinks.view and self._options.view_optional):
+                raise
+            self._listener.event(0.0, "warning", f"no live view: {error.problems[0].message}")
+            sinks = dataclasses.replace(sinks, view=False)
+            recorder = self._recorder_for(sinks)
+        if self._pace is None and (sinks.view or sinks.serve is not None):
+            self._pace = 1.0
+        if recorder.url:
+            self._listener.event(0.0, "info", f"live view: {recorder.url}")
+        return recorder
+
+    def _recorder_for(self, sinks: Sinks) -> Recorder:
+        tree, seed = self.tree, self._options.seed
         info = {
             "tree": tree.name,
             "robot": self.robot_name,
             "scene": self.scene_name,
-            "seed": str(options.seed),
+            "seed": str(seed),
             "parameters": ", ".join(f"{name} = {value}" for name, value in tree.parameters.items()),
             "versions": ", ".join(f"{name} {version}" for name, version in versions().items()),
         }
-        return Recorder(
-            self._lockstep.plant.model,
-            self._lockstep.robot.joint_names,
-            self._robot.config,
-            tree=TreeView(tree.nodes, tree.source, relative(tree.path)),
-            sinks=options.sinks,
-            info=info,
-        )
+        lockstep = self._lockstep
+        view = TreeView(tree.nodes, tree.source, relative(tree.path))
+        names, config = lockstep.robot.joint_names, self._robot.config
+        return Recorder(lockstep.plant.model, names, config, tree=view, sinks=sinks, info=info)
 
-    def _report(self, outcome: str, reason: str, sim_time: float, wall_time: float) -> Report:
+    def _report(self, end: _End, wall_time: float) -> Report:
         supervisor = self._lockstep.controller.supervisor
         file = self._options.sinks.file
         return Report(
@@ -297,61 +328,25 @@ class Run:
             scene=self.scene_name,
             seed=self._options.seed,
             parameters=dict(self.tree.parameters),
-            outcome=outcome,
-            reason=reason,
-            sim_time=round(sim_time, 3),
+            outcome=end.outcome,
+            reason=end.reason,
+            sim_time=round(self._now if self._ended_at is None else self._ended_at, 3),
             wall_time=wall_time,
-            trace_hash=self._hash.hexdigest(),
-            timeline=[
-                {"time": round(c.time, 3), "path": c.path, "status": c.status.name, "feedback": c.feedback}
-                for c in self._timeline
-            ],
-            hand_error=self._hand_error,
+            trace_hash=self._trace.digest,
+            timeline=timeline_of(self._trace.timeline),
+            hand_error=self._trace.hand_error,
             fell=any(stop.mode is Mode.DAMP for stop in supervisor.stops),
-            stops=[
-                {
-                    "time": stop.time,
-                    "mode": stop.mode.value,
-                    "reason": stop.reason,
-                    "source": stop.source,
-                    "commanded_by": dict(stop.resources),
-                }
-                for stop in supervisor.stops
-            ],
+            stops=stops_of(supervisor.stops),
             external_force_max=self._lockstep.plant.external_force_max,
             recording=str(file) if file else None,
             versions=versions(),
+            traceback=end.traceback,
         )
 
 
-def versions() -> dict[str, str]:
-    """Return the versions of the packages that a run depends on."""
-    found: dict[str, str] = {}
-    for package in _PACKAGES:
-        try:
-            found[package] = importlib.metadata.version(package)
-        except importlib.metadata.PackageNotFoundError:
-            found[package] = "unknown"
-    return found
-
-
-def default_recording(tree: str) -> Path:
-    """Return where a run is recorded by default: a new file in ``runs/`` below the working directory, which is made.
-
-    Raises:
-        UserError: the folder cannot be made.
-    """
-    folder = Path("runs")
-    try:
-        folder.mkdir(exist_ok=True)
-    except OSError as error:
-        hint = "give another place with --record FILE, or --no-record"
-        raise UserError(f"the folder {str(folder.absolute())!r} cannot be made: {error.strerror}", hint=hint) from error
-    stamp = time.strftime("%Y%m%d-%H%M%S")
-    name = Path(tree).stem
-    path = folder / f"{name}-{stamp}.rrd"
-    number = 2
-    while path.exists():
-        path = folder / f"{name}-{stamp}-{number}.rrd"
-        number += 1
-    return path
+def _failed(error: HumanoidBtError) -> _End:
+    if not isinstance(error, NodeError):
+        return _End("error", str(error), str(error).splitlines()[0])
+    name, cause = error.path.rsplit("/", 1)[-1], error.error
+    failure = f"{name!r} raised {type(cause).__name__}: {cause}".splitlines()[0]
+    return _End("error", str(error), failure, "".join(traceback.format_exception(cause)))

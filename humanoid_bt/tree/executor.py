@@ -43,7 +43,7 @@ class NodeError(HumanoidBtError):
         where: the line of the skill's file that raised it, None if it came from elsewhere.
     """
 
-    def __init__(self, node: Node, error: Exception) -> None:
+    def __init__(self, node: Node, error: BaseException) -> None:
         file = class_file(node.type.cls)
         self.path = node.path
         self.place: Place = node.place
@@ -92,7 +92,7 @@ class Executor:
                     inner.setup(robot=self.robot)
             except UserError as error:
                 problems += [Problem(p.message, p.place or node.place, p.hint) for p in error.problems]
-            except Exception as error:
+            except (Exception, SystemExit) as error:
                 raise NodeError(node, error) from error
         if problems:
             raise UserError(problems)

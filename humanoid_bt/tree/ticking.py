@@ -25,7 +25,7 @@ SUCCESS, FAILURE, RUNNING, INVALID = Status.SUCCESS, Status.FAILURE, Status.RUNN
 class Raised(Exception):  # noqa: N818 (it carries an error, it is none)
     """Carries an exception and the node that raised it up through the tree."""
 
-    def __init__(self, node: Behaviour, error: Exception) -> None:
+    def __init__(self, node: Behaviour, error: BaseException) -> None:
         super().__init__(node, error)
         self.node = node
         self.error = error
@@ -87,7 +87,7 @@ def tick(node: Behaviour, seen: Seen) -> Status:
             raise TypeError(f"its status must be SUCCESS, FAILURE or RUNNING, not {status!r}")
     except Raised:
         raise
-    except Exception as error:
+    except (Exception, SystemExit) as error:  # a skill that exits must not take the robot's program along
         _abandon(node, error)
         seen.append(node)
         raise Raised(node, error) from error
@@ -129,20 +129,20 @@ def halt_alone(node: Behaviour, reason: str, seen: Seen) -> None:
 def _stop(node: Behaviour, status: Status, seen: Seen) -> None:
     try:
         node.stop(status)
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         node.status = INVALID
         node.feedback_message = f"raised {type(error).__name__}: {error}"
         seen.append(node)
         raise Raised(node, error) from error
 
 
-def _abandon(node: Behaviour, error: Exception) -> None:
+def _abandon(node: Behaviour, error: BaseException) -> None:
     """Stop a node that raised: it may hold resources although it never reached RUNNING."""
     if isinstance(node, Skill):
         node.halt_reason = "raised an exception"
     try:
         node.stop(INVALID)
-    except Exception as second:
+    except (Exception, SystemExit) as second:
         error.add_note(f"and then, while it was stopped: {type(second).__name__}: {second}")
     node.status = INVALID
     node.feedback_message = f"raised {type(error).__name__}: {error}"

@@ -1,0 +1,213 @@
+"""The arguments of the command line, and how a mistake in them is answered."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, NoReturn
+
+from humanoid_bt import __version__
+from humanoid_bt.errors import nearest
+from humanoid_bt.session.report import ExitCode
+
+_EXIT_CODES = """\
+exit codes:
+  0    the tree succeeded
+  1    the tree failed, or still ran at the end of --duration
+  2    usage, or a mistake in a file
+  3    stopped for safety
+  4    internal error, or an exception in a skill
+  130  interrupted
+"""
+
+_RUN_EXAMPLES = """\
+examples:
+  humanoid-bt run fetch                   the built-in demo
+  humanoid-bt run fetch --set stop_distance=0.35
+  humanoid-bt run fetch --scene random_target --seed 7
+  humanoid-bt run trees/mine.yaml --serve in a browser
+"""
+
+_CHECK_EXAMPLES = """\
+examples:
+  humanoid-bt check                       all of this folder
+  humanoid-bt check fetch trees/mine.yaml skills/
+
+exit codes:
+  0  no mistakes
+  2  mistakes, each with its file, line and column
+"""
+
+_SHOW_EXAMPLES = """\
+examples:
+  humanoid-bt show fetch
+  humanoid-bt show fetch --format dot | dot -Tsvg > fetch.svg
+"""
+
+
+class Parser(argparse.ArgumentParser):
+    """An argument parser that says in two lines what is wrong and what would be valid."""
+
+    def error(self, message: str) -> NoReturn:
+        """Print a mistake and exit."""
+        print(f"error: {message}\n    see: {self.prog} --help", file=sys.stderr)
+        sys.exit(ExitCode.USAGE)
+
+    def parse_args(self, args: Any = None, namespace: Any = None) -> Any:
+        """Parse the arguments; what no command knows is answered with what it does know."""
+        values, unknown = self.parse_known_args(args, namespace)
+        if unknown:
+            command = self._command(values.command)
+            known = [option for action in command._actions for option in action.option_strings]
+            close = nearest(unknown[0].split("=")[0], known).partition("valid:")[0].strip()
+            command.error(f"unknown argument {unknown[0]!r}" + (f"; {close}" if close else ""))
+        return values
+
+    def _check_value(self, action: argparse.Action, value: Any) -> None:
+        if action.choices is not None and value not in action.choices:
+            what = "command" if action.dest == "command" else action.option_strings[0]
+            self.error(f"unknown {what} {value!r}: {nearest(value, map(str, action.choices))}")
+
+    def _command(self, name: str) -> Parser:
+        for action in self._actions:
+            if isinstance(action, argparse._SubParsersAction):
+                chosen: Parser = action.choices[name]
+                return chosen
+        return self
+
+
+def parser() -> Parser:
+    """Return the parser of the command line."""
+    top = Parser(
+        prog="humanoid-bt",
+        description="Run behavior trees on a humanoid robot.",
+        epilog="humanoid-bt COMMAND --help says more about a command.\n\n" + _EXIT_CODES,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    top.add_argument("--version", action="version", version=f"humanoid-bt {__version__}")
+    commands = top.add_subparsers(dest="command", required=True, metavar="COMMAND")
+
+    def command(name: str, text: str, description: str, epilog: str = "") -> Parser:
+        added: Parser = commands.add_parser(
+            name,
+            help=text,
+            description=description,
+            epilog=epilog,
+            formatter_class=argparse.RawDescriptionHelpFormatter,
+        )
+        return added
+
+    _add_run(
+        command("run", "run a tree", "Run a tree on a simulated robot.", _RUN_EXAMPLES + "\n" + _EXIT_CODES),
+    )
+    check = command("check", "find mistakes in files", "Find mistakes without running anything.", _CHECK_EXAMPLES)
+    check.add_argument(
+        "paths",
+        nargs="*",
+        metavar="PATH",
+        help="names, files or folders of trees, skills, scenes, robots; default: this workspace",
+    )
+    _add_workspace(check)
+
+    show = command("show", "draw a tree", "Draw a tree.", _SHOW_EXAMPLES)
+    show.add_argument("tree", metavar="TREE", help="name or file of a tree")
+    show.add_argument(
+        "--format", choices=["unicode", "dot"], default="unicode", metavar="F", help="unicode (default) or dot"
+    )
+    _add_workspace(show)
+
+    skills = command("skills", "list skills and their parameters", "List skills, or explain some.")
+    skills.add_argument("names", nargs="*", metavar="NAME", help="explain only these")
+    _add_workspace(skills)
+
+    robots = command("robots", "list robots", "List the robots of this workspace.")
+    _add_workspace(robots)
+
+    bench = command(
+        "bench",
+        "measure the engine beside baselines",
+        "Measure the engine. Every figure is a ratio to a baseline\nmeasured in the same run.",
+    )
+    bench.add_argument("--repetitions", type=_positive_int, default=5, metavar="N", help="of each pair; default 5")
+    bench.add_argument("--json", type=Path, metavar="FILE", help="write the figures to this file too")
+    return top
+
+
+def _add_run(run: Parser) -> None:
+    run.add_argument("tree", metavar="TREE", help="name or file of a tree")
+    run.add_argument("--robot", metavar="R", help="name or folder of a robot; default: what the tree says")
+    run.add_argument("--scene", metavar="S", help="name or file of a scene; default: what the tree says")
+    run.add_argument(
+        "--set",
+        action="append",
+        default=[],
+        metavar="NAME=VALUE",
+        dest="overrides",
+        help="set a parameter of the tree; may be given several times",
+    )
+    run.add_argument("--seed", type=_seed, default=0, metavar="N", help="of everything random; default 0")
+    run.add_argument(
+        "--duration", type=_positive, default=120.0, metavar="S", help="longest simulated time [s]; default 120"
+    )
+    run.add_argument(
+        "--mode",
+        choices=["lockstep"],
+        default="lockstep",
+        metavar="M",
+        help="lockstep (default): all loops in step on simulated time, deterministic",
+    )
+    run.add_argument(
+        "--pace",
+        type=_positive,
+        metavar="X",
+        help="simulated seconds per second; default: 1 with a live view, else as fast as it can",
+    )
+    view = run.add_mutually_exclusive_group()
+    view.add_argument("--view", action="store_true", default=None, help="open the live view (default with a display)")
+    view.add_argument("--no-view", action="store_false", dest="view", help="do not open the live view")
+    run.add_argument(
+        "--serve",
+        nargs="?",
+        type=_port,
+        const=9090,
+        metavar="PORT",
+        help="serve the live view to a browser on 127.0.0.1; default port 9090",
+    )
+    record = run.add_mutually_exclusive_group()
+    record.add_argument("--record", type=Path, metavar="FILE", help="recording; default: runs/TREE-DATE-TIME.rrd")
+    record.add_argument("--no-record", action="store_true", help="write no recording")
+    run.add_argument("--report", type=Path, metavar="FILE", help="write a report of the run as JSON")
+    run.add_argument("--quiet", action="store_true", help="print only errors and the summary")
+    _add_workspace(run)
+
+
+def _add_workspace(command: Parser) -> None:
+    command.add_argument(
+        "--workspace",
+        type=Path,
+        metavar="DIR",
+        help="folder with trees/, skills/, sim/; default: the tree file's own, else the working directory",
+    )
+
+
+def _number(kind: Callable[[str], Any], valid: str, is_valid: Callable[[Any], bool]) -> Callable[[str], Any]:
+    """Return what reads a number and says what would be valid if it is not."""
+
+    def read(text: str) -> Any:
+        try:
+            value = kind(text)
+        except ValueError:
+            value = None
+        if value is None or not is_valid(value):
+            raise argparse.ArgumentTypeError(f"must be {valid}, not {text!r}")
+        return value
+
+    return read
+
+
+_positive = _number(float, "a number above 0", lambda value: 0 < value < float("inf"))
+_positive_int = _number(int, "a whole number above 0", lambda value: value > 0)
+_seed = _number(int, "a whole number, 0 or more", lambda value: value >= 0)
+_port = _number(int, "a port from 1 to 65534", lambda value: 1 <= value <= 65534)

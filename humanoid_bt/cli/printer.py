@@ -1,0 +1,167 @@
+"""What a run prints: what happens as it happens, a progress line on a terminal, and the summary."""
+
+from __future__ import annotations
+
+import shutil
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+from py_trees.common import Status
+from rich.console import Console
+from rich.live import Live
+from rich.text import Text
+
+from humanoid_bt.cli.output import hanging
+from humanoid_bt.record.events import Level
+from humanoid_bt.session.report import Report
+from humanoid_bt.tree.executor import NodeChange
+from humanoid_bt.tree.tree import Node, Tree
+
+_SIGNS = {
+    Status.RUNNING: ("▶", "cyan"),
+    Status.SUCCESS: ("✓", "green"),
+    Status.FAILURE: ("✗", "yellow"),
+    Status.INVALID: ("○", "dim"),
+}
+_RAISED = ("■", "red")
+_LEVELS: dict[Level, tuple[str, str]] = {"info": ("•", "blue"), "warning": ("!", "yellow"), "error": ("■", "red")}
+_OUTCOME_STYLES = {"success": "bold green", "failure": "bold yellow", "unfinished": "bold yellow"}
+_ORDER = {Status.SUCCESS: 0, Status.FAILURE: 0, Status.INVALID: 1, Status.RUNNING: 2}
+"""Within a tick: what ended, what was halted for it, what started instead."""
+
+_LONGEST_NAME = 18  # longer names push their own line's text to the right
+_REFRESH = 0.1  # s between progress lines
+
+
+class Printer:
+    """Prints a line per skill or condition that changed and per event, and a progress line on a terminal.
+
+    Args:
+        console: where it prints.
+        quiet: print errors only.
+    """
+
+    def __init__(self, console: Console, quiet: bool) -> None:
+        self._console, self._quiet = console, quiet
+        self._live: Live | None = None
+        self._began = self._last = time.monotonic()
+        self._nodes: dict[str, Node] = {}
+        self._tree: tuple[Node, ...] = ()
+        self._name_width = 0
+        self._told: dict[str, Status] = {}
+        self._tick: list[tuple[NodeChange, str]] = []
+
+    def show(self, tree: Tree) -> None:
+        """Take the tree whose nodes are printed."""
+        self._tree = tree.nodes
+        self._nodes = {node.path: node for node in tree.nodes if node.kind in ("skill", "condition")}
+        longest = max((len(node.name) for node in self._nodes.values()), default=0)
+        self._name_width = min(longest, _LONGEST_NAME)
+
+    def __enter__(self) -> Printer:
+        self._began = time.monotonic()
+        if self._console.is_terminal and not self._quiet:
+            self._live = Live(console=self._console, transient=True, auto_refresh=False)
+            self._live.start()
+        return self
+
+    def __exit__(self, *_: Any) -> None:
+        self._print_tick()
+        if self._live is not None:
+            self._live.stop()
+
+    def node_changed(self, change: NodeChange) -> None:
+        """Take what a skill or condition became, to be printed with what else came in its tick."""
+        if self._quiet or change.path not in self._nodes:
+            return
+        if self._tick and self._tick[0][0].time != change.time:
+            self._print_tick()
+        told = self._told.get(change.path)
+        if change.status is Status.INVALID and not change.feedback:
+            return  # it was not running: only its branch was left
+        if self._nodes[change.path].kind == "condition" and told is change.status:
+            return
+        self._told[change.path] = change.status
+        self._tick.append((change, self._occasion(change)))
+
+    def event(self, time: float, level: Level, text: str) -> None:
+        """Print an event."""
+        self._print_tick()
+        if not self._quiet or level == "error":
+            self._line(time, *_LEVELS[level], "", text)
+
+    def progress(self, time: float, running: str) -> None:
+        """Show where the run is."""
+        self._print_tick()
+        if self._live is None:
+            return
+        now = _wall()
+        if now - self._last >= _REFRESH:
+            self._last = now
+            speed = time / max(now - self._began, 1e-6)
+            text = Text(f"{time:7.2f} s   {speed:.1f}x  {running}", style="dim", no_wrap=True, overflow="ellipsis")
+            self._live.update(text, refresh=True)
+
+    def _occasion(self, change: NodeChange) -> str:
+        """Return why a node that stands under a key of its own, such as ``on_stale``, starts."""
+        if change.status is Status.RUNNING:
+            node = self._nodes[change.path]
+            while node.parent >= 0:
+                parent = self._tree[node.parent]
+                if node.branch and parent.behaviour.feedback_message:
+                    return f" ({parent.behaviour.feedback_message})"
+                node = parent
+        return ""
+
+    def _print_tick(self) -> None:
+        for change, occasion in sorted(self._tick, key=lambda entry: _ORDER[entry[0].status]):
+            raised = change.status is Status.INVALID and change.feedback.startswith("raised ")
+            sign, style = _RAISED if raised else _SIGNS[change.status]
+            self._line(change.time, sign, style, self._nodes[change.path].name, change.feedback + occasion)
+        self._tick.clear()
+
+    def _line(self, at: float, sign: str, style: str, name: str, text: str) -> None:
+        label = f"{name:<{self._name_width}} " if name else ""
+        head = f"{at:7.2f} s {sign} {label}"
+        lines = hanging(head, text) if self._console.is_terminal else [head + " ".join(text.split())]
+        line = Text("\n".join(lines))
+        line.stylize("dim", 0, 10)
+        line.stylize(style, 10, 11)
+        line.stylize("bold", 12, 12 + len(label))
+        self._console.print(line, soft_wrap=True)
+
+
+def print_summary(console: Console, report: Report) -> None:
+    """Print how a run ended."""
+    style = _OUTCOME_STYLES.get(report.outcome, "bold red")
+    console.print(Text.assemble("\n", (report.outcome, style), f": {report.reason}"), soft_wrap=True)
+    rows = [
+        ("simulated", f"{report.sim_time:.2f} s in {report.wall_time:.2f} s ({report.real_time_factor:.1f}x real time)")
+    ]
+    if report.hand_error is not None:
+        rows.append(("hand error", f"{report.hand_error * 100:.1f} cm"))
+    stops = [f"{stop['time']:.2f} s {stop['mode'].replace('_', ' ')}: {stop['reason']}" for stop in report.stops]
+    rows += [("stops" if number == 0 else "", text) for number, text in enumerate(stops or ["none"])]
+    rows.append(("trace", report.trace_hash[:16]))
+    if report.recording:
+        rows.append(("recording", report.recording))
+        rows.append(("open it", f"{_viewer_command()} {report.recording}"))
+    for name, value in rows:
+        console.print(f"  {name:<11}{value}", soft_wrap=True, markup=False)
+
+
+def _viewer_command() -> str:
+    """Return the viewer's command: beside this interpreter if it is not on the path."""
+    beside = Path(sys.executable).parent / "rerun"
+    if shutil.which("rerun") or not beside.exists():
+        return "rerun"
+    try:
+        return str(beside.relative_to(Path.cwd()))
+    except ValueError:
+        return str(beside)
+
+
+def _wall() -> float:
+    return time.monotonic()

@@ -1,0 +1,1 @@
+"""What joins processes: rings, their wire format, heartbeats, the e-stop and the folder of a run that holds them."""

@@ -1,0 +1,29 @@
+"""Messages to bytes and back: compact, exact to the bit for every float64, and never a pickle.
+
+Every message begins with the same header (:func:`peek`). Decoding takes bytes from anywhere and answers what is
+malformed with :class:`WireError` only. Decoded arrays are read-only.
+"""
+
+from humanoid_bt.link.wire.command import decode_command, encode_command
+from humanoid_bt.link.wire.event import Event, Level, decode_event, encode_event
+from humanoid_bt.link.wire.format import MAX_TEXT, Header, MessageKind, WireError, peek
+from humanoid_bt.link.wire.percepts import decode_percepts, encode_percepts
+from humanoid_bt.link.wire.state import decode_state, encode_state
+
+__all__ = [
+    "MAX_TEXT",
+    "Event",
+    "Header",
+    "Level",
+    "MessageKind",
+    "WireError",
+    "decode_command",
+    "decode_event",
+    "decode_percepts",
+    "decode_state",
+    "encode_command",
+    "encode_event",
+    "encode_percepts",
+    "encode_state",
+    "peek",
+]

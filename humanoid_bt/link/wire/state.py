@@ -1,0 +1,197 @@
+"""States on the wire: header, counts, one block of float64, targets, texts."""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Mapping
+from typing import TypeVar
+
+from humanoid_bt.link.wire.format import (
+    Cursor,
+    MessageKind,
+    WireError,
+    guarded,
+    header,
+    pack_cut_text,
+    pack_floats,
+    pack_text,
+)
+from humanoid_bt.link.wire.targets import pack_sources, pack_targets, unpack_sources, unpack_targets
+from humanoid_bt.messages import SIDES, Array, FootPose, Gait, Mode, Side, State
+
+# Command sequence; joints, footsteps, limit flags; gait, mode, settled; which sides have a hand, a foot, a foot force,
+# a hand error; targets, sources. With the header a whole number of float64, so that the block after it is aligned.
+_COUNTS = struct.Struct("<qHHH9Bx")
+_FOOT = struct.Struct("<4d")  # x, y, z, yaw
+_NUMBER = struct.Struct("<d")
+_SIDE = struct.Struct("<B")
+_GAITS, _MODES = tuple(Gait), tuple(Mode)
+_GAIT_INDEX = {gait: index for index, gait in enumerate(_GAITS)}
+_MODE_INDEX = {mode: index for index, mode in enumerate(_MODES)}
+_SIDES_OF_BITS: tuple[tuple[Side, ...], ...] = ((), SIDES[:1], SIDES[1:], SIDES)
+_JOINT_ARRAYS = 5
+_FIXED_FLOATS = 28
+_V = TypeVar("_V")
+
+
+@guarded("this state cannot be encoded")
+def encode_state(state: State) -> bytes:
+    """Return a state as bytes; a long reason is cut.
+
+    Raises:
+        WireError: an array has the wrong shape, or a resource or side is unknown.
+    """
+    joints = len(state.joint_positions)
+    hands, hand_bits = _by_side(state.hands)
+    feet, foot_bits = _by_side(state.feet)
+    forces, force_bits = _by_side(state.foot_force)
+    errors, error_bits = _by_side(state.hand_errors)
+    parts = [
+        header(MessageKind.STATE, state.cycle, state.time),
+        _COUNTS.pack(
+            state.command_sequence,
+            joints,
+            len(state.footsteps),
+            len(state.limit_flags),
+            _GAIT_INDEX[state.gait],
+            _MODE_INDEX[state.mode],
+            state.base_settled,
+            hand_bits,
+            foot_bits,
+            force_bits,
+            error_bits,
+            len(state.targets),
+            len(state.command_sources),
+        ),
+        pack_floats(state.joint_positions, joints),
+        pack_floats(state.joint_velocities, joints),
+        pack_floats(state.joint_torques, joints),
+        pack_floats(state.setpoint_positions, joints),
+        pack_floats(state.setpoint_velocities, joints),
+        pack_floats(state.base_position, 3),
+        pack_floats(state.base_quaternion, 4),
+        pack_floats(state.base_linear_velocity, 3),
+        pack_floats(state.base_angular_velocity, 3),
+        pack_floats(state.com, 3),
+        pack_floats(state.com_velocity, 3),
+        pack_floats(state.stance, 3),
+        pack_floats(state.gaze_position, 3),
+        pack_floats(state.gaze_direction, 3),
+        *[pack_floats(hand, 3) for hand in hands],
+        *[_pack_foot(foot) for foot in feet],
+        *[_NUMBER.pack(force) for force in forces],
+        *[_NUMBER.pack(error) for error in errors],
+        *[_pack_foot(foot) for _, foot in state.footsteps],
+        *[_SIDE.pack(SIDES.index(side)) for side, _ in state.footsteps],
+        pack_targets(state.targets),
+        pack_sources(state.command_sources),
+        pack_cut_text(state.stop_reason),
+        pack_cut_text(state.stop_source),
+        *[pack_text(name) for name in state.limit_flags],
+    ]
+    return b"".join(parts)
+
+
+@guarded("malformed state")
+def decode_state(data: bytes | memoryview) -> State:
+    """Return the state that bytes hold; its arrays share one read-only block.
+
+    Raises:
+        WireError: they hold none.
+    """
+    cursor = Cursor(data, MessageKind.STATE)
+    counts: tuple[int, ...] = _COUNTS.unpack_from(cursor.data, cursor.offset)
+    cursor.offset += _COUNTS.size
+    sequence, joints, footstep_count, flag_count, gait, mode, settled = counts[:7]
+    hands, feet, forces, errors = (_SIDES_OF_BITS[bits] for bits in counts[7:11])
+    target_count, source_count = counts[11:]
+    if settled > 1:
+        raise WireError(f"{settled} is no truth value")
+    block = _Block(
+        cursor.floats(
+            _JOINT_ARRAYS * joints
+            + _FIXED_FLOATS
+            + 3 * len(hands)
+            + 4 * len(feet)
+            + len(forces)
+            + len(errors)
+            + 4 * footstep_count
+        )
+    )
+    # Arguments are evaluated in the order in which they are written, which is the order on the wire.
+    return State(
+        time=cursor.header.stamp,
+        cycle=cursor.header.sequence,
+        joint_positions=block.take(joints),
+        joint_velocities=block.take(joints),
+        joint_torques=block.take(joints),
+        setpoint_positions=block.take(joints),
+        setpoint_velocities=block.take(joints),
+        base_position=block.take(3),
+        base_quaternion=block.take(4),
+        base_linear_velocity=block.take(3),
+        base_angular_velocity=block.take(3),
+        com=block.take(3),
+        com_velocity=block.take(3),
+        stance=block.take(3),
+        gaze_position=block.take(3),
+        gaze_direction=block.take(3),
+        hands={side: block.take(3) for side in hands},
+        feet={side: block.take_foot() for side in feet},
+        foot_force={side: block.take_number() for side in forces},
+        hand_errors={side: block.take_number() for side in errors},
+        footsteps=_footsteps(cursor, [block.take_foot() for _ in range(footstep_count)]),
+        gait=_GAITS[gait],
+        mode=_MODES[mode],
+        base_settled=bool(settled),
+        command_sequence=sequence,
+        targets=unpack_targets(cursor, target_count),
+        command_sources=unpack_sources(cursor, source_count),
+        stop_reason=cursor.text(),
+        stop_source=cursor.text(),
+        limit_flags=_last_texts(cursor, flag_count),
+    )
+
+
+class _Block:
+    """Hands out the numbers of a state in their order."""
+
+    __slots__ = ("_offset", "_values")
+
+    def __init__(self, values: Array) -> None:
+        self._values, self._offset = values, 0
+
+    def take(self, size: int) -> Array:
+        begin = self._offset
+        self._offset = begin + size
+        return self._values[begin : begin + size]
+
+    def take_number(self) -> float:
+        return float(self.take(1)[0])
+
+    def take_foot(self) -> FootPose:
+        x, y, z, yaw = self.take(4).tolist()
+        return FootPose(x, y, yaw, z)
+
+
+def _pack_foot(foot: FootPose) -> bytes:
+    return _FOOT.pack(foot.x, foot.y, foot.z, foot.yaw)
+
+
+def _by_side(values: Mapping[Side, _V]) -> tuple[list[_V], int]:
+    """Return the values in the order of the sides, and a bit for each side that has one."""
+    bits = sum(1 << index for index, side in enumerate(SIDES) if side in values)
+    ordered = [values[side] for side in _SIDES_OF_BITS[bits]]
+    if len(ordered) != len(values):
+        raise WireError(f"sides {sorted(values)} where only {SIDES} are known")
+    return ordered, bits
+
+
+def _footsteps(cursor: Cursor, poses: list[FootPose]) -> tuple[tuple[Side, FootPose], ...]:
+    return tuple((SIDES[int(cursor.take(_SIDE)[0])], pose) for pose in poses)
+
+
+def _last_texts(cursor: Cursor, count: int) -> tuple[str, ...]:
+    texts = tuple([cursor.text() for _ in range(count)])
+    cursor.end()
+    return texts

@@ -1,0 +1,60 @@
+"""What happens besides the tree: stops, refused commands, the scene's script, as lines for people."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+from humanoid_bt.control.supervisor import Supervisor
+from humanoid_bt.plant.scene import Scene
+from humanoid_bt.record.events import Level
+
+_REPEAT = 1.0  # s between two lines about commands that are refused for the same reason
+
+
+class Happening(NamedTuple):
+    """Something that happened: when [s], how bad, and a line of text."""
+
+    time: float
+    level: Level
+    text: str
+
+
+class Happenings:
+    """Finds what is new since it was asked last.
+
+    Args:
+        supervisor: who stops the robot and refuses commands.
+        scene: whose script shows and hides things.
+    """
+
+    def __init__(self, supervisor: Supervisor, scene: Scene) -> None:
+        self._supervisor, self._scene = supervisor, scene
+        self._stops = self._rejected = 0
+        self._until = 0.0
+        self._fault, self._fault_told, self._fault_count = "", -_REPEAT, 0
+
+    def until(self, now: float) -> Iterator[Happening]:
+        """Yield what happened up to now [s]."""
+        end = now + 1e-9  # the scene's script counts up to and without the end
+        for at, text in self._scene.events(self._until, end):
+            yield Happening(at, "info", f"scene: {text}")
+        self._until = end
+        yield from self._refusals(now)
+        for stop in self._supervisor.stops[self._stops :]:
+            yield Happening(stop.time, "error", f"{stop.mode.value.replace('_', ' ')}: {stop.reason} ({stop.source})")
+        self._stops = len(self._supervisor.stops)
+
+    def _refusals(self, now: float) -> Iterator[Happening]:
+        """Yield refused commands; one line a second while the reason stays the same."""
+        for text in self._supervisor.rejected[self._rejected :]:
+            _, _, fault = text.partition(": ")
+            if fault != self._fault:
+                self._fault, self._fault_told, self._fault_count = fault, now, 0
+                yield Happening(now, "warning", f"refused a command: {fault}")
+            else:
+                self._fault_count += 1
+        self._rejected = len(self._supervisor.rejected)
+        if self._fault_count and now - self._fault_told >= _REPEAT:
+            yield Happening(now, "warning", f"refused {self._fault_count} more: {self._fault}")
+            self._fault_told, self._fault_count = now, 0

@@ -1,0 +1,181 @@
+from __future__ import annotations
+
+import json
+import os
+import stat
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from humanoid_bt.link import run_folder as module
+from humanoid_bt.link.heartbeat import Heartbeat
+from humanoid_bt.link.processes import ProcessIdentity, current
+from humanoid_bt.link.run_folder import RunFolder, RunInfo, clean_stale, default_root, live_runs
+from humanoid_bt.link.segment import LinkError
+from tests.link.conftest import Start, first_line
+
+INFO = RunInfo("fetch", "humanoid")
+
+
+@pytest.fixture
+def root(folder: Path) -> Path:
+    return folder / "runs"
+
+
+def edit_meta(run: RunFolder, **processes: ProcessIdentity) -> None:
+    module._write_meta(run.folder, replace(run.info, processes=processes))
+
+
+def test_a_run_says_who_it_is_and_is_gone_when_closed(root: Path) -> None:
+    with RunFolder.create(INFO, root) as run:
+        info = run.info
+        assert (info.tree, info.robot, info.run_id) == ("fetch", "humanoid", run.folder.name)
+        assert info.processes == {"owner": current()}
+        assert info.alive
+        assert info.owner_alive
+        assert json.loads((run.folder / "run.json").read_text())["processes"]["owner"]["pid"] == os.getpid()
+        Heartbeat.create(run.path("decision"))
+        assert Heartbeat.open(RunFolder.open(run.folder).path("decision")).count == 0
+    assert not run.folder.exists()
+    assert live_runs(root) == []
+    run.close()
+    for closed in (lambda: run.info, lambda: run.register("control"), lambda: RunFolder.open(run.folder)):
+        with pytest.raises(LinkError):
+            closed()
+
+
+def test_folders_and_files_are_private_whatever_the_umask(root: Path) -> None:
+    before = os.umask(0)
+    try:
+        run = RunFolder.create(INFO, root)
+        Heartbeat.create(run.path("decision"))
+    finally:
+        os.umask(before)
+    modes = {path.name: stat.S_IMODE(path.stat().st_mode) for path in (root, run.folder, *run.folder.iterdir())}
+    assert modes == {"runs": 0o700, run.folder.name: 0o700, "run.json": 0o600, "decision": 0o600}
+
+
+def test_two_runs_do_not_meet(root: Path) -> None:
+    with RunFolder.create(INFO, root) as first, RunFolder.create(RunInfo("wave", "h1"), root) as second:
+        assert first.folder != second.folder
+        Heartbeat.create(first.path("decision")).beat()
+        assert Heartbeat.create(second.path("decision")).count == 0
+        assert {info.tree for _, info in live_runs(root)} == {"fetch", "wave"}
+        second.close()
+        assert [run.folder for run, _ in live_runs(root)] == [first.folder]
+
+
+def test_names_stay_inside_the_folder(root: Path) -> None:
+    with RunFolder.create(INFO, root) as run:
+        for name in ("", ".", "..", "../x", "/x", "a/b", ".hidden", "run.json", "a\0b"):
+            with pytest.raises(ValueError, match="no file name"):
+                run.path(name)
+
+
+def test_the_folder_of_a_killed_run_is_cleaned_and_no_other(root: Path, start: Start) -> None:
+    process = start("own_run", root)
+    dead = first_line(process)
+    with RunFolder.create(INFO, root) as ours:
+        assert [info.run_id for _, info in live_runs(root)] == sorted([dead, ours.folder.name], key=_started(root))
+        assert clean_stale(root) == []
+        process.kill()
+        process.wait()
+        assert [run.folder for run, _ in live_runs(root)] == [ours.folder]
+        assert clean_stale(root) == [dead]
+        assert not (root / dead).exists()
+        assert ours.info.alive
+        assert clean_stale(root) == []
+
+
+def _started(root: Path) -> object:
+    return lambda run_id: (RunFolder(root / run_id).info.started, run_id)
+
+
+def test_a_run_lives_as_long_as_any_of_its_processes(root: Path, start: Start) -> None:
+    process = start("own_run", root, os.getpid())
+    run = RunFolder.open(root / first_line(process))
+    process.kill()
+    process.wait()
+    assert not run.info.owner_alive
+    assert [info.run_id for _, info in live_runs(root)] == [run.folder.name]
+    assert clean_stale(root) == []
+
+
+def test_a_process_joins_a_run_by_registering(root: Path, start: Start) -> None:
+    with RunFolder.create(INFO, root) as run:
+        other = start("own_run", root)
+        first_line(other)
+        run.register("control", other.pid)
+        run.register("perception")
+        assert set(run.info.processes) == {"owner", "control", "perception"}
+        assert run.info.processes["control"].alive
+        other.kill()
+        other.wait()
+        assert not run.info.processes["control"].alive
+
+
+def test_a_recycled_process_id_is_not_taken_for_ours(root: Path) -> None:
+    run = RunFolder.create(INFO, root)
+    edit_meta(run, owner=replace(current(), started="1"))
+    assert live_runs(root) == []
+    assert clean_stale(root) == [run.folder.name]
+
+
+def test_a_folder_that_was_never_finished_is_cleaned_and_an_unreadable_one_is_left(root: Path) -> None:
+    run = RunFolder.create(INFO, root)
+    (root / "half").mkdir(mode=0o700)
+    (root / "file").touch(mode=0o600)
+    (run.folder / "run.json").write_text("{")
+    assert clean_stale(root) == ["half"]
+    assert live_runs(root) == []
+    with pytest.raises(LinkError, match="malformed"):
+        RunFolder.open(run.folder)
+
+
+def test_a_root_that_is_not_ours_alone_is_refused(root: Path, folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (folder / "elsewhere").mkdir(mode=0o700)
+    root.symlink_to(folder / "elsewhere")
+    for use in (lambda: RunFolder.create(INFO, root), lambda: live_runs(root), lambda: clean_stale(root)):
+        with pytest.raises(LinkError, match="not a private file"):
+            use()
+    root.unlink()
+    root.mkdir(mode=0o755)
+    root.chmod(0o755)
+    with pytest.raises(LinkError, match=r"not a private folder of this user \(owner \d+, mode 755\)"):
+        RunFolder.create(INFO, root)
+    root.chmod(0o700)
+    stranger = os.geteuid() + 1
+    monkeypatch.setattr(os, "geteuid", lambda: stranger)
+    with pytest.raises(LinkError, match="not a private folder"):
+        live_runs(root)
+    assert list((folder / "elsewhere").iterdir()) == []
+
+
+def test_a_link_inside_the_root_is_neither_joined_nor_followed(root: Path, folder: Path) -> None:
+    RunFolder.create(INFO, root).close()
+    precious = folder / "precious"
+    precious.mkdir(mode=0o700)
+    (precious / "thing").touch()
+    (root / "run").symlink_to(precious)
+    with pytest.raises(LinkError):
+        RunFolder.open(root / "run")
+    assert clean_stale(root) == []
+    assert (precious / "thing").exists()
+
+
+def test_runs_that_begin_and_clean_at_once_leave_each_other_alone(root: Path, start: Start) -> None:
+    processes = [start("churn_runs", root, 25) for _ in range(3)]
+    assert [process.wait() for process in processes] == [0, 0, 0]
+    assert live_runs(root) == []
+
+
+def test_without_a_root_there_are_no_runs(root: Path) -> None:
+    assert live_runs(root) == []
+    assert clean_stale(root) == []
+    assert not root.exists()
+
+
+def test_every_user_has_a_root() -> None:
+    assert default_root().name == f"humanoid-bt-{os.geteuid()}"
+    assert default_root().parent.is_dir()
