@@ -9,7 +9,10 @@ from humanoid_bt.skill import PerceptName, Skill, Status
 
 
 class Approach(Skill):
-    """Walk until the target is straight ahead at a distance, looking at it."""
+    """Walk until the target is straight ahead at a distance, looking at it.
+
+    Succeeds once the robot stands there; follows a target that moves. Fails if the target was never seen.
+    """
 
     resources = ("base", "gaze")
 

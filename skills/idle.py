@@ -9,7 +9,7 @@ from humanoid_bt.skill import Skill, Status
 
 
 class Idle(Skill):
-    """Stand, breathe, and look around ever wider; never ends by itself."""
+    """Stand, breathe, and look around ever wider; is RUNNING until it is halted."""
 
     resources = ("gaze", "posture")
 

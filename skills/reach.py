@@ -13,7 +13,11 @@ _MOVED = 0.04  # m; more than a percept's noise
 
 
 class Reach(Skill):
-    """Stand and bring a palm to the target, balanced, and keep it there for a moment."""
+    """Stand and bring a palm to the target, balanced, and keep it there for a moment.
+
+    Waits for a steady base before it moves a hand. Fails if the target was never seen, or if the palm comes no
+    nearer: it does not walk.
+    """
 
     resources = ("left_hand", "right_hand", "gaze")
 

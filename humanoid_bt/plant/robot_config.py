@@ -16,7 +16,7 @@ from humanoid_bt.params import param, read
 
 @dataclass(frozen=True, kw_only=True)
 class SiteConfig:
-    """A point on the robot: a site of the model, or one to add to a body."""
+    """A point on the robot; a site is added to the body there."""
 
     body: str = param(doc="Body that carries the site.")
     position: tuple[float, float, float] = param((0.0, 0.0, 0.0), unit="m", doc="In the body's frame.")
@@ -137,7 +137,7 @@ class RobotConfig:
     model: str = param(doc="MJCF file, relative to this one.")
     base: str = param(doc="Body with the free joint.")
     torso: str = param(doc="Body that carries the arms.")
-    legs: dict[str, LegConfig] = param(doc="left and right.")
+    legs: dict[str, LegConfig] = param(doc="The legs: left and right.")
     sole: SoleConfig = param(doc="Shape of both soles.")
     hands: dict[str, SiteConfig] = param({}, doc="Palms: left, right, or none.")
     gaze: SiteConfig = param(doc="The eyes, x in the direction of view.")
@@ -146,10 +146,10 @@ class RobotConfig:
     home: dict[str, float] = param({}, unit="rad", doc="Home posture: joint pattern to angle; others 0.")
     groups: dict[str, list[str]] = param({}, doc="Joint groups for plots: name to joint patterns.")
     soft_limit_margin: float = param(0.02, minimum=0, unit="rad", doc="Soft limits lie this far inside the model's.")
-    gait: GaitConfig = param(GaitConfig(), doc="Walking.")
-    whole_body: WholeBodyConfig = param(WholeBodyConfig(), doc="Whole-body control.")
+    gait: GaitConfig = param(GaitConfig(), doc="How it walks.")
+    whole_body: WholeBodyConfig = param(WholeBodyConfig(), doc="How the body shares its work.")
     reach_distance: float = param(0.40, above=0, unit="m", doc="Where to stand to reach: the target this far ahead.")
-    fall: FallConfig = param(FallConfig(), doc="Falling.")
+    fall: FallConfig = param(FallConfig(), doc="When it counts as falling.")
     path: Path = field(default=Path(), compare=False)
     written: Item | None = field(default=None, compare=False, repr=False)
 

@@ -42,7 +42,7 @@ class ObjectConfig:
 
     shape: Shape = param(doc="Its shape.")
     size: list[float] = param(
-        above=0, unit="m", doc="Full lengths: diameter | length, width, height | diameter, height."
+        above=0, unit="m", doc="Full lengths. Ball: diameter; box: length, width, height; cylinder: diameter, height."
     )
     color: Color = param("orange", doc="Its colour.")
     position: tuple[float, float, float] | None = param(None, unit="m", doc="Its centre in the world, x y z.")

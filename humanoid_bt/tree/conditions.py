@@ -60,7 +60,7 @@ class Confident(PerceptCondition):
     """Succeed while a percept's confidence is high enough."""
 
     above: float = param(minimum=0, maximum=1, doc="Confidence from which it holds.")
-    hysteresis: float = param(0.1, minimum=0, maximum=1, doc="Once it holds, it does down to this much less.")
+    hysteresis: float = param(0.1, minimum=0, maximum=1, doc="It goes on holding down to this much less.")
 
     def __init__(self, name: str, **values: Any) -> None:
         super().__init__(name, **values)
@@ -79,9 +79,11 @@ class Within(PerceptCondition):
     """Succeed while a percept is near enough, and ahead if a bearing is given."""
 
     distance: float = param(above=0, unit="m", doc="Horizontal distance up to which it holds.")
-    hysteresis: float = param(0.05, minimum=0, unit="m", doc="Once it holds, it does up to this much farther.")
-    bearing: float | None = param(None, above=0, maximum=math.pi, unit="rad", doc="Largest angle to either side.")
-    bearing_hysteresis: float = param(0.1, minimum=0, unit="rad", doc="Once it holds, it does this much farther.")
+    hysteresis: float = param(0.05, minimum=0, unit="m", doc="It goes on holding up to this much farther.")
+    bearing: float | None = param(
+        None, above=0, maximum=math.pi, unit="rad", doc="Largest angle to either side; none: any."
+    )
+    bearing_hysteresis: float = param(0.1, minimum=0, unit="rad", doc="It goes on holding up to this much more.")
 
     def holds(self, track: Track, held: bool) -> bool:
         """Compare the distance, then the bearing."""
