@@ -9,6 +9,7 @@ from pathlib import Path
 
 from rich.console import Console
 from rich.table import Table
+from rich.text import Text
 
 from humanoid_bt.bench import Figure, measure
 from humanoid_bt.errors import UserError
@@ -30,26 +31,19 @@ def bench(arguments: argparse.Namespace) -> int:
 
 
 def _table(figures: list[Figure], repetitions: int) -> Table:
-    table = Table(
-        box=None,
-        pad_edge=False,
-        title=f"medians of {repetitions} pairs; ratio = ours / baseline, smallest to largest in brackets",
-        title_justify="left",
-        title_style="dim",
-    )
-    for heading in ("what", "baseline"):
-        table.add_column(heading, overflow="fold", ratio=1)
-    for heading in ("ours", "baseline", "ratio", "must", "aim"):
-        table.add_column(heading, justify="right", overflow="fold")
+    title = f"ratio to a baseline in the same run: median of {repetitions} pairs (smallest to largest)"
+    table = Table(box=None, pad_edge=False, show_header=False, title=title, title_justify="left", title_style="dim")
+    table.add_column(justify="right", no_wrap=True, style="bold")
+    table.add_column(overflow="fold")
     for figure in figures:
+        bounds = "".join(
+            f", {name} {text}" for name, text in (("must", figure.must_text), ("aim", figure.aim_text)) if text
+        )
+        measured = (
+            f"{figure.ours:.3g} to {figure.theirs:.3g} {figure.unit} ({figure.low:.2f}-{figure.high:.2f}){bounds}"
+        )
         table.add_row(
-            figure.name,
-            figure.baseline,
-            f"{figure.ours:.3g} {figure.unit}",
-            f"{figure.theirs:.3g} {figure.unit}",
-            f"{figure.ratio:.2f} ({figure.low:.2f}-{figure.high:.2f})",
-            figure.must_text,
-            figure.aim_text,
+            f"{figure.ratio:.2f}x", Text.assemble(figure.name, (f"\nto {figure.baseline}: {measured}", "dim"))
         )
     return table
 
