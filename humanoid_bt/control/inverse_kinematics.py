@@ -11,6 +11,7 @@ import mujoco
 import numpy as np
 
 from humanoid_bt.errors import UserError
+from humanoid_bt.geometry import exp, planar_pose, pose_product
 from humanoid_bt.messages import SIDES, Array, Side
 from humanoid_bt.plant.robot_model import BASE_COORDINATES, GAZE_SITE, RobotModel, palm_site, sole_site
 
@@ -139,10 +140,10 @@ class InverseKinematics:
     def _set_targets(self, targets: BodyTargets) -> list[mink.BaseTask]:
         for side in SIDES:
             x, y, yaw = targets.soles[side]
-            pose = _pose(yaw, (x, y, targets.sole_heights[side]))
+            pose = planar_pose(x, y, targets.sole_heights[side], yaw)
             twist = targets.sole_twists[side]
             corrected = twist @ twist > _NO_TWIST
-            self._soles[side].set_target(mink.SE3.exp(twist) @ pose if corrected else pose)
+            self._soles[side].set_target(_se3(pose_product(exp(twist), pose) if corrected else pose))
         self._com.set_target(targets.com)
         self._base.set_target(_pose(targets.heading))
         self._torso.set_target(_pose(targets.heading + targets.torso_yaw))
@@ -239,8 +240,11 @@ def _frame(name: str, kind: str, position: float, orientation: float, lm_damping
 
 
 def _pose(yaw: float, position: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> mink.SE3:
-    w, z = math.cos(yaw / 2), math.sin(yaw / 2)
-    return mink.SE3(np.array([w, 0.0, 0.0, z, *position]))
+    return _se3(planar_pose(*position, yaw))
+
+
+def _se3(pose: Array) -> mink.SE3:
+    return mink.SE3(np.concatenate([pose[3:], pose[:3]]))
 
 
 def _view(yaw: float, pitch: float) -> mink.SE3:

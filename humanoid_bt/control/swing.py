@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 
-import mink
 import numpy as np
 
 from humanoid_bt.control.footsteps import SIGN
 from humanoid_bt.control.planar import rotate, seen_from, wrap
+from humanoid_bt.geometry import log, pose_inverse, pose_product
 from humanoid_bt.messages import SIDES, Array, Side
 from humanoid_bt.plant.robot_config import GaitConfig, SoleConfig
 
@@ -172,12 +172,8 @@ class TiltCompensation:
         for side in SIDES:
             if swing is not None and swing.side == side:
                 weight = min(1.0, max(0.0, swing.progress) / self._FADE_IN)
-                error = (_se3(base_reference) @ _se3(base_measured).inverse()).log()
+                error = log(pose_product(base_reference, pose_inverse(base_measured)))
                 goal = weight * np.clip(error, -self._LIMIT, self._LIMIT)
                 self.twist[side] += min(1.0, self._dt / self._RISE) * (goal - self.twist[side])
             else:
                 self.twist[side] *= math.exp(-self._dt / self._DECAY)
-
-
-def _se3(pose: Array) -> mink.SE3:
-    return mink.SE3(np.concatenate([pose[3:7], pose[:3]]))
