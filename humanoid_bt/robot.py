@@ -231,9 +231,14 @@ class RobotHandle:
 def _vector(values: Any, size: int) -> Array:
     vector: Array = np.array(values, dtype=float)
     if vector.shape != (size,):
-        raise ValueError(f"a target position must have shape ({size},), not {vector.shape}")
+        raise ValueError(f"a target's position must have shape ({size},), not {vector.shape}")
+    if not np.isfinite(vector).all():
+        raise ValueError(f"a target's position must be finite, not {vector.tolist()}")
     return vector
 
 
 def _number(value: Any) -> float:
-    return float(value)
+    number = float(value)
+    if not math.isfinite(number):
+        raise ValueError(f"a target must be finite, not {number}")
+    return number

@@ -73,6 +73,7 @@ def tick(node: Behaviour, seen: Seen) -> Status:
         kind = type(node).tick
         if kind is Branch.tick:
             if node.status is not RUNNING:
+                node.feedback_message = ""
                 node.initialise()
             status = cast(Branch, node).advance(seen)
         elif kind is Behaviour.tick:
