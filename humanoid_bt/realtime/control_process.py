@@ -115,7 +115,7 @@ class ControlProcess:
         while (request := self._estop.reset_request) is not None:
             refusal = supervisor.reset()
             self._estop.answer(request.ticket, not refusal, refusal)
-            self._tell("warning", f"reset by {request.source}: {refusal and 'refused: ' + refusal or 'done'}")
+            self._tell("warning", f"reset by {request.source}: {(refusal and 'refused: ' + refusal) or 'done'}")
         raised = self._estop.raised
         if raised is not None:
             supervisor.raise_estop(raised.source, raised.reason)
@@ -132,7 +132,9 @@ class ControlProcess:
             self._publish()
         if len(supervisor.stops) > self._told_stops:
             for stop in supervisor.stops[self._told_stops :]:
-                self._log("stop", f"{stop.mode.value}: {stop.reason} ({stop.source})", commanded_by=dict(stop.resources))
+                self._log(
+                    "stop", f"{stop.mode.value}: {stop.reason} ({stop.source})", commanded_by=dict(stop.resources)
+                )
             self._told_stops = len(supervisor.stops)
             self._publish()
         if supervisor.rejected:

@@ -7,6 +7,7 @@ import gc
 import os
 import sys
 import time
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 _NANO = 1_000_000_000
@@ -117,7 +118,7 @@ class Schedule:
         return now - due, skipped
 
 
-def _absolute_sleep():  # type: ignore[no-untyped-def]
+def _absolute_sleep() -> Callable[[int], None]:
     """Return a function that sleeps until a time of the monotonic clock [ns]."""
     if sys.platform.startswith("linux"):
         libc = ctypes.CDLL(None, use_errno=True)
