@@ -115,7 +115,7 @@ class ControlProcess:
         while (request := self._estop.reset_request) is not None:
             refusal = supervisor.reset()
             self._estop.answer(request.ticket, not refusal, refusal)
-            self._tell("warning", f"reset by {request.source}: {refusal and 'refused: ' + refusal or 'done'}")
+            self._tell("warning", f"reset by {request.source}: {(refusal and 'refused: ' + refusal) or 'done'}")
         raised = self._estop.raised
         if raised is not None:
             supervisor.raise_estop(raised.source, raised.reason)

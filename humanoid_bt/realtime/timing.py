@@ -55,8 +55,7 @@ class Histogram:
         index = nanoseconds // _BIN
         self._bins[index if index < _BINS else _BINS] += 1
         self.count += 1
-        if nanoseconds > self.largest:
-            self.largest = nanoseconds
+        self.largest = max(self.largest, nanoseconds)
 
     def percentile(self, share: float) -> float:
         """Return the duration [us] below which this share of all lies."""
