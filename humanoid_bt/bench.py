@@ -18,7 +18,7 @@ from py_trees.common import ParallelPolicy, Status
 
 from humanoid_bt.clock import WHOLE_BODY_PERIOD, cycles
 from humanoid_bt.control.controller import Controller
-from humanoid_bt.control.inverse_kinematics import _SOLVER as SOLVER
+from humanoid_bt.control.inverse_kinematics import SOLVER
 from humanoid_bt.control.robots import load_robot
 from humanoid_bt.messages import JointCommand, State
 from humanoid_bt.plant.mujoco_plant import MujocoPlant
@@ -162,7 +162,7 @@ def _whole_body(repetitions: int) -> Figure:
     plant.place(start)
     controller = Controller(robot, plant)
     period = cycles(WHOLE_BODY_PERIOD)
-    kinematics = controller.whole_body._kinematics
+    kinematics = controller.whole_body.kinematics
 
     def ours() -> float:
         spent = 0.0
@@ -174,12 +174,11 @@ def _whole_body(repetitions: int) -> Figure:
         return spent / _CALLS
 
     def theirs() -> float:
-        tasks = kinematics._set_targets(controller.whole_body._body_targets({}, False))
-        configuration, limits = kinematics._configuration, kinematics._limits
-
         def solve() -> None:
             for _ in range(_CALLS):
-                mink.solve_ik(configuration, tasks, WHOLE_BODY_PERIOD, SOLVER, limits=limits)
+                mink.solve_ik(
+                    kinematics.configuration, kinematics.tasks, WHOLE_BODY_PERIOD, SOLVER, limits=kinematics.limits
+                )
 
         return _cpu(solve) / _CALLS
 
