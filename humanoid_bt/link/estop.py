@@ -189,6 +189,7 @@ class EStop:
         self._words[_HINT] = token
         while not self._read():
             pass
+        self._seen_hint = _NOTHING_READ
 
     def close(self) -> None:
         """Let go of the e-stop; what was raised stands."""
@@ -231,12 +232,12 @@ class EStop:
     def _apply(self, entry: bytes) -> None:
         checksum, kind, accepted, who_size, text_size, token, ticket = _HEAD.unpack_from(entry)
         if checksum != crc32(memoryview(entry)[_CHECKSUM.size :]):
-            self._cause(_UNKNOWN, "an entry of the e-stop is unreadable")
-            return
-        self._tokens.add(token)
+            kind = 0  # none of ours
+        else:
+            self._tokens.add(token)
         who_end = _HEAD.size + who_size
-        source = entry[_HEAD.size : who_end].decode()
-        text = entry[who_end : who_end + text_size].decode()
+        source = entry[_HEAD.size : who_end].decode(errors="replace")
+        text = entry[who_end : who_end + text_size].decode(errors="replace")
         match kind:
             case _Entry.RAISE:
                 self._cause(source, text)
@@ -245,6 +246,8 @@ class EStop:
                 self._changes += 1
             case _Entry.ANSWER:
                 self._answered(ticket, ResetAnswer(bool(accepted), text))
+            case _:
+                self._cause(_UNKNOWN, "an entry of the e-stop is unreadable")
 
     def _cause(self, source: str, reason: str) -> None:
         self._causes.append((source, reason))

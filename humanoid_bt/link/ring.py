@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import fcntl
 from pathlib import Path
-from typing import Self
+from typing import Any, Self
 from zlib import crc32
 
 from humanoid_bt.link.segment import HEADER, WORD, Kind, LinkError, Segment
@@ -74,7 +74,7 @@ class RingWriter:
         """
         return cls(_open(path, write=True))
 
-    def write(self, payload: bytes | bytearray | memoryview) -> int:
+    def write(self, payload: bytes | bytearray | memoryview[Any]) -> int:
         """Publish a payload and return its sequence.
 
         Raises:

@@ -24,6 +24,7 @@ from humanoid_bt.link.segment import LinkError, check_private
 _META = "run.json"
 _LOCK = ".lock"
 _SHARED_MEMORY = Path("/dev/shm")
+_CLOSED = ".closed-"
 _OWNER = "owner"
 
 _log = logging.getLogger(__name__)
@@ -136,7 +137,7 @@ class RunFolder:
 
     def close(self) -> None:
         """Remove the folder and everything in it; what is mapped stays usable. For the owner."""
-        shutil.rmtree(self.folder, ignore_errors=True)
+        _remove(self.folder)
 
     def __enter__(self) -> Self:
         return self
@@ -180,7 +181,8 @@ def clean_stale(root: Path | None = None) -> list[str]:
     """
     root = root or default_root()
     removed: list[str] = []
-    if not _folders(root):
+    _folders(root)  # refuses a root that is not safe before anything is written there
+    if not root.exists():
         return removed
     with _locked(root):  # so that a folder without a meta file is not one that is just being made
         for folder in _folders(root):
@@ -191,8 +193,10 @@ def clean_stale(root: Path | None = None) -> list[str]:
                 _log.warning("left alone: %s", error)
                 continue
             if dead:
-                shutil.rmtree(folder, ignore_errors=True)
+                _remove(folder)
                 removed.append(folder.name)
+        for folder in root.glob(f"{_CLOSED}*"):  # whoever removed it died on the way
+            shutil.rmtree(folder, ignore_errors=True)
     return removed
 
 
@@ -204,6 +208,14 @@ def _folders(root: Path) -> list[Path]:
         return []
     _check_folder(root)
     return sorted(path for path in root.iterdir() if not path.name.startswith("."))
+
+
+def _remove(folder: Path) -> None:
+    """Remove a folder that is whole for everybody else until it is gone for everybody else."""
+    closed = folder.with_name(f"{_CLOSED}{folder.name}")
+    with contextlib.suppress(FileNotFoundError):
+        folder.rename(closed)
+    shutil.rmtree(closed, ignore_errors=True)
 
 
 def _make_private(folder: Path) -> None:

@@ -166,18 +166,21 @@ def test_a_writer_that_dies_in_a_write_leaves_the_last_payload(folder: Path, sto
 def test_no_read_is_torn_beside_a_busy_writer(folder: Path, start: Start, slot_size: int, slots: int) -> None:
     RingWriter.create(folder / "ring", slot_size, slots).close()
     reader = RingReader.open(folder / "ring")
-    first_line(start("write_forever", folder / "ring"))
+    writer = start("write_forever", folder / "ring")
+    first_line(writer)
+    while not reader.sequence:
+        assert writer.poll() is None
     newest = torn = backwards = 0
     for _ in range(READS // 2):
         entry = reader.latest()
-        if entry is None:
+        if entry is None:  # damaged, or lapped again and again: counted by the reader
             continue
         sequence, payload = entry
         torn += not is_consistent(sequence, payload, slot_size)
         backwards += sequence < newest
         newest = sequence
     assert (torn, backwards) == (0, 0)
-    assert newest > 0
+    assert reader.failures < READS // 1000
 
 
 def test_no_entry_of_a_log_is_torn_or_missed_without_being_counted(folder: Path, start: Start) -> None:

@@ -3,6 +3,7 @@ from __future__ import annotations
 import json
 import os
 import stat
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -88,7 +89,7 @@ def test_the_folder_of_a_killed_run_is_cleaned_and_no_other(root: Path, start: S
         assert clean_stale(root) == []
 
 
-def _started(root: Path) -> object:
+def _started(root: Path) -> Callable[[str], tuple[float, str]]:
     return lambda run_id: (RunFolder(root / run_id).info.started, run_id)
 
 
@@ -131,6 +132,14 @@ def test_a_folder_that_was_never_finished_is_cleaned_and_an_unreadable_one_is_le
     assert live_runs(root) == []
     with pytest.raises(LinkError, match="malformed"):
         RunFolder.open(run.folder)
+
+
+def test_what_a_killed_cleaner_left_is_cleaned(root: Path) -> None:
+    run = RunFolder.create(INFO, root)
+    run.folder.rename(root / f".closed-{run.folder.name}")  # as if killed between renaming and removing
+    assert live_runs(root) == []
+    assert clean_stale(root) == []
+    assert [path.name for path in root.iterdir()] == [".lock"]
 
 
 def test_a_root_that_is_not_ours_alone_is_refused(root: Path, folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
