@@ -32,6 +32,7 @@ _START_TIMEOUT = 20.0  # a viewer is up in 1 s; a cold disk takes longer [s]
 _WITH_PARENT = 'exec 3<&0; (read -r _ <&3; kill $$) & exec "$@" </dev/null 3<&-'
 """Shell: run a program, and end it at the end of input, which comes when the parent closes its end or dies."""
 
+_SCREEN_TIME = 0.5  # a viewer without a screen is gone by then [s]
 _FLUSH_TIMEOUT = 5.0  # what a live viewer gets at the end to take the rest [s]
 
 
@@ -222,6 +223,9 @@ def _start_viewer(port: int) -> subprocess.Popen[bytes]:
             start_new_session=True,  # Ctrl-C ends the run, not the viewer
         )
         _wait_until_open(viewer, port, "the viewer", messages)
+        with contextlib.suppress(subprocess.TimeoutExpired):  # it listens before it finds that it has no screen
+            viewer.wait(_SCREEN_TIME)
+            raise _not_started("the viewer", messages)
     return viewer
 
 
@@ -255,9 +259,13 @@ def _wait_until_open(process: subprocess.Popen[bytes], port: int, what: str, mes
         if process.poll() is not None:
             break
         time.sleep(0.05)
+    if process.stdin is None:
+        process.kill()
+    raise _not_started(what, messages)
+
+
+def _not_started(what: str, messages: IO[bytes]) -> UserError:
     messages.seek(0)
     lines = messages.read().decode(errors="replace").strip().splitlines()
     reason = lines[-1] if lines else "it said nothing"
-    if process.stdin is None:
-        process.kill()
-    raise UserError(f"{what} did not start: {reason}", hint="without it: --record FILE, and open it with: rerun FILE")
+    return UserError(f"{what} did not start: {reason}", hint="without it: --record FILE, and open it with: rerun FILE")

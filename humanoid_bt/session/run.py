@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import dataclasses
 import logging
-import shutil
 import time
 import traceback
 from collections.abc import Callable
@@ -16,19 +14,18 @@ from py_trees.common import Status
 from humanoid_bt.clock import DECISION_PERIOD
 from humanoid_bt.control.robots import load_robot
 from humanoid_bt.control.supervisor import Supervisor
-from humanoid_bt.errors import HumanoidBtError, Place, UserError, nearest, relative
+from humanoid_bt.errors import HumanoidBtError, Place, nearest
 from humanoid_bt.messages import Mode, State
 from humanoid_bt.plant.mujoco_plant import MujocoPlant
 from humanoid_bt.plant.perception import SimulatedPerception
 from humanoid_bt.plant.scene import Scene, load_scene
 from humanoid_bt.record.events import Level
 from humanoid_bt.record.recorder import Recorder
-from humanoid_bt.record.sinks import Sinks
-from humanoid_bt.record.tree_view import TreeView
 from humanoid_bt.robot import Robot
 from humanoid_bt.session.happenings import Happenings
 from humanoid_bt.session.lockstep import Lockstep
 from humanoid_bt.session.options import RunOptions, make_folder
+from humanoid_bt.session.recording import cut_short, open_recorder
 from humanoid_bt.session.report import Report, stops_of, timeline_of, versions
 from humanoid_bt.session.trace import Trace
 from humanoid_bt.skill_files import class_file, place_in_file
@@ -42,7 +39,6 @@ DEFAULT_ROBOT, DEFAULT_SCENE = "humanoid", "empty"
 
 _SETTLE_TIME = 5.0  # s that the robot gets to come to a stand after the tree's end
 _AFTER_STOP = 2.0  # s after a latched stop until the run ends, if the tree goes on
-_FULL_DISK = 64 * 1024  # bytes; what cannot be written of a recording is smaller than this
 
 
 class Listener(Protocol):
@@ -147,7 +143,9 @@ class Run:
             self._began = time.monotonic()
             end = self._run(interrupted)
             wall_time = time.monotonic() - self._began
-        self._warn_of_full_disk()
+        problem = cut_short(self._options.sinks.file)
+        if problem:
+            self._listener.event(self._now, "error", problem)
         return self._report(end, wall_time)
 
     def _run(self, interrupted: Callable[[], str]) -> _End:
@@ -292,44 +290,13 @@ class Run:
             hint = nearest(name, published) or "it publishes none"
             self._event("warning", f"the scene {self.scene_name!r} publishes no percept {name!r} ({hint})")
 
-    def _warn_of_full_disk(self) -> None:
-        """Say so if the recording is cut short (the viewer's library only logs it)."""
-        file = self._options.sinks.file
-        if file is not None and shutil.disk_usage(file.parent).free < _FULL_DISK:
-            self._listener.event(self._now, "error", f"the disk is full: the recording {str(file)!r} is cut short")
-
     # ---- the recording and the report -----------------------------------------------------------------------------
 
     def _open_recorder(self) -> Recorder:
-        sinks = self._options.sinks
-        try:
-            recorder = self._recorder_for(sinks)
-        except UserError as error:
-            if not (sinks.view and self._options.view_optional):
-                raise
-            self._listener.event(0.0, "warning", f"no live view: {error.problems[0].message}")
-            sinks = dataclasses.replace(sinks, view=False)
-            recorder = self._recorder_for(sinks)
-        if self._pace is None and (sinks.view or sinks.serve is not None):
+        recorder, live = open_recorder(self._options, self.tree, self._lockstep, self._listener.event)
+        if self._pace is None and live:
             self._pace = 1.0
-        if recorder.url:
-            self._listener.event(0.0, "info", f"live view: {recorder.url}")
         return recorder
-
-    def _recorder_for(self, sinks: Sinks) -> Recorder:
-        tree, seed = self.tree, self._options.seed
-        info = {
-            "tree": tree.name,
-            "robot": self.robot_name,
-            "scene": self.scene_name,
-            "seed": str(seed),
-            "parameters": ", ".join(f"{name} = {value}" for name, value in tree.parameters.items()),
-            "versions": ", ".join(f"{name} {version}" for name, version in versions().items()),
-        }
-        lockstep = self._lockstep
-        view = TreeView(tree.nodes, tree.source, relative(tree.path))
-        names, config = lockstep.robot.joint_names, self._robot.config
-        return Recorder(lockstep.plant.model, names, config, tree=view, sinks=sinks, info=info)
 
     def _report(self, end: _End, wall_time: float) -> Report:
         file = self._options.sinks.file

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 from pathlib import Path
 
 import pyarrow as pa
@@ -221,3 +222,10 @@ def test_a_view_that_cannot_be_opened_is_a_mistake_only_if_asked_for(
     report = Run(RunOptions("give_up", sinks=Sinks(view=True), view_optional=True), Workspace(project), told).execute()
     assert report.outcome == "failure"
     assert told.events[0][2] == "no live view: the viewer did not start: no screen"
+
+
+def test_a_full_disk_is_told(project: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    usage = shutil.disk_usage(tmp_path)
+    monkeypatch.setattr(shutil, "disk_usage", lambda _path: usage._replace(free=0))
+    told = ran("give_up", project, tmp_path / "run.rrd").told
+    assert told.events[-1][1:] == ("error", f"the disk is full: the recording '{tmp_path / 'run.rrd'}' is cut short")

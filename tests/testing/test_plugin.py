@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import pytest
 
+import humanoid_bt.testing.rig  # noqa: F401 (the inner pytest forgets what it imports, and numpy loads only once)
 from tests.projects import make_project
 
 TESTS = """
@@ -85,9 +84,3 @@ def test_a_project_without_the_rig_pays_nothing(pytester: pytest.Pytester) -> No
 def test_the_fixture_explains_itself(pytester: pytest.Pytester) -> None:
     result = pytester.runpytest_inprocess("--fixtures", "-p", "no:cacheprovider")
     result.stdout.fnmatch_lines(["rig*", "*real simulated robot*"])
-
-
-@pytest.fixture(autouse=True)
-def _clean_names(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    """Let the inner pytest have modules of its own."""
-    monkeypatch.syspath_prepend(str(tmp_path))

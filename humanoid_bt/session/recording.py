@@ -1,0 +1,69 @@
+"""Opening the recording of a run, and finding out whether it was written."""
+
+from __future__ import annotations
+
+import dataclasses
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+
+from humanoid_bt.errors import UserError, relative
+from humanoid_bt.record.events import Level
+from humanoid_bt.record.recorder import Recorder
+from humanoid_bt.record.sinks import Sinks
+from humanoid_bt.record.tree_view import TreeView
+from humanoid_bt.session.lockstep import Lockstep
+from humanoid_bt.session.options import RunOptions
+from humanoid_bt.session.report import versions
+from humanoid_bt.tree.tree import Tree
+
+_FULL_DISK = 64 * 1024  # bytes; what cannot be written of a recording is smaller than this
+
+
+def open_recorder(
+    options: RunOptions, tree: Tree, lockstep: Lockstep, tell: Callable[[float, Level, str], None]
+) -> tuple[Recorder, bool]:
+    """Return the recorder of a run, and whether anybody can watch it live.
+
+    Args:
+        options: where it goes, and whether the native viewer may be missing.
+        tree: what runs.
+        lockstep: what it runs on.
+        tell: is told time, level and text of where to watch, or why there is no live view.
+
+    Raises:
+        UserError: a sink cannot be opened.
+    """
+    sinks = options.sinks
+    try:
+        recorder = _recorder(options, sinks, tree, lockstep)
+    except UserError as error:
+        if not (sinks.view and options.view_optional):
+            raise
+        tell(0.0, "warning", f"no live view: {error.problems[0].message}")
+        sinks = dataclasses.replace(sinks, view=False)
+        recorder = _recorder(options, sinks, tree, lockstep)
+    if recorder.url:
+        tell(0.0, "info", f"live view: {recorder.url}")
+    return recorder, sinks.view or sinks.serve is not None
+
+
+def cut_short(recording: Path | None) -> str:
+    """Return what is wrong with a closed recording, "" if nothing is (the viewer's library only logs it)."""
+    if recording is None or shutil.disk_usage(recording.parent).free >= _FULL_DISK:
+        return ""
+    return f"the disk is full: the recording {str(recording)!r} is cut short"
+
+
+def _recorder(options: RunOptions, sinks: Sinks, tree: Tree, lockstep: Lockstep) -> Recorder:
+    config = lockstep.robot.config
+    info = {
+        "tree": tree.name,
+        "robot": config.name,
+        "scene": lockstep.scene.config.name,
+        "seed": str(options.seed),
+        "parameters": ", ".join(f"{name} = {value}" for name, value in tree.parameters.items()),
+        "versions": ", ".join(f"{name} {version}" for name, version in versions().items()),
+    }
+    view = TreeView(tree.nodes, tree.source, relative(tree.path))
+    return Recorder(lockstep.plant.model, lockstep.robot.joint_names, config, tree=view, sinks=sinks, info=info)
