@@ -26,6 +26,7 @@ from humanoid_bt.plant.mujoco_plant import MujocoPlant
 from humanoid_bt.plant.scene import Scene, load_scene
 from humanoid_bt.record.sinks import Sinks
 from humanoid_bt.robot import Robot
+from humanoid_bt.session.lockstep import Lockstep
 from humanoid_bt.session.options import RunOptions
 from humanoid_bt.session.run import Run
 from humanoid_bt.testing.rig import ScriptedPerception
@@ -113,7 +114,8 @@ def _whole_stack(repetitions: int, recording: Path) -> Iterator[Figure]:
     workspace = Workspace(builtin_root())
     controls: list[np.ndarray] = []
     run = _new_run(workspace, recording)
-    plant = run.plant
+    assert isinstance(run.engine, Lockstep)
+    plant = run.engine.plant
     start = (plant.data.qpos.copy(), plant.data.qvel.copy())
     step = plant.step
 

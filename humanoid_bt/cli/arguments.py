@@ -153,10 +153,11 @@ def _add_run(run: Parser) -> None:
     )
     run.add_argument(
         "--mode",
-        choices=["lockstep"],
+        choices=["lockstep", "realtime"],
         default="lockstep",
         metavar="M",
-        help="lockstep (default): all loops in step on simulated time, deterministic",
+        help="lockstep (default): all loops in step on simulated time, deterministic; "
+        "realtime: control, decision and perception as processes on the wall clock",
     )
     run.add_argument(
         "--pace",

@@ -64,6 +64,7 @@ def _options(arguments: argparse.Namespace) -> RunOptions:
         seed=arguments.seed,
         duration=arguments.duration,
         pace=arguments.pace,
+        mode=arguments.mode,
         sinks=Sinks(file=file, view=has_display() if implied else bool(view), serve=arguments.serve),
         view_optional=implied,
     )

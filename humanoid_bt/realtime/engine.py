@@ -16,6 +16,7 @@ import mujoco
 from humanoid_bt.clock import DECISION_PERIOD
 from humanoid_bt.control.supervisor import Stop
 from humanoid_bt.errors import HumanoidBtError
+from humanoid_bt.link.estop import EStop
 from humanoid_bt.link.ring import RingReader
 from humanoid_bt.link.run_folder import RunFolder, RunInfo, clean_stale
 from humanoid_bt.link.wire import (
@@ -60,6 +61,7 @@ class RemoteSupervisor:
     Attributes:
         stops: every stop so far.
         rejected: commands that were refused so far, as text.
+        estop: decision's end of the e-stop, once the run has started.
     """
 
     def __init__(self) -> None:
@@ -67,6 +69,12 @@ class RemoteSupervisor:
         self.rejected: list[str] = []
         self._mode, self._reason = Mode.RUN, ""
         self._pending: deque[tuple[str, str]] = deque()
+        self.estop: EStop | None = None
+
+    def raise_estop(self, source: str, reason: str) -> None:
+        """Raise the emergency stop."""
+        if self.estop is not None:
+            self.estop.raise_(source, reason)
 
     def request_stop(self, source: str, reason: str) -> None:
         """Ask for a protective stop until the end of the run."""
@@ -142,6 +150,7 @@ class Realtime:
         spec.write(folder)
         channels.create_channels(folder)
         self._commands, self._requests = channels.writer(folder, "command"), channels.writer(folder, "request")
+        self.supervisor.estop = channels.estop(folder)
         self._status = channels.writer(folder, "status")
         self._readers: dict[str, RingReader] = {
             name: channels.reader(folder, name) for name in ("state", "notice", "refusal", "percept", "timing")

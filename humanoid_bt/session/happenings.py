@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import NamedTuple
 
-from humanoid_bt.control.supervisor import Supervisor
-from humanoid_bt.plant.scene import Scene
 from humanoid_bt.record.events import Level
+from humanoid_bt.session.engine import Engine
 
 _REPEAT = 1.0  # s between two lines about commands that are refused for the same reason
 
@@ -24,13 +23,12 @@ class Happenings:
     """Finds what is new since it was asked last.
 
     Args:
-        supervisor: who stops the robot and refuses commands.
-        scene: whose script shows and hides things.
+        engine: whose supervisor stops the robot and refuses commands, whose scene shows and hides things.
     """
 
-    def __init__(self, supervisor: Supervisor, scene: Scene) -> None:
-        self._supervisor, self._scene = supervisor, scene
-        self._stops = self._rejected = 0
+    def __init__(self, engine: Engine) -> None:
+        self._engine, self._supervisor, self._scene = engine, engine.supervisor, engine.scene
+        self._stops = self._rejected = self._notices = 0
         self._until = 0.0
         self._fault, self._fault_told, self._fault_count = "", -_REPEAT, 0
 
@@ -40,6 +38,9 @@ class Happenings:
         for at, text in self._scene.events(self._until, end):
             yield Happening(at, "info", f"scene: {text}")
         self._until = end
+        for notice in self._engine.notices[self._notices :]:
+            yield Happening(notice.time, notice.level, notice.text)
+        self._notices = len(self._engine.notices)
         yield from self._refusals(now)
         for stop in self._supervisor.stops[self._stops :]:
             yield Happening(stop.time, "error", f"{stop.mode.value.replace('_', ' ')}: {stop.reason} ({stop.source})")

@@ -6,10 +6,15 @@ and commands give the same states, bit for bit.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Protocol
+
+import mujoco
 
 from humanoid_bt.clock import DECISION_PERIOD, PERCEPTION_PERIOD, CycleClock, cycles
 from humanoid_bt.control.controller import Controller
+from humanoid_bt.control.supervisor import Supervisor
+from humanoid_bt.link.wire import Event
 from humanoid_bt.messages import Array, Command, Percept, State
 from humanoid_bt.plant.mujoco_plant import MujocoPlant
 from humanoid_bt.plant.robot_model import RobotModel
@@ -36,6 +41,7 @@ class Lockstep:
     Attributes:
         plant, controller, perception: the parts.
         clock: the engine's clock.
+        notices: what other processes told; there are none.
     """
 
     def __init__(self, robot: RobotModel, start: Array, scene: Scene, perception: Perception) -> None:
@@ -45,9 +51,34 @@ class Lockstep:
         self.plant.place(start)
         self.controller = Controller(robot, self.plant)
         self.perception = perception
+        self.notices: list[Event] = []
         self._percepts: dict[str, Percept] = {}
         self._decision = cycles(DECISION_PERIOD)
         self._perceive = cycles(PERCEPTION_PERIOD)
+
+    @property
+    def model(self) -> mujoco.MjModel:
+        """MuJoCo's model of the robot in its scene."""
+        return self.plant.model
+
+    @property
+    def supervisor(self) -> Supervisor:
+        """What may stop the robot."""
+        return self.controller.supervisor
+
+    @property
+    def external_force_max(self) -> float:
+        """Largest external force or torque there ever was on any body [N, Nm]."""
+        return self.plant.external_force_max
+
+    def start(self) -> None:
+        """Begin; there is nothing to start."""
+
+    def close(self) -> None:
+        """End; there is nothing to end."""
+
+    def publish(self, status: Mapping[str, object]) -> None:
+        """Tell nobody: in one process there is nobody who could ask."""
 
     def reset(self, perception: Perception) -> None:
         """Begin a new run: the robot stands at the start, time is zero, nothing was seen."""

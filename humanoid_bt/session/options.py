@@ -6,9 +6,12 @@ import time
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Literal
 
 from humanoid_bt.errors import UserError
 from humanoid_bt.record.sinks import Sinks
+
+Mode = Literal["lockstep", "realtime"]
 
 RUNS = Path("runs")
 """Folder of recordings below the working directory; made when it is needed."""
@@ -26,6 +29,7 @@ class RunOptions:
         duration: longest simulated time [s].
         pace: simulated seconds per second; None for 1 with a live view, else as fast as it can.
         sinks: where the recording goes.
+        mode: lockstep, or realtime with control and perception as processes of their own.
         view_optional: go on without the native viewer if it cannot be opened.
     """
 
@@ -37,6 +41,7 @@ class RunOptions:
     duration: float = 120.0
     pace: float | None = None
     sinks: Sinks = field(default_factory=Sinks)
+    mode: Mode = "lockstep"
     view_optional: bool = False
 
 

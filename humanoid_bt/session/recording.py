@@ -12,7 +12,7 @@ from humanoid_bt.record.events import Level
 from humanoid_bt.record.recorder import Recorder
 from humanoid_bt.record.sinks import Sinks
 from humanoid_bt.record.tree_view import TreeView
-from humanoid_bt.session.lockstep import Lockstep
+from humanoid_bt.session.engine import Engine
 from humanoid_bt.session.options import RunOptions
 from humanoid_bt.session.report import versions
 from humanoid_bt.tree.tree import Tree
@@ -21,14 +21,14 @@ _FULL_DISK = 64 * 1024  # bytes; what cannot be written of a recording is smalle
 
 
 def open_recorder(
-    options: RunOptions, tree: Tree, lockstep: Lockstep, tell: Callable[[float, Level, str], None]
+    options: RunOptions, tree: Tree, engine: Engine, tell: Callable[[float, Level, str], None]
 ) -> tuple[Recorder, bool]:
     """Return the recorder of a run, and whether anybody can watch it live.
 
     Args:
         options: where it goes, and whether the native viewer may be missing.
         tree: what runs.
-        lockstep: what it runs on.
+        engine: what it runs on.
         tell: is told time, level and text of where to watch, or why there is no live view.
 
     Raises:
@@ -36,13 +36,13 @@ def open_recorder(
     """
     sinks = options.sinks
     try:
-        recorder = _recorder(options, sinks, tree, lockstep)
+        recorder = _recorder(options, sinks, tree, engine)
     except UserError as error:
         if not (sinks.view and options.view_optional):
             raise
         tell(0.0, "warning", f"no live view: {error.problems[0].message}")
         sinks = dataclasses.replace(sinks, view=False)
-        recorder = _recorder(options, sinks, tree, lockstep)
+        recorder = _recorder(options, sinks, tree, engine)
     if recorder.url:
         tell(0.0, "info", f"live view: {recorder.url}")
     return recorder, sinks.view or sinks.serve is not None
@@ -55,15 +55,15 @@ def cut_short(recording: Path | None) -> str:
     return f"the disk is full: the recording {str(recording)!r} is cut short"
 
 
-def _recorder(options: RunOptions, sinks: Sinks, tree: Tree, lockstep: Lockstep) -> Recorder:
-    config = lockstep.robot.config
+def _recorder(options: RunOptions, sinks: Sinks, tree: Tree, engine: Engine) -> Recorder:
+    config = engine.robot.config
     info = {
         "tree": tree.name,
         "robot": config.name,
-        "scene": lockstep.scene.config.name,
+        "scene": engine.scene.config.name,
         "seed": str(options.seed),
         "parameters": ", ".join(f"{name} = {value}" for name, value in tree.parameters.items()),
         "versions": ", ".join(f"{name} {version}" for name, version in versions().items()),
     }
     view = TreeView(tree.nodes, tree.source, relative(tree.path))
-    return Recorder(lockstep.plant.model, lockstep.robot.joint_names, config, tree=view, sinks=sinks, info=info)
+    return Recorder(engine.model, engine.robot.joint_names, config, tree=view, sinks=sinks, info=info)

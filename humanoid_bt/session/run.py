@@ -7,21 +7,23 @@ import time
 import traceback
 from collections.abc import Callable
 from contextlib import ExitStack
+from pathlib import Path
 from typing import NamedTuple, Protocol
 
+from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
 from humanoid_bt.clock import DECISION_PERIOD
 from humanoid_bt.control.robots import load_robot
-from humanoid_bt.control.supervisor import Supervisor
 from humanoid_bt.errors import HumanoidBtError, Place, nearest
 from humanoid_bt.messages import Mode, State
-from humanoid_bt.plant.mujoco_plant import MujocoPlant
 from humanoid_bt.plant.perception import SimulatedPerception
 from humanoid_bt.plant.scene import Scene, load_scene
+from humanoid_bt.realtime.engine import Realtime
 from humanoid_bt.record.events import Level
 from humanoid_bt.record.recorder import Recorder
 from humanoid_bt.robot import Robot
+from humanoid_bt.session.engine import Engine
 from humanoid_bt.session.happenings import Happenings
 from humanoid_bt.session.lockstep import Lockstep
 from humanoid_bt.session.options import RunOptions, make_folder
@@ -38,6 +40,7 @@ _log = logging.getLogger(__name__)
 DEFAULT_ROBOT, DEFAULT_SCENE = "humanoid", "empty"
 
 _SETTLE_TIME = 5.0  # s that the robot gets to come to a stand after the tree's end
+_STATUS_TICKS = 10  # ticks between two reports to whoever looks from outside
 _AFTER_STOP = 2.0  # s after a latched stop until the run ends, if the tree goes on
 
 
@@ -88,32 +91,30 @@ class Run:
         if options.sinks.file is not None:
             make_folder(options.sinks.file)
         options.sinks.check()
-        model, start = load_robot(robot_path)
-        self._lockstep = Lockstep(model, start, self._scene, SimulatedPerception(self._scene, options.seed))
-        self._robot = Robot(model.config, self._lockstep.clock)
+        self._engine = self._new_engine(robot_path)
+        self._robot = Robot(self._engine.robot.config, self._engine.clock)
         self._executor = Executor(self.tree, self._robot, self._on_change)
         self._executor.setup()
         self._trace = Trace(self._scene)
-        self._happenings = Happenings(self.supervisor, self._scene)
+        self._happenings = Happenings(self._engine)
         self._recorder: Recorder | None = None
         self._pace = options.pace
         self._began = 0.0
+        self._ticks = 0
         self._ended_at: float | None = None
 
-    @property
-    def plant(self) -> MujocoPlant:
-        """The simulation."""
-        return self._lockstep.plant
+    def _new_engine(self, robot_path: Path) -> Engine:
+        options = self._options
+        robot, start = load_robot(robot_path)
+        if options.mode == "realtime":
+            log = options.sinks.file.with_suffix(".control.log") if options.sinks.file else None
+            return Realtime(robot, self._scene, self.tree.name, log)
+        return Lockstep(robot, start, self._scene, SimulatedPerception(self._scene, options.seed))
 
     @property
-    def supervisor(self) -> Supervisor:
-        """What may stop the robot."""
-        return self._lockstep.controller.supervisor
-
-    @property
-    def state(self) -> State:
-        """What control knows now."""
-        return self._lockstep.controller.state()
+    def engine(self) -> Engine:
+        """Control, plant and perception."""
+        return self._engine
 
     @property
     def scene_name(self) -> str:
@@ -140,6 +141,8 @@ class Run:
         with ExitStack() as stack:
             if self._options.sinks.active:
                 self._recorder = stack.enter_context(self._open_recorder())
+            stack.callback(self._engine.close)
+            self._engine.start()
             self._began = time.monotonic()
             end = self._run(interrupted)
             wall_time = time.monotonic() - self._began
@@ -167,9 +170,9 @@ class Run:
     # ---- while the tree runs --------------------------------------------------------------------------------------
 
     def _tick_to_end(self, interrupted: Callable[[], str]) -> _End:
-        lockstep, executor = self._lockstep, self._executor
+        engine, executor = self._engine, self._executor
         while True:
-            state, percepts = lockstep.sense()
+            state, percepts = engine.sense()
             self._tell(state.time)
             try:
                 command = executor.tick(state, percepts)
@@ -183,7 +186,7 @@ class Run:
             if end is not None:
                 self._trace.measure_hand(state)
                 return end
-            lockstep.advance(command)
+            engine.advance(command)
             self._keep_pace()
 
     def _end(self, state: State) -> _End | None:
@@ -194,7 +197,7 @@ class Run:
             return _End("success", self._why(Status.SUCCESS) or "the tree succeeded")
         if status is Status.FAILURE:
             return _End("stopped", stop) if latched else _End("failure", self._why(status) or "the tree failed")
-        if latched and state.time - self.supervisor.stops[-1].time > _AFTER_STOP:
+        if latched and state.time - self._engine.supervisor.stops[-1].time > _AFTER_STOP:
             return _End("stopped", stop)
         if state.time >= self._options.duration - DECISION_PERIOD / 2:
             return _End("unfinished", f"the tree was still running after {self._options.duration:g} s")
@@ -214,6 +217,21 @@ class Run:
         tip = self._executor.tree.root.tip()
         running = f"{tip.name}: {tip.feedback_message}" if tip is not None else "coming to a stand"
         self._listener.progress(state.time, running)
+        self._ticks += 1
+        if self._ticks % _STATUS_TICKS == 1:
+            self._publish(state, tip)
+
+    def _publish(self, state: State, tip: Behaviour | None) -> None:
+        """Tell ``humanoid-bt status`` what goes on."""
+        self._engine.publish(
+            {
+                "time": state.time,
+                "node": getattr(tip, "path", ""),
+                "feedback": tip.feedback_message if tip is not None else "",
+                "tick_rate": self._ticks / max(time.monotonic() - self._began, 1e-9),
+                "percepts": {name: round(track.age, 3) for name, track in self._robot.tracks.items()},
+            }
+        )
 
     def _keep_pace(self) -> None:
         if self._pace:
@@ -227,7 +245,7 @@ class Run:
         """Halt the tree and let control bring the robot to rest, with nothing commanded any more."""
         self._ended_at = self._now
         if end.failure:
-            self.supervisor.request_stop("the tree", end.failure)
+            self._engine.supervisor.request_stop("the tree", end.failure)
         try:
             self._executor.halt("the run ended")
         except HumanoidBtError as error:
@@ -236,11 +254,11 @@ class Run:
             else:
                 self._event("error", str(error))
         self._event("info" if end.outcome == "success" else "warning", f"the tree ended: {end.outcome}")
-        lockstep = self._lockstep
+        engine = self._engine
         until = self._now + _SETTLE_TIME
         while self._now < until:
-            lockstep.advance(self._robot.release_all())
-            state, percepts = lockstep.sense()
+            engine.advance(self._robot.release_all())
+            state, percepts = engine.sense()
             self._tell(state.time)
             self._robot.begin_tick(state, percepts)
             self._after_tick(state)
@@ -262,7 +280,7 @@ class Run:
 
     @property
     def _now(self) -> float:
-        return self._lockstep.clock.now()
+        return self._engine.clock.now()
 
     def _tell(self, now: float) -> None:
         for happening in self._happenings.until(now):
@@ -293,8 +311,8 @@ class Run:
     # ---- the recording and the report -----------------------------------------------------------------------------
 
     def _open_recorder(self) -> Recorder:
-        recorder, live = open_recorder(self._options, self.tree, self._lockstep, self._listener.event)
-        if self._pace is None and live:
+        recorder, live = open_recorder(self._options, self.tree, self._engine, self._listener.event)
+        if self._pace is None and live and self._options.mode == "lockstep":
             self._pace = 1.0
         return recorder
 
@@ -313,9 +331,9 @@ class Run:
             trace_hash=self._trace.digest,
             timeline=timeline_of(self._trace.timeline),
             hand_error=self._trace.hand_error,
-            fell=any(stop.mode is Mode.DAMP for stop in self.supervisor.stops),
-            stops=stops_of(self.supervisor.stops),
-            external_force_max=self._lockstep.plant.external_force_max,
+            fell=any(stop.mode is Mode.DAMP for stop in self._engine.supervisor.stops),
+            stops=stops_of(self._engine.supervisor.stops),
+            external_force_max=self._engine.external_force_max,
             recording=str(file) if file else None,
             versions=versions(),
             traceback=end.traceback,

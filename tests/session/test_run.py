@@ -106,7 +106,7 @@ def test_an_emergency_stop_ends_the_run(project: Path) -> None:
 
     def press() -> str:
         if ask():
-            session.supervisor.raise_estop("button", "pressed by hand")
+            session.engine.supervisor.raise_estop("button", "pressed by hand")
         return ""
 
     report = session.execute(press)
@@ -114,7 +114,7 @@ def test_an_emergency_stop_ends_the_run(project: Path) -> None:
     assert report.reason == "pressed by hand (button)"
     assert [stop["mode"] for stop in report.stops] == ["emergency_stop"]
     assert report.stops[0]["commanded_by"] == {"base": "walk/emergency_stop/walk"}
-    assert session.state.base_settled
+    assert session.engine.sense()[0].base_settled
     told_at = [time for time, level, text in told.events if level == "error" and "pressed by hand" in text]
     assert told_at == [report.stops[0]["time"]]
 
@@ -185,7 +185,7 @@ def test_an_error_of_our_own_still_brings_the_robot_to_a_stand(
     assert (report.outcome, report.exit_code) == ("error", 4)
     assert report.reason == "internal error: ZeroDivisionError: a bug"
     assert "in broken" in report.traceback
-    assert session.state.base_settled
+    assert session.engine.sense()[0].base_settled
 
 
 def test_refused_commands_are_told_once_a_second(project: Path) -> None:

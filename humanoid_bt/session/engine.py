@@ -1,0 +1,67 @@
+"""What a run needs of the loops below the tree, whichever way they are wired: in lockstep or as processes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Protocol
+
+import mujoco
+
+from humanoid_bt.clock import Clock
+from humanoid_bt.control.supervisor import Stop
+from humanoid_bt.link.wire import Event
+from humanoid_bt.messages import Command, Percept, State
+from humanoid_bt.plant.robot_model import RobotModel
+from humanoid_bt.plant.scene import Scene
+
+
+class SupervisorView(Protocol):
+    """What decision sees of the supervisor: every stop and every refusal so far, and a way to ask for a stop."""
+
+    stops: list[Stop]
+    rejected: list[str]
+
+    def raise_estop(self, source: str, reason: str) -> None:
+        """Raise the emergency stop."""
+
+    def request_stop(self, source: str, reason: str) -> None:
+        """Ask for a protective stop until the end of the run."""
+
+
+class Engine(Protocol):
+    """Control, plant and perception of one run."""
+
+    robot: RobotModel
+    scene: Scene
+    notices: list[Event]
+
+    @property
+    def clock(self) -> Clock:
+        """The engine's clock."""
+
+    @property
+    def model(self) -> mujoco.MjModel:
+        """MuJoCo's model of the robot in its scene."""
+
+    @property
+    def supervisor(self) -> SupervisorView:
+        """The supervisor, or what is known of it."""
+
+    @property
+    def external_force_max(self) -> float:
+        """Largest external force or torque on any body [N, Nm]; final after :meth:`close`."""
+
+    def start(self) -> None:
+        """Begin; the robot stands."""
+
+    def close(self) -> None:
+        """End everything that was started."""
+
+    def sense(self) -> tuple[State, Mapping[str, Percept]]:
+        """Return the state and the latest percepts, for one tick."""
+
+    def advance(self, command: Command | None) -> None:
+        """Give the command of a tick to control; None if there is none."""
+
+    def publish(self, status: Mapping[str, object]) -> None:
+        """Tell whoever looks from outside what the tree does."""
