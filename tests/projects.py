@@ -74,7 +74,7 @@ class Nowhere(Skill):
     resources = ("left_hand",)
 
     def update(self) -> Status:
-        self.robot.move_hand("left", (math.nan, 0.0, 0.0))
+        self.robot.move_hand("left", (1e6, 0.0, 0.0))
         return self.running("sending")
 '''
 

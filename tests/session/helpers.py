@@ -44,7 +44,7 @@ class Ran:
     @property
     def settled(self) -> bool:
         """Whether the robot came to a stand."""
-        return self.session.state.base_settled
+        return self.session.engine.sense()[0].base_settled
 
 
 def ran(

@@ -191,7 +191,7 @@ def test_an_error_of_our_own_still_brings_the_robot_to_a_stand(
 def test_refused_commands_are_told_once_a_second(project: Path) -> None:
     told = ran("nowhere", project, duration=2.0).told
     refused = [text for _, _, text in told.events if text.startswith("refused")]
-    assert refused[0].startswith("refused a command: the target of 'left_hand' is not finite")
+    assert refused[0].startswith("refused a command: the target of 'left_hand' is out of range")
     assert 2 <= len(refused) <= 3
 
 
