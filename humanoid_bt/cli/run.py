@@ -28,7 +28,8 @@ def run(arguments: argparse.Namespace) -> int:
     options = _options(arguments)
     console = Console(highlight=False)
     printer = Printer(console, arguments.quiet)
-    session = Run(options, _workspace(arguments), printer)
+    workspace = Workspace.of_argument(arguments.tree, arguments.workspace)
+    session = Run(options, workspace, printer)
     if arguments.report:
         _check_writable(arguments.report)
     printer.show(session.tree)
@@ -43,13 +44,6 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.report:
         report.write(arguments.report)
     return report.exit_code
-
-
-def _workspace(arguments: argparse.Namespace) -> Workspace:
-    if arguments.workspace:
-        return Workspace(arguments.workspace)
-    path = Path(arguments.tree)
-    return Workspace.of_tree(path) if path.is_file() else Workspace()
 
 
 def _options(arguments: argparse.Namespace) -> RunOptions:

@@ -262,6 +262,8 @@ class Run:
             self._tell(state.time)
             self._robot.begin_tick(state, percepts)
             self._after_tick(state)
+            if state.mode is Mode.DAMP and end.outcome not in ("stopped", "error"):
+                end = _End("stopped", f"{state.stop_reason} ({state.stop_source}), after the tree had ended")
             if state.base_settled and state.mode is not Mode.DAMP:
                 break
             self._keep_pace()

@@ -101,6 +101,7 @@ class Reader:
             node_type = self._registry.find(type_name, place)
         except UserError as error:
             self._problems += error.problems
+            self._parameters.skim(body)
             return None
         draft = Draft(node_type, place, type_name)
         before = len(self._problems)
