@@ -246,13 +246,7 @@ class Run:
         self._ended_at = self._now
         if end.failure:
             self._engine.supervisor.request_stop("the tree", end.failure)
-        try:
-            self._executor.halt("the run ended")
-        except HumanoidBtError as error:
-            if end.outcome == "unfinished":
-                end = _failed(error)
-            else:
-                self._event("error", str(error))
+        end = self._halt(end)
         self._event("info" if end.outcome == "success" else "warning", f"the tree ended: {end.outcome}")
         engine = self._engine
         until = self._now + _SETTLE_TIME
@@ -267,6 +261,18 @@ class Run:
             if state.base_settled and state.mode is not Mode.DAMP:
                 break
             self._keep_pace()
+        return end
+
+    def _halt(self, end: _End) -> _End:
+        """Halt the tree if it still runs; one that has ended keeps its result, for those who look at it."""
+        if self._executor.status is not Status.RUNNING:
+            return end
+        try:
+            self._executor.halt("the run ended")
+        except HumanoidBtError as error:
+            if end.outcome == "unfinished":
+                return _failed(error)
+            self._event("error", str(error))
         return end
 
     def _where(self, error: BaseException) -> str:
