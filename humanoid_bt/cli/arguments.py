@@ -165,6 +165,13 @@ def _add_run(run: Parser) -> None:
         metavar="X",
         help="simulated seconds per second; default: 1 with a live view, else as fast as it can",
     )
+    run.add_argument(
+        "--hold",
+        type=_positive,
+        default=10.0,
+        metavar="S",
+        help="realtime: how long control balances the robot when decision has died [s]; default 10",
+    )
     view = run.add_mutually_exclusive_group()
     view.add_argument("--view", action="store_true", default=None, help="open the live view (default with a display)")
     view.add_argument("--no-view", action="store_false", dest="view", help="do not open the live view")

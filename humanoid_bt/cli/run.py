@@ -53,6 +53,8 @@ def _workspace(arguments: argparse.Namespace) -> Workspace:
 
 
 def _options(arguments: argparse.Namespace) -> RunOptions:
+    if arguments.pace and arguments.mode == "realtime":
+        raise UserError("--pace does not go with --mode realtime", hint="realtime runs on the wall clock")
     view = arguments.view
     implied = view is None and arguments.serve is None
     file = None if arguments.no_record else arguments.record or default_recording(arguments.tree)
@@ -65,6 +67,7 @@ def _options(arguments: argparse.Namespace) -> RunOptions:
         duration=arguments.duration,
         pace=arguments.pace,
         mode=arguments.mode,
+        hold=arguments.hold,
         sinks=Sinks(file=file, view=has_display() if implied else bool(view), serve=arguments.serve),
         view_optional=implied,
     )

@@ -222,6 +222,11 @@ class Supervisor:
         return self.mode is not Mode.RUN
 
 
+def reset_text(source: str, refusal: str) -> str:
+    """Return what came of a reset, for the event log."""
+    return f"reset by {source}: " + (f"refused: {refusal}" if refusal else "done")
+
+
 def _target_fault(target: Target) -> str:
     match target:
         case BaseTarget(position=position, heading=heading):

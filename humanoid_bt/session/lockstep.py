@@ -13,7 +13,7 @@ import mujoco
 
 from humanoid_bt.clock import DECISION_PERIOD, PERCEPTION_PERIOD, CycleClock, cycles
 from humanoid_bt.control.controller import Controller
-from humanoid_bt.control.supervisor import Supervisor
+from humanoid_bt.control.supervisor import Supervisor, reset_text
 from humanoid_bt.link.wire import Event
 from humanoid_bt.messages import Array, Command, Percept, State
 from humanoid_bt.plant.mujoco_plant import MujocoPlant
@@ -41,7 +41,7 @@ class Lockstep:
     Attributes:
         plant, controller, perception: the parts.
         clock: the engine's clock.
-        notices: what other processes told; there are none.
+        notices: what happened besides stops: resets.
     """
 
     def __init__(self, robot: RobotModel, start: Array, scene: Scene, perception: Perception) -> None:
@@ -79,6 +79,11 @@ class Lockstep:
 
     def publish(self, status: Mapping[str, object]) -> None:
         """Tell nobody: in one process there is nobody who could ask."""
+
+    def request_reset(self, source: str) -> None:
+        """Reset a latched stop, if nothing stands against it."""
+        refusal = self.controller.supervisor.reset()
+        self.notices.append(Event(self.clock.now(), "warning", reset_text(source, refusal)))
 
     def reset(self, perception: Perception) -> None:
         """Begin a new run: the robot stands at the start, time is zero, nothing was seen."""

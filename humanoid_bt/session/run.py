@@ -6,7 +6,7 @@ import logging
 import time
 import traceback
 from collections.abc import Callable
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from pathlib import Path
 from typing import NamedTuple, Protocol
 
@@ -15,7 +15,7 @@ from py_trees.common import Status
 
 from humanoid_bt.clock import DECISION_PERIOD
 from humanoid_bt.control.robots import load_robot
-from humanoid_bt.errors import HumanoidBtError, Place, nearest
+from humanoid_bt.errors import ControlLost, HumanoidBtError, Place, nearest
 from humanoid_bt.messages import Mode, State
 from humanoid_bt.plant.perception import SimulatedPerception
 from humanoid_bt.plant.scene import Scene, load_scene
@@ -108,7 +108,7 @@ class Run:
         robot, start = load_robot(robot_path)
         if options.mode == "realtime":
             log = options.sinks.file.with_suffix(".control.log") if options.sinks.file else None
-            return Realtime(robot, self._scene, self.tree.name, log)
+            return Realtime(robot, self._scene, self.tree.name, log, options.hold)
         return Lockstep(robot, start, self._scene, SimulatedPerception(self._scene, options.seed))
 
     @property
@@ -157,15 +157,28 @@ class Run:
             return self._finish(self._tick_to_end(interrupted))
         except KeyboardInterrupt as error:
             return _End("interrupted", f"stopped at once{self._where(error)}")
+        except ControlLost as error:
+            return self._lost(error)
         except Exception as error:
             failure = f"internal error: {type(error).__name__}: {error}"
             end = _End("error", failure, failure, traceback.format_exc())
         self._recorder = None  # it may be what failed; it is closed all the same
         try:
             return self._finish(end)
+        except ControlLost as error:
+            self._listener.event(self._now, "error", str(error))
+            return end
         except Exception:
             _log.exception("the robot could not be brought to a stand")
             return end
+
+    def _lost(self, error: ControlLost) -> _End:
+        """Halt the tree: there is no robot any more that could be brought to a stand."""
+        self._ended_at = self._now
+        self._event("error", str(error))
+        with suppress(HumanoidBtError):  # what ended the run is told, not what came of it
+            self._executor.halt(str(error))
+        return _End("error", str(error))
 
     # ---- while the tree runs --------------------------------------------------------------------------------------
 
