@@ -61,9 +61,7 @@ class Realtime:
         external_force_max: largest external force on any body; known after :meth:`close`.
     """
 
-    def __init__(
-        self, robot: RobotModel, scene: Scene, tree: str, log: Path | None, hold: float = HOLD_TIME
-    ) -> None:
+    def __init__(self, robot: RobotModel, scene: Scene, tree: str, log: Path | None, hold: float = HOLD_TIME) -> None:
         self.robot, self.scene = robot, scene
         self.clock = StateClock()
         self.model: mujoco.MjModel = MujocoPlant(robot, scene).model

@@ -32,6 +32,7 @@ from humanoid_bt.session.report import Report, stops_of, timeline_of, versions
 from humanoid_bt.session.trace import Trace
 from humanoid_bt.skill_files import class_file, place_in_file
 from humanoid_bt.tree.executor import Executor, NodeChange, NodeError
+from humanoid_bt.tree.guards import EmergencyStop
 from humanoid_bt.tree.load import load_tree
 from humanoid_bt.workspace import Workspace
 
@@ -92,9 +93,10 @@ class Run:
             make_folder(options.sinks.file)
         options.sinks.check()
         self._engine = self._new_engine(robot_path)
-        self._robot = Robot(self._engine.robot.config, self._engine.clock)
+        self._robot = Robot(self._engine.robot.config, self._engine.clock, self.raise_estop)
         self._executor = Executor(self.tree, self._robot, self._on_change)
         self._executor.setup()
+        self._guards = [node.behaviour for node in self.tree.nodes if isinstance(node.behaviour, EmergencyStop)]
         self._trace = Trace(self._scene)
         self._happenings = Happenings(self._engine)
         self._recorder: Recorder | None = None
@@ -125,6 +127,14 @@ class Run:
     def robot_name(self) -> str:
         """The robot's name."""
         return self._robot.config.name
+
+    def raise_estop(self, source: str, reason: str) -> None:
+        """Raise the emergency stop. From any thread, at any time after the start."""
+        self._engine.supervisor.raise_estop(source, reason)
+
+    def request_reset(self, source: str) -> None:
+        """Ask for a reset of a latched stop; the answer comes as an event."""
+        self._engine.request_reset(source)
 
     def execute(self, interrupted: Callable[[], str] = lambda: "") -> Report:
         """Run the tree to its end, bring the robot to a stand, close the recording.
@@ -210,7 +220,8 @@ class Run:
             return _End("success", self._why(Status.SUCCESS) or "the tree succeeded")
         if status is Status.FAILURE:
             return _End("stopped", stop) if latched else _End("failure", self._why(status) or "the tree failed")
-        if latched and state.time - self._engine.supervisor.stops[-1].time > _AFTER_STOP:
+        waits = any(guard.waits for guard in self._guards)
+        if latched and not waits and state.time - self._engine.supervisor.stops[-1].time > _AFTER_STOP:
             return _End("stopped", stop)
         if state.time >= self._options.duration - DECISION_PERIOD / 2:
             return _End("unfinished", f"the tree was still running after {self._options.duration:g} s")
