@@ -37,12 +37,16 @@ class RemoteSupervisor:
         self._mode, self._reason = Mode.RUN, ""
         self._pending: deque[tuple[str, str]] = deque()
         self._estop: EStop | None = None
+        self._early: list[tuple[str, str]] = []  # raised before the run began
         self._lock = threading.Lock()
 
     def connect(self, estop: EStop) -> None:
         """Take decision's end of the e-stop."""
         with self._lock:
             self._estop = estop
+            for source, reason in self._early:
+                estop.raise_(source, reason)
+            self._early.clear()
 
     def disconnect(self) -> None:
         """Let go of the e-stop: the robot is gone."""
@@ -54,7 +58,9 @@ class RemoteSupervisor:
     def raise_estop(self, source: str, reason: str) -> None:
         """Raise the emergency stop."""
         with self._lock:
-            if self._estop is not None:
+            if self._estop is None:
+                self._early.append((source, reason))
+            else:
                 self._estop.raise_(source, reason)
 
     def request_reset(self, source: str) -> None:

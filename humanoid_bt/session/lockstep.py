@@ -6,6 +6,7 @@ and commands give the same states, bit for bit.
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Mapping
 from typing import Protocol
 
@@ -53,6 +54,7 @@ class Lockstep:
         self.perception = perception
         self.notices: list[Event] = []
         self._percepts: dict[str, Percept] = {}
+        self._resets: deque[str] = deque()  # who asks for one, from any thread
         self._decision = cycles(DECISION_PERIOD)
         self._perceive = cycles(PERCEPTION_PERIOD)
 
@@ -81,9 +83,8 @@ class Lockstep:
         """Tell nobody: in one process there is nobody who could ask."""
 
     def request_reset(self, source: str) -> None:
-        """Reset a latched stop, if nothing stands against it."""
-        refusal = self.controller.supervisor.reset()
-        self.notices.append(Event(self.clock.now(), "warning", reset_text(source, refusal)))
+        """Reset a latched stop before the next tick, if nothing stands against it."""
+        self._resets.append(source)
 
     def reset(self, perception: Perception) -> None:
         """Begin a new run: the robot stands at the start, time is zero, nothing was seen."""
@@ -92,10 +93,15 @@ class Lockstep:
         self.controller.reset()
         self.perception = perception
         self._percepts = {}
+        self._resets.clear()
+        self.notices.clear()
 
     def sense(self) -> tuple[State, dict[str, Percept]]:
         """Return the state and the latest percepts, for one tick of decision."""
         self.plant.move_objects()
+        while self._resets:
+            text = reset_text(self._resets.popleft(), self.controller.supervisor.reset())
+            self.notices.append(Event(self.clock.now(), "warning", text))
         state = self.controller.state()
         if self.clock.due(self._perceive):
             for percept in self.perception.observe(state):
