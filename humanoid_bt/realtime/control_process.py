@@ -143,10 +143,10 @@ class ControlProcess:
         if cycle % self._state_phase == 2:  # not in the cycle that plans the whole body: that one is full
             self._publish()
         if len(supervisor.stops) > self._told_stops:
+            stamp = supervisor.command.stamp if supervisor.command is not None else None
             for stop in supervisor.stops[self._told_stops :]:
-                self._log(
-                    "stop", f"{stop.mode.value}: {stop.reason} ({stop.source})", commanded_by=dict(stop.resources)
-                )
+                text = f"{stop.mode.value}: {stop.reason} ({stop.source})"
+                self._log("stop", text, commanded_by=dict(stop.resources), last_command=stamp)
             self._told_stops = len(supervisor.stops)
             self._publish()
         if supervisor.rejected:

@@ -14,7 +14,7 @@ import mujoco
 from humanoid_bt.clock import DECISION_PERIOD
 from humanoid_bt.errors import ControlLost, HumanoidBtError
 from humanoid_bt.link.ring import RingReader, RingWriter
-from humanoid_bt.link.run_folder import RunFolder, RunInfo, clean_stale
+from humanoid_bt.link.run_folder import RunFolder, RunInfo, clean_stale, live_runs
 from humanoid_bt.link.wire import (
     Event,
     decode_event,
@@ -89,9 +89,10 @@ class Realtime:
             HumanoidBtError: control did not come up. Call :meth:`close` all the same.
         """
         clean_stale()
+        core = None if live_runs() else last_core()  # two servo loops on one processor would starve each other
         folder = self._folder = RunFolder.create(RunInfo(self._tree, self.robot.config.name))
         try:
-            self._spec().write(folder)
+            self._spec(core).write(folder)
             if self._log:
                 self._log.unlink(missing_ok=True)
         except OSError as error:
@@ -112,12 +113,12 @@ class Realtime:
         self._schedule = Schedule(DECISION_PERIOD, spin=False)
         self._state_at = time.monotonic()
 
-    def _spec(self) -> RunSpec:
+    def _spec(self, core: int | None) -> RunSpec:
         return RunSpec(
             robot=str(self.robot.config.path.resolve()),
             scene=str(self.scene.config.path.resolve()),
             seed=self.scene.seed,
-            core=last_core(),
+            core=core,
             log=str(self._log.resolve()) if self._log else "",
             hold=self._hold,
             parent=os.getpid(),

@@ -36,11 +36,11 @@ def test_signals_bring_the_robot_to_a_stand_and_two_runs_do_not_meet(live: Start
     one.process.send_signal(signal.SIGINT)
     assert one.ends() == 130
     assert other.process.poll() is None
-    assert other.state.mode is Mode.RUN
+    assert other.state.gait is Gait.STEP
     other.process.send_signal(signal.SIGTERM)
     assert other.ends() == 130
     for run, reason in ((one, "Ctrl-C"), (other, "SIGTERM")):
-        assert (run.report["outcome"], run.report["reason"], run.report["stops"]) == ("interrupted", reason, [])
+        assert (run.report["outcome"], run.report["reason"]) == ("interrupted", reason)
         assert stands(run)
         assert is_whole(run)
 
@@ -62,8 +62,8 @@ def test_without_perception_the_watchdog_holds_and_an_estop_from_outside_ends_it
     run = live("watched")
     run.walks()
     run.kill("perception")
-    until("the watchdog's branch", lambda: "▶ blind" in run.output)
-    assert "the perception process ended (killed by signal 9)" in run.output
+    ended = "the perception process ended (killed by signal 9)"
+    until("the watchdog's branch", lambda: "▶ blind" in run.output.partition(ended)[2])
     done = command("estop", "--run", run.run_id, "--reason", "a test of it")
     assert (done.returncode, done.stderr) == (0, "")
     assert "emergency stop after" in done.stdout
@@ -75,20 +75,18 @@ def test_without_perception_the_watchdog_holds_and_an_estop_from_outside_ends_it
 
 
 def test_when_decision_is_killed_control_stops_holds_and_ends_by_itself(live: Start) -> None:
-    run = live("walk", "--hold", "1.5")
+    run = live("walk", "--hold", "4")
     run.walks()
     run.process.kill()
     run.process.wait()
     until("the protective stop", lambda: run.state.mode is Mode.PROTECTIVE_STOP)
-    killed = run.state
     run.leaves_nothing()
     stop = next(line for line in run.log if line["kind"] == "stop")
     assert stop["text"].startswith("protective_stop: decision silent")
     assert stop["commanded_by"] == {"base": "walk/emergency_stop/walk"}
-    # every command carries the time of the state that its tick saw, and ticks count from 0, 20 ms apart
-    assert stop["time"] <= killed.time
+    assert stop["time"] - stop["last_command"] < 0.25  # 0.1 s after it was heard, and it was stamped before its tick
     texts = [line["text"] for line in run.log]
-    assert "decision died; control holds the robot for 1.5 s and ends" in texts
+    assert "decision died; control holds the robot for 4 s and ends" in texts
     assert texts[-1] == "control ended: decision died before"
     assert run.state.mode is Mode.PROTECTIVE_STOP
     assert stands(run)
