@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import select
 import sys
 import termios
@@ -15,7 +16,7 @@ HELP = "keys: space or e emergency stop, r reset, q quit"
 
 _POLL = 0.1  # s between looks whether the run is over
 _LONGEST = 64  # bytes taken at once
-_ESCAPE = b"\x1b"  # begins what arrows and function keys send
+_SEQUENCE = re.compile(r"\x1b(\[[0-?]*[ -/]*[@-~]|O.)?")  # what arrows and function keys send; see ECMA-48
 
 
 def available() -> bool:
@@ -63,8 +64,6 @@ def _listen(descriptor: int, actions: Mapping[str, Callable[[], None]], over: th
             return  # the terminal is gone
         if not pressed:
             return
-        if pressed.startswith(_ESCAPE):
-            continue
-        for key in pressed.decode(errors="ignore").lower():
+        for key in _SEQUENCE.sub("", pressed.decode(errors="ignore")).lower():
             if key in actions:
                 actions[key]()
