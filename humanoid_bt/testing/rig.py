@@ -119,7 +119,7 @@ class Rig:
         """Stand at the origin, heading along x, at time zero, with nothing seen."""
         self._perception = ScriptedPerception()
         self._lockstep.reset(self._perception)
-        self._robot = Robot(self._model.config, self._lockstep.clock)
+        self._robot = Robot(self._model.config, self._lockstep.clock, self._lockstep.controller.supervisor.raise_estop)
         self._script = []
         self._silent_until = -math.inf
 

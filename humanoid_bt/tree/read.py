@@ -146,7 +146,7 @@ class Reader:
                 else:
                     given[key] = value
                     draft.value_places[key] = item.place
-            elif node_type.kind in ("condition", "skill"):
+            elif node_type.kind in ("condition", "action", "skill"):
                 hint = nearest(key, [*node_type.params, "name"])
                 self._problem(f"unknown parameter {key!r} of {node_type.type_name!r}", body.key_places[key], hint)
         draft.values, problems = read_values(wanted, Item(given, draft.place), repr(node_type.type_name))
