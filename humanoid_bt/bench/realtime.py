@@ -1,0 +1,69 @@
+"""Realtime mode measured on this machine: how punctual, how quick to stop, idle and under load, beside C."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack
+from dataclasses import dataclass
+from pathlib import Path
+
+from humanoid_bt.bench.baseline import Baseline
+from humanoid_bt.bench.load import load
+from humanoid_bt.bench.punctuality import Punctuality, punctuality
+from humanoid_bt.bench.reactions import Reaction, reactions
+from humanoid_bt.bench.subject import Subject
+from humanoid_bt.realtime.schedule import last_core
+
+OURS = "servo"
+LATENESS_MUST = 100.0
+"""Bound of the servo's p99 lateness with realtime priority, also under load [us]."""
+
+
+@dataclass(frozen=True)
+class Note:
+    """Something that a reader of the figures has to know."""
+
+    text: str
+
+
+def measure_realtime(
+    duration: float, repetitions: int, progress: Callable[[str], None]
+) -> Iterator[Punctuality | Reaction | Note]:
+    """Measure everything, one figure after the other. Closing the iterator ends every process it started.
+
+    Args:
+        duration: of each phase of wake-ups [s].
+        repetitions: of each reaction.
+        progress: told what is measured next.
+    """
+    with tempfile.TemporaryDirectory() as folder, ExitStack() as stack:
+        baseline = Baseline.compile(Path(folder))
+        if baseline is None:
+            yield Note("no C compiler, or one that cannot compile this here: no baseline")
+
+        def beside(loaded: bool) -> Iterator[Punctuality | Note]:
+            if baseline is not None:
+                progress(f"{_load(loaded)}: the same loop in C")
+                figures = baseline.run(duration, last_core(), loaded)
+                yield from figures or (Note(f"{_load(loaded)}: the loop in C failed: no baseline"),)
+
+        yield from beside(loaded=False)
+        progress("starting control")
+        with Subject() as subject:
+            for loaded in (False, True):
+                if loaded:
+                    progress("starting the load")
+                    stack.enter_context(load())
+                progress(f"{_load(loaded)}: wake-ups of the servo, {duration:g} s")
+                woke, late, _, skipped = zip(*subject.collect(duration), strict=True)
+                yield punctuality(OURS, loaded, subject.fifo, woke, late, skipped)
+                progress(f"{_load(loaded)}: reactions, {repetitions} times each")
+                for reaction in reactions(subject, repetitions, loaded):
+                    progress(f"{_load(loaded)}: measured: {reaction.cause}")
+                    yield reaction
+        yield from beside(loaded=True)
+
+
+def _load(loaded: bool) -> str:
+    return "under load" if loaded else "idle"
