@@ -71,6 +71,8 @@ class Baseline:
         woke, late, slept_late, skipped = np.fromfile(file, dtype=np.int64).reshape(-1, 4).T
         fifo = out.strip() == "1"
         return (
-            punctuality(SAME_LOOP, loaded, fifo, woke, late, skipped),
-            punctuality(SLEEP_ALONE, loaded, fifo, woke - late + slept_late, slept_late, skipped),
+            punctuality(SAME_LOOP, loaded=loaded, fifo=fifo, woke=woke, late=late, skipped=skipped),
+            punctuality(
+                SLEEP_ALONE, loaded=loaded, fifo=fifo, woke=woke - late + slept_late, late=slept_late, skipped=skipped
+            ),
         )

@@ -44,7 +44,7 @@ def percentile(values: ArrayLike, share: float) -> float:
 
 
 def punctuality(
-    loop: str, loaded: bool, fifo: bool, woke: ArrayLike, late: ArrayLike, skipped: ArrayLike
+    loop: str, *, loaded: bool, fifo: bool, woke: ArrayLike, late: ArrayLike, skipped: ArrayLike
 ) -> Punctuality:
     """Return how punctual a loop with the servo's period was.
 
@@ -57,7 +57,8 @@ def punctuality(
         skipped: how many before it were skipped, shape (n,).
     """
     late_us = np.asarray(late, dtype=np.float64) / 1e3
-    jitter = np.abs(np.diff(np.asarray(woke, dtype=np.int64)) / 1e3 - SERVO_PERIOD * 1e6)
+    woke_ns: NDArray[np.int64] = np.asarray(woke, dtype=np.int64)
+    jitter = np.abs(woke_ns[1:] - woke_ns[:-1] - round(SERVO_PERIOD * 1e9)) / 1e3
     return Punctuality(
         loop,
         loaded,

@@ -22,8 +22,9 @@ ESTOPS_PER_REPETITION = 20
 MAX_AGE = 0.5
 """Age at which a percept counts as lost [s]: that of the built-in tree's watchdog."""
 
-_STOP_MUST, _STOP_AIM = 120.0, 60.0  # ms
-_ESTOP_MUST, _ESTOP_AIM = 3.0, 2.0  # ms
+_Bounds = tuple[float | None, float | None]  # must, aim [ms]
+_STOP: _Bounds = (120.0, 60.0)
+_ESTOP: _Bounds = (3.0, 2.0)
 _PHASE = 0.040  # s over which causes are spread, so that they meet every phase of a tick
 _GIVE_UP = 3.0  # s after which a percept should long be lost
 
@@ -81,7 +82,7 @@ def reactions(subject: Subject, repetitions: int, loaded: bool) -> Iterator[Reac
     """
     phases = random.Random(repetitions)
 
-    def measure(cause: str, answer: str, trial: Trial, count: int, must: float | None, aim: float | None) -> Reaction:
+    def measure(cause: str, answer: str, trial: Trial, count: int, bounds: _Bounds) -> Reaction:
         delays: list[float] = []
         standing = 0
         for _ in range(count):
@@ -93,16 +94,16 @@ def reactions(subject: Subject, repetitions: int, loaded: bool) -> Iterator[Reac
                 standing += 1
             else:
                 subject.restart()
-        return Reaction(cause, answer, loaded, count, tuple(delays), standing, must, aim)
+        return Reaction(cause, answer, loaded, count, tuple(delays), standing, *bounds)
 
     estops = repetitions * ESTOPS_PER_REPETITION
     stop = "protective stop"
-    yield measure("e-stop in another process", "emergency stop", _estop, estops, _ESTOP_MUST, _ESTOP_AIM)
-    yield measure("decision killed", stop, _killed, repetitions, _STOP_MUST, _STOP_AIM)
-    yield measure("decision stopped", stop, _stopped, repetitions, _STOP_MUST, _STOP_AIM)
-    yield measure("decision hangs", stop, _hung, repetitions, _STOP_MUST, _STOP_AIM)
-    yield measure("NaN in every command", stop, _spoilt, repetitions, _STOP_MUST, _STOP_AIM)
-    yield measure("perception killed", f"percept older than {MAX_AGE * 1000:g} ms", _blind, repetitions, None, None)
+    yield measure("e-stop raised", "emergency stop", _estop, estops, _ESTOP)
+    yield measure("decision killed", stop, _killed, repetitions, _STOP)
+    yield measure("decision stopped", stop, _stopped, repetitions, _STOP)
+    yield measure("decision hangs", stop, _hung, repetitions, _STOP)
+    yield measure("NaN in every command", stop, _spoilt, repetitions, _STOP)
+    yield measure("perception killed", f"percept older than {MAX_AGE * 1000:g} ms", _blind, repetitions, (None, None))
 
 
 def _estop(subject: Subject) -> float | None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Generator, Iterator
 from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
@@ -29,8 +29,8 @@ class Note:
 
 def measure_realtime(
     duration: float, repetitions: int, progress: Callable[[str], None]
-) -> Iterator[Punctuality | Reaction | Note]:
-    """Measure everything, one figure after the other. Closing the iterator ends every process it started.
+) -> Generator[Punctuality | Reaction | Note]:
+    """Measure everything, one figure after the other. Closing the generator ends every process it started.
 
     Args:
         duration: of each phase of wake-ups [s].
@@ -57,7 +57,7 @@ def measure_realtime(
                     stack.enter_context(load())
                 progress(f"{_load(loaded)}: wake-ups of the servo, {duration:g} s")
                 woke, late, _, skipped = zip(*subject.collect(duration), strict=True)
-                yield punctuality(OURS, loaded, subject.fifo, woke, late, skipped)
+                yield punctuality(OURS, loaded=loaded, fifo=subject.fifo, woke=woke, late=late, skipped=skipped)
                 progress(f"{_load(loaded)}: reactions, {repetitions} times each")
                 for reaction in reactions(subject, repetitions, loaded):
                     progress(f"{_load(loaded)}: measured: {reaction.cause}")
