@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Callable, Generator, Iterator
-from contextlib import ExitStack
+from collections.abc import Callable, Generator, Iterator, Sequence
+from contextlib import nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -28,7 +28,7 @@ class Note:
 
 
 def measure_realtime(
-    duration: float, repetitions: int, progress: Callable[[str], None]
+    duration: float, repetitions: int, progress: Callable[[str], None], loads: Sequence[bool] = (False, True)
 ) -> Generator[Punctuality | Reaction | Note]:
     """Measure everything, one figure after the other. Closing the generator ends every process it started.
 
@@ -36,33 +36,34 @@ def measure_realtime(
         duration: of each phase of wake-ups [s].
         repetitions: of each reaction.
         progress: told what is measured next.
+        loads: with which load, in this order: False for idle, True for every core busy.
     """
-    with tempfile.TemporaryDirectory() as folder, ExitStack() as stack:
+    with tempfile.TemporaryDirectory() as folder:
         baseline = Baseline.compile(Path(folder))
         if baseline is None:
             yield Note("no C compiler, or one that cannot compile this here: no baseline")
+        for loaded in loads:
+            with load() if loaded else nullcontext():
+                if baseline is not None:
+                    progress(f"{_load(loaded)}: the same loop in C, {duration:g} s")
+                    figures = baseline.run(duration, last_core(), loaded)
+                    yield from figures or (Note(f"{_load(loaded)}: the loop in C failed: no baseline"),)
+                yield from _ours(duration, repetitions, loaded, progress)
 
-        def beside(loaded: bool) -> Iterator[Punctuality | Note]:
-            if baseline is not None:
-                progress(f"{_load(loaded)}: the same loop in C")
-                figures = baseline.run(duration, last_core(), loaded)
-                yield from figures or (Note(f"{_load(loaded)}: the loop in C failed: no baseline"),)
 
-        yield from beside(loaded=False)
-        progress("starting control")
-        with Subject() as subject:
-            for loaded in (False, True):
-                if loaded:
-                    progress("starting the load")
-                    stack.enter_context(load())
-                progress(f"{_load(loaded)}: wake-ups of the servo, {duration:g} s")
-                woke, late, _, skipped = zip(*subject.collect(duration), strict=True)
-                yield punctuality(OURS, loaded=loaded, fifo=subject.fifo, woke=woke, late=late, skipped=skipped)
-                progress(f"{_load(loaded)}: reactions, {repetitions} times each")
-                for reaction in reactions(subject, repetitions, loaded):
-                    progress(f"{_load(loaded)}: measured: {reaction.cause}")
-                    yield reaction
-        yield from beside(loaded=True)
+def _ours(
+    duration: float, repetitions: int, loaded: bool, progress: Callable[[str], None]
+) -> Iterator[Punctuality | Reaction]:
+    """Measure the real processes under one load."""
+    progress(f"{_load(loaded)}: starting control")
+    with Subject() as subject:
+        progress(f"{_load(loaded)}: wake-ups of the servo, {duration:g} s")
+        woke, late, _, skipped = zip(*subject.collect(duration), strict=True)
+        yield punctuality(OURS, loaded=loaded, fifo=subject.fifo, woke=woke, late=late, skipped=skipped)
+        progress(f"{_load(loaded)}: reactions, {repetitions} times each")
+        for reaction in reactions(subject, repetitions, loaded):
+            yield reaction
+            progress(f"{_load(loaded)}: reactions; measured: {reaction.cause}")
 
 
 def _load(loaded: bool) -> str:

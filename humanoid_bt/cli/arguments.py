@@ -30,6 +30,13 @@ examples:
   humanoid-bt run trees/mine.yaml --serve in a browser
 """
 
+_BENCH_EXAMPLES = """\
+examples:
+  humanoid-bt bench
+  humanoid-bt bench --realtime            can this board do it?
+  humanoid-bt bench --realtime --duration 60 --json board.json
+"""
+
 _CHECK_EXAMPLES = """\
 examples:
   humanoid-bt check                       all of this folder
@@ -44,14 +51,6 @@ _SHOW_EXAMPLES = """\
 examples:
   humanoid-bt show fetch
   humanoid-bt show fetch --format dot | dot -Tsvg > fetch.svg
-"""
-
-
-_BENCH_EXAMPLES = """\
-examples:
-  humanoid-bt bench
-  humanoid-bt bench --realtime            can this board do it?
-  humanoid-bt bench --realtime --duration 60 --json board.json
 """
 
 

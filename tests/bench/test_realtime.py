@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import json
+import os
 import signal
 import subprocess
 import sys
@@ -12,12 +12,15 @@ from pathlib import Path
 import pytest
 
 from humanoid_bt.bench.baseline import SAME_LOOP, SLEEP_ALONE, Baseline
+from humanoid_bt.bench.load import load
+from humanoid_bt.bench.punctuality import Punctuality
+from humanoid_bt.bench.reactions import ESTOPS_PER_REPETITION, Reaction
+from humanoid_bt.bench.realtime import OURS, measure_realtime
 from humanoid_bt.cli.arguments import parser
+from humanoid_bt.link.processes import ProcessIdentity
 from humanoid_bt.link.run_folder import default_root
 
 pytestmark = pytest.mark.skipif(not sys.platform.startswith("linux"), reason="Linux only")
-
-BENCH = [sys.executable, "-m", "humanoid_bt", "bench", "--realtime", "--duration", "1", "--repetitions", "1"]
 
 
 def test_the_baseline_runs_beside_any_compiler(tmp_path: Path) -> None:
@@ -53,40 +56,52 @@ def test_a_duration_that_makes_no_sense_is_refused(duration: str, capsys: pytest
     assert "0.1 to 3600" in capsys.readouterr().err
 
 
+def test_load_ends_with_its_context() -> None:
+    before = set(descendants(os.getpid()))
+    with pytest.raises(KeyboardInterrupt), load():
+        burning = set(descendants(os.getpid())) - before
+        assert len(burning) == len(os.sched_getaffinity(0))
+        raise KeyboardInterrupt
+    assert not alive(burning)
+
+
 @pytest.mark.realtime
-@pytest.mark.slow
-def test_a_short_bench_measures_everything_and_leaves_nothing(tmp_path: Path) -> None:
-    file = tmp_path / "figures.json"
+def test_a_short_bench_measures_everything_and_leaves_nothing() -> None:
     before = folders()
-    done = subprocess.run([*BENCH, "--json", file], capture_output=True, text=True, timeout=150, check=False)
-    assert done.returncode == 0, done.stdout + done.stderr
-    data = json.loads(file.read_text(encoding="utf-8"))
-    servo = [loop for loop in data["loops"] if loop["loop"] == "servo"]
-    assert [loop["loaded"] for loop in servo] == [False, True]
-    assert all(loop["cycles"] + loop["missed"] > 500 for loop in servo)
-    assert len(data["reactions"]) == 12
-    for reaction in data["reactions"]:
-        assert len(reaction["delays"]) == reaction["repetitions"] == reaction["standing"]
-        assert 0 < reaction["p50"] < 3000
+    figures = list(measure_realtime(0.3, 1, lambda _text: None, loads=[False]))
+    servo = [figure for figure in figures if isinstance(figure, Punctuality) and figure.loop == OURS]
+    assert len(servo) == 1
+    assert servo[0].cycles + servo[0].missed > 100
+    answers = [figure for figure in figures if isinstance(figure, Reaction)]
+    assert [answer.repetitions for answer in answers] == [ESTOPS_PER_REPETITION, 1, 1, 1, 1, 1]
+    for answer in answers:
+        assert len(answer.delays) == answer.standing == answer.repetitions, answer
+        assert 0 < answer.p50 < 3000
     assert folders() <= before
 
 
 @pytest.mark.realtime
 def test_interrupting_the_bench_ends_what_it_started() -> None:
     before = folders()
-    with subprocess.Popen([*BENCH, "--duration", "30"], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as bench:
-        time.sleep(1.0)
-        children = descendants(bench.pid)
+    command = [sys.executable, "-m", "humanoid_bt", "bench", "--realtime", "--duration", "0.1"]
+    with subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE) as bench:
+        deadline = time.monotonic() + 60
+        while len(children := set(descendants(bench.pid))) < 2 and time.monotonic() < deadline:
+            time.sleep(0.01)
         bench.send_signal(signal.SIGINT)
         assert bench.wait(30) == 130
-    assert children
-    assert not [pid for pid in children if Path(f"/proc/{pid}").exists()]
+    assert len(children) >= 2
+    assert not alive(children)
     assert folders() <= before
 
 
 def folders() -> set[str]:
     root = default_root()
     return {path.name for path in root.iterdir() if path.name != ".lock"} if root.exists() else set()
+
+
+def alive(processes: set[int]) -> list[int]:
+    return [pid for pid in processes if ProcessIdentity.of(pid).started]
 
 
 def descendants(pid: int) -> list[int]:
