@@ -120,10 +120,10 @@ class Schedule:
             self._next += skipped * self._period
             self.missed += skipped
         due = self._next
-        if due - self._spin > now:
+        while due - self._spin > now:  # again if a signal ended the sleep early
             self._sleep_until(due - self._spin)
-        now = clock()
-        while now < due:  # the end of the sleep, or a signal ended it early
+            now = clock()
+        while now < due:
             now = clock()
         self._next = due + self._period
         return now - due, skipped
