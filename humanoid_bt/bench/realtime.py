@@ -8,6 +8,8 @@ from contextlib import nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
+
 from humanoid_bt.bench.baseline import Baseline
 from humanoid_bt.bench.load import load
 from humanoid_bt.bench.punctuality import Punctuality, punctuality
@@ -58,7 +60,7 @@ def _ours(
     progress(f"{_load(loaded)}: starting control")
     with Subject() as subject:
         progress(f"{_load(loaded)}: wake-ups of the servo, {duration:g} s")
-        woke, late, _, skipped = zip(*subject.collect(duration), strict=True)
+        woke, late, _, skipped = np.array(subject.collect(duration), dtype=np.int64).reshape(-1, 4).T
         yield punctuality(OURS, loaded=loaded, fifo=subject.fifo, woke=woke, late=late, skipped=skipped)
         progress(f"{_load(loaded)}: reactions, {repetitions} times each")
         for reaction in reactions(subject, repetitions, loaded):

@@ -38,8 +38,9 @@ class Subject:
     def __init__(self) -> None:
         workspace = Workspace(builtin_root())
         robot, scene = workspace.find_robot(_ROBOT), workspace.find_scene(_SCENE)
-        self.core = last_core()
-        self._spec = RunSpec(str(robot.resolve()), str(scene.resolve()), 0, self.core, "", _HOLD)
+        self._spec = RunSpec(
+            robot=str(robot.resolve()), scene=str(scene.resolve()), seed=0, core=last_core(), log="", hold=_HOLD
+        )
         self._folder: RunFolder | None = None
         self._processes: dict[str, subprocess.Popen[str]] = {}
 
