@@ -30,6 +30,13 @@ examples:
   humanoid-bt run trees/mine.yaml --serve in a browser
 """
 
+_BENCH_EXAMPLES = """\
+examples:
+  humanoid-bt bench
+  humanoid-bt bench --realtime            can this board do it?
+  humanoid-bt bench --realtime --duration 60 --json board.json
+"""
+
 _CHECK_EXAMPLES = """\
 examples:
   humanoid-bt check                       all of this folder
@@ -168,9 +175,25 @@ def parser() -> Parser:
     bench = command(
         "bench",
         "measure the engine beside baselines",
-        "Measure the engine. Every figure is a ratio to a baseline\nmeasured in the same run.",
+        "Measure the engine. Every cost is a ratio to a baseline measured\nin the same run.",
+        _BENCH_EXAMPLES,
     )
-    bench.add_argument("--repetitions", type=_positive_int, default=5, metavar="N", help="of each pair; default 5")
+    bench.add_argument(
+        "--realtime",
+        action="store_true",
+        help="measure realtime mode instead: how punctual the servo is beside the same loop in C, "
+        "and how quickly the robot stops, idle and with every core busy; takes 2 to 3 minutes",
+    )
+    bench.add_argument(
+        "--duration",
+        type=_phase,
+        default=10.0,
+        metavar="S",
+        help="with --realtime: how long each loop is watched [s]; default 10",
+    )
+    bench.add_argument(
+        "--repetitions", type=_positive_int, default=5, metavar="N", help="of each pair, or each cause; default 5"
+    )
     bench.add_argument("--json", type=Path, metavar="FILE", help="write the figures to this file too")
     return top
 
@@ -260,6 +283,7 @@ def _number(kind: Callable[[str], Any], valid: str, is_valid: Callable[[Any], bo
 
 
 _positive = _number(float, "a number above 0", lambda value: 0 < value < float("inf"))
+_phase = _number(float, "a number from 0.1 to 3600", lambda value: 0.1 <= value <= 3600)
 _positive_int = _number(int, "a whole number above 0", lambda value: value > 0)
 _seed = _number(int, "a whole number, 0 or more", lambda value: value >= 0)
 _port = _number(int, "a port from 1 to 65534", lambda value: 1 <= value <= 65534)

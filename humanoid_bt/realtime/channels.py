@@ -20,6 +20,8 @@ _SIZES: dict[str, tuple[int, int]] = {  # ring -> (bytes in a slot, slots)
     "notice": (2048, 256),  # control -> decision: what happened
     "refusal": (1024, 256),  # control -> decision: commands that were refused
     "timing": (4096, 8),  # control -> all: how punctual it is
+    "wake": (32, 4096),  # control -> all: every servo cycle, 4 s of them
+    "stop": (4096, 64),  # control -> all: when stops began on the monotonic clock
     "status": (8192, 8),  # decision -> all: what the tree does
 }
 

@@ -29,7 +29,7 @@ from humanoid_bt.plant.scene import Scene, load_scene
 from humanoid_bt.realtime import channels
 from humanoid_bt.realtime.channels import RunSpec
 from humanoid_bt.realtime.schedule import Schedule, claim
-from humanoid_bt.realtime.timing import Stopwatch
+from humanoid_bt.realtime.timing import StopRecord, Stopwatch, Wake
 
 _STALL = 10  # servo cycles skipped in a row after which the others are forgiven a silence, because it was our own
 _TIMING_PERIOD = 200  # servo cycles between two reports of the timing
@@ -57,6 +57,7 @@ class ControlProcess:
         self._notices = channels.writer(folder, "notice")
         self._refusals = channels.writer(folder, "refusal")
         self._timings = channels.writer(folder, "timing")
+        self._wakes, self._stops = channels.writer(folder, "wake"), channels.writer(folder, "stop")
         self._estop = channels.estop(folder)
         self._quit = channels.quit_flag(folder)
         self._command_sequence = self._request_sequence = 0
@@ -89,7 +90,9 @@ class ControlProcess:
                 self._plant.move_objects()
             controller.run_cycle()
             self._after_cycle(stopwatch)
-            stopwatch.note(late, time.monotonic_ns() - began, skipped)
+            busy = time.monotonic_ns() - began
+            stopwatch.note(late, busy, skipped)
+            self._wakes.write(Wake.pack(began, late, busy, skipped))
         self._close(stopwatch)
 
     # ---- in ---------------------------------------------------------------------------------------------------------
@@ -140,6 +143,10 @@ class ControlProcess:
 
     def _after_cycle(self, stopwatch: Stopwatch) -> None:
         cycle, supervisor = self._controller.cycle, self._controller.supervisor
+        if len(supervisor.stops) > self._told_stops:  # its setpoint is out
+            stop = supervisor.stops[-1]
+            record = StopRecord(time.monotonic_ns(), stop.time, stop.mode.value, stop.reason, stop.source)
+            self._stops.write(record.to_bytes())
         if cycle % self._state_phase == 2:  # not in the cycle that plans the whole body: that one is full
             self._publish()
         if len(supervisor.stops) > self._told_stops:
