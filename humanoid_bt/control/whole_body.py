@@ -121,7 +121,7 @@ class WholeBody:
         Args:
             measurement: the measured state.
             targets: resource -> target; what is missing comes to rest.
-            hold: finish the step, stand, and keep hands, gaze and height where they are.
+            hold: finish the step, stand, and keep hands, gaze and height where they are relative to the stance.
         """
         dynamics, walker, stabilizer = self.dynamics, self.walker, self._stabilizer
         dynamics.update(measurement)
@@ -178,7 +178,9 @@ class WholeBody:
         for side, reference in self._hands.items():
             target = targets.get(f"{side}_hand")
             point = target.position if isinstance(target, HandTarget) else None
-            position = reference.update(point, hold, self.dynamics.palm(side), self.kinematics.palm(side))
+            position = reference.update(
+                point, hold, self.dynamics.palm(side), self.kinematics.palm(side), self.walker.stance
+            )
             if position is not None:
                 positions[side] = position
         commanded = frozenset(positions)

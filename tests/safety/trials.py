@@ -22,7 +22,7 @@ from tests.safety.machine import Machine, Scripted, seconds
 from tests.safety.rows import ROWS, SETTLE, Row
 
 AFTERWARD = cycles(0.3)
-"""Servo cycles that are run after a stand was reached: it must last."""
+"""Servo cycles in which arms that were released get going before a stand counts."""
 
 _UPRIGHT = 0.15  # rad of tilt, and...
 _TALL = 0.9  # ...share of the base's height at the start: less is no stand
@@ -118,11 +118,17 @@ def _come_to_rest(machine: Machine, row: Row) -> None:
         return
     if row.modes[-1:] != (Mode.PROTECTIVE_STOP,) and not row.resets and row.name != "perception dead":
         machine.release()
-    machine.run(SETTLE, until=lambda state: state.base_settled or state.mode is Mode.DAMP)
+        machine.run(AFTERWARD)
+    _stand(machine)
     if row.resets:
         machine.release()
         machine.supervisor.reset()
-    machine.run(AFTERWARD)
+        machine.run(AFTERWARD)
+        _stand(machine)
+
+
+def _stand(machine: Machine) -> None:
+    machine.run(SETTLE, until=lambda state: state.base_settled or state.mode is Mode.DAMP)
 
 
 # ---- many -----------------------------------------------------------------------------------------------------------
