@@ -15,6 +15,7 @@ from humanoid_bt.plant.robot_config import WholeBodyConfig
 
 _CORRECT_WITHIN = 0.05  # m from the target at which the measured error is integrated
 _CORRECT_MAX = 0.05  # m
+_REGAIN = 0.05  # m within reach again, before a hand that was let go follows (hysteresis)
 _PITCH_RANGE = (-0.5, 0.8)  # rad, up and down
 _NECK_SHARE = 0.9  # of the neck's range that is used before the torso helps
 _RELAX_SPEED = 1.0  # rad/s at which released joints go back to the home posture
@@ -24,7 +25,8 @@ class HandReference:
     """The reference of one palm: goes to the target at limited speed, then corrects the measured error.
 
     A held palm is held relative to the stance. Were it held in the world, a robot that finishes its step would walk on
-    against its own arm.
+    against its own arm. For the same reason a hand is let go while the robot walks and its target is out of reach; it
+    follows again once the target is within reach.
 
     Args:
         weights: the robot's numbers.
@@ -37,9 +39,10 @@ class HandReference:
         self._correction: Array = np.zeros(3)
         self._sent: Array = np.zeros(3)  # what was returned last
         self._stance: Array = np.zeros(3)  # what these belong to
+        self._let_go = False
 
     def update(
-        self, target: Array | None, hold: bool, measured: Array, reference: Array, stance: Array
+        self, target: Array | None, hold: bool, measured: Array, reference: Array, stance: Array, walks: bool
     ) -> Array | None:
         """Return where the inverse kinematics shall bring the palm, or None when it is free.
 
@@ -48,6 +51,7 @@ class HandReference:
             hold: stay where the reference is, as seen from the stance, whatever the target.
             measured, reference: palm positions, of the robot and of the inverse kinematics, shape (3,) [m].
             stance: pose of the middle between the feet, world frame, shape (3,).
+            walks: whether the stance moves.
         """
         before, self._stance = self._stance, stance
         if hold:
@@ -58,6 +62,8 @@ class HandReference:
             self._correction[:2] = rotate(self._correction[:2], stance[2] - before[2])
             return self._sent
         if target is None:
+            self._let_go = False
+        if target is None or self._lets_go(target, stance, walks):
             self._position = None
             self._correction = np.zeros(3)
             return None
@@ -71,6 +77,13 @@ class HandReference:
             self._correction = np.clip(correction, -_CORRECT_MAX, _CORRECT_MAX)
         self._sent = _toward(self._sent, self._position + self._correction, step)
         return self._sent
+
+    def _lets_go(self, target: Array, stance: Array, walks: bool) -> bool:
+        weights, margin = self._weights, _REGAIN if self._let_go else 0.0
+        x, y = seen_from(stance, target)
+        near, far = weights.hand_nearest + margin, weights.hand_farthest - margin
+        self._let_go = (walks or self._let_go) and (x < near or math.hypot(x, y) > far)
+        return self._let_go
 
 
 class GazeReference:

@@ -23,6 +23,7 @@ from humanoid_bt.messages import (
     SIDES,
     Array,
     BaseTarget,
+    Gait,
     GazeTarget,
     HandTarget,
     Measurement,
@@ -175,12 +176,12 @@ class WholeBody:
 
     def _hand_positions(self, targets: Mapping[str, Target], hold: bool) -> dict[Side, Array]:
         positions: dict[Side, Array] = {}
+        stance, walks = self.walker.stance, self.walker.gait is not Gait.STAND
         for side, reference in self._hands.items():
             target = targets.get(f"{side}_hand")
             point = target.position if isinstance(target, HandTarget) else None
-            position = reference.update(
-                point, hold, self.dynamics.palm(side), self.kinematics.palm(side), self.walker.stance
-            )
+            measured, planned = self.dynamics.palm(side), self.kinematics.palm(side)
+            position = reference.update(point, hold, measured, planned, stance, walks)
             if position is not None:
                 positions[side] = position
         commanded = frozenset(positions)
