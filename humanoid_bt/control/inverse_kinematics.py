@@ -54,9 +54,9 @@ class BodyTargets:
 class InverseKinematics:
     """Keeps the configuration of the last setpoint and moves it toward the targets.
 
-    When the solver finds no solution, hands, gaze and posture are held, and the legs go on balancing by damped least
-    squares without the limits, which always has a solution: a body that froze in the middle of a step would fall. The
-    joints are clamped into their limits afterwards.
+    When the solver finds no solution, the body goes on balancing by damped least squares without the limits, which has
+    a solution for all finite targets: a body that froze in the middle of a step would fall. The joints are clamped into
+    their limits afterwards.
 
     Args:
         robot: the robot.
@@ -121,7 +121,7 @@ class InverseKinematics:
         return np.array(self.configuration.data.site_xpos[self._palms[side]])
 
     def step(self, targets: BodyTargets) -> bool:
-        """Move one control period toward the targets; without a solution only balance, and return False."""
+        """Move one control period toward the targets; return whether there was a solution within all limits."""
         self.tasks = self._set_targets(targets)
         try:
             velocity = mink.solve_ik(
@@ -136,16 +136,14 @@ class InverseKinematics:
         except mink.NoSolutionFound:
             self.solved = False
         if not self.solved:
-            velocity = self._balance()
+            velocity = self._without_limits()
         self.configuration.integrate_inplace(velocity, self._dt)
         self._follow_motion(velocity)
         return self.solved
 
-    def _balance(self) -> Array:
-        """Return the velocity that keeps the balance and nothing else, shape (nv,); zero if there is none either."""
-        self._posture.set_target(self.configuration.data.qpos)
-        tasks = [self._com, self._soles["left"], self._soles["right"], self._base, self._torso, self._posture]
-        problem = mink.build_ik(self.configuration, tasks, self._dt, damping=self._weights.damping, limits=[])
+    def _without_limits(self) -> Array:
+        """Return the velocity of damped least squares, shape (nv,), clamped; zero if even that has no solution."""
+        problem = mink.build_ik(self.configuration, self.tasks, self._dt, damping=self._weights.damping, limits=[])
         try:
             way = np.linalg.solve(problem.P, -problem.q)
         except np.linalg.LinAlgError:

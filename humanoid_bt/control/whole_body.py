@@ -122,7 +122,8 @@ class WholeBody:
         Args:
             measurement: the measured state.
             targets: resource -> target; what is missing comes to rest.
-            hold: finish the step, stand, and keep hands, gaze and height where they are relative to the stance.
+            hold: finish the step, stand, and keep hands, gaze and height where they are relative to the stance. They
+                are kept, too, after inverse kinematics without a solution.
         """
         dynamics, walker, stabilizer = self.dynamics, self.walker, self._stabilizer
         dynamics.update(measurement)
@@ -141,7 +142,7 @@ class WholeBody:
         )
         self._zmp = load.zmp
         self._tilt.update(walker.swing, measurement.qpos[:BASE_COORDINATES], self.kinematics.base_pose)
-        self.kinematics.step(self._body_targets(targets, hold))
+        self.kinematics.step(self._body_targets(targets, hold or not self.solved))
         position = self.kinematics.joints.copy()
         velocity = self.kinematics.velocity[BASE_DOFS:]
         torque = self._feedforward.torques(load, self.kinematics.acceleration, position, velocity)
