@@ -42,7 +42,14 @@ class HandReference:
         self._let_go = False
 
     def update(
-        self, target: Array | None, hold: bool, measured: Array, reference: Array, stance: Array, walks: bool
+        self,
+        target: Array | None,
+        hold: bool,
+        measured: Array,
+        reference: Array,
+        *,
+        stance: Array,
+        walks: bool = False,
     ) -> Array | None:
         """Return where the inverse kinematics shall bring the palm, or None when it is free.
 

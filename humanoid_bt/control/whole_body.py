@@ -182,7 +182,7 @@ class WholeBody:
             target = targets.get(f"{side}_hand")
             point = target.position if isinstance(target, HandTarget) else None
             measured, planned = self.dynamics.palm(side), self.kinematics.palm(side)
-            position = reference.update(point, hold, measured, planned, stance, walks)
+            position = reference.update(point, hold, measured, planned, stance=stance, walks=walks)
             if position is not None:
                 positions[side] = position
         commanded = frozenset(positions)

@@ -1,6 +1,6 @@
 """One fault at one random moment, and many of them.
 
-    python -m tests.safety.trials --repetitions 100
+python -m tests.safety.trials --repetitions 100
 """
 
 from __future__ import annotations
@@ -94,7 +94,7 @@ def trial(row_name: str, activity: str, seed: int) -> Outcome:
     machine.run(cycles(row.lasts))
     _come_to_rest(machine, row)
     state = machine.state
-    w, x, y, z = state.base_quaternion
+    _, x, y, _ = state.base_quaternion
     tilt = math.acos(min(1.0, max(-1.0, 1 - 2 * (x * x + y * y))))
     height = float(state.base_position[2])
     numbers = [state.joint_positions, state.joint_velocities, state.joint_torques, state.base_position]
