@@ -28,6 +28,7 @@ class Row:
         modes: the modes that must follow, in order; none: the mode stays RUN.
         ends: what ends the stop, or the fault.
         lasts: how long the fault is watched before the robot is let come to rest [s].
+        releases: whether decision lets go of the robot then; otherwise the stop itself, or the tree, brings it to rest.
         stands: whether the robot must be standing in the end.
         tree: whether a tree decides, instead of a script.
         resets: whether the latched stop is reset in the end.
@@ -39,6 +40,7 @@ class Row:
     modes: tuple[Mode, ...]
     ends: str
     lasts: float = 0.3
+    releases: bool = False
     stands: bool = True
     tree: bool = False
     resets: bool = False
@@ -172,14 +174,14 @@ ROWS = {
         Row("e-stop raised", estop, (STOP, RUN), "a reset", resets=True),
         Row("a node raised an exception", tree_failed, (PROTECT,), "the run's end"),
         Row("decision killed", killed, (PROTECT,), NEVER),
-        Row("decision stopped for 0.5 s", stopped, (PROTECT, RUN), FRESH, lasts=1.2),
+        Row("decision stopped for 0.5 s", stopped, (PROTECT, RUN), FRESH, lasts=1.2, releases=True),
         Row("decision stuck, then garbage", stuck, (PROTECT,), NEVER, lasts=0.6),
         *(Row(f"commands {name}", damaged(damage), (PROTECT,), NEVER) for name, damage in DAMAGES.items()),
-        Row("single bad commands", some_damaged, (), "the next good command", lasts=0.5),
+        Row("single bad commands", some_damaged, (), "the next good command", lasts=0.5, releases=True),
         Row("perception dead", blind, (), NEVER, lasts=1.0, tree=True),
-        Row("perception dead for 1.2 s", blind_for_a_while, (), "a fresh percept", lasts=1.8, tree=True),
-        Row("IK without solution for 0.1 s", unsolvable(0.1), (), "a solution", lasts=0.4),
-        Row("IK without solution for 0.5 s", unsolvable(0.5), (PROTECT, RUN), "a solution", lasts=1.2),
+        Row("perception dead for 1.2 s", blind_for_a_while, (), "a fresh percept", lasts=1.8, releases=True, tree=True),
+        Row("IK without solution for 0.1 s", unsolvable(0.1), (), "a solution", lasts=0.4, releases=True),
+        Row("IK without solution for 0.5 s", unsolvable(0.5), (PROTECT, RUN), "a solution", lasts=1.2, releases=True),
         Row("knocked over, 600 N for 0.2 s", knocked_over, (DAMP,), "a reset, back on its feet", 2.0, stands=False),
         Row("pushed, 60 N for 0.1 s, in a stop", pushed_while_stopped, (PROTECT,), NEVER, 1.3, promised=False),
     ]

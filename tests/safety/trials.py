@@ -116,7 +116,7 @@ def trial(row_name: str, activity: str, seed: int) -> Outcome:
 def _come_to_rest(machine: Machine, row: Row) -> None:
     if not row.stands:
         return
-    if row.modes[-1:] != (Mode.PROTECTIVE_STOP,) and not row.resets and row.name != "perception dead":
+    if row.releases:
         machine.release()
         machine.run(AFTERWARD)
     _stand(machine)
