@@ -42,9 +42,12 @@ def live(project: Path, tmp_path: Path) -> Iterator[Callable[..., Live]]:
     """Start a run as a process of its own; nothing of it outlives the test."""
     started: list[Live] = []
 
-    def start(tree: str, *options: str) -> Live:
-        started.append(Live(project, tmp_path / f"{len(started)}", tree, *options))
-        return started[-1]
+    def start(tree: str, *options: str, wait: bool = True) -> Live:
+        run = Live(project, tmp_path / f"{len(started)}", tree, *options)
+        started.append(run)
+        if wait:
+            run.ready()
+        return run
 
     yield start
     for run in started:

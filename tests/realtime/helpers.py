@@ -14,7 +14,6 @@ from pathlib import Path
 from typing import Any
 
 from humanoid_bt.link.run_folder import RunFolder, live_runs
-from humanoid_bt.link.segment import LinkError
 from humanoid_bt.link.wire import decode_state
 from humanoid_bt.messages import Gait, State
 from humanoid_bt.realtime import channels
@@ -71,6 +70,10 @@ class Live:
                 stderr=subprocess.STDOUT,
             )
         self.folder: RunFolder
+        self.pids: dict[str, int] = {}
+
+    def ready(self) -> None:
+        """Wait until the tree is ticked."""
         until("the run's start", self._started)
         self._states = channels.reader(self.folder, "state")
         self.run_id = self.folder.info.run_id
@@ -145,5 +148,5 @@ class Live:
         if self.process.poll() is None:
             self.process.kill()
         self.process.wait()
-        with contextlib.suppress(LinkError):
+        if self.pids:
             self.folder.close()

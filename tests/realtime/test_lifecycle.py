@@ -30,7 +30,9 @@ def is_whole(run: Live) -> bool:
 
 
 def test_signals_bring_the_robot_to_a_stand_and_two_runs_do_not_meet(live: Start) -> None:
-    one, other = live("walk"), live("walk")
+    one, other = live("walk", wait=False), live("walk", wait=False)
+    one.ready()
+    other.ready()
     one.walks()
     other.walks()
     one.process.send_signal(signal.SIGINT)
