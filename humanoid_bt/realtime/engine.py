@@ -83,10 +83,10 @@ class Realtime:
     # ---- life -------------------------------------------------------------------------------------------------------
 
     def start(self) -> None:
-        """Start the other processes and wait until the robot stands.
+        """Start the other processes and wait until the robot stands and perception has had a first look.
 
         Raises:
-            HumanoidBtError: control did not come up. Call :meth:`close` all the same.
+            HumanoidBtError: control or perception did not come up. Call :meth:`close` all the same.
         """
         clean_stale()
         core = None if live_runs() else last_core()  # two servo loops on one processor would starve each other
@@ -102,16 +102,22 @@ class Realtime:
         self._readers = {name: channels.reader(folder, name) for name in _READ}
         self.supervisor.connect(channels.estop(folder))
         children = self._children = Children(folder)
-        children.start("control", "humanoid_bt.realtime.control_process")
-        deadline = time.monotonic() + _START_TIMEOUT
-        while not self._readers["state"].sequence:
-            self._check_control(children)
-            if time.monotonic() > deadline:
-                raise HumanoidBtError(f"the control process did not start within {_START_TIMEOUT:g} s")
-            time.sleep(0.005)
-        children.start("perception", "humanoid_bt.realtime.perception_process")
+        self._start(children, "control", "state")
+        self._start(children, "perception", "percept")
         self._schedule = Schedule(DECISION_PERIOD, spin=False)
         self._state_at = time.monotonic()
+
+    def _start(self, children: Children, role: str, channel: str) -> None:
+        """Start a process and wait until it writes to its channel."""
+        children.start(role, f"humanoid_bt.realtime.{role}_process")
+        deadline = time.monotonic() + _START_TIMEOUT
+        while not self._readers[channel].sequence:
+            for known in {"control", role}:
+                if how := children.how_ended(known):
+                    raise ControlLost(f"the {known} process ended ({how})")
+            if time.monotonic() > deadline:
+                raise HumanoidBtError(f"the {role} process did not start within {_START_TIMEOUT:g} s")
+            time.sleep(0.005)
 
     def _spec(self, core: int | None) -> RunSpec:
         return RunSpec(

@@ -1,0 +1,56 @@
+"""The same tree does the same in lockstep and in realtime mode."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from py_trees.common import Status
+
+from humanoid_bt.record.events import Level
+from humanoid_bt.session.options import Mode, RunOptions
+from humanoid_bt.session.run import Run
+from humanoid_bt.tree.executor import NodeChange
+from humanoid_bt.workspace import Workspace
+
+NEAR = """
+format: 1
+name: near
+objects:
+  ball: {shape: ball, size: [8 cm], color: orange, position: [0.7, 0.05, 0.85]}
+percepts:
+  target: {object: ball}
+"""
+
+
+class Skills:
+    """Notes which skills started and how they ended, in order."""
+
+    def __init__(self) -> None:
+        self.told: list[tuple[str, Status]] = []
+
+    def node_changed(self, change: NodeChange) -> None:
+        name = change.path.rsplit("/", 1)[-1]
+        if name in ("approach", "reach", "idle") and change.status is not Status.INVALID:
+            self.told.append((name, change.status))
+
+    def event(self, time: float, level: Level, text: str) -> None:
+        pass
+
+    def progress(self, time: float, running: str) -> None:
+        pass
+
+
+@pytest.mark.realtime
+def test_the_same_tree_gives_the_same_sequence_of_skills(tmp_path: Path) -> None:
+    (tmp_path / "sim" / "scenes").mkdir(parents=True)
+    (tmp_path / "sim" / "scenes" / "near.yaml").write_text(NEAR, encoding="utf-8")
+    told: dict[Mode, list[tuple[str, Status]]] = {}
+    modes: tuple[Mode, ...] = ("lockstep", "realtime")
+    for mode in modes:
+        skills = Skills()
+        report = Run(RunOptions("fetch", scene="near", mode=mode, duration=30), Workspace(tmp_path), skills).execute()
+        assert (report.outcome, report.fell, report.external_force_max) == ("success", False, 0.0), report.reason
+        told[mode] = skills.told
+    assert told["lockstep"] == told["realtime"]
+    assert [name for name, status in told["lockstep"] if status is Status.SUCCESS] == ["approach", "reach"]
