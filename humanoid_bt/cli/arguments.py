@@ -30,6 +30,13 @@ examples:
   humanoid-bt run trees/mine.yaml --serve in a browser
 """
 
+_BENCH_EXAMPLES = """\
+examples:
+  humanoid-bt bench
+  humanoid-bt bench --realtime            can this board do it?
+  humanoid-bt bench --realtime --duration 60 --json board.json
+"""
+
 _CHECK_EXAMPLES = """\
 examples:
   humanoid-bt check                       all of this folder
@@ -44,6 +51,26 @@ _SHOW_EXAMPLES = """\
 examples:
   humanoid-bt show fetch
   humanoid-bt show fetch --format dot | dot -Tsvg > fetch.svg
+"""
+
+
+_ESTOP_EXAMPLES = """\
+examples:
+  humanoid-bt estop                       every robot that runs
+  humanoid-bt estop --reason "it is in the way"
+
+exit codes:
+  0  stopped
+  2  no robot is running
+  4  the e-stop is raised, but a robot did not show that it stopped
+"""
+
+_RESET_EXAMPLES = """\
+exit codes:
+  0  done
+  2  no robot is running, or several: give --run
+  3  refused, with the reason
+  4  no answer
 """
 
 
@@ -125,12 +152,48 @@ def parser() -> Parser:
     robots = command("robots", "list robots", "List the robots of this workspace.")
     _add_workspace(robots)
 
+    estop = command(
+        "estop",
+        "stop every running robot",
+        "Raise the emergency stop of every running robot, and see\nthat it stops. It stays stopped until a reset.",
+        _ESTOP_EXAMPLES,
+    )
+    _add_run_id(estop)
+    estop.add_argument("--reason", default="raised by hand", metavar="TEXT", help="why; goes into the recording")
+    _add_run_id(
+        command(
+            "reset",
+            "let a stopped robot go on",
+            "Clear an emergency stop, or a stop after a fall. It is\nrefused while a cause persists.",
+            _RESET_EXAMPLES,
+        )
+    )
+    status = command("status", "show a running robot", "Show a running robot.")
+    _add_run_id(status)
+    status.add_argument("--json", action="store_true", help="for programs")
+
     bench = command(
         "bench",
         "measure the engine beside baselines",
-        "Measure the engine. Every figure is a ratio to a baseline\nmeasured in the same run.",
+        "Measure the engine. Every cost is a ratio to a baseline measured\nin the same run.",
+        _BENCH_EXAMPLES,
     )
-    bench.add_argument("--repetitions", type=_positive_int, default=5, metavar="N", help="of each pair; default 5")
+    bench.add_argument(
+        "--realtime",
+        action="store_true",
+        help="measure realtime mode instead: how punctual the servo is beside the same loop in C, "
+        "and how quickly the robot stops, idle and with every core busy; takes 2 to 3 minutes",
+    )
+    bench.add_argument(
+        "--duration",
+        type=_phase,
+        default=10.0,
+        metavar="S",
+        help="with --realtime: how long each loop is watched [s]; default 10",
+    )
+    bench.add_argument(
+        "--repetitions", type=_positive_int, default=5, metavar="N", help="of each pair, or each cause; default 5"
+    )
     bench.add_argument("--json", type=Path, metavar="FILE", help="write the figures to this file too")
     return top
 
@@ -165,6 +228,13 @@ def _add_run(run: Parser) -> None:
         metavar="X",
         help="simulated seconds per second; default: 1 with a live view, else as fast as it can",
     )
+    run.add_argument(
+        "--hold",
+        type=_positive,
+        default=10.0,
+        metavar="S",
+        help="realtime: how long control balances the robot when decision has died [s]; default 10",
+    )
     view = run.add_mutually_exclusive_group()
     view.add_argument("--view", action="store_true", default=None, help="open the live view (default with a display)")
     view.add_argument("--no-view", action="store_false", dest="view", help="do not open the live view")
@@ -182,6 +252,10 @@ def _add_run(run: Parser) -> None:
     run.add_argument("--report", type=Path, metavar="FILE", help="write a report of the run as JSON")
     run.add_argument("--quiet", action="store_true", help="print only errors and the summary")
     _add_workspace(run)
+
+
+def _add_run_id(command: Parser) -> None:
+    command.add_argument("--run", metavar="ID", help="which run, if there are several")
 
 
 def _add_workspace(command: Parser) -> None:
@@ -209,6 +283,7 @@ def _number(kind: Callable[[str], Any], valid: str, is_valid: Callable[[Any], bo
 
 
 _positive = _number(float, "a number above 0", lambda value: 0 < value < float("inf"))
+_phase = _number(float, "a number from 0.1 to 3600", lambda value: 0.1 <= value <= 3600)
 _positive_int = _number(int, "a whole number above 0", lambda value: value > 0)
 _seed = _number(int, "a whole number, 0 or more", lambda value: value >= 0)
 _port = _number(int, "a port from 1 to 65534", lambda value: 1 <= value <= 65534)

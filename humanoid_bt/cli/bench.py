@@ -5,19 +5,25 @@ from __future__ import annotations
 import argparse
 import json
 import platform
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from humanoid_bt.bench import Figure, measure
+from humanoid_bt.bench.figures import Figure, measure
 from humanoid_bt.errors import UserError
 from humanoid_bt.session.report import ExitCode, versions
 
 
 def bench(arguments: argparse.Namespace) -> int:
     """Measure, print a table, write the JSON file if one is asked for."""
+    if arguments.realtime:
+        from humanoid_bt.cli.bench_realtime import bench_realtime
+
+        return bench_realtime(arguments)
     console = Console(highlight=False)
     figures: list[Figure] = []
     with console.status("measuring") as status:
@@ -26,8 +32,23 @@ def bench(arguments: argparse.Namespace) -> int:
             status.update(f"measured: {figure.name}")
     console.print(_table(figures, arguments.repetitions))
     if arguments.json:
-        _write(arguments.json, figures, arguments.repetitions)
+        figures_data = [figure.to_dict() for figure in figures]
+        write(arguments.json, {"repetitions": arguments.repetitions, "figures": figures_data})
     return ExitCode.SUCCESS
+
+
+def write(path: Path, figures: Mapping[str, Any]) -> None:
+    """Write figures to a JSON file, with what they were measured on.
+
+    Raises:
+        UserError: it cannot be written.
+    """
+    machine = {"system": platform.platform(), "python": platform.python_version()}
+    data = {"machine": machine, "versions": versions(), **figures}
+    try:
+        path.write_text(json.dumps(data, indent=2) + "\n", encoding="utf-8")
+    except OSError as error:
+        raise UserError(f"the figures cannot be written to {str(path)!r}: {error.strerror}") from error
 
 
 def _table(figures: list[Figure], repetitions: int) -> Table:
@@ -46,16 +67,3 @@ def _table(figures: list[Figure], repetitions: int) -> Table:
             f"{figure.ratio:.2f}x", Text.assemble(figure.name, (f"\nto {figure.baseline}: {measured}", "dim"))
         )
     return table
-
-
-def _write(path: Path, figures: list[Figure], repetitions: int) -> None:
-    data = {
-        "repetitions": repetitions,
-        "machine": {"system": platform.platform(), "python": platform.python_version()},
-        "versions": versions(),
-        "figures": [figure.to_dict() for figure in figures],
-    }
-    try:
-        path.write_text(json.dumps(data, indent=2) + "\n", encoding="utf-8")
-    except OSError as error:
-        raise UserError(f"the figures cannot be written to {str(path)!r}: {error.strerror}") from error

@@ -20,6 +20,8 @@ _SIZES: dict[str, tuple[int, int]] = {  # ring -> (bytes in a slot, slots)
     "notice": (2048, 256),  # control -> decision: what happened
     "refusal": (1024, 256),  # control -> decision: commands that were refused
     "timing": (4096, 8),  # control -> all: how punctual it is
+    "wake": (32, 4096),  # control -> all: every servo cycle, 4 s of them
+    "stop": (4096, 64),  # control -> all: when stops began on the monotonic clock
     "status": (8192, 8),  # decision -> all: what the tree does
 }
 
@@ -34,6 +36,7 @@ class RunSpec:
         core: processor that control is pinned to, None for any.
         log: file in which control notes what happens, which stays when the folder is gone; "" for none.
         hold: how long control goes on balancing after decision died [s].
+        parent: decision's process id. Each process compares its parent's with it: decision may die before they look.
     """
 
     robot: str
@@ -42,6 +45,7 @@ class RunSpec:
     core: int | None
     log: str
     hold: float
+    parent: int
 
     def write(self, folder: RunFolder) -> None:
         """Leave it in the run's folder."""

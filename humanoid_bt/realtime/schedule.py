@@ -15,7 +15,9 @@ _CLOCK_MONOTONIC, _TIMER_ABSTIME = 1, 1
 _LOCK_CURRENT_AND_FUTURE = 3  # MCL_CURRENT | MCL_FUTURE
 _SET_TIMER_SLACK = 29  # PR_SET_TIMERSLACK
 _PRIORITY = 80  # of 1-99 for SCHED_FIFO; above everything but the kernel's own threads
-_SPIN = 100_000  # ns before a wake-up that are spent spinning, because a sleep ends late
+
+SPIN = 100_000
+"""Time before a wake-up that is spent spinning, because a sleep ends late [ns]."""
 
 FIFO_HINT = "allow it with 'ulimit -r 80' (or rtprio in limits.conf), or give the interpreter CAP_SYS_NICE"
 
@@ -84,17 +86,25 @@ class Schedule:
     Args:
         period: [s].
         spin: end each wait by spinning. Only with realtime priority: without it, spinning costs more than it gains.
+        now: returns the time [ns]; the monotonic clock if not given.
+        sleep_until: sleeps until such a time, or a little longer.
 
     Attributes:
         missed: wake-ups that were skipped so far.
     """
 
-    def __init__(self, period: float, spin: bool) -> None:
+    def __init__(
+        self,
+        period: float,
+        spin: bool,
+        now: Callable[[], int] = time.monotonic_ns,
+        sleep_until: Callable[[int], None] | None = None,
+    ) -> None:
         self._period = round(period * _NANO)
-        self._spin = _SPIN if spin else 0
-        self._next = time.monotonic_ns() + self._period
+        self._spin = SPIN if spin else 0
+        self._now, self._sleep_until = now, sleep_until or _absolute_sleep()
+        self._next = now() + self._period
         self.missed = 0
-        self._sleep_until = _absolute_sleep()
 
     def wait(self) -> tuple[int, int]:
         """Sleep until the next wake-up.
@@ -102,18 +112,19 @@ class Schedule:
         Returns:
             How late it was [ns], and how many wake-ups before it were skipped.
         """
-        now = time.monotonic_ns()
+        clock = self._now
+        now = clock()
         skipped = 0
         if now > self._next + self._period:
             skipped = (now - self._next) // self._period
             self._next += skipped * self._period
             self.missed += skipped
         due = self._next
-        if due - self._spin > now:
+        while due - self._spin > now:  # again if a signal ended the sleep early
             self._sleep_until(due - self._spin)
-        now = time.monotonic_ns()
+            now = clock()
         while now < due:
-            now = time.monotonic_ns()
+            now = clock()
         self._next = due + self._period
         return now - due, skipped
 

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import json
+import struct
 from dataclasses import asdict, dataclass
-from typing import Self
+from typing import NamedTuple, Self
 
 _BIN = 1000  # ns
 _BINS = 20_000  # up to 20 ms; later ones count in the last bin
+_WAKE = struct.Struct("<4q")
+_LONGEST_TEXT = 300  # characters of a stop's reason and of its source
 
 
 @dataclass(frozen=True)
@@ -42,6 +45,60 @@ class Timing:
         return cls(**json.loads(data))
 
 
+class Wake(NamedTuple):
+    """One wake-up of the servo.
+
+    Attributes:
+        woke: when, on the monotonic clock [ns].
+        late: how late [ns].
+        busy: how long the work took [ns].
+        skipped: how many wake-ups before it were skipped.
+    """
+
+    woke: int
+    late: int
+    busy: int
+    skipped: int
+
+    @staticmethod
+    def pack(woke: int, late: int, busy: int, skipped: int) -> bytes:
+        """Return one as bytes, without making it first: this is called in every cycle."""
+        return _WAKE.pack(woke, late, busy, skipped)
+
+    @classmethod
+    def from_bytes(cls, data: bytes) -> Self:
+        """Return what :meth:`pack` made."""
+        return cls(*_WAKE.unpack(data))
+
+
+@dataclass(frozen=True)
+class StopRecord:
+    """When a stop began, for whoever measures how quickly it came.
+
+    Attributes:
+        at: monotonic time at which the first setpoint that obeys it had reached the drives [ns].
+        time: engine time [s].
+        mode: the kind of stop, as :class:`humanoid_bt.messages.Mode` has it.
+        reason, source: as the supervisor gives them.
+    """
+
+    at: int
+    time: float
+    mode: str
+    reason: str
+    source: str
+
+    def to_bytes(self) -> bytes:
+        """Return it as JSON; long texts are cut."""
+        values = asdict(self) | {"reason": self.reason[:_LONGEST_TEXT], "source": self.source[:_LONGEST_TEXT]}
+        return json.dumps(values, ensure_ascii=False).encode(errors="replace")
+
+    @classmethod
+    def from_bytes(cls, data: bytes) -> Self:
+        """Return what :meth:`to_bytes` made."""
+        return cls(**json.loads(data))
+
+
 class Histogram:
     """Counts durations in bins of a microsecond."""
 
@@ -58,12 +115,15 @@ class Histogram:
         self.largest = max(self.largest, nanoseconds)
 
     def percentile(self, share: float) -> float:
-        """Return the duration [us] below which this share of all lies."""
+        """Return the duration [us] that at least this share of all does not exceed, 0 of none.
+
+        It is the middle of its bin, but never more than the largest.
+        """
         wanted, below = share * self.count, 0
         for index, number in enumerate(self._bins):
             below += number
             if number and below >= wanted:
-                return index + 0.5
+                return min(index + 0.5, self.largest / 1000) if index < _BINS else self.largest / 1000
         return 0.0
 
 

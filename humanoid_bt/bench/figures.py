@@ -1,4 +1,4 @@
-"""Measurements of the engine, each beside a baseline in the same run, because absolute times say little."""
+"""What the engine costs, each figure beside a baseline in the same run, because absolute times say little."""
 
 from __future__ import annotations
 

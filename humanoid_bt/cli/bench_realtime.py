@@ -1,0 +1,140 @@
+"""``humanoid-bt bench --realtime``: how punctual the servo is, and how quickly the robot stops."""
+
+from __future__ import annotations
+
+import argparse
+import os
+from collections.abc import Iterable
+from contextlib import closing
+from dataclasses import asdict
+
+from rich import box
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
+
+from humanoid_bt.bench.baseline import SAME_LOOP
+from humanoid_bt.bench.punctuality import Punctuality
+from humanoid_bt.bench.reactions import Reaction
+from humanoid_bt.bench.realtime import LATENESS_MUST, OURS, Note, measure_realtime
+from humanoid_bt.cli.bench import write
+from humanoid_bt.realtime.schedule import FIFO_HINT
+from humanoid_bt.session.report import ExitCode
+
+_LEAST = 1.0  # us; less matters to no loop of a millisecond, so a ratio of less says nothing
+
+
+def bench_realtime(arguments: argparse.Namespace) -> int:
+    """Measure, print two tables, write the JSON file if one is asked for."""
+    console = Console(highlight=False)
+    loops: list[Punctuality] = []
+    answers: list[Reaction] = []
+    notes: list[str] = []
+    with (
+        console.status("starting") as status,
+        closing(measure_realtime(arguments.duration, arguments.repetitions, status.update)) as figures,
+    ):
+        for figure in figures:
+            match figure:
+                case Punctuality():
+                    loops.append(figure)
+                case Reaction():
+                    answers.append(figure)
+                case Note():
+                    notes.append(figure.text)
+    notes += _notes(loops)
+    console.print(_punctuality_table(loops, arguments.duration))
+    console.print()
+    console.print(_reaction_table(answers))
+    for note in notes:
+        console.print(f"note: {note}")
+    if arguments.json:
+        write(
+            arguments.json,
+            {
+                "repetitions": arguments.repetitions,
+                "duration": arguments.duration,
+                "cores": os.cpu_count(),
+                "loops": [asdict(loop) for loop in loops],
+                "reactions": [
+                    {**asdict(answer), "p50": answer.p50, "p99": answer.p99, "max": answer.largest}
+                    for answer in answers
+                ],
+                "notes": notes,
+            },
+        )
+    return ExitCode.SUCCESS
+
+
+def _punctuality_table(loops: list[Punctuality], duration: float) -> Table:
+    bound = f"must with FIFO: p99 <= {LATENESS_MUST:g}"
+    table = _table(f"lateness of wake-ups every ms [us], {duration:g} s each; {bound}", "", "loop")
+    for name in ("p50", "p99", "p99.9", "max", "jitter p99", "missed"):
+        table.add_column(name, justify="right", no_wrap=True)
+    for loaded in (False, True):
+        group = [loop for loop in loops if loop.loaded is loaded]
+        for index, loop in enumerate(sorted(group, key=lambda loop: loop.loop != OURS)):
+            values = (_us(value) for value in _values(loop))
+            table.add_row(
+                _load(loaded) if index == 0 else "",
+                loop.loop,
+                *values,
+                f"{loop.missed}/{loop.cycles + loop.missed}",
+                style="bold" if loop.loop == OURS else "",
+            )
+        named = {loop.loop: loop for loop in group}
+        if OURS in named and SAME_LOOP in named:
+            pairs = zip(_values(named[OURS]), _values(named[SAME_LOOP]), strict=True)
+            table.add_row("", "servo to C, same loop", *(_ratio(*pair) for pair in pairs), "", style="dim")
+    return table
+
+
+def _values(loop: Punctuality) -> tuple[float, ...]:
+    return loop.late_p50, loop.late_p99, loop.late_p999, loop.late_max, loop.jitter_p99
+
+
+def _us(value: float) -> str:
+    return f"{value:.1f}" if value < 100 else f"{value:.0f}"
+
+
+def _ratio(ours: float, theirs: float) -> str:
+    """Return how many times as late, "-" if nobody was late to speak of."""
+    if max(ours, theirs) < _LEAST:
+        return "-"
+    ratio = ours / max(theirs, _LEAST)
+    return f"{ratio:.1f}x" if ratio < 100 else f"{ratio:.0f}x"
+
+
+def _reaction_table(answers: list[Reaction]) -> Table:
+    table = _table("from the cause to the answer [ms]", "", "cause")
+    for name in ("p50", "p99", "max", "must", "aim", "answered", "standing"):
+        table.add_column(name, justify="right", no_wrap=True)
+    for index, answer in enumerate(answers):
+        first = index == 0 or answers[index - 1].loaded is not answer.loaded
+        table.add_row(
+            _load(answer.loaded) if first else "",
+            answer.cause,
+            *(f"{value:.1f}" if answer.delays else "-" for value in (answer.p50, answer.p99, answer.largest)),
+            *("" if bound is None else f"<={bound:g}" for bound in (answer.must, answer.aim)),
+            f"{len(answer.delays)}/{answer.repetitions}",
+            f"{answer.standing}/{answer.repetitions}",
+        )
+    return table
+
+
+def _table(title: str, *columns: str) -> Table:
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False, show_edge=False, title=Text(title), padding=(0, 1, 0, 0))
+    table.title_justify, table.title_style = "left", "dim"
+    for name in columns:
+        table.add_column(name)
+    return table
+
+
+def _load(loaded: bool) -> str:
+    return "load" if loaded else "idle"
+
+
+def _notes(loops: Iterable[Punctuality]) -> list[str]:
+    if any(loop.loop == OURS and not loop.fifo for loop in loops):
+        return [f"without realtime priority, which the bounds of lateness ask for; {FIFO_HINT}"]
+    return []
