@@ -13,7 +13,7 @@ _STANDS, _WALKS = list(STANDING), list(WALKING)
 CASES = [
     (row, activity, seed)
     for seed, row in enumerate(ROWS)
-    for activity in (_STANDS[seed % 2], _WALKS[seed % len(_WALKS)], _WALKS[(seed + 3) % len(_WALKS)])
+    for activity in (_STANDS[seed % 2], *_WALKS[seed % 6 : seed % 6 + 2 - seed % 2])
 ]
 
 
@@ -28,7 +28,7 @@ def test_a_fault_does_what_its_row_says(row: str, activity: str, seed: int) -> N
 
 def test_the_same_seed_gives_the_same_outcome() -> None:
     first = trial("decision stopped for 0.5 s", "walking straight", 3)
-    trial("knocked over, 600 N for 0.2 s", "turning", 1)
+    trial("decision killed", "turning", 1)
     assert trial("decision stopped for 0.5 s", "walking straight", 3) == first
     assert trial("decision stopped for 0.5 s", "walking straight", 4).moment != first.moment
 
