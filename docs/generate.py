@@ -77,7 +77,9 @@ timeout:
   approach: {target: target}
 """,
     "emergency_stop": """\
-emergency_stop: idle
+emergency_stop:
+  wait_for_reset: true
+  idle:
 """,
     "watchdog": """\
 watchdog:
@@ -91,6 +93,9 @@ confident: {percept: target, above: 0.6, hysteresis: 0.1}
 """,
     "within": """\
 within: {percept: target, distance: 0.5 m, bearing: 25 deg}
+""",
+    "raise_emergency_stop": """\
+raise_emergency_stop: {reason: the target is gone}
 """,
     "approach": """\
 approach: {target: target, distance: 0.4 m}
@@ -108,6 +113,7 @@ _CHILDREN = {
     "composite": "One or more, in a list.",
     "decorator": "One, as a key beside the parameters.",
     "condition": "None.",
+    "action": "None.",
     "skill": "None.",
 }
 

@@ -56,6 +56,10 @@ class UserError(HumanoidBtError, ValueError):
         super().__init__("\n".join(str(p) for p in self.problems))
 
 
+class ControlLost(HumanoidBtError):  # noqa: N818 (the name says it)
+    """The process that controls the robot is gone: nobody can command the robot any more."""
+
+
 class ResourceConflict(HumanoidBtError):  # noqa: N818 (the name says it)
     """Two living nodes commanded one resource in the same tick."""
 

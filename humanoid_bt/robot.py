@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -65,9 +65,13 @@ class Robot:
     Args:
         config: the robot's numbers.
         clock: the engine's clock.
+        raise_estop: called at once with source and reason when a node raises the emergency stop.
     """
 
-    def __init__(self, config: RobotConfig, clock: Clock) -> None:
+    def __init__(
+        self, config: RobotConfig, clock: Clock, raise_estop: Callable[[str, str], None] | None = None
+    ) -> None:
+        self._raise_estop = raise_estop
         self.config = config
         self.clock = clock
         self._state: State | None = None
@@ -103,6 +107,20 @@ class Robot:
     def tracks(self) -> Mapping[str, Track]:
         """Every percept seen so far, by name, as it was at the start of the tick."""
         return self._tracks
+
+    def raise_estop(self, source: str, reason: str) -> None:
+        """Raise the emergency stop, now and not at the end of the tick; only a reset from outside ends it.
+
+        Args:
+            source: path of the node that raises it.
+            reason: why.
+
+        Raises:
+            HumanoidBtError: this robot has none.
+        """
+        if self._raise_estop is None:
+            raise HumanoidBtError(f"{source!r} raises an emergency stop of a robot that has none: {reason}")
+        self._raise_estop(source, reason)
 
     def begin_tick(self, state: State, percepts: Mapping[str, Percept]) -> None:
         """Take the snapshot that the whole tick sees, and forget the targets of the last one."""
@@ -213,6 +231,10 @@ class RobotHandle:
     def set_height(self, offset: float) -> None:
         """Ask for the centre of mass this much above (or below) its home height [m]."""
         self._set("posture", PostureTarget(_number(offset)))
+
+    def raise_estop(self, reason: str) -> None:
+        """Raise the emergency stop at once; only a reset from outside ends it."""
+        self._robot.raise_estop(self.path, reason)
 
     def release(self) -> None:
         """Take back everything asked for in this tick; called when the node ends or is halted."""

@@ -40,7 +40,7 @@ def load_skills(workspace: Workspace) -> dict[str, type[Behaviour]]:
     """Return every skill of a workspace by its name in tree files; the user's win over built-in ones.
 
     A skill is a class defined in the file that is a :class:`~humanoid_bt.skill.Skill` or a plain py_trees
-    behaviour; abstract classes and names with a leading underscore are left out.
+    behaviour; abstract classes that others build on and names with a leading underscore are left out.
 
     Raises:
         UserError: with every problem found: a file that cannot be imported, a name that two files of one folder
@@ -124,13 +124,22 @@ def _behaviours(module: ModuleType) -> list[type[Behaviour]]:
         for cls in dict.fromkeys(value for value in vars(module).values() if isinstance(value, type))
         if issubclass(cls, Behaviour)
         and cls.__module__ == module.__name__
-        and not inspect.isabstract(cls)
+        and not _is_base(cls)
         and not cls.__name__.startswith("_")
     ]
 
 
+def _is_base(cls: type) -> bool:
+    """Return whether a class is there for others to build on: it is abstract, and some do."""
+    return inspect.isabstract(cls) and bool(cls.__subclasses__())
+
+
 def _mistakes(name: str, cls: type[Behaviour], place: Place) -> list[Problem]:
     problems: list[Problem] = []
+    missing = sorted(getattr(cls, "__abstractmethods__", ()))
+    if missing:
+        hint = f"def {missing[0]}(self) -> ..., or a leading underscore if it is no skill"
+        problems.append(Problem(f"the skill {name!r} has no {'(), '.join(missing)}()", place, hint))
     resources = getattr(cls, "resources", ())
     if not isinstance(resources, tuple):
         problems.append(Problem(f"the resources of {name!r} must be a tuple", place, 'resources = ("base",)'))

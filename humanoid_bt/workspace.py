@@ -47,6 +47,22 @@ class Workspace:
                 return cls(parent.parent)
         return cls(folder if (folder / "skills").is_dir() or (folder / "sim").is_dir() else None)
 
+    @classmethod
+    def of_argument(cls, tree: str, root: Path | None) -> Workspace:
+        """Return the workspace for a tree named on the command line.
+
+        Args:
+            tree: name or path of the tree.
+            root: the workspace that was asked for, if any. Else a file's own, or the working directory for a name.
+
+        Raises:
+            UserError: ``root`` is not a folder.
+        """
+        if root is not None:
+            return cls(root)
+        path = Path(tree)
+        return cls.of_tree(path) if path.is_file() else cls()
+
     def trees(self) -> dict[str, Path]:
         """Return every tree file by name."""
         return self._files("trees", "*.yaml")

@@ -27,14 +27,19 @@ def write(workspace: Workspace, name: str, text: str) -> Path:
 
 def test_skills_and_plain_behaviours_defined_in_a_file_are_found_by_name(workspace: Workspace) -> None:
     write(workspace, "wave.py", WAVE + "import py_trees\nclass Plain(py_trees.behaviours.Success): pass\n")
-    write(
-        workspace, "more.py", HEAD + "class _Private(Skill):\n    def update(self): pass\nclass Abstract(Skill): pass\n"
-    )
+    abstract = "class Abstract(Skill): pass\nclass Real(Abstract):\n    def update(self): pass\n"
+    write(workspace, "more.py", HEAD + "class _Private(Skill):\n    def update(self): pass\n" + abstract)
     skills = load_skills(workspace)
     assert skills["wave_hand"].__doc__ == "Wave."
-    assert {"plain", "wave_hand"} <= set(skills)
+    assert {"plain", "wave_hand", "real"} <= set(skills)
     assert not {"success", "skill", "abstract", "_private"} & set(skills)
     assert str(class_place(skills["wave_hand"])).endswith("wave.py:3:1")
+
+
+def test_a_skill_without_update_is_a_mistake(workspace: Workspace) -> None:
+    write(workspace, "lazy.py", HEAD + "class Lazy(Skill): pass\n")
+    with pytest.raises(UserError, match=r"lazy.py:3:1: the skill 'lazy' has no update\(\)"):
+        load_skills(workspace)
 
 
 def test_file_names_never_collide_with_modules(workspace: Workspace) -> None:

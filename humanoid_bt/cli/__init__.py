@@ -62,6 +62,11 @@ def _dispatch(arguments: argparse.Namespace) -> int:
         from humanoid_bt.cli.bench import bench
 
         return bench(arguments)
+    if arguments.command in ("estop", "reset", "status"):
+        from humanoid_bt.cli import remote
+
+        reach = {"estop": remote.estop, "reset": remote.reset, "status": remote.status}
+        return reach[arguments.command](arguments)
     from humanoid_bt.cli import inspect
 
     commands = {"check": inspect.check, "show": inspect.show, "skills": inspect.skills, "robots": inspect.robots}

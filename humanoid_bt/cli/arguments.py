@@ -54,6 +54,26 @@ examples:
 """
 
 
+_ESTOP_EXAMPLES = """\
+examples:
+  humanoid-bt estop                       every robot that runs
+  humanoid-bt estop --reason "it is in the way"
+
+exit codes:
+  0  stopped
+  2  no robot is running
+  4  the e-stop is raised, but a robot did not show that it stopped
+"""
+
+_RESET_EXAMPLES = """\
+exit codes:
+  0  done
+  2  no robot is running, or several: give --run
+  3  refused, with the reason
+  4  no answer
+"""
+
+
 class Parser(argparse.ArgumentParser):
     """An argument parser that says in two lines what is wrong and what would be valid."""
 
@@ -132,6 +152,26 @@ def parser() -> Parser:
     robots = command("robots", "list robots", "List the robots of this workspace.")
     _add_workspace(robots)
 
+    estop = command(
+        "estop",
+        "stop every running robot",
+        "Raise the emergency stop of every running robot, and see\nthat it stops. It stays stopped until a reset.",
+        _ESTOP_EXAMPLES,
+    )
+    _add_run_id(estop)
+    estop.add_argument("--reason", default="raised by hand", metavar="TEXT", help="why; goes into the recording")
+    _add_run_id(
+        command(
+            "reset",
+            "let a stopped robot go on",
+            "Clear an emergency stop, or a stop after a fall. It is\nrefused while a cause persists.",
+            _RESET_EXAMPLES,
+        )
+    )
+    status = command("status", "show a running robot", "Show a running robot.")
+    _add_run_id(status)
+    status.add_argument("--json", action="store_true", help="for programs")
+
     bench = command(
         "bench",
         "measure the engine beside baselines",
@@ -188,6 +228,13 @@ def _add_run(run: Parser) -> None:
         metavar="X",
         help="simulated seconds per second; default: 1 with a live view, else as fast as it can",
     )
+    run.add_argument(
+        "--hold",
+        type=_positive,
+        default=10.0,
+        metavar="S",
+        help="realtime: how long control balances the robot when decision has died [s]; default 10",
+    )
     view = run.add_mutually_exclusive_group()
     view.add_argument("--view", action="store_true", default=None, help="open the live view (default with a display)")
     view.add_argument("--no-view", action="store_false", dest="view", help="do not open the live view")
@@ -205,6 +252,10 @@ def _add_run(run: Parser) -> None:
     run.add_argument("--report", type=Path, metavar="FILE", help="write a report of the run as JSON")
     run.add_argument("--quiet", action="store_true", help="print only errors and the summary")
     _add_workspace(run)
+
+
+def _add_run_id(command: Parser) -> None:
+    command.add_argument("--run", metavar="ID", help="which run, if there are several")
 
 
 def _add_workspace(command: Parser) -> None:

@@ -30,8 +30,8 @@ def check(arguments: argparse.Namespace) -> int:
     files = _files(arguments)
     told: set[Problem] = set()
     failed = 0
-    for path in files:
-        problems = _check_file(path, arguments.workspace)
+    for path, workspace in files.items():
+        problems = _check_file(path, workspace)
         for problem in problems:
             if problem not in told:
                 print(f"error: {problem}", file=sys.stderr)
@@ -45,27 +45,36 @@ def check(arguments: argparse.Namespace) -> int:
     return ExitCode.USAGE if failed else ExitCode.SUCCESS
 
 
-def _files(arguments: argparse.Namespace) -> list[Path]:
-    workspace = Workspace(arguments.workspace)
+def _files(arguments: argparse.Namespace) -> dict[Path, Workspace]:
+    """Return every file to check, and the workspace in which it would run."""
+    given = Workspace(arguments.workspace)
     if not arguments.paths:
-        files = _files_in(workspace.root)
+        files = _files_in(given.root)
         if not files:
             raise UserError(
-                f"nothing to check in {relative(workspace.root)!r}",
+                f"nothing to check in {relative(given.root)!r}",
                 hint="give names, files or folders, or go to a folder with trees/, skills/ or sim/",
             )
-        return files
-    found: list[Path] = []
+        return dict.fromkeys(files, given)
+    found: dict[Path, Workspace] = {}
     for text in arguments.paths:
         path = Path(text)
         if path.is_dir():
             inside = _files_in(path)
             if not inside:
                 raise UserError(f"nothing to check in {text!r}", hint="trees, scenes and robots end in .yaml")
-            found += inside
+            found |= {file.resolve(): _workspace(file, str(file), arguments.workspace) for file in inside}
         else:
-            found.append(path if path.suffix == ".py" and path.is_file() else _named(text, workspace))
-    return list(dict.fromkeys(path.resolve() for path in found))
+            file = path if path.suffix == ".py" and path.is_file() else _named(text, given)
+            found[file.resolve()] = _workspace(file, text, arguments.workspace)
+    return found
+
+
+def _workspace(file: Path, text: str, root: Path | None) -> Workspace:
+    """Return where a file that was given as ``text`` would run: a skill beside the others of its folder."""
+    if file.suffix == ".py" and root is None:
+        return Workspace(file.resolve().parent.parent)
+    return Workspace.of_argument(text, root)
 
 
 def _named(text: str, workspace: Workspace) -> Path:
@@ -87,16 +96,16 @@ def _files_in(folder: Path) -> list[Path]:
     return [*skills, *found]
 
 
-def _check_file(path: Path, root: Path | None) -> tuple[Problem, ...]:
+def _check_file(path: Path, workspace: Workspace) -> tuple[Problem, ...]:
     try:
         if path.suffix == ".py":
-            Registry.of(Workspace(root or path.parent.parent))
+            Registry.of(workspace)
         elif path.name == "robot.yaml":
             RobotModel(load_robot_config(path))
         elif path.parent.name == "scenes":
             load_scene(path)
         else:
-            load_tree(path, Workspace(root) if root else Workspace.of_tree(path))
+            load_tree(path, workspace)
     except UserError as error:
         if path.suffix != ".py":
             return error.problems
@@ -106,9 +115,8 @@ def _check_file(path: Path, root: Path | None) -> tuple[Problem, ...]:
 
 def show(arguments: argparse.Namespace) -> int:
     """Draw a tree."""
-    workspace = Workspace(arguments.workspace)
-    path = workspace.find_tree(arguments.tree)
-    tree = load_tree(path, workspace if arguments.workspace else Workspace.of_tree(path))
+    workspace = Workspace.of_argument(arguments.tree, arguments.workspace)
+    tree = load_tree(workspace.find_tree(arguments.tree), workspace)
     wide = width() if sys.stdout.isatty() else _UNWRAPPED
     text = unicode_tree(tree, width=wide) if arguments.format == "unicode" else dot_tree(tree)
     print(text.rstrip("\n"))

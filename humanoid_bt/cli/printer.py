@@ -36,7 +36,7 @@ _REFRESH = 0.1  # s between progress lines
 
 
 class Printer:
-    """Prints a line per skill or condition that changed and per event, and a progress line on a terminal.
+    """Prints a line per skill, action or condition that changed and per event, and a progress line on a terminal.
 
     Args:
         console: where it prints.
@@ -56,7 +56,7 @@ class Printer:
     def show(self, tree: Tree) -> None:
         """Take the tree whose nodes are printed."""
         self._tree = tree.nodes
-        self._nodes = {node.path: node for node in tree.nodes if node.kind in ("skill", "condition")}
+        self._nodes = {node.path: node for node in tree.nodes if node.kind in ("skill", "condition", "action")}
         longest = max((len(node.name) for node in self._nodes.values()), default=0)
         self._name_width = min(longest, _LONGEST_NAME)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import signal
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from types import FrameType
@@ -13,13 +13,15 @@ from types import FrameType
 from rich.console import Console
 from rich.text import Text
 
+from humanoid_bt.cli import keys
 from humanoid_bt.cli.printer import Printer, print_summary
-from humanoid_bt.errors import UserError
+from humanoid_bt.errors import HumanoidBtError, UserError
 from humanoid_bt.record.sinks import Sinks, has_display
 from humanoid_bt.session.options import RunOptions, default_recording
 from humanoid_bt.session.run import Run
 from humanoid_bt.workspace import Workspace
 
+_KEYBOARD = "keyboard"
 _SIGNALS = {signal.SIGINT: "Ctrl-C", signal.SIGTERM: "SIGTERM", signal.SIGHUP: "the terminal was closed"}
 
 
@@ -28,15 +30,16 @@ def run(arguments: argparse.Namespace) -> int:
     options = _options(arguments)
     console = Console(highlight=False)
     printer = Printer(console, arguments.quiet)
-    session = Run(options, _workspace(arguments), printer)
+    workspace = Workspace.of_argument(arguments.tree, arguments.workspace)
+    session = Run(options, workspace, printer)
     if arguments.report:
         _check_writable(arguments.report)
     printer.show(session.tree)
     if not arguments.quiet:
         where = f" on {session.robot_name} in {session.scene_name}, seed {options.seed}"
         console.print(Text.assemble((session.tree.name, "bold"), where))
-    with printer, _interruptions() as interrupted:
-        report = session.execute(interrupted)
+    with printer, _interruptions() as reasons, _keys(session, reasons, console, arguments.quiet):
+        report = session.execute(lambda: reasons[0] if reasons else "")
     if report.traceback and report.reason.startswith("internal error"):
         print(report.traceback, file=sys.stderr)
     print_summary(console, report)
@@ -45,14 +48,9 @@ def run(arguments: argparse.Namespace) -> int:
     return report.exit_code
 
 
-def _workspace(arguments: argparse.Namespace) -> Workspace:
-    if arguments.workspace:
-        return Workspace(arguments.workspace)
-    path = Path(arguments.tree)
-    return Workspace.of_tree(path) if path.is_file() else Workspace()
-
-
 def _options(arguments: argparse.Namespace) -> RunOptions:
+    if arguments.pace and arguments.mode == "realtime":
+        raise UserError("--pace does not go with --mode realtime", hint="realtime runs on the wall clock")
     view = arguments.view
     implied = view is None and arguments.serve is None
     file = None if arguments.no_record else arguments.record or default_recording(arguments.tree)
@@ -65,6 +63,7 @@ def _options(arguments: argparse.Namespace) -> RunOptions:
         duration=arguments.duration,
         pace=arguments.pace,
         mode=arguments.mode,
+        hold=arguments.hold,
         sinks=Sinks(file=file, view=has_display() if implied else bool(view), serve=arguments.serve),
         view_optional=implied,
     )
@@ -94,8 +93,34 @@ def _check_writable(path: Path) -> None:
 
 
 @contextmanager
-def _interruptions() -> Iterator[Callable[[], str]]:
-    """Turn Ctrl-C and its like into a reason to end the run; a second one ends it at once."""
+def _keys(session: Run, reasons: list[str], console: Console, quiet: bool) -> Iterator[None]:
+    """Let keys stop and reset the robot and end the run, if somebody sits at a terminal."""
+    if not keys.available():
+        yield
+        return
+
+    def stop() -> None:
+        session.raise_estop(_KEYBOARD, "a key was pressed")
+
+    def reset() -> None:
+        try:
+            session.request_reset(_KEYBOARD)
+        except HumanoidBtError as error:
+            print(f"error: no reset: {error}", file=sys.stderr)
+
+    def end() -> None:
+        if not reasons:
+            reasons.append("the key q")
+
+    with keys.listening({" ": stop, "e": stop, "r": reset, "q": end}):
+        if not quiet:
+            console.print(keys.HELP, style="dim")
+        yield
+
+
+@contextmanager
+def _interruptions() -> Iterator[list[str]]:
+    """Turn Ctrl-C and its like into reasons to end the run; a second one ends it at once."""
     reasons: list[str] = []
 
     def note(number: int, _frame: FrameType | None) -> None:
@@ -105,7 +130,7 @@ def _interruptions() -> Iterator[Callable[[], str]]:
 
     before = {number: signal.signal(number, note) for number in _SIGNALS}
     try:
-        yield lambda: reasons[0] if reasons else ""
+        yield reasons
     finally:
         for number, handler in before.items():
             signal.signal(number, handler)

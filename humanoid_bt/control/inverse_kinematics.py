@@ -13,7 +13,7 @@ import numpy as np
 from humanoid_bt.errors import UserError
 from humanoid_bt.geometry import exp, planar_pose, pose_product
 from humanoid_bt.messages import SIDES, Array, Side
-from humanoid_bt.plant.robot_model import BASE_COORDINATES, GAZE_SITE, RobotModel, palm_site, sole_site
+from humanoid_bt.plant.robot_model import BASE_COORDINATES, BASE_DOFS, GAZE_SITE, RobotModel, palm_site, sole_site
 
 _NO_TWIST = 1e-14  # square of a twist too small to matter
 _ACCELERATION_LIMIT = 100.0  # rad/s^2, of the planned motion, as it goes into the feedforward
@@ -53,6 +53,10 @@ class BodyTargets:
 
 class InverseKinematics:
     """Keeps the configuration of the last setpoint and moves it toward the targets.
+
+    When the solver finds no solution, the body goes on balancing by damped least squares without the limits, which has
+    a solution for all finite targets: a body that froze in the middle of a step would fall. The joints are clamped into
+    their limits afterwards.
 
     Args:
         robot: the robot.
@@ -117,7 +121,7 @@ class InverseKinematics:
         return np.array(self.configuration.data.site_xpos[self._palms[side]])
 
     def step(self, targets: BodyTargets) -> bool:
-        """Move one control period toward the targets; without a solution hold, and return False."""
+        """Move one control period toward the targets; return whether there was a solution within all limits."""
         self.tasks = self._set_targets(targets)
         try:
             velocity = mink.solve_ik(
@@ -132,10 +136,23 @@ class InverseKinematics:
         except mink.NoSolutionFound:
             self.solved = False
         if not self.solved:
-            velocity = np.zeros(self._model.nv)
+            velocity = self._without_limits()
         self.configuration.integrate_inplace(velocity, self._dt)
         self._follow_motion(velocity)
         return self.solved
+
+    def _without_limits(self) -> Array:
+        """Return the velocity of damped least squares, shape (nv,), clamped; zero if even that has no solution."""
+        problem = mink.build_ik(self.configuration, self.tasks, self._dt, damping=self._weights.damping, limits=[])
+        try:
+            way = np.linalg.solve(problem.P, -problem.q)
+        except np.linalg.LinAlgError:
+            return np.zeros(self._model.nv)
+        if not np.isfinite(way).all():
+            return np.zeros(self._model.nv)
+        after = np.clip(self.joints + way[BASE_DOFS:], self._robot.lower, self._robot.upper)
+        way[BASE_DOFS:] = after - self.joints
+        return np.asarray(way / self._dt)
 
     def _set_targets(self, targets: BodyTargets) -> list[mink.BaseTask]:
         for side in SIDES:

@@ -9,12 +9,13 @@ import math
 
 import numpy as np
 
-from humanoid_bt.control.planar import wrap
+from humanoid_bt.control.planar import ahead, rotate, seen_from, wrap
 from humanoid_bt.messages import Array
 from humanoid_bt.plant.robot_config import WholeBodyConfig
 
 _CORRECT_WITHIN = 0.05  # m from the target at which the measured error is integrated
 _CORRECT_MAX = 0.05  # m
+_REGAIN = 0.05  # m within reach again, before a hand that was let go follows (hysteresis)
 _PITCH_RANGE = (-0.5, 0.8)  # rad, up and down
 _NECK_SHARE = 0.9  # of the neck's range that is used before the torso helps
 _RELAX_SPEED = 1.0  # rad/s at which released joints go back to the home posture
@@ -22,6 +23,10 @@ _RELAX_SPEED = 1.0  # rad/s at which released joints go back to the home posture
 
 class HandReference:
     """The reference of one palm: goes to the target at limited speed, then corrects the measured error.
+
+    A held palm is held relative to the stance. Were it held in the world, a robot that finishes its step would walk on
+    against its own arm. For the same reason a hand is let go while the robot walks and its target is out of reach; it
+    follows again once the target is within reach.
 
     Args:
         weights: the robot's numbers.
@@ -33,18 +38,39 @@ class HandReference:
         self._position: Array | None = None  # on the way to the target
         self._correction: Array = np.zeros(3)
         self._sent: Array = np.zeros(3)  # what was returned last
+        self._stance: Array = np.zeros(3)  # what these belong to
+        self._let_go = False
 
-    def update(self, target: Array | None, hold: bool, measured: Array, reference: Array) -> Array | None:
+    def update(
+        self,
+        target: Array | None,
+        hold: bool,
+        measured: Array,
+        reference: Array,
+        *,
+        stance: Array,
+        walks: bool = False,
+    ) -> Array | None:
         """Return where the inverse kinematics shall bring the palm, or None when it is free.
 
         Args:
             target: world frame, shape (3,) [m]; None to release the hand.
-            hold: stay where the reference is, whatever the target.
+            hold: stay where the reference is, as seen from the stance, whatever the target.
             measured, reference: palm positions, of the robot and of the inverse kinematics, shape (3,) [m].
+            stance: pose of the middle between the feet, world frame, shape (3,).
+            walks: whether the stance moves.
         """
+        before, self._stance = self._stance, stance
         if hold:
-            return None if self._position is None else self._sent
+            if self._position is None:
+                return None
+            self._position = _carried(self._position, before, stance)
+            self._sent = _carried(self._sent, before, stance)
+            self._correction[:2] = rotate(self._correction[:2], stance[2] - before[2])
+            return self._sent
         if target is None:
+            self._let_go = False
+        if target is None or self._lets_go(target, stance, walks):
             self._position = None
             self._correction = np.zeros(3)
             return None
@@ -58,6 +84,13 @@ class HandReference:
             self._correction = np.clip(correction, -_CORRECT_MAX, _CORRECT_MAX)
         self._sent = _toward(self._sent, self._position + self._correction, step)
         return self._sent
+
+    def _lets_go(self, target: Array, stance: Array, walks: bool) -> bool:
+        weights, margin = self._weights, _REGAIN if self._let_go else 0.0
+        x, y = seen_from(stance, target)
+        near, far = weights.hand_nearest + margin, weights.hand_farthest - margin
+        self._let_go = (walks or self._let_go) and (x < near or math.hypot(x, y) > far)
+        return self._let_go
 
 
 class GazeReference:
@@ -126,6 +159,12 @@ class PostureReference:
         """Move back toward home."""
         error = self._home - self.joints
         self.joints = self.joints + np.clip(error, -self._step, self._step)
+
+
+def _carried(point: Array, before: Array, after: Array) -> Array:
+    """Return where a point, shape (3,), gets with a stance that moves; it keeps its height."""
+    x, y = seen_from(before, point)
+    return np.array([*ahead(after, x, y)[:2], point[2]])
 
 
 def _toward(point: Array, goal: Array, step: float) -> Array:

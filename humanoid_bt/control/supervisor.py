@@ -90,6 +90,7 @@ class Supervisor:
         self.rejected: list[str] = []
         self._last_sequence: int | None = None
         self._heard_cycle: int | None = None  # when decision was last heard; None before its first command
+        self._forgiven = False  # this silence, because control itself was held up
         self._faulty_cycles = 0
         self._falling = ""
         self._estop: tuple[str, str] | None = None
@@ -108,9 +109,13 @@ class Supervisor:
         self._requested = self._requested or (source, reason)
 
     def forgive_silence(self) -> None:
-        """Let decision's silence count from now on: control itself was held up, and could not hear."""
-        if self._heard_cycle is not None:
+        """Let decision's silence count from now on: control itself was held up, and could not hear.
+
+        Once per silence, and not when the robot is stopped already: nothing starts it but a fresh command.
+        """
+        if self._heard_cycle is not None and not self._forgiven and self.mode is Mode.RUN:
             self._heard_cycle = self._cycle
+            self._forgiven = True
 
     def reset(self) -> str:
         """Clear a latched stop. Return "" when done, else why it is refused.
@@ -139,6 +144,7 @@ class Supervisor:
         self.command = command
         self._last_sequence = command.sequence
         self._heard_cycle = self._cycle
+        self._forgiven = False
         return True
 
     def _fault(self, command: Command) -> str:
@@ -220,6 +226,11 @@ class Supervisor:
     def hold(self) -> bool:
         """Whether the body shall stop and stay."""
         return self.mode is not Mode.RUN
+
+
+def reset_text(source: str, refusal: str) -> str:
+    """Return what came of a reset, for the event log."""
+    return f"reset by {source}: " + (f"refused: {refusal}" if refusal else "done")
 
 
 def _target_fault(target: Target) -> str:

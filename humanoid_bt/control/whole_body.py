@@ -23,6 +23,7 @@ from humanoid_bt.messages import (
     SIDES,
     Array,
     BaseTarget,
+    Gait,
     GazeTarget,
     HandTarget,
     Measurement,
@@ -121,7 +122,8 @@ class WholeBody:
         Args:
             measurement: the measured state.
             targets: resource -> target; what is missing comes to rest.
-            hold: finish the step, stand, and keep hands, gaze and height where they are.
+            hold: finish the step, stand, and keep hands, gaze and height where they are relative to the stance. They
+                are kept, too, after inverse kinematics without a solution.
         """
         dynamics, walker, stabilizer = self.dynamics, self.walker, self._stabilizer
         dynamics.update(measurement)
@@ -140,7 +142,7 @@ class WholeBody:
         )
         self._zmp = load.zmp
         self._tilt.update(walker.swing, measurement.qpos[:BASE_COORDINATES], self.kinematics.base_pose)
-        self.kinematics.step(self._body_targets(targets, hold))
+        self.kinematics.step(self._body_targets(targets, hold or not self.solved))
         position = self.kinematics.joints.copy()
         velocity = self.kinematics.velocity[BASE_DOFS:]
         torque = self._feedforward.torques(load, self.kinematics.acceleration, position, velocity)
@@ -175,10 +177,12 @@ class WholeBody:
 
     def _hand_positions(self, targets: Mapping[str, Target], hold: bool) -> dict[Side, Array]:
         positions: dict[Side, Array] = {}
+        stance, walks = self.walker.stance, self.walker.gait is not Gait.STAND
         for side, reference in self._hands.items():
             target = targets.get(f"{side}_hand")
             point = target.position if isinstance(target, HandTarget) else None
-            position = reference.update(point, hold, self.dynamics.palm(side), self.kinematics.palm(side))
+            measured, planned = self.dynamics.palm(side), self.kinematics.palm(side)
+            position = reference.update(point, hold, measured, planned, stance=stance, walks=walks)
             if position is not None:
                 positions[side] = position
         commanded = frozenset(positions)

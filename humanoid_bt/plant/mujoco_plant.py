@@ -74,6 +74,7 @@ class MujocoPlant:
         turn = np.array([math.cos(heading / 2), 0.0, 0.0, math.sin(heading / 2)])
         mujoco.mju_mulQuat(start[3:7], turn, qpos[3:7])
         self.data.qpos[: self._nq] = start
+        self.data.ctrl[:] = self._stiffness * start[BASE_COORDINATES:]  # the drives hold what they find
         self._pushes.clear()
         self.external_force_max = 0.0
         self.cycle = 0

@@ -114,6 +114,13 @@ class WholeBodyConfig:
     damping: float = param(1e-4, above=0, doc="Damping of the inverse kinematics.")
     hand_speed: float = param(0.4, above=0, unit="m/s", doc="Speed of a hand's reference.")
     hand_integral: float = param(2.0, minimum=0, doc="Gain on a hand's measured error near its target [1/s].")
+    hand_farthest: float = param(
+        0.6,
+        above=0,
+        unit="m",
+        doc="While it walks, a hand whose target is farther away than this is let go.",
+    )
+    hand_nearest: float = param(0.1, unit="m", doc="While it walks, a hand whose target is less far ahead is let go.")
     gaze_speed: float = param(1.5, above=0, unit="rad/s", doc="Speed of the gaze's reference.")
     gaze_yaw: float = param(2.35, above=0, unit="rad", doc="Farthest the gaze turns, with the torso's help.")
     height_speed: float = param(0.05, above=0, unit="m/s", doc="Speed of a posture's height change.")

@@ -36,6 +36,7 @@ class RunSpec:
         core: processor that control is pinned to, None for any.
         log: file in which control notes what happens, which stays when the folder is gone; "" for none.
         hold: how long control goes on balancing after decision died [s].
+        parent: decision's process id. Each process compares its parent's with it: decision may die before they look.
     """
 
     robot: str
@@ -44,6 +45,7 @@ class RunSpec:
     core: int | None
     log: str
     hold: float
+    parent: int
 
     def write(self, folder: RunFolder) -> None:
         """Leave it in the run's folder."""

@@ -17,10 +17,13 @@ from types import FrameType
 from humanoid_bt.clock import DECISION_PERIOD, SERVO_PERIOD, WHOLE_BODY_PERIOD, cycles
 from humanoid_bt.control.controller import Controller
 from humanoid_bt.control.robots import load_robot
+from humanoid_bt.control.supervisor import reset_text
 from humanoid_bt.errors import UserError
 from humanoid_bt.link.run_folder import RunFolder
+from humanoid_bt.link.segment import LinkError
 from humanoid_bt.link.wire import Event, WireError, decode_command, decode_event, encode_event, encode_state
 from humanoid_bt.link.wire.event import Level
+from humanoid_bt.messages import Mode
 from humanoid_bt.plant.mujoco_plant import MujocoPlant
 from humanoid_bt.plant.scene import Scene, load_scene
 from humanoid_bt.realtime import channels
@@ -59,8 +62,7 @@ class ControlProcess:
         self._quit = channels.quit_flag(folder)
         self._command_sequence = self._request_sequence = 0
         self._told_stops = self._told_refusals = 0
-        self._estop_raised = False
-        self._parent = os.getppid()
+        self._look_again = False  # at the e-stop: what is raised there is not in force yet
         self._orphaned_at: int | None = None
         self._ends_at: int | None = None
         self._state_phase = cycles(WHOLE_BODY_PERIOD)
@@ -98,7 +100,7 @@ class ControlProcess:
     def _listen(self) -> None:
         """Take what the other processes say: e-stop first, then requests, then commands."""
         supervisor = self._controller.supervisor
-        if self._estop.poll():
+        if self._estop.poll() or self._look_again:
             self._follow_estop()
         if self._requests.sequence != self._request_sequence:
             entries, _ = self._requests.since(self._request_sequence)
@@ -115,10 +117,20 @@ class ControlProcess:
 
     def _follow_estop(self) -> None:
         supervisor = self._controller.supervisor
+        raised = self._estop.raised
+        if raised is not None:
+            supervisor.raise_estop(raised.source, raised.reason)
+        self._look_again = raised is not None and supervisor.mode not in (Mode.EMERGENCY_STOP, Mode.DAMP)
+        if self._look_again:
+            return  # a reset clears only what has stopped the robot
         while (request := self._estop.reset_request) is not None:
             refusal = supervisor.reset()
-            self._estop.answer(request.ticket, not refusal, refusal)
-            self._tell("warning", f"reset by {request.source}: {(refusal and 'refused: ' + refusal) or 'done'}")
+            try:
+                self._estop.answer(request.ticket, not refusal, refusal)
+            except LinkError as error:  # not told, so not done: what is raised there is taken up again
+                self._tell("error", str(error))
+                break
+            self._tell("warning", reset_text(request.source, refusal))
         raised = self._estop.raised
         if raised is not None:
             supervisor.raise_estop(raised.source, raised.reason)
@@ -138,10 +150,10 @@ class ControlProcess:
         if cycle % self._state_phase == 2:  # not in the cycle that plans the whole body: that one is full
             self._publish()
         if len(supervisor.stops) > self._told_stops:
+            stamp = supervisor.command.stamp if supervisor.command is not None else None
             for stop in supervisor.stops[self._told_stops :]:
-                self._log(
-                    "stop", f"{stop.mode.value}: {stop.reason} ({stop.source})", commanded_by=dict(stop.resources)
-                )
+                text = f"{stop.mode.value}: {stop.reason} ({stop.source})"
+                self._log("stop", text, commanded_by=dict(stop.resources), last_command=stamp)
             self._told_stops = len(supervisor.stops)
             self._publish()
         if supervisor.rejected:
@@ -150,7 +162,7 @@ class ControlProcess:
             supervisor.rejected.clear()
         if cycle % _TIMING_PERIOD == 3:
             self._timings.write(stopwatch.timing.to_bytes())
-        if cycle % _PARENT_PERIOD == 4 and self._orphaned_at is None and os.getppid() != self._parent:
+        if cycle % _PARENT_PERIOD == 4 and self._orphaned_at is None and self._is_orphan():
             self._orphaned_at = cycle
             self._tell("error", f"decision died; control holds the robot for {self._spec.hold:g} s and ends")
 
@@ -176,24 +188,32 @@ class ControlProcess:
             return True
         return self._orphaned_at is not None and cycle - self._orphaned_at >= cycles(self._spec.hold)
 
+    def _is_orphan(self) -> bool:
+        return os.getppid() != self._spec.parent
+
     def _close(self, stopwatch: Stopwatch) -> None:
         self._plant.note_external_force()
         self._publish()
-        result = {"external_force_max": self._plant.external_force_max}
-        self._folder.path("result.json").write_text(json.dumps(result), encoding="utf-8")
         self._timings.write(stopwatch.timing.to_bytes())
+        result = {"external_force_max": self._plant.external_force_max}
+        with suppress(OSError):  # no room, or the folder is gone
+            self._folder.path("result.json").write_text(json.dumps(result), encoding="utf-8")
         if self._orphaned_at is not None:
             self._log("end", "control ended: decision died before")
-            self._folder.close()
 
 
 def main() -> int:
-    """Run control for the run whose folder is the first argument."""
+    """Run control for the run whose folder is the first argument; without decision, clean up after it."""
+    folder = channels.open_folder(sys.argv[1])
+    parent = RunSpec.read(folder).parent
     try:
-        ControlProcess(channels.open_folder(sys.argv[1])).run()
+        ControlProcess(folder).run()
     except UserError as error:
         sys.stderr.write(f"error: {error}\n")
         return 2
+    finally:
+        if os.getppid() != parent:
+            folder.close()
     return 0
 
 

@@ -23,9 +23,9 @@ def run(folder: RunFolder) -> None:
     spec = RunSpec.read(folder)
     perception = SimulatedPerception(Scene(load_scene(Path(spec.scene)), spec.seed), spec.seed)
     states, percepts = channels.reader(folder, "state"), channels.writer(folder, "percept")
-    quit_flag, parent = channels.quit_flag(folder), os.getppid()
+    quit_flag = channels.quit_flag(folder)
     schedule = Schedule(PERCEPTION_PERIOD, spin=False)
-    while not quit_flag.count and os.getppid() == parent:
+    while not quit_flag.count and os.getppid() == spec.parent:
         schedule.wait()
         latest = states.latest()
         if latest is not None:

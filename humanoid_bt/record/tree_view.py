@@ -44,7 +44,7 @@ class NodeView(Protocol):
 
     @property
     def kind(self) -> str:
-        """One of composite, decorator, condition, skill."""
+        """One of composite, decorator, condition, action, skill."""
 
     @property
     def parent(self) -> int | None:

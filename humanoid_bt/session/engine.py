@@ -22,7 +22,7 @@ class SupervisorView(Protocol):
     rejected: list[str]
 
     def raise_estop(self, source: str, reason: str) -> None:
-        """Raise the emergency stop."""
+        """Raise the emergency stop. From any thread."""
 
     def request_stop(self, source: str, reason: str) -> None:
         """Ask for a protective stop until the end of the run."""
@@ -56,6 +56,9 @@ class Engine(Protocol):
 
     def close(self) -> None:
         """End everything that was started."""
+
+    def request_reset(self, source: str) -> None:
+        """Ask for a reset of a latched stop; the answer comes as a notice. From any thread."""
 
     def sense(self) -> tuple[State, Mapping[str, Percept]]:
         """Return the state and the latest percepts, for one tick."""

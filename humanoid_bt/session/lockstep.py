@@ -6,6 +6,7 @@ and commands give the same states, bit for bit.
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Mapping
 from typing import Protocol
 
@@ -13,7 +14,7 @@ import mujoco
 
 from humanoid_bt.clock import DECISION_PERIOD, PERCEPTION_PERIOD, CycleClock, cycles
 from humanoid_bt.control.controller import Controller
-from humanoid_bt.control.supervisor import Supervisor
+from humanoid_bt.control.supervisor import Supervisor, reset_text
 from humanoid_bt.link.wire import Event
 from humanoid_bt.messages import Array, Command, Percept, State
 from humanoid_bt.plant.mujoco_plant import MujocoPlant
@@ -41,7 +42,7 @@ class Lockstep:
     Attributes:
         plant, controller, perception: the parts.
         clock: the engine's clock.
-        notices: what other processes told; there are none.
+        notices: what happened besides stops: resets.
     """
 
     def __init__(self, robot: RobotModel, start: Array, scene: Scene, perception: Perception) -> None:
@@ -53,6 +54,7 @@ class Lockstep:
         self.perception = perception
         self.notices: list[Event] = []
         self._percepts: dict[str, Percept] = {}
+        self._resets: deque[str] = deque()  # who asks for one, from any thread
         self._decision = cycles(DECISION_PERIOD)
         self._perceive = cycles(PERCEPTION_PERIOD)
 
@@ -80,6 +82,10 @@ class Lockstep:
     def publish(self, status: Mapping[str, object]) -> None:
         """Tell nobody: in one process there is nobody who could ask."""
 
+    def request_reset(self, source: str) -> None:
+        """Reset a latched stop before the next tick, if nothing stands against it."""
+        self._resets.append(source)
+
     def reset(self, perception: Perception) -> None:
         """Begin a new run: the robot stands at the start, time is zero, nothing was seen."""
         self.clock.cycle = 0
@@ -87,10 +93,15 @@ class Lockstep:
         self.controller.reset()
         self.perception = perception
         self._percepts = {}
+        self._resets.clear()
+        self.notices.clear()
 
     def sense(self) -> tuple[State, dict[str, Percept]]:
         """Return the state and the latest percepts, for one tick of decision."""
         self.plant.move_objects()
+        while self._resets:
+            text = reset_text(self._resets.popleft(), self.controller.supervisor.reset())
+            self.notices.append(Event(self.clock.now(), "warning", text))
         state = self.controller.state()
         if self.clock.due(self._perceive):
             for percept in self.perception.observe(state):

@@ -30,6 +30,7 @@ class RunOptions:
         pace: simulated seconds per second; None for 1 with a live view, else as fast as it can.
         sinks: where the recording goes.
         mode: lockstep, or realtime with control and perception as processes of their own.
+        hold: in realtime mode, how long control balances the robot when decision has died [s].
         view_optional: go on without the native viewer if it cannot be opened.
     """
 
@@ -42,6 +43,7 @@ class RunOptions:
     pace: float | None = None
     sinks: Sinks = field(default_factory=Sinks)
     mode: Mode = "lockstep"
+    hold: float = 10.0
     view_optional: bool = False
 
 

@@ -6,7 +6,7 @@ import logging
 import time
 import traceback
 from collections.abc import Callable
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from pathlib import Path
 from typing import NamedTuple, Protocol
 
@@ -15,7 +15,7 @@ from py_trees.common import Status
 
 from humanoid_bt.clock import DECISION_PERIOD
 from humanoid_bt.control.robots import load_robot
-from humanoid_bt.errors import HumanoidBtError, Place, nearest
+from humanoid_bt.errors import ControlLost, HumanoidBtError, Place, nearest
 from humanoid_bt.messages import Mode, State
 from humanoid_bt.plant.perception import SimulatedPerception
 from humanoid_bt.plant.scene import Scene, load_scene
@@ -32,6 +32,7 @@ from humanoid_bt.session.report import Report, stops_of, timeline_of, versions
 from humanoid_bt.session.trace import Trace
 from humanoid_bt.skill_files import class_file, place_in_file
 from humanoid_bt.tree.executor import Executor, NodeChange, NodeError
+from humanoid_bt.tree.guards import EmergencyStop
 from humanoid_bt.tree.load import load_tree
 from humanoid_bt.workspace import Workspace
 
@@ -92,9 +93,10 @@ class Run:
             make_folder(options.sinks.file)
         options.sinks.check()
         self._engine = self._new_engine(robot_path)
-        self._robot = Robot(self._engine.robot.config, self._engine.clock)
+        self._robot = Robot(self._engine.robot.config, self._engine.clock, self.raise_estop)
         self._executor = Executor(self.tree, self._robot, self._on_change)
         self._executor.setup()
+        self._guards = [node.behaviour for node in self.tree.nodes if isinstance(node.behaviour, EmergencyStop)]
         self._trace = Trace(self._scene)
         self._happenings = Happenings(self._engine)
         self._recorder: Recorder | None = None
@@ -108,7 +110,7 @@ class Run:
         robot, start = load_robot(robot_path)
         if options.mode == "realtime":
             log = options.sinks.file.with_suffix(".control.log") if options.sinks.file else None
-            return Realtime(robot, self._scene, self.tree.name, log)
+            return Realtime(robot, self._scene, self.tree.name, log, options.hold)
         return Lockstep(robot, start, self._scene, SimulatedPerception(self._scene, options.seed))
 
     @property
@@ -125,6 +127,14 @@ class Run:
     def robot_name(self) -> str:
         """The robot's name."""
         return self._robot.config.name
+
+    def raise_estop(self, source: str, reason: str) -> None:
+        """Raise the emergency stop. From any thread, at any time after the start."""
+        self._engine.supervisor.raise_estop(source, reason)
+
+    def request_reset(self, source: str) -> None:
+        """Ask for a reset of a latched stop; the answer comes as an event."""
+        self._engine.request_reset(source)
 
     def execute(self, interrupted: Callable[[], str] = lambda: "") -> Report:
         """Run the tree to its end, bring the robot to a stand, close the recording.
@@ -157,15 +167,28 @@ class Run:
             return self._finish(self._tick_to_end(interrupted))
         except KeyboardInterrupt as error:
             return _End("interrupted", f"stopped at once{self._where(error)}")
+        except ControlLost as error:
+            return self._lost(error)
         except Exception as error:
             failure = f"internal error: {type(error).__name__}: {error}"
             end = _End("error", failure, failure, traceback.format_exc())
         self._recorder = None  # it may be what failed; it is closed all the same
         try:
             return self._finish(end)
+        except ControlLost as error:
+            self._listener.event(self._now, "error", str(error))
+            return end
         except Exception:
             _log.exception("the robot could not be brought to a stand")
             return end
+
+    def _lost(self, error: ControlLost) -> _End:
+        """Halt the tree: there is no robot any more that could be brought to a stand."""
+        self._ended_at = self._now
+        self._event("error", str(error))
+        with suppress(HumanoidBtError):  # what ended the run is told, not what came of it
+            self._executor.halt(str(error))
+        return _End("error", str(error))
 
     # ---- while the tree runs --------------------------------------------------------------------------------------
 
@@ -197,7 +220,8 @@ class Run:
             return _End("success", self._why(Status.SUCCESS) or "the tree succeeded")
         if status is Status.FAILURE:
             return _End("stopped", stop) if latched else _End("failure", self._why(status) or "the tree failed")
-        if latched and state.time - self._engine.supervisor.stops[-1].time > _AFTER_STOP:
+        waits = any(guard.waits for guard in self._guards)
+        if latched and not waits and state.time - self._engine.supervisor.stops[-1].time > _AFTER_STOP:
             return _End("stopped", stop)
         if state.time >= self._options.duration - DECISION_PERIOD / 2:
             return _End("unfinished", f"the tree was still running after {self._options.duration:g} s")
@@ -246,13 +270,7 @@ class Run:
         self._ended_at = self._now
         if end.failure:
             self._engine.supervisor.request_stop("the tree", end.failure)
-        try:
-            self._executor.halt("the run ended")
-        except HumanoidBtError as error:
-            if end.outcome == "unfinished":
-                end = _failed(error)
-            else:
-                self._event("error", str(error))
+        end = self._halt(end)
         self._event("info" if end.outcome == "success" else "warning", f"the tree ended: {end.outcome}")
         engine = self._engine
         until = self._now + _SETTLE_TIME
@@ -262,9 +280,23 @@ class Run:
             self._tell(state.time)
             self._robot.begin_tick(state, percepts)
             self._after_tick(state)
+            if state.mode is Mode.DAMP and end.outcome not in ("stopped", "error"):
+                end = _End("stopped", f"{state.stop_reason} ({state.stop_source}), after the tree had ended")
             if state.base_settled and state.mode is not Mode.DAMP:
                 break
             self._keep_pace()
+        return end
+
+    def _halt(self, end: _End) -> _End:
+        """Halt the tree if it still runs; one that has ended keeps its result, for those who look at it."""
+        if self._executor.status is not Status.RUNNING:
+            return end
+        try:
+            self._executor.halt("the run ended")
+        except HumanoidBtError as error:
+            if end.outcome == "unfinished":
+                return _failed(error)
+            self._event("error", str(error))
         return end
 
     def _where(self, error: BaseException) -> str:

@@ -15,6 +15,7 @@ from humanoid_bt.clock import PERCEPTION_PERIOD
 from humanoid_bt.control.robots import load_robot
 from humanoid_bt.control.supervisor import Stop
 from humanoid_bt.errors import Place, UserError, nearest
+from humanoid_bt.geometry import rotation_matrix
 from humanoid_bt.messages import Array, Command, Mode, Percept, Side, State
 from humanoid_bt.params import PerceptName, item_of
 from humanoid_bt.plant.scene import Scene, load_scene
@@ -82,14 +83,7 @@ class ScriptedPerception:
 
     def observe(self, state: State) -> list[Percept]:
         """Return what is published now, in the robot's base frame."""
-        w, x, y, z = state.base_quaternion
-        rotation = np.array(
-            [
-                [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-                [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-                [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-            ]
-        )
+        rotation = rotation_matrix(state.base_quaternion)
         return [
             Percept(name, state.time, rotation.T @ (position - state.base_position), confidence)
             for name, (position, confidence) in self._seen.items()
@@ -125,7 +119,7 @@ class Rig:
         """Stand at the origin, heading along x, at time zero, with nothing seen."""
         self._perception = ScriptedPerception()
         self._lockstep.reset(self._perception)
-        self._robot = Robot(self._model.config, self._lockstep.clock)
+        self._robot = Robot(self._model.config, self._lockstep.clock, self._lockstep.controller.supervisor.raise_estop)
         self._script = []
         self._silent_until = -math.inf
 

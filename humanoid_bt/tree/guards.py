@@ -17,8 +17,20 @@ from humanoid_bt.tree.ticking import FAILURE, INVALID, RUNNING, Seen, halt, tick
 class EmergencyStop(Decorator):
     """Halt the child and fail while the robot is in an emergency stop; hold during a protective stop.
 
-    Skills that command the robot stand below one.
+    Skills that command the robot stand below one. With `wait_for_reset` the child starts afresh once a person has
+    reset the stop, with `humanoid-bt reset` or the key `r`; until then the node runs, and so does the tree.
     """
+
+    wait_for_reset: bool = param(False, doc="Wait for a reset instead of failing.")
+
+    def __init__(self, name: str, child: Behaviour, **values: Any) -> None:
+        super().__init__(name, child, **values)
+        self._latched = False
+
+    @property
+    def waits(self) -> bool:
+        """Whether it waits for a reset now."""
+        return self._latched and self.status is RUNNING
 
     def setup(self, **kwargs: Any) -> None:
         """Take ``robot``."""
@@ -29,14 +41,18 @@ class EmergencyStop(Decorator):
         state = self.robot.state
         if state.mode is Mode.RUN:
             self.feedback_message = ""
+            self._latched = False
             return tick(self.decorated, seen)
         held = state.mode is Mode.PROTECTIVE_STOP
         what = {Mode.PROTECTIVE_STOP: "held", Mode.DAMP: "damped"}.get(state.mode, "emergency stop")
         source = f" (from {state.stop_source})" if state.stop_source else ""
         self.feedback_message = f"{what}: {state.stop_reason or 'no reason given'}{source}"
+        self._latched = not held
+        if self._latched and self.wait_for_reset:
+            self.feedback_message += "; waiting for a reset"
         if self.decorated.status is not INVALID:
             halt(self.decorated, self.feedback_message, seen)
-        return RUNNING if held else FAILURE
+        return RUNNING if held or self.wait_for_reset else FAILURE
 
 
 class Watchdog(Decorator):

@@ -127,6 +127,14 @@ class Parameters:
         self._origins[place] = origin
         return item_of(parameter.value, place)
 
+    def skim(self, item: Item) -> None:
+        """Mark what an item that cannot be read refers to as used: that is one mistake, not two."""
+        if isinstance(item.value, str) and item.value[1:] in self._known:
+            self._used.add(item.value[1:])
+        children = item.value.values() if isinstance(item.value, dict) else item.value
+        for child in children if isinstance(item.value, (dict, list)) else ():
+            self.skim(child)
+
     def explain(self, problem: Problem) -> Problem:
         """Return a problem with a word on the parameter that the value came from, if it came from one."""
         origin = self._origins.get(problem.place) if problem.place else None

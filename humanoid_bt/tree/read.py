@@ -101,6 +101,7 @@ class Reader:
             node_type = self._registry.find(type_name, place)
         except UserError as error:
             self._problems += error.problems
+            self._parameters.skim(body)
             return None
         draft = Draft(node_type, place, type_name)
         before = len(self._problems)
@@ -145,7 +146,7 @@ class Reader:
                 else:
                     given[key] = value
                     draft.value_places[key] = item.place
-            elif node_type.kind in ("condition", "skill"):
+            elif node_type.kind in ("condition", "action", "skill"):
                 hint = nearest(key, [*node_type.params, "name"])
                 self._problem(f"unknown parameter {key!r} of {node_type.type_name!r}", body.key_places[key], hint)
         draft.values, problems = read_values(wanted, Item(given, draft.place), repr(node_type.type_name))

@@ -18,6 +18,7 @@ from humanoid_bt.errors import Place, Problem, UserError, nearest
 from humanoid_bt.params import Param, PerceptName, params_of
 from humanoid_bt.skill import node_type_name
 from humanoid_bt.skill_files import class_place, load_skills
+from humanoid_bt.tree.actions import RaiseEmergencyStop
 from humanoid_bt.tree.composites import Selector, Sequence
 from humanoid_bt.tree.conditions import Confident, Within
 from humanoid_bt.tree.decorators import Inverter, Repeat, Retry, Timeout
@@ -25,12 +26,13 @@ from humanoid_bt.tree.guards import EmergencyStop, Watchdog
 from humanoid_bt.tree.parallel import Parallel
 from humanoid_bt.workspace import Workspace
 
-Kind = Literal["composite", "decorator", "condition", "skill"]
+Kind = Literal["composite", "decorator", "condition", "action", "skill"]
 
 BUILTIN: dict[Kind, tuple[type[Behaviour], ...]] = {
     "composite": (Sequence, Selector, Parallel),
     "decorator": (Inverter, Retry, Repeat, Timeout, EmergencyStop, Watchdog),
     "condition": (Confident, Within),
+    "action": (RaiseEmergencyStop,),
 }
 """The built-in node types."""
 
@@ -44,7 +46,7 @@ class NodeType:
 
     Attributes:
         type_name: as written in trees.
-        kind: composite, decorator, condition or skill.
+        kind: composite, decorator, condition, action or skill.
         cls: its class.
         doc: one line.
         params: its declared parameters by name.

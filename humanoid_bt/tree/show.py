@@ -15,7 +15,13 @@ MARKS = {Status.SUCCESS: "✓", Status.FAILURE: "✗", Status.RUNNING: "▶", St
 """How a status is shown."""
 
 _GLUE = "\N{NO-BREAK SPACE}"
-_SHAPES = {"composite": "box", "decorator": "ellipse", "condition": "diamond", "skill": "component"}
+_SHAPES = {
+    "composite": "box",
+    "decorator": "ellipse",
+    "condition": "diamond",
+    "action": "component",
+    "skill": "component",
+}
 
 
 def parameter_text(node: Node) -> str:

@@ -44,7 +44,7 @@ class Node:
 
     @property
     def kind(self) -> Kind:
-        """Whether it is a composite, a decorator, a condition or a skill."""
+        """Whether it is a composite, a decorator, a condition, an action or a skill."""
         return self.type.kind
 
 

@@ -136,3 +136,15 @@ def test_every_command_has_help(command: str, capsys: pytest.CaptureFixture[str]
 def test_the_help_tells_the_exit_codes(capsys: pytest.CaptureFixture[str]) -> None:
     assert code_of(["--help"]) == 0
     assert "3    stopped for safety" in capsys.readouterr().out
+
+
+def test_check_and_run_name_the_same_skills_for_a_built_in_tree(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "skills").mkdir()
+    skill = "from humanoid_bt.skill import Skill\n\nclass Idle(Skill):\n    def update(self): return self.running('')\n"
+    (tmp_path / "skills" / "idle.py").write_text(skill, encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    for command in (["check", "fetch"], ["show", "fetch"], ["run", "fetch", "--no-record", "--no-view"]):
+        assert code_of(command) == 2
+        assert "unknown parameter 'look_around' of 'idle'" in capsys.readouterr().err

@@ -13,13 +13,14 @@ WEIGHTS = WholeBodyConfig()
 DT = 0.005
 PALM = np.array([0.1, 0.2, 0.6])
 TARGET = np.array([0.4, 0.1, 0.9])
+STANCE = np.zeros(3)
 
 
 def follow(hand: HandReference, periods: int, off: Array | None = None) -> list[Array]:
     """Follow the target with a palm that is where it shall be, but for an offset of shape (3,)."""
     positions, palm = [], PALM
     for _ in range(periods):
-        position = hand.update(TARGET, False, palm + (np.zeros(3) if off is None else off), PALM)
+        position = hand.update(TARGET, False, palm + (np.zeros(3) if off is None else off), PALM, stance=STANCE)
         assert position is not None
         positions.append(position)
         palm = position
@@ -40,7 +41,7 @@ def test_near_the_target_a_measured_error_is_corrected_up_to_a_bound() -> None:
     last = follow(hand, 160, sag)[-1]
     np.testing.assert_allclose(last, TARGET, atol=0.08)
     for _ in range(2000):
-        bounded = hand.update(TARGET, False, TARGET + np.array([0, 0, -0.5]), PALM)
+        bounded = hand.update(TARGET, False, TARGET + np.array([0, 0, -0.5]), PALM, stance=STANCE)
     assert bounded is not None
     np.testing.assert_allclose(bounded, TARGET + np.array([0, 0, 0.05]), atol=1e-6)
 
@@ -48,7 +49,7 @@ def test_near_the_target_a_measured_error_is_corrected_up_to_a_bound() -> None:
 def test_the_correction_takes_a_steady_sag_out() -> None:
     hand, palm, sag = HandReference(WEIGHTS, DT), PALM, np.array([0.0, 0.0, -0.02])
     for _ in range(1200):
-        reference = hand.update(TARGET, False, palm, PALM)
+        reference = hand.update(TARGET, False, palm, PALM, stance=STANCE)
         assert reference is not None
         palm = reference + sag
     np.testing.assert_allclose(palm, TARGET, atol=1e-4)
@@ -56,7 +57,7 @@ def test_the_correction_takes_a_steady_sag_out() -> None:
 
 def test_far_from_the_target_nothing_is_integrated() -> None:
     hand = HandReference(WEIGHTS, DT)
-    first = hand.update(TARGET, False, PALM - 1.0, PALM)
+    first = hand.update(TARGET, False, PALM - 1.0, PALM, stance=STANCE)
     assert first is not None
     assert np.linalg.norm(first - PALM) <= WEIGHTS.hand_speed * DT + 1e-12
 
@@ -65,17 +66,51 @@ def test_hold_freezes_the_hand_whatever_is_commanded() -> None:
     hand = HandReference(WEIGHTS, DT)
     last = follow(hand, 60)[-1]
     for target in (None, TARGET, TARGET + 1):
-        frozen = hand.update(target, True, PALM, PALM)
+        frozen = hand.update(target, True, PALM, PALM, stance=STANCE)
         assert frozen is not None
         np.testing.assert_array_equal(frozen, last)
 
 
+def test_a_held_hand_comes_along_with_the_stance() -> None:
+    hand = HandReference(WEIGHTS, DT)
+    x, y, z = follow(hand, 60)[-1]
+    for share in np.linspace(0, 1, 20):
+        stance = share * np.array([0.3, -0.1, np.pi / 2])
+        held = hand.update(TARGET, True, PALM, PALM, stance=stance, walks=True)
+    assert held is not None
+    np.testing.assert_allclose(held, [0.3 - y, -0.1 + x, z], atol=1e-12)
+    after = hand.update(TARGET, False, PALM, PALM, stance=stance)
+    assert after is not None
+    assert np.linalg.norm(after - held) <= WEIGHTS.hand_speed * DT + 1e-12  # it goes on from there, without a jump
+
+
+@pytest.mark.parametrize("way", [0.35, -0.25])
+def test_a_hand_whose_target_is_out_of_reach_is_let_go_while_walking(way: float) -> None:
+    """It falls behind, or is still far ahead."""
+    hand = HandReference(WEIGHTS, DT)
+    follow(hand, 60)
+
+    def at(x: float, walks: bool) -> bool:
+        return hand.update(TARGET, False, PALM, PALM, stance=np.array([x, 0.0, 0.0]), walks=walks) is not None
+
+    assert at(way, walks=False)
+    assert not at(way, walks=True)
+    assert not at(way, walks=False)  # it does not go for it as soon as the robot stands
+    barely = way - math.copysign(0.06, way)
+    assert not at(barely, walks=True)  # hysteresis
+    assert at(way / 2, walks=True)
+    assert at(barely, walks=True)
+    assert not at(way, walks=True)
+    assert hand.update(None, False, PALM, PALM, stance=STANCE) is None
+    assert at(way, walks=False)  # asked anew while it stands
+
+
 def test_a_free_hand_stays_free_in_hold_and_when_released() -> None:
     hand = HandReference(WEIGHTS, DT)
-    assert hand.update(None, True, PALM, PALM) is None
+    assert hand.update(None, True, PALM, PALM, stance=STANCE) is None
     follow(hand, 200, np.array([0, 0, -0.03]))
-    assert hand.update(None, False, PALM, PALM) is None
-    again = hand.update(PALM, False, PALM, PALM)
+    assert hand.update(None, False, PALM, PALM, stance=STANCE) is None
+    again = hand.update(PALM, False, PALM, PALM, stance=STANCE)
     assert again is not None
     np.testing.assert_allclose(again, PALM)  # neither the old place nor the old correction is left
 

@@ -165,6 +165,23 @@ def test_silent_decision_is_a_protective_stop_until_fresh_commands_come(run: Run
     assert [stop.mode for stop in run.supervisor.stops] == [Mode.PROTECTIVE_STOP]
 
 
+def test_a_silence_is_forgiven_once_and_never_starts_a_stopped_robot(run: Run) -> None:
+    run.send()
+    run.go(90)
+    run.supervisor.forgive_silence()
+    run.go(90)
+    assert run.mode is Mode.RUN
+    run.supervisor.forgive_silence()
+    run.go(20)
+    assert run.mode is Mode.PROTECTIVE_STOP
+    run.supervisor.forgive_silence()
+    run.go()
+    assert run.mode is Mode.PROTECTIVE_STOP
+    run.send()
+    run.go()
+    assert run.mode is Mode.RUN
+
+
 def test_rejected_commands_do_not_keep_decision_alive(run: Run) -> None:
     run.send()
     for _ in range(6):

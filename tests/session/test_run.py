@@ -99,6 +99,39 @@ def test_a_tree_that_goes_on_is_unfinished(project: Path) -> None:
     assert (report.outcome, report.exit_code, report.sim_time) == ("unfinished", 1, 0.1)
 
 
+def test_a_tree_that_waits_for_a_reset_goes_on_after_it(project: Path) -> None:
+    tree = project / "trees" / "patient.yaml"
+    tree.write_text("format: 1\nroot:\n  emergency_stop: {wait_for_reset: true, walk: }\n", encoding="utf-8")
+    told = Told()
+    session = Run(RunOptions("patient", duration=5.0), Workspace(project), told)
+    ticks = 0
+
+    def press() -> str:
+        nonlocal ticks
+        ticks += 1
+        if ticks == 20:
+            session.raise_estop("button", "pressed by hand")
+        if ticks == 170:  # long after a run that does not wait would have ended
+            session.request_reset("key")
+        return ""
+
+    report = session.execute(press)
+    assert (report.outcome, [stop["source"] for stop in report.stops]) == ("unfinished", ["button"])
+    assert "reset by key: done" in [text for _, _, text in told.events]
+    walked = [entry["time"] for entry in report.timeline if entry["path"].endswith("/walk")]
+    assert walked == pytest.approx([0.0, 0.4, 3.4, 5.0], abs=0.05)
+
+
+def test_a_node_raises_the_emergency_stop(project: Path) -> None:
+    tree = project / "trees" / "panic.yaml"
+    root = "emergency_stop: {sequence: [wait, {raise_emergency_stop: {reason: too warm}}]}"
+    tree.write_text(f"format: 1\nroot: {{{root}}}\n", encoding="utf-8")
+    report = ran("panic", project).report
+    path = "panic/emergency_stop/sequence/raise_emergency_stop"
+    assert (report.outcome, report.reason) == ("stopped", f"too warm ({path})")
+    assert report.stops[0]["source"] == path
+
+
 def test_an_emergency_stop_ends_the_run(project: Path) -> None:
     told = Told()
     session = Run(RunOptions("walk"), Workspace(project), told)

@@ -83,3 +83,16 @@ def test_a_halt_reaches_on_stale(workspace: Workspace) -> None:
     dog.changes.clear()
     dog.executor.halt("shutdown")
     assert dog.told() == [("wait", "INVALID"), ("watchdog", "INVALID"), ("emergency_stop", "INVALID")]
+
+
+def test_emergency_stop_waits_for_a_reset_if_told_to(workspace: Workspace) -> None:
+    stop = run(workspace, "{emergency_stop: {wait_for_reset: true, act: }}")
+    stop.tick()
+    stop.tick(mode=Mode.EMERGENCY_STOP, reason="button pressed", source="operator")
+    stop.tick(mode=Mode.DAMP, reason="falling", source="supervisor")
+    assert stop.executor.status.name == "RUNNING"
+    assert stop.feedback("emergency_stop") == "damped: falling (from supervisor); waiting for a reset"
+    assert stop.log == [("start", "act"), ("INVALID", "act")]
+    stop.tick()
+    assert stop.log[-1] == ("start", "act")
+    assert stop.feedback("emergency_stop") == ""

@@ -89,6 +89,12 @@ def test_on_stale_is_a_part_of_the_tree(workspace: Workspace) -> None:
     ]
 
 
+def test_what_an_unknown_node_refers_to_is_not_called_unused(workspace: Workspace) -> None:
+    with pytest.raises(UserError) as caught:
+        load(workspace, "parameters: {limit: 3}\nroot: {timeot: {duration: $limit, act: }}")
+    assert [problem.message for problem in caught.value.problems] == ["unknown node 'timeot'"]
+
+
 MISTAKES = [
     ("root: idel", "2:7 unknown node 'idel'", "did you mean 'idle'?"),
     ("root: {inverte: act}", "2:8 unknown node 'inverte'", "did you mean 'inverter'?"),

@@ -1,0 +1,87 @@
+"""What decision knows of the supervisor and the clock in the control process."""
+
+from __future__ import annotations
+
+import threading
+from collections import deque
+
+from humanoid_bt.control.supervisor import Stop
+from humanoid_bt.link.estop import EStop
+from humanoid_bt.messages import Mode, State
+
+
+class StateClock:
+    """The engine's clock as decision knows it: the time of the state that the tick sees."""
+
+    def __init__(self) -> None:
+        self.time = 0.0
+
+    def now(self) -> float:
+        """Return the engine's time [s]."""
+        return self.time
+
+
+class RemoteSupervisor:
+    """What decision knows of the supervisor in the control process.
+
+    The e-stop may be raised and a reset asked for from any thread: a key must work while a tick hangs.
+
+    Attributes:
+        stops: every stop so far.
+        rejected: commands that were refused so far, as text.
+    """
+
+    def __init__(self) -> None:
+        self.stops: list[Stop] = []
+        self.rejected: list[str] = []
+        self._mode, self._reason = Mode.RUN, ""
+        self._pending: deque[tuple[str, str]] = deque()
+        self._estop: EStop | None = None
+        self._early: list[tuple[str, str]] = []  # raised before the run began
+        self._lock = threading.Lock()
+
+    def connect(self, estop: EStop) -> None:
+        """Take decision's end of the e-stop."""
+        with self._lock:
+            self._estop = estop
+            for source, reason in self._early:
+                estop.raise_(source, reason)
+            self._early.clear()
+
+    def disconnect(self) -> None:
+        """Let go of the e-stop: the robot is gone."""
+        with self._lock:
+            estop, self._estop = self._estop, None
+            if estop is not None:
+                estop.close()
+
+    def raise_estop(self, source: str, reason: str) -> None:
+        """Raise the emergency stop."""
+        with self._lock:
+            if self._estop is None:
+                self._early.append((source, reason))
+            else:
+                self._estop.raise_(source, reason)
+
+    def request_reset(self, source: str) -> None:
+        """Ask control for a reset; its answer comes as a notice."""
+        with self._lock:
+            if self._estop is not None:
+                self._estop.request_reset(source)
+
+    def request_stop(self, source: str, reason: str) -> None:
+        """Ask for a protective stop until the end of the run."""
+        self._pending.append((source, reason))
+
+    def take_requests(self) -> list[tuple[str, str]]:
+        """Return the requests that control does not know yet."""
+        taken = list(self._pending)
+        self._pending.clear()
+        return taken
+
+    def follow(self, state: State) -> None:
+        """Note a stop that a state tells of."""
+        if state.mode is not Mode.RUN and (state.mode, state.stop_reason) != (self._mode, self._reason):
+            stop = Stop(state.time, state.mode, state.stop_reason, state.stop_source, dict(state.command_sources))
+            self.stops.append(stop)
+        self._mode, self._reason = state.mode, state.stop_reason

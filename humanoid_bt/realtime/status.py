@@ -1,0 +1,123 @@
+"""What a running robot looks like from outside: read from the run's channels, without any of its processes' help."""
+
+from __future__ import annotations
+
+import json
+import time
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from typing import Any
+
+from humanoid_bt.link.run_folder import RunFolder, RunInfo
+from humanoid_bt.link.segment import LinkError
+from humanoid_bt.link.wire import WireError, decode_state
+from humanoid_bt.realtime import channels
+from humanoid_bt.realtime.timing import Timing
+
+_ROLES = {"owner": "decision"}  # who made the run's folder is who ticks the tree
+
+
+@dataclass(frozen=True)
+class RunStatus:
+    """A running robot.
+
+    Attributes:
+        run_id, tree, robot: of the run.
+        uptime: since its start, by the wall clock [s].
+        time: engine time of the latest state [s]; None before the first.
+        mode: what the supervisor allows, or ``starting``.
+        stop_reason, stop_source: why the mode is not ``run``, else "".
+        estop: who raised the e-stop and why, None if it is clear.
+        node, feedback: the deepest running node and what it says.
+        tick_rate: ticks of the tree per second [Hz]; None before the first.
+        timing: how punctual the servo loop is.
+        leases: resource -> path of the node that commands it.
+        percepts: name -> age [s].
+        processes: role -> id and whether it lives.
+    """
+
+    run_id: str
+    tree: str
+    robot: str
+    uptime: float
+    time: float | None
+    mode: str
+    stop_reason: str
+    stop_source: str
+    estop: Mapping[str, str] | None
+    node: str
+    feedback: str
+    tick_rate: float | None
+    timing: Mapping[str, Any]
+    leases: Mapping[str, str]
+    percepts: Mapping[str, float]
+    processes: Mapping[str, Mapping[str, Any]]
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return everything as plain data for JSON."""
+        return asdict(self)
+
+
+def status_of(folder: RunFolder, info: RunInfo) -> RunStatus:
+    """Return how a run is doing; what it has not told yet is empty."""
+    raw = _latest(folder, "state")
+    try:
+        state = decode_state(raw) if raw else None
+    except WireError:
+        state = None
+    told = _json(_latest(folder, "status"))
+    since_told = state.time - told.get("time", state.time) if state else 0.0  # decision may tell nothing any more
+    return RunStatus(
+        run_id=info.run_id,
+        tree=info.tree,
+        robot=info.robot,
+        uptime=round(time.time() - info.started, 1),
+        time=round(state.time, 3) if state else None,
+        mode=state.mode.value if state else "starting",
+        stop_reason=state.stop_reason if state else "",
+        stop_source=state.stop_source if state else "",
+        estop=_estop(folder),
+        node=told.get("node", ""),
+        feedback=told.get("feedback", ""),
+        tick_rate=round(told["tick_rate"], 1) if "tick_rate" in told else None,
+        timing=_json(_latest(folder, "timing")) or asdict(Timing()),
+        leases=dict(state.command_sources) if state else {},
+        percepts={name: round(age + since_told, 3) for name, age in told.get("percepts", {}).items()},
+        processes={
+            _ROLES.get(role, role): {"pid": process.pid, "alive": process.alive}
+            for role, process in sorted(info.processes.items())
+        },
+    )
+
+
+def _estop(folder: RunFolder) -> dict[str, str] | None:
+    try:
+        estop = channels.estop(folder)
+    except LinkError:
+        return None
+    try:
+        while estop.poll():
+            pass
+        return {"source": estop.raised.source, "reason": estop.raised.reason} if estop.raised else None
+    finally:
+        estop.close()
+
+
+def _latest(folder: RunFolder, name: str) -> bytes:
+    try:
+        ring = channels.reader(folder, name)
+    except LinkError:
+        return b""  # it is just starting, or just over
+    try:
+        latest = ring.latest()
+        return latest[1] if latest else b""
+    finally:
+        ring.close()
+
+
+def _json(data: bytes) -> dict[str, Any]:
+    try:
+        found = json.loads(data) if data else {}
+    except ValueError:  # a text too long for its slot was cut
+        return {}
+    return found if isinstance(found, dict) else {}

@@ -1,0 +1,53 @@
+"""Built-in leaves that do something without commanding a resource."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from py_trees.behaviour import Behaviour
+from py_trees.common import Status
+
+from humanoid_bt.messages import Mode
+from humanoid_bt.params import assign, param
+from humanoid_bt.robot import Robot
+from humanoid_bt.tree.ticking import RUNNING, SUCCESS
+
+
+class RaiseEmergencyStop(Behaviour):
+    """Raise the emergency stop, with this node as its source.
+
+    It is raised at once, whatever becomes of the rest of the tick. The node runs until the robot was stopped and then
+    reset, and succeeds; below an `emergency_stop` it is halted before.
+    """
+
+    path: str  # given by what builds the tree
+
+    reason: str = param(doc="Why; told to people, and recorded.")
+
+    def __init__(self, name: str, **values: Any) -> None:
+        super().__init__(name)
+        assign(self, values)
+        self._stopped = False
+
+    def setup(self, **kwargs: Any) -> None:
+        """Take ``robot``."""
+        self.robot: Robot = kwargs["robot"]
+
+    def initialise(self) -> None:
+        """Raise it."""
+        self._stopped = False
+        self.robot.raise_estop(self.path, self.reason)
+
+    def update(self) -> Status:
+        """Wait until the robot was stopped and reset."""
+        self.feedback_message = f"raised the emergency stop: {self.reason}"
+        latched = self.robot.state.mode in (Mode.EMERGENCY_STOP, Mode.DAMP)
+        if self._stopped and not latched:
+            self.feedback_message = "the emergency stop was reset"
+            return SUCCESS
+        self._stopped = latched
+        return RUNNING
+
+    def stop(self, new_status: Status) -> None:
+        """Take the status; what was raised stays raised."""
+        self.status = new_status

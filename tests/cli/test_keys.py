@@ -1,0 +1,120 @@
+"""Keys in the terminal of a run, pressed on a terminal that the test holds the other end of."""
+
+from __future__ import annotations
+
+import os
+import pty
+import re
+import select
+import signal
+import sys
+import termios
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+
+PATIENCE = 20.0  # s
+
+
+class Terminal:
+    """A program in a terminal of its own."""
+
+    def __init__(self, folder: Path, *arguments: str) -> None:
+        command = [sys.executable, "-m", "humanoid_bt", *arguments]
+        self._child, self._end = pty.openpty()
+        before = termios.tcgetattr(self._end)
+        self.before = before
+        self.pid = os.fork()
+        if self.pid == 0:
+            try:
+                os.chdir(folder)
+                os.close(self._child)
+                os.login_tty(self._end)
+                os.execv(sys.executable, command)
+            finally:
+                os._exit(127)
+        self.text = ""
+
+    def shows(self, text: str) -> None:
+        """Wait until the program has shown a text."""
+        deadline = time.monotonic() + PATIENCE
+        while text not in self.text:
+            assert time.monotonic() < deadline, self.text
+            ready, _, _ = select.select([self._child], [], [], 0.1)
+            if ready:
+                seen = os.read(self._child, 4096).decode(errors="replace")
+                self.text += re.sub(r"\x1b\[[0-9;?]*[A-Za-z]|\r", "", seen)
+
+    def press(self, key: str) -> None:
+        os.write(self._child, key.encode())
+
+    @property
+    def settings(self) -> list[object]:
+        """How the terminal is set."""
+        return termios.tcgetattr(self._end)
+
+    def ends(self) -> int:
+        """Wait for the end and return the exit code."""
+        deadline = time.monotonic() + PATIENCE
+        while not (done := os.waitpid(self.pid, os.WNOHANG))[0]:
+            assert time.monotonic() < deadline, self.text
+            if select.select([self._child], [], [], 0.1)[0]:
+                self.text += os.read(self._child, 4096).decode(errors="replace")
+        self.pid = 0
+        return os.waitstatus_to_exitcode(done[1])
+
+    def close(self) -> None:
+        """End what is left."""
+        if self.pid:
+            os.kill(self.pid, signal.SIGKILL)
+            os.waitpid(self.pid, 0)
+        os.close(self._child)
+        os.close(self._end)
+
+
+@pytest.fixture
+def start(project: Path) -> Iterator[Callable[..., Terminal]]:
+    """Start a program in a terminal of its own."""
+    started: list[Terminal] = []
+
+    def start(*arguments: str) -> Terminal:
+        started.append(Terminal(project, *arguments))
+        return started[-1]
+
+    yield start
+    for terminal in started:
+        terminal.close()
+
+
+RUN = ("--no-record", "--no-view", "--duration", "60")
+
+
+@pytest.mark.parametrize("key", [" ", "e"])
+def test_a_key_stops_the_robot(key: str, start: Callable[..., Terminal]) -> None:
+    terminal = start("run", "walk", *RUN, "--pace", "1")
+    terminal.shows("keys: space or e emergency stop, r reset, q quit")
+    terminal.shows("▶ walk")
+    assert terminal.settings != terminal.before
+    terminal.press("\x1b[A")  # an arrow is none of the keys
+    terminal.press(key)
+    terminal.shows("emergency stop: a key was pressed (keyboard)")
+    assert terminal.ends() == 3
+    assert terminal.settings == terminal.before
+
+
+@pytest.mark.realtime
+def test_keys_reset_and_quit_in_realtime_mode(project: Path, start: Callable[..., Terminal]) -> None:
+    tree = project / "trees" / "patient.yaml"
+    tree.write_text("format: 1\nroot:\n  emergency_stop: {wait_for_reset: true, walk: }\n", encoding="utf-8")
+    terminal = start("run", "patient", *RUN, "--mode", "realtime")
+    terminal.shows("▶ walk")
+    terminal.press("e")
+    terminal.shows("emergency stop: a key was pressed (keyboard)")
+    terminal.press("r")
+    terminal.shows("reset by keyboard: done")
+    terminal.press("q")
+    terminal.shows("interrupted: the key q")
+    assert terminal.ends() == 130
+    assert terminal.settings == terminal.before

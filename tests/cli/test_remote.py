@@ -1,0 +1,162 @@
+"""``estop``, ``reset``, ``status`` against the folder of a run that this process plays."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import subprocess
+import sys
+import threading
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from humanoid_bt.cli import main
+from humanoid_bt.link import run_folder
+from humanoid_bt.link.run_folder import RunFolder, RunInfo
+from humanoid_bt.link.wire import encode_state
+from humanoid_bt.messages import Mode, State
+from humanoid_bt.realtime import channels
+from humanoid_bt.realtime.timing import Timing
+from tests.tree.helpers import make_state
+
+
+@pytest.fixture(autouse=True)
+def root(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Where runs live: not where those of a real robot do."""
+    root = tmp_path / "runs"
+    monkeypatch.setattr(run_folder, "default_root", lambda: root)
+    return root
+
+
+class Played:
+    """A run whose control is played by a thread."""
+
+    def __init__(self, tree: str, refusal: str = "") -> None:
+        self.folder = RunFolder.create(RunInfo(tree, "humanoid"))
+        channels.create_channels(self.folder)
+        self.states = channels.writer(self.folder, "state")
+        self.estop = channels.estop(self.folder)
+        self.refusal = refusal
+        self.mode = Mode.RUN
+        self.tell(make_state(1.0))
+        self._over = threading.Event()
+        self._thread = threading.Thread(target=self._control)
+        self._thread.start()
+
+    def tell(self, state: State) -> None:
+        sources = {"base": f"{self.folder.info.tree}/emergency_stop/approach"}
+        self.states.write(encode_state(dataclasses.replace(state, command_sources=sources)))
+
+    def _control(self) -> None:
+        while not self._over.wait(0.001):
+            if self.estop.poll():
+                while (request := self.estop.reset_request) is not None:
+                    self.estop.answer(request.ticket, not self.refusal, self.refusal)
+                raised = self.estop.raised
+                mode = Mode.EMERGENCY_STOP if raised else Mode.RUN
+                reason, source = (raised.reason, raised.source) if raised else ("", "")
+                self.tell(make_state(2.0, mode, reason, source))
+
+    def close(self) -> None:
+        self._over.set()
+        self._thread.join()
+        self.folder.close()
+
+
+@pytest.fixture
+def one() -> Iterator[Played]:
+    played = Played("fetch")
+    yield played
+    played.close()
+
+
+@pytest.fixture
+def other() -> Iterator[Played]:
+    played = Played("stand", refusal="the robot is falling: its base is low")
+    yield played
+    played.close()
+
+
+@pytest.mark.parametrize("command", ["estop", "reset", "status"])
+def test_without_a_robot_they_say_so(command: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main([command]) == 2
+    assert capsys.readouterr().err.startswith("error: no robot is running")
+
+
+def test_estop_stops_and_reset_lets_go(one: Played, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["estop", "--reason", "in the way"]) == 0
+    assert "fetch on humanoid" in (out := capsys.readouterr().out)
+    assert "emergency stop after" in out
+    assert one.estop.raised is not None
+    assert one.estop.raised.source.startswith("humanoid-bt estop (")
+    assert main(["estop"]) == 0
+    assert "since before: in the way" in capsys.readouterr().out
+    assert main(["reset"]) == 0
+    assert capsys.readouterr().out.startswith("reset: in the way (humanoid-bt estop (")
+
+
+def test_a_robot_that_is_not_stopped_needs_no_reset(one: Played, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["reset"]) == 0
+    assert capsys.readouterr().out == "nothing to reset: the robot is not stopped\n"
+
+
+def test_a_refused_reset_says_why(other: Played, capsys: pytest.CaptureFixture[str]) -> None:
+    main(["estop"])
+    assert main(["reset"]) == 3
+    assert capsys.readouterr().err == "refused: the robot is falling: its base is low\n"
+
+
+def test_a_protective_stop_is_not_reset(one: Played, capsys: pytest.CaptureFixture[str]) -> None:
+    one.tell(make_state(1.0, Mode.PROTECTIVE_STOP, "decision silent", "supervisor"))
+    assert main(["reset"]) == 3
+    assert "a protective stop ends when its cause does: decision silent (supervisor)" in capsys.readouterr().err
+
+
+def test_of_several_all_are_stopped_and_one_is_reset(
+    one: Played, other: Played, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["estop"]) == 0
+    assert "2 robots are running: all of them are stopped" in capsys.readouterr().out
+    assert one.estop.raised and other.estop.raised
+    for command in ("reset", "status"):
+        assert main([command]) == 2
+        assert f"humanoid-bt {command} --run {one.folder.info.run_id}" in capsys.readouterr().err
+    assert main(["reset", "--run", one.folder.info.run_id]) == 0
+    assert main(["reset", "--run", "none"]) == 2
+
+
+def test_status_shows_a_robot_in_60_columns(one: Played, capsys: pytest.CaptureFixture[str]) -> None:
+    told = {"time": 0.8, "node": "fetch/emergency_stop/approach", "feedback": "1.2 m to go", "tick_rate": 49.96}
+    channels.writer(one.folder, "status").write(json.dumps({**told, "percepts": {"target": 0.05}}).encode())
+    channels.writer(one.folder, "timing").write(Timing(cycles=1000, missed=2, late_p99=40.5).to_bytes())
+    assert main(["status"]) == 0
+    out = capsys.readouterr().out
+    assert max(map(len, out.splitlines())) <= 60
+    shown = " ".join(out.split())
+    for text in ("mode run", "1.2 m to go", "50.0 Hz", "2 deadlines missed", "target: 0.25 s old", "decision: "):
+        assert text in shown
+    assert main(["status", "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["leases"] == {"base": "fetch/emergency_stop/approach"}
+    assert found["percepts"] == {"target": 0.25}
+    assert found["processes"]["decision"]["alive"]
+
+
+def test_a_run_that_has_told_nothing_yet_is_starting(capsys: pytest.CaptureFixture[str]) -> None:
+    folder = RunFolder.create(RunInfo("fetch", "humanoid"))
+    assert main(["status"]) == 0
+    assert "starting" in capsys.readouterr().out
+    folder.close()
+
+
+def test_they_import_nothing_heavy() -> None:
+    code = (
+        "import sys; from humanoid_bt.cli import main; main(['estop', '--run', 'none']); import humanoid_bt.cli.remote;"
+        "print({'mujoco', 'mink', 'rerun', 'py_trees', 'rich', 'numpy', 'yaml'} & set(sys.modules));"
+        "import humanoid_bt.realtime.status;"
+        "print({'mujoco', 'mink', 'rerun', 'py_trees', 'rich', 'yaml'} & set(sys.modules))"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.split() == ["set()", "set()"]

@@ -1,0 +1,145 @@
+"""Whatever becomes of a process of a run, the robot stands, the run says so, and nothing is left behind."""
+
+from __future__ import annotations
+
+import signal
+import subprocess
+import sys
+from collections.abc import Callable
+
+import pytest
+import rerun as rr
+
+from humanoid_bt.link.run_folder import RunFolder, RunInfo, default_root
+from humanoid_bt.messages import Gait, Mode
+from humanoid_bt.realtime import channels
+from humanoid_bt.realtime.channels import RunSpec
+from humanoid_bt.workspace import Workspace, builtin_root
+from tests.realtime.helpers import PATIENCE, Live, command, until
+
+pytestmark = pytest.mark.realtime
+Start = Callable[..., Live]
+
+
+def stands(run: Live) -> bool:
+    return run.state.gait is Gait.STAND and run.state.mode is not Mode.DAMP
+
+
+def is_whole(run: Live) -> bool:
+    return sum(1 for _ in rr.chunk.RrdReader(run.recording).stream()) > 0
+
+
+def test_signals_bring_the_robot_to_a_stand_and_two_runs_do_not_meet(live: Start) -> None:
+    one, other = live("walk"), live("walk")
+    one.walks()
+    other.walks()
+    one.process.send_signal(signal.SIGINT)
+    assert one.ends() == 130
+    assert other.process.poll() is None
+    assert other.state.gait is Gait.STEP
+    other.process.send_signal(signal.SIGTERM)
+    assert other.ends() == 130
+    for run, reason in ((one, "Ctrl-C"), (other, "SIGTERM")):
+        assert (run.report["outcome"], run.report["reason"]) == ("interrupted", reason)
+        assert stands(run)
+        assert is_whole(run)
+
+
+def test_a_killed_control_process_ends_the_run(live: Start) -> None:
+    code = "from humanoid_bt.link.run_folder import *; print(RunFolder.create(RunInfo('t', 'r')).folder.name)"
+    stale = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.strip()
+    run = live("walk")
+    assert not (default_root() / stale).exists()
+    run.walks()
+    run.kill("control")
+    assert run.ends() == 4
+    assert run.report["reason"] == "the control process ended (killed by signal 9)"
+    assert "Traceback" not in run.output
+    assert is_whole(run)
+
+
+def test_without_perception_the_watchdog_holds_and_an_estop_from_outside_ends_it(live: Start) -> None:
+    run = live("watched")
+    run.walks()
+    run.kill("perception")
+    ended = "the perception process ended (killed by signal 9)"
+    until("the watchdog's branch", lambda: "▶ blind" in run.output.partition(ended)[2])
+    done = command("estop", "--run", run.run_id, "--reason", "a test of it")
+    assert (done.returncode, done.stderr) == (0, "")
+    assert "emergency stop after" in done.stdout
+    assert run.ends() == 3
+    (stop,) = run.report["stops"]
+    assert stop["reason"] == "a test of it"
+    assert stop["source"].startswith("humanoid-bt estop (")
+    assert stands(run)
+
+
+def test_when_decision_is_killed_control_stops_holds_and_ends_by_itself(live: Start) -> None:
+    run = live("walk", "--hold", "4")
+    run.walks()
+    run.process.kill()
+    run.process.wait()
+    until("the protective stop", lambda: run.state.mode is Mode.PROTECTIVE_STOP)
+    run.leaves_nothing()
+    stop = next(line for line in run.log if line["kind"] == "stop")
+    assert stop["text"].startswith("protective_stop: decision silent")
+    assert stop["commanded_by"] == {"base": "walk/emergency_stop/walk"}
+    assert stop["time"] - stop["last_command"] < 0.25  # 0.1 s after it was heard, and it was stamped before its tick
+    texts = [line["text"] for line in run.log]
+    assert "decision died; control holds the robot for 4 s and ends" in texts
+    assert texts[-1] == "control ended: decision died before"
+    assert run.state.mode is Mode.PROTECTIVE_STOP
+    assert stands(run)
+
+
+def test_a_stopped_decision_and_an_estop_are_waited_for(live: Start) -> None:
+    run = live("patient")
+    run.walks()
+    run.process.send_signal(signal.SIGSTOP)
+    run.shows("protective_stop")
+    run.process.send_signal(signal.SIGCONT)
+    run.shows("run")
+    assert command("estop", "--run", run.run_id).returncode == 0
+    again = command("estop", "--run", run.run_id)
+    assert again.returncode == 0
+    assert "since before: raised by hand" in again.stdout
+    until("the node waits", lambda: "waiting for a reset" in run.output)
+    assert command("reset", "--run", run.run_id).stdout.startswith("reset: raised by hand")
+    run.shows("run")
+    run.walks()
+    run.process.send_signal(signal.SIGINT)
+    assert run.ends() == 130
+    assert [stop["mode"] for stop in run.report["stops"]] == ["protective_stop", "emergency_stop"]
+    assert "reset by humanoid-bt reset (" in run.output
+
+
+def test_a_crash_in_a_skill_stops_the_robot(live: Start) -> None:
+    run = live("raise")
+    assert run.ends() == 4
+    assert "'walk' raised KeyError" in run.report["stops"][0]["reason"]
+    assert stands(run)
+
+
+def spec(parent: int, hold: float = 0.2) -> RunSpec:
+    workspace = Workspace(builtin_root())
+    robot, scene = workspace.find_robot("humanoid"), workspace.find_scene("empty")
+    return RunSpec(str(robot.resolve()), str(scene.resolve()), 0, None, "", hold, parent)
+
+
+@pytest.mark.parametrize("module", ["control_process", "perception_process"])
+def test_a_process_whose_parent_died_before_it_looked_ends(module: str) -> None:
+    folder = RunFolder.create(RunInfo("tree", "robot"))
+    try:
+        spec(parent=1_000_000_000).write(folder)
+        channels.create_channels(folder)
+        run = [sys.executable, "-m", f"humanoid_bt.realtime.{module}", str(folder.folder)]
+        assert subprocess.run(run, timeout=PATIENCE, check=False).returncode == 0
+        assert folder.folder.exists() is (module == "perception_process")
+    finally:
+        folder.close()
+
+
+def test_the_control_process_imports_no_trees_and_no_viewers() -> None:
+    code = "import sys, humanoid_bt.realtime.control_process; print({'py_trees', 'rerun', 'rich'} & set(sys.modules))"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "set()"

@@ -1,0 +1,191 @@
+"""The safety table's rows as data: how each fault is made, which modes must follow, and what ends them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import mink
+import numpy as np
+
+from humanoid_bt.clock import cycles
+from humanoid_bt.messages import BaseTarget, Command, HandTarget, Mode
+from tests.safety.machine import Machine, intact, resent, seconds
+
+STOP, PROTECT, DAMP, RUN = Mode.EMERGENCY_STOP, Mode.PROTECTIVE_STOP, Mode.DAMP, Mode.RUN
+
+Fault = Callable[[Machine, np.random.Generator], None]
+
+
+@dataclass(frozen=True)
+class Row:
+    """One row.
+
+    Attributes:
+        name: of the row.
+        fault: begins the fault; what ends it is scheduled on the machine.
+        modes: the modes that must follow, in order; none: the mode stays RUN.
+        ends: what ends the stop, or the fault.
+        lasts: how long the fault is watched before the robot is let come to rest [s].
+        releases: whether decision lets go of the robot then; otherwise the stop itself, or the tree, brings it to rest.
+        stands: whether the robot must be standing in the end.
+        tree: whether a tree decides, instead of a script.
+        resets: whether the latched stop is reset in the end.
+        promised: whether standing is promised, or only counted.
+    """
+
+    name: str
+    fault: Fault
+    modes: tuple[Mode, ...]
+    ends: str
+    lasts: float = 0.3
+    releases: bool = False
+    stands: bool = True
+    tree: bool = False
+    resets: bool = False
+    promised: bool = True
+
+
+# ---- emergency stop, requested stop ---------------------------------------------------------------------------------
+
+
+def estop(machine: Machine, _: np.random.Generator) -> None:
+    machine.supervisor.raise_estop("test", "pressed")
+
+
+def tree_failed(machine: Machine, _: np.random.Generator) -> None:
+    machine.supervisor.request_stop("the tree", "a node raised an exception")
+
+
+# ---- decision -------------------------------------------------------------------------------------------------------
+
+
+def nothing(_: Command) -> list[Command]:
+    return []
+
+
+def killed(machine: Machine, _: np.random.Generator) -> None:
+    machine.line = nothing
+
+
+def stopped(machine: Machine, _: np.random.Generator) -> None:
+    machine.line = nothing
+    machine.after(0.5, lambda: setattr(machine, "line", intact))
+
+
+def stuck(machine: Machine, _: np.random.Generator) -> None:
+    """Nothing for a while, then whatever lay in memory."""
+    machine.line = nothing
+    machine.after(0.3, lambda: setattr(machine, "line", garbage))
+
+
+def garbage(command: Command) -> list[Any]:
+    return [None, 7, "go", *(damage(command) for damage in DAMAGES.values()), Command("x", 0.0, None)]  # type: ignore[arg-type]
+
+
+# ---- commands -------------------------------------------------------------------------------------------------------
+
+DAMAGES: dict[str, Callable[[Command], Command]] = {
+    "not finite": lambda command: resent(command, targets={"left_hand": HandTarget(np.full(3, np.nan))}),
+    "out of range": lambda command: resent(command, targets={"base": BaseTarget(np.array([1e6, 0.0]), 0.0)}),
+    "stale": lambda command: resent(command, stamp=command.stamp - 0.2),
+    "out of order": lambda command: resent(command, sequence=0),
+    "malformed": lambda command: resent(command, targets={"base": HandTarget(np.zeros(3)), "tail": None}),
+}
+
+
+def damaged(damage: Callable[[Command], Command]) -> Fault:
+    """Damage every command from now on."""
+
+    def fault(machine: Machine, _: np.random.Generator) -> None:
+        machine.line = lambda command: [damage(command)]
+
+    return fault
+
+
+def some_damaged(machine: Machine, rng: np.random.Generator) -> None:
+    """Damage every second command, in another way each time."""
+    pending = list(rng.permutation(list(DAMAGES)))
+
+    def line(command: Command) -> list[Command]:
+        if not pending or command.sequence % 2:
+            return [command]
+        return [DAMAGES[pending.pop()](command)]
+
+    machine.line = line
+
+
+# ---- perception -----------------------------------------------------------------------------------------------------
+
+
+def blind(machine: Machine, _: np.random.Generator) -> None:
+    machine.kill_perception()
+
+
+def blind_for_a_while(machine: Machine, _: np.random.Generator) -> None:
+    machine.kill_perception()
+    machine.after(1.2, machine.revive_perception)
+
+
+# ---- inverse kinematics ---------------------------------------------------------------------------------------------
+
+
+class Contradiction(mink.Limit):  # type: ignore[misc]
+    """The first joint shall turn both ways: a problem without a solution."""
+
+    def compute_qp_inequalities(self, configuration: mink.Configuration, dt: float) -> mink.Constraint:
+        matrix = np.zeros((2, configuration.nv))
+        matrix[0, 6], matrix[1, 6] = 1.0, -1.0
+        return mink.Constraint(matrix, np.array([-1.0, -1.0]))
+
+
+def unsolvable(duration: float) -> Fault:
+    def fault(machine: Machine, _: np.random.Generator) -> None:
+        limits = machine.controller.whole_body.kinematics.limits
+        limits.append(Contradiction())
+        machine.after(duration, lambda: limits.__delitem__(-1))
+
+    return fault
+
+
+# ---- pushes ---------------------------------------------------------------------------------------------------------
+
+
+def knocked_over(machine: Machine, rng: np.random.Generator) -> None:
+    machine.plant.push("torso", 600 * _direction(rng), 0.2)
+
+
+def pushed_while_stopped(machine: Machine, rng: np.random.Generator) -> None:
+    machine.line = nothing
+    machine.after(seconds(int(rng.integers(150, 1200))), lambda: machine.plant.push("torso", 60 * _direction(rng), 0.1))
+
+
+def _direction(rng: np.random.Generator) -> np.ndarray:
+    angle = rng.uniform(-np.pi, np.pi)
+    return np.array([np.cos(angle), np.sin(angle), 0.0])
+
+
+FRESH, NEVER = "fresh commands", "nothing here"
+
+ROWS = {
+    row.name: row
+    for row in [
+        Row("e-stop raised", estop, (STOP, RUN), "a reset", resets=True),
+        Row("a node raised an exception", tree_failed, (PROTECT,), "the run's end"),
+        Row("decision killed", killed, (PROTECT,), NEVER),
+        Row("decision stopped for 0.5 s", stopped, (PROTECT, RUN), FRESH, lasts=1.2, releases=True),
+        Row("decision stuck, then garbage", stuck, (PROTECT,), NEVER, lasts=0.6),
+        *(Row(f"commands {name}", damaged(damage), (PROTECT,), NEVER) for name, damage in DAMAGES.items()),
+        Row("single bad commands", some_damaged, (), "the next good command", lasts=0.5, releases=True),
+        Row("perception dead", blind, (), NEVER, lasts=1.0, tree=True),
+        Row("perception dead for 1.2 s", blind_for_a_while, (), "a fresh percept", lasts=1.8, releases=True, tree=True),
+        Row("IK without solution for 0.1 s", unsolvable(0.1), (), "a solution", lasts=0.4, releases=True),
+        Row("IK without solution for 0.5 s", unsolvable(0.5), (PROTECT, RUN), "a solution", lasts=1.2, releases=True),
+        Row("knocked over, 600 N for 0.2 s", knocked_over, (DAMP,), "a reset, back on its feet", 2.0, stands=False),
+        Row("pushed, 60 N for 0.1 s, in a stop", pushed_while_stopped, (PROTECT,), NEVER, 1.3, promised=False),
+    ]
+}
+
+SETTLE = cycles(5.0)
+"""Servo cycles that the robot gets to come to a stand."""

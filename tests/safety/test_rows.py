@@ -1,0 +1,59 @@
+"""Every row of the safety table, at random moments of what the robot does. 100 of each: ``tests.safety.trials``."""
+
+from __future__ import annotations
+
+import pytest
+
+from humanoid_bt.messages import Mode
+from tests.safety.activities import STANDING, WALKING
+from tests.safety.rows import ROWS
+from tests.safety.trials import main, shared_machine, summary, trial
+
+_STANDS, _WALKS = list(STANDING), list(WALKING)
+CASES = [
+    (row, activity, seed)
+    for seed, row in enumerate(ROWS)
+    for activity in (_STANDS[seed % 2], _WALKS[seed % len(_WALKS)], _WALKS[(seed + 3) % len(_WALKS)])
+]
+
+
+@pytest.mark.parametrize(("row", "activity", "seed"), CASES, ids=[f"{row}, {activity}" for row, activity, _ in CASES])
+def test_a_fault_does_what_its_row_says(row: str, activity: str, seed: int) -> None:
+    outcome = trial(row, activity, seed)
+    assert outcome.mode_sequence == ROWS[row].modes, outcome
+    assert outcome.finite
+    if ROWS[row].promised:
+        assert outcome.as_told, outcome
+
+
+def test_the_same_seed_gives_the_same_outcome() -> None:
+    first = trial("decision stopped for 0.5 s", "walking straight", 3)
+    trial("knocked over, 600 N for 0.2 s", "turning", 1)
+    assert trial("decision stopped for 0.5 s", "walking straight", 3) == first
+    assert trial("decision stopped for 0.5 s", "walking straight", 4).moment != first.moment
+
+
+def test_a_supervisor_that_sleeps_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(shared_machine().supervisor, "_decision_timeout", 10**9)
+    outcome = trial("decision killed", "walking straight", 0)
+    assert outcome.mode_sequence == ()
+    assert not outcome.as_told
+
+
+def test_a_robot_that_falls_is_noticed() -> None:
+    outcome = trial("knocked over, 600 N for 0.2 s", "standing still", 0)
+    assert outcome.mode_sequence == (Mode.DAMP,)
+    assert not outcome.standing
+    assert outcome.limp
+
+
+def test_the_table_counts_what_went_as_told() -> None:
+    row = ROWS["e-stop raised"]
+    outcomes = [trial(row.name, "standing still", 0), trial("decision killed", "turning", 1)]
+    assert summary(row, outcomes).startswith("| e-stop raised | 1 of 1 | 1 of 1 | 0.0")
+
+
+def test_the_command_refuses_a_row_that_does_not_exist(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit):
+        main(["--row", "earthquake"])
+    assert "e-stop raised" in capsys.readouterr().err
