@@ -39,7 +39,13 @@ class Subject:
         workspace = Workspace(builtin_root())
         robot, scene = workspace.find_robot(_ROBOT), workspace.find_scene(_SCENE)
         self._spec = RunSpec(
-            robot=str(robot.resolve()), scene=str(scene.resolve()), seed=0, core=last_core(), log="", hold=_HOLD
+            robot=str(robot.resolve()),
+            scene=str(scene.resolve()),
+            seed=0,
+            core=last_core(),
+            log="",
+            hold=_HOLD,
+            parent=os.getpid(),
         )
         self._folder: RunFolder | None = None
         self._processes: dict[str, subprocess.Popen[str]] = {}
