@@ -55,7 +55,7 @@ def measure_realtime(
 
 def _ours(
     duration: float, repetitions: int, loaded: bool, progress: Callable[[str], None]
-) -> Iterator[Punctuality | Reaction]:
+) -> Iterator[Punctuality | Reaction | Note]:
     """Measure the real processes under one load."""
     progress(f"{_load(loaded)}: starting control")
     with Subject() as subject:
@@ -66,6 +66,9 @@ def _ours(
         for reaction in reactions(subject, repetitions, loaded):
             yield reaction
             progress(f"{_load(loaded)}: reactions; measured: {reaction.cause}")
+        if stalls := subject.stalls:
+            text = f"{stalls[0]}, and {len(stalls) - 1} more times" if len(stalls) > 1 else stalls[0]
+            yield Note(f"{_load(loaded)}: {text}; a stop takes longer then, for silence counts anew")
 
 
 def _load(loaded: bool) -> str:

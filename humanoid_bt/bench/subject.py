@@ -15,7 +15,7 @@ from typing import Self
 from humanoid_bt.bench.stand_ins import SPOIL
 from humanoid_bt.errors import HumanoidBtError
 from humanoid_bt.link.run_folder import RunFolder, RunInfo, clean_stale
-from humanoid_bt.link.wire import decode_percepts, decode_state
+from humanoid_bt.link.wire import decode_event, decode_percepts, decode_state
 from humanoid_bt.messages import Mode, State
 from humanoid_bt.realtime import channels
 from humanoid_bt.realtime.channels import RunSpec
@@ -39,7 +39,13 @@ class Subject:
         workspace = Workspace(builtin_root())
         robot, scene = workspace.find_robot(_ROBOT), workspace.find_scene(_SCENE)
         self._spec = RunSpec(
-            robot=str(robot.resolve()), scene=str(scene.resolve()), seed=0, core=last_core(), log="", hold=_HOLD
+            robot=str(robot.resolve()),
+            scene=str(scene.resolve()),
+            seed=0,
+            core=last_core(),
+            log="",
+            hold=_HOLD,
+            parent=os.getpid(),
         )
         self._folder: RunFolder | None = None
         self._processes: dict[str, subprocess.Popen[str]] = {}
@@ -67,7 +73,7 @@ class Subject:
         self._states, self._percepts = channels.reader(folder, "state"), channels.reader(folder, "percept")
         self._wakes, self._stops = channels.reader(folder, "wake"), channels.reader(folder, "stop")
         self._refusals, self._timing = channels.reader(folder, "refusal"), channels.reader(folder, "timing")
-        self._estop = channels.estop(folder)
+        self._notices, self._estop = channels.reader(folder, "notice"), channels.estop(folder)
         self._spawn("control", "humanoid_bt.realtime.control_process")
         self._wait(lambda: self._states.sequence > 0, _START_TIMEOUT, "control did not start")
         self.start_perception()
@@ -190,6 +196,12 @@ class Subject:
     def refusals(self) -> int:
         """Number of commands refused so far."""
         return self._refusals.sequence
+
+    @property
+    def stalls(self) -> list[str]:
+        """What control said of its own stalls, the latest ones."""
+        texts = [decode_event(payload).text for _, payload in self._notices.since(0)[0]]
+        return [text for text in texts if "stalled" in text]
 
     def wait_stop(self, mode: Mode, after: int, timeout: float = 2.0) -> StopRecord | None:
         """Wait for a stop; return None if there was none.
