@@ -11,7 +11,7 @@ import mujoco
 import numpy as np
 
 from humanoid_bt.errors import UserError
-from humanoid_bt.geometry import exp, planar_pose, pose_product
+from humanoid_bt.geometry import clamp, exp, planar_pose, pose_product
 from humanoid_bt.messages import SIDES, Array, Side
 from humanoid_bt.plant.robot_model import BASE_COORDINATES, BASE_DOFS, GAZE_SITE, RobotModel, palm_site, sole_site
 
@@ -98,7 +98,7 @@ class InverseKinematics:
     def reset(self, qpos: Array) -> None:
         """Start at rest from a configuration, shape (7 + nj,), clamped into the soft limits."""
         start = qpos.copy()
-        start[BASE_COORDINATES:] = np.clip(start[BASE_COORDINATES:], self._robot.lower, self._robot.upper)
+        start[BASE_COORDINATES:] = clamp(start[BASE_COORDINATES:], self._robot.lower, self._robot.upper)
         self.configuration.update(start)
         self.velocity: Array = np.zeros(self._model.nv)
         self.acceleration: Array = np.zeros(self._model.nv)
@@ -150,7 +150,7 @@ class InverseKinematics:
             return np.zeros(self._model.nv)
         if not np.isfinite(way).all():
             return np.zeros(self._model.nv)
-        after = np.clip(self.joints + way[BASE_DOFS:], self._robot.lower, self._robot.upper)
+        after = clamp(self.joints + way[BASE_DOFS:], self._robot.lower, self._robot.upper)
         way[BASE_DOFS:] = after - self.joints
         return np.asarray(way / self._dt)
 
@@ -186,7 +186,7 @@ class InverseKinematics:
 
     def _follow_motion(self, velocity: Array) -> None:
         smooth = min(1.0, self._dt / _SMOOTH_TIME)
-        rate = np.clip((velocity - self.velocity) / self._dt, -_ACCELERATION_LIMIT, _ACCELERATION_LIMIT)
+        rate = clamp((velocity - self.velocity) / self._dt, -_ACCELERATION_LIMIT, _ACCELERATION_LIMIT)
         self.acceleration += smooth * (rate - self.acceleration)
         self.velocity = velocity
         data = self.configuration.data

@@ -10,6 +10,7 @@ import math
 import numpy as np
 
 from humanoid_bt.control.planar import ahead, rotate, seen_from, wrap
+from humanoid_bt.geometry import clamp
 from humanoid_bt.messages import Array
 from humanoid_bt.plant.robot_config import WholeBodyConfig
 
@@ -81,7 +82,7 @@ class HandReference:
         self._position = _toward(self._position, target, step)
         if error @ error < _CORRECT_WITHIN**2:
             correction = self._correction + self._weights.hand_integral * self._dt * (target - measured)
-            self._correction = np.clip(correction, -_CORRECT_MAX, _CORRECT_MAX)
+            self._correction = clamp(correction, -_CORRECT_MAX, _CORRECT_MAX)
         self._sent = _toward(self._sent, self._position + self._correction, step)
         return self._sent
 
@@ -158,7 +159,7 @@ class PostureReference:
     def update(self) -> None:
         """Move back toward home."""
         error = self._home - self.joints
-        self.joints = self.joints + np.clip(error, -self._step, self._step)
+        self.joints = self.joints + clamp(error, -self._step, self._step)
 
 
 def _carried(point: Array, before: Array, after: Array) -> Array:

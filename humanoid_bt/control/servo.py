@@ -6,6 +6,7 @@ import numpy as np
 
 from humanoid_bt.clock import WHOLE_BODY_PERIOD
 from humanoid_bt.control.whole_body import Setpoint
+from humanoid_bt.geometry import clamp
 from humanoid_bt.messages import Array, JointCommand
 from humanoid_bt.plant.robot_model import RobotModel
 
@@ -36,7 +37,7 @@ class Servo:
 
     def reset(self, position: Array) -> None:
         """Start from joint positions, shape (nj,)."""
-        self.position = np.clip(position, self._robot.lower, self._robot.upper)
+        self.position = clamp(position, self._robot.lower, self._robot.upper)
         self.limited = np.zeros_like(self.limited)
         self.clamps = 0
         self._command = self._hold()
@@ -59,10 +60,10 @@ class Servo:
         if not all(np.isfinite(value).all() for value in values):
             self.hold()
             return "the setpoint is not finite"
-        slow = np.clip(setpoint.position, self.position - self._step, self.position + self._step)
-        inside = np.clip(slow, robot.lower, robot.upper)
-        velocity = np.clip(setpoint.velocity, -robot.speed_limit, robot.speed_limit)
-        torque = np.clip(setpoint.torque, -robot.torque_limit, robot.torque_limit)
+        slow = clamp(setpoint.position, self.position - self._step, self.position + self._step)
+        inside = clamp(slow, robot.lower, robot.upper)
+        velocity = clamp(setpoint.velocity, -robot.speed_limit, robot.speed_limit)
+        torque = clamp(setpoint.torque, -robot.torque_limit, robot.torque_limit)
         self.limited = (
             (np.abs(inside - setpoint.position) > LIMIT_TOLERANCE)
             | (velocity != setpoint.velocity)

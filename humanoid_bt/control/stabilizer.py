@@ -10,6 +10,7 @@ import numpy as np
 from humanoid_bt.control.dcm import GRAVITY
 from humanoid_bt.control.footsteps import OTHER
 from humanoid_bt.control.planar import inside
+from humanoid_bt.geometry import clamp
 from humanoid_bt.messages import SIDES, Array, Side
 from humanoid_bt.plant.robot_config import GaitConfig, SoleConfig
 
@@ -81,7 +82,7 @@ class Stabilizer:
         """
         gait, dt = self._gait, self._dt
         shift = np.array([-momentum_rate[1], momentum_rate[0]]) / (self._mass * GRAVITY)
-        shift = np.clip(shift, -gait.momentum_limit, gait.momentum_limit)
+        shift = clamp(shift, -gait.momentum_limit, gait.momentum_limit)
         wanted = zmp_reference + gait.dcm_gain * (dcm - dcm_reference) + shift
         share, cop = self._share(wanted, soles, contact)
         zmp = share["left"] * cop["left"] + share["right"] * cop["right"]

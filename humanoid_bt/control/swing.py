@@ -8,7 +8,7 @@ import numpy as np
 
 from humanoid_bt.control.footsteps import SIGN
 from humanoid_bt.control.planar import rotate, seen_from, wrap
-from humanoid_bt.geometry import log, pose_inverse, pose_product
+from humanoid_bt.geometry import clamp, log, pose_inverse, pose_product
 from humanoid_bt.messages import SIDES, Array, Side
 from humanoid_bt.plant.robot_config import GaitConfig, SoleConfig
 
@@ -173,7 +173,7 @@ class TiltCompensation:
             if swing is not None and swing.side == side:
                 weight = min(1.0, max(0.0, swing.progress) / self._FADE_IN)
                 error = log(pose_product(base_reference, pose_inverse(base_measured)))
-                goal = weight * np.clip(error, -self._LIMIT, self._LIMIT)
+                goal = weight * clamp(error, -self._LIMIT, self._LIMIT)
                 self.twist[side] += min(1.0, self._dt / self._RISE) * (goal - self.twist[side])
             else:
                 self.twist[side] *= math.exp(-self._dt / self._DECAY)
