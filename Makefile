@@ -19,7 +19,7 @@ check: $(VENV)/.installed-dev  ## lint, format, types, layers
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 
-docs: $(VENV)/.installed-dev  ## write the generated pages and pictures
+docs: $(VENV)/.installed-dev  ## write the generated parts of the pages
 	$(BIN)/python docs/generate.py
 
 bench: $(VENV)/.installed

@@ -13,6 +13,7 @@ from humanoid_bt.link.wire import Event
 from humanoid_bt.messages import Command, Percept, State
 from humanoid_bt.plant.robot_model import RobotModel
 from humanoid_bt.plant.scene import Scene
+from humanoid_bt.realtime.timing import Timing
 
 
 class SupervisorView(Protocol):
@@ -50,6 +51,10 @@ class Engine(Protocol):
     @property
     def external_force_max(self) -> float:
         """Largest external force or torque on any body [N, Nm]; final after :meth:`close`."""
+
+    @property
+    def timing(self) -> Timing | None:
+        """How punctual the servo is; None where there is no wall clock to be late for."""
 
     def start(self) -> None:
         """Begin; the robot stands."""

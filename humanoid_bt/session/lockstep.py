@@ -73,6 +73,10 @@ class Lockstep:
         """Largest external force or torque there ever was on any body [N, Nm]."""
         return self.plant.external_force_max
 
+    @property
+    def timing(self) -> None:
+        """None: simulated time has nothing to be late for."""
+
     def start(self) -> None:
         """Begin; there is nothing to start."""
 

@@ -58,6 +58,7 @@ class Report:
         fell: whether the robot fell.
         stops: every stop the supervisor ordered.
         external_force_max: largest external force or torque on any body [N, Nm].
+        timing: how punctual the servo was in realtime mode: cycles, missed, lateness [us]; None in lockstep.
         recording: path of the recording.
         versions: of the packages that a run depends on.
         traceback: of the exception that ended the run, for its author.
@@ -78,6 +79,7 @@ class Report:
     fell: bool
     stops: list[dict[str, Any]]
     external_force_max: float
+    timing: dict[str, Any] | None
     recording: str | None
     versions: dict[str, str] = field(default_factory=dict)
     traceback: str = ""

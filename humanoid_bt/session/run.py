@@ -7,6 +7,7 @@ import time
 import traceback
 from collections.abc import Callable
 from contextlib import ExitStack, suppress
+from dataclasses import asdict
 from pathlib import Path
 from typing import NamedTuple, Protocol
 
@@ -285,6 +286,9 @@ class Run:
             if state.base_settled and state.mode is not Mode.DAMP:
                 break
             self._keep_pace()
+        if timing := engine.timing:
+            late = f"{timing.missed} missed, {timing.late_p99:.0f} us late at the 99th percentile"
+            self._event("info", f"the servo ran {timing.cycles} cycles: {late}")
         return end
 
     def _halt(self, end: _End) -> _End:
@@ -366,6 +370,7 @@ class Run:
             fell=any(stop.mode is Mode.DAMP for stop in self._engine.supervisor.stops),
             stops=stops_of(self._engine.supervisor.stops),
             external_force_max=self._engine.external_force_max,
+            timing=asdict(self._engine.timing) if self._engine.timing else None,
             recording=str(file) if file else None,
             versions=versions(),
             traceback=end.traceback,
