@@ -192,8 +192,7 @@ def clean_stale(root: Path | None = None) -> list[str]:
             except LinkError as error:
                 _log.warning("left alone: %s", error)
                 continue
-            if dead:
-                _remove(folder)
+            if dead and _remove(folder):
                 removed.append(folder.name)
         for folder in root.glob(f"{_CLOSED}*"):  # whoever removed it died on the way
             shutil.rmtree(folder, ignore_errors=True)
@@ -210,12 +209,19 @@ def _folders(root: Path) -> list[Path]:
     return sorted(path for path in root.iterdir() if not path.name.startswith("."))
 
 
-def _remove(folder: Path) -> None:
-    """Remove a folder that is whole for everybody else until it is gone for everybody else."""
+def _remove(folder: Path) -> bool:
+    """Remove a folder that is whole for everybody else until it is gone for everybody else.
+
+    Returns:
+        Whether it was there; its owner may have closed it a moment before.
+    """
     closed = folder.with_name(f"{_CLOSED}{folder.name}")
-    with contextlib.suppress(FileNotFoundError):
+    try:
         folder.rename(closed)
+    except FileNotFoundError:
+        return False
     shutil.rmtree(closed, ignore_errors=True)
+    return True
 
 
 def _make_private(folder: Path) -> None:
