@@ -36,11 +36,6 @@ def planar_pose(x: float, y: float, z: float, yaw: float) -> Array:
     return np.array([x, y, z, math.cos(yaw / 2), 0.0, 0.0, math.sin(yaw / 2)])
 
 
-def quaternion_product(first: Array, second: Array) -> Array:
-    """Return the quaternion, shape (4,), that turns as ``second`` and then ``first`` do."""
-    return np.array(_product(first.tolist(), second.tolist()))
-
-
 def pose_product(first: Array, second: Array) -> Array:
     """Return the pose, shape (7,), of ``second`` when it is given in the frame of ``first``."""
     a, b = first.tolist(), second.tolist()

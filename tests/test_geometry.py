@@ -12,7 +12,6 @@ from humanoid_bt.geometry import (
     planar_pose,
     pose_inverse,
     pose_product,
-    quaternion_product,
     rotation_matrix,
 )
 
@@ -50,8 +49,6 @@ def test_products_and_inverses_are_minks() -> None:
 def test_a_rotation_matrix_turns_as_its_quaternion() -> None:
     quaternion = exp(TWISTS[8])[3:]
     np.testing.assert_allclose(rotation_matrix(quaternion), mink.SO3(quaternion).as_matrix(), atol=1e-12)
-    twice = rotation_matrix(quaternion_product(quaternion, quaternion))
-    np.testing.assert_allclose(twice, rotation_matrix(quaternion) @ rotation_matrix(quaternion), atol=1e-12)
 
 
 def test_a_planar_pose_is_upright() -> None:

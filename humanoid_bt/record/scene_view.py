@@ -102,6 +102,7 @@ class SceneView:
             if body is None:
                 raise HumanoidBtError(f"the scene has no object {name!r}; {nearest(name, self._objects)}")
             model.body_pos[body] = position
+        # the recorder's own copy of the scene, for kinematics only: the simulation is elsewhere
         data.qpos[:3] = state.base_position
         data.qpos[3:7] = state.base_quaternion
         data.qpos[7 : 7 + self._joint_count] = state.joint_positions
