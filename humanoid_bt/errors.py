@@ -6,6 +6,10 @@ import difflib
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Literal
+
+Severity = Literal["error", "warning"]
+"""An error keeps a file from being used; a warning does not."""
 
 
 @dataclass(frozen=True)
@@ -24,11 +28,21 @@ class Place:
 
 @dataclass(frozen=True)
 class Problem:
-    """One mistake: what is wrong, where, and what would be valid."""
+    """One mistake: what is wrong, where, and what would be valid.
+
+    Attributes:
+        message: what is wrong.
+        place: where.
+        hint: what would be valid.
+        code: stable name of this kind of mistake, for programs and for allowing it; "" where it has none.
+        severity: an error keeps a file from being used, a warning does not.
+    """
 
     message: str
     place: Place | None = None
     hint: str = ""
+    code: str = ""
+    severity: Severity = "error"
 
     def __str__(self) -> str:
         where = f"{self.place}: " if self.place else ""
@@ -47,11 +61,14 @@ class UserError(HumanoidBtError, ValueError):
         problems: every mistake found, or the message of the only one.
         place: where it is, for a single message.
         hint: what would be valid, for a single message.
+        code: stable name of this kind of mistake, for a single message.
     """
 
-    def __init__(self, problems: str | Sequence[Problem], place: Place | None = None, hint: str = "") -> None:
+    def __init__(
+        self, problems: str | Sequence[Problem], place: Place | None = None, hint: str = "", code: str = ""
+    ) -> None:
         self.problems: tuple[Problem, ...] = (
-            (Problem(problems, place, hint),) if isinstance(problems, str) else tuple(problems)
+            (Problem(problems, place, hint, code),) if isinstance(problems, str) else tuple(problems)
         )
         super().__init__("\n".join(str(p) for p in self.problems))
 

@@ -9,7 +9,7 @@ from typing import Any
 
 from py_trees.behaviour import Behaviour
 
-from humanoid_bt.errors import Place
+from humanoid_bt.errors import Place, Problem
 from humanoid_bt.tree.registry import Kind, NodeType
 
 
@@ -61,6 +61,7 @@ class Tree:
         parameters: every parameter's value.
         source: the file's text.
         nodes: every node, parents before children, in the file's order.
+        warnings: what its checks found that does not keep it from running.
     """
 
     name: str
@@ -71,6 +72,7 @@ class Tree:
     parameters: Mapping[str, Any]
     source: str
     nodes: tuple[Node, ...]
+    warnings: tuple[Problem, ...] = ()
 
     @property
     def root(self) -> Behaviour:
