@@ -19,9 +19,10 @@ import math
 import re
 import types
 import typing
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any, NewType
 
+from humanoid_bt.blackboard import Key
 from humanoid_bt.document import Item
 from humanoid_bt.errors import Place, Problem, UserError, nearest
 
@@ -139,16 +140,37 @@ def _params_of(cls: type) -> Mapping[str, Param]:
 def assign(target: Any, values: Mapping[str, Any]) -> None:
     """Set an instance's declared parameters as attributes: the values given, defaults for the rest.
 
+    A parameter that is given a key of the blackboard gets the key's value each time the node starts.
+
     Raises:
         TypeError: a required parameter is missing, or a value is for none that is declared.
     """
     declared, owner = params_of(type(target)), type(target).__name__
+    read_at_start: dict[str, Key] = {}
     if unknown := [name for name in values if name not in declared]:
         raise TypeError(f"{owner} has no parameter {', '.join(map(repr, unknown))}")
     for name, spec in declared.items():
         if name not in values and spec.required:
             raise TypeError(f"{owner} needs the parameter {name!r}")
-        setattr(target, name, values[name] if name in values else copy.copy(spec.default))
+        value = values[name] if name in values else copy.copy(spec.default)
+        if isinstance(value, Key) and not _names_key(spec.type):
+            read_at_start[name] = value
+            value = None if spec.required else copy.copy(spec.default)
+        setattr(target, name, value)
+    if read_at_start:
+        target.initialise = functools.partial(_start, target, declared, read_at_start, target.initialise)
+
+
+def _start(target: Any, declared: Mapping[str, Param], keys: Mapping[str, Key], initialise: Callable[[], None]) -> None:
+    """Give parameters the values of the keys they were given, then start the node."""
+    for name, key in keys.items():
+        place = Place(f"the blackboard's {key.name!r}")
+        setattr(target, name, declared[name].convert(item_of(key.value, place)))
+    initialise()
+
+
+def _names_key(kind: Any) -> bool:
+    return kind is Key or Key in typing.get_args(kind)
 
 
 def is_number_text(text: str) -> bool:
@@ -156,10 +178,19 @@ def is_number_text(text: str) -> bool:
     return _EXPONENT.match(text) is not None
 
 
+def quantity(text: str) -> tuple[float, str] | None:
+    """Return a written quantity in its SI unit ("45 cm" -> 0.45, "m"), None if it is none."""
+    match = _QUANTITY.match(text)
+    for unit, known in _UNITS.items():
+        if match and match[2] in known:
+            return float(match[1]) * known[match[2]], unit
+    return None
+
+
 def base_unit(text: str) -> str | None:
     """Return the SI unit of a written quantity ("45 cm" -> "m"), None if it is none."""
-    match = _QUANTITY.match(text)
-    return next((unit for unit, known in _UNITS.items() if match and match[2] in known), None)
+    found = quantity(text)
+    return found[1] if found else None
 
 
 def read(cls: type, item: Item, what: str = "") -> Any:
@@ -229,6 +260,8 @@ def _type_name(kind: Any) -> str:  # noqa: PLR0911 (a table of cases)
         return f"mapping of {_type_name(args[1])}"
     if kind is PerceptName:
         return "percept"
+    if hasattr(kind, "described"):
+        return str(kind.described)
     return {float: "number", int: "whole number", str: "text", bool: "true or false"}.get(kind) or str(
         getattr(kind, "__name__", kind)
     )
@@ -268,6 +301,8 @@ def _convert(kind: Any, item: Item, spec: Param) -> Any:  # noqa: PLR0911 (a tab
         if not isinstance(item.value, dict):
             raise _wrong(item, spec, kind)
         return {key: _convert(args[1], child, spec) for key, child in item.value.items()}
+    if hasattr(kind, "from_item"):  # a type that reads itself
+        return kind.from_item(item, spec.name)
     if dataclasses.is_dataclass(kind):
         assert isinstance(kind, type)
         return read(kind, item, repr(spec.name))

@@ -9,6 +9,7 @@ from typing import Any
 
 from py_trees.common import Status
 
+from humanoid_bt.blackboard import Key
 from humanoid_bt.tree.tree import Node, Tree
 
 MARKS = {Status.SUCCESS: "✓", Status.FAILURE: "✗", Status.RUNNING: "▶", Status.INVALID: "○"}
@@ -17,6 +18,7 @@ MARKS = {Status.SUCCESS: "✓", Status.FAILURE: "✗", Status.RUNNING: "▶", St
 _GLUE = "\N{NO-BREAK SPACE}"
 _SHAPES = {
     "composite": "box",
+    "subtree": "folder",
     "decorator": "ellipse",
     "condition": "diamond",
     "action": "component",
@@ -31,7 +33,8 @@ def parameter_text(node: Node) -> str:
         spec = node.type.params[name]
         if spec.required or value != spec.default:
             unit = f" {spec.unit}" if spec.unit and value is not None else ""
-            shown.append(f"{name}: {_value_text(value)}{unit}")
+            reads = isinstance(value, Key) and name in node.references
+            shown.append(f"{name}: ${node.references[name]}" if reads else f"{name}: {_value_text(value)}{unit}")
     return ", ".join(shown)
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -22,10 +22,11 @@ class Node:
         name: as the file calls it, or its type's name.
         type: its type, with the declared parameters.
         values: the parameters that the file gives, converted.
+        references: parameter -> the name that the file gives for it as ``$name``.
         place: where it is written.
         behaviour: the py_trees node.
         parent: index of its parent in the tree's nodes, -1 for the root.
-        branch: the key of its parent that it stands under ("on_stale"), "" for a plain child.
+        branch: the key of its parent that it stands under ("on_stale", "cases left"), "" for a plain child.
     """
 
     path: str
@@ -36,6 +37,7 @@ class Node:
     behaviour: Behaviour
     parent: int
     branch: str = ""
+    references: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def type_name(self) -> str:
@@ -61,6 +63,7 @@ class Tree:
         parameters: every parameter's value.
         source: the file's text.
         nodes: every node, parents before children, in the file's order.
+        files: the tree file and those of its sub-trees.
         warnings: what its checks found that does not keep it from running.
     """
 
@@ -72,6 +75,7 @@ class Tree:
     parameters: Mapping[str, Any]
     source: str
     nodes: tuple[Node, ...]
+    files: tuple[Path, ...] = ()
     warnings: tuple[Problem, ...] = ()
 
     @property

@@ -68,7 +68,7 @@ def test_what_was_not_running_is_not_halted(fetched: tuple[int, list[str], dict[
 @pytest.mark.parametrize(
     ("tree", "code", "says"),
     [
-        ("wait", 0, "success: wait: waited"),
+        ("wait", 0, "success: pause: waited"),
         ("give_up", 1, "failure: give_up: the thing is not there"),
         ("exit", 4, "■ exit raised SystemExit: 7"),
     ],
@@ -133,7 +133,7 @@ def test_a_tree_file_finds_its_own_workspace(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     assert main(["run", str(project / "trees/wait.yaml")]) == 0
-    assert "success: wait: waited" in capsys.readouterr().out
+    assert "success: pause: waited" in capsys.readouterr().out
     recordings = list((tmp_path / "runs").glob("wait-*.rrd"))
     assert len(recordings) == 1
 
@@ -156,4 +156,4 @@ def test_ascii_terminals_get_ascii_signs(tmp_path: Path, monkeypatch: pytest.Mon
     with out.open("w", encoding="ascii") as stream:
         monkeypatch.setattr("sys.stdout", stream)
         assert main(["run", "wait", "--no-record"]) == 0
-    assert "0.00 s > wait waiting" in out.read_text(encoding="ascii")
+    assert "0.00 s > pause waiting" in out.read_text(encoding="ascii")

@@ -124,7 +124,7 @@ def test_a_tree_that_waits_for_a_reset_goes_on_after_it(project: Path) -> None:
 
 def test_a_node_raises_the_emergency_stop(project: Path) -> None:
     tree = project / "trees" / "panic.yaml"
-    root = "emergency_stop: {sequence: [wait, {raise_emergency_stop: {reason: too warm}}]}"
+    root = "emergency_stop: {sequence: [pause, {raise_emergency_stop: {reason: too warm}}]}"
     tree.write_text(f"format: 1\nroot: {{{root}}}\n", encoding="utf-8")
     report = ran("panic", project).report
     path = "panic/emergency_stop/sequence/raise_emergency_stop"
