@@ -187,6 +187,11 @@ def quantity(text: str) -> tuple[float, str] | None:
     return None
 
 
+def written_units(unit: str) -> tuple[str, ...]:
+    """Return the units in which a quantity of an SI unit may be written; none for ""."""
+    return tuple(_UNITS.get(unit, ()))
+
+
 def base_unit(text: str) -> str | None:
     """Return the SI unit of a written quantity ("45 cm" -> "m"), None if it is none."""
     found = quantity(text)

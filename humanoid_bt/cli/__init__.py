@@ -67,6 +67,10 @@ def _dispatch(arguments: argparse.Namespace) -> int:
 
         reach = {"estop": remote.estop, "reset": remote.reset, "status": remote.status}
         return reach[arguments.command](arguments)
+    if arguments.command == "schema":
+        from humanoid_bt.cli.schema import schema
+
+        return schema(arguments)
     from humanoid_bt.cli import inspect
 
     commands = {"check": inspect.check, "show": inspect.show, "skills": inspect.skills, "robots": inspect.robots}

@@ -47,6 +47,11 @@ exit codes:
   2  mistakes, each with its file, line and column
 """
 
+_SCHEMA_EXAMPLES = """\
+examples:
+  humanoid-bt schema -o .vscode/tree.schema.json
+"""
+
 _SHOW_EXAMPLES = """\
 examples:
   humanoid-bt show fetch
@@ -148,6 +153,16 @@ def parser() -> Parser:
     skills = command("skills", "list skills and their parameters", "List skills, or explain some.")
     skills.add_argument("names", nargs="*", metavar="NAME", help="explain only these")
     _add_workspace(skills)
+
+    schema = command(
+        "schema",
+        "write a JSON Schema for editors",
+        "Write a JSON Schema of this workspace's tree files, its skills and\n"
+        "sub-trees included. Editors complete, explain and check with it.",
+        _SCHEMA_EXAMPLES,
+    )
+    schema.add_argument("-o", "--output", type=Path, metavar="FILE", help="write it to this file; default: print it")
+    _add_workspace(schema)
 
     robots = command("robots", "list robots", "List the robots of this workspace.")
     _add_workspace(robots)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Literal
@@ -86,6 +87,17 @@ def load_tree(path: Path, workspace: Workspace, overrides: Mapping[str, str] | N
     if tree is None or any(problem.severity == "error" for problem in problems):
         raise UserError(problems)
     return replace(tree, warnings=tuple(problems))
+
+
+def subtree_types(workspace: Workspace, registry: Registry) -> dict[str, NodeType]:
+    """Return for every tree of a workspace the type of a node that uses it as a sub-tree; broken ones are left out."""
+    loader, node_type = _Loader(workspace), registry["subtree"]
+    found: dict[str, NodeType] = {}
+    for name, path in workspace.trees().items():
+        item = Item(name, Place(relative(path)))
+        with suppress(UserError):
+            found[name] = loader.specialise(node_type, Item({"tree": item}, item.place))
+    return found
 
 
 class _Loader:
