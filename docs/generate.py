@@ -26,8 +26,9 @@ from humanoid_bt.plant.scene_config import SceneConfig
 from humanoid_bt.robot import RobotHandle, Track
 from humanoid_bt.testing.rig import Rig, RigResult
 from humanoid_bt.tree.load import PARTS, Header, load_tree
+from humanoid_bt.tree.nodes import BUILTIN
 from humanoid_bt.tree.parameters import TYPES, LongForm
-from humanoid_bt.tree.registry import BUILTIN, NODE_KEYS, NodeType, Registry
+from humanoid_bt.tree.registry import NODE_KEYS, NodeType, Registry
 from humanoid_bt.tree.show import unicode_tree
 from humanoid_bt.tree.slots import Slot
 from humanoid_bt.workspace import Workspace, builtin_root

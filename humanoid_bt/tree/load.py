@@ -22,6 +22,7 @@ from humanoid_bt.tree.registry import NODE_KEYS, NodeType, Registry
 from humanoid_bt.tree.scope import Scope
 from humanoid_bt.tree.slots import Slot
 from humanoid_bt.tree.tree import Node, Tree
+from humanoid_bt.tree.write import written
 from humanoid_bt.workspace import Workspace
 
 MAX_NODES = 10_000
@@ -135,6 +136,7 @@ class _Loader:
             parameters=parameters.values,
             source=file.source,
             nodes=nodes,
+            header=_plain_header(file, given),
             files=tuple(file.path for file in self._files.values()),
         )
 
@@ -195,6 +197,7 @@ class _Loader:
         for name, declared in file.parameters.items():
             if declared.spec.type is NodeItem:
                 if name in body.value:
+                    draft.arguments[name] = body.value[name].plain()
                     found[name] = Argument(body.value[name], body.value[name].place, reader)
                 elif declared.default is None:
                     message = f"the node {name!r} of 'subtree' is missing"
@@ -283,6 +286,17 @@ def _header(item: Item, problems: list[Problem]) -> dict[str, Any]:
         except UserError as error:
             problems += error.problems
     return values
+
+
+def _plain_header(file: _File, given: Mapping[str, Argument]) -> dict[str, Any]:
+    """Return a file's keys but for the root as plain YAML, with parameters as they were given."""
+    header = {key: item.plain() for key, item in file.item.value.items() if key != "root"}
+    header["name"] = file.name
+    for name, argument in given.items():
+        declared, spec = header["parameters"][name], file.parameters[name].spec
+        value = written(argument.value, spec.unit)
+        header["parameters"][name] = {**declared, "default": value} if isinstance(declared, dict) else value
+    return header
 
 
 def _check_names(file: _File, problems: list[Problem]) -> None:
