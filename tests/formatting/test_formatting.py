@@ -108,7 +108,8 @@ KEPT = {
     "explicit keys": "? a\n: 1\n",
     "order": "b: 1\na: 2\n",
     "comments everywhere": (
-        "# first\n\n# second\na:  # third\n  # fourth\n  - {b: 1,  # fifth\n     # sixth\n     c: 2}\n\n  # seventh\n# last\n"
+        "# first\n\n# second\na:  # third\n  # fourth\n  - {b: 1,  # fifth\n     # sixth\n     c: 2}\n\n"
+        "  # seventh\n# last\n"
     ),
 }
 
