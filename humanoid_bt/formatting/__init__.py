@@ -16,12 +16,17 @@ Line breaks are the author's. What is normalised:
 
 from __future__ import annotations
 
+import re
+
 from humanoid_bt.document import parse
 from humanoid_bt.errors import Place, UserError
 from humanoid_bt.formatting.tokens import comments
 from humanoid_bt.formatting.writer import write
 
 __all__ = ["comments", "formatted"]
+
+_OTHER_BREAK = re.compile("[\x85\u2028\u2029]")
+"""What breaks lines for YAML 1.1 and for no editor."""
 
 
 def formatted(text: str, name: str) -> str:
@@ -32,13 +37,20 @@ def formatted(text: str, name: str) -> str:
         name: the file's name, for messages.
 
     Raises:
-        UserError: the text cannot be read, as :func:`humanoid_bt.document.parse` says it, or the result would differ
-            from it in more than blanks.
+        UserError: the text cannot be read, as :func:`humanoid_bt.document.parse` says it, breaks lines with other
+            characters than CR and LF, or the result would differ from it in more than blanks.
     """
     text = text.removeprefix("\ufeff").replace("\r\n", "\n").replace("\r", "\n")
     before = parse(text, name).plain()
+    if other := _OTHER_BREAK.search(text):
+        line, column = text.count("\n", 0, other.start()) + 1, other.start() - text.rfind("\n", 0, other.start())
+        raise UserError(
+            f"cannot be formatted: the character U+{ord(other[0]):04X} breaks a line here",
+            Place(name, line, column),
+            "break the line as the others, or write it as an escape in double quotes",
+        )
     result = write(text)
-    if not _is_same(text, result, before):
+    if result != text and not _is_same(text, result, before):
         raise UserError(
             "it cannot be formatted without changing what it says, and is left as it was",
             Place(name),
@@ -49,7 +61,7 @@ def formatted(text: str, name: str) -> str:
 
 def _is_same(text: str, result: str, before: object) -> bool:
     """Return whether a result has the characters, comments and values of a text; nothing leaves without this."""
-    if text.split() != result.split() and "".join(text.split()) != "".join(result.split()):
+    if "".join(text.split()) != "".join(result.split()):
         return False
     try:
         after = parse(result, "").plain()

@@ -2,14 +2,10 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 
 import yaml
-
-BREAK = re.compile("[\n\x85\u2028\u2029]")
-"""What ends a line outside of texts, for PyYAML, where CR is gone."""
 
 
 @dataclass(frozen=True)
@@ -42,7 +38,7 @@ class Piece:
 
 
 def pieces(text: str) -> Iterator[Piece]:
-    """Yield the tokens of YAML text; together, gaps and sources are the whole text.
+    """Yield the tokens of YAML text whose lines end in LF; together, gaps and sources are the whole text.
 
     Raises:
         yaml.YAMLError: it is no valid YAML.
@@ -56,8 +52,7 @@ def pieces(text: str) -> Iterator[Piece]:
             yield Piece(token, end, "", "")
             continue
         if isinstance(token, yaml.DirectiveToken):  # its end leaves out words that PyYAML does not know
-            found = BREAK.search(text, stop)
-            stop = found.start() if found else len(text)
+            stop = text.index("\n", stop)  # a marker of the document comes below
         yield Piece(token, end, text[end:start], text[start:stop])
         end = stop
 
@@ -70,7 +65,7 @@ def comments(text: str) -> list[str]:
     """
     found: list[str] = []
     for piece in pieces(text):
-        found += BREAK.split(piece.gap)
+        found += piece.gap.split("\n")
         if piece.is_block_scalar:
             found.append(piece.header[1])
     return [line.strip() for line in found if line.strip()]

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import yaml
 
 from humanoid_bt.formatting.lines import Line, aligned, display_width
-from humanoid_bt.formatting.tokens import BREAK, Piece, pieces
+from humanoid_bt.formatting.tokens import Piece, pieces
 
 INDENT = 2
 """Columns per level."""
@@ -17,14 +17,14 @@ _OPENS = (yaml.FlowMappingStartToken, yaml.FlowSequenceStartToken)
 _CLOSES = (yaml.FlowMappingEndToken, yaml.FlowSequenceEndToken)
 _AT_MARGIN = (yaml.DirectiveToken, yaml.DocumentStartToken, yaml.DocumentEndToken, yaml.StreamEndToken)
 _AT_LEVEL = (yaml.BlockEntryToken, yaml.KeyToken, yaml.ValueToken)
-_REST_IS_EMPTY = re.compile(f" *(#|{BREAK.pattern})")
+_REST_IS_EMPTY = re.compile(r" *(#|\n)")
 
 
 def write(text: str) -> str:
     """Return YAML text that can be read with other blanks between its tokens.
 
     Args:
-        text: the YAML text, without CR and byte order mark.
+        text: the YAML text, its lines ending in LF, without byte order mark.
 
     Raises:
         yaml.YAMLError: it is no valid YAML.
@@ -193,7 +193,7 @@ class _Writer:
 
     def gap(self, piece: Piece) -> None:
         """Write what stands before a piece: comments, line breaks, a blank."""
-        first, *others = BREAK.split(piece.gap)
+        first, *others = piece.gap.split("\n")
         is_end = isinstance(piece.token, yaml.StreamEndToken)
         if self.at_line_start:
             others = [first, *others]
@@ -271,7 +271,9 @@ class _Writer:
     def comment_levels(self, token: yaml.Token) -> list[_Level]:
         """Return where comments before a token may belong: to the token, or to blocks that end before it."""
         if self.flows:
-            return [_Level(-1 if isinstance(token, _CLOSES) else token.start_mark.column, self.flows[-1].content)]
+            if isinstance(token, _CLOSES):
+                return [_Level(-1, self.flows[-1].content)]
+            return [_Level(token.start_mark.column, self.column(token))]
         is_end = isinstance(token, yaml.StreamEndToken)
         levels = [_Level(0 if is_end else token.start_mark.column, self.column(token))]
         if self.has_opened or not self.is_entry(token):

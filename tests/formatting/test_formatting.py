@@ -77,6 +77,10 @@ CHANGES = {
         "a:\n  b: [  # c\n    1,\n    # own\n    {x: 1,\n     y: 2}]\n",
     ),
     "flow lists over lines, closed on their own": ("a: [\n1,\n   ]\n", "a: [\n  1,\n]\n"),
+    "a value below its key in a flow mapping": (
+        "a: {b:  # one\n # two\n  # three\n1}\n",
+        "a: {b:  # one\n      # two\n       # three\n      1}\n",
+    ),
     "text over lines": (
         "a:\n    b: one\n         two\n    c: 'three  \n\n      four'\n    d:\n        five\n",
         "a:\n  b: one\n    two\n  c: 'three\n\n    four'\n  d:\n    five\n",
@@ -121,6 +125,11 @@ def test_keeps(name: str) -> None:
 
 def test_reads_any_line_breaks_and_a_byte_order_mark() -> None:
     assert formatted("\ufeffa:\r\n    - 1\r    - 2\n", "") == "a:\n  - 1\n  - 2\n"
+
+
+def test_refuses_line_breaks_that_no_editor_shows() -> None:
+    with pytest.raises(UserError, match=r"x\.yaml:2:7: cannot be formatted: the character U\+2028 breaks a line here"):
+        formatted('a: 1\nb: "c \u2028 d"\n', "x.yaml")
 
 
 @pytest.mark.parametrize("text", ["", "# only\n", "a: [\n", "a: 1\na: 2\n", "a: !x 1\n", "a:\n\t- b\n"])
