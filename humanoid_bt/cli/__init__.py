@@ -62,6 +62,10 @@ def _dispatch(arguments: argparse.Namespace) -> int:
         from humanoid_bt.cli.bench import bench
 
         return bench(arguments)
+    if arguments.command == "fmt":
+        from humanoid_bt.cli.fmt import fmt
+
+        return fmt(arguments)
     if arguments.command in ("estop", "reset", "status"):
         from humanoid_bt.cli import remote
 

@@ -52,6 +52,22 @@ examples:
   humanoid-bt schema -o .vscode/tree.schema.json
 """
 
+_FMT = """\
+Bring trees, scenes and robots into one form. Only indentation, blanks and
+empty lines change: values, their order and every comment stay."""
+
+_FMT_EXAMPLES = """\
+examples:
+  humanoid-bt fmt                         all trees of this folder
+  humanoid-bt fmt trees/mine.yaml sim     a file, and all scenes and robots
+  humanoid-bt fmt --check                 before a commit, or in CI
+
+exit codes:
+  0  all files have this form now
+  1  with --check or --diff: some would change
+  2  mistakes in files, which are left as they are
+"""
+
 _SHOW_EXAMPLES = """\
 examples:
   humanoid-bt show fetch
@@ -142,6 +158,8 @@ def parser() -> Parser:
         help="names, files or folders of trees, skills, scenes, robots; default: this workspace",
     )
     _add_workspace(check)
+
+    _add_fmt(command("fmt", "format files", _FMT, _FMT_EXAMPLES))
 
     show = command("show", "draw a tree", "Draw a tree.", _SHOW_EXAMPLES)
     show.add_argument("tree", metavar="TREE", help="name or file of a tree")
@@ -267,6 +285,18 @@ def _add_run(run: Parser) -> None:
     run.add_argument("--report", type=Path, metavar="FILE", help="write a report of the run as JSON")
     run.add_argument("--quiet", action="store_true", help="print only errors and the summary")
     _add_workspace(run)
+
+
+def _add_fmt(fmt: Parser) -> None:
+    fmt.add_argument(
+        "paths",
+        nargs="*",
+        metavar="PATH",
+        help="names, files or folders of trees, scenes, robots; default: the trees of this workspace",
+    )
+    fmt.add_argument("--check", action="store_true", help="change nothing, name the files that would change")
+    fmt.add_argument("--diff", action="store_true", help="change nothing, show what would change")
+    _add_workspace(fmt)
 
 
 def _add_run_id(command: Parser) -> None:
