@@ -33,6 +33,8 @@ examples:
 _BENCH_EXAMPLES = """\
 examples:
   humanoid-bt bench
+  humanoid-bt bench --tree                what a tick costs, of fetch and others
+  humanoid-bt bench --tree trees/mine.yaml
   humanoid-bt bench --realtime            can this board do it?
   humanoid-bt bench --realtime --duration 60 --json board.json
 """
@@ -211,7 +213,16 @@ def parser() -> Parser:
         "Measure the engine. Every cost is a ratio to a baseline measured\nin the same run.",
         _BENCH_EXAMPLES,
     )
-    bench.add_argument(
+    what = bench.add_mutually_exclusive_group()
+    what.add_argument(
+        "--tree",
+        nargs="?",
+        const="fetch",
+        metavar="TREE",
+        help="measure trees only: a tick of this one (default: fetch) and of one of 40 nodes beside plain py_trees, "
+        "and loading one of 500 nodes beside plain YAML",
+    )
+    what.add_argument(
         "--realtime",
         action="store_true",
         help="measure realtime mode instead: how punctual the servo is beside the same loop in C, "
