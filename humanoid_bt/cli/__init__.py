@@ -67,7 +67,11 @@ def _dispatch(arguments: argparse.Namespace) -> int:
 
         reach = {"estop": remote.estop, "reset": remote.reset, "status": remote.status}
         return reach[arguments.command](arguments)
+    if arguments.command == "show":
+        from humanoid_bt.cli.show import show
+
+        return show(arguments)
     from humanoid_bt.cli import inspect
 
-    commands = {"check": inspect.check, "show": inspect.show, "skills": inspect.skills, "robots": inspect.robots}
+    commands = {"check": inspect.check, "skills": inspect.skills, "robots": inspect.robots}
     return commands[arguments.command](arguments)
