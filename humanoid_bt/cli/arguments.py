@@ -51,7 +51,7 @@ _SHOW_EXAMPLES = """\
 examples:
   humanoid-bt show fetch
   humanoid-bt show fetch -o fetch.svg     a picture
-  humanoid-bt show fetch --format mermaid for a Markdown page
+  humanoid-bt show fetch -o fetch.mmd     for a Markdown page
   humanoid-bt show --live                 the tree that runs
 
 marks of a tree that runs:

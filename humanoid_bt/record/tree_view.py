@@ -10,7 +10,7 @@ import rerun as rr
 
 from humanoid_bt.errors import HumanoidBtError, nearest
 from humanoid_bt.record.columns import lane, send, send_sets
-from humanoid_bt.tree.layout import tidy
+from humanoid_bt.tree.layout import fan
 from humanoid_bt.tree.show.looks import STATUS_COLORS, STATUS_GLYPHS
 
 GRAPH = "tree/graph"
@@ -81,7 +81,7 @@ class TreeStatus:
         self._parents = [_parent(node) for node in nodes]
         self._labels = [_label(node) for node in nodes]
         sizes = [(_CHARACTER * (2 + max(map(len, label.split("\n")))), _ROW) for label in self._labels]
-        boxes = tidy([-1 if parent is None else parent for parent in self._parents], sizes, (_GAP, 0.0))
+        boxes = fan([-1 if parent is None else parent for parent in self._parents], sizes, (_GAP, 0.0))
         self._positions = [(box.x + box.width / 2, box.y + box.height / 2) for box in boxes]
         self.size = max(box.right for box in boxes), max(box.bottom for box in boxes)
         self._lanes = _lanes(nodes, self._parents, first_lane)
