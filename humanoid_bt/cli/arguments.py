@@ -73,7 +73,12 @@ exit codes:
 _SHOW_EXAMPLES = """\
 examples:
   humanoid-bt show fetch
-  humanoid-bt show fetch --format dot | dot -Tsvg > fetch.svg
+  humanoid-bt show fetch -o fetch.svg     a picture
+  humanoid-bt show fetch -o fetch.mmd     for a Markdown page
+  humanoid-bt show --live                 the tree that runs
+
+marks of a tree that runs:
+  ▶ running   ✓ succeeded   ✗ failed   ○ neither
 """
 
 
@@ -163,12 +168,8 @@ def parser() -> Parser:
 
     _add_fmt(command("fmt", "format files", _FMT, _FMT_EXAMPLES))
 
-    show = command("show", "draw a tree", "Draw a tree.", _SHOW_EXAMPLES)
-    show.add_argument("tree", metavar="TREE", help="name or file of a tree")
-    show.add_argument(
-        "--format", choices=["unicode", "dot"], default="unicode", metavar="F", help="unicode (default) or dot"
-    )
-    _add_workspace(show)
+    show = command("show", "draw a tree, also while it runs", "Draw a tree, or one that runs.", _SHOW_EXAMPLES)
+    _add_show(show)
 
     skills = command("skills", "list skills and their parameters", "List skills, or explain some.")
     skills.add_argument("names", nargs="*", metavar="NAME", help="explain only these")
@@ -308,6 +309,27 @@ def _add_fmt(fmt: Parser) -> None:
     fmt.add_argument("--check", action="store_true", help="change nothing, name the files that would change")
     fmt.add_argument("--diff", action="store_true", help="change nothing, show what would change")
     _add_workspace(fmt)
+
+
+def _add_show(show: Parser) -> None:
+    show.add_argument("tree", nargs="?", metavar="TREE", help="name or file of a tree")
+    show.add_argument(
+        "--format",
+        choices=["unicode", "svg", "dot", "mermaid"],
+        metavar="F",
+        help="unicode (default), svg, dot or mermaid; default: what FILE's suffix says",
+    )
+    show.add_argument(
+        "-o", "--output", type=Path, metavar="FILE", help="write it to this .txt, .svg, .dot or .mmd file"
+    )
+    show.add_argument(
+        "--live",
+        action="store_true",
+        help="instead of TREE: the tree that runs in another terminal, with the status of every node; "
+        "at a terminal until Ctrl-C, else once",
+    )
+    show.add_argument("--run", metavar="ID", help="with --live: which run, if there are several")
+    _add_workspace(show)
 
 
 def _add_run_id(command: Parser) -> None:

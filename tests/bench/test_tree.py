@@ -33,14 +33,14 @@ def test_ticks_and_loading_are_measured(monkeypatch: pytest.MonkeyPatch) -> None
 def test_any_tree_can_be_measured_but_for_one_whose_skill_raises(tmp_path: Path) -> None:
     project = make_project(tmp_path / "project")
     for name, root in {
-        "lost": "watchdog: {percept: ball, max_age: 1, wait: {}}",
+        "lost": "watchdog: {percept: ball, max_age: 1, pause: {}}",
         "bad": "exit",
-        "typo": "wiat",
+        "typo": "puase",
     }.items():
         (project / "trees" / f"{name}.yaml").write_text(f"format: 1\nroot: {{{root}}}\n".replace("{exit}", "exit"))
     workspace = Workspace(project)
     assert len(list(tree.measure_tree(workspace.find_tree("lost"), workspace, 1))) == 4
     with pytest.raises(NodeError, match="SystemExit"):
         list(tree.measure_tree(workspace.find_tree("bad"), workspace, 1))
-    with pytest.raises(UserError, match="wait"):
+    with pytest.raises(UserError, match="pause"):
         list(tree.measure_tree(workspace.find_tree("typo"), workspace, 1))
