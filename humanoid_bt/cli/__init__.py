@@ -32,7 +32,7 @@ def _guarded(argv: Sequence[str] | None) -> int:
     try:
         return int(_dispatch(parser().parse_args(argv)))
     except UserError as error:
-        print(_problems(error), file=sys.stderr)
+        _print_problems(error)
         return ExitCode.USAGE
     except KeyboardInterrupt:
         print("interrupted", file=sys.stderr)
@@ -46,11 +46,12 @@ def _guarded(argv: Sequence[str] | None) -> int:
         return ExitCode.ERROR
 
 
-def _problems(error: UserError) -> str:
-    lines = [f"error: {problem}" for problem in error.problems]
-    if len(lines) > 1:
-        lines.append(f"{len(lines)} problems")
-    return "\n".join(lines)
+def _print_problems(error: UserError) -> None:
+    from humanoid_bt.cli.findings import counted, print_findings
+
+    print_findings(error.problems, stderr=True)
+    if len(error.problems) > 1:
+        print(counted(error.problems), file=sys.stderr)
 
 
 def _dispatch(arguments: argparse.Namespace) -> int:
@@ -67,7 +68,11 @@ def _dispatch(arguments: argparse.Namespace) -> int:
 
         reach = {"estop": remote.estop, "reset": remote.reset, "status": remote.status}
         return reach[arguments.command](arguments)
+    if arguments.command == "check":
+        from humanoid_bt.cli.check import check
+
+        return check(arguments)
     from humanoid_bt.cli import inspect
 
-    commands = {"check": inspect.check, "show": inspect.show, "skills": inspect.skills, "robots": inspect.robots}
+    commands = {"show": inspect.show, "skills": inspect.skills, "robots": inspect.robots}
     return commands[arguments.command](arguments)
