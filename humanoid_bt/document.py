@@ -145,12 +145,22 @@ class _Reader:
 
     def document(self) -> Item:
         try:
-            node = self.loader.get_single_node()
+            node = self.root()
             if node is None:
                 raise UserError("the file is empty", Place(self.name, 1, 1), code="syntax")
             return self.item(node, ())
         finally:
             self.loader.dispose()
+
+    def root(self) -> yaml.Node | None:
+        try:
+            node: yaml.Node | None = self.loader.get_single_node()
+        except UserError:
+            raise
+        except (ValueError, OverflowError) as error:  # from the scanner: "\UFFFFFFFF", a version of 5000 digits
+            place = _place(self.name, self.loader.get_mark())
+            raise UserError("not valid YAML: no character or version has this number", place, code="syntax") from error
+        return node
 
     def item(self, node: yaml.Node, above: tuple[int, ...]) -> Item:
         place = _place(self.name, node.start_mark)
@@ -174,7 +184,7 @@ class _Reader:
 
     def scalar(self, node: yaml.ScalarNode, place: Place) -> Any:
         if node.tag in _TEXT:
-            return node.value
+            return self.text(node, place)
         if node.tag not in _CONSTRUCTED:
             raise self.unknown_tag(node, place)
         try:
@@ -182,6 +192,13 @@ class _Reader:
         except (ValueError, LookupError, ArithmeticError, AttributeError, TypeError) as error:
             kind = node.tag.removeprefix(_TAG)
             raise UserError(f"{node.value[:40]!r} is not a valid {kind}", place, code="wrong-type") from error
+
+    def text(self, node: yaml.ScalarNode, place: Place) -> str:
+        try:
+            node.value.encode("utf-8")
+        except UnicodeEncodeError as error:  # half of a pair, written as "\uD800"
+            raise UserError(f"{ascii(node.value[:40])} holds half a character", place, code="syntax") from error
+        return str(node.value)
 
     def unknown_tag(self, node: yaml.Node, place: Place) -> UserError:
         message = f"the tag {node.tag.replace(_TAG, '!!')!r} is not supported"
@@ -198,7 +215,7 @@ class _Reader:
             place = _place(self.name, key_node.start_mark)
             if not isinstance(key_node, yaml.ScalarNode):
                 raise UserError("a key must be text", place, code="syntax")
-            key = key_node.value
+            key = self.text(key_node, place)
             if key_node.tag == _TAG + "merge":
                 for source in self.sources(value_node, above):
                     inherited = self.pairs(source, above) | inherited
