@@ -197,7 +197,7 @@ class _Reader:
         try:
             node.value.encode("utf-8")
         except UnicodeEncodeError as error:  # half of a pair, written as "\uD800"
-            raise UserError(f"{ascii(node.value[:40])} holds half a character", place, code="syntax") from error
+            raise UserError(f"{node.value[:40]!a} holds half a character", place, code="syntax") from error
         return str(node.value)
 
     def unknown_tag(self, node: yaml.Node, place: Place) -> UserError:
