@@ -42,7 +42,7 @@ _FILES = (
     _error("unreadable", "The file cannot be read, or is not UTF-8 text."),
     _error(
         "syntax",
-        "The file is not YAML, or uses what only YAML has.",
+        "The file is not YAML, or has a tag, an alias or a key that is not supported.",
         "reach: {target: target",
         "reach: {target: target}",
     ),

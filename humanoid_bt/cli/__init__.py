@@ -49,9 +49,10 @@ def _guarded(argv: Sequence[str] | None) -> int:
 def _print_problems(error: UserError) -> None:
     from humanoid_bt.cli.findings import counted, print_findings
 
-    print_findings(error.problems, stderr=True)
-    if len(error.problems) > 1:
-        print(counted(error.problems), file=sys.stderr)
+    errors = [problem for problem in error.problems if problem.severity == "error"]
+    print_findings(errors, stderr=True)
+    if len(errors) > 1:
+        print(counted(errors), file=sys.stderr)
 
 
 def _dispatch(arguments: argparse.Namespace) -> int:

@@ -26,7 +26,7 @@ def print_findings(problems: Iterable[Problem], *, stderr: bool = False) -> None
         if console.is_terminal and problem.place:
             for line in excerpt(problem.place, width()):
                 console.print(_marked(line, _COLORS[problem.severity]))
-        for line in problem.hint.splitlines():
+        for line in _printable(problem.hint).splitlines():
             for part in hanging(_INDENT, line) if console.is_terminal else [_INDENT + line]:
                 console.print(Text(part))
 
@@ -83,8 +83,13 @@ def _marked(line: str, color: str) -> Text:
     return text
 
 
+def _printable(text: str) -> str:
+    """Return a text in which a terminal finds no commands."""
+    return "".join(letter if letter.isprintable() or letter == "\n" else repr(letter)[1:-1] for letter in text)
+
+
 def _headline(problem: Problem) -> Text:
-    message = problem.message.replace("\n", "\n" + _INDENT)
+    message = _printable(problem.message).replace("\n", "\n" + _INDENT)
     return Text.assemble(
         (f"{problem.place}: " if problem.place else "", "bold"),
         (f"{problem.severity}: ", _COLORS[problem.severity]),

@@ -84,3 +84,8 @@ def test_findings_are_counted_by_severity() -> None:
     error, warning = Problem("a"), Problem("b", severity="warning")
     assert counted([error]) == "1 error"
     assert counted([warning, error, warning]) == "1 error, 2 warnings"
+
+
+def test_what_a_file_holds_commands_no_terminal(capsys: pytest.CaptureFixture[str]) -> None:
+    print_findings([Problem("unknown '\x1b[2J'", hint="valid: \x1b[31m")])
+    assert capsys.readouterr().out == "error: unknown '\\x1b[2J'\n    valid: \\x1b[31m\n"
