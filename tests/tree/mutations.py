@@ -29,6 +29,45 @@ TOKENS = [
 ]
 """What is put in the place of a word."""
 
+VALUES = [
+    *(
+        "1",
+        "-1",
+        "1.5",
+        "1e-9",
+        "true",
+        "null",
+        "text",
+        "''",
+        "[]",
+        "{}",
+        "[1, 2]",
+        "[[], {}]",
+        "{a: 1}",
+        "{a: {b: c}}",
+    ),
+    *("idle", "{idle: }", "[idle, idle]", "{sequence: [idle]}", "{idle: {name: x}, reach: {target: target}}", "$x"),
+    *("$target", "${x}", "5 m", "5 kg", "-3 deg", ".inf", ".nan", "9999999999999999999", "0x1F", "!!str 3", "'a\nb'"),
+    *(
+        "{percept: target, max_age: 1, idle: }",
+        "{name: {}}",
+        "{name: ''}",
+        "{children: idle}",
+        "{type: number, unit: m}",
+    ),
+    *(
+        "{default: 3}",
+        "{type: text, unit: s}",
+        "'two words'",
+        "[idle, {reach: {target: 3}}]",
+        "&b [*b]",
+        "{<<: {a: 1}}",
+    ),
+]
+"""What is put in the place of a value: valid YAML, so that the mistake is found by what reads it."""
+
+_VALUE = re.compile(r"(?<=: )[^\s{}\[\],#][^{}\[\],#\n]*")
+_KEY = re.compile(r"[\w.$-]+(?=:(?:\s|$))")
 _WORD = re.compile(r"[\w.$-]+|[^\w\s]")
 
 
@@ -44,13 +83,15 @@ class Mutator:
         self._operators: list[Callable[[str], str]] = [
             *(self.delete_line, self.duplicate_line, self.swap_lines, self.indent_line, self.swap_key_and_value),
             *(self.replace_word, self.replace_word, self.insert_token, self.truncate, self.insert_bytes),
+            *[self.replace_value] * 8,
+            *[self.replace_key] * 4,
             *(self.nest, self.huge_number, self.alias, self.splice, self.swap_words),
         ]
 
     def mutate(self, text: str, other: str) -> bytes:
-        """Return a text with one to four things broken, perhaps with a part of another."""
+        """Return a text with one to three things broken, perhaps with a part of another."""
         self._other = other
-        for _ in range(self._random.choice([1, 1, 2, 2, 3, 4])):
+        for _ in range(self._random.choice([1, 1, 1, 2, 2, 3])):
             text = self._random.choice(self._operators)(text)
         data = text.encode("utf-8", "surrogatepass")
         if self._random.random() < 0.03:
@@ -91,11 +132,13 @@ class Mutator:
         return "".join(lines)
 
     def replace_word(self, text: str) -> str:
-        words = list(_WORD.finditer(text))
-        if not words:
-            return text
-        word = self._random.choice(words)
-        return text[: word.start()] + self._random.choice(TOKENS) + text[word.end() :]
+        return self._replaced(_WORD, text, TOKENS)
+
+    def replace_value(self, text: str) -> str:
+        return self._replaced(_VALUE, text, VALUES)
+
+    def replace_key(self, text: str) -> str:
+        return self._replaced(_KEY, text, [*_KEY.findall(text), *_KEY.findall(self._other), "x"])
 
     def swap_words(self, text: str) -> str:
         words = [match[0] for match in _WORD.finditer(text)]
@@ -130,6 +173,13 @@ class Mutator:
     def splice(self, text: str) -> str:
         begin = self._random.randint(0, len(self._other))
         return self._inserted(text, self._other[begin : begin + self._random.randint(1, 200)])
+
+    def _replaced(self, pattern: re.Pattern[str], text: str, parts: list[str]) -> str:
+        places = list(pattern.finditer(text))
+        if not places:
+            return text
+        place = self._random.choice(places)
+        return text[: place.start()] + self._random.choice(parts) + text[place.end() :]
 
     def _inserted(self, text: str, part: str) -> str:
         at = self._random.randint(0, len(text))
