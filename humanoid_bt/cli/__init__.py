@@ -8,6 +8,7 @@ import traceback
 from collections.abc import Sequence
 
 from humanoid_bt.cli.arguments import parser
+from humanoid_bt.cli.findings import counted, print_findings
 from humanoid_bt.cli.output import standard_streams
 from humanoid_bt.errors import HumanoidBtError, UserError
 from humanoid_bt.session.report import ExitCode
@@ -47,8 +48,6 @@ def _guarded(argv: Sequence[str] | None) -> int:
 
 
 def _print_problems(error: UserError) -> None:
-    from humanoid_bt.cli.findings import counted, print_findings
-
     errors = [problem for problem in error.problems if problem.severity == "error"]
     print_findings(errors, stderr=True)
     if len(errors) > 1:

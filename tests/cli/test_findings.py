@@ -8,7 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from humanoid_bt.cli.findings import counted, excerpt, print_findings
+from humanoid_bt.cli.excerpts import excerpt
+from humanoid_bt.cli.findings import counted, print_findings
 from humanoid_bt.errors import Place, Problem
 
 
@@ -61,15 +62,14 @@ def test_the_mark_stands_below_its_letter_at_any_width(columns: int, column: int
     letters = [chr(ord("a") + number % 26) for number in range(199)]
     letters[column - 1 : column] = "X"
     file.write_text("".join(letters), encoding="utf-8")
-    line, mark = excerpt(Place("a.yaml", 1, column), columns)
+    line, mark = excerpt(Place("a.yaml", 1, column), columns) or ("", "")
     assert len(line) <= columns
     assert line[mark.index("^")] == "X"
 
 
 def test_wide_letters_take_two_columns(file: Path) -> None:
     file.write_text("名前: x\n", encoding="utf-8")
-    line, mark = excerpt(Place("a.yaml", 1, 5), 80)
-    assert (line, mark) == ("    1 | 名前: x", "      |       ^")
+    assert excerpt(Place("a.yaml", 1, 5), 80) == ("    1 | 名前: x", "      |       ^")
 
 
 @pytest.mark.parametrize(
@@ -77,7 +77,7 @@ def test_wide_letters_take_two_columns(file: Path) -> None:
     [Place("gone.yaml", 1, 1), Place("a.yaml"), Place("a.yaml", 9, 1), Place("a.yaml", 1, 99), Place("--set x=1")],
 )
 def test_what_is_not_there_is_not_shown(place: Place, file: Path) -> None:
-    assert excerpt(place, 80) == []
+    assert excerpt(place, 80) is None
 
 
 def test_findings_are_counted_by_severity() -> None:
