@@ -256,9 +256,8 @@ class Reader:
                 continue
             if key in self._registry:
                 message = f"{key!r} stands beside the children of {name!r}"
-                self._broken(
-                    draft, message, body.key_places[key], "children stand in a list: - first: ...", "extra-child"
-                )
+                hint = "children stand in a list: - first: ..."
+                self._broken(draft, message, body.key_places[key], hint, "extra-child")
             else:
                 message = f"unknown parameter {key!r} of {name!r}"
                 self._broken(draft, message, body.key_places[key], nearest(key, known), "unknown-parameter")

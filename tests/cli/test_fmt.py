@@ -112,7 +112,7 @@ def test_a_broken_file_is_left_and_the_others_formatted(capsys: pytest.CaptureFi
     assert err.endswith("2 files have mistakes and cannot be formatted, of 4\n")
     told = next(line for line in err.splitlines() if "broken" in line)
     assert main(["check", "trees/broken.yaml"]) == 2
-    assert told in capsys.readouterr().err.splitlines()
+    assert told in capsys.readouterr().out.splitlines()
 
 
 @pytest.mark.parametrize("mark", ["", "\ufeff"])
