@@ -16,9 +16,9 @@ _HEIGHT = 0.75  # of the eyes' height: the chest
 class Offer(Skill):
     """Stand and hold a palm out toward the target, balanced, and keep it there for a time.
 
-    The palm stays clear of the target, seen from above, and draws back when the target comes nearer. Waits for a
-    steady base before it moves a hand. Fails if the target was never seen, if it is too near, or if the palm does not
-    get there: it does not walk or turn.
+    The palm stays clear of the target, seen from above, and draws back from one that comes nearer, as quickly as the
+    hand moves. Waits for a steady base before it moves a hand. Fails if the target was never seen, if it is too near,
+    or if the palm does not get there: it does not walk or turn.
     """
 
     resources = ("left_hand", "right_hand", "gaze")

@@ -45,7 +45,7 @@ class Retract(Skill):
             return self.succeed("the hands are at rest" if self.hand == "both" else f"the {self.hand} hand is at rest")
         if now - self._since > self.patience:
             return self.fail(state.stop_reason or f"the hands do not come to rest: {speed:.2f} m/s")
-        return self.running(state.stop_reason or f"going back at {speed:.2f} m/s")
+        return self.running(state.stop_reason or ("going back" if free else "letting go"))
 
     def _speed(self, sides: list[Side]) -> float:
         """Return the speed of the faster palm, as seen from the body, since the last tick [m/s]."""
