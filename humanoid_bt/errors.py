@@ -82,11 +82,13 @@ class ResourceConflict(HumanoidBtError):  # noqa: N818 (the name says it)
 
 
 def nearest(name: str, valid: Iterable[str]) -> str:
-    """Return a hint: the nearest valid name if one is close, and the valid ones."""
+    """Return a hint: the nearest valid name if one is close, and the valid ones unless they are many."""
     names = sorted(set(valid))
     if not names:
         return ""
     close = difflib.get_close_matches(name, names, n=1, cutoff=0.6)
+    if close and len(names) > 30:
+        return f"did you mean {close[0]!r}?"
     shown = ", ".join(names) if len(names) <= 30 else ", ".join(names[:30]) + ", ..."
     return (f"did you mean {close[0]!r}? " if close else "") + f"valid: {shown}"
 
