@@ -16,6 +16,7 @@ from humanoid_bt.tree.registry import NodeType, Registry
 from humanoid_bt.tree.scope import Scope
 from humanoid_bt.tree.slots import Slot
 from humanoid_bt.tree.subtree import SubTree
+from humanoid_bt.tree.template import Template, expressions_of
 
 
 class SubTrees(Protocol):
@@ -190,8 +191,8 @@ class Reader:
                 draft.values[key] = self.scope.write(value.name, _written_type(values))
             else:
                 draft.values[key] = value
-                if isinstance(value, Expression):
-                    self.scope.add(value)
+                for expression in expressions_of(value):
+                    self.scope.add(expression)
 
     def _name(self, draft: Draft, item: Item) -> None:
         try:
@@ -204,7 +205,7 @@ class Reader:
 
     def _value(self, draft: Draft, spec: Param, item: Item) -> Item | None:
         """Return a value with what it refers to put in; None if it is read while the tree runs, or is a mistake."""
-        if isinstance(spec.type, type) and issubclass(spec.type, Expression):
+        if isinstance(spec.type, type) and issubclass(spec.type, (Expression, Template)):
             return item
         name, resolved = reference(item), None
         try:
@@ -279,7 +280,7 @@ class Reader:
             if key in self._registry or key.startswith("$"):
                 self._append(draft, self._typed(key, body.value[key], body.key_places[key]))
             else:
-                hint = nearest(key, [*known, *self._registry])
+                hint = self._registry.hint(key, known)
                 message = f"{key!r} is neither a parameter of {name!r} nor a node"
                 self._broken(draft, message, body.key_places[key], hint, "unknown-node")
         if not others:

@@ -8,7 +8,7 @@ from __future__ import annotations
 import inspect
 import types
 import typing
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
@@ -18,28 +18,54 @@ from humanoid_bt.errors import Place, Problem, UserError, nearest
 from humanoid_bt.params import Param, PerceptName, params_of
 from humanoid_bt.skill import Skill, node_type_name
 from humanoid_bt.skill_files import class_place, load_skills
-from humanoid_bt.tree.actions import RaiseEmergencyStop, Wait, WaitUntil
+from humanoid_bt.tree import elsewhere
+from humanoid_bt.tree.actions import Failure, Log, RaiseEmergencyStop, Running, Success, Wait, WaitUntil
 from humanoid_bt.tree.blackboard_nodes import ClearBlackboard, SetBlackboard
-from humanoid_bt.tree.branching import If
+from humanoid_bt.tree.branching import If, Switch
 from humanoid_bt.tree.composites import Selector, Sequence
 from humanoid_bt.tree.conditions import Condition, Confident, Within
 from humanoid_bt.tree.decorators import Inverter, Repeat, Retry, Timeout
 from humanoid_bt.tree.expression import Expression
 from humanoid_bt.tree.guards import EmergencyStop, Watchdog
-from humanoid_bt.tree.loops import ForEach
+from humanoid_bt.tree.loops import ForEach, KeepRunningUntilFailure
+from humanoid_bt.tree.on_error import OnError
 from humanoid_bt.tree.parallel import Parallel
+from humanoid_bt.tree.preconditions import Guard, Precondition, While
+from humanoid_bt.tree.results import (
+    FailureIsRunning,
+    ForceFailure,
+    ForceSuccess,
+    Once,
+    RunningIsFailure,
+    RunningIsSuccess,
+    StatusToBlackboard,
+    SuccessIsRunning,
+)
 from humanoid_bt.tree.slots import Slot, Takes
 from humanoid_bt.tree.subtree import SubTree
+from humanoid_bt.tree.timing import Cooldown, Delay, MinDuration
 from humanoid_bt.workspace import Workspace
 
 Kind = Literal["composite", "decorator", "subtree", "condition", "action", "skill"]
 
 BUILTIN: dict[Kind, tuple[type[Behaviour], ...]] = {
-    "composite": (Sequence, Selector, Parallel, If),
-    "decorator": (Inverter, Retry, Repeat, Timeout, EmergencyStop, Watchdog, ForEach),
+    "composite": (Sequence, Selector, Parallel, If, Switch),
+    "decorator": (
+        *(EmergencyStop, Watchdog),
+        *(Inverter, ForceSuccess, ForceFailure),
+        *(Retry, Repeat, ForEach, While, KeepRunningUntilFailure),
+        *(Timeout, Delay, Cooldown, MinDuration),
+        *(Precondition, Guard, Once, OnError, StatusToBlackboard),
+        *(RunningIsFailure, RunningIsSuccess, FailureIsRunning, SuccessIsRunning),
+    ),
     "subtree": (SubTree,),
     "condition": (Condition, Confident, Within),
-    "action": (Wait, WaitUntil, SetBlackboard, ClearBlackboard, RaiseEmergencyStop),
+    "action": (
+        *(Success, Failure, Running),
+        *(Wait, WaitUntil, Log),
+        *(SetBlackboard, ClearBlackboard),
+        RaiseEmergencyStop,
+    ),
 }
 """The built-in node types."""
 
@@ -162,8 +188,17 @@ class Registry(Mapping[str, NodeType]):
         """
         name = ALIASES.get(name, name)
         if name not in self._types:
-            raise UserError(f"unknown node {name!r}", place, nearest(name, self._types), "unknown-node")
+            raise UserError(f"unknown node {name!r}", place, self.hint(name), "unknown-node")
         return self._types[name]
+
+    def hint(self, name: str, others: Iterable[str] = ()) -> str:
+        """Return what an unknown name most likely means: what it is called here, or the nearest of what is valid.
+
+        Args:
+            name: the name.
+            others: what would be valid besides node types.
+        """
+        return elsewhere.hint(name, self) or nearest(name, [*others, *self._types])
 
 
 def _node_type(name: str, kind: Kind, cls: type[Behaviour]) -> NodeType:

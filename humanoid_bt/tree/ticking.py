@@ -41,6 +41,10 @@ class Branch(Behaviour):
         Before it, ``initialise`` is called whenever the node is not RUNNING.
         """
 
+    def halt_child(self, child: Behaviour, reason: str, seen: Seen) -> None:
+        """Halt a child: this node is being halted; raises as :func:`halt`."""
+        halt(child, reason, seen)
+
     def update(self) -> Status:
         """Not used: :meth:`advance` decides."""
         return self.status
@@ -110,7 +114,7 @@ def halt(node: Behaviour, reason: str, seen: Seen) -> None:
     if type(node).tick is Branch.tick:
         for child in node.children:
             if child.status is not INVALID:
-                halt(child, reason, seen)
+                node.halt_child(child, reason, seen)  # type: ignore[attr-defined]  # a Branch
     halt_alone(node, reason, seen)
 
 
