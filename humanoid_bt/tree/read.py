@@ -154,7 +154,7 @@ class Reader:
         if node_type.takes == "many" and isinstance(body.value, list):
             return Item({"children": body}, draft.place, {"children": body.place})
         text = body.value
-        if node_type.takes == "one" and isinstance(text, str) and (text in self._registry or text.startswith("$")):
+        if node_type.takes == "one" and isinstance(text, str):
             return Item({text: Item(None, body.place)}, draft.place, {text: body.place})
         hint = {
             "many": f"{name}: followed by a list of children",
@@ -304,7 +304,8 @@ class Reader:
                 self._broken(draft, f"{where} is missing", draft.place, f"{key}: {slot.doc}", "missing-parameter")
         elif slot.many:
             if not isinstance(item.value, dict) or not item.value:
-                message = f"{where} must be a mapping of values to nodes, not {item.kind}"
+                kind = "an empty mapping" if isinstance(item.value, dict) else item.kind
+                message = f"{where} must be a mapping of values to nodes, not {kind}"
                 self._broken(draft, message, item.place, "left: {...}", "wrong-type")
                 return
             found = {name: self.node(child, f"{name!r} of {where}") for name, child in item.value.items()}

@@ -164,6 +164,12 @@ def test_a_case_that_cannot_be_is_refused(workspace: Workspace, value: str, case
         run(workspace, f"{{switch: {{value: {value}, cases: {cases}}}}}")
 
 
+@pytest.mark.parametrize(("cases", "kind"), [("{}", "an empty mapping"), ("[success]", "a list")])
+def test_cases_are_a_mapping(workspace: Workspace, cases: str, kind: str) -> None:
+    with pytest.raises(UserError, match=f"'cases' of 'switch' must be a mapping of values to nodes, not {kind}"):
+        run(workspace, f"{{switch: {{value: state.gait, cases: {cases}}}}}")
+
+
 def test_a_key_without_a_value_is_an_error(workspace: Workspace) -> None:
     choice = "{switch: {value: k, cases: {a: running}}}"
     unset = run(workspace, f"{{on_error: {{sequence: [{choice}, {{set_blackboard: {{key: k, value: a}}}}]}}}}")

@@ -59,3 +59,5 @@ def test_what_it_is_called_here_exists(workspace: Workspace) -> None:
 def test_a_child_from_elsewhere_gets_the_hint_too(workspace: Workspace) -> None:
     with pytest.raises(UserError, match=r"AlwaysSuccess \(BehaviorTree.CPP\) is here: success"):
         run(workspace, "{inverter: {AlwaysSuccess: }}")
+    with pytest.raises(UserError, match=r"AlwaysSuccess \(BehaviorTree.CPP\) is here: success"):
+        run(workspace, "{inverter: AlwaysSuccess}")

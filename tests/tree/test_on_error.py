@@ -65,6 +65,18 @@ def test_a_failed_node_that_raises_the_next_time_is_told(workspace: Workspace) -
     assert caught.told() == [("act", "FAILURE")]
 
 
+def test_what_runs_below_a_branch_that_raises_is_told_too(workspace: Workspace) -> None:
+    write = (
+        "{if: {condition: state.time < 0.15, then: {set_blackboard: {key: k, value: a}}, else: {clear_blackboard: k}}}"
+    )
+    root = f"{{on_error: {{sequence: [{write}, {{switch: {{value: k, cases: {{a: {{act: }}}}}}}}]}}}}"
+    caught = run(workspace, root)
+    assert caught.ticks(3) == "rrf"
+    assert ("act", "INVALID") in caught.told()
+    assert {status for _, status in caught.told()} == {"INVALID", "FAILURE"}
+    assert caught.log == [("start", "act"), ("INVALID", "act")]
+
+
 def test_its_skills_command_nothing_any_more(workspace: Workspace) -> None:
     broken = "{on_error: {parallel: [idle, {act: {script: rx}}]}}"
     caught = run(workspace, f"{{emergency_stop: {{selector: [{broken}, {{act: {{name: instead}}}}]}}}}")

@@ -74,4 +74,5 @@ def test_cooldown_counts_after_an_exception(workspace: Workspace) -> None:
 def test_cooldown_says_how_long(workspace: Workspace) -> None:
     cooldown = run(workspace, "{cooldown: {duration: 0.3 s, act: {script: s}}}")
     cooldown.ticks(2)
+    assert cooldown.told() == [("act", "INVALID"), ("cooldown", "FAILURE")]  # the child has not run this time
     assert cooldown.feedback("cooldown") == "cools down for 0.2 s more"
