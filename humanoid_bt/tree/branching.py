@@ -127,8 +127,8 @@ class Switch(Choice):
         self, name: str, cases: Mapping[str, Behaviour], default: Behaviour | None = None, **values: Any
     ) -> None:
         super().__init__(name, [*cases.values(), *([default] if default else [])], **values)
-        self._texts = cases
-        self._default = default
+        self.cases = cases
+        self.default = default
         self._truths = {_TRUTHS[text]: branch for text, branch in cases.items() if text in _TRUTHS}
         self._numbers: dict[float, Behaviour] = {}
         for text, branch in cases.items():
@@ -173,8 +173,8 @@ class Switch(Choice):
         elif isinstance(value, (int, float)):
             found = self._numbers.get(value)
         else:
-            found = self._texts.get(value) if isinstance(value, str) else None
-        return found or self._default
+            found = self.cases.get(value) if isinstance(value, str) else None
+        return found or self.default
 
     def _number(self, text: str) -> float | None:
         """Return a case as a number, None if it is none.

@@ -29,12 +29,8 @@ def _check(draft: Draft, stoppable: bool, watched: frozenset[str]) -> Iterator[P
     name = node_type.type_name
     if node_type.resources and not stoppable:
         resources = ", ".join(node_type.resources)
-        yield Problem(
-            f"{name!r} commands {resources} outside an emergency_stop",
-            draft.place,
-            "emergency_stop: {...}",
-            "outside-emergency-stop",
-        )
+        message = f"{name!r} commands {resources} outside an emergency_stop"
+        yield Problem(message, draft.place, "emergency_stop: {...}", code="outside-emergency-stop")
     reads = node_type.percepts(draft.values)
     if node_type.cls is not Watchdog:
         for parameter, percepts in reads.items():
@@ -42,12 +38,8 @@ def _check(draft: Draft, stoppable: bool, watched: frozenset[str]) -> Iterator[P
                 if percept not in watched:
                     place = draft.value_places.get(parameter, draft.place)
                     hint = f"watchdog: {{percept: {percept}, max_age: 0.5, ...}}"
-                    yield Problem(
-                        f"{name!r} uses the percept {percept!r} outside a watchdog on it",
-                        place,
-                        hint,
-                        "outside-watchdog",
-                    )
+                    message = f"{name!r} uses the percept {percept!r} outside a watchdog on it"
+                    yield Problem(message, place, hint, code="outside-watchdog")
     if node_type.cls is Parallel:
         yield from _overlaps(draft)
     stoppable = stoppable or node_type.cls is EmergencyStop
@@ -62,7 +54,8 @@ def _overlaps(parallel: Draft) -> Iterator[Problem]:
         for resource in sorted(_resources(child)):
             if resource in owners:
                 message = f"{owners[resource].name!r} and {child.name!r} run at once and both command {resource}"
-                yield Problem(message, child.place, f"the first is at {owners[resource].place}", "resource-overlap")
+                hint = f"the first is at {owners[resource].place}"
+                yield Problem(message, child.place, hint, code="resource-overlap")
             else:
                 owners[resource] = child
 

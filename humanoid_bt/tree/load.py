@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Literal
@@ -21,6 +22,7 @@ from humanoid_bt.tree.registry import NODE_KEYS, NodeType, Registry
 from humanoid_bt.tree.scope import Scope
 from humanoid_bt.tree.slots import Slot
 from humanoid_bt.tree.tree import Node, Tree
+from humanoid_bt.tree.write import written
 from humanoid_bt.workspace import Workspace
 
 MAX_NODES = 10_000
@@ -88,6 +90,17 @@ def load_tree(path: Path, workspace: Workspace, overrides: Mapping[str, str] | N
     return replace(tree, warnings=tuple(problems))
 
 
+def subtree_types(workspace: Workspace, registry: Registry) -> dict[str, NodeType]:
+    """Return for every tree of a workspace the type of a node that uses it as a sub-tree; broken ones are left out."""
+    loader, node_type = _Loader(workspace), registry["subtree"]
+    found: dict[str, NodeType] = {}
+    for name, path in workspace.trees().items():
+        item = Item(name, Place(relative(path)))
+        with suppress(UserError):
+            found[name] = loader.specialise(node_type, Item({"tree": item}, item.place))
+    return found
+
+
 class _Loader:
     """Reads one tree and every file that it uses."""
 
@@ -123,6 +136,7 @@ class _Loader:
             parameters=parameters.values,
             source=file.source,
             nodes=nodes,
+            header=_plain_header(file, given),
             files=tuple(file.path for file in self._files.values()),
         )
 
@@ -183,6 +197,7 @@ class _Loader:
         for name, declared in file.parameters.items():
             if declared.spec.type is NodeItem:
                 if name in body.value:
+                    draft.arguments[name] = body.value[name].plain()
                     found[name] = Argument(body.value[name], body.value[name].place, reader)
                 elif declared.default is None:
                     message = f"the node {name!r} of 'subtree' is missing"
@@ -249,7 +264,7 @@ class _Loader:
         )
         if "root" not in item.value:
             message = "the key 'root' of a tree is missing"
-            problems.append(Problem(message, item.place, "root: the root node", "missing-parameter"))
+            problems.append(Problem(message, item.place, "root: the root node", "missing-key"))
         _check_names(file, problems)
         self.problems += problems
         return file
@@ -264,7 +279,8 @@ class _Loader:
 
 def _header(item: Item, problems: list[Problem]) -> dict[str, Any]:
     values, found = read_values(params_of(Header), item, "a tree", frozenset(PARTS), noun="key")
-    problems += found
+    form = item.value["format"].place if "format" in item.value else None
+    problems += [replace(problem, code="format") if problem.place == form else problem for problem in found]
     if values.get("name"):
         try:
             check_name(item.value["name"])
@@ -273,16 +289,27 @@ def _header(item: Item, problems: list[Problem]) -> dict[str, Any]:
     return values
 
 
+def _plain_header(file: _File, given: Mapping[str, Argument]) -> dict[str, Any]:
+    """Return a file's keys but for the root as plain YAML, with parameters as they were given."""
+    header = {key: item.plain() for key, item in file.item.value.items() if key != "root"}
+    header["name"] = file.name
+    for name, argument in given.items():
+        declared, spec = header["parameters"][name], file.parameters[name].spec
+        value = written(argument.value, spec.unit)
+        header["parameters"][name] = {**declared, "default": value} if isinstance(declared, dict) else value
+    return header
+
+
 def _check_names(file: _File, problems: list[Problem]) -> None:
     """Note parameters and outputs whose names a node has already."""
     taken = {"tree", *NODE_KEYS}
     for name, declared in [*file.parameters.items(), *file.outputs.items()]:
         if name in taken:
             message = f"{name!r} cannot be called so: every sub-tree node has a key of this name"
-            problems.append(Problem(message, declared.place, "rename it", "duplicate-name"))
+            problems.append(Problem(message, declared.place, "rename it", "taken-name"))
     for name in file.outputs.keys() & file.parameters.keys():
         message = f"the name {name!r} is declared twice in one tree"
-        problems.append(Problem(message, file.outputs[name].place, "rename one of them", "duplicate-name"))
+        problems.append(Problem(message, file.outputs[name].place, "rename one of them", "taken-name"))
 
 
 def _in_file_order(problems: Sequence[Problem], first: str) -> list[Problem]:

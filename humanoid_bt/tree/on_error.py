@@ -39,6 +39,7 @@ class OnError(Decorator):
         try:
             return tick(self.decorated, seen)
         except Raised as raised:
+            seen.changed = True  # whatever raised has become INVALID
             reason = f"{raised.node.name!r} raised {type(raised.error).__name__}: {raised.error}"
             _raise_first(self.take([raised, *_halt_all(self.decorated, reason, seen)]))
             self.feedback_message = reason

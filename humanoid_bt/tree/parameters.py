@@ -155,7 +155,7 @@ class Parameters:
             return Item(found, item.place, item.key_places) if len(found) == len(pairs) else None
         name = reference(item)
         if name is None:
-            return item
+            return unescaped(item)
         parameter = self.find(name)
         if parameter is None:
             self.excuse(name)
@@ -226,7 +226,14 @@ class Parameters:
 
 def reference(item: Item) -> str | None:
     """Return the name that a value refers to (``$name``), None if it is no reference."""
-    return item.value[1:] if isinstance(item.value, str) and item.value.startswith("$") else None
+    text = item.value
+    return text[1:] if isinstance(text, str) and text.startswith("$") and not text.startswith("$$") else None
+
+
+def unescaped(item: Item) -> Item:
+    """Return a value that is text beginning with ``$``, written ``$$``, as it is meant."""
+    text = item.value
+    return Item(text[1:], item.place) if isinstance(text, str) and text.startswith("$$") else item
 
 
 def declarations(item: Item | None, what: str, problems: list[Problem]) -> dict[str, Declaration]:
@@ -248,7 +255,7 @@ def declarations(item: Item | None, what: str, problems: list[Problem]) -> dict[
         place = item.key_places[name]
         if not KEY_NAME.match(name):
             hint = "letters, digits and _, not beginning with a digit"
-            problems.append(Problem(f"{name!r} cannot be a {what}'s name", place, hint, "key-name"))
+            problems.append(Problem(f"{name!r} cannot be a {what}'s name", place, hint, "bad-name"))
         try:
             found[name] = _declaration(name, value, place, what)
         except UserError as error:
@@ -304,10 +311,10 @@ def _declaration(name: str, item: Item, place: Place, what: str) -> Declaration:
     else:
         hint = f"type: one of {', '.join(TYPES)}"
         message = f"the {what} {name!r} has neither a type nor a default"
-        raise UserError(message, item.place, hint, "missing-parameter")
+        raise UserError(message, item.place, hint, "missing-key")
     if spec.unit and spec.type not in (float, int):
         message = f"the {what} {name!r} has a unit but is no number"
-        raise UserError(message, item.value["unit"].place, code="wrong-unit")
+        raise UserError(message, item.value["unit"].place, code="wrong-type")
     return Declaration(_with_default(spec, default), place, default)
 
 

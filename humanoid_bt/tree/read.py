@@ -12,7 +12,7 @@ from humanoid_bt.tree.draft import Draft
 from humanoid_bt.tree.expression import Expression
 from humanoid_bt.tree.parameters import NodeItem, Parameter, reference
 from humanoid_bt.tree.quantities import ANYTHING, Type, type_of
-from humanoid_bt.tree.registry import NodeType, Registry
+from humanoid_bt.tree.registry import CHILD, NodeType, Registry
 from humanoid_bt.tree.scope import Scope
 from humanoid_bt.tree.slots import Slot
 from humanoid_bt.tree.subtree import SubTree
@@ -43,7 +43,7 @@ def check_name(item: Item) -> None:
     if not isinstance(name, str):
         raise UserError(f"a name must be text, not {item.kind}", item.place, code="wrong-type")
     if not name.strip() or "/" in name or not name.isprintable():
-        raise UserError(f"{name!r} cannot be a name", item.place, "one line of text without /", "node-name")
+        raise UserError(f"{name!r} cannot be a name", item.place, "one line of text without /", "bad-name")
 
 
 class Reader:
@@ -257,7 +257,8 @@ class Reader:
                 continue
             if key in self._registry:
                 message = f"{key!r} stands beside the children of {name!r}"
-                self._broken(draft, message, body.key_places[key], "children stand in a list: - first: ...", "children")
+                hint = "children stand in a list: - first: ..."
+                self._broken(draft, message, body.key_places[key], hint, "extra-child")
             else:
                 message = f"unknown parameter {key!r} of {name!r}"
                 self._broken(draft, message, body.key_places[key], nearest(key, known), "unknown-parameter")
@@ -277,7 +278,9 @@ class Reader:
         name, known = draft.type.type_name, {"name", *draft.type.params, *draft.type.branches}
         others = [key for key in body.value if key not in known]
         for key in others:
-            if key in self._registry or key.startswith("$"):
+            if key == CHILD:
+                self._append(draft, self.node(body.value[key], f"the child of {name!r}"))
+            elif key in self._registry or key.startswith("$"):
                 self._append(draft, self._typed(key, body.value[key], body.key_places[key]))
             else:
                 hint = self._registry.hint(key, known)
@@ -289,7 +292,7 @@ class Reader:
         elif len(draft.children) > 1:
             hint = "put them into a sequence, a selector or a parallel"
             message = f"{name!r} has one child, here are {len(draft.children)}"
-            self._broken(draft, message, draft.children[1].place, hint, "children")
+            self._broken(draft, message, draft.children[1].place, hint, "extra-child")
 
     def _append(self, draft: Draft, child: Draft | None) -> None:
         if child is None:

@@ -10,7 +10,7 @@ import types
 import typing
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import Any, Literal
+from typing import Any
 
 from py_trees.behaviour import Behaviour
 
@@ -19,63 +19,23 @@ from humanoid_bt.params import Param, PerceptName, params_of
 from humanoid_bt.skill import Skill, node_type_name
 from humanoid_bt.skill_files import class_place, load_skills
 from humanoid_bt.tree import elsewhere
-from humanoid_bt.tree.actions import Failure, Log, RaiseEmergencyStop, Running, Success, Wait, WaitUntil
-from humanoid_bt.tree.blackboard_nodes import ClearBlackboard, SetBlackboard
-from humanoid_bt.tree.branching import If, Switch
-from humanoid_bt.tree.composites import Selector, Sequence
-from humanoid_bt.tree.conditions import Condition, Confident, Within
-from humanoid_bt.tree.decorators import Inverter, Repeat, Retry, Timeout
 from humanoid_bt.tree.expression import Expression
-from humanoid_bt.tree.guards import EmergencyStop, Watchdog
-from humanoid_bt.tree.loops import ForEach, KeepRunningUntilFailure
-from humanoid_bt.tree.on_error import OnError
-from humanoid_bt.tree.parallel import Parallel
-from humanoid_bt.tree.preconditions import Guard, Precondition, While
-from humanoid_bt.tree.results import (
-    FailureIsRunning,
-    ForceFailure,
-    ForceSuccess,
-    Once,
-    RunningIsFailure,
-    RunningIsSuccess,
-    StatusToBlackboard,
-    SuccessIsRunning,
-)
+from humanoid_bt.tree.nodes import BUILTIN, Kind
 from humanoid_bt.tree.slots import Slot, Takes
-from humanoid_bt.tree.subtree import SubTree
-from humanoid_bt.tree.timing import Cooldown, Delay, MinDuration
 from humanoid_bt.workspace import Workspace
-
-Kind = Literal["composite", "decorator", "subtree", "condition", "action", "skill"]
-
-BUILTIN: dict[Kind, tuple[type[Behaviour], ...]] = {
-    "composite": (Sequence, Selector, Parallel, If, Switch),
-    "decorator": (
-        *(EmergencyStop, Watchdog),
-        *(Inverter, ForceSuccess, ForceFailure),
-        *(Retry, Repeat, ForEach, While, KeepRunningUntilFailure),
-        *(Timeout, Delay, Cooldown, MinDuration),
-        *(Precondition, Guard, Once, OnError, StatusToBlackboard),
-        *(RunningIsFailure, RunningIsSuccess, FailureIsRunning, SuccessIsRunning),
-    ),
-    "subtree": (SubTree,),
-    "condition": (Condition, Confident, Within),
-    "action": (
-        *(Success, Failure, Running),
-        *(Wait, WaitUntil, Log),
-        *(SetBlackboard, ClearBlackboard),
-        RaiseEmergencyStop,
-    ),
-}
-"""The built-in node types."""
 
 ALIASES = {"fallback": "selector"}
 """Other names of built-in node types, for files that come from elsewhere."""
 
 _TAKES: dict[str, Takes] = {"composite": "many", "decorator": "one"}
 
-NODE_KEYS = {"name": "What the node is called; its type if not given.", "children": "The nodes below it."}
-"""Keys that a node's body may have besides its parameters; every node has a name, composites have children."""
+CHILD = "child"
+NODE_KEYS = {
+    "name": "What the node is called; its type if not given.",
+    "children": "The nodes below it.",
+    CHILD: "The node below it, where its type is called like a parameter.",
+}
+"""Keys that a node's body may have besides its parameters: all a name, composites children, decorators a child."""
 
 
 @dataclass(frozen=True)
@@ -152,7 +112,7 @@ class Registry(Mapping[str, NodeType]):
             if name in self._types or name in keys:
                 what = "a built-in node type" if name in self._types else "a key of a built-in node type"
                 problems.append(
-                    Problem(f"the skill {name!r} has the name of {what}", class_place(cls), "rename it", "broken-skill")
+                    Problem(f"the skill {name!r} has the name of {what}", class_place(cls), "rename it", "taken-name")
                 )
             else:
                 self._types[name] = _node_type(name, "skill", cls)
