@@ -257,6 +257,27 @@ idle: {look_around: false}
     "reach": """\
 reach: {target: target, hand: left, hold: 1 s}
 """,
+    "look_at": """\
+look_at: {target: target, hold: 1 s}
+""",
+    "offer": """\
+offer: {target: target, height: 90 cm, hold: 5 s}
+""",
+    "retract": """\
+retract: {hand: both}
+""",
+    "step_back": """\
+step_back: {distance: 30 cm}
+""",
+    "turn": """\
+turn: {angle: -90 deg}
+""",
+    "walk_to": """\
+walk_to: {x: 1 m, y: -0.5 m, heading: 90 deg}
+""",
+    "wave": """\
+wave: {target: target, times: 2}
+""",
 }
 """Node type -> a short example, each loaded by a test."""
 
@@ -426,8 +447,8 @@ def code_examples() -> str:
 PARTS_BY_NAME: dict[str, Callable[[], str]] = {
     maker.__name__: maker
     for maker in (
-        *(percept_words, state_words, nodes, elsewhere, skills),
-        *(tree_keys, node_keys, parameter_keys, units, robot_keys, scene_keys, trees),
+        *(nodes, elsewhere, skills, tree_keys, node_keys, parameter_keys, units, robot_keys, scene_keys, trees),
+        *(percept_words, state_words),
         *(handle, track, state, rig, rig_result, clocks, codes, code_examples),
     )
 }
