@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 
 import numpy as np
+from py_trees.common import Status
 
 from humanoid_bt.messages import SIDES, Command, HandTarget, Side, State
 from humanoid_bt.plant.scene import Scene
@@ -38,6 +39,13 @@ class Trace:
         """Take a node's change of status."""
         self.timeline.append(change)
         self._hash.update(f"{change.time} {change.path} {change.status.name}".encode())
+
+    def why(self, status: Status, now: float) -> str:
+        """Return what the first node says that took a status in the tick at ``now`` [s]: it decided for the others."""
+        for change in self.timeline:
+            if change.time >= now and change.status is status and change.feedback:
+                return f"{change.path.rsplit('/', 1)[-1]}: {change.feedback}"
+        return ""
 
     def tick(self, state: State, command: Command) -> None:
         """Take what one tick saw and commanded."""
