@@ -160,6 +160,14 @@ class Robot:
             handle.targets.clear()
         return self.commit()
 
+    def take_over(self, other: Robot) -> None:
+        """Go on where another tree's view of the same robot ends.
+
+        What that one knows is known here too, and commands are counted on. Its nodes command no more.
+        """
+        self._state, self._percepts, self._tracks = other._state, other._percepts, other._tracks
+        self._poses, self._sequence = other._poses, other._sequence
+
     def _place(self, percept: Percept) -> Array:
         _, position, rotation = min(self._poses, key=lambda pose: abs(pose[0] - percept.stamp))
         return np.asarray(position + rotation @ percept.position)

@@ -48,6 +48,11 @@ def open_recorder(
     return recorder, sinks.view or sinks.serve is not None
 
 
+def tree_view(tree: Tree) -> TreeView:
+    """Return what a recording shows of a tree."""
+    return TreeView(tree.nodes, tree.source, relative(tree.path))
+
+
 def cut_short(recording: Path | None) -> str:
     """Return what is wrong with a closed recording, "" if nothing is (the viewer's library only logs it)."""
     if recording is None or shutil.disk_usage(recording.parent).free >= _FULL_DISK:
@@ -65,5 +70,5 @@ def _recorder(options: RunOptions, sinks: Sinks, tree: Tree, engine: Engine) -> 
         "parameters": ", ".join(f"{name} = {value}" for name, value in tree.parameters.items()),
         "versions": ", ".join(f"{name} {version}" for name, version in versions().items()),
     }
-    view = TreeView(tree.nodes, tree.source, relative(tree.path))
-    return Recorder(engine.model, engine.robot.joint_names, config, tree=view, sinks=sinks, info=info)
+    joints = engine.robot.joint_names
+    return Recorder(engine.model, joints, config, tree=tree_view(tree), sinks=sinks, info=info)

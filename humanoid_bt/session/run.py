@@ -6,7 +6,7 @@ import logging
 import time
 import traceback
 from collections.abc import Callable
-from contextlib import ExitStack, suppress
+from contextlib import AbstractContextManager, ExitStack, suppress
 from dataclasses import asdict
 from pathlib import Path
 
@@ -19,26 +19,27 @@ from humanoid_bt.messages import Mode, State
 from humanoid_bt.plant.perception import SimulatedPerception
 from humanoid_bt.plant.scene import Scene, load_scene
 from humanoid_bt.realtime.engine import Realtime
+from humanoid_bt.record.events import Level
 from humanoid_bt.record.recorder import Recorder
 from humanoid_bt.robot import Robot
+from humanoid_bt.session.edits import Edits, EditSource
 from humanoid_bt.session.engine import Engine
+from humanoid_bt.session.loader import TreeLoader
 from humanoid_bt.session.lockstep import Lockstep
 from humanoid_bt.session.options import RunOptions, make_folder
 from humanoid_bt.session.outcome import End, failed, where
 from humanoid_bt.session.recording import cut_short, open_recorder
+from humanoid_bt.session.reload import Reloader
 from humanoid_bt.session.report import Report, stops_of, timeline_of, versions
-from humanoid_bt.session.runner import TreeRunner
+from humanoid_bt.session.runner import SETTLE_TIME, TreeRunner
 from humanoid_bt.session.teller import Listener, Teller
+from humanoid_bt.session.watch import Watch
 from humanoid_bt.tree.executor import Executor
-from humanoid_bt.tree.load import load_tree
 from humanoid_bt.tree.tree import Tree
 from humanoid_bt.workspace import Workspace
 
 _log = logging.getLogger(__name__)
 
-DEFAULT_ROBOT, DEFAULT_SCENE = "humanoid", "empty"
-
-_SETTLE_TIME = 5.0  # s that the robot gets to come to a stand after the tree's end
 _AFTER_STOP = 2.0  # s after a latched stop until the run ends, if the tree goes on
 
 
@@ -49,24 +50,31 @@ class Run:
         options: what to run.
         workspace: where names are looked up.
         listener: who is told what happens.
+        watch: makes of what looks for edits, one look per call, what is asked for them after every tick.
 
     Raises:
         UserError: the tree, robot, scene or a skill has mistakes, or a sink cannot be opened.
         NodeError: a skill raised an exception in ``setup``.
     """
 
-    def __init__(self, options: RunOptions, workspace: Workspace, listener: Listener) -> None:
+    def __init__(
+        self,
+        options: RunOptions,
+        workspace: Workspace,
+        listener: Listener,
+        watch: Callable[[EditSource], AbstractContextManager[EditSource]] = Watch,
+    ) -> None:
         self._options, self._listener = options, listener
-        tree = load_tree(workspace.find_tree(options.tree), workspace, options.overrides)
-        robot_path = workspace.find_robot(options.robot or tree.robot or DEFAULT_ROBOT)
-        scene_path = workspace.find_scene(options.scene or tree.scene or DEFAULT_SCENE)
-        self._scene = Scene(load_scene(scene_path), options.seed)
+        loader = TreeLoader(options, workspace)
+        self._watch = watch(Edits(loader, self._prepare)) if options.watch else None
+        self._scene = Scene(load_scene(loader.scene), options.seed)
         if options.sinks.file is not None:
             make_folder(options.sinks.file)
         options.sinks.check()
-        self._engine = self._new_engine(robot_path, tree.name)
+        self._engine = self._new_engine(loader.robot, loader.first.name)
         self._teller = Teller(listener, self._engine)
-        self._runner = TreeRunner(self._prepare(tree))
+        self._runner = TreeRunner(self._prepare(loader.first))
+        self._reloader: Reloader | None = None
         self._pace = options.pace
         self._began = 0.0
         self._ended_at: float | None = None
@@ -133,6 +141,8 @@ class Run:
             self._engine.start()
             self._began = time.monotonic()
             self._teller.begin()
+            if self._watch is not None:
+                self._reloader = Reloader(stack.enter_context(self._watch), self._runner, self._teller)
             end = self._run(interrupted)
             wall_time = time.monotonic() - self._began
         problem = cut_short(self._options.sinks.file)
@@ -181,30 +191,46 @@ class Run:
             except HumanoidBtError as error:
                 return failed(error)
             teller.trace.tick(state, command)
-            teller.ticked(state, runner.robot, runner.tip)
+            teller.ticked(state, runner)
             end = self._end(state)
             if end is None and (reason := interrupted()):
-                end = End("interrupted", reason)
+                end = runner.ended or End("interrupted", reason)
             if end is not None:
-                teller.trace.measure_hand(state)
+                if end is not runner.ended:
+                    teller.trace.measure_hand(state)
                 return end
             engine.advance(command)
             self._keep_pace()
+            if self._reloader is not None:
+                self._reloader.look()
 
     def _end(self, state: State) -> End | None:
         latched = state.mode in (Mode.EMERGENCY_STOP, Mode.DAMP)
-        stop = f"{state.stop_reason} ({state.stop_source})"
-        status, why = self._runner.status, self._teller.trace.why
-        if status is Status.SUCCESS:
-            return End("success", why(status, self._now) or "the tree succeeded")
-        if status is Status.FAILURE:
-            return End("stopped", stop) if latched else End("failure", why(status, self._now) or "the tree failed")
-        waits = self._runner.waits_for_reset
-        if latched and not waits and state.time - self._engine.supervisor.stops[-1].time > _AFTER_STOP:
-            return End("stopped", stop)
+        stopped = End("stopped", f"{state.stop_reason} ({state.stop_source})")
+        runner, status = self._runner, self._runner.status
+        if status in (Status.SUCCESS, Status.FAILURE) and not runner.ended:
+            if latched and status is Status.FAILURE:
+                return stopped
+            outcome, otherwise = ("success", "succeeded") if status is Status.SUCCESS else ("failure", "failed")
+            end = End(outcome, self._teller.trace.why(status, self._now) or f"the tree {otherwise}")
+            if self._reloader is None:
+                return end
+            self._rest(end, state)
+        if latched and not runner.waits_for_reset and state.time - self._engine.supervisor.stops[-1].time > _AFTER_STOP:
+            return stopped
         if state.time >= self._options.duration - DECISION_PERIOD / 2:
-            return End("unfinished", f"the tree was still running after {self._options.duration:g} s")
+            return runner.ended or End("unfinished", f"the tree was still running after {self._options.duration:g} s")
         return None
+
+    def _rest(self, end: End, state: State) -> None:
+        """Wait for an edit: the tree has ended, and the run goes on."""
+        self._runner.rest(end)
+        self._teller.trace.measure_hand(state)
+        self._tell_end(end, "; waiting for an edit")
+
+    def _tell_end(self, end: End, more: str = "") -> None:
+        level: Level = "info" if end.outcome == "success" else "warning"
+        self._teller.event(level, f"the tree ended: {end.outcome}{more}")
 
     def _keep_pace(self) -> None:
         if self._pace:
@@ -220,16 +246,17 @@ class Run:
         if end.failure:
             self._engine.supervisor.request_stop("the tree", end.failure)
         end = self._halt(end)
-        self._teller.event("info" if end.outcome == "success" else "warning", f"the tree ended: {end.outcome}")
+        if end is not self._runner.ended:
+            self._tell_end(end)
         engine, runner = self._engine, self._runner
         command = runner.robot.release_all()
-        until = self._now + _SETTLE_TIME
+        until = self._now + SETTLE_TIME
         while self._now < until:
             engine.advance(command)
             state, percepts = engine.sense()
             self._teller.happened(state.time)
             command = runner.hold(state, percepts)
-            self._teller.ticked(state, runner.robot, runner.tip)
+            self._teller.ticked(state, runner)
             if state.mode is Mode.DAMP and end.outcome not in ("stopped", "error"):
                 end = End("stopped", f"{state.stop_reason} ({state.stop_source}), after the tree had ended")
             if state.base_settled and state.mode is not Mode.DAMP:
@@ -279,6 +306,7 @@ class Run:
             wall_time=wall_time,
             trace_hash=trace.digest,
             timeline=timeline_of(trace.timeline),
+            reloads=trace.reloads,
             hand_error=trace.hand_error,
             fell=any(stop.mode is Mode.DAMP for stop in engine.supervisor.stops),
             stops=stops_of(engine.supervisor.stops),

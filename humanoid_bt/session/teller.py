@@ -14,6 +14,8 @@ from humanoid_bt.record.recorder import Recorder
 from humanoid_bt.robot import Robot
 from humanoid_bt.session.engine import Engine
 from humanoid_bt.session.happenings import Happenings
+from humanoid_bt.session.recording import tree_view
+from humanoid_bt.session.runner import TreeRunner
 from humanoid_bt.session.trace import Trace
 from humanoid_bt.tree.executor import NodeChange
 from humanoid_bt.tree.tree import Tree
@@ -32,6 +34,9 @@ class Listener(Protocol):
 
     def progress(self, time: float, running: str) -> None:
         """A tick is over; ``running`` is the deepest running node and what it says."""
+
+    def show(self, tree: Tree) -> None:
+        """Another tree takes the place of the one that ran."""
 
 
 class Teller:
@@ -82,6 +87,13 @@ class Teller:
         for happening in self._happenings.until(now):
             self.event(happening.level, happening.text, happening.time)
 
+    def show(self, tree: Tree) -> None:
+        """Tell that another tree takes the place of the one that ran."""
+        self._listener.show(tree)
+        if self.recorder is not None:
+            self.recorder.show_tree(self.now, tree_view(tree))
+        self.warn_of_percepts(tree)
+
     def warn_of_percepts(self, tree: Tree) -> None:
         """Say which percepts will never come: a tree may well wait for one, but most often it is a slip."""
         config = self._engine.scene.config
@@ -90,19 +102,14 @@ class Teller:
             hint = nearest(name, config.percepts) or "it publishes none"
             self.event("warning", f"the scene {config.name!r} publishes no percept {name!r} ({hint})")
 
-    def ticked(self, state: State, robot: Robot, tip: Behaviour | None, resting: str = "coming to a stand") -> None:
-        """Tell what a tick saw and did.
-
-        Args:
-            state: what it saw.
-            robot: the same with percepts.
-            tip: the deepest node that runs.
-            resting: what the robot does if there is none.
-        """
+    def ticked(self, state: State, runner: TreeRunner) -> None:
+        """Tell what a tick saw and did."""
+        robot, tip = runner.robot, runner.tip
         if self.recorder is not None:
             scene = self._engine.scene
             objects = {name: scene.object_position(name, state.time) for name in scene.config.objects}
             self.recorder.sample(state, robot.tracks, objects)
+        resting = "waiting for an edit" if runner.ended else "coming to a stand"
         self._listener.progress(state.time, f"{tip.name}: {tip.feedback_message}" if tip is not None else resting)
         self._ticks += 1
         if self._ticks % _STATUS_TICKS == 1:

@@ -75,6 +75,7 @@ def load_tree(path: Path, workspace: Workspace, overrides: Mapping[str, str] | N
         parameters=parameters.values,
         source=source,
         nodes=nodes,
+        files=(path,),
     )
 
 

@@ -62,6 +62,7 @@ class Tree:
         source: the file's text.
         nodes: every node, parents before children, in the file's order.
         warnings: what its checks found that does not keep it from running.
+        files: every tree file it was read from.
     """
 
     name: str
@@ -73,6 +74,7 @@ class Tree:
     source: str
     nodes: tuple[Node, ...]
     warnings: tuple[Problem, ...] = ()
+    files: tuple[Path, ...] = ()
 
     @property
     def root(self) -> Behaviour:
