@@ -208,7 +208,7 @@ def test_a_percept_that_never_comes_is_told_of_an_edited_tree(root: Path) -> Non
 
 def test_the_hash_covers_the_edits(root: Path) -> None:
     def of(*edits: tuple[int, str]) -> str:
-        return watched(root, WALK, edited(root, *edits), duration=3.0).report.trace_hash
+        return watched(root, WALK, edited(root, *edits), duration=1.0).report.trace_hash
 
     assert of((20, WAIT)) == of((20, WAIT)) != of((21, WAIT))
     assert of((20, BROKEN)) != of()
