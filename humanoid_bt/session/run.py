@@ -8,24 +8,19 @@ import traceback
 from collections.abc import Callable
 from contextlib import AbstractContextManager, ExitStack, suppress
 from dataclasses import asdict
-from pathlib import Path
 
 from py_trees.common import Status
 
 from humanoid_bt.clock import DECISION_PERIOD
-from humanoid_bt.control.robots import load_robot
 from humanoid_bt.errors import ControlLost, HumanoidBtError
 from humanoid_bt.messages import Mode, State
-from humanoid_bt.plant.perception import SimulatedPerception
 from humanoid_bt.plant.scene import Scene, load_scene
-from humanoid_bt.realtime.engine import Realtime
 from humanoid_bt.record.events import Level
 from humanoid_bt.record.recorder import Recorder
 from humanoid_bt.robot import Robot
 from humanoid_bt.session.edits import Edits, EditSource
 from humanoid_bt.session.engine import Engine
 from humanoid_bt.session.loader import TreeLoader
-from humanoid_bt.session.lockstep import Lockstep
 from humanoid_bt.session.options import RunOptions, make_folder
 from humanoid_bt.session.outcome import End, failed, where
 from humanoid_bt.session.recording import cut_short, open_recorder
@@ -34,6 +29,7 @@ from humanoid_bt.session.report import Report, stops_of, timeline_of, versions
 from humanoid_bt.session.runner import SETTLE_TIME, TreeRunner
 from humanoid_bt.session.teller import Listener, Teller
 from humanoid_bt.session.watch import Watch
+from humanoid_bt.session.wiring import new_engine
 from humanoid_bt.tree.executor import Executor
 from humanoid_bt.tree.tree import Tree
 from humanoid_bt.workspace import Workspace
@@ -50,7 +46,8 @@ class Run:
         options: what to run.
         workspace: where names are looked up.
         listener: who is told what happens.
-        watch: makes of what looks for edits, one look per call, what is asked for them after every tick.
+        watch: with ``options.watch``, turns what looks for edits, once per call, into what is asked for them after
+            every tick.
 
     Raises:
         UserError: the tree, robot, scene or a skill has mistakes, or a sink cannot be opened.
@@ -71,7 +68,7 @@ class Run:
         if options.sinks.file is not None:
             make_folder(options.sinks.file)
         options.sinks.check()
-        self._engine = self._new_engine(loader.robot, loader.first.name)
+        self._engine = new_engine(options, loader.robot, self._scene, loader.first.name)
         self._teller = Teller(listener, self._engine)
         self._runner = TreeRunner(self._prepare(loader.first))
         self._reloader: Reloader | None = None
@@ -79,16 +76,8 @@ class Run:
         self._began = 0.0
         self._ended_at: float | None = None
 
-    def _new_engine(self, robot_path: Path, tree: str) -> Engine:
-        options = self._options
-        robot, start = load_robot(robot_path)
-        if options.mode == "realtime":
-            log = options.sinks.file.with_suffix(".control.log") if options.sinks.file else None
-            return Realtime(robot, self._scene, tree, log, options.hold)
-        return Lockstep(robot, start, self._scene, SimulatedPerception(self._scene, options.seed))
-
     def _prepare(self, tree: Tree) -> Executor:
-        """Set a tree up."""
+        """Return what ticks a tree, set up. Edited trees are set up in another thread, while the old one runs."""
         robot = Robot(self._engine.robot.config, self._engine.clock, self.raise_estop)
         executor = Executor(tree, robot, self._teller.node_changed)
         executor.setup()
@@ -205,6 +194,7 @@ class Run:
                 self._reloader.look()
 
     def _end(self, state: State) -> End | None:
+        """Return how the run ends after this tick, None if it goes on."""
         latched = state.mode in (Mode.EMERGENCY_STOP, Mode.DAMP)
         stopped = End("stopped", f"{state.stop_reason} ({state.stop_source})")
         runner, status = self._runner, self._runner.status
