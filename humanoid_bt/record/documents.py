@@ -14,19 +14,18 @@ RUN = "documents/run"
 TREE = "documents/tree"
 
 
-def log_info(stream: Any, info: Mapping[str, str]) -> None:
-    """Write the run's information.
+def send_info(stream: Any, time: float, info: Mapping[str, str]) -> None:
+    """Write the run's information as it is from a time on.
 
     Args:
         stream: the rerun recording stream.
+        time: engine time [s].
         info: heading -> text; texts of several lines are set as blocks.
     """
     short = {key: text for key, text in info.items() if "\n" not in text}
     rows = "\n".join(f"| {_cell(key)} | {_cell(text)} |" for key, text in short.items())
     blocks = [f"## {key}\n\n```yaml\n{text}\n```" for key, text in info.items() if key not in short]
-    text = printable("\n\n".join([f"| | |\n|---|---|\n{rows}", *blocks]))
-    document = rr.TextDocument(text, media_type=rr.MediaType.MARKDOWN)
-    stream.log(RUN, document, static=True)
+    _send(stream, RUN, time, "\n\n".join([f"| | |\n|---|---|\n{rows}", *blocks]))
 
 
 def send_tree_file(stream: Any, time: float, tree: TreeView) -> None:
@@ -37,8 +36,12 @@ def send_tree_file(stream: Any, time: float, tree: TreeView) -> None:
         time: engine time [s].
         tree: its file and source.
     """
-    text = printable(f"## {tree.file}\n\n```yaml\n{tree.source}\n```")
-    send(stream, TREE, [time], rr.TextDocument.columns(text=[text], media_type=[rr.MediaType.MARKDOWN]))
+    _send(stream, TREE, time, f"## {tree.file}\n\n```yaml\n{tree.source}\n```")
+
+
+def _send(stream: Any, path: str, time: float, text: str) -> None:
+    document = rr.TextDocument.columns(text=[printable(text)], media_type=[rr.MediaType.MARKDOWN])
+    send(stream, path, [time], document)
 
 
 def _cell(text: str) -> str:

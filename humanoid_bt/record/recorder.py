@@ -16,7 +16,7 @@ from humanoid_bt.errors import HumanoidBtError
 from humanoid_bt.messages import Array, State
 from humanoid_bt.plant.robot_config import RobotConfig
 from humanoid_bt.record.blueprint import blueprint
-from humanoid_bt.record.documents import log_info, send_tree_file
+from humanoid_bt.record.documents import send_info, send_tree_file
 from humanoid_bt.record.events import EventLog, Level
 from humanoid_bt.record.lanes import LANE_COUNT, RobotLanes
 from humanoid_bt.record.overlays import Overlays
@@ -76,7 +76,7 @@ class Recorder:
         try:
             for part in (self._scene, self._overlays, self._plots, self._tree, self._lanes):
                 part.log_static(self._outlet.stream)
-            log_info(self._outlet.stream, info)
+            send_info(self._outlet.stream, 0.0, info)
             send_tree_file(self._outlet.stream, 0.0, tree)
         except BaseException:
             self._outlet.close()
@@ -122,17 +122,19 @@ class Recorder:
         self._tree.change(time, path, status)
         self._events.node_changed(time, path, status, feedback)
 
-    def show_tree(self, time: float, tree: TreeView) -> None:
+    def show_tree(self, time: float, tree: TreeView, info: Mapping[str, str]) -> None:
         """Record that another tree takes the place of the one so far.
 
         Args:
             time: engine time [s].
             tree: what is shown of it.
+            info: about the run from now on, as at its start.
         """
         self._check_open()
         before = self._tree.size
         self._tree.show(self._outlet.stream, time, tree.nodes)
         send_tree_file(self._outlet.stream, time, tree)
+        send_info(self._outlet.stream, time, info)
         if self._tree.size != before:  # only what "reset" goes back to: people may have arranged the view by now
             self._outlet.stream.send_blueprint(self._layout(), make_active=False, make_default=True)
 

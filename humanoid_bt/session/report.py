@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import importlib.metadata
 import json
 from collections.abc import Iterable
@@ -154,6 +155,7 @@ def stops_of(stops: Iterable[Stop]) -> list[dict[str, Any]]:
     ]
 
 
+@functools.cache
 def versions() -> dict[str, str]:
     """Return the versions of the packages that a run depends on."""
     found: dict[str, str] = {}

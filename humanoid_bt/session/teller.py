@@ -14,7 +14,7 @@ from humanoid_bt.record.recorder import Recorder
 from humanoid_bt.robot import Robot
 from humanoid_bt.session.engine import Engine
 from humanoid_bt.session.happenings import Happenings
-from humanoid_bt.session.recording import tree_view
+from humanoid_bt.session.recording import run_info, tree_view
 from humanoid_bt.session.runner import TreeRunner
 from humanoid_bt.session.trace import Trace
 from humanoid_bt.tree.executor import NodeChange
@@ -91,7 +91,7 @@ class Teller:
         """Tell that another tree takes the place of the one that ran."""
         self._listener.show(tree)
         if self.recorder is not None:
-            self.recorder.show_tree(self.now, tree_view(tree))
+            self.recorder.show_tree(self.now, tree_view(tree), run_info(tree, self._engine))
         self.warn_of_percepts(tree)
 
     def warn_of_percepts(self, tree: Tree) -> None:

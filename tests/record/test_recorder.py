@@ -134,7 +134,7 @@ def test_another_tree_has_its_own_graph_and_keeps_the_lanes_it_shares(record: Ma
     nodes = (NODES[0], *(Node(path, path[5:], path[5:], "skill", 0) for path in new))
     with record() as recorder:
         recorder.node_changed(0.1, "root/ruhig ä", "RUNNING", "")
-        recorder.show_tree(1.0, TreeView(nodes, "root: {sequence: []}", "trees/small.yaml"))
+        recorder.show_tree(1.0, TreeView(nodes, "root: {sequence: []}", "trees/small.yaml"), {"parameters": "a = 2"})
         recorder.node_changed(1.5, "root/reach", "RUNNING", "")
         with pytest.raises(HumanoidBtError, match="no node"):
             recorder.node_changed(1.6, "root/ruhig ä", "RUNNING", "")
@@ -151,11 +151,13 @@ def test_another_tree_has_its_own_graph_and_keeps_the_lanes_it_shares(record: Ma
     assert lanes["/lanes/06_walk"] == [(1.0, "INVALID")]
     documents = rows(file, "/documents/tree", "TextDocument:text")
     assert [(time, "sequence" in text) for time, (text,) in documents] == [(0.0, False), (1.0, True)]
+    run = rows(file, "/documents/run", "TextDocument:text")
+    assert [(time, "| parameters | a = 2 |" in text) for time, (text,) in run] == [(0.0, False), (1.0, True)]
 
 
 def test_a_tree_of_one_node_takes_the_edges_away(record: Maker, file: Path) -> None:
     with record() as recorder:
-        recorder.show_tree(1.0, TreeView(NODES[:1]))
+        recorder.show_tree(1.0, TreeView(NODES[:1]), {})
     assert [(time, len(edges)) for time, edges in rows(file, "/tree/graph", "GraphEdges:edges")] == [(0.0, 2), (1.0, 0)]
 
 
