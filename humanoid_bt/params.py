@@ -19,9 +19,10 @@ import math
 import re
 import types
 import typing
-from collections.abc import Mapping
-from typing import Any, NewType
+from collections.abc import Callable, Mapping
+from typing import Any, Literal, NewType
 
+from humanoid_bt.blackboard import Key
 from humanoid_bt.document import Item
 from humanoid_bt.errors import Place, Problem, UserError, nearest
 
@@ -29,6 +30,7 @@ PerceptName = NewType("PerceptName", str)
 """The type of a parameter that names a percept; checks use it to see who reads what."""
 
 _REQUIRED: Any = object()
+_READ_AT_START = "_read_at_start"
 
 _UNITS: dict[str, dict[str, float]] = {  # declared unit -> what may be written, and its factor
     "m": {"m": 1.0, "cm": 0.01, "mm": 0.001},
@@ -139,16 +141,51 @@ def _params_of(cls: type) -> Mapping[str, Param]:
 def assign(target: Any, values: Mapping[str, Any]) -> None:
     """Set an instance's declared parameters as attributes: the values given, defaults for the rest.
 
+    A parameter that is given a key of the blackboard gets the key's value each time the node starts.
+
     Raises:
         TypeError: a required parameter is missing, or a value is for none that is declared.
     """
     declared, owner = params_of(type(target)), type(target).__name__
+    read_at_start: dict[str, Key] = {}
     if unknown := [name for name in values if name not in declared]:
         raise TypeError(f"{owner} has no parameter {', '.join(map(repr, unknown))}")
     for name, spec in declared.items():
         if name not in values and spec.required:
             raise TypeError(f"{owner} needs the parameter {name!r}")
-        setattr(target, name, values[name] if name in values else copy.copy(spec.default))
+        value = values[name] if name in values else copy.copy(spec.default)
+        if isinstance(value, str) and (reads_itself := _reads_itself(spec.type)):
+            value = reads_itself.from_item(Item(value, Place(owner)), name)
+        if isinstance(value, Key) and not _names_key(spec.type):
+            read_at_start[name] = value
+            value = None if spec.required else copy.copy(spec.default)
+        setattr(target, name, value)
+    if read_at_start:
+        vars(target)[_READ_AT_START] = read_at_start
+        target.initialise = functools.partial(_start, target, declared, read_at_start, target.initialise)
+
+
+def _start(target: Any, declared: Mapping[str, Param], keys: Mapping[str, Key], initialise: Callable[[], None]) -> None:
+    """Give parameters the values of the keys they were given, then start the node."""
+    for name, key in keys.items():
+        place = Place(f"the blackboard's {key.name!r}")
+        setattr(target, name, declared[name].convert(item_of(key.value, place)))
+    initialise()
+
+
+def keys_read(target: Any) -> dict[str, Key]:
+    """Return the parameters of an instance that are read from the blackboard each time it starts."""
+    found: dict[str, Key] = vars(target).get(_READ_AT_START, {})
+    return found
+
+
+def _names_key(kind: Any) -> bool:
+    return kind is Key or Key in typing.get_args(kind)
+
+
+def _reads_itself(kind: Any) -> Any:
+    """Return the type among those of a parameter that reads itself from text, None if there is none."""
+    return next((inner for inner in (kind, *typing.get_args(kind)) if hasattr(inner, "from_item")), None)
 
 
 def is_number_text(text: str) -> bool:
@@ -156,10 +193,24 @@ def is_number_text(text: str) -> bool:
     return _EXPONENT.match(text) is not None
 
 
+def quantity(text: str) -> tuple[float, str] | None:
+    """Return a written quantity in its SI unit ("45 cm" -> 0.45, "m"), None if it is none."""
+    match = _QUANTITY.match(text)
+    for unit, known in _UNITS.items():
+        if match and match[2] in known:
+            return float(match[1]) * known[match[2]], unit
+    return None
+
+
+def written_units(unit: str) -> tuple[str, ...]:
+    """Return the units in which a quantity of an SI unit may be written; none for ""."""
+    return tuple(_UNITS.get(unit, ()))
+
+
 def base_unit(text: str) -> str | None:
     """Return the SI unit of a written quantity ("45 cm" -> "m"), None if it is none."""
-    match = _QUANTITY.match(text)
-    return next((unit for unit, known in _UNITS.items() if match and match[2] in known), None)
+    found = quantity(text)
+    return found[1] if found else None
 
 
 def read(cls: type, item: Item, what: str = "") -> Any:
@@ -174,7 +225,7 @@ def read(cls: type, item: Item, what: str = "") -> Any:
         UserError: with every problem found, each with its place.
     """
     if not isinstance(item.value, dict):
-        raise UserError(f"{what or 'this'} must be a mapping, not {item.kind}", item.place)
+        raise UserError(f"{what or 'this'} must be a mapping, not {item.kind}", item.place, code="wrong-type")
     values, problems = read_values(params_of(cls), item, what)
     if problems:
         raise UserError(problems)
@@ -186,7 +237,7 @@ def read_values(
     item: Item,
     what: str = "",
     also: frozenset[str] = frozenset(),
-    noun: str = "parameter",
+    noun: Literal["parameter", "key"] = "parameter",
 ) -> tuple[dict[str, Any], list[Problem]]:
     """Convert a mapping's items by their declarations; return the values and every problem.
 
@@ -204,11 +255,13 @@ def read_values(
                 problems += error.problems
         elif key not in also:
             hint = nearest(key, [*params, *also])
-            problems.append(Problem(f"unknown {noun} {key!r}{of}", item.key_places.get(key), hint))
+            message, code = f"unknown {noun} {key!r}{of}", f"unknown-{noun}"
+            problems.append(Problem(message, item.key_places.get(key), hint, code=code))
     for name, spec in params.items():
         if spec.required and name not in item.value:
             hint = f"{name}: {spec.type_name}  # {spec.doc}"
-            problems.append(Problem(f"the {noun} {name!r}{of} is missing", item.place, hint))
+            message = f"the {noun} {name!r}{of} is missing"
+            problems.append(Problem(message, item.place, hint, code=f"missing-{noun}"))
     return values, problems
 
 
@@ -229,13 +282,16 @@ def _type_name(kind: Any) -> str:  # noqa: PLR0911 (a table of cases)
         return f"mapping of {_type_name(args[1])}"
     if kind is PerceptName:
         return "percept"
+    if hasattr(kind, "described"):
+        return str(kind.described)
     return {float: "number", int: "whole number", str: "text", bool: "true or false"}.get(kind) or str(
         getattr(kind, "__name__", kind)
     )
 
 
 def _wrong(item: Item, spec: Param, kind: Any) -> UserError:
-    return UserError(f"{spec.name!r} must be {_article(_type_name(kind))}, not {_shown(item)}", item.place, spec.doc)
+    message = f"{spec.name!r} must be {_article(_type_name(kind))}, not {_shown(item)}"
+    return UserError(message, item.place, spec.doc, code="wrong-type")
 
 
 def _shown(item: Item) -> str:
@@ -258,9 +314,8 @@ def _convert(kind: Any, item: Item, spec: Param) -> Any:  # noqa: PLR0911 (a tab
         return _convert_union(args, item, spec)
     if origin is typing.Literal:
         if not any(type(item.value) is type(arg) and item.value == arg for arg in args):
-            raise UserError(
-                f"{spec.name!r} cannot be {_shown(item)}", item.place, nearest(str(item.value), [str(a) for a in args])
-            )
+            hint = nearest(str(item.value), [str(a) for a in args])
+            raise UserError(f"{spec.name!r} cannot be {_shown(item)}", item.place, hint, code="wrong-choice")
         return item.value
     if origin in (list, tuple):
         return _convert_sequence(origin, args, item, spec)
@@ -268,6 +323,8 @@ def _convert(kind: Any, item: Item, spec: Param) -> Any:  # noqa: PLR0911 (a tab
         if not isinstance(item.value, dict):
             raise _wrong(item, spec, kind)
         return {key: _convert(args[1], child, spec) for key, child in item.value.items()}
+    if hasattr(kind, "from_item"):  # a type that reads itself
+        return kind.from_item(item, spec.name)
     if dataclasses.is_dataclass(kind):
         assert isinstance(kind, type)
         return read(kind, item, repr(spec.name))
@@ -303,7 +360,8 @@ def _convert_sequence(origin: Any, args: tuple[Any, ...], item: Item, spec: Para
         raise _wrong(item, spec, origin[args])
     kinds = [args[0]] * len(item.value) if origin is list or Ellipsis in args else list(args)
     if len(kinds) != len(item.value):
-        raise UserError(f"{spec.name!r} must have {len(kinds)} values, not {len(item.value)}", item.place, spec.doc)
+        message = f"{spec.name!r} must have {len(kinds)} values, not {len(item.value)}"
+        raise UserError(message, item.place, spec.doc, code="wrong-length")
     return origin(_convert(kind, child, spec) for kind, child in zip(kinds, item.value, strict=True))
 
 
@@ -313,7 +371,8 @@ def _convert_number(kind: Any, item: Item, spec: Param) -> float | int:
         allowed = _UNITS.get(spec.unit, {})
         if match[2] not in allowed:
             valid = ", ".join(allowed) if allowed else "a plain number"
-            raise UserError(f"{spec.name!r} has the unit {match[2]!r}", item.place, f"valid: {valid}")
+            message = f"{spec.name!r} has the unit {match[2]!r}"
+            raise UserError(message, item.place, f"valid: {valid}", code="wrong-unit")
         value = float(match[1]) * allowed[match[2]]
     elif isinstance(value, str) and is_number_text(value):
         value = float(value)
@@ -324,7 +383,7 @@ def _convert_number(kind: Any, item: Item, spec: Param) -> float | int:
     except OverflowError:  # a whole number beyond what a float holds
         finite = False
     if not finite:
-        raise UserError(f"{spec.name!r} must be finite, not {str(value)[:20]}", item.place)
+        raise UserError(f"{spec.name!r} must be finite, not {str(value)[:20]}", item.place, code="out-of-range")
     if kind is int and value != int(value):
         raise _wrong(item, spec, kind)
     low, above, high = spec.minimum, spec.above, spec.maximum
@@ -333,7 +392,8 @@ def _convert_number(kind: Any, item: Item, spec: Param) -> float | int:
         bounds = [f">= {low:g}" if low is not None else "", f"> {above:g}" if above is not None else ""]
         bounds.append(f"<= {high:g}" if high is not None else "")
         wanted = " and ".join(bound for bound in bounds if bound)
-        raise UserError(f"{spec.name!r} must be {wanted}, not {item.value!r}", item.place, spec.doc)
+        message = f"{spec.name!r} must be {wanted}, not {item.value!r}"
+        raise UserError(message, item.place, spec.doc, code="out-of-range")
     number: float | int = kind(value)
     return number
 

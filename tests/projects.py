@@ -11,7 +11,7 @@ from humanoid_bt.params import param
 from humanoid_bt.skill import Skill, Status
 
 
-class Wait(Skill):
+class Pause(Skill):
     """Stand for a while."""
 
     duration: float = param(0.2, unit="s", above=0, doc="How long.")
@@ -79,7 +79,7 @@ class Nowhere(Skill):
 '''
 
 TREES = {
-    "wait": "wait",
+    "wait": "pause",
     "give_up": "give_up",
     "walk": "walk",
     "raise": "{walk: {raise_after: 1.0}}",

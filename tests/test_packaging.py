@@ -103,7 +103,7 @@ def test_the_demo_runs_from_a_users_folder(program: Path, tmp_path: Path) -> Non
 
 def test_a_users_skill_runs_beside_the_built_in_ones(program: Path, tmp_path: Path) -> None:
     project = make_project(tmp_path / "project")
-    tree = "format: 1\nroot:\n  emergency_stop:\n    parallel:\n      success: one\n      children: [wait, idle]\n"
+    tree = "format: 1\nroot:\n  emergency_stop:\n    parallel:\n      success: one\n      children: [pause, idle]\n"
     (project / "trees/both.yaml").write_text(tree, encoding="utf-8")
     report = run_in(project, program, "both", "--no-record")
-    assert report["reason"] == "wait: waited"
+    assert report["reason"] == "pause: waited"

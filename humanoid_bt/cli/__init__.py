@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import argparse
+import importlib
 import sys
 import traceback
 from collections.abc import Sequence
 
 from humanoid_bt.cli.arguments import parser
+from humanoid_bt.cli.findings import counted, print_findings
 from humanoid_bt.cli.output import standard_streams
 from humanoid_bt.errors import HumanoidBtError, UserError
 from humanoid_bt.session.report import ExitCode
@@ -32,7 +34,7 @@ def _guarded(argv: Sequence[str] | None) -> int:
     try:
         return int(_dispatch(parser().parse_args(argv)))
     except UserError as error:
-        print(_problems(error), file=sys.stderr)
+        _print_problems(error)
         return ExitCode.USAGE
     except KeyboardInterrupt:
         print("interrupted", file=sys.stderr)
@@ -46,28 +48,30 @@ def _guarded(argv: Sequence[str] | None) -> int:
         return ExitCode.ERROR
 
 
-def _problems(error: UserError) -> str:
-    lines = [f"error: {problem}" for problem in error.problems]
-    if len(lines) > 1:
-        lines.append(f"{len(lines)} problems")
-    return "\n".join(lines)
+def _print_problems(error: UserError) -> None:
+    errors = [problem for problem in error.problems if problem.severity == "error"]
+    print_findings(errors, stderr=True)
+    if len(errors) > 1:
+        print(counted(errors), file=sys.stderr)
+
+
+_COMMANDS = {
+    "run": "run",
+    "bench": "bench",
+    "fmt": "fmt",
+    "schema": "schema",
+    "show": "show",
+    "check": "check",
+    "skills": "inspect",
+    "robots": "inspect",
+    "estop": "remote",
+    "reset": "remote",
+    "status": "remote",
+}
+"""Command -> the module with a function of its name; imported only when it is asked for."""
 
 
 def _dispatch(arguments: argparse.Namespace) -> int:
-    if arguments.command == "run":
-        from humanoid_bt.cli.run import run
-
-        return run(arguments)
-    if arguments.command == "bench":
-        from humanoid_bt.cli.bench import bench
-
-        return bench(arguments)
-    if arguments.command in ("estop", "reset", "status"):
-        from humanoid_bt.cli import remote
-
-        reach = {"estop": remote.estop, "reset": remote.reset, "status": remote.status}
-        return reach[arguments.command](arguments)
-    from humanoid_bt.cli import inspect
-
-    commands = {"check": inspect.check, "show": inspect.show, "skills": inspect.skills, "robots": inspect.robots}
-    return commands[arguments.command](arguments)
+    module = importlib.import_module(f"humanoid_bt.cli.{_COMMANDS[arguments.command]}")
+    code: int = getattr(module, arguments.command)(arguments)
+    return code

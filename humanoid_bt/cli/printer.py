@@ -13,6 +13,7 @@ from rich.console import Console
 from rich.live import Live
 from rich.text import Text
 
+from humanoid_bt.cli.findings import printable
 from humanoid_bt.cli.output import hanging
 from humanoid_bt.record.events import Level
 from humanoid_bt.session.report import Report
@@ -93,7 +94,7 @@ class Printer:
         """Print an event."""
         self._print_tick()
         if not self._quiet or level == "error":
-            first, *more = text.splitlines()
+            first, *more = printable(text).splitlines()
             self._line(time, *_LEVELS[level], "", first)
             for line in more:
                 self._console.print(Text(_continued(line, self._console.is_terminal)), soft_wrap=True)

@@ -10,7 +10,7 @@ from pathlib import Path
 from humanoid_bt import document
 from humanoid_bt.document import Item
 from humanoid_bt.errors import Place, Problem, UserError, relative
-from humanoid_bt.messages import SIDES
+from humanoid_bt.messages import RESOURCES, SIDES
 from humanoid_bt.params import param, read
 
 
@@ -160,6 +160,17 @@ class RobotConfig:
     path: Path = field(default=Path(), compare=False)
     written: Item | None = field(default=None, compare=False, repr=False)
 
+    @property
+    def resources(self) -> tuple[str, ...]:
+        """What of :data:`~humanoid_bt.messages.RESOURCES` this robot has: what a skill can command of it.
+
+        The view turns with the neck, or with the torso if that is not the base.
+        """
+        missing = {f"{side}_hand" for side in SIDES if side not in self.hands}
+        if self.neck is None and self.torso == self.base:
+            missing.add("gaze")
+        return tuple(resource for resource in RESOURCES if resource not in missing)
+
     def place(self, *keys: str | int) -> Place:
         """Return where a value is written, as in ``place("legs", "left", "sole")``, or what should hold it."""
         item = self.written
@@ -203,13 +214,14 @@ def load_robot_config(path: Path) -> RobotConfig:
     item = document.load(path)
     config: RobotConfig = read(RobotConfig, item, "the robot")
     problems = [
-        Problem(f"{what!r} must have the keys left and right", item.value[what].place)
+        Problem(f"{what!r} must have the keys left and right", item.value[what].place, code="missing-key")
         for what, sides in (("legs", config.legs), ("hands", config.hands))
         if set(sides) != set(SIDES) and not (what == "hands" and not sides)
     ]
     if not (path.parent / config.model).is_file():
         hint = f"looked for {relative(path.parent / config.model)}"
-        problems.append(Problem(f"the model file {config.model!r} is missing", item.value["model"].place, hint))
+        message, place = f"the model file {config.model!r} is missing", item.value["model"].place
+        problems.append(Problem(message, place, hint, code="no-file"))
     if problems:
         raise UserError(problems)
     return dataclasses.replace(config, path=path, written=item)

@@ -90,7 +90,7 @@ class Edits:
                 return Edit(files)
             return Edit(files, self._prepare(tree))
         except UserError as error:
-            return Edit(files, problems=error.problems)
+            return Edit(files, problems=tuple(p for p in error.problems if p.severity == "error"))
         except NodeError as error:
             return Edit(files, problems=(Problem(str(error)),))
 

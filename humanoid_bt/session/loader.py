@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 from humanoid_bt import document
+from humanoid_bt.checking import settled
 from humanoid_bt.errors import Problem, UserError, relative
 from humanoid_bt.session.options import RunOptions
 from humanoid_bt.skill_files import class_file
@@ -37,13 +39,14 @@ class TreeLoader:
         self.robot, self.scene = self._robot(self.first), self._scene(self.first)
 
     def reload(self) -> Tree:
-        """Load the tree as it is now.
+        """Load the tree as it is now, with the warnings that its files do not allow.
 
         Raises:
             UserError: it has mistakes, or is for another robot or another scene.
         """
         tree = self._load()
-        problems: list[Problem] = []
+        found = settled({tree.path: tree.warnings})
+        problems = [problem for problem in found if problem.severity == "error"]
         for key, find, known in (("robot", self._robot, self.robot), ("scene", self._scene, self.scene)):
             try:
                 if find(tree) == known:
@@ -55,7 +58,7 @@ class TreeLoader:
             problems.append(Problem(message, header.value.get(key, header).place, hint))
         if problems:
             raise UserError(problems)
-        return tree
+        return replace(tree, warnings=tuple(found))
 
     def files(self, tree: Tree) -> list[Path]:
         """Return every file that an edited version of a tree may be made of."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from humanoid_bt.errors import HumanoidBtError
+from humanoid_bt.errors import HumanoidBtError, Problem
 from humanoid_bt.session.edits import Edit, EditSource
 from humanoid_bt.session.report import Reload
 from humanoid_bt.session.runner import TreeRunner
@@ -43,16 +43,28 @@ class Reloader:
             self._runner.halt(_REPLACED)
         except HumanoidBtError as error:  # all of the old tree has been halted all the same, and is gone
             self._teller.event("error", str(error))
+        before = {(problem.message, problem.code) for problem in self._runner.tree.warnings}
         self._runner.replace(executor)
         self._teller.show(executor.tree)
+        new = [problem for problem in executor.tree.warnings if (problem.message, problem.code) not in before]
+        if new:
+            self._teller.event("warning", "\n".join(["the edited tree has:", *map(_line, new)]))
 
     def _mistakes(self, edit: Edit) -> str:
         count = "1 mistake" if len(edit.problems) == 1 else f"{len(edit.problems)} mistakes"
         goes_on = "the robot waits for another edit" if self._runner.ended else "the old tree goes on"
-        return "\n".join([f"{count}, {goes_on}", *(f"error: {problem}" for problem in edit.problems)])
+        return "\n".join([f"{count}, {goes_on}", *map(_line, edit.problems)])
 
     def _tell(self, edit: Edit, outcome: str, text: str) -> None:
         source = edit.executor.tree.source if edit.executor else ""
         problems = [str(problem) for problem in edit.problems]
         self._teller.trace.reloaded(Reload(self._teller.now, list(edit.files), outcome, problems), source)
         self._teller.event("error" if edit.problems else "info", text)
+
+
+def _line(problem: Problem) -> str:
+    """Return a finding as ``humanoid-bt check`` prints it."""
+    place = f"{problem.place}: " if problem.place else ""
+    code = f" [{problem.code}]" if problem.code else ""
+    text = f"{place}{problem.severity}: {problem.message}{code}\n{problem.hint}".rstrip("\n")
+    return text.replace("\n", "\n    ")

@@ -5,13 +5,10 @@ from __future__ import annotations
 import time
 from typing import Protocol
 
-from py_trees.behaviour import Behaviour
-
 from humanoid_bt.errors import nearest
 from humanoid_bt.messages import State
 from humanoid_bt.record.events import Level
 from humanoid_bt.record.recorder import Recorder
-from humanoid_bt.robot import Robot
 from humanoid_bt.session.engine import Engine
 from humanoid_bt.session.happenings import Happenings
 from humanoid_bt.session.recording import run_info, tree_view
@@ -113,10 +110,11 @@ class Teller:
         self._listener.progress(state.time, f"{tip.name}: {tip.feedback_message}" if tip is not None else resting)
         self._ticks += 1
         if self._ticks % _STATUS_TICKS == 1:
-            self._publish(state, robot, tip)
+            self._publish(state, runner)
 
-    def _publish(self, state: State, robot: Robot, tip: Behaviour | None) -> None:
-        """Tell ``humanoid-bt status`` what goes on."""
+    def _publish(self, state: State, runner: TreeRunner) -> None:
+        """Tell ``humanoid-bt status`` and ``show --live`` what goes on."""
+        robot, tip = runner.robot, runner.tip
         self._engine.publish(
             {
                 "time": state.time,
@@ -124,5 +122,6 @@ class Teller:
                 "feedback": tip.feedback_message if tip is not None else "",
                 "tick_rate": self._ticks / max(time.monotonic() - self._began, 1e-9),
                 "percepts": {name: round(track.age, 3) for name, track in robot.tracks.items()},
-            }
+            },
+            runner.tree,
         )

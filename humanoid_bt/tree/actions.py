@@ -2,15 +2,74 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, ClassVar
 
 from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
+from humanoid_bt.clock import Clock
 from humanoid_bt.messages import Mode
 from humanoid_bt.params import assign, param
 from humanoid_bt.robot import Robot
+from humanoid_bt.tree.decorators import TIME_TOLERANCE
+from humanoid_bt.tree.expression import Truth, Unseen
 from humanoid_bt.tree.ticking import RUNNING, SUCCESS
+
+
+class Wait(Behaviour):
+    """Run for some time, then succeed."""
+
+    main: ClassVar[str] = "duration"
+
+    duration: float = param(minimum=0, unit="s", doc="How long.")
+
+    def __init__(self, name: str, **values: Any) -> None:
+        super().__init__(name)
+        assign(self, values)
+
+    def setup(self, **kwargs: Any) -> None:
+        """Take the engine's clock, from ``robot``."""
+        self._clock: Clock = kwargs["robot"].clock
+
+    def initialise(self) -> None:
+        """Start to measure."""
+        self._started = self._clock.now()
+
+    def update(self) -> Status:
+        """Succeed when the time is over."""
+        left = self.duration - (self._clock.now() - self._started)
+        self.feedback_message = f"{max(left, 0):.1f} s left"
+        return SUCCESS if left <= TIME_TOLERANCE else RUNNING
+
+
+class WaitUntil(Behaviour):
+    """Run until an expression is true, then succeed."""
+
+    main: ClassVar[str] = "expression"
+
+    expression: Truth = param(doc="What must become true.")
+
+    def __init__(self, name: str, **values: Any) -> None:
+        super().__init__(name)
+        assign(self, values)
+
+    def setup(self, **kwargs: Any) -> None:
+        """Take ``robot``."""
+        self.robot: Robot = kwargs["robot"]
+
+    def initialise(self) -> None:
+        """Begin anew: nothing held."""
+        self.expression.forget()
+
+    def update(self) -> Status:
+        """Evaluate the expression; a percept that was never seen makes it false."""
+        try:
+            reached = self.expression.evaluate(self.robot)
+        except Unseen as unseen:
+            self.feedback_message = str(unseen)
+            return RUNNING
+        self.feedback_message = self.expression.explain()
+        return SUCCESS if reached else RUNNING
 
 
 class RaiseEmergencyStop(Behaviour):

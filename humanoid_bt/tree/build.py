@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Mapping
 from dataclasses import dataclass
+from keyword import iskeyword
 
 from py_trees.behaviour import Behaviour
 
 from humanoid_bt.errors import Problem
 from humanoid_bt.skill_files import class_file, place_in_file
-from humanoid_bt.tree.read import Draft
+from humanoid_bt.tree.draft import Draft
+from humanoid_bt.tree.subtree import SubTree
 from humanoid_bt.tree.tree import Node
 
 
@@ -24,6 +27,17 @@ def build(root: Draft, tree_name: str, problems: list[Problem]) -> tuple[Node, .
     made: dict[int, Behaviour] = {}
     if _make(root, made, problems) is None:
         return ()
+    return collect(root, tree_name, made)
+
+
+def collect(root: Draft, tree_name: str, made: Mapping[int, Behaviour]) -> tuple[Node, ...]:
+    """Return every node of a tree whose behaviours have been made, parents before children.
+
+    Args:
+        root: the tree's root.
+        tree_name: the first part of every path.
+        made: the behaviour of each draft, by the draft's id.
+    """
     nodes: list[Node] = []
     _collect(_Step(root, f"{tree_name}/{root.name}", -1, ""), made, nodes)
     return tuple(nodes)
@@ -32,26 +46,40 @@ def build(root: Draft, tree_name: str, problems: list[Problem]) -> tuple[Node, .
 def _make(draft: Draft, made: dict[int, Behaviour], problems: list[Problem]) -> Behaviour | None:
     """Make a node and those below it; None if a mistake is in them, but then the others have been tried."""
     children = [_make(child, made, problems) for child in draft.children]
-    branches = {key: _make(child, made, problems) for key, child in draft.branches.items()}
+    branches = {key: _make_branch(branch, made, problems) for key, branch in draft.branches.items()}
     if not draft.sound or None in children or None in branches.values():
         return None
+    arguments = {**branches, **draft.values}
+    if draft.type.cls is SubTree:
+        arguments = {"tree": draft.values["tree"], "keys": draft.keys}
+    arguments = {key + "_" * iskeyword(key): value for key, value in arguments.items()}
     try:
-        if draft.type.kind == "composite":
-            behaviour = draft.type.factory(draft.name, children, **draft.values)
-        elif draft.type.kind == "decorator":
-            behaviour = draft.type.factory(draft.name, children[0], **branches, **draft.values)
+        if draft.type.takes == "many":
+            behaviour = draft.type.factory(draft.name, children, **arguments)
+        elif draft.type.takes == "one" or draft.type.cls is SubTree:
+            behaviour = draft.type.factory(draft.name, children[0], **arguments)
         else:
-            behaviour = draft.type.factory(name=draft.name, **draft.values)
+            behaviour = draft.type.factory(name=draft.name, **arguments)
     except Exception as error:  # a skill's constructor is the user's code
         builtin = isinstance(error, ValueError) and draft.type.kind != "skill"
         what = str(error) if builtin else f"{type(error).__name__}: {error}"
         file = class_file(draft.type.cls)
         place = place_in_file(error, file) if file and not builtin else None
         hint = f"raised at {place}" if place else ""
-        problems.append(Problem(f"{draft.type.type_name!r} cannot be made: {what}", draft.place, hint))
+        problems.append(Problem(f"{draft.type.type_name!r} cannot be made: {what}", draft.place, hint, "invalid-node"))
         return None
     made[id(draft)] = behaviour
     return behaviour
+
+
+def _make_branch(
+    branch: Draft | dict[str, Draft], made: dict[int, Behaviour], problems: list[Problem]
+) -> Behaviour | dict[str, Behaviour] | None:
+    if isinstance(branch, Draft):
+        return _make(branch, made, problems)
+    found = {name: _make(child, made, problems) for name, child in branch.items()}
+    whole = {name: behaviour for name, behaviour in found.items() if behaviour is not None}
+    return whole if len(whole) == len(found) else None
 
 
 @dataclass(frozen=True)
@@ -62,12 +90,25 @@ class _Step:
     branch: str
 
 
-def _collect(step: _Step, made: dict[int, Behaviour], nodes: list[Node]) -> None:
+def _collect(step: _Step, made: Mapping[int, Behaviour], nodes: list[Node]) -> None:
     draft, path = step.draft, step.path
     behaviour = made[id(draft)]
     vars(behaviour)["path"] = path  # plain behaviours know their path too
     index = len(nodes)
-    nodes.append(Node(path, draft.name, draft.type, draft.values, draft.place, behaviour, step.parent, step.branch))
+    nodes.append(
+        Node(
+            path,
+            draft.name,
+            draft.type,
+            draft.values,
+            draft.place,
+            behaviour,
+            step.parent,
+            step.branch,
+            draft.references,
+            draft.arguments,
+        )
+    )
     taken: Counter[str] = Counter()
     for key, child in draft.below():
         below = f"{path}/{child.name}"

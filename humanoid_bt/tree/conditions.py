@@ -1,4 +1,4 @@
-"""Conditions on percepts, with hysteresis: a value that jitters about a threshold does not make the tree flap.
+"""Conditions, with hysteresis: a value that jitters about a threshold does not make the tree flap.
 
 A condition remembers that it held as long as it is checked tick after tick; a branch that was halted or preempted
 starts afresh, with the plain threshold.
@@ -8,14 +8,55 @@ from __future__ import annotations
 
 import abc
 import math
-from typing import Any
+from typing import Any, ClassVar
 
 from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
 from humanoid_bt.params import PerceptName, assign, param
 from humanoid_bt.robot import Robot, Track
+from humanoid_bt.tree.expression import Truth, Unseen
 from humanoid_bt.tree.ticking import FAILURE, INVALID, SUCCESS
+
+
+class Condition(Behaviour):
+    """Succeed while an expression is true.
+
+    A percept that was never seen makes it fail, unless `seen()` asks for it. A comparison can have a hysteresis:
+    `distance(target) < 0.5 m hysteresis 5 cm` goes on holding up to 0.55 m.
+    """
+
+    main: ClassVar[str] = "expression"
+
+    expression: Truth = param(doc="What must be true.")
+
+    def __init__(self, name: str, **values: Any) -> None:
+        super().__init__(name)
+        assign(self, values)
+
+    def setup(self, **kwargs: Any) -> None:
+        """Take ``robot``."""
+        self.robot: Robot = kwargs["robot"]
+
+    def initialise(self) -> None:
+        """Forget what held if its branch was left."""
+        if self.status is INVALID:
+            self.expression.forget()
+
+    def update(self) -> Status:
+        """Evaluate the expression on what the robot knew at the start of the tick."""
+        try:
+            status = SUCCESS if self.expression.evaluate(self.robot) else FAILURE
+        except Unseen as unseen:
+            self.feedback_message = str(unseen)
+            return FAILURE
+        if status is not self.status:
+            self.feedback_message = self.expression.explain()
+        return status
+
+    def stop(self, new_status: Status) -> None:
+        """Take the status; there is nothing to end."""
+        self.status = new_status
 
 
 class PerceptCondition(Behaviour):
@@ -87,14 +128,15 @@ class Within(PerceptCondition):
 
     def holds(self, track: Track, held: bool) -> bool:
         """Compare the distance, then the bearing."""
+        distance = track.distance
         limit = self.distance + self.hysteresis if held else self.distance
-        if not track.distance <= limit:  # so that NaN is not near
-            self.feedback_message = f"distance {track.distance:.2f} m > {limit:g} m"
+        if not distance <= limit:  # so that NaN is not near
+            self.feedback_message = f"distance {distance:.2f} m > {limit:g} m"
             return False
         if self.bearing is not None:
             widest = self.bearing + self.bearing_hysteresis if held else self.bearing
             if not abs(track.bearing) <= widest:
                 self.feedback_message = f"bearing {track.bearing:.2f} rad beyond {widest:g} rad"
                 return False
-        self.feedback_message = f"distance {track.distance:.2f} m <= {limit:g} m"
+        self.feedback_message = f"distance {distance:.2f} m <= {limit:g} m"
         return True

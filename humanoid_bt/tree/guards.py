@@ -11,7 +11,10 @@ from humanoid_bt.messages import Mode
 from humanoid_bt.params import PerceptName, param
 from humanoid_bt.robot import Robot
 from humanoid_bt.tree.decorators import TIME_TOLERANCE, Decorator
+from humanoid_bt.tree.slots import Slot
 from humanoid_bt.tree.ticking import FAILURE, INVALID, RUNNING, Seen, halt, tick
+
+_RUN = Mode.RUN  # reading a member from its class costs more than comparing it
 
 
 class EmergencyStop(Decorator):
@@ -39,7 +42,7 @@ class EmergencyStop(Decorator):
     def advance(self, seen: Seen) -> Status:
         """Tick the child if the robot may run."""
         state = self.robot.state
-        if state.mode is Mode.RUN:
+        if state.mode is _RUN:
             self.feedback_message = ""
             self._latched = False
             return tick(self.decorated, seen)
@@ -58,7 +61,7 @@ class EmergencyStop(Decorator):
 class Watchdog(Decorator):
     """Run the child only while a percept is fresh; run ``on_stale`` instead, or fail, while it is not."""
 
-    branches: ClassVar[dict[str, str]] = {"on_stale": "What runs while the percept is stale; without it, fail."}
+    branches: ClassVar[dict[str, Slot]] = {"on_stale": Slot("What runs while the percept is stale; without it, fail.")}
 
     percept: PerceptName = param(doc="The percept to watch.")
     max_age: float = param(above=0, unit="s", doc="Older than this it is stale.")

@@ -2,37 +2,73 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Literal
 
 from humanoid_bt import document
+from humanoid_bt.blackboard import Key
 from humanoid_bt.document import Item
-from humanoid_bt.errors import Problem, UserError, relative
-from humanoid_bt.params import param, params_of, read_values
+from humanoid_bt.errors import Place, Problem, UserError, relative
+from humanoid_bt.params import Param, param, params_of, read_values
 from humanoid_bt.tree.build import build
 from humanoid_bt.tree.check import check_safety
-from humanoid_bt.tree.parameters import Parameters
-from humanoid_bt.tree.read import Draft, Reader, check_name
-from humanoid_bt.tree.registry import Registry
+from humanoid_bt.tree.draft import Draft
+from humanoid_bt.tree.parameters import Argument, Declaration, NodeItem, Parameters, declarations, overrides
+from humanoid_bt.tree.read import Reader, check_name
+from humanoid_bt.tree.registry import NODE_KEYS, NodeType, Registry
+from humanoid_bt.tree.scope import Scope
+from humanoid_bt.tree.slots import Slot
 from humanoid_bt.tree.tree import Node, Tree
+from humanoid_bt.tree.write import written
 from humanoid_bt.workspace import Workspace
+
+MAX_NODES = 10_000
+"""Most nodes of one tree, its sub-trees counted each time they are used."""
 
 
 @dataclass(frozen=True)
 class Header:
-    """The keys of a tree file besides ``parameters`` and ``root``."""
+    """The keys of a tree file that say what it is."""
 
     format: Literal[1] = param(doc="Version of this file's form: 1.")
     name: str = param("", doc="The tree's name; the file's if not given.")
     description: str = param("", doc="One line for people.")
     robot: str | None = param(None, doc="The robot it is made for.")
     scene: str | None = param(None, doc="The scene it is made for.")
+    subtree: bool = param(
+        False,
+        doc="It is made for use in other trees, which give what it needs: an emergency_stop and watchdogs around it, "
+        "and the parameters without a default.",
+    )
 
 
-PARTS = {"parameters": "The tree's parameters: name to default.", "root": "The root node."}
+PARTS = {
+    "parameters": "The tree's parameters: name to default, or to a declaration in full.",
+    "blackboard": "Keys with an initial value or a type: name to value, or to a declaration in full.",
+    "outputs": "Keys that a tree which uses this one can bind to its own: name to a declaration in full.",
+    "root": "The root node.",
+}
 """The keys of a tree file besides its header."""
+
+
+@dataclass(frozen=True)
+class _File:
+    """One tree file, read but for its nodes."""
+
+    path: Path
+    source: str
+    item: Item
+    header: dict[str, Any]
+    parameters: dict[str, Declaration]
+    blackboard: dict[str, Declaration]
+    outputs: dict[str, Declaration]
+
+    @property
+    def name(self) -> str:
+        return self.header.get("name") or self.path.stem
 
 
 def load_tree(path: Path, workspace: Workspace, overrides: Mapping[str, str] | None = None) -> Tree:
@@ -40,48 +76,211 @@ def load_tree(path: Path, workspace: Workspace, overrides: Mapping[str, str] | N
 
     Args:
         path: the tree file.
-        workspace: where its skills are found.
+        workspace: where its skills and sub-trees are found.
         overrides: parameter values as text, from ``--set name=value``.
 
     Raises:
         UserError: with every mistake found, each with its place.
     """
-    source = document.read_text(path)
-    problems: list[Problem] = []
-    item = document.parse(source, relative(path), problems)
-    if not isinstance(item.value, dict):
-        problems.append(
-            Problem(f"a tree file must be a mapping, not {item.kind}", item.place, "format: 1 ... root: ...")
-        )
+    loader = _Loader(workspace)
+    tree = loader.load(path, overrides or {})
+    problems = _in_file_order(loader.problems, relative(path))
+    if tree is None or any(problem.severity == "error" for problem in problems):
         raise UserError(problems)
-    header = _header(item, problems)
-    parameters = Parameters(item.value.get("parameters"), overrides or {}, problems)
-    name = header.get("name") or path.stem
-    registry = _registry(workspace, problems)
-    root = _root(item, Reader(registry, parameters, problems), problems) if registry else None
-    nodes: tuple[Node, ...] = ()
-    if root is not None:
-        parameters.report_unused()
-        problems += check_safety(root)
-        nodes = build(root, name, problems)
-    if problems:
-        raise UserError(_in_file_order(problems, item))
-    return Tree(
-        name=name,
-        description=header.get("description", ""),
-        path=path,
-        robot=header.get("robot"),
-        scene=header.get("scene"),
-        parameters=parameters.values,
-        source=source,
-        nodes=nodes,
-        files=(path,),
-    )
+    return replace(tree, warnings=tuple(problems))
+
+
+def subtree_types(workspace: Workspace, registry: Registry) -> dict[str, NodeType]:
+    """Return for every tree of a workspace the type of a node that uses it as a sub-tree; broken ones are left out."""
+    loader, node_type = _Loader(workspace), registry["subtree"]
+    found: dict[str, NodeType] = {}
+    for name, path in workspace.trees().items():
+        item = Item(name, Place(relative(path)))
+        with suppress(UserError):
+            found[name] = loader.specialise(node_type, Item({"tree": item}, item.place))
+    return found
+
+
+class _Loader:
+    """Reads one tree and every file that it uses."""
+
+    def __init__(self, workspace: Workspace) -> None:
+        self._workspace = workspace
+        self._files: dict[Path, _File] = {}
+        self._chain: list[Path] = []
+        self._nodes = 0
+        self.problems: list[Problem] = []
+
+    def load(self, path: Path, texts: Mapping[str, str]) -> Tree | None:
+        """Return the tree, None if mistakes keep it from being made."""
+        file = self._open(path)
+        given = overrides(file.parameters, texts, self.problems)
+        parameters = Parameters(file.parameters, given, self.problems, complete=not file.header.get("subtree"))
+        scope = Scope(parameters, file.blackboard, file.outputs, {}, self.problems)
+        registry = self._registry()
+        root = None
+        if registry is not None:
+            root = self._read(file, Reader(registry, scope, self, self.problems))
+        nodes: tuple[Node, ...] = ()
+        if root is not None:
+            self.problems += check_safety(root, alone=bool(file.header.get("subtree")))
+            nodes = build(root, file.name, self.problems)
+        if root is None:
+            return None
+        return Tree(
+            name=file.name,
+            description=file.header.get("description", ""),
+            path=path,
+            robot=file.header.get("robot"),
+            scene=file.header.get("scene"),
+            parameters=parameters.values,
+            source=file.source,
+            nodes=nodes,
+            header=_plain_header(file, given),
+            files=tuple(file.path for file in self._files.values()),
+        )
+
+    # ---- sub-trees (see SubTrees) --------------------------------------------------------------------------------
+
+    def specialise(self, node_type: NodeType, body: Item) -> NodeType:
+        """Return the type of a sub-tree node with the parameters of the tree that its body names."""
+        if not isinstance(body.value, dict) or "tree" not in body.value:
+            return node_type
+        item = body.value["tree"]
+        if not isinstance(item.value, str):
+            return node_type
+        file = self._open(self._find(item), item.place)
+        params = {
+            name: declared.spec for name, declared in file.parameters.items() if declared.spec.type is not NodeItem
+        }
+        nodes = {
+            name: Slot(declared.spec.doc, required=declared.default is None)
+            for name, declared in file.parameters.items()
+            if declared.spec.type is NodeItem
+        }
+        outputs = {name: Param(name, Key | None, None, declared.spec.doc) for name, declared in file.outputs.items()}
+        return replace(node_type, params={**node_type.params, **params, **outputs}, branches=nodes)
+
+    def expand(self, draft: Draft, body: Item, reader: Reader) -> None:
+        """Read the nodes of a sub-tree into the draft of the node that uses it."""
+        item = body.value.get("tree")
+        if item is None or "tree" not in draft.values:
+            return
+        file = self._open(self._find(item), item.place)
+        if file.path.resolve() in self._chain:
+            names = " -> ".join(self._files[path].name for path in [*self._chain, file.path.resolve()])
+            message = f"the tree {file.name!r} would contain itself"
+            self.problems.append(Problem(message, item.place, names, "subtree-cycle"))
+            draft.sound = False
+            return
+        if self._nodes > MAX_NODES:
+            message = f"the tree has more than {MAX_NODES} nodes, its sub-trees expanded"
+            self.problems.append(Problem(message, item.place, "use fewer or smaller sub-trees", "too-large"))
+            draft.sound = False
+            return
+        arguments = self._arguments(draft, body, file, reader)
+        bound = {name: draft.values[name] for name in file.outputs if isinstance(draft.values.get(name), Key)}
+        missing = [name for name in file.parameters if name not in arguments and file.parameters[name].default is None]
+        parameters = Parameters(file.parameters, arguments, self.problems, complete=False)
+        scope = Scope(parameters, file.blackboard, file.outputs, bound, self.problems)
+        root = self._read(file, reader.inside(scope))
+        if root is None or missing:
+            draft.sound = False
+        if root is not None:
+            draft.children.append(root)
+            draft.keys = scope.own_keys
+            self._nodes += sum(1 for _ in root.iterate())
+
+    def _arguments(self, draft: Draft, body: Item, file: _File, reader: Reader) -> dict[str, Argument]:
+        """Return what the sub-tree's parameters are given."""
+        found: dict[str, Argument] = {}
+        for name, declared in file.parameters.items():
+            if declared.spec.type is NodeItem:
+                if name in body.value:
+                    draft.arguments[name] = body.value[name].plain()
+                    found[name] = Argument(body.value[name], body.value[name].place, reader)
+                elif declared.default is None:
+                    message = f"the node {name!r} of 'subtree' is missing"
+                    self.problems.append(
+                        Problem(message, draft.place, f"{name}: {declared.spec.doc}", "missing-parameter")
+                    )
+            elif name in draft.values:
+                found[name] = Argument(draft.values[name], draft.value_places[name])
+        return found
+
+    def _find(self, item: Item) -> Path:
+        """Return the file of a sub-tree: beside the file that uses it if it is a path, else by its name."""
+        name: str = item.value
+        beside = Path(item.place.file).parent / name
+        if ("/" in name or name.endswith((".yaml", ".yml"))) and beside.is_file():
+            return beside
+        try:
+            return self._workspace.find_tree(name)
+        except UserError as error:
+            problem = error.problems[0]
+            raise UserError(problem.message, item.place, problem.hint, "unknown-tree") from error
+
+    # ---- files ---------------------------------------------------------------------------------------------------
+
+    def _read(self, file: _File, reader: Reader) -> Draft | None:
+        """Read a file's nodes, and judge the names in it."""
+        self._chain.append(file.path.resolve())
+        root = None
+        if "root" in file.item.value:
+            root = reader.node(file.item.value["root"], "the root")
+        reader.scope.finish()
+        if root is not None:
+            reader.scope.parameters.report_unused()
+        self._chain.pop()
+        return root
+
+    def _open(self, path: Path, used_at: Place | None = None) -> _File:
+        """Return a tree file; its mistakes are noted once.
+
+        Raises:
+            UserError: it cannot be read as a mapping.
+        """
+        key = path.resolve()
+        if key in self._files:
+            return self._files[key]
+        problems: list[Problem] = []
+        source = document.read_text(path)
+        try:
+            item = document.parse(source, relative(path), problems)
+        except UserError as error:
+            raise UserError([*problems, *error.problems]) from error
+        if not isinstance(item.value, dict):
+            message = f"a tree file must be a mapping, not {item.kind}"
+            problems.append(Problem(message, item.place, "format: 1 ... root: ...", "wrong-type"))
+            raise UserError(problems)
+        file = self._files[key] = _File(
+            path,
+            source,
+            item,
+            _header(item, problems),
+            declarations(item.value.get("parameters"), "parameter", problems),
+            declarations(item.value.get("blackboard"), "key", problems),
+            declarations(item.value.get("outputs"), "output", problems),
+        )
+        if "root" not in item.value:
+            message = "the key 'root' of a tree is missing"
+            problems.append(Problem(message, item.place, "root: the root node", "missing-key"))
+        _check_names(file, problems)
+        self.problems += problems
+        return file
+
+    def _registry(self) -> Registry | None:
+        try:
+            return Registry.of(self._workspace)
+        except UserError as error:
+            self.problems += error.problems
+            return None
 
 
 def _header(item: Item, problems: list[Problem]) -> dict[str, Any]:
     values, found = read_values(params_of(Header), item, "a tree", frozenset(PARTS), noun="key")
-    problems += found
+    form = item.value["format"].place if "format" in item.value else None
+    problems += [replace(problem, code="format") if problem.place == form else problem for problem in found]
     if values.get("name"):
         try:
             check_name(item.value["name"])
@@ -90,28 +289,36 @@ def _header(item: Item, problems: list[Problem]) -> dict[str, Any]:
     return values
 
 
-def _registry(workspace: Workspace, problems: list[Problem]) -> Registry | None:
-    try:
-        return Registry.of(workspace)
-    except UserError as error:
-        problems += error.problems
-        return None
+def _plain_header(file: _File, given: Mapping[str, Argument]) -> dict[str, Any]:
+    """Return a file's keys but for the root as plain YAML, with parameters as they were given."""
+    header = {key: item.plain() for key, item in file.item.value.items() if key != "root"}
+    header["name"] = file.name
+    for name, argument in given.items():
+        declared, spec = header["parameters"][name], file.parameters[name].spec
+        value = written(argument.value, spec.unit)
+        header["parameters"][name] = {**declared, "default": value} if isinstance(declared, dict) else value
+    return header
 
 
-def _root(item: Item, reader: Reader, problems: list[Problem]) -> Draft | None:
-    if "root" not in item.value:
-        problems.append(Problem("the key 'root' of a tree is missing", item.place, "root: the root node"))
-        return None
-    return reader.node(item.value["root"], "the root")
+def _check_names(file: _File, problems: list[Problem]) -> None:
+    """Note parameters and outputs whose names a node has already."""
+    taken = {"tree", *NODE_KEYS}
+    for name, declared in [*file.parameters.items(), *file.outputs.items()]:
+        if name in taken:
+            message = f"{name!r} cannot be called so: every sub-tree node has a key of this name"
+            problems.append(Problem(message, declared.place, "rename it", "taken-name"))
+    for name in file.outputs.keys() & file.parameters.keys():
+        message = f"the name {name!r} is declared twice in one tree"
+        problems.append(Problem(message, file.outputs[name].place, "rename one of them", "taken-name"))
 
 
-def _in_file_order(problems: list[Problem], item: Item) -> list[Problem]:
-    """Return the problems as a reader meets them: those of the tree file by line, then the others."""
+def _in_file_order(problems: Sequence[Problem], first: str) -> list[Problem]:
+    """Return the problems as a reader meets them: those of the first file by line, then the others."""
 
-    def order(problem: Problem) -> tuple[bool, int, int]:
+    def order(problem: Problem) -> tuple[bool, str, int, int]:
         place = problem.place
-        if place is None or place.file != item.place.file:
-            return (True, 0, 0)
-        return (False, place.line, place.column)
+        if place is None:
+            return (True, "", 0, 0)
+        return (place.file != first, place.file, place.line, place.column)
 
     return sorted(dict.fromkeys(problems), key=order)

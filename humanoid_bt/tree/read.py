@@ -2,45 +2,34 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Protocol
 
+from humanoid_bt.blackboard import Key
 from humanoid_bt.document import Item
 from humanoid_bt.errors import Place, Problem, UserError, nearest
-from humanoid_bt.params import Param, read_values
-from humanoid_bt.tree.parameters import Parameters
-from humanoid_bt.tree.registry import NodeType, Registry
+from humanoid_bt.params import Param, PerceptName, read_values
+from humanoid_bt.tree.draft import Draft
+from humanoid_bt.tree.expression import Expression
+from humanoid_bt.tree.parameters import NodeItem, Parameter, reference
+from humanoid_bt.tree.quantities import ANYTHING, Type, type_of
+from humanoid_bt.tree.registry import CHILD, NodeType, Registry
+from humanoid_bt.tree.scope import Scope
+from humanoid_bt.tree.slots import Slot
+from humanoid_bt.tree.subtree import SubTree
 
 
-@dataclass
-class Draft:
-    """A node as its file describes it, before it is made.
+class SubTrees(Protocol):
+    """Who reads other tree files."""
 
-    Attributes:
-        type: its type.
-        place: where it is written.
-        name: its name.
-        values: its parameters, converted; those with a mistake are missing.
-        value_places: where each given parameter's value is written.
-        children: its children.
-        branches: other sub-trees by key (a watchdog's ``on_stale``).
-        sound: whether it can be made: no mistake in it, its children left aside.
-    """
+    def specialise(self, node_type: NodeType, body: Item) -> NodeType:
+        """Return the type of a sub-tree node with the parameters of the tree that its body names.
 
-    type: NodeType
-    place: Place
-    name: str
-    values: dict[str, Any] = field(default_factory=dict)
-    value_places: dict[str, Place] = field(default_factory=dict)
-    children: list[Draft] = field(default_factory=list)
-    branches: dict[str, Draft] = field(default_factory=dict)
-    sound: bool = True
+        Raises:
+            UserError: there is no such tree, or its file cannot be used.
+        """
 
-    def below(self) -> Iterator[tuple[str, Draft]]:
-        """Return every sub-tree with the key it stands under, "" for children."""
-        yield from (("", child) for child in self.children)
-        yield from self.branches.items()
+    def expand(self, draft: Draft, body: Item, reader: Reader) -> None:
+        """Read the nodes of a sub-tree into the draft of the node that uses it."""
 
 
 def check_name(item: Item) -> None:
@@ -51,24 +40,30 @@ def check_name(item: Item) -> None:
     """
     name = item.value
     if not isinstance(name, str):
-        raise UserError(f"a name must be text, not {item.kind}", item.place)
+        raise UserError(f"a name must be text, not {item.kind}", item.place, code="wrong-type")
     if not name.strip() or "/" in name or not name.isprintable():
-        raise UserError(f"{name!r} cannot be a name", item.place, "one line of text without /")
+        raise UserError(f"{name!r} cannot be a name", item.place, "one line of text without /", "bad-name")
 
 
 class Reader:
-    """Reads nodes.
+    """Reads the nodes of one tree file.
 
     Args:
         registry: the node types.
-        parameters: the tree's parameters.
+        scope: what names mean in the file.
+        subtrees: who reads other files.
         problems: takes every mistake.
     """
 
-    def __init__(self, registry: Registry, parameters: Parameters, problems: list[Problem]) -> None:
+    def __init__(self, registry: Registry, scope: Scope, subtrees: SubTrees, problems: list[Problem]) -> None:
         self._registry = registry
-        self._parameters = parameters
+        self._subtrees = subtrees
         self._problems = problems
+        self.scope = scope
+
+    def inside(self, scope: Scope) -> Reader:
+        """Return a reader of another file, with other names."""
+        return Reader(self._registry, scope, self._subtrees, self._problems)
 
     def node(self, item: Item, where: str) -> Draft | None:
         """Read a node: ``type``, or a mapping of one key ``type: body``; None if its type is not known.
@@ -81,12 +76,12 @@ class Reader:
             return self._typed(item.value, Item(None, item.place), item.place)
         if not isinstance(item.value, dict) or not item.value:
             kind = "an empty mapping" if isinstance(item.value, dict) else item.kind
-            self._problem(f"{where} must be a node, not {kind}", item.place, "like idle, or idle: {...}")
+            self._problem(f"{where} must be a node, not {kind}", item.place, "like idle, or idle: {...}", "not-a-node")
             return None
         keys = list(item.value)
         if len(keys) > 1:
             hint = f"indent the parameters of {keys[0]!r} deeper than it, or write each node as its own list item"
-            self._problem(f"a node is one key, here are {len(keys)}", item.key_places[keys[1]], hint)
+            self._problem(f"a node is one key, here are {len(keys)}", item.key_places[keys[1]], hint, "not-a-node")
             known = [key for key in keys if key in self._registry]
             if not known:
                 return None
@@ -97,13 +92,18 @@ class Reader:
         return self._typed(keys[0], item.value[keys[0]], item.key_places[keys[0]])
 
     def _typed(self, type_name: str, body: Item, place: Place) -> Draft | None:
+        if type_name.startswith("$"):
+            return self._given(type_name, body, place)
         try:
             node_type = self._registry.find(type_name, place)
+            if node_type.cls is SubTree:
+                body = self._main(node_type, body)
+                node_type = self._subtrees.specialise(node_type, body if body.value else Item({}, place))
         except UserError as error:
             self._problems += error.problems
-            self._parameters.skim(body)
+            self.scope.parameters.skim(body)
             return None
-        draft = Draft(node_type, place, type_name)
+        draft = Draft(node_type, place, node_type.type_name)
         before = len(self._problems)
         own = self._body(draft, body)
         if own is not None:
@@ -113,23 +113,57 @@ class Reader:
             self._below(draft, own)
         return draft
 
+    def _given(self, text: str, body: Item, place: Place) -> Draft | None:
+        """Read a node that stands for a parameter: in the names of whoever gave it."""
+        parameter = self.scope.parameters.find(text[1:])
+        if parameter is None or parameter.spec.type is not NodeItem:
+            nodes = [f"${name}" for name in self.scope.parameters if self._is_node(name)]
+            hint = nearest(text, nodes) or "the tree declares no parameter of type node"
+            self.scope.parameters.excuse(text[1:])
+            self._problem(f"{text!r} is no node", place, hint, "unknown-reference")
+            return None
+        if body.value is not None:
+            self._problem(f"{text!r} is a whole node and takes nothing", body.place, f"only {text}", "not-a-node")
+            return None
+        if not parameter.known:
+            return None
+        given = parameter.given
+        reader = given.reader if given else self
+        draft: Draft | None = reader.node(given.value if given else parameter.value, f"the parameter {text[1:]!r}")
+        return draft
+
+    def _is_node(self, name: str | None) -> bool:
+        parameter = self.scope.parameters.find(name) if name is not None else None
+        return parameter is not None and parameter.spec.type is NodeItem
+
+    def _main(self, node_type: NodeType, body: Item) -> Item:
+        """Return a body that only gives the main parameter (``wait: 2 s``) as a mapping."""
+        if node_type.main and not isinstance(body.value, (dict, list, type(None))):
+            return Item({node_type.main: body}, body.place, {node_type.main: body.place})
+        return body
+
     def _body(self, draft: Draft, body: Item) -> Item | None:
         """Return the body as a mapping, its short forms written out; None if it is none."""
-        kind, name = draft.type.kind, draft.type.type_name
+        node_type, name = draft.type, draft.type.type_name
+        body = self._main(node_type, body)
         if body.value is None:
             return Item({}, draft.place)
         if isinstance(body.value, dict):
             return body
-        if kind == "composite" and isinstance(body.value, list):
+        if node_type.takes == "many" and isinstance(body.value, list):
             return Item({"children": body}, draft.place, {"children": body.place})
-        if kind == "decorator" and isinstance(body.value, str) and body.value in self._registry:
-            return Item({body.value: Item(None, body.place)}, draft.place, {body.value: body.place})
+        text = body.value
+        if node_type.takes == "one" and isinstance(text, str) and (text in self._registry or text.startswith("$")):
+            return Item({text: Item(None, body.place)}, draft.place, {text: body.place})
         hint = {
-            "composite": f"{name}: followed by a list of children",
-            "decorator": f"{name}: followed by its parameters and one child",
-        }.get(kind, f"{name}: {{{', '.join(f'{key}: ...' for key in draft.type.params)}}}")
-        self._problem(f"what {name!r} holds must be a mapping, not {body.kind}", body.place, hint)
+            "many": f"{name}: followed by a list of children",
+            "one": f"{name}: followed by its parameters and one child",
+        }.get(node_type.takes, f"{name}: {{{', '.join(f'{key}: ...' for key in node_type.params)}}}")
+        message = f"what {name!r} holds must be a mapping, not {body.kind}"
+        self._problem(message, body.place, hint, "wrong-type")
         return None
+
+    # ---- parameters ----------------------------------------------------------------------------------------------
 
     def _values(self, draft: Draft, body: Item) -> None:
         node_type = draft.type
@@ -139,109 +173,176 @@ class Reader:
             if key == "name":
                 self._name(draft, item)
             elif key in wanted:
-                value = self._resolved(wanted[key], item)
+                value = self._value(draft, wanted[key], item)
+                draft.value_places[key] = item.place
                 if value is None:
-                    del wanted[key]  # its mistake is noted, here or where the parameter is declared
-                    draft.sound = False
+                    del wanted[key]  # it is read while the tree runs, or its mistake is noted
                 else:
                     given[key] = value
-                    draft.value_places[key] = item.place
-            elif node_type.kind in ("condition", "action", "skill"):
-                hint = nearest(key, [*node_type.params, "name"])
-                self._problem(f"unknown parameter {key!r} of {node_type.type_name!r}", body.key_places[key], hint)
-        draft.values, problems = read_values(wanted, Item(given, draft.place), repr(node_type.type_name))
-        self._problems += [self._parameters.explain(problem) for problem in problems]
+            elif node_type.takes == "none" and key not in node_type.branches:
+                hint = nearest(key, [*node_type.params, *node_type.branches, "name"])
+                message = f"unknown parameter {key!r} of {node_type.type_name!r}"
+                self._problem(message, body.key_places[key], hint, "unknown-parameter")
+        values, problems = read_values(wanted, Item(given, draft.place), repr(node_type.type_name))
+        self._problems += [self.scope.parameters.explain(problem) for problem in problems]
+        for key, value in values.items():
+            if isinstance(value, Key):
+                draft.values[key] = self.scope.write(value.name, _written_type(values))
+            else:
+                draft.values[key] = value
+                if isinstance(value, Expression):
+                    self.scope.add(value)
 
     def _name(self, draft: Draft, item: Item) -> None:
         try:
-            resolved = self._parameters.resolve(item)
+            resolved = self.scope.parameters.resolve(item)
             if resolved is not None:
                 check_name(resolved)
                 draft.name = resolved.value
         except UserError as error:
             self._problems += error.problems
 
-    def _resolved(self, spec: Param, item: Item) -> Item | None:
+    def _value(self, draft: Draft, spec: Param, item: Item) -> Item | None:
+        """Return a value with what it refers to put in; None if it is read while the tree runs, or is a mistake."""
+        if isinstance(spec.type, type) and issubclass(spec.type, Expression):
+            return item
+        name, resolved = reference(item), None
         try:
-            parameter = self._parameters.used(item)
-            if parameter and parameter.spec.unit and parameter.spec.unit != spec.unit:
-                wanted = f"in {spec.unit}" if spec.unit else f"a {spec.type_name} without a unit"
-                message = f"{spec.name!r} is {wanted}, {item.value} in {parameter.spec.unit}"
-                raise UserError(message, item.place, f"{item.value} is declared at {parameter.place}")
-            return self._parameters.resolve(item)
+            if name is None:
+                resolved = self.scope.parameters.resolve(item)
+            else:
+                draft.references[spec.name] = name
+                parameter = self.scope.parameters.find(name)
+                if parameter is None or isinstance(parameter.value, Key):
+                    self._dynamic(draft, spec, item, parameter)
+                    return None
+                _check_unit(spec, item, parameter)
+                resolved = self.scope.parameters.resolve(item)
         except UserError as error:
             self._problems += error.problems
-            return None
+        if resolved is None:
+            draft.sound = False
+        return resolved
+
+    def _dynamic(self, draft: Draft, spec: Param, item: Item, parameter: Parameter | None) -> None:
+        """Let a parameter be read from the blackboard each time the node starts."""
+        name = item.value[1:]
+        if draft.type.dynamic and spec.type not in (PerceptName, Key):
+            draft.values[spec.name] = self.scope.read(name, item.place) if parameter is None else parameter.value
+            return
+        draft.sound = False
+        what = f"{spec.name!r} of {draft.type.type_name!r}"
+        message = f"{what} must be known before the run, and {item.value!r} is a key of the blackboard"
+        self.scope.refuse(name, Problem(message, item.place, "give it a value or a parameter", "not-dynamic"))
+
+    # ---- what stands below ---------------------------------------------------------------------------------------
 
     def _below(self, draft: Draft, body: Item) -> None:
-        if draft.type.kind == "composite":
+        if draft.type.cls is SubTree:
+            self._subtrees.expand(draft, body, self)
+            return
+        if draft.type.takes == "many":
             self._children(draft, body)
-        elif draft.type.kind == "decorator":
+        elif draft.type.takes == "one":
             self._child(draft, body)
+        for key, slot in draft.type.branches.items():
+            self._branch(draft, key, slot, body)
 
     def _children(self, draft: Draft, body: Item) -> None:
         name = draft.type.type_name
+        known = [*draft.type.params, *draft.type.branches, "name", "children"]
         for key in body.value:
-            if key not in draft.type.params and key not in ("name", "children"):
-                is_node = key in self._registry
-                hint = (
-                    "children stand in a list: - first: ..."
-                    if is_node
-                    else nearest(key, [*draft.type.params, "name", "children"])
-                )
-                message = (
-                    f"{key!r} stands beside the children of {name!r}"
-                    if is_node
-                    else (f"unknown parameter {key!r} of {name!r}")
-                )
-                self._broken(draft, message, body.key_places[key], hint)
+            if key in known:
+                continue
+            if key in self._registry:
+                message = f"{key!r} stands beside the children of {name!r}"
+                hint = "children stand in a list: - first: ..."
+                self._broken(draft, message, body.key_places[key], hint, "extra-child")
+            else:
+                message = f"unknown parameter {key!r} of {name!r}"
+                self._broken(draft, message, body.key_places[key], nearest(key, known), "unknown-parameter")
         children = body.value.get("children")
         if children is None or children.value is None or children.value == []:
             place = children.place if children else draft.place
-            self._broken(draft, f"{name!r} needs at least one child", place, f"{name}: followed by a list of nodes")
+            hint = f"{name}: followed by a list of nodes"
+            self._broken(draft, f"{name!r} needs at least one child", place, hint, "missing-child")
         elif not isinstance(children.value, list):
             message = f"the children of {name!r} must be a list, not {children.kind}"
-            self._broken(draft, message, children.place, "- first: ...")
+            self._broken(draft, message, children.place, "- first: ...", "wrong-type")
         else:
             for item in children.value:
-                child = self.node(item, f"a child of {name!r}")
-                if child is None:
-                    draft.sound = False
-                else:
-                    draft.children.append(child)
+                self._append(draft, self.node(item, f"a child of {name!r}"))
 
     def _child(self, draft: Draft, body: Item) -> None:
         name, known = draft.type.type_name, {"name", *draft.type.params, *draft.type.branches}
         others = [key for key in body.value if key not in known]
         for key in others:
-            if key not in self._registry:
+            if key == CHILD:
+                self._append(draft, self.node(body.value[key], f"the child of {name!r}"))
+            elif key in self._registry or key.startswith("$"):
+                self._append(draft, self._typed(key, body.value[key], body.key_places[key]))
+            else:
                 hint = nearest(key, [*known, *self._registry])
-                self._broken(
-                    draft, f"{key!r} is neither a parameter of {name!r} nor a node", body.key_places[key], hint
-                )
-                continue
-            child = self._typed(key, body.value[key], body.key_places[key])
-            if child is None:
+                message = f"{key!r} is neither a parameter of {name!r} nor a node"
+                self._broken(draft, message, body.key_places[key], hint, "unknown-node")
+        if not others:
+            hint = "a node's key beside its parameters"
+            self._broken(draft, f"{name!r} needs a child", draft.place, hint, "missing-child")
+        elif len(draft.children) > 1:
+            hint = "put them into a sequence, a selector or a parallel"
+            message = f"{name!r} has one child, here are {len(draft.children)}"
+            self._broken(draft, message, draft.children[1].place, hint, "extra-child")
+
+    def _append(self, draft: Draft, child: Draft | None) -> None:
+        if child is None:
+            draft.sound = False
+        else:
+            draft.children.append(child)
+
+    def _branch(self, draft: Draft, key: str, slot: Slot, body: Item) -> None:
+        item, where = body.value.get(key), f"{key!r} of {draft.type.type_name!r}"
+        if item is None:
+            if slot.required:
+                self._broken(draft, f"{where} is missing", draft.place, f"{key}: {slot.doc}", "missing-parameter")
+        elif slot.many:
+            if not isinstance(item.value, dict) or not item.value:
+                message = f"{where} must be a mapping of values to nodes, not {item.kind}"
+                self._broken(draft, message, item.place, "left: {...}", "wrong-type")
+                return
+            found = {name: self.node(child, f"{name!r} of {where}") for name, child in item.value.items()}
+            draft.branches[key] = {name: child for name, child in found.items() if child is not None}
+            draft.sound = draft.sound and None not in found.values()
+        else:
+            branch = self._condition(item) if slot.condition else self.node(item, where)
+            if branch is None:
                 draft.sound = False
             else:
-                draft.children.append(child)
-        if not others:
-            self._broken(draft, f"{name!r} needs a child", draft.place, "a node's key beside its parameters")
-        elif len(draft.children) > 1:
-            second = draft.children[1].place
-            hint = "put them into a sequence, a selector or a parallel"
-            self._broken(draft, f"{name!r} has one child, here are {len(draft.children)}", second, hint)
-        for key in draft.type.branches:
-            if key in body.value:
-                branch = self.node(body.value[key], f"{key!r} of {name!r}")
-                if branch is None:
-                    draft.sound = False
-                else:
-                    draft.branches[key] = branch
+                draft.branches[key] = branch
 
-    def _broken(self, draft: Draft, message: str, place: Place, hint: str) -> None:
+    def _condition(self, item: Item) -> Draft | None:
+        """Read a condition: an expression, or a node."""
+        if isinstance(item.value, dict) or self._is_node(reference(item)):
+            return self.node(item, "a condition")
+        return self._typed("condition", item, item.place)
+
+    def _broken(self, draft: Draft, message: str, place: Place, hint: str, code: str) -> None:
         draft.sound = False
-        self._problem(message, place, hint)
+        self._problem(message, place, hint, code)
 
-    def _problem(self, message: str, place: Place, hint: str = "") -> None:
-        self._problems.append(Problem(message, place, hint))
+    def _problem(self, message: str, place: Place, hint: str, code: str) -> None:
+        self._problems.append(Problem(message, place, hint, code))
+
+
+def _check_unit(spec: Param, item: Item, parameter: Parameter) -> None:
+    if parameter.spec.unit and parameter.spec.unit != spec.unit:
+        wanted = f"in {spec.unit}" if spec.unit else f"a {spec.type_name} without a unit"
+        message = f"{spec.name!r} is {wanted}, {item.value} in {parameter.spec.unit}"
+        raise UserError(message, item.place, f"{item.value} is declared at {parameter.place}", "wrong-unit")
+
+
+def _written_type(values: dict[str, Any]) -> Type:
+    """Return the type of what a node writes, if its parameters tell: a ``value``, or ``items`` of one type."""
+    if "value" in values and not isinstance(values["value"], Expression):
+        return type_of(values["value"])
+    kinds = {type_of(item) for item in values.get("items") or ()}
+    return kinds.pop() if len(kinds) == 1 else ANYTHING

@@ -10,34 +10,31 @@ import types
 import typing
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import Any, Literal
+from typing import Any
 
 from py_trees.behaviour import Behaviour
 
 from humanoid_bt.errors import Place, Problem, UserError, nearest
 from humanoid_bt.params import Param, PerceptName, params_of
-from humanoid_bt.skill import node_type_name
+from humanoid_bt.skill import Skill, node_type_name
 from humanoid_bt.skill_files import class_place, load_skills
-from humanoid_bt.tree.actions import RaiseEmergencyStop
-from humanoid_bt.tree.composites import Selector, Sequence
-from humanoid_bt.tree.conditions import Confident, Within
-from humanoid_bt.tree.decorators import Inverter, Repeat, Retry, Timeout
-from humanoid_bt.tree.guards import EmergencyStop, Watchdog
-from humanoid_bt.tree.parallel import Parallel
+from humanoid_bt.tree.expression import Expression
+from humanoid_bt.tree.nodes import BUILTIN, Kind
+from humanoid_bt.tree.slots import Slot, Takes
 from humanoid_bt.workspace import Workspace
 
-Kind = Literal["composite", "decorator", "condition", "action", "skill"]
+ALIASES = {"fallback": "selector"}
+"""Other names of built-in node types, for files that come from elsewhere."""
 
-BUILTIN: dict[Kind, tuple[type[Behaviour], ...]] = {
-    "composite": (Sequence, Selector, Parallel),
-    "decorator": (Inverter, Retry, Repeat, Timeout, EmergencyStop, Watchdog),
-    "condition": (Confident, Within),
-    "action": (RaiseEmergencyStop,),
+_TAKES: dict[str, Takes] = {"composite": "many", "decorator": "one"}
+
+CHILD = "child"
+NODE_KEYS = {
+    "name": "What the node is called; its type if not given.",
+    "children": "The nodes below it.",
+    CHILD: "The node below it, where its type is called like a parameter.",
 }
-"""The built-in node types."""
-
-NODE_KEYS = {"name": "What the node is called; its type if not given.", "children": "The nodes below it."}
-"""Keys that a node's body may have besides its parameters; every node has a name, composites have children."""
+"""Keys that a node's body may have besides its parameters: all a name, composites children, decorators a child."""
 
 
 @dataclass(frozen=True)
@@ -46,12 +43,14 @@ class NodeType:
 
     Attributes:
         type_name: as written in trees.
-        kind: composite, decorator, condition, action or skill.
+        kind: composite, decorator, subtree, condition, action or skill.
         cls: its class.
         doc: one line.
         params: its declared parameters by name.
         resources: what it may command.
-        branches: optional sub-trees besides the child, with a one-line doc each (a watchdog's ``on_stale``).
+        takes: how many children it has.
+        branches: places for nodes besides the children (a watchdog's ``on_stale``).
+        main: the parameter that a body without a mapping gives (``wait: 2 s``), "" for none.
     """
 
     type_name: str
@@ -60,20 +59,31 @@ class NodeType:
     doc: str
     params: Mapping[str, Param]
     resources: tuple[str, ...] = ()
-    branches: Mapping[str, str] = field(default_factory=dict)
+    takes: Takes = "none"
+    branches: Mapping[str, Slot] = field(default_factory=dict)
+    main: str = ""
 
     @property
     def factory(self) -> Callable[..., Behaviour]:
         """What makes a node: called with ``name``, children and parameter values."""
         return self.cls
 
+    @property
+    def dynamic(self) -> bool:
+        """Whether its parameters can be read from the blackboard, each time it starts."""
+        return issubclass(self.cls, Skill) or self.kind in ("action", "subtree")
+
     def percepts(self, values: Mapping[str, Any]) -> dict[str, list[str]]:
         """Return parameter -> percepts that a node with these parameter values names."""
         found: dict[str, list[str]] = {}
+        if self.kind == "subtree":
+            return found  # the nodes in it tell
         for name, spec in self.params.items():
             if _names_percepts(spec.type):
                 value = values.get(name, None if spec.required else spec.default)
                 found[name] = [value] if isinstance(value, str) else list(value or ())
+            elif isinstance(value := values.get(name), Expression):
+                found[name] = list(dict.fromkeys(value.percepts))
         return found
 
 
@@ -89,18 +99,20 @@ class Registry(Mapping[str, NodeType]):
 
     def __init__(self, skills: Mapping[str, type[Behaviour]]) -> None:
         self._types: dict[str, NodeType] = {}
-        keys = dict(NODE_KEYS)
+        keys: set[str] = {*NODE_KEYS, *ALIASES}
         for kind, classes in BUILTIN.items():
             for cls in classes:
                 node_type = _node_type(node_type_name(cls), kind, cls)
                 self._types[node_type.type_name] = node_type
                 if kind == "decorator":
-                    keys |= dict.fromkeys((*node_type.params, *node_type.branches), "")
+                    keys |= {*node_type.params, *node_type.branches}
         problems: list[Problem] = []
         for name, cls in skills.items():
             if name in self._types or name in keys:
                 what = "a built-in node type" if name in self._types else "a key of a built-in node type"
-                problems.append(Problem(f"the skill {name!r} has the name of {what}", class_place(cls), "rename it"))
+                problems.append(
+                    Problem(f"the skill {name!r} has the name of {what}", class_place(cls), "rename it", "taken-name")
+                )
             else:
                 self._types[name] = _node_type(name, "skill", cls)
         if problems:
@@ -116,7 +128,10 @@ class Registry(Mapping[str, NodeType]):
         return cls(load_skills(workspace))
 
     def __getitem__(self, name: str) -> NodeType:
-        return self._types[name]
+        return self._types[ALIASES.get(name, name)]
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._types or name in ALIASES
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._types)
@@ -130,8 +145,9 @@ class Registry(Mapping[str, NodeType]):
         Raises:
             UserError: there is none of this name.
         """
+        name = ALIASES.get(name, name)
         if name not in self._types:
-            raise UserError(f"unknown node {name!r}", place, nearest(name, self._types))
+            raise UserError(f"unknown node {name!r}", place, nearest(name, self._types), "unknown-node")
         return self._types[name]
 
 
@@ -143,7 +159,9 @@ def _node_type(name: str, kind: Kind, cls: type[Behaviour]) -> NodeType:
         doc=(vars(cls).get("__doc__") or "").strip().split("\n")[0],
         params=params_of(cls) or (_signature(cls) if kind == "skill" else {}),
         resources=tuple(getattr(cls, "resources", ())),
+        takes=getattr(cls, "takes", _TAKES.get(kind, "none")),
         branches=getattr(cls, "branches", {}),
+        main=getattr(cls, "main", ""),
     )
 
 

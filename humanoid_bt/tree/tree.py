@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from py_trees.behaviour import Behaviour
 
 from humanoid_bt.errors import Place, Problem
-from humanoid_bt.tree.registry import Kind, NodeType
+from humanoid_bt.tree.nodes import Kind
+from humanoid_bt.tree.registry import NodeType
+from humanoid_bt.tree.write import tree_text
 
 
 @dataclass(frozen=True)
@@ -22,10 +24,12 @@ class Node:
         name: as the file calls it, or its type's name.
         type: its type, with the declared parameters.
         values: the parameters that the file gives, converted.
+        references: parameter -> the name that the file gives for it as ``$name``.
+        arguments: of a sub-tree: the nodes it is given, as plain YAML.
         place: where it is written.
         behaviour: the py_trees node.
         parent: index of its parent in the tree's nodes, -1 for the root.
-        branch: the key of its parent that it stands under ("on_stale"), "" for a plain child.
+        branch: the key of its parent that it stands under ("on_stale", "cases left"), "" for a plain child.
     """
 
     path: str
@@ -36,6 +40,8 @@ class Node:
     behaviour: Behaviour
     parent: int
     branch: str = ""
+    references: Mapping[str, str] = field(default_factory=dict)
+    arguments: Mapping[str, Any] = field(default_factory=dict)
 
     @property
     def type_name(self) -> str:
@@ -61,8 +67,9 @@ class Tree:
         parameters: every parameter's value.
         source: the file's text.
         nodes: every node, parents before children, in the file's order.
+        header: the file's keys but for the root, as plain YAML.
+        files: the tree file and those of its sub-trees.
         warnings: what its checks found that does not keep it from running.
-        files: every tree file it was read from.
     """
 
     name: str
@@ -73,8 +80,17 @@ class Tree:
     parameters: Mapping[str, Any]
     source: str
     nodes: tuple[Node, ...]
-    warnings: tuple[Problem, ...] = ()
+    header: Mapping[str, Any] = field(default_factory=dict)
     files: tuple[Path, ...] = ()
+    warnings: tuple[Problem, ...] = ()
+
+    def to_yaml(self) -> str:
+        """Return the text of a file that loads to the same tree; sub-trees stay in their own files.
+
+        Raises:
+            UserError: a parameter has a value that no file can hold.
+        """
+        return tree_text(self)
 
     @property
     def root(self) -> Behaviour:

@@ -68,7 +68,7 @@ def test_what_was_not_running_is_not_halted(fetched: tuple[int, list[str], dict[
 @pytest.mark.parametrize(
     ("tree", "code", "says"),
     [
-        ("wait", 0, "success: wait: waited"),
+        ("wait", 0, "success: pause: waited"),
         ("give_up", 1, "failure: give_up: the thing is not there"),
         ("exit", 4, "■ exit raised SystemExit: 7"),
     ],
@@ -81,7 +81,7 @@ def test_the_exit_code_tells_the_outcome(tree: str, code: int, says: str, capsys
 @pytest.mark.parametrize(
     ("arguments", "says"),
     [
-        (["fetsh"], "no tree named 'fetsh'\n    did you mean 'fetch'?"),
+        (["fetsh"], "error: no tree named 'fetsh' [unknown-tree]\n    did you mean 'fetch'?"),
         (["trees"], "'trees' is a folder, not a tree"),
         (["./nope.yaml"], "no tree file './nope.yaml'"),
         (["wait", "--robot", "humanoit"], "did you mean 'humanoid'?"),
@@ -103,7 +103,7 @@ def test_a_mistake_is_one_clear_message(arguments: list[str], says: str, capsys:
     assert main(["run", *arguments]) == 2
     out, err = capsys.readouterr()
     assert says in err
-    assert err.startswith("error: ")
+    assert re.match("(--set .*: )?error: ", err)
     assert err.count("error: ") == 1
     assert "Traceback" not in out + err
 
@@ -133,7 +133,7 @@ def test_a_tree_file_finds_its_own_workspace(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     assert main(["run", str(project / "trees/wait.yaml")]) == 0
-    assert "success: wait: waited" in capsys.readouterr().out
+    assert "success: pause: waited" in capsys.readouterr().out
     recordings = list((tmp_path / "runs").glob("wait-*.rrd"))
     assert len(recordings) == 1
 
@@ -143,7 +143,7 @@ def test_a_skill_file_with_a_mistake_is_named(tmp_path: Path, capsys: pytest.Cap
     (tmp_path / "skills/broken.py").write_text("import nothing_of_this_name\n", encoding="utf-8")
     assert main(["run", "stand", "--workspace", str(tmp_path)]) == 2
     err = capsys.readouterr().err
-    assert f"{tmp_path / 'skills/broken.py'}:1:1: the skill file cannot be imported: ModuleNotFoundError" in err
+    assert f"{tmp_path / 'skills/broken.py'}:1:1: error: the skill file cannot be imported: ModuleNotFoundError" in err
 
 
 def test_quiet_prints_the_summary_only(capsys: pytest.CaptureFixture[str]) -> None:
@@ -156,4 +156,4 @@ def test_ascii_terminals_get_ascii_signs(tmp_path: Path, monkeypatch: pytest.Mon
     with out.open("w", encoding="ascii") as stream:
         monkeypatch.setattr("sys.stdout", stream)
         assert main(["run", "wait", "--no-record"]) == 0
-    assert "0.00 s > wait waiting" in out.read_text(encoding="ascii")
+    assert "0.00 s > pause waiting" in out.read_text(encoding="ascii")

@@ -74,11 +74,11 @@ def test_a_broken_edit_and_its_fix(watch: Callable[..., Watched]) -> None:
     run = watch("--no-record", "--pace", "2")
     run.says("▶ walk")
     run.tree.write_text(BROKEN, encoding="utf-8")
-    run.says("■ trees/mine.yaml changed: 1 mistake, the old tree goes on\n            error: trees/mine.yaml:3:20: ")
-    run.tree.write_text(WALK.replace("walk", "{wait: {name: pause}}"), encoding="utf-8")
+    run.says("■ trees/mine.yaml changed: 1 mistake, the old tree goes on\n            trees/mine.yaml:3:20: error: ")
+    run.tree.write_text(WALK.replace("walk", "{wait: {name: pause, duration: 0.2}}"), encoding="utf-8")
     run.says("• trees/mine.yaml changed: reloaded (2 nodes)\n")
     run.says("○ walk halted: replaced by an edited tree\n")
-    run.says("▶ pause waiting\n")
+    run.says("▶ pause ")
     run.says("• the tree ended: success; waiting for an edit\n")
     code, reloads = run.ends()
     assert code == 0
@@ -109,12 +109,12 @@ def test_mistakes_stand_below_each_other_at_any_width(columns: int, monkeypatch:
     monkeypatch.setenv("COLUMNS", str(columns))
     out = StringIO()
     printer = Printer(Console(file=out, force_terminal=True, width=columns, no_color=True, highlight=False), quiet=True)
-    mistake = (
-        "error: trees/mine.yaml:3:20: unknown node 'wak'\n    did you mean 'walk'? valid: approach, idle, reach, walk"
-    )
+    mistake = "trees/mine.yaml:3:20: error: unknown node 'wak\x1b[2J'\n"
+    mistake += "    did you mean 'walk'? valid: approach, idle, reach, walk"
     printer.event(2.5, "error", f"trees/mine.yaml changed: 1 mistake, the old tree goes on\n{mistake}")
     lines = [line for line in out.getvalue().splitlines() if not line.startswith("\x1b[?25")]
     assert lines[0].replace("\x1b[2m", "").startswith("   2.50 s")
-    assert [line for line in lines if line.startswith(" " * 12 + "error: trees/mine.yaml:3:20")]
+    assert [line for line in lines if line.startswith(" " * 12 + "trees/mine.yaml:3:20: error")]
     assert [line for line in lines if line.startswith(" " * 16 + "did you mean")]
+    assert "\x1b[2J" not in out.getvalue()
     assert all(len(line) <= columns for line in lines[1:])

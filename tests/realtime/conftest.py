@@ -16,7 +16,7 @@ root:
     watchdog:
       percept: target
       max_age: 0.5
-      on_stale: {wait: {name: blind, duration: 60}}
+      on_stale: {pause: {name: blind, duration: 60}}
       approach: {target: target}
 """
 PATIENT = """

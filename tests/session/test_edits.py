@@ -17,7 +17,7 @@ from tests.projects import make_project
 from tests.tree.helpers import make_robot
 
 WALK = "format: 1\nroot:\n  emergency_stop: walk\n"
-WAIT = "format: 1\nroot:\n  emergency_stop: wait\n"
+WAIT = "format: 1\nroot:\n  emergency_stop: {wait: {duration: 1.0}}\n"
 BROKEN = "format: 1\nroot:\n  emergency_stop: {wak: }\n"
 CHOOSY = """
     def setup(self, **kwargs):

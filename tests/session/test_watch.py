@@ -113,7 +113,7 @@ def test_a_broken_edit_is_told_and_the_old_tree_goes_on(root: Path) -> None:
     told = [(level, text) for _, level, text in ran.told.events if "mine.yaml changed" in text]
     assert [level for level, _ in told] == ["error", "info", "error"]
     assert told[0][1].startswith(
-        "project/trees/mine.yaml changed: 1 mistake, the old tree goes on\nerror: project/trees/mine.yaml:3:20: "
+        "project/trees/mine.yaml changed: 1 mistake, the old tree goes on\nproject/trees/mine.yaml:3:20: error: "
     )
     assert "did you mean 'walk'?" in told[0][1]
     assert [reload.outcome for reload in ran.report.reloads] == ["refused", "unchanged", "refused"]
@@ -134,7 +134,8 @@ def test_after_its_end_the_robot_waits_for_an_edit(root: Path) -> None:
         3.04,
         3.24,
     ]
-    assert (ran.report.outcome, ran.report.reason, ran.report.exit_code) == ("success", "wait: waited", 0)
+    assert (ran.report.outcome, ran.report.exit_code) == ("success", 0)
+    assert ran.report.reason.startswith("wait: ")
     assert ran.report.sim_time == pytest.approx(5.98)
 
 
@@ -201,7 +202,7 @@ class Clinging(Skill):
 
 
 def test_a_percept_that_never_comes_is_told_of_an_edited_tree(root: Path) -> None:
-    blind = "format: 1\nroot:\n  emergency_stop:\n    watchdog: {percept: ball, max_age: 0.5, wait: }\n"
+    blind = "format: 1\nroot:\n  emergency_stop:\n    watchdog: {percept: ball, max_age: 0.5, walk: }\n"
     ran = watched(root, WALK, edited(root, (20, blind)), duration=2.0)
     assert "the scene 'empty' publishes no percept 'ball' (it publishes none)" in texts(ran)
 
@@ -215,13 +216,16 @@ def test_the_hash_covers_the_edits(root: Path) -> None:
 
 
 def test_the_recording_follows_the_tree(root: Path, tmp_path: Path) -> None:
-    both = "format: 1\nroot:\n  emergency_stop: {sequence: [wait, walk]}\n"
+    both = "format: 1\nroot:\n  emergency_stop: {sequence: [{wait: {duration: 0.2}}, walk]}\n"
     file = tmp_path / "run.rrd"
     ran = watched(root, WALK, edited(root, (75, both)), duration=5.0, recording=file)
     swap = ran.report.reloads[0].time
     documents = rows(file, "/documents/tree", "TextDocument:text")
     assert [time for time, _ in documents] == [0.0, swap]
-    assert "emergency_stop: walk" in documents[0][1][0] and "sequence: [wait, walk]" in documents[1][1][0]
+    assert (
+        "emergency_stop: walk" in documents[0][1][0]
+        and "sequence: [{wait: {duration: 0.2}}, walk]" in documents[1][1][0]
+    )
     edges = [(time, len(found)) for time, found in rows(file, "/tree/graph", "GraphEdges:edges")]
     assert edges == [(0.0, 1), (swap, 3)]
     old = rows(file, "/lanes/03_walk", "StateChange:state")

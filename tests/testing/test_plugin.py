@@ -13,7 +13,7 @@ from humanoid_bt.tree.executor import NodeError
 import pytest
 
 def test_a_skill_of_this_project(rig):
-    result = rig.run("wait", duration=0.3)
+    result = rig.run("pause", duration=0.3)
     assert result.succeeded, result.feedback
     assert result.time == pytest.approx(0.3)
 
@@ -33,10 +33,10 @@ def test_an_exception_of_a_skill_reaches_the_test(rig):
         rig.run("walk", raise_after=0.04)
 
 def test_mistakes_name_what_is_valid(rig):
-    with pytest.raises(UserError, match="did you mean 'wait'"):
-        rig.run("wiat")
+    with pytest.raises(UserError, match="did you mean 'pause'"):
+        rig.run("puase")
     with pytest.raises(UserError, match="did you mean 'duration'"):
-        rig.run("wait", durations=1)
+        rig.run("pause", durations=1)
 
 def test_a_scripted_emergency_stop(rig):
     rig.at(0.1, rig.raise_estop)

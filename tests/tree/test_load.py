@@ -173,7 +173,7 @@ def test_all_mistakes_are_answered_at_once_in_the_files_order(workspace: Workspa
         (6, "the parameter 'duration' of 'timeout' is missing"),
         (6, "'duraton' is neither a parameter of 'timeout' nor a node"),
         (7, "unknown node 'idel'"),
-        (8, "unknown parameter '$sped'"),
+        (8, "unknown parameter or key '$sped'"),
         (9, "'script' must be text, not a number 3.0"),
         (10, "'confident' uses the percept 'ball' outside a watchdog on it"),
         (10, "'above' must be >= 0 and <= 1, not 2"),

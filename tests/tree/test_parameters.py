@@ -51,8 +51,8 @@ def test_a_value_reaches_the_node(workspace: Workspace) -> None:
     ("text", "overrides", "message", "hint"),
     [
         ("parameters: {a: 1}\nroot: act", {}, "2:14 the parameter 'a' is not used", "use it as $a"),
-        ("parameters: {speed: 1}\nroot: {plain: {count: $sped}}", {}, "unknown parameter '$sped'", "'speed'"),
-        ("root: {plain: {count: $x}}", {}, "2:23 unknown parameter '$x'", "declares no parameters"),
+        ("parameters: {speed: 1}\nroot: {plain: {count: $sped}}", {}, "unknown parameter or key '$sped'", "'speed'"),
+        ("root: {plain: {count: $x}}", {}, "2:23 unknown parameter or key '$x'", "declares no parameters"),
         ("root: act", {"x": "1"}, "--set x=1 the tree has no parameter 'x'", "declares no parameters"),
         ("parameters: {speed: 1}\nroot: {plain: {count: $speed}}", {"sped": "1"}, "--set sped=1", "'speed'"),
         ("parameters: {n: 1}\nroot: {plain: {count: $n}}", {"n": "two"}, "--set n=two 'n' must be a number", ""),

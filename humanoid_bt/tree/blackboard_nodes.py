@@ -1,0 +1,63 @@
+"""Leaves that write the blackboard."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from py_trees.behaviour import Behaviour
+from py_trees.common import Status
+
+from humanoid_bt.blackboard import Key
+from humanoid_bt.params import assign, param
+from humanoid_bt.robot import Robot
+from humanoid_bt.tree.expression import Expression, Unseen
+from humanoid_bt.tree.ticking import FAILURE, SUCCESS
+
+
+class SetBlackboard(Behaviour):
+    """Give a key of the blackboard a value, or the value of an expression.
+
+    Succeeds; fails, and leaves the key as it was, if the expression asks for a percept that was never seen.
+    """
+
+    key: Key = param(doc="The key.")
+    value: Any = param(None, doc="Its new value, as it is written.")
+    expression: Expression | None = param(None, doc="Or what its new value is computed from.")
+
+    def __init__(self, name: str, **values: Any) -> None:
+        super().__init__(name)
+        assign(self, values)
+        if (self.value is None) == (self.expression is None):
+            raise ValueError("it needs either 'value' or 'expression'")
+
+    def setup(self, **kwargs: Any) -> None:
+        """Take ``robot``."""
+        self.robot: Robot = kwargs["robot"]
+
+    def update(self) -> Status:
+        """Set the key."""
+        try:
+            value = self.value if self.expression is None else self.expression.evaluate(self.robot)
+        except Unseen as unseen:
+            self.feedback_message = str(unseen)
+            return FAILURE
+        self.key.set(value)
+        self.feedback_message = f"{self.key.name} = {value}"
+        return SUCCESS
+
+
+class ClearBlackboard(Behaviour):
+    """Take the value of a key of the blackboard away."""
+
+    main = "key"
+
+    key: Key = param(doc="The key.")
+
+    def __init__(self, name: str, **values: Any) -> None:
+        super().__init__(name)
+        assign(self, values)
+
+    def update(self) -> Status:
+        """Clear the key."""
+        self.key.clear()
+        return SUCCESS

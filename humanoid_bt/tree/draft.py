@@ -1,0 +1,57 @@
+"""A node as its file describes it, before it is made."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from humanoid_bt.blackboard import Key
+from humanoid_bt.errors import Place
+from humanoid_bt.tree.registry import NodeType
+
+
+@dataclass
+class Draft:
+    """A node before it is made.
+
+    Attributes:
+        type: its type.
+        place: where it is written.
+        name: its name.
+        values: its parameters, converted; those with a mistake are missing.
+        value_places: where each given parameter's value is written.
+        references: parameter -> name of what it was given as ``$name``.
+        arguments: of a sub-tree: the nodes it is given, as plain YAML.
+        children: its children.
+        branches: other sub-trees by key (a watchdog's ``on_stale``, an ``if``'s ``then``).
+        keys: of a sub-tree: the keys that begin anew with it.
+        sound: whether it can be made: no mistake in it, its children left aside.
+    """
+
+    type: NodeType
+    place: Place
+    name: str
+    values: dict[str, Any] = field(default_factory=dict)
+    value_places: dict[str, Place] = field(default_factory=dict)
+    references: dict[str, str] = field(default_factory=dict)
+    arguments: dict[str, Any] = field(default_factory=dict)
+    children: list[Draft] = field(default_factory=list)
+    branches: dict[str, Draft | dict[str, Draft]] = field(default_factory=dict)
+    keys: list[Key] = field(default_factory=list)
+    sound: bool = True
+
+    def below(self) -> Iterator[tuple[str, Draft]]:
+        """Return every sub-tree with the key it stands under, "" for children: ``then``, ``cases left``."""
+        yield from (("", child) for child in self.children)
+        for key, branch in self.branches.items():
+            if isinstance(branch, Mapping):
+                yield from ((f"{key} {name}", child) for name, child in branch.items())
+            else:
+                yield key, branch
+
+    def iterate(self) -> Iterator[Draft]:
+        """Return this draft and all below it, parents first."""
+        yield self
+        for _, child in self.below():
+            yield from child.iterate()

@@ -1,0 +1,269 @@
+"""The grammar of expressions: from text to a syntax tree. Nothing here is Python, and nothing is evaluated.
+
+    expression  = and { "or" and }
+    and         = not { "and" not }
+    not         = "not" not | comparison
+    comparison  = sum { operator sum [ "hysteresis" sum ] }       operator: < <= > >= == !=
+    sum         = product { ("+" | "-") product }
+    product     = factor { ("*" | "/") factor }
+    factor      = "-" factor | value
+    value       = number [unit] | text | "true" | "false" | name [ "." name ] | name "(" [expression {, expression}] ")"
+                | "(" expression ")"
+
+A name may have a ``$`` before it, as in the rest of a tree file.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from humanoid_bt.tree.quantities import read_quantity
+
+MAX_DEPTH = 50
+"""Deepest nesting of an expression."""
+
+MAX_LENGTH = 400
+"""Most characters of an expression; a longer one is better split over several nodes."""
+
+_TOKEN = re.compile(r"\s*(?:(?P<name>\$?[A-Za-z_]\w*)|(?P<sign><=|>=|==|!=|[<>()+\-*/.,]))")
+_SPACE = re.compile(r"\s*")
+_TEXT = re.compile(r"'[^']*'|\"[^\"]*\"")
+_WORDS = ("and", "or", "not", "true", "false", "hysteresis")
+COMPARISONS = ("<", "<=", ">", ">=", "==", "!=")
+
+
+class SyntaxMistake(Exception):  # noqa: N818 (a mistake of a user, made into a problem by whoever knows the place)
+    """Text that is no expression."""
+
+
+@dataclass(frozen=True)
+class Literal:
+    """A number in SI units with its unit, a text, true or false."""
+
+    value: Any
+    unit: str = ""
+
+
+@dataclass(frozen=True)
+class Name:
+    """A parameter of the tree or a key of the blackboard."""
+
+    name: str
+
+
+@dataclass(frozen=True)
+class Attribute:
+    """``of.name``: something about the state or a percept."""
+
+    of: str
+    name: str
+
+
+@dataclass(frozen=True)
+class Call:
+    """A function of values."""
+
+    name: str
+    arguments: tuple[Syntax, ...]
+
+
+@dataclass(frozen=True)
+class Unary:
+    """``not x`` or ``-x``."""
+
+    operator: str
+    operand: Syntax
+
+
+@dataclass(frozen=True)
+class Binary:
+    """``x + y``, ``x and y`` and their like."""
+
+    operator: str
+    left: Syntax
+    right: Syntax
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """``x < y``, with a hysteresis if it has one; ``source`` is how its left side is written."""
+
+    operator: str
+    left: Syntax
+    right: Syntax
+    hysteresis: Syntax | None
+    source: str
+
+
+Syntax = Literal | Name | Attribute | Call | Unary | Binary | Comparison
+
+
+def parse(text: str) -> Syntax:
+    """Return the syntax tree of an expression.
+
+    Raises:
+        SyntaxMistake: it is none.
+    """
+    return _Parser(text).whole()
+
+
+@dataclass(frozen=True)
+class _Token:
+    kind: str  # name, sign, literal, end
+    text: str
+    start: int
+    value: Any = None
+    unit: str = ""
+
+
+class _Parser:
+    _precedence: ClassVar[tuple[tuple[str, ...], ...]] = (("+", "-"), ("*", "/"))
+
+    def __init__(self, text: str) -> None:
+        self._text = text
+        self._tokens = _tokens(text)
+        self._next = 0
+        self._depth = 0
+
+    def whole(self) -> Syntax:
+        syntax = self._or()
+        if self._token.kind != "end":
+            raise SyntaxMistake(f"{self._token.text!r} is not expected there")
+        return syntax
+
+    @property
+    def _token(self) -> _Token:
+        return self._tokens[self._next]
+
+    def _take(self, *texts: str) -> str:
+        """Take the next token if it is one of these; return it, else ""."""
+        token = self._token
+        if token.kind in ("name", "sign") and token.text in texts:
+            self._next += 1
+            return token.text
+        return ""
+
+    def _expect(self, text: str) -> None:
+        if not self._take(text):
+            raise SyntaxMistake(f"{text!r} is expected {self._where()}")
+
+    def _where(self) -> str:
+        return "at the end" if self._token.kind == "end" else f"before {self._token.text!r}"
+
+    def _or(self) -> Syntax:
+        self._depth += 1
+        if self._depth > MAX_DEPTH:
+            raise SyntaxMistake(f"it is nested deeper than {MAX_DEPTH} levels")
+        left = self._and()
+        while self._take("or"):
+            left = Binary("or", left, self._and())
+        self._depth -= 1
+        return left
+
+    def _and(self) -> Syntax:
+        left = self._not()
+        while self._take("and"):
+            left = Binary("and", left, self._not())
+        return left
+
+    def _not(self) -> Syntax:
+        count = 0
+        while self._take("not"):
+            count += 1
+        syntax = self._comparison()
+        return Unary("not", syntax) if count % 2 else syntax
+
+    def _comparison(self) -> Syntax:
+        start = self._token.start
+        left = self._sum()
+        found: Syntax | None = None
+        while operator := self._take(*COMPARISONS):
+            source = self._text[start : self._tokens[self._next - 1].start].strip()
+            start = self._token.start
+            right = self._sum()
+            hysteresis = self._sum() if self._take("hysteresis") else None
+            comparison = Comparison(operator, left, right, hysteresis, source)
+            found = comparison if found is None else Binary("and", found, comparison)
+            left = right
+        return left if found is None else found
+
+    def _sum(self, level: int = 0) -> Syntax:
+        if level == len(self._precedence):
+            return self._factor()
+        left = self._sum(level + 1)
+        while operator := self._take(*self._precedence[level]):
+            left = Binary(operator, left, self._sum(level + 1))
+        return left
+
+    def _factor(self) -> Syntax:
+        count = 0
+        while self._take("-"):
+            count += 1
+        value = self._value()
+        return Unary("-", value) if count % 2 else value
+
+    def _value(self) -> Syntax:
+        token = self._token
+        if token.kind == "literal":
+            self._next += 1
+            return Literal(token.value, token.unit)
+        if self._take("("):
+            inner = self._or()
+            self._expect(")")
+            return inner
+        if token.kind == "name" and token.text in ("true", "false"):
+            self._next += 1
+            return Literal(token.text == "true")
+        if token.kind != "name" or token.text in _WORDS:
+            raise SyntaxMistake(f"a value is expected {self._where()}")
+        self._next += 1
+        name = token.text.removeprefix("$")
+        if self._take("("):
+            return Call(name, self._arguments())
+        if self._take("."):
+            attribute = self._token
+            if attribute.kind != "name":
+                raise SyntaxMistake(f"a name is expected after '{name}.'")
+            self._next += 1
+            return Attribute(name, attribute.text)
+        return Name(name)
+
+    def _arguments(self) -> tuple[Syntax, ...]:
+        if self._take(")"):
+            return ()
+        found = [self._or()]
+        while self._take(","):
+            found.append(self._or())
+        self._expect(")")
+        return tuple(found)
+
+
+def _tokens(text: str) -> list[_Token]:
+    if len(text) > MAX_LENGTH:
+        raise SyntaxMistake(f"it has more than {MAX_LENGTH} characters")
+    found: list[_Token] = []
+    at = 0
+    while True:
+        space = _SPACE.match(text, at)
+        at = space.end() if space else at
+        if at == len(text):
+            found.append(_Token("end", "", at))
+            return found
+        quantity = read_quantity(text, at)
+        if quantity is not None:
+            value, unit, end = quantity
+            if not math.isfinite(value):
+                raise SyntaxMistake(f"{text[at:end]!r} is not finite")
+            found.append(_Token("literal", text[at:end], at, value, unit))
+        elif match := _TEXT.match(text, at):
+            found.append(_Token("literal", match[0], at, match[0][1:-1]))
+            end = match.end()
+        elif match := _TOKEN.match(text, at):
+            found.append(_Token("name" if match["name"] else "sign", match[0].strip(), at))
+            end = match.end()
+        else:
+            raise SyntaxMistake(f"{text[at]!r} means nothing in an expression")
+        at = end

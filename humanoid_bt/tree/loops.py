@@ -1,0 +1,44 @@
+"""Decorators that run one child for several things."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from py_trees.behaviour import Behaviour
+from py_trees.common import Status
+
+from humanoid_bt.blackboard import Key
+from humanoid_bt.params import param
+from humanoid_bt.tree.decorators import Decorator
+from humanoid_bt.tree.ticking import RUNNING, SUCCESS, Seen, tick
+
+
+class ForEach(Decorator):
+    """Run the child once for each item of a list, which it finds in a key of the blackboard; fail when it fails.
+
+    One run per tick at most; with an empty list it succeeds.
+    """
+
+    item: Key = param(doc="Key that gets one item after the other.")
+    items: list[Any] = param(doc="The items.")
+
+    def __init__(self, name: str, child: Behaviour, **values: Any) -> None:
+        super().__init__(name, child, **values)
+        self._index = 0
+
+    def initialise(self) -> None:
+        """Begin with the first item."""
+        self._index = 0
+
+    def advance(self, seen: Seen) -> Status:
+        """Tick the child with the item whose turn it is."""
+        if self._index == len(self.items):
+            return SUCCESS
+        if self.decorated.status is not RUNNING:
+            self.item.set(self.items[self._index])
+        status = tick(self.decorated, seen)
+        self.feedback_message = f"{self.item.name} {self._index + 1} of {len(self.items)}: {self.items[self._index]}"
+        if status is not SUCCESS:
+            return status
+        self._index += 1
+        return SUCCESS if self._index == len(self.items) else RUNNING

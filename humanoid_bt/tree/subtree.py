@@ -1,0 +1,41 @@
+"""A tree inside another one."""
+
+from __future__ import annotations
+
+from typing import Any, ClassVar
+
+from py_trees.behaviour import Behaviour
+from py_trees.common import Status
+
+from humanoid_bt.blackboard import Key
+from humanoid_bt.params import param
+from humanoid_bt.tree.decorators import Decorator
+from humanoid_bt.tree.ticking import Seen, tick
+
+
+class SubTree(Decorator):
+    """Run the tree of another file, with its parameters.
+
+    Beside `tree` stand the parameters of that tree: values, `$name` of this tree's own, nodes for those of type node,
+    and for its outputs the keys of this tree's blackboard that get them. All other names in it are its own; its keys
+    begin anew each time it starts. The file is looked for beside this one if it is a path, else by its name in the
+    workspace and then among the built-in trees.
+    """
+
+    type_name: ClassVar[str] = "subtree"
+    main: ClassVar[str] = "tree"
+
+    tree: str = param(doc="Name or file of the tree.")
+
+    def __init__(self, name: str, child: Behaviour, keys: list[Key] | None = None, **values: Any) -> None:
+        super().__init__(name, child, **values)
+        self._keys = keys or []
+
+    def initialise(self) -> None:
+        """Give the tree's own keys their initial values."""
+        for key in self._keys:
+            key.reset()
+
+    def advance(self, seen: Seen) -> Status:
+        """Tick the tree."""
+        return tick(self.decorated, seen)

@@ -1,0 +1,64 @@
+"""What expressions can ask of percepts and of the robot's state."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Generic, TypeVar
+
+from humanoid_bt.messages import State
+from humanoid_bt.robot import Track
+from humanoid_bt.tree.quantities import NUMBER, TEXT, TRUTH, Type, number
+
+Asked = TypeVar("Asked")
+Answer = bool | float | str
+
+
+@dataclass(frozen=True)
+class Word(Generic[Asked]):
+    """Something that can be asked.
+
+    Attributes:
+        doc: one line.
+        type: of the answer.
+        of: how it is found.
+    """
+
+    doc: str
+    type: Type
+    of: Callable[[Asked], Answer]
+
+
+_M, _S, _RAD = number("m"), number("s"), number("rad")
+
+PERCEPT: Mapping[str, Word[Track]] = {
+    "distance": Word("Horizontal distance from the robot's stance.", _M, lambda track: track.distance),
+    "bearing": Word("Direction from the stance's heading, left positive.", _RAD, lambda track: track.bearing),
+    "height": Word("Height above the floor.", _M, lambda track: float(track.position_world[2])),
+    "confidence": Word("Confidence, from 0 to 1.", NUMBER, lambda track: track.confidence),
+    "age": Word("Time since it was seen.", _S, lambda track: track.age),
+    "x": Word("Where it is in the world.", _M, lambda track: float(track.position_world[0])),
+    "y": Word("Where it is in the world.", _M, lambda track: float(track.position_world[1])),
+}
+"""``target.distance`` or ``distance(target)``: what can be asked of a percept that was seen."""
+
+SEEN = "seen"
+"""``seen(target)``: whether a percept was ever seen; the only question that an unseen one answers."""
+
+STATE: Mapping[str, Word[State]] = {
+    "time": Word("Time since the run began.", _S, lambda state: state.time),
+    "standing": Word("Whether the robot stands, at rest, no step pending.", TRUTH, lambda state: state.base_settled),
+    "gait": Word("What the legs do: 'stand', 'step' or 'settle'.", TEXT, lambda state: state.gait.value),
+    "mode": Word("What the supervisor allows: 'run', 'protective_stop', ...", TEXT, lambda state: state.mode.value),
+    "x": Word("Where the robot stands in the world.", _M, lambda state: float(state.stance[0])),
+    "y": Word("Where the robot stands in the world.", _M, lambda state: float(state.stance[1])),
+    "heading": Word("Where the stance points in the world.", _RAD, lambda state: float(state.stance[2])),
+    "speed": Word(
+        "Horizontal speed of the base.",
+        number("m/s"),
+        lambda state: math.hypot(state.base_linear_velocity[0], state.base_linear_velocity[1]),
+    ),
+    "com_height": Word("Height of the centre of mass.", _M, lambda state: float(state.com[2])),
+}
+"""``state.standing``: what can be asked of the robot."""
