@@ -115,7 +115,7 @@ def test_a_message_that_is_too_long_leaves_out_what_nodes_say_then_statuses(fold
 
     assert {"feedback_of", "statuses", "node"} <= told(100).keys()
     assert told(2_000).keys() == {"time", "node", "outline", "statuses"}
-    assert told(20_000).keys() == {"time", "node"}
+    assert told(20_000).keys() == {"time", "node", "outline"}
 
 
 def test_a_run_in_lockstep_is_seen_and_is_no_robot_that_can_be_stopped(tree: Tree) -> None:
