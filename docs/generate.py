@@ -329,7 +329,8 @@ def code_examples() -> str:
 PARTS_BY_NAME: dict[str, Callable[[], str]] = {
     maker.__name__: maker
     for maker in (
-        *(percept_words, state_words, nodes, skills, tree_keys, node_keys, parameter_keys, units, robot_keys, scene_keys, trees),
+        *(nodes, skills, tree_keys, node_keys, parameter_keys, units, robot_keys, scene_keys, trees),
+        *(percept_words, state_words),
         *(handle, track, state, rig, rig_result, clocks, codes, code_examples),
     )
 }
