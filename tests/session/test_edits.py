@@ -241,3 +241,23 @@ def test_a_tree_that_cannot_be_set_up_is_a_broken_edit(files: Files, what: str, 
     assert files.polls(10) == []
     files.skill.write_text(source, encoding="utf-8")
     assert files.edit().problems == ()
+
+
+def test_an_edited_subtree_is_an_edit_and_a_broken_one_is_told_at_its_place(files: Files) -> None:
+    part = files.root / "parts" / "part.yaml"
+    part.parent.mkdir()
+    part.write_text("format: 1\nsubtree: true\nroot: walk\n", encoding="utf-8")
+    files.write("format: 1\nroot:\n  emergency_stop: {subtree: {tree: ../parts/part.yaml}}\n")
+    assert leaf(files.edit()) == "walk"
+    part.write_text("format: 1\nsubtree: true\nroot: {wak: }\n", encoding="utf-8")
+    edit = files.edit()
+    assert edit.files == ("project/parts/part.yaml",)
+    assert "did you mean 'walk'?" in messages(edit)
+    assert edit.problems[0].place is not None and edit.problems[0].place.file.endswith("parts/part.yaml")
+    part.write_text("format: 1\nsubtree: true\nroot: {walk: {name: stroll}}\n", encoding="utf-8")
+    assert leaf(files.edit()) == "stroll"
+
+
+def test_a_comment_that_allows_what_it_cannot_allow_is_a_mistake(files: Files) -> None:
+    files.write(WALK.replace("walk", "walk  # allow no-time-limit"))
+    assert "reason" in messages(files.edit())

@@ -250,3 +250,13 @@ def test_a_watch_polls_in_a_thread_and_ends_with_the_run() -> None:
         assert polled.wait(20)
     assert threading.active_count() == before
     assert (watch.poll(), watch.poll()) == (edit, None)
+
+
+def test_warnings_that_the_old_tree_did_not_have_are_told(root: Path) -> None:
+    unread = WALK.replace("root:", "blackboard: {unread: 1}\nroot:")
+    ran = watched(root, WALK, edited(root, (10, unread), (30, unread + "# again\n")), duration=1.0)
+    told = [text for _, level, text in ran.told.events if level == "warning" and text.startswith("the edited tree")]
+    assert len(ran.report.reloads) == 2
+    assert len(told) == 1
+    assert "project/trees/mine.yaml:2:14: warning: " in told[0] and "[unused-key]" in told[0]
+    assert "no-time-limit" not in told[0]
