@@ -16,6 +16,9 @@ Mode = Literal["lockstep", "realtime"]
 RUNS = Path("runs")
 """Folder of recordings below the working directory; made when it is needed."""
 
+DURATION = 120.0
+"""Longest simulated time of a run that says nothing else [s]."""
+
 
 @dataclass(frozen=True)
 class RunOptions:
@@ -31,6 +34,7 @@ class RunOptions:
         sinks: where the recording goes.
         mode: lockstep, or realtime with control and perception as processes of their own.
         hold: in realtime mode, how long control balances the robot when decision has died [s].
+        watch: swap the tree for an edited one whenever its files change; goes on when the tree has ended.
         view_optional: go on without the native viewer if it cannot be opened.
     """
 
@@ -39,11 +43,12 @@ class RunOptions:
     scene: str | None = None
     overrides: Mapping[str, str] = field(default_factory=dict)
     seed: int = 0
-    duration: float = 120.0
+    duration: float = DURATION
     pace: float | None = None
     sinks: Sinks = field(default_factory=Sinks)
     mode: Mode = "lockstep"
     hold: float = 10.0
+    watch: bool = False
     view_optional: bool = False
 
 
