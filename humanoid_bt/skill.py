@@ -17,6 +17,7 @@ Its name in trees is the class name in snake_case.
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable, Mapping
 from typing import Any, ClassVar
 
 import py_trees
@@ -46,12 +47,17 @@ class Skill(py_trees.behaviour.Behaviour):
 
     Attributes:
         resources: what the skill may command (of :data:`~humanoid_bt.messages.RESOURCES`).
+        ends: whether it can succeed or fail; False if it only runs until it is halted.
+        bounded: whether it ends by itself in bounded time, whatever happens. Checks want a time limit above a skill
+            that commands the robot and does not say so.
         robot: how it reads the robot's state and percepts and sets targets.
         path: the node's path in its tree, set before ``setup``.
         halt_reason: why it is being halted, set before ``terminate(INVALID)``: preempted, timed out, ...
     """
 
     resources: ClassVar[tuple[str, ...]] = ()
+    ends: ClassVar[bool] = True
+    bounded: ClassVar[bool] = False
     robot: RobotHandle
 
     def __init__(self, name: str = "", **values: Any) -> None:
@@ -59,6 +65,17 @@ class Skill(py_trees.behaviour.Behaviour):
         assign(self, values)
         self.path = self.name
         self.halt_reason = ""
+
+    @classmethod
+    def resources_for(cls, values: Mapping[str, Any]) -> Iterable[str]:
+        """Return which of its resources the skill may command when it has these parameter values.
+
+        Checks ask it before the run. They take all of ``resources`` if a parameter is read from the blackboard.
+
+        Args:
+            values: every parameter by name, defaults put in.
+        """
+        return cls.resources
 
     def setup(self, **kwargs: Any) -> None:
         """Take the robot (``robot``, a :class:`~humanoid_bt.robot.Robot`); called once, before the first tick."""

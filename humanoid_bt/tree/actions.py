@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any, ClassVar
 
 from py_trees.behaviour import Behaviour
@@ -13,6 +14,7 @@ from humanoid_bt.params import assign, param
 from humanoid_bt.robot import Robot
 from humanoid_bt.tree.decorators import TIME_TOLERANCE
 from humanoid_bt.tree.expression import Truth, Unseen
+from humanoid_bt.tree.results import Below, Results
 from humanoid_bt.tree.ticking import RUNNING, SUCCESS
 
 
@@ -26,6 +28,11 @@ class Wait(Behaviour):
     def __init__(self, name: str, **values: Any) -> None:
         super().__init__(name)
         assign(self, values)
+
+    @classmethod
+    def possible_results(cls, _values: Mapping[str, Any], _below: Below) -> Results:
+        """Return RUNNING and SUCCESS: it never fails."""
+        return frozenset({RUNNING, SUCCESS})
 
     def setup(self, **kwargs: Any) -> None:
         """Take the engine's clock, from ``robot``."""
@@ -46,12 +53,19 @@ class WaitUntil(Behaviour):
     """Run until an expression is true, then succeed."""
 
     main: ClassVar[str] = "expression"
+    bounded: ClassVar[bool] = False
+    """Whether it ends by itself in bounded time, as of skills."""
 
     expression: Truth = param(doc="What must become true.")
 
     def __init__(self, name: str, **values: Any) -> None:
         super().__init__(name)
         assign(self, values)
+
+    @classmethod
+    def possible_results(cls, _values: Mapping[str, Any], _below: Below) -> Results:
+        """Return RUNNING and SUCCESS: it never fails."""
+        return frozenset({RUNNING, SUCCESS})
 
     def setup(self, **kwargs: Any) -> None:
         """Take ``robot``."""
@@ -87,6 +101,11 @@ class RaiseEmergencyStop(Behaviour):
         super().__init__(name)
         assign(self, values)
         self._stopped = False
+
+    @classmethod
+    def possible_results(cls, _values: Mapping[str, Any], _below: Below) -> Results:
+        """Return RUNNING and SUCCESS: it never fails."""
+        return frozenset({RUNNING, SUCCESS})
 
     def setup(self, **kwargs: Any) -> None:
         """Take ``robot``."""

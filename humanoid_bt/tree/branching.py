@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any, ClassVar
 
 import py_trees
@@ -9,6 +10,7 @@ from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
 from humanoid_bt.params import assign, param
+from humanoid_bt.tree.results import Below, Results
 from humanoid_bt.tree.slots import Slot, Takes
 from humanoid_bt.tree.ticking import FAILURE, INVALID, RUNNING, SUCCESS, Branch, Seen, halt, tick
 
@@ -54,6 +56,8 @@ class If(Choice):
         "then": Slot("What runs while it holds.", required=True),
         "else": Slot("What runs while it does not; without it, fail."),
     }
+    needs: ClassVar[dict[str, Status]] = {"then": SUCCESS, "else": FAILURE}
+    """The condition's result with which a branch gets its turn."""
 
     memory: bool = param(False, doc="Check the condition only at the start.")
 
@@ -62,6 +66,16 @@ class If(Choice):
     ) -> None:
         super().__init__(name, [condition, then, *([else_] if else_ else [])], **values)
         self.condition, self.then, self.else_ = condition, then, else_
+
+    @classmethod
+    def possible_results(cls, _values: Mapping[str, Any], below: Below) -> Results:
+        """Return the results of the branches that the condition can choose."""
+        condition = below.branches["condition"]
+        found = condition & {RUNNING}
+        for branch, needed in cls.needs.items():
+            if needed in condition:
+                found |= below.branches.get(branch, {FAILURE})
+        return found
 
     def advance(self, seen: Seen) -> Status:
         """Check the condition and tick the branch that it chooses."""

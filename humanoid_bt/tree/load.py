@@ -13,7 +13,7 @@ from humanoid_bt.document import Item
 from humanoid_bt.errors import Place, Problem, UserError, relative
 from humanoid_bt.params import Param, param, params_of, read_values
 from humanoid_bt.tree.build import build
-from humanoid_bt.tree.check import check_safety
+from humanoid_bt.tree.checks import Named, World, check
 from humanoid_bt.tree.draft import Draft
 from humanoid_bt.tree.parameters import Argument, Declaration, NodeItem, Parameters, declarations, overrides
 from humanoid_bt.tree.read import Reader, check_name
@@ -69,19 +69,27 @@ class _File:
         return self.header.get("name") or self.path.stem
 
 
-def load_tree(path: Path, workspace: Workspace, overrides: Mapping[str, str] | None = None) -> Tree:
+def load_tree(
+    path: Path,
+    workspace: Workspace,
+    overrides: Mapping[str, str] | None = None,
+    *,
+    robot: str | None = None,
+    scene: str | None = None,
+) -> Tree:
     """Read, check and build a tree.
 
     Args:
         path: the tree file.
         workspace: where its skills and sub-trees are found.
         overrides: parameter values as text, from ``--set name=value``.
+        robot, scene: check it for these, instead of those that its header names.
 
     Raises:
         UserError: with every mistake found, each with its place.
     """
     loader = _Loader(workspace)
-    tree = loader.load(path, overrides or {})
+    tree = loader.load(path, overrides or {}, {"robot": robot, "scene": scene})
     problems = _in_file_order(loader.problems, relative(path))
     if tree is None or any(problem.severity == "error" for problem in problems):
         raise UserError(problems)
@@ -98,7 +106,7 @@ class _Loader:
         self._nodes = 0
         self.problems: list[Problem] = []
 
-    def load(self, path: Path, texts: Mapping[str, str]) -> Tree | None:
+    def load(self, path: Path, texts: Mapping[str, str], where: Mapping[str, str | None]) -> Tree | None:
         """Return the tree, None if mistakes keep it from being made."""
         file = self._open(path)
         given = overrides(file.parameters, texts, self.problems)
@@ -108,9 +116,11 @@ class _Loader:
         root = None
         if registry is not None:
             root = self._read(file, Reader(registry, scope, self, self.problems))
+        named = {key: _named(file, key, name) for key, name in where.items()}
+        world = World.of(self._workspace, named["robot"], named["scene"], self.problems)
         nodes: tuple[Node, ...] = ()
         if root is not None:
-            self.problems += check_safety(root, alone=bool(file.header.get("subtree")))
+            self.problems += check(root, world, alone=bool(file.header.get("subtree")))
             nodes = build(root, file.name, self.problems)
         if root is None:
             return None
@@ -271,6 +281,14 @@ def _header(item: Item, problems: list[Problem]) -> dict[str, Any]:
         except UserError as error:
             problems += error.problems
     return values
+
+
+def _named(file: _File, key: str, instead: str | None) -> Named | None:
+    """Return the robot or the scene that a tree is for: what is given instead, else what its header names."""
+    if instead is not None:
+        return Named(instead, Place(f"--{key} {instead}"))
+    name = file.header.get(key)
+    return Named(name, file.item.value[key].place) if name is not None else None
 
 
 def _check_names(file: _File, problems: list[Problem]) -> None:

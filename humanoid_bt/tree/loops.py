@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 from py_trees.behaviour import Behaviour
@@ -10,6 +11,7 @@ from py_trees.common import Status
 from humanoid_bt.blackboard import Key
 from humanoid_bt.params import param
 from humanoid_bt.tree.decorators import Decorator
+from humanoid_bt.tree.results import Below, Results
 from humanoid_bt.tree.ticking import RUNNING, SUCCESS, Seen, tick
 
 
@@ -25,6 +27,11 @@ class ForEach(Decorator):
     def __init__(self, name: str, child: Behaviour, **values: Any) -> None:
         super().__init__(name, child, **values)
         self._index = 0
+
+    @classmethod
+    def possible_results(cls, _values: Mapping[str, Any], below: Below) -> Results:
+        """Return the child's results, RUNNING between two items, and SUCCESS of an empty list."""
+        return below.child | {SUCCESS, RUNNING}
 
     def initialise(self) -> None:
         """Begin with the first item."""
