@@ -30,6 +30,7 @@ PerceptName = NewType("PerceptName", str)
 """The type of a parameter that names a percept; checks use it to see who reads what."""
 
 _REQUIRED: Any = object()
+_READ_AT_START = "_read_at_start"
 
 _UNITS: dict[str, dict[str, float]] = {  # declared unit -> what may be written, and its factor
     "m": {"m": 1.0, "cm": 0.01, "mm": 0.001},
@@ -153,11 +154,14 @@ def assign(target: Any, values: Mapping[str, Any]) -> None:
         if name not in values and spec.required:
             raise TypeError(f"{owner} needs the parameter {name!r}")
         value = values[name] if name in values else copy.copy(spec.default)
+        if isinstance(value, str) and (reads_itself := _reads_itself(spec.type)):
+            value = reads_itself.from_item(Item(value, Place(owner)), name)
         if isinstance(value, Key) and not _names_key(spec.type):
             read_at_start[name] = value
             value = None if spec.required else copy.copy(spec.default)
         setattr(target, name, value)
     if read_at_start:
+        vars(target)[_READ_AT_START] = read_at_start
         target.initialise = functools.partial(_start, target, declared, read_at_start, target.initialise)
 
 
@@ -169,8 +173,19 @@ def _start(target: Any, declared: Mapping[str, Param], keys: Mapping[str, Key], 
     initialise()
 
 
+def keys_read(target: Any) -> dict[str, Key]:
+    """Return the parameters of an instance that are read from the blackboard each time it starts."""
+    found: dict[str, Key] = vars(target).get(_READ_AT_START, {})
+    return found
+
+
 def _names_key(kind: Any) -> bool:
     return kind is Key or Key in typing.get_args(kind)
+
+
+def _reads_itself(kind: Any) -> Any:
+    """Return the type among those of a parameter that reads itself from text, None if there is none."""
+    return next((inner for inner in (kind, *typing.get_args(kind)) if hasattr(inner, "from_item")), None)
 
 
 def is_number_text(text: str) -> bool:
@@ -185,6 +200,11 @@ def quantity(text: str) -> tuple[float, str] | None:
         if match and match[2] in known:
             return float(match[1]) * known[match[2]], unit
     return None
+
+
+def written_units(unit: str) -> tuple[str, ...]:
+    """Return the units in which a quantity of an SI unit may be written; none for ""."""
+    return tuple(_UNITS.get(unit, ()))
 
 
 def base_unit(text: str) -> str | None:

@@ -8,7 +8,6 @@ from __future__ import annotations
 import math
 from collections import deque
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -34,9 +33,10 @@ from humanoid_bt.plant.robot_config import RobotConfig
 _POSE_HISTORY = 64  # ticks of base poses kept to place late percepts: 1.3 s at 50 Hz
 
 
-@dataclass(frozen=True, slots=True)
 class Track:
-    """The latest percept of one thing, placed in the world.
+    """The latest percept of one thing, placed in the world, as it was at the start of a tick.
+
+    What depends on where the robot stands is worked out when it is read.
 
     Attributes:
         name: the percept's name.
@@ -49,14 +49,45 @@ class Track:
         confidence: in [0, 1].
     """
 
-    name: str
-    stamp: float
-    age: float
-    position_world: Array
-    position_base: Array
-    distance: float
-    bearing: float
-    confidence: float
+    __slots__ = ("_percept", "_state", "age", "position_world")
+
+    def __init__(self, percept: Percept, position_world: Array, age: float, state: State) -> None:
+        self._percept = percept
+        self._state = state
+        self.age = age
+        self.position_world = position_world
+
+    @property
+    def name(self) -> str:  # noqa: D102 (documented above, as the others)
+        return self._percept.name
+
+    @property
+    def stamp(self) -> float:  # noqa: D102
+        return self._percept.stamp
+
+    @property
+    def confidence(self) -> float:  # noqa: D102
+        return self._percept.confidence
+
+    @property
+    def position_base(self) -> Array:  # noqa: D102
+        state = self._state
+        return rotation_matrix(state.base_quaternion).T @ (self.position_world - state.base_position)
+
+    @property
+    def distance(self) -> float:  # noqa: D102
+        return math.hypot(*self._offset())
+
+    @property
+    def bearing(self) -> float:  # noqa: D102
+        x, y = self._offset()
+        bearing = math.atan2(y, x) - float(self._state.stance[2])
+        return (bearing + math.pi) % (2 * math.pi) - math.pi
+
+    def _offset(self) -> tuple[float, float]:
+        x, y, _ = self.position_world.tolist()
+        stance_x, stance_y, _ = self._state.stance.tolist()
+        return x - stance_x, y - stance_y
 
 
 class Robot:
@@ -76,9 +107,10 @@ class Robot:
         self.clock = clock
         self._state: State | None = None
         self._percepts: dict[str, tuple[Percept, Array]] = {}
-        self._tracks: dict[str, Track] = {}
-        self._poses: deque[tuple[float, Array, Array]] = deque(maxlen=_POSE_HISTORY)
-        self._handles: list[RobotHandle] = []
+        self._tracks: dict[str, Track] = {}  # those that were asked for in this tick
+        self._now = 0.0  # the tick's start
+        self._past: deque[State] = deque(maxlen=_POSE_HISTORY)
+        self._commanding: dict[RobotHandle, None] = {}  # handles that set a target in this tick, in that order
         self._sequence = 0
 
     @property
@@ -95,18 +127,20 @@ class Robot:
             node_path: the node's path, the source of its targets.
             resources: what it may command.
         """
-        handle = RobotHandle(self, node_path, resources)
-        self._handles.append(handle)
-        return handle
+        return RobotHandle(self, node_path, resources)
 
     def track(self, name: str) -> Track | None:
         """Return the latest percept of this name as it was at the start of the tick, or None if never seen."""
-        return self._tracks.get(name)
+        track = self._tracks.get(name)
+        if track is None and (known := self._percepts.get(name)):
+            percept, position_world = known
+            track = self._tracks[name] = Track(percept, position_world, self._now - percept.stamp, self.state)
+        return track
 
     @property
     def tracks(self) -> Mapping[str, Track]:
         """Every percept seen so far, by name, as it was at the start of the tick."""
-        return self._tracks
+        return {name: track for name in self._percepts if (track := self.track(name))}
 
     def raise_estop(self, source: str, reason: str) -> None:
         """Raise the emergency stop, now and not at the end of the tick; only a reset from outside ends it.
@@ -125,14 +159,16 @@ class Robot:
     def begin_tick(self, state: State, percepts: Mapping[str, Percept]) -> None:
         """Take the snapshot that the whole tick sees, and forget the targets of the last one."""
         self._state = state
-        self._poses.append((state.time, state.base_position, rotation_matrix(state.base_quaternion)))
+        self._now = self.clock.now()
+        self._past.append(state)
         for name, percept in percepts.items():
             known = self._percepts.get(name)
             if known is None or known[0].stamp < percept.stamp:
                 self._percepts[name] = (percept, self._place(percept))
-        self._tracks = {name: self._track(percept, world) for name, (percept, world) in self._percepts.items()}
-        for handle in self._handles:
+        self._tracks.clear()
+        for handle in self._commanding:
             handle.targets.clear()
+        self._commanding.clear()
 
     def commit(self) -> Command:
         """Return the one command of this tick.
@@ -142,7 +178,7 @@ class Robot:
         """
         targets: dict[str, Target] = {}
         sources: dict[str, str] = {}
-        for handle in self._handles:
+        for handle in self._commanding:
             for resource, target in handle.targets.items():
                 if resource in targets:
                     raise ResourceConflict(
@@ -156,28 +192,17 @@ class Robot:
 
     def release_all(self) -> Command:
         """Return a command that releases everything."""
-        for handle in self._handles:
+        for handle in self._commanding:
             handle.targets.clear()
         return self.commit()
 
-    def _place(self, percept: Percept) -> Array:
-        _, position, rotation = min(self._poses, key=lambda pose: abs(pose[0] - percept.stamp))
-        return np.asarray(position + rotation @ percept.position)
+    def note(self, handle: RobotHandle) -> None:
+        """Take note that a handle has set a target in this tick."""
+        self._commanding[handle] = None
 
-    def _track(self, percept: Percept, world: Array) -> Track:
-        state = self.state
-        offset = world[:2] - state.stance[:2]
-        bearing = math.atan2(offset[1], offset[0]) - float(state.stance[2])
-        return Track(
-            name=percept.name,
-            stamp=percept.stamp,
-            age=self.clock.now() - percept.stamp,
-            position_world=world,
-            position_base=rotation_matrix(state.base_quaternion).T @ (world - state.base_position),
-            distance=math.hypot(*offset),
-            bearing=(bearing + math.pi) % (2 * math.pi) - math.pi,
-            confidence=percept.confidence,
-        )
+    def _place(self, percept: Percept) -> Array:
+        then = min(self._past, key=lambda state: abs(state.time - percept.stamp))
+        return np.asarray(then.base_position + rotation_matrix(then.base_quaternion) @ percept.position)
 
 
 class RobotHandle:
@@ -248,13 +273,14 @@ class RobotHandle:
                 f"valid: {', '.join(RESOURCES)})"
             )
         self.targets[resource] = target
+        self._robot.note(self)
 
 
 def _vector(values: Any, size: int) -> Array:
     vector: Array = np.array(values, dtype=float)
     if vector.shape != (size,):
         raise ValueError(f"a target's position must have shape ({size},), not {vector.shape}")
-    if not np.isfinite(vector).all():
+    if not all(map(math.isfinite, vector.tolist())):
         raise ValueError(f"a target's position must be finite, not {vector.tolist()}")
     return vector
 

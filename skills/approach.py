@@ -38,9 +38,9 @@ class Approach(Skill):
         to_target = track.position_world[:2] - stance[:2]
         heading = math.atan2(to_target[1], to_target[0])
         goal = track.position_world[:2] - stop_at * np.array([math.cos(heading), math.sin(heading)])
-        self._goal = self._steady(goal, float(np.linalg.norm(goal - stance[:2])))
+        self._goal = self._steady(goal, math.dist(goal, stance[:2]))
 
-        to_go = float(np.linalg.norm(self._goal - stance[:2]))
+        to_go = math.dist(self._goal, stance[:2])
         arrived = to_go < self.tolerance and abs(track.bearing) < self.angle_tolerance
         if arrived and self.robot.state.base_settled:
             return self.succeed(f"{track.distance:.2f} m from {self.target}")
@@ -50,6 +50,6 @@ class Approach(Skill):
 
     def _steady(self, goal: np.ndarray, to_go: float) -> np.ndarray:
         """Keep the last goal while the new one differs by noise only, which grows with the way left."""
-        if self._goal is not None and np.linalg.norm(goal - self._goal) < 0.02 + 0.1 * to_go:
+        if self._goal is not None and math.dist(goal, self._goal) < 0.02 + 0.1 * to_go:
             return self._goal
         return goal

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import importlib
 import sys
 import traceback
 from collections.abc import Sequence
@@ -53,21 +54,23 @@ def _problems(error: UserError) -> str:
     return "\n".join(lines)
 
 
+_COMMANDS = {
+    "run": "run",
+    "bench": "bench",
+    "fmt": "fmt",
+    "schema": "schema",
+    "show": "show",
+    "check": "inspect",
+    "skills": "inspect",
+    "robots": "inspect",
+    "estop": "remote",
+    "reset": "remote",
+    "status": "remote",
+}
+"""Command -> the module with a function of its name; imported only when it is asked for."""
+
+
 def _dispatch(arguments: argparse.Namespace) -> int:
-    if arguments.command == "run":
-        from humanoid_bt.cli.run import run
-
-        return run(arguments)
-    if arguments.command == "bench":
-        from humanoid_bt.cli.bench import bench
-
-        return bench(arguments)
-    if arguments.command in ("estop", "reset", "status"):
-        from humanoid_bt.cli import remote
-
-        reach = {"estop": remote.estop, "reset": remote.reset, "status": remote.status}
-        return reach[arguments.command](arguments)
-    from humanoid_bt.cli import inspect
-
-    commands = {"check": inspect.check, "show": inspect.show, "skills": inspect.skills, "robots": inspect.robots}
-    return commands[arguments.command](arguments)
+    module = importlib.import_module(f"humanoid_bt.cli.{_COMMANDS[arguments.command]}")
+    code: int = getattr(module, arguments.command)(arguments)
+    return code

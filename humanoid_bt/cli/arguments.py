@@ -33,6 +33,8 @@ examples:
 _BENCH_EXAMPLES = """\
 examples:
   humanoid-bt bench
+  humanoid-bt bench --tree                what a tick costs, of fetch and others
+  humanoid-bt bench --tree trees/mine.yaml
   humanoid-bt bench --realtime            can this board do it?
   humanoid-bt bench --realtime --duration 60 --json board.json
 """
@@ -47,10 +49,36 @@ exit codes:
   2  mistakes, each with its file, line and column
 """
 
+_SCHEMA_EXAMPLES = """\
+examples:
+  humanoid-bt schema -o .vscode/tree.schema.json
+"""
+
+_FMT = """\
+Bring trees, scenes and robots into one form. Only indentation, blanks and
+empty lines change: values, their order and every comment stay."""
+
+_FMT_EXAMPLES = """\
+examples:
+  humanoid-bt fmt                         all trees of this folder
+  humanoid-bt fmt trees/mine.yaml sim     a file, and all scenes and robots
+  humanoid-bt fmt --check                 before a commit, or in CI
+
+exit codes:
+  0  all files have this form now
+  1  with --check or --diff: some would change
+  2  mistakes in files, which are left as they are
+"""
+
 _SHOW_EXAMPLES = """\
 examples:
   humanoid-bt show fetch
-  humanoid-bt show fetch --format dot | dot -Tsvg > fetch.svg
+  humanoid-bt show fetch -o fetch.svg     a picture
+  humanoid-bt show fetch -o fetch.mmd     for a Markdown page
+  humanoid-bt show --live                 the tree that runs
+
+marks of a tree that runs:
+  ▶ running   ✓ succeeded   ✗ failed   ○ neither
 """
 
 
@@ -138,16 +166,24 @@ def parser() -> Parser:
     )
     _add_workspace(check)
 
-    show = command("show", "draw a tree", "Draw a tree.", _SHOW_EXAMPLES)
-    show.add_argument("tree", metavar="TREE", help="name or file of a tree")
-    show.add_argument(
-        "--format", choices=["unicode", "dot"], default="unicode", metavar="F", help="unicode (default) or dot"
-    )
-    _add_workspace(show)
+    _add_fmt(command("fmt", "format files", _FMT, _FMT_EXAMPLES))
+
+    show = command("show", "draw a tree, also while it runs", "Draw a tree, or one that runs.", _SHOW_EXAMPLES)
+    _add_show(show)
 
     skills = command("skills", "list skills and their parameters", "List skills, or explain some.")
     skills.add_argument("names", nargs="*", metavar="NAME", help="explain only these")
     _add_workspace(skills)
+
+    schema = command(
+        "schema",
+        "write a JSON Schema for editors",
+        "Write a JSON Schema of this workspace's tree files, its skills and\n"
+        "sub-trees included. Editors complete, explain and check with it.",
+        _SCHEMA_EXAMPLES,
+    )
+    schema.add_argument("-o", "--output", type=Path, metavar="FILE", help="write it to this file; default: print it")
+    _add_workspace(schema)
 
     robots = command("robots", "list robots", "List the robots of this workspace.")
     _add_workspace(robots)
@@ -178,7 +214,16 @@ def parser() -> Parser:
         "Measure the engine. Every cost is a ratio to a baseline measured\nin the same run.",
         _BENCH_EXAMPLES,
     )
-    bench.add_argument(
+    what = bench.add_mutually_exclusive_group()
+    what.add_argument(
+        "--tree",
+        nargs="?",
+        const="fetch",
+        metavar="TREE",
+        help="measure trees only: a tick of this one (default: fetch) and of one of 40 nodes beside plain py_trees, "
+        "and loading one of 500 nodes beside plain YAML",
+    )
+    what.add_argument(
         "--realtime",
         action="store_true",
         help="measure realtime mode instead: how punctual the servo is beside the same loop in C, "
@@ -252,6 +297,39 @@ def _add_run(run: Parser) -> None:
     run.add_argument("--report", type=Path, metavar="FILE", help="write a report of the run as JSON")
     run.add_argument("--quiet", action="store_true", help="print only errors and the summary")
     _add_workspace(run)
+
+
+def _add_fmt(fmt: Parser) -> None:
+    fmt.add_argument(
+        "paths",
+        nargs="*",
+        metavar="PATH",
+        help="names, files or folders of trees, scenes, robots; default: the trees of this workspace",
+    )
+    fmt.add_argument("--check", action="store_true", help="change nothing, name the files that would change")
+    fmt.add_argument("--diff", action="store_true", help="change nothing, show what would change")
+    _add_workspace(fmt)
+
+
+def _add_show(show: Parser) -> None:
+    show.add_argument("tree", nargs="?", metavar="TREE", help="name or file of a tree")
+    show.add_argument(
+        "--format",
+        choices=["unicode", "svg", "dot", "mermaid"],
+        metavar="F",
+        help="unicode (default), svg, dot or mermaid; default: what FILE's suffix says",
+    )
+    show.add_argument(
+        "-o", "--output", type=Path, metavar="FILE", help="write it to this .txt, .svg, .dot or .mmd file"
+    )
+    show.add_argument(
+        "--live",
+        action="store_true",
+        help="instead of TREE: the tree that runs in another terminal, with the status of every node; "
+        "at a terminal until Ctrl-C, else once",
+    )
+    show.add_argument("--run", metavar="ID", help="with --live: which run, if there are several")
+    _add_workspace(show)
 
 
 def _add_run_id(command: Parser) -> None:

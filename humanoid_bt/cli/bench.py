@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import json
 import platform
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -13,9 +13,12 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from humanoid_bt.bench.figures import Figure, measure
+from humanoid_bt.bench.figure import Figure
+from humanoid_bt.bench.figures import measure
+from humanoid_bt.bench.tree import measure_tree
 from humanoid_bt.errors import UserError
 from humanoid_bt.session.report import ExitCode, versions
+from humanoid_bt.workspace import Workspace
 
 
 def bench(arguments: argparse.Namespace) -> int:
@@ -27,7 +30,7 @@ def bench(arguments: argparse.Namespace) -> int:
     console = Console(highlight=False)
     figures: list[Figure] = []
     with console.status("measuring") as status:
-        for figure in measure(arguments.repetitions):
+        for figure in _measured(arguments):
             figures.append(figure)
             status.update(f"measured: {figure.name}")
     console.print(_table(figures, arguments.repetitions))
@@ -35,6 +38,13 @@ def bench(arguments: argparse.Namespace) -> int:
         figures_data = [figure.to_dict() for figure in figures]
         write(arguments.json, {"repetitions": arguments.repetitions, "figures": figures_data})
     return ExitCode.SUCCESS
+
+
+def _measured(arguments: argparse.Namespace) -> Iterator[Figure]:
+    if arguments.tree is None:
+        return measure(arguments.repetitions)
+    workspace = Workspace.of_argument(arguments.tree, None)
+    return measure_tree(workspace.find_tree(arguments.tree), workspace, arguments.repetitions)
 
 
 def write(path: Path, figures: Mapping[str, Any]) -> None:

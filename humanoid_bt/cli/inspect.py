@@ -1,4 +1,4 @@
-"""``check``, ``show``, ``skills``, ``robots``: looking at files without running them."""
+"""``check``, ``skills``, ``robots``: looking at files without running them."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from pathlib import Path
 from rich.console import Console
 from rich.text import Text
 
-from humanoid_bt.cli.output import columns, hanging, print_lines, width
+from humanoid_bt.cli.output import columns, hanging, print_lines
 from humanoid_bt.errors import Problem, UserError, nearest, relative
 from humanoid_bt.params import Param
 from humanoid_bt.plant.robot_config import load_robot_config
@@ -19,10 +19,7 @@ from humanoid_bt.session.report import ExitCode
 from humanoid_bt.skill_files import class_file
 from humanoid_bt.tree.load import load_tree
 from humanoid_bt.tree.registry import NodeType, Registry
-from humanoid_bt.tree.show import dot_tree, unicode_tree
 from humanoid_bt.workspace import Workspace
-
-_UNWRAPPED = 10_000  # columns of a line that goes to a file or another program
 
 
 def check(arguments: argparse.Namespace) -> int:
@@ -111,16 +108,6 @@ def _check_file(path: Path, workspace: Workspace) -> tuple[Problem, ...]:
             return error.problems
         return tuple(problem for problem in error.problems if problem.place and problem.place.file == relative(path))
     return ()
-
-
-def show(arguments: argparse.Namespace) -> int:
-    """Draw a tree."""
-    workspace = Workspace.of_argument(arguments.tree, arguments.workspace)
-    tree = load_tree(workspace.find_tree(arguments.tree), workspace)
-    wide = width() if sys.stdout.isatty() else _UNWRAPPED
-    text = unicode_tree(tree, width=wide) if arguments.format == "unicode" else dot_tree(tree)
-    print(text.rstrip("\n"))
-    return ExitCode.SUCCESS
 
 
 def skills(arguments: argparse.Namespace) -> int:

@@ -15,7 +15,7 @@ _GONE = {errno.EPIPE, errno.EIO}  # the reader has ended: a closed pipe, a close
 _NARROWEST = 24  # columns that a text needs to be readable beside others
 
 _PLAIN = str.maketrans(
-    {"▶": ">", "✓": "+", "✗": "x", "○": "o", "■": "#", "•": "*", "├": "|", "└": "`", "─": "-", "│": "|"}
+    {"▶": ">", "→": ">", "✓": "+", "✗": "x", "○": "o", "■": "#", "•": "*", "├": "|", "└": "`", "─": "-", "│": "|"}
 )
 """Signs for terminals that have only ASCII."""
 

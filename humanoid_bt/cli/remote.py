@@ -14,8 +14,8 @@ import sys
 import textwrap
 import time
 
-from humanoid_bt.errors import UserError
-from humanoid_bt.link.run_folder import RunFolder, RunInfo, live_runs
+from humanoid_bt.cli.runs import one_robot, robots
+from humanoid_bt.link.run_folder import RunFolder, RunInfo
 from humanoid_bt.link.segment import LinkError
 from humanoid_bt.realtime import channels
 from humanoid_bt.session.report import ExitCode
@@ -27,12 +27,10 @@ _UNDECODED = 0.05  # s in which states are only collected: what decodes them tak
 _STOPPED = ("emergency_stop", "damp")
 _WIDTH = 60
 
-_Run = tuple[RunFolder, RunInfo]
-
 
 def estop(arguments: argparse.Namespace) -> int:
     """Stop every running robot, or the one that is named; return the exit code."""
-    runs = _runs(arguments.run)
+    runs = robots(arguments.run)
     source = _source("estop")
     pending = []
     for folder, info in runs:  # all of them first, then see what became of it
@@ -101,7 +99,7 @@ class _Watch:
 
 def reset(arguments: argparse.Namespace) -> int:
     """Ask for a reset of a latched stop; print the answer; return the exit code."""
-    folder, info = _one_run(arguments.run, "reset")
+    folder, info = one_robot(arguments.run, "reset")
     from humanoid_bt.realtime.status import status_of
 
     before = status_of(folder, info)
@@ -133,7 +131,7 @@ def reset(arguments: argparse.Namespace) -> int:
 
 def status(arguments: argparse.Namespace) -> int:
     """Print how a running robot is doing; return the exit code."""
-    folder, info = _one_run(arguments.run, "status")
+    folder, info = one_robot(arguments.run, "status")
     from humanoid_bt.realtime.status import status_of
 
     found = status_of(folder, info)
@@ -167,27 +165,6 @@ def status(arguments: argparse.Namespace) -> int:
 
 def _table(name: str, lines: list[str]) -> list[tuple[str, str]]:
     return [(name if number == 0 else "", line) for number, line in enumerate(lines or ["none"])]
-
-
-def _runs(run_id: str | None) -> list[_Run]:
-    runs = live_runs()
-    if run_id is None:
-        if not runs:
-            raise UserError("no robot is running", hint="humanoid-bt run TREE --mode realtime starts one")
-        return runs
-    chosen = [run for run in runs if run[1].run_id == run_id]
-    if not chosen:
-        known = "running: " + (", ".join(info.run_id for _, info in runs) or "none")
-        raise UserError(f"no run {run_id!r} is running", hint=known)
-    return chosen
-
-
-def _one_run(run_id: str | None, command: str) -> _Run:
-    runs = _runs(run_id)
-    if len(runs) > 1:
-        lines = "\n    ".join(f"humanoid-bt {command} --run {info.run_id}   # {info.tree}" for _, info in runs)
-        raise UserError(f"{len(runs)} robots are running: say which", hint=lines)
-    return runs[0]
 
 
 def _source(command: str) -> str:

@@ -155,6 +155,12 @@ def default_root() -> Path:
     return parent / f"humanoid-bt-{os.geteuid()}"
 
 
+def lockstep_root() -> Path:
+    """Return where runs in lockstep live: apart from all others, for nothing stops them from outside."""
+    root = default_root()
+    return root.with_name(f"{root.name}-lockstep")
+
+
 def live_runs(root: Path | None = None) -> list[tuple[RunFolder, RunInfo]]:
     """Return the runs of this user of which a process lives, the oldest first.
 

@@ -22,7 +22,7 @@ _SIZES: dict[str, tuple[int, int]] = {  # ring -> (bytes in a slot, slots)
     "timing": (4096, 8),  # control -> all: how punctual it is
     "wake": (32, 4096),  # control -> all: every servo cycle, 4 s of them
     "stop": (4096, 64),  # control -> all: when stops began on the monotonic clock
-    "status": (8192, 8),  # decision -> all: what the tree does
+    "status": (16384, 8),  # decision -> all: what the tree does
 }
 
 
@@ -59,10 +59,15 @@ class RunSpec:
 
 def create_channels(folder: RunFolder) -> None:
     """Make every channel of a run, before its processes start."""
-    for name, (size, slots) in _SIZES.items():
-        RingWriter.create(folder.path(name), size, slots).close()
+    for name in _SIZES:
+        create_ring(folder, name)
     EStop.create(folder.path("estop")).close()
     Heartbeat.create(folder.path("quit")).close()
+
+
+def create_ring(folder: RunFolder, name: str) -> None:
+    """Make one ring of a run."""
+    RingWriter.create(folder.path(name), *_SIZES[name]).close()
 
 
 def writer(folder: RunFolder, name: str) -> RingWriter:

@@ -30,9 +30,11 @@ from humanoid_bt.plant.scene import Scene
 from humanoid_bt.realtime import channels
 from humanoid_bt.realtime.channels import RunSpec
 from humanoid_bt.realtime.children import Children
+from humanoid_bt.realtime.live_tree import TreeTeller
 from humanoid_bt.realtime.remote import RemoteSupervisor, StateClock
 from humanoid_bt.realtime.schedule import Schedule, last_core
 from humanoid_bt.realtime.timing import Timing
+from humanoid_bt.tree.tree import Tree
 
 HOLD_TIME = 10.0
 """How long control goes on balancing the robot after decision died [s]."""
@@ -40,7 +42,7 @@ HOLD_TIME = 10.0
 _START_TIMEOUT = 30.0  # s until the first state must be there
 _SILENCE = 1.0  # s without a new state after which control counts as lost
 _READ = ("state", "notice", "refusal", "percept", "timing")
-_WRITTEN = ("command", "request", "status")
+_WRITTEN = ("command", "request")
 
 
 class Realtime:
@@ -72,6 +74,7 @@ class Realtime:
         self._tree, self._log, self._hold = tree, log, hold
         self._folder: RunFolder | None = None
         self._children: Children | None = None
+        self._teller: TreeTeller | None = None
         self._perceives = True
         self._writers: dict[str, RingWriter] = {}
         self._readers: dict[str, RingReader] = {}
@@ -100,6 +103,7 @@ class Realtime:
         channels.create_channels(folder)
         self._writers = {name: channels.writer(folder, name) for name in _WRITTEN}
         self._readers = {name: channels.reader(folder, name) for name in _READ}
+        self._teller = TreeTeller(folder)
         self.supervisor.connect(channels.estop(folder))
         children = self._children = Children(folder)
         self._start(children, "control", "state")
@@ -146,6 +150,8 @@ class Realtime:
                     self.external_force_max = json.loads(result.read_text(encoding="utf-8"))["external_force_max"]
         finally:
             folder.close()
+            if self._teller is not None:
+                self._teller.close()
             for writer in self._writers.values():
                 writer.close()
             for reader in self._readers.values():
@@ -183,9 +189,10 @@ class Realtime:
         if command is not None:
             self._writers["command"].write(encode_command(command))
 
-    def publish(self, status: Mapping[str, object]) -> None:
-        """Tell ``humanoid-bt status`` what the tree does."""
-        self._writers["status"].write(json.dumps(status).encode()[:8000])
+    def publish(self, status: Mapping[str, object], tree: Tree) -> None:
+        """Tell ``humanoid-bt status`` and ``show --live`` what the tree does."""
+        if self._teller is not None:
+            self._teller.tell(status, tree)
 
     def _follow_readers(self) -> None:
         for payload in self._new("state"):

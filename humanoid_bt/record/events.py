@@ -8,7 +8,8 @@ import rerun as rr
 
 from humanoid_bt.errors import HumanoidBtError, nearest
 from humanoid_bt.record.columns import Color, send
-from humanoid_bt.record.tree_view import STATUS_COLORS, STATUS_GLYPHS, printable
+from humanoid_bt.record.tree_view import printable
+from humanoid_bt.tree.show.looks import STATUS_COLORS, STATUS_GLYPHS
 
 EVENTS = "events"
 

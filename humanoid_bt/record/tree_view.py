@@ -9,21 +9,15 @@ from typing import Any, Protocol
 import rerun as rr
 
 from humanoid_bt.errors import HumanoidBtError, nearest
-from humanoid_bt.record.columns import Color, lane, send, send_sets
+from humanoid_bt.record.columns import lane, send, send_sets
+from humanoid_bt.tree.layout import fan
+from humanoid_bt.tree.show.looks import STATUS_COLORS, STATUS_GLYPHS
 
 GRAPH = "tree/graph"
 
-STATUS_COLORS: dict[str, Color] = {
-    "INVALID": (92, 99, 110),
-    "RUNNING": (66, 153, 245),
-    "SUCCESS": (64, 180, 90),
-    "FAILURE": (232, 74, 74),
-}
-STATUS_GLYPHS = {"INVALID": "○", "RUNNING": "▶", "SUCCESS": "✓", "FAILURE": "✗"}
-
 _GLYPHS = frozenset("✓✗▶●○→")  # beyond ASCII the viewer's font has few glyphs, and some missing ones crash it
 _CHARACTER = 7.2  # width of a label's character in the graph's units
-_ROW = 44.0  # distance of leaves
+_ROW = 44.0  # distance of labels below each other
 _GAP = 46.0  # free space between a label and its children
 
 
@@ -86,13 +80,10 @@ class TreeStatus:
         self._index = {node.path: index for index, node in enumerate(nodes)}
         self._parents = [_parent(node) for node in nodes]
         self._labels = [_label(node) for node in nodes]
-        depths = _depths(self._parents)
-        widths = [_CHARACTER * (2 + max(map(len, label.split("\n")))) for label in self._labels]
-        self._positions = _layout(self._parents, depths, widths)
-        self.size = (
-            max(x + width / 2 for (x, _), width in zip(self._positions, widths, strict=True)),
-            max(y for _, y in self._positions) + _ROW / 2,
-        )
+        sizes = [(_CHARACTER * (2 + max(map(len, label.split("\n")))), _ROW) for label in self._labels]
+        boxes = fan([-1 if parent is None else parent for parent in self._parents], sizes, (_GAP, 0.0))
+        self._positions = [(box.x + box.width / 2, box.y + box.height / 2) for box in boxes]
+        self.size = max(box.right for box in boxes), max(box.bottom for box in boxes)
         self._lanes = _lanes(nodes, self._parents, first_lane)
         self._status = ["INVALID"] * len(nodes)
         self._changes: list[tuple[float, int, str]] = []
@@ -168,42 +159,3 @@ def _lanes(nodes: Sequence[NodeView], parents: Sequence[int | None], first: int)
     inner = set(parents)
     order = sorted(range(len(nodes)), key=lambda index: (index in inner, index))
     return [lane(first + order.index(index), node.name) for index, node in enumerate(nodes)]
-
-
-def _depths(parents: Sequence[int | None]) -> list[int]:
-    depths: list[int] = []
-    for parent in parents:
-        depths.append(0 if parent is None else depths[parent] + 1)
-    return depths
-
-
-def _layout(parents: Sequence[int | None], depths: Sequence[int], widths: Sequence[float]) -> list[tuple[float, float]]:
-    """Return each label's centre: depth to the right, leaves below each other, parents beside their children."""
-    starts = [0.0]
-    for depth in range(max(depths, default=0)):
-        column = max(width for width, d in zip(widths, depths, strict=True) if d == depth)
-        starts.append(starts[-1] + column + _GAP)
-    children: list[list[int]] = [[] for _ in parents]
-    for index, parent in enumerate(parents):
-        if parent is not None:
-            children[parent].append(index)
-    heights: dict[int, float] = {}
-    row = _ROW / 2
-    for index in _leaves_first(parents, children):
-        if children[index]:
-            heights[index] = (heights[children[index][0]] + heights[children[index][-1]]) / 2
-        else:
-            heights[index] = row
-            row += _ROW
-    return [(starts[depths[i]] + widths[i] / 2, heights[i]) for i in range(len(parents))]
-
-
-def _leaves_first(parents: Sequence[int | None], children: Sequence[Sequence[int]]) -> list[int]:
-    """Return all nodes so that children come before their parent, and siblings in their order."""
-    order: list[int] = []
-    stack = [index for index, parent in enumerate(parents) if parent is None]
-    while stack:
-        index = stack.pop()
-        order.append(index)
-        stack.extend(children[index])
-    return order[::-1]

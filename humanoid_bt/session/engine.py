@@ -14,6 +14,7 @@ from humanoid_bt.messages import Command, Percept, State
 from humanoid_bt.plant.robot_model import RobotModel
 from humanoid_bt.plant.scene import Scene
 from humanoid_bt.realtime.timing import Timing
+from humanoid_bt.tree.tree import Tree
 
 
 class SupervisorView(Protocol):
@@ -71,5 +72,5 @@ class Engine(Protocol):
     def advance(self, command: Command | None) -> None:
         """Give the command of a tick to control; None if there is none."""
 
-    def publish(self, status: Mapping[str, object]) -> None:
+    def publish(self, status: Mapping[str, object], tree: Tree) -> None:
         """Tell whoever looks from outside what the tree does."""

@@ -6,6 +6,7 @@ and commands give the same states, bit for bit.
 
 from __future__ import annotations
 
+import logging
 from collections import deque
 from collections.abc import Mapping
 from typing import Protocol
@@ -15,11 +16,17 @@ import mujoco
 from humanoid_bt.clock import DECISION_PERIOD, PERCEPTION_PERIOD, CycleClock, cycles
 from humanoid_bt.control.controller import Controller
 from humanoid_bt.control.supervisor import Supervisor, reset_text
+from humanoid_bt.link.run_folder import RunInfo
+from humanoid_bt.link.segment import LinkError
 from humanoid_bt.link.wire import Event
 from humanoid_bt.messages import Array, Command, Percept, State
 from humanoid_bt.plant.mujoco_plant import MujocoPlant
 from humanoid_bt.plant.robot_model import RobotModel
 from humanoid_bt.plant.scene import Scene
+from humanoid_bt.realtime.live_tree import TreeTeller
+from humanoid_bt.tree.tree import Tree
+
+_log = logging.getLogger(__name__)
 
 
 class Perception(Protocol):
@@ -55,6 +62,8 @@ class Lockstep:
         self.notices: list[Event] = []
         self._percepts: dict[str, Percept] = {}
         self._resets: deque[str] = deque()  # who asks for one, from any thread
+        self._teller: TreeTeller | None = None
+        self._tells = True
         self._decision = cycles(DECISION_PERIOD)
         self._perceive = cycles(PERCEPTION_PERIOD)
 
@@ -81,10 +90,22 @@ class Lockstep:
         """Begin; there is nothing to start."""
 
     def close(self) -> None:
-        """End; there is nothing to end."""
+        """End what was told to others."""
+        if self._teller is not None:
+            self._teller.remove()
+            self._teller = None
 
-    def publish(self, status: Mapping[str, object]) -> None:
-        """Tell nobody: in one process there is nobody who could ask."""
+    def publish(self, status: Mapping[str, object], tree: Tree) -> None:
+        """Tell ``humanoid-bt show --live`` what the tree does. A run for which there is no place in memory goes on."""
+        if not self._tells:
+            return
+        try:
+            if self._teller is None:
+                self._teller = TreeTeller.in_lockstep(RunInfo(tree.name, self.robot.config.name))
+            self._teller.tell(status, tree)
+        except (LinkError, OSError) as error:
+            self._tells = False
+            _log.warning("nobody can watch the tree: %s", error)
 
     def request_reset(self, source: str) -> None:
         """Reset a latched stop before the next tick, if nothing stands against it."""

@@ -247,7 +247,7 @@ class Run:
             self._publish(state, tip)
 
     def _publish(self, state: State, tip: Behaviour | None) -> None:
-        """Tell ``humanoid-bt status`` what goes on."""
+        """Tell ``humanoid-bt status`` and ``show --live`` what goes on."""
         self._engine.publish(
             {
                 "time": state.time,
@@ -255,7 +255,8 @@ class Run:
                 "feedback": tip.feedback_message if tip is not None else "",
                 "tick_rate": self._ticks / max(time.monotonic() - self._began, 1e-9),
                 "percepts": {name: round(track.age, 3) for name, track in self._robot.tracks.items()},
-            }
+            },
+            self.tree,
         )
 
     def _keep_pace(self) -> None:

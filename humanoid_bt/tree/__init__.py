@@ -1,5 +1,6 @@
 """Trees: read from YAML, checked, built as py_trees nodes, shown and ticked."""
 
+from humanoid_bt.tree.compose import make_tree
 from humanoid_bt.tree.executor import Executor, NodeChange, NodeError
 from humanoid_bt.tree.load import load_tree
 from humanoid_bt.tree.registry import NodeType, Registry
@@ -16,5 +17,6 @@ __all__ = [
     "Tree",
     "dot_tree",
     "load_tree",
+    "make_tree",
     "unicode_tree",
 ]

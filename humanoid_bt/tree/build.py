@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Mapping
 from dataclasses import dataclass
 from keyword import iskeyword
 
@@ -26,6 +27,17 @@ def build(root: Draft, tree_name: str, problems: list[Problem]) -> tuple[Node, .
     made: dict[int, Behaviour] = {}
     if _make(root, made, problems) is None:
         return ()
+    return collect(root, tree_name, made)
+
+
+def collect(root: Draft, tree_name: str, made: Mapping[int, Behaviour]) -> tuple[Node, ...]:
+    """Return every node of a tree whose behaviours have been made, parents before children.
+
+    Args:
+        root: the tree's root.
+        tree_name: the first part of every path.
+        made: the behaviour of each draft, by the draft's id.
+    """
     nodes: list[Node] = []
     _collect(_Step(root, f"{tree_name}/{root.name}", -1, ""), made, nodes)
     return tuple(nodes)
@@ -78,7 +90,7 @@ class _Step:
     branch: str
 
 
-def _collect(step: _Step, made: dict[int, Behaviour], nodes: list[Node]) -> None:
+def _collect(step: _Step, made: Mapping[int, Behaviour], nodes: list[Node]) -> None:
     draft, path = step.draft, step.path
     behaviour = made[id(draft)]
     vars(behaviour)["path"] = path  # plain behaviours know their path too
@@ -94,6 +106,7 @@ def _collect(step: _Step, made: dict[int, Behaviour], nodes: list[Node]) -> None
             step.parent,
             step.branch,
             draft.references,
+            draft.arguments,
         )
     )
     taken: Counter[str] = Counter()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from collections.abc import Sequence as SequenceOf
+from itertools import islice
 from typing import Any, ClassVar
 
 import py_trees
@@ -46,17 +47,16 @@ class _Ordered(Branch):
 
     def advance(self, seen: Seen) -> Status:
         """Tick children in order; what ran behind the one that decides is preempted."""
-        children, before = self.children, self.current_child
-        start = children.index(before) if self.memory and before is not None else 0
-        status = self.passed
-        for index in range(start, len(children)):
-            child = children[index]
+        children, passed = iter(self.children), self.passed
+        if self.memory and self.current_child is not None:
+            children = islice(children, self.children.index(self.current_child), None)
+        for child in children:
             status = tick(child, seen)
-            if status is not self.passed:
-                for later in children[index + 1 :]:
-                    if later.status is not INVALID:
-                        halt(later, f"preempted by {child.name!r}, which {_DID[status]}", seen)
+            if status is not passed:
                 break
+        for later in children:  # none, unless a child decided
+            if later.status is not INVALID:
+                halt(later, f"preempted by {child.name!r}, which {_DID[status]}", seen)
         self.current_child = child
         return status
 

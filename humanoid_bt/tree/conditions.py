@@ -138,14 +138,15 @@ class Within(PerceptCondition):
 
     def holds(self, track: Track, held: bool) -> bool:
         """Compare the distance, then the bearing."""
+        distance = track.distance
         limit = self.distance + self.hysteresis if held else self.distance
-        if not track.distance <= limit:  # so that NaN is not near
-            self.feedback_message = f"distance {track.distance:.2f} m > {limit:g} m"
+        if not distance <= limit:  # so that NaN is not near
+            self.feedback_message = f"distance {distance:.2f} m > {limit:g} m"
             return False
         if self.bearing is not None:
             widest = self.bearing + self.bearing_hysteresis if held else self.bearing
             if not abs(track.bearing) <= widest:
                 self.feedback_message = f"bearing {track.bearing:.2f} rad beyond {widest:g} rad"
                 return False
-        self.feedback_message = f"distance {track.distance:.2f} m <= {limit:g} m"
+        self.feedback_message = f"distance {distance:.2f} m <= {limit:g} m"
         return True

@@ -22,6 +22,7 @@ class Draft:
         values: its parameters, converted; those with a mistake are missing.
         value_places: where each given parameter's value is written.
         references: parameter -> name of what it was given as ``$name``.
+        arguments: of a sub-tree: the nodes it is given, as plain YAML.
         children: its children.
         branches: other sub-trees by key (a watchdog's ``on_stale``, an ``if``'s ``then``).
         keys: of a sub-tree: the keys that begin anew with it.
@@ -34,6 +35,7 @@ class Draft:
     values: dict[str, Any] = field(default_factory=dict)
     value_places: dict[str, Place] = field(default_factory=dict)
     references: dict[str, str] = field(default_factory=dict)
+    arguments: dict[str, Any] = field(default_factory=dict)
     children: list[Draft] = field(default_factory=list)
     branches: dict[str, Draft | dict[str, Draft]] = field(default_factory=dict)
     keys: list[Key] = field(default_factory=list)

@@ -69,7 +69,7 @@ class Executor:
         self._on_change = on_change
         self._nodes: dict[Behaviour, Node] = {node.behaviour: node for node in tree.nodes}
         self._children_first = [behaviour for behaviour in tree.root.iterate() if behaviour in self._nodes]
-        self._told: dict[Behaviour, Status] = dict.fromkeys(self._nodes, INVALID)
+        self._told: dict[Behaviour, Status | None] = dict.fromkeys(self._nodes, INVALID)
 
     @property
     def status(self) -> Status:
@@ -107,21 +107,22 @@ class Executor:
             ResourceConflict: two living nodes command one resource; the whole tree has been halted.
         """
         self.robot.begin_tick(state, percepts)
-        seen: Seen = []
+        seen = Seen()
         try:
             tick(self.tree.root, seen)
             command = self.robot.commit()
         except Raised as raised:
             node = self._nodes[raised.node]
-            feedback = raised.node.feedback_message
             self._halt_all(f"{raised.node.name!r} raised an exception", seen)
-            self._tell(seen, state.time, failed=(raised.node, feedback))
+            self._told[raised.node] = None  # tell of it also if it has never run
+            self._tell(seen, state.time)
             raise NodeError(node, raised.error) from raised.error
         except ResourceConflict as conflict:
             self._halt_all(str(conflict), seen)
             self._tell(seen, state.time)
             raise
-        self._tell(seen, state.time)
+        if seen.changed:
+            self._tell(seen, state.time)
         return command
 
     def halt(self, reason: str) -> None:
@@ -133,7 +134,7 @@ class Executor:
         Raises:
             NodeError: a node raised an exception while it was halted; the others have been halted all the same.
         """
-        seen: Seen = []
+        seen = Seen()
         raised = self._halt_all(reason, seen)
         self._tell(seen, self.robot.clock.now())
         if raised is not None:
@@ -150,15 +151,12 @@ class Executor:
                 first = first or raised
         return first
 
-    def _tell(self, seen: Seen, time: float, failed: tuple[Behaviour, str] | None = None) -> None:
-        told, on_change = self._told, self._on_change
+    def _tell(self, seen: Seen, time: float) -> None:
+        told = self._told
         for behaviour in seen:
             status = behaviour.status
-            if told[behaviour] is status and not (failed and behaviour is failed[0]):
-                continue
-            told[behaviour] = status
-            feedback = behaviour.feedback_message
-            if failed and behaviour is failed[0]:
-                feedback, failed = failed[1], None
-            if on_change is not None:
-                on_change(NodeChange(time, self._nodes[behaviour].path, status, feedback))
+            if told[behaviour] is not status:
+                told[behaviour] = status
+                if self._on_change is not None:
+                    path = self._nodes[behaviour].path
+                    self._on_change(NodeChange(time, path, status, behaviour.feedback_message))

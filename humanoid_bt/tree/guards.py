@@ -16,6 +16,8 @@ from humanoid_bt.tree.results import Below, Results
 from humanoid_bt.tree.slots import Slot
 from humanoid_bt.tree.ticking import FAILURE, INVALID, RUNNING, Seen, halt, tick
 
+_RUN = Mode.RUN  # reading a member from its class costs more than comparing it
+
 
 class EmergencyStop(Decorator):
     """Halt the child and fail while the robot is in an emergency stop; hold during a protective stop.
@@ -47,7 +49,7 @@ class EmergencyStop(Decorator):
     def advance(self, seen: Seen) -> Status:
         """Tick the child if the robot may run."""
         state = self.robot.state
-        if state.mode is Mode.RUN:
+        if state.mode is _RUN:
             self.feedback_message = ""
             self._latched = False
             return tick(self.decorated, seen)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Literal
@@ -13,7 +14,7 @@ from humanoid_bt.document import Item
 from humanoid_bt.errors import Place, Problem, UserError, relative
 from humanoid_bt.params import Param, param, params_of, read_values
 from humanoid_bt.tree.build import build
-from humanoid_bt.tree.checks import Named, World, check
+from humanoid_bt.tree.checks import World, check
 from humanoid_bt.tree.draft import Draft
 from humanoid_bt.tree.parameters import Argument, Declaration, NodeItem, Parameters, declarations, overrides
 from humanoid_bt.tree.read import Reader, check_name
@@ -21,6 +22,7 @@ from humanoid_bt.tree.registry import NODE_KEYS, NodeType, Registry
 from humanoid_bt.tree.scope import Scope
 from humanoid_bt.tree.slots import Slot
 from humanoid_bt.tree.tree import Node, Tree
+from humanoid_bt.tree.write import written
 from humanoid_bt.workspace import Workspace
 
 MAX_NODES = 10_000
@@ -89,11 +91,22 @@ def load_tree(
         UserError: with every mistake found, each with its place.
     """
     loader = _Loader(workspace)
-    tree = loader.load(path, overrides or {}, {"robot": robot, "scene": scene})
+    tree = loader.load(path, overrides or {}, robot, scene)
     problems = _in_file_order(loader.problems, relative(path))
     if tree is None or any(problem.severity == "error" for problem in problems):
         raise UserError(problems)
     return replace(tree, warnings=tuple(problems))
+
+
+def subtree_types(workspace: Workspace, registry: Registry) -> dict[str, NodeType]:
+    """Return for every tree of a workspace the type of a node that uses it as a sub-tree; broken ones are left out."""
+    loader, node_type = _Loader(workspace), registry["subtree"]
+    found: dict[str, NodeType] = {}
+    for name, path in workspace.trees().items():
+        item = Item(name, Place(relative(path)))
+        with suppress(UserError):
+            found[name] = loader.specialise(node_type, Item({"tree": item}, item.place))
+    return found
 
 
 class _Loader:
@@ -106,7 +119,7 @@ class _Loader:
         self._nodes = 0
         self.problems: list[Problem] = []
 
-    def load(self, path: Path, texts: Mapping[str, str], where: Mapping[str, str | None]) -> Tree | None:
+    def load(self, path: Path, texts: Mapping[str, str], robot: str | None, scene: str | None) -> Tree | None:
         """Return the tree, None if mistakes keep it from being made."""
         file = self._open(path)
         given = overrides(file.parameters, texts, self.problems)
@@ -116,8 +129,7 @@ class _Loader:
         root = None
         if registry is not None:
             root = self._read(file, Reader(registry, scope, self, self.problems))
-        named = {key: _named(file, key, name) for key, name in where.items()}
-        world = World.of(self._workspace, named["robot"], named["scene"], self.problems)
+        world = World.of(self._workspace, file.item, self.problems, robot, scene)
         nodes: tuple[Node, ...] = ()
         if root is not None:
             self.problems += check(root, world, alone=bool(file.header.get("subtree")))
@@ -133,6 +145,7 @@ class _Loader:
             parameters=parameters.values,
             source=file.source,
             nodes=nodes,
+            header=_plain_header(file, given),
             files=tuple(file.path for file in self._files.values()),
         )
 
@@ -193,6 +206,7 @@ class _Loader:
         for name, declared in file.parameters.items():
             if declared.spec.type is NodeItem:
                 if name in body.value:
+                    draft.arguments[name] = body.value[name].plain()
                     found[name] = Argument(body.value[name], body.value[name].place, reader)
                 elif declared.default is None:
                     message = f"the node {name!r} of 'subtree' is missing"
@@ -283,12 +297,15 @@ def _header(item: Item, problems: list[Problem]) -> dict[str, Any]:
     return values
 
 
-def _named(file: _File, key: str, instead: str | None) -> Named | None:
-    """Return the robot or the scene that a tree is for: what is given instead, else what its header names."""
-    if instead is not None:
-        return Named(instead, Place(f"--{key} {instead}"))
-    name = file.header.get(key)
-    return Named(name, file.item.value[key].place) if name is not None else None
+def _plain_header(file: _File, given: Mapping[str, Argument]) -> dict[str, Any]:
+    """Return a file's keys but for the root as plain YAML, with parameters as they were given."""
+    header = {key: item.plain() for key, item in file.item.value.items() if key != "root"}
+    header["name"] = file.name
+    for name, argument in given.items():
+        declared, spec = header["parameters"][name], file.parameters[name].spec
+        value = written(argument.value, spec.unit)
+        header["parameters"][name] = {**declared, "default": value} if isinstance(declared, dict) else value
+    return header
 
 
 def _check_names(file: _File, problems: list[Problem]) -> None:

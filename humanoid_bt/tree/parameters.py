@@ -155,7 +155,7 @@ class Parameters:
             return Item(found, item.place, item.key_places) if len(found) == len(pairs) else None
         name = reference(item)
         if name is None:
-            return item
+            return unescaped(item)
         parameter = self.find(name)
         if parameter is None:
             self.excuse(name)
@@ -226,7 +226,14 @@ class Parameters:
 
 def reference(item: Item) -> str | None:
     """Return the name that a value refers to (``$name``), None if it is no reference."""
-    return item.value[1:] if isinstance(item.value, str) and item.value.startswith("$") else None
+    text = item.value
+    return text[1:] if isinstance(text, str) and text.startswith("$") and not text.startswith("$$") else None
+
+
+def unescaped(item: Item) -> Item:
+    """Return a value that is text beginning with ``$``, written ``$$``, as it is meant."""
+    text = item.value
+    return Item(text[1:], item.place) if isinstance(text, str) and text.startswith("$$") else item
 
 
 def declarations(item: Item | None, what: str, problems: list[Problem]) -> dict[str, Declaration]:

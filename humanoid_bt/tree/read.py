@@ -12,7 +12,7 @@ from humanoid_bt.tree.draft import Draft
 from humanoid_bt.tree.expression import Expression
 from humanoid_bt.tree.parameters import NodeItem, Parameter, reference
 from humanoid_bt.tree.quantities import ANYTHING, Type, type_of
-from humanoid_bt.tree.registry import NodeType, Registry
+from humanoid_bt.tree.registry import CHILD, NodeType, Registry
 from humanoid_bt.tree.scope import Scope
 from humanoid_bt.tree.slots import Slot
 from humanoid_bt.tree.subtree import SubTree
@@ -276,7 +276,9 @@ class Reader:
         name, known = draft.type.type_name, {"name", *draft.type.params, *draft.type.branches}
         others = [key for key in body.value if key not in known]
         for key in others:
-            if key in self._registry or key.startswith("$"):
+            if key == CHILD:
+                self._append(draft, self.node(body.value[key], f"the child of {name!r}"))
+            elif key in self._registry or key.startswith("$"):
                 self._append(draft, self._typed(key, body.value[key], body.key_places[key]))
             else:
                 hint = nearest(key, [*known, *self._registry])

@@ -10,7 +10,7 @@ import types
 import typing
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import Any, Literal
+from typing import Any
 
 from py_trees.behaviour import Behaviour
 
@@ -19,38 +19,23 @@ from humanoid_bt.errors import Place, Problem, UserError, nearest
 from humanoid_bt.params import Param, PerceptName, params_of
 from humanoid_bt.skill import Skill, node_type_name
 from humanoid_bt.skill_files import class_place, load_skills
-from humanoid_bt.tree.actions import RaiseEmergencyStop, Wait, WaitUntil
-from humanoid_bt.tree.blackboard_nodes import ClearBlackboard, SetBlackboard
-from humanoid_bt.tree.branching import If
-from humanoid_bt.tree.composites import Selector, Sequence
-from humanoid_bt.tree.conditions import Condition, Confident, Within
-from humanoid_bt.tree.decorators import Inverter, Repeat, Retry, Timeout
 from humanoid_bt.tree.expression import Expression
-from humanoid_bt.tree.guards import EmergencyStop, Watchdog
-from humanoid_bt.tree.loops import ForEach
-from humanoid_bt.tree.parallel import Parallel
+from humanoid_bt.tree.nodes import BUILTIN, Kind
 from humanoid_bt.tree.slots import Slot, Takes
-from humanoid_bt.tree.subtree import SubTree
 from humanoid_bt.workspace import Workspace
-
-Kind = Literal["composite", "decorator", "subtree", "condition", "action", "skill"]
-
-BUILTIN: dict[Kind, tuple[type[Behaviour], ...]] = {
-    "composite": (Sequence, Selector, Parallel, If),
-    "decorator": (Inverter, Retry, Repeat, Timeout, EmergencyStop, Watchdog, ForEach),
-    "subtree": (SubTree,),
-    "condition": (Condition, Confident, Within),
-    "action": (Wait, WaitUntil, SetBlackboard, ClearBlackboard, RaiseEmergencyStop),
-}
-"""The built-in node types."""
 
 ALIASES = {"fallback": "selector"}
 """Other names of built-in node types, for files that come from elsewhere."""
 
 _TAKES: dict[str, Takes] = {"composite": "many", "decorator": "one"}
 
-NODE_KEYS = {"name": "What the node is called; its type if not given.", "children": "The nodes below it."}
-"""Keys that a node's body may have besides its parameters; every node has a name, composites have children."""
+CHILD = "child"
+NODE_KEYS = {
+    "name": "What the node is called; its type if not given.",
+    "children": "The nodes below it.",
+    CHILD: "The node below it, where its type is called like a parameter.",
+}
+"""Keys that a node's body may have besides its parameters: all a name, composites children, decorators a child."""
 
 
 @dataclass(frozen=True)

@@ -154,6 +154,7 @@ class Scope:
         if name in self._keys or name in set(self.parameters):
             message = f"the name {name!r} is declared twice in one tree"
             self._problems.append(Problem(message, declaration.place, "rename one of them", "duplicate-name"))
+            return
         self._keys[name] = _Known(key, declaration.place, _type(declaration.spec))
 
     def _judge(self, name: str, known: _Known) -> None:

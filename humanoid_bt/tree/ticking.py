@@ -9,15 +9,22 @@ from __future__ import annotations
 
 import abc
 from collections.abc import Iterator
-from typing import cast
 
 from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
 from humanoid_bt.skill import Skill
 
-Seen = list[Behaviour]
-"""Nodes ticked or halted so far, children before parents; a node may stand in it twice."""
+
+class Seen(list[Behaviour]):
+    """Nodes ticked or halted so far, children before parents; a node may stand in it twice.
+
+    Attributes:
+        changed: whether any of them has another status than before.
+    """
+
+    changed = False
+
 
 SUCCESS, FAILURE, RUNNING, INVALID = Status.SUCCESS, Status.FAILURE, Status.RUNNING, Status.INVALID
 
@@ -47,7 +54,7 @@ class Branch(Behaviour):
 
     def tick(self) -> Iterator[Behaviour]:
         """Tick the branch as py_trees does, and yield the nodes ticked, children before parents."""
-        seen: Seen = []
+        seen = Seen()
         try:
             tick(self, seen)
         except Raised as raised:
@@ -58,9 +65,12 @@ class Branch(Behaviour):
         """Halt what runs below, children before parents, and take the status."""
         for child in self.children:
             if child.status is RUNNING or (new_status is INVALID and child.status is not INVALID):
-                halt(child, f"{self.name!r} was stopped", [])
+                halt(child, f"{self.name!r} was stopped", Seen())
         self.terminate(new_status)
         self.status = new_status
+
+
+_BRANCH_TICK, _LEAF_TICK = Branch.tick, Behaviour.tick
 
 
 def tick(node: Behaviour, seen: Seen) -> Status:
@@ -69,22 +79,22 @@ def tick(node: Behaviour, seen: Seen) -> Status:
     Raises:
         Raised: a node raised an exception, or returned what is no status. That node has been told to stop.
     """
+    how, before = type(node).tick, node.status
     try:
-        kind = type(node).tick
-        if kind is Branch.tick:
-            if node.status is not RUNNING:
+        if how is _BRANCH_TICK:
+            if before is not RUNNING:
                 node.feedback_message = ""
                 node.initialise()
-            status = cast(Branch, node).advance(seen)
-        elif kind is Behaviour.tick:
-            if node.status is not RUNNING:
+            status: Status = node.advance(seen)  # type: ignore[attr-defined]  # a Branch
+        elif how is _LEAF_TICK:
+            if before is not RUNNING:
                 node.initialise()
             status = node.update()
         else:  # a behaviour with a tick of its own, such as one that has children inside
             for _ in node.tick():
                 pass
             status = node.status
-        if status is not SUCCESS and status is not FAILURE and status is not RUNNING:
+        if status is not RUNNING and status is not SUCCESS and status is not FAILURE:
             raise TypeError(f"its status must be SUCCESS, FAILURE or RUNNING, not {status!r}")
     except Raised:
         raise
@@ -92,10 +102,15 @@ def tick(node: Behaviour, seen: Seen) -> Status:
         _abandon(node, error)
         seen.append(node)
         raise Raised(node, error) from error
-    if kind is Behaviour.tick and status is not RUNNING:
-        _stop(node, status, seen)
+    if status is not RUNNING and how is _LEAF_TICK:
+        try:
+            node.stop(status)
+        except (Exception, SystemExit) as error:
+            raise _not_stopped(node, error, seen) from error
     node.status = status
     seen.append(node)
+    if status is not before:
+        seen.changed = True
     return status
 
 
@@ -107,7 +122,7 @@ def halt(node: Behaviour, reason: str, seen: Seen) -> None:
     Raises:
         Raised: a node raised an exception in ``terminate``.
     """
-    if type(node).tick is Branch.tick:
+    if type(node).tick is _BRANCH_TICK:
         for child in node.children:
             if child.status is not INVALID:
                 halt(child, reason, seen)
@@ -120,21 +135,23 @@ def halt_alone(node: Behaviour, reason: str, seen: Seen) -> None:
         node.feedback_message = f"halted: {reason}"
         if isinstance(node, Skill):
             node.halt_reason = reason
-        _stop(node, INVALID, seen)
+        try:
+            node.stop(INVALID)
+        except (Exception, SystemExit) as error:
+            raise _not_stopped(node, error, seen) from error
     else:
         node.feedback_message = ""
     node.status = INVALID
     seen.append(node)
+    seen.changed = True
 
 
-def _stop(node: Behaviour, status: Status, seen: Seen) -> None:
-    try:
-        node.stop(status)
-    except (Exception, SystemExit) as error:
-        node.status = INVALID
-        node.feedback_message = f"raised {type(error).__name__}: {error}"
-        seen.append(node)
-        raise Raised(node, error) from error
+def _not_stopped(node: Behaviour, error: BaseException, seen: Seen) -> Raised:
+    """Note what a node raised while it was stopped; it counts as halted."""
+    node.status = INVALID
+    node.feedback_message = f"raised {type(error).__name__}: {error}"
+    seen.append(node)
+    return Raised(node, error)
 
 
 def _abandon(node: Behaviour, error: BaseException) -> None:

@@ -10,7 +10,9 @@ from typing import Any
 from py_trees.behaviour import Behaviour
 
 from humanoid_bt.errors import Place, Problem
-from humanoid_bt.tree.registry import Kind, NodeType
+from humanoid_bt.tree.nodes import Kind
+from humanoid_bt.tree.registry import NodeType
+from humanoid_bt.tree.write import tree_text
 
 
 @dataclass(frozen=True)
@@ -23,6 +25,7 @@ class Node:
         type: its type, with the declared parameters.
         values: the parameters that the file gives, converted.
         references: parameter -> the name that the file gives for it as ``$name``.
+        arguments: of a sub-tree: the nodes it is given, as plain YAML.
         place: where it is written.
         behaviour: the py_trees node.
         parent: index of its parent in the tree's nodes, -1 for the root.
@@ -38,6 +41,7 @@ class Node:
     parent: int
     branch: str = ""
     references: Mapping[str, str] = field(default_factory=dict)
+    arguments: Mapping[str, Any] = field(default_factory=dict)
 
     @property
     def type_name(self) -> str:
@@ -63,6 +67,7 @@ class Tree:
         parameters: every parameter's value.
         source: the file's text.
         nodes: every node, parents before children, in the file's order.
+        header: the file's keys but for the root, as plain YAML.
         files: the tree file and those of its sub-trees.
         warnings: what its checks found that does not keep it from running.
     """
@@ -75,8 +80,17 @@ class Tree:
     parameters: Mapping[str, Any]
     source: str
     nodes: tuple[Node, ...]
+    header: Mapping[str, Any] = field(default_factory=dict)
     files: tuple[Path, ...] = ()
     warnings: tuple[Problem, ...] = ()
+
+    def to_yaml(self) -> str:
+        """Return the text of a file that loads to the same tree; sub-trees stay in their own files.
+
+        Raises:
+            UserError: a parameter has a value that no file can hold.
+        """
+        return tree_text(self)
 
     @property
     def root(self) -> Behaviour:

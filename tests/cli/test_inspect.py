@@ -1,4 +1,4 @@
-"""``check``, ``show``, ``skills``, ``robots`` and the help."""
+"""``check``, ``skills``, ``robots``, what ``show`` prints, and the help."""
 
 from __future__ import annotations
 

@@ -106,6 +106,9 @@ def test_a_stopped_decision_and_an_estop_are_waited_for(live: Start) -> None:
     assert again.returncode == 0
     assert "since before: raised by hand" in again.stdout
     until("the node waits", lambda: "waiting for a reset" in run.output)
+    drawn = command("show", "--live", "--run", run.run_id).stdout
+    assert "▶ emergency_stop  wait_for_reset: true" in drawn
+    assert "; waiting for a reset" in drawn
     assert command("reset", "--run", run.run_id).stdout.startswith("reset: raised by hand")
     run.shows("run")
     run.walks()

@@ -10,7 +10,7 @@ import numpy as np
 import pyarrow as pa
 import rerun as rr
 
-from humanoid_bt.messages import Array, FootPose, Gait, Mode, Side, State, Target
+from humanoid_bt.messages import Array, FootPose, Gait, Mode, Percept, Side, State, Target
 from humanoid_bt.robot import Track
 
 
@@ -64,7 +64,8 @@ def make_state(
 
 
 def make_track(name: str = "target", *, position: tuple[float, float, float], confidence: float, age: float) -> Track:
-    return Track(name, 0.0, age, np.array(position), np.array(position), position[0], 0.0, confidence)
+    percept = Percept(name, 0.0, np.array(position), confidence)
+    return Track(percept, percept.position, age, make_state())
 
 
 def rows(path: Path, entity: str, component: str) -> list[tuple[float, Any]]:

@@ -151,7 +151,7 @@ def test_percepts_have_a_place_a_colour_and_numbers(record: Maker, file: Path) -
     assert places == [(0.04, [[1, 2, 3]]), (0.08, [[1, 2, 3]])]
     fresh, old = (color for _, (color,) in rows(file, "/world/percepts/target", "Points3D:colors"))
     assert fresh != old
-    assert rows(file, "/percepts/target", "Scalars:scalars")[0][1] == pytest.approx([1.0, 0.1, 1.0])
+    assert rows(file, "/percepts/target", "Scalars:scalars")[0][1] == pytest.approx([1.0, 0.1, math.hypot(1, 2)])
 
 
 def test_targets_and_footsteps_come_and_go(record: Maker, file: Path) -> None:

@@ -11,6 +11,9 @@ import pytest
 import rerun as rr
 
 from humanoid_bt.errors import UserError
+from humanoid_bt.link import run_folder
+from humanoid_bt.link.run_folder import live_runs, lockstep_root
+from humanoid_bt.realtime.live_tree import Moment, TreeWatch
 from humanoid_bt.record.sinks import Sinks
 from humanoid_bt.session.options import RunOptions
 from humanoid_bt.session.run import Run
@@ -262,3 +265,35 @@ def test_a_full_disk_is_told(project: Path, tmp_path: Path, monkeypatch: pytest.
     monkeypatch.setattr(shutil, "disk_usage", lambda _path: usage._replace(free=0))
     told = ran("give_up", project, tmp_path / "run.rrd").told
     assert told.events[-1][1:] == ("error", f"the disk is full: the recording '{tmp_path / 'run.rrd'}' is cut short")
+
+
+def test_a_run_can_be_watched_while_it_is_on_and_leaves_nothing(
+    project: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(run_folder, "default_root", lambda: tmp_path / "runs")
+    moments: list[Moment | None] = []
+
+    def look() -> str:
+        ((folder, info),) = live_runs(lockstep_root())
+        assert info.tree == "walk"
+        moments.append(TreeWatch(folder).latest())
+        return "seen" if len(moments) == 25 else ""
+
+    ran("walk", project, interrupted=look)
+    seen = moments[-1]
+    assert seen is not None
+    assert seen.time == pytest.approx(0.4)
+    assert {path: status.name for path, status in seen.statuses.items()} == {
+        "walk/emergency_stop": "RUNNING",
+        "walk/emergency_stop/walk": "RUNNING",
+    }
+    assert seen.feedback["walk/emergency_stop/walk"] == "walking"
+    assert live_runs(lockstep_root()) == live_runs() == []
+
+
+def test_a_run_that_nobody_can_watch_goes_on(
+    project: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    monkeypatch.setattr(run_folder, "default_root", lambda: tmp_path / "no folder" / "runs")
+    assert ran("wait", project).report.outcome == "success"
+    assert [record.message for record in caplog.records if "nobody can watch" in record.message]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import py_trees
 
-from humanoid_bt.tree.ticking import INVALID, halt
+from humanoid_bt.tree.ticking import INVALID, Seen, halt
 from humanoid_bt.workspace import Workspace
 from tests.tree.helpers import make_state, run
 
@@ -79,7 +79,7 @@ def test_a_plain_behaviour_with_its_own_children_is_ticked_and_halted_whole(work
     opaque = run(workspace, "{sequence: [opaque]}")
     assert [node.name for node in opaque.tree.nodes] == ["sequence", "opaque"]
     opaque.tick()
-    halt(opaque.tree.root, "test", [])
+    halt(opaque.tree.root, "test", Seen())
     assert [node.status for node in opaque.tree.root.iterate()] == [INVALID] * 3
 
 

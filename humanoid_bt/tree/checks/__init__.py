@@ -13,10 +13,10 @@ from humanoid_bt.tree.checks.facts import Facts
 from humanoid_bt.tree.checks.reachability import check_reachability
 from humanoid_bt.tree.checks.robustness import check_hysteresis, check_time_limits
 from humanoid_bt.tree.checks.safety import check_guards, check_overlaps
-from humanoid_bt.tree.checks.world import Named, World, check_world
+from humanoid_bt.tree.checks.world import World, check_world
 from humanoid_bt.tree.draft import Draft
 
-__all__ = ["Named", "World", "check"]
+__all__ = ["World", "check"]
 
 
 def check(root: Draft, world: World, alone: bool = False) -> list[Problem]:

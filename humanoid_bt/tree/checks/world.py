@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TypeVar
 
+from humanoid_bt.document import Item
 from humanoid_bt.errors import Place, Problem, UserError, nearest
 from humanoid_bt.plant.robot_config import RobotConfig, load_robot_config
 from humanoid_bt.plant.scene_config import SceneConfig, load_scene
@@ -19,14 +20,6 @@ Config = TypeVar("Config", RobotConfig, SceneConfig)
 
 
 @dataclass(frozen=True)
-class Named:
-    """A robot or a scene, and where it is named."""
-
-    name: str
-    place: Place
-
-
-@dataclass(frozen=True)
 class World:
     """The robot and the scene of a tree; None where it names none, or there is none."""
 
@@ -34,17 +27,29 @@ class World:
     scene: SceneConfig | None = None
 
     @classmethod
-    def of(cls, workspace: Workspace, robot: Named | None, scene: Named | None, problems: list[Problem]) -> World:
-        """Return what the names mean.
+    def of(
+        cls,
+        workspace: Workspace,
+        header: Item,
+        problems: list[Problem],
+        robot: str | None = None,
+        scene: str | None = None,
+    ) -> World:
+        """Return the robot and the scene of a tree.
 
         Args:
             workspace: where they are found.
-            robot, scene: what the tree names, None for nothing.
+            header: the tree file, a mapping that may have the keys ``robot`` and ``scene``.
             problems: takes what is wrong with the names, and with the files behind them.
+            robot, scene: names that count instead of the file's.
         """
+
+        def named(key: str, instead: str | None) -> Item | None:
+            return header.value.get(key) if instead is None else Item(instead, Place(f"--{key} {instead}"))
+
         return cls(
-            _found(robot, "robot", workspace.find_robot, _robot, problems),
-            _found(scene, "scene", workspace.find_scene, _scene, problems),
+            _found(named("robot", robot), "robot", workspace.find_robot, _robot, problems),
+            _found(named("scene", scene), "scene", workspace.find_scene, _scene, problems),
         )
 
 
@@ -88,16 +93,16 @@ def _resources(robot: RobotConfig) -> tuple[str, ...]:
 
 
 def _found(
-    named: Named | None,
+    named: Item | None,
     what: str,
     find: Callable[[str], Path],
     load: Callable[[Path, tuple[int, int]], Config],
     problems: list[Problem],
 ) -> Config | None:
-    if named is None:
+    if named is None or not isinstance(named.value, str):  # a mistake that is told already
         return None
     try:
-        path = find(named.name)
+        path = find(named.value)
     except UserError as error:
         problem = error.problems[0]
         problems.append(Problem(problem.message, named.place, problem.hint, f"unknown-{what}"))

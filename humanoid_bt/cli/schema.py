@@ -1,0 +1,30 @@
+"""``humanoid-bt schema``: a JSON Schema of tree files for editors."""
+
+from __future__ import annotations
+
+import argparse
+import json
+
+from humanoid_bt.errors import UserError
+from humanoid_bt.session.report import ExitCode
+from humanoid_bt.tree.load import subtree_types
+from humanoid_bt.tree.registry import Registry
+from humanoid_bt.tree.schema import tree_schema
+from humanoid_bt.workspace import Workspace
+
+
+def schema(arguments: argparse.Namespace) -> int:
+    """Print the schema, or write it to a file."""
+    workspace = Workspace(arguments.workspace)
+    registry = Registry.of(workspace)
+    text = json.dumps(tree_schema(registry, subtree_types(workspace, registry)), indent=1)
+    if arguments.output is None:
+        print(text)
+        return ExitCode.SUCCESS
+    try:
+        arguments.output.parent.mkdir(parents=True, exist_ok=True)
+        arguments.output.write_text(text + "\n", encoding="utf-8")
+    except OSError as error:
+        raise UserError(f"the schema cannot be written to {str(arguments.output)!r}: {error.strerror}") from error
+    print(f"{arguments.output}: {len(registry)} node types")
+    return ExitCode.SUCCESS

@@ -1,0 +1,158 @@
+"""The tree of a run as others see it while it runs: told by decision, drawn by ``humanoid-bt show --live``."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Self
+
+from py_trees.common import Status
+
+from humanoid_bt.link.ring import RingReader, RingWriter
+from humanoid_bt.link.run_folder import RunFolder, RunInfo, clean_stale, lockstep_root
+from humanoid_bt.link.segment import LinkError
+from humanoid_bt.realtime import channels
+from humanoid_bt.tree.show.outline import Outline
+from humanoid_bt.tree.tree import Tree
+
+_OUTLINE = "tree.json"
+_LETTERS = {Status.INVALID: "-", Status.RUNNING: "R", Status.SUCCESS: "S", Status.FAILURE: "F"}
+_STATUSES = {letter: status for status, letter in _LETTERS.items()}
+_TELLING = (Status.RUNNING, Status.FAILURE)  # what these nodes say explains what the robot does
+_LONGEST = 200  # characters of what a node says
+_OPTIONAL = ("feedback_of", "statuses")  # left out of what would not fit, in this order
+
+
+class TreeTeller:
+    """Tells what a tree does. Decision's end.
+
+    Args:
+        folder: of the run; its status channel is there.
+    """
+
+    def __init__(self, folder: RunFolder) -> None:
+        self._folder = folder
+        self._ring: RingWriter = channels.writer(folder, "status")
+        self._outlined: Tree | None = None
+
+    @classmethod
+    def in_lockstep(cls, info: RunInfo) -> Self:
+        """Return the teller of a run in lockstep, which has no other channel and so cannot be stopped from outside.
+
+        Raises:
+            LinkError: there is no place for it.
+        """
+        clean_stale(lockstep_root())
+        folder = RunFolder.create(info, lockstep_root())
+        channels.create_ring(folder, "status")
+        return cls(folder)
+
+    def tell(self, status: Mapping[str, object], tree: Tree) -> None:
+        """Tell what goes on.
+
+        Args:
+            status: what is known besides, plain data.
+            tree: whose nodes' statuses are told, and what the running and the failed ones say.
+        """
+        if self._outlined is not tree:
+            self._outlined = tree
+            with contextlib.suppress(OSError):  # no room in memory: nobody can draw it, and the robot goes on
+                self._write_outline(tree)
+        found = [node.behaviour.status for node in tree.nodes]
+        said = {
+            index: tree.nodes[index].behaviour.feedback_message[:_LONGEST]
+            for index, status in enumerate(found)
+            if status in _TELLING and tree.nodes[index].behaviour.feedback_message
+        }
+        message = {**status, "statuses": "".join(map(_LETTERS.__getitem__, found)), "feedback_of": said}
+        data = json.dumps(message).encode()
+        for key in _OPTIONAL:
+            if len(data) > self._ring.slot_size:
+                del message[key]
+                data = json.dumps(message).encode()
+        self._ring.write(data[: self._ring.slot_size])
+
+    def _write_outline(self, tree: Tree) -> None:
+        draft = self._folder.path(f"{_OUTLINE}.draft")
+        draft.write_text(Outline.of(tree).to_json(), encoding="utf-8")
+        draft.rename(self._folder.path(_OUTLINE))
+
+    def close(self) -> None:
+        """Let go of the channel."""
+        self._ring.close()
+
+    def remove(self) -> None:
+        """Let go of the channel and remove the run's folder. For a run in lockstep."""
+        self.close()
+        self._folder.close()
+
+
+@dataclass(frozen=True)
+class Moment:
+    """What a tree does at one time.
+
+    Attributes:
+        outline: what is drawn of it.
+        time: engine time [s].
+        statuses: node path -> status.
+        feedback: node path -> what the node says.
+    """
+
+    outline: Outline
+    time: float
+    statuses: Mapping[str, Status]
+    feedback: Mapping[str, str]
+
+
+class TreeWatch:
+    """Sees what a tree does. Anybody's end.
+
+    Args:
+        folder: of the run.
+    """
+
+    def __init__(self, folder: RunFolder) -> None:
+        self._folder = folder
+        self._outline: Outline | None = None
+        self._ring: RingReader | None = None
+
+    def latest(self) -> Moment | None:
+        """Return what was told last; None before anything was told."""
+        try:
+            self._ring = self._ring or channels.reader(self._folder, "status")
+            if self._outline is None:
+                self._outline = Outline.from_json(self._folder.path(_OUTLINE).read_text(encoding="utf-8"))
+            entry = self._ring.latest()
+            told: dict[str, Any] = json.loads(entry[1]) if entry else {}
+        except (LinkError, OSError, ValueError):  # it is just starting, or just over
+            return None
+        nodes, letters = self._outline.nodes, told.get("statuses", "")
+        if len(letters) != len(nodes):
+            return None
+        return Moment(
+            self._outline,
+            float(told.get("time", 0.0)),
+            {node.path: _STATUSES.get(letter, Status.INVALID) for node, letter in zip(nodes, letters, strict=True)},
+            {nodes[int(index)].path: text for index, text in told.get("feedback_of", {}).items()},
+        )
+
+    @property
+    def over(self) -> bool:
+        """Whether the run has ended, or every process of it died."""
+        with contextlib.suppress(LinkError):
+            return not self._folder.info.alive
+        return True
+
+    @property
+    def abandoned(self) -> bool:
+        """Whether decision died, and others of the run's processes live."""
+        with contextlib.suppress(LinkError):
+            return not self._folder.info.owner_alive
+        return False
+
+    def close(self) -> None:
+        """Let go of the channel."""
+        if self._ring is not None:
+            self._ring.close()

@@ -1,0 +1,140 @@
+"""What is drawn of a tree: plain text and numbers, without its nodes, so that other processes can draw it too."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict, dataclass
+from typing import Any, Self
+
+from humanoid_bt.blackboard import Key
+from humanoid_bt.tree.tree import Node, Tree
+
+
+@dataclass(frozen=True)
+class OutlineNode:
+    """What is drawn of a node.
+
+    Attributes:
+        path, name, type_name, kind, parent, branch: as of :class:`~humanoid_bt.tree.tree.Node`.
+        parameters: those that differ from their defaults, each as ``name: value``.
+        doc: one line about its type.
+    """
+
+    path: str
+    name: str
+    type_name: str
+    kind: str
+    parent: int
+    branch: str = ""
+    parameters: tuple[str, ...] = ()
+    doc: str = ""
+
+    @property
+    def type_label(self) -> str:
+        """Its type in parentheses, "" if its name says it."""
+        return f"({self.type_name})" if self.name != self.type_name else ""
+
+    @property
+    def hint(self) -> str:
+        """Its path and what its type does, for tooltips."""
+        return f"{self.path}\n{self.type_name}: {self.doc}" if self.doc else self.path
+
+
+@dataclass(frozen=True)
+class Outline:
+    """What is drawn of a tree.
+
+    Attributes:
+        name, description: of the tree.
+        nodes: parents before children, in the file's order.
+    """
+
+    name: str
+    description: str
+    nodes: tuple[OutlineNode, ...]
+
+    @classmethod
+    def of(cls, tree: Tree) -> Self:
+        """Return the outline of a tree."""
+        return cls(tree.name, printable(tree.description), tuple(map(_outline_node, tree.nodes)))
+
+    def to_json(self) -> str:
+        """Return it as JSON."""
+        return json.dumps(asdict(self))
+
+    @classmethod
+    def from_json(cls, text: str) -> Self:
+        """Return what :meth:`to_json` wrote.
+
+        Raises:
+            ValueError: this is none of that.
+        """
+        try:
+            data = json.loads(text)
+            nodes = [OutlineNode(**{**node, "parameters": tuple(node["parameters"])}) for node in data["nodes"]]
+            return cls(str(data["name"]), str(data["description"]), tuple(nodes))
+        except (TypeError, KeyError) as error:
+            raise ValueError(f"not an outline: {error!r}") from error
+
+    def children(self) -> list[list[int]]:
+        """Return the indices of each node's children."""
+        found: list[list[int]] = [[] for _ in self.nodes]
+        for index, node in enumerate(self.nodes):
+            if node.parent >= 0:
+                found[node.parent].append(index)
+        return found
+
+
+def outline_of(tree: Tree | Outline) -> Outline:
+    """Return what is drawn of a tree."""
+    return tree if isinstance(tree, Outline) else Outline.of(tree)
+
+
+def printable(text: str) -> str:
+    """Return a text on one line, with nothing in it that a terminal or XML could stumble on."""
+    return "".join(character if character.isprintable() else " " for character in text)
+
+
+def _outline_node(node: Node) -> OutlineNode:
+    return OutlineNode(
+        path=node.path,
+        name=node.name,
+        type_name=node.type_name,
+        kind=node.kind,
+        parent=node.parent,
+        branch=node.branch,
+        parameters=tuple(_parameters(node)),
+        doc=printable(node.type.doc),
+    )
+
+
+def _parameters(node: Node) -> list[str]:
+    shown = []
+    for name, value in node.values.items():
+        spec = node.type.params.get(name)
+        if spec is None or spec.required or value != spec.default:
+            if isinstance(value, Key) and name in node.references:
+                shown.append(f"{name}: ${node.references[name]}")
+                continue
+            unit = f" {spec.unit}" if spec is not None and spec.unit and _is_number(value) else ""
+            shown.append(f"{name}: {printable(_value_text(value))}{unit}")
+    return shown
+
+
+def _is_number(value: Any) -> bool:
+    if isinstance(value, (list, tuple)):
+        return bool(value) and all(map(_is_number, value))
+    return isinstance(value, (int, float)) and not isinstance(value, bool)
+
+
+def _value_text(value: Any) -> str:
+    """Return a value as a tree file would say it; what is no plain data says itself what it is."""
+    if value is None:
+        return "null"
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, (list, tuple)):
+        return f"[{', '.join(map(_value_text, value))}]"
+    if isinstance(value, dict):
+        return f"{{{', '.join(f'{key}: {_value_text(inner)}' for key, inner in value.items())}}}"
+    return f"{value:g}" if isinstance(value, float) else str(value)

@@ -1,0 +1,132 @@
+"""Writing a tree as a file that loads to the same tree."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import yaml
+
+from humanoid_bt.blackboard import Key
+from humanoid_bt.errors import UserError
+from humanoid_bt.tree.registry import CHILD
+
+if TYPE_CHECKING:
+    from humanoid_bt.tree.tree import Node, Tree
+
+_WIDTH = 100
+_ORDER = ("format", "name", "description", "robot", "scene", "subtree", "parameters", "blackboard", "outputs")
+
+
+class _Flow(dict[str, Any]):
+    """A mapping on one line: the parameters of a leaf."""
+
+
+class _FlowList(list[Any]):
+    """A list on one line: values, not nodes."""
+
+
+class _Dumper(yaml.SafeDumper):
+    """Writes as people do: lists indented below their key, leaves on one line, nothing for nothing."""
+
+    def increase_indent(self, flow: bool = False, indentless: bool = False) -> None:
+        super().increase_indent(flow, False)
+
+    def ignore_aliases(self, data: Any) -> bool:
+        return True
+
+
+_Dumper.add_representer(
+    _Flow, lambda dumper, data: dumper.represent_mapping("tag:yaml.org,2002:map", data.items(), flow_style=True)
+)
+_Dumper.add_representer(
+    _FlowList, lambda dumper, data: dumper.represent_sequence("tag:yaml.org,2002:seq", data, flow_style=True)
+)
+_Dumper.add_representer(type(None), lambda dumper, _: dumper.represent_scalar("tag:yaml.org,2002:null", ""))
+
+
+def tree_text(tree: Tree) -> str:
+    """Return the text of a tree file.
+
+    Raises:
+        UserError: a parameter has a value that no file can hold, or the tree could not be made.
+    """
+    if not tree.nodes:
+        raise UserError(f"the sub-tree {tree.name!r} has no nodes without its parameters: nothing can be written")
+    header = {"format": 1, **tree.header}
+    header = {key: header[key] for key in (*_ORDER, *header) if header.get(key) not in (None, "", {})}
+    children: dict[int, list[int]] = {}
+    for index, node in enumerate(tree.nodes):
+        children.setdefault(node.parent, []).append(index)
+    document = {**header, "root": _node(tree, 0, children)}
+    try:
+        text: str = yaml.dump(
+            document, Dumper=_Dumper, sort_keys=False, width=_WIDTH, allow_unicode=True, default_flow_style=False
+        )
+    except yaml.representer.RepresenterError as error:
+        raise UserError(f"the tree {tree.name!r} cannot be written: {error.args[0]} {error.args[-1]!r}") from error
+    return text
+
+
+def written(value: Any, unit: str = "") -> Any:  # noqa: PLR0911 (a table of cases)
+    """Return a parameter's value as a file holds it, with its unit."""
+    if isinstance(value, Key):
+        return value.name
+    if isinstance(value, bool) or value is None:
+        return value
+    if isinstance(value, (int, float)):
+        return f"{repr(value).removesuffix('.0')} {unit}" if unit else value
+    if isinstance(value, (list, tuple)):
+        return _FlowList(written(item, unit) for item in value)
+    if isinstance(value, Mapping):
+        return {key: written(item, unit) for key, item in value.items()}
+    if isinstance(value, str):
+        return f"${value}" if value.startswith("$") else value
+    return str(value) if hasattr(type(value), "from_item") else value
+
+
+def _node(tree: Tree, index: int, children: Mapping[int, list[int]]) -> Any:
+    """Return a node as plain YAML, in its shortest form."""
+    node = tree.nodes[index]
+    below = [] if node.kind == "subtree" else children.get(index, [])
+    body = _parameters(node)
+    plain = [child for child in below if not tree.nodes[child].branch]
+    for child in below:
+        branch, _, case = tree.nodes[child].branch.partition(" ")
+        if case:
+            body.setdefault(branch, {})[case] = _node(tree, child, children)
+        elif branch:
+            body[branch] = _branch(node, branch, _node(tree, child, children))
+    if node.type.takes == "many":
+        items = [_node(tree, child, children) for child in plain]
+        return {node.type_name: {**body, "children": items} if body else items}
+    if node.type.takes == "one":
+        return {node.type_name: {**body, **_child(node, _node(tree, plain[0], children))}}
+    if not body:
+        return node.type_name
+    if body.keys() == {node.type.main} and not isinstance(body[node.type.main], (list, dict)):
+        return {node.type_name: body[node.type.main]}
+    return {node.type_name: body if below or node.arguments else _Flow(body)}
+
+
+def _parameters(node: Node) -> dict[str, Any]:
+    body: dict[str, Any] = {} if node.name == node.type_name else {"name": node.name}
+    for name, spec in node.type.params.items():
+        if name in node.references:
+            body[name] = f"${node.references[name]}"
+        elif name in node.values and (spec.required or node.values[name] != spec.default):
+            body[name] = written(node.values[name], spec.unit)
+    return {**body, **node.arguments}
+
+
+def _branch(node: Node, branch: str, below: Any) -> Any:
+    """Return what stands for a branch: of a condition that is only an expression, its text."""
+    text = below.get("condition") if isinstance(below, dict) else None
+    return text if node.type.branches[branch].condition and isinstance(text, str) else below
+
+
+def _child(node: Node, child: Any) -> dict[str, Any]:
+    """Return what stands for a decorator's child among its parameters."""
+    taken = {"name", *node.type.params, *node.type.branches}
+    whole = {child: None} if isinstance(child, str) else child
+    return {CHILD: child} if whole.keys() & taken else whole

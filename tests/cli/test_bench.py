@@ -1,0 +1,77 @@
+"""What ``bench`` prints and writes, of figures that are made up."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from humanoid_bt.bench.figure import Figure
+from humanoid_bt.cli import bench, main
+from humanoid_bt.workspace import Workspace
+
+TICK = Figure("tick of a tree", "py_trees", "us CPU", 3.0, 12.0, 0.25, 0.2, 0.3, must=1.0, aim=0.2)
+SPEED = Figure("lockstep", "CPU time it took", "s", 12.0, 1.0, 12.0, 11.0, 13.0, must=4, aim=10, more_is_better=True)
+
+
+@pytest.fixture(autouse=True)
+def measured(monkeypatch: pytest.MonkeyPatch) -> list[Path]:
+    """Put made-up figures in the place of the measurement; return the trees that are asked for."""
+    asked: list[Path] = []
+
+    def measure(_repetitions: int) -> Iterator[Figure]:
+        yield SPEED
+        yield TICK
+
+    def measure_tree(path: Path, _workspace: Workspace, _repetitions: int) -> Iterator[Figure]:
+        asked.append(path)
+        yield TICK
+
+    monkeypatch.setattr(bench, "measure", measure)
+    monkeypatch.setattr(bench, "measure_tree", measure_tree)
+    monkeypatch.setenv("COLUMNS", "50")
+    return asked
+
+
+def test_the_table_fits_a_small_terminal(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["bench", "--repetitions", "3"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert max(map(len, lines)) <= 50
+    text = " ".join(" ".join(lines).split())
+    assert "median of 3 pairs" in text
+    assert "12.00x lockstep" in text and "must >= 4, aim >= 10" in text
+    assert "0.25x tick of a tree to py_trees: 3 to 12 us CPU (0.20-0.30), must <= 1, aim <= 0.2" in text
+
+
+@pytest.mark.parametrize("arguments, tree", [(["--tree"], "fetch"), (["--tree", "stand"], "stand")])
+def test_only_a_tree_can_be_measured(
+    arguments: list[str], tree: str, measured: list[Path], capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["bench", *arguments]) == 0
+    out = capsys.readouterr().out
+    assert "tick of a tree" in out and "lockstep" not in out
+    assert [path.stem for path in measured] == [tree]
+
+
+def test_a_tree_that_is_not_there_is_named(measured: list[Path], capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["bench", "--tree", "fetsch"]) == 2
+    assert "did you mean 'fetch'?" in capsys.readouterr().err
+    assert measured == []
+
+
+def test_trees_and_realtime_are_measured_apart(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as left:
+        main(["bench", "--tree", "--realtime"])
+    assert left.value.code == 2
+    assert "not allowed with argument --tree" in capsys.readouterr().err
+
+
+def test_the_file_holds_every_figure(tmp_path: Path) -> None:
+    file = tmp_path / "figures.json"
+    assert main(["bench", "--json", str(file), "--repetitions", "2"]) == 0
+    data = json.loads(file.read_text(encoding="utf-8"))
+    assert {"machine", "versions", "repetitions"} <= data.keys()
+    assert [entry["name"] for entry in data["figures"]] == ["lockstep", "tick of a tree"]
+    assert data["figures"][1]["ratio"] == 0.25

@@ -1,0 +1,251 @@
+"""Trees inside trees: parameters in and out, names of their own, nodes as parameters, no cycles."""
+
+from __future__ import annotations
+
+import textwrap
+from pathlib import Path
+
+import pytest
+
+from humanoid_bt.errors import Problem, UserError
+from humanoid_bt.tree import load_tree
+from humanoid_bt.workspace import Workspace
+from tests.tree.helpers import Run, load, seen
+
+ACT = """\
+subtree: true
+parameters:
+  script: {type: text, doc: What it does.}
+root: {act: {script: $script}}
+"""
+
+COUNTED = """\
+subtree: true
+parameters: {limit: 2}
+blackboard: {count: 0}
+outputs: {total: {type: number, doc: How often.}}
+root:
+  sequence:
+    - set_blackboard: {key: count, expression: count + 1}
+    - set_blackboard: {key: total, expression: count}
+    - condition: count <= limit
+"""
+
+TRIED = """\
+subtree: true
+parameters:
+  attempts: 2
+  action: {type: node, doc: What is tried.}
+root: {retry: {attempts: $attempts, $action: }}
+"""
+
+
+def write(workspace: Workspace, name: str, text: str) -> Path:
+    path = workspace.root / "trees" / f"{name}.yaml"
+    path.write_text("format: 1\n" + textwrap.dedent(text))
+    return path
+
+
+def problems(workspace: Workspace, text: str) -> list[Problem]:
+    with pytest.raises(UserError) as raised:
+        load(workspace, textwrap.dedent(text))
+    return list(raised.value.problems)
+
+
+def test_parameters_go_in(workspace: Workspace) -> None:
+    write(workspace, "acting", ACT)
+    tree = load(workspace, "parameters: {what: s}\nroot: {subtree: {tree: acting, script: $what}}")
+    assert [node.path for node in tree.nodes] == ["t/subtree", "t/subtree/act"]
+    assert tree.nodes[1].values == {"script": "s"}
+    assert tree.nodes[1].place.file.endswith("acting.yaml")
+    assert [path.name for path in tree.files] == ["t.yaml", "acting.yaml"]
+    assert tree.nodes[0].kind == "subtree"
+    assert Run(tree).ticks(1) == "s"
+
+
+def test_the_short_form_names_a_tree_without_parameters(workspace: Workspace) -> None:
+    write(workspace, "still", "root: {act: {script: rrs}}")
+    assert Run(load(workspace, "root: {subtree: still}")).ticks(3) == "rrs"
+
+
+def test_outputs_come_out_under_the_callers_name(workspace: Workspace) -> None:
+    write(workspace, "counted", COUNTED)
+    text = "root: {sequence: [{subtree: {tree: counted, total: n}}, {condition: n == 1}]}"
+    assert Run(load(workspace, text)).ticks(1) == "s"
+
+
+def test_its_keys_are_its_own_and_begin_anew_each_time(workspace: Workspace) -> None:
+    write(workspace, "counted", COUNTED)
+    text = """\
+    blackboard: {count: 10}
+    root:
+      repeat:
+        times: 3
+        sequence:
+          - subtree: {tree: counted, total: n}
+          - condition: n == 1 and count == 10
+    """
+    assert Run(load(workspace, textwrap.dedent(text))).ticks(3) == "rrs"
+
+
+def test_two_uses_share_nothing(workspace: Workspace) -> None:
+    write(workspace, "counted", COUNTED)
+    text = "root: {sequence: [{subtree: counted}, {subtree: {tree: counted, limit: 0}}]}"
+    assert Run(load(workspace, text)).ticks(1) == "f"
+
+
+def test_a_name_of_the_caller_means_nothing_in_it(workspace: Workspace) -> None:
+    write(workspace, "leak", "subtree: true\nroot: {condition: secret == 1}")
+    (problem,) = problems(
+        workspace,
+        "root: {sequence: [{set_blackboard: {key: secret, value: 1}}, {subtree: leak}, {condition: secret == 1}]}",
+    )
+    assert "unknown name 'secret'" in problem.message
+    assert problem.place is not None
+    assert problem.place.file.endswith("leak.yaml")
+
+
+def test_a_key_of_the_caller_can_be_given_and_is_read_when_it_is_used(workspace: Workspace) -> None:
+    write(workspace, "acting", ACT)
+    text = """\
+    root:
+      for_each:
+        item: what
+        items: [rs, s, rrs]
+        subtree: {tree: acting, script: $what}
+    """
+    run = Run(load(workspace, textwrap.dedent(text)))
+    assert run.ticks(7)[-1] in "rs"
+    assert run.tree.nodes[-1].name == "act"
+
+
+def test_a_node_can_be_given_and_keeps_the_callers_names(workspace: Workspace) -> None:
+    write(workspace, "tried", TRIED)
+    tree = load(
+        workspace,
+        "parameters: {what: ff, attempts: 3}\n"
+        "root: {subtree: {tree: tried, attempts: $attempts, action: {act: {script: $what, name: mine}}}}",
+    )
+    assert [node.path for node in tree.nodes] == ["t/subtree", "t/subtree/retry", "t/subtree/retry/mine"]
+    assert Run(tree).ticks(3) == "rrf"
+
+
+def test_a_sub_tree_may_stand_beside_the_file_that_uses_it(workspace: Workspace) -> None:
+    folder = workspace.root / "trees" / "parts"
+    folder.mkdir()
+    (folder / "inner.yaml").write_text("format: 1\nroot: act")
+    (folder / "outer.yaml").write_text("format: 1\nroot: {subtree: ./inner.yaml}")
+    assert load_tree(folder / "outer.yaml", workspace).nodes[-1].name == "act"
+
+
+def test_safety_looks_through_it(workspace: Workspace) -> None:
+    write(workspace, "touch", "subtree: true\nparameters: {it: {type: percept}}\nroot: {reach: {target: $it}}")
+    safe = "root: {emergency_stop: {watchdog: {percept: ball, max_age: 1, subtree: {tree: touch, it: ball}}}}"
+    run = Run(load(workspace, safe))
+    assert "left_hand" in run.tick(seen(0.0) | {"ball": seen(0.0)["target"]}).targets or run.changes
+    found = problems(workspace, "root: {subtree: {tree: touch, it: ball}}")
+    assert [problem.code for problem in found] == ["outside-emergency-stop", "outside-watchdog"]
+
+
+def test_a_sub_tree_alone_needs_nothing_around_it_and_no_values(workspace: Workspace) -> None:
+    path = write(
+        workspace,
+        "touch",
+        "subtree: true\nparameters: {it: {type: percept}, act: {type: node}}\n"
+        "root: {sequence: [{reach: {target: $it}}, $act, {condition: distance($it) < 1}]}",
+    )
+    assert load_tree(path, workspace).nodes == ()
+
+
+@pytest.mark.parametrize(
+    ("text", "code", "message"),
+    [
+        ("{subtree: }", "missing-parameter", "the parameter 'tree' of 'subtree' is missing"),
+        ("{subtree: {tree: actin, script: s}}", "unknown-tree", "no tree named 'actin'"),
+        ("{subtree: acting}", "missing-parameter", "the parameter 'script' of 'subtree' is missing"),
+        ("{subtree: {tree: acting, script: 3}}", "wrong-type", "'script' must be text"),
+        ("{subtree: {tree: acting, script: s, scrip: s}}", "unknown-parameter", "unknown parameter 'scrip'"),
+        ("{subtree: {tree: tried, attempts: 1 m, action: act}}", "wrong-unit", "'attempts' has the unit 'm'"),
+        ("{subtree: {tree: tried}}", "missing-parameter", "the node 'action' of 'subtree' is missing"),
+        ("{subtree: {tree: tried, action: {acct: }}}", "unknown-node", "unknown node 'acct'"),
+        ("{subtree: {tree: counted, total: 3}}", "key-name", "'total' must name a key"),
+        ("$action", "unknown-reference", "'$action' is no node"),
+        ("{subtree: {tree: acting, script: $what}}", "unknown-reference", "unknown parameter or key '$what'"),
+    ],
+)
+def test_mistakes_in_its_use(workspace: Workspace, text: str, code: str, message: str) -> None:
+    for name, tree in (("acting", ACT), ("tried", TRIED), ("counted", COUNTED)):
+        write(workspace, name, tree)
+    (problem,) = problems(workspace, f"root: {text}")
+    assert message in problem.message
+    assert problem.code in (code, "")
+    assert problem.place is not None
+    assert problem.place.line == 2
+
+
+def test_a_tree_cannot_contain_itself(workspace: Workspace) -> None:
+    write(workspace, "first", "root: {sequence: [act, {subtree: second}]}")
+    write(workspace, "second", "root: {inverter: {subtree: first}}")
+    (problem,) = problems(workspace, "root: {subtree: first}")
+    assert problem.message == "the tree 'first' would contain itself"
+    assert problem.hint == "t -> first -> second -> first"
+    assert problem.place is not None
+    assert problem.place.file.endswith("second.yaml")
+
+
+def test_doubling_sub_trees_are_bounded(workspace: Workspace) -> None:
+    write(workspace, "level0", "root: act")
+    for level in range(1, 30):
+        write(
+            workspace,
+            f"level{level}",
+            f"root: {{sequence: [{{subtree: level{level - 1}}}, {{subtree: level{level - 1}}}]}}",
+        )
+    found = problems(workspace, "root: {subtree: level29}")
+    assert {problem.code for problem in found} == {"too-large"}
+
+
+def test_a_broken_sub_tree_is_told_once_and_with_its_own_place(workspace: Workspace) -> None:
+    write(workspace, "broken", "parameters: {unused: 1}\nroot: {sequence: [idel]}")
+    found = problems(workspace, "root: {sequence: [{subtree: broken}, {subtree: broken}]}")
+    assert [(p.message, p.place.line if p.place else 0) for p in found] == [
+        ("the parameter 'unused' is not used", 2),
+        ("unknown node 'idel'", 3),
+    ]
+    assert all(p.place and p.place.file.endswith("broken.yaml") for p in found)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("parameters: {tree: a}\nroot: {act: {script: $tree}}", "'tree' cannot be called so"),
+        ("outputs: {x: {type: text}}\nroot: act", "nothing writes the output 'x'"),
+        (
+            "parameters: {x: 1}\noutputs: {x: {type: number}}\nroot: {set_blackboard: {key: x, value: $x}}",
+            "declared twice",
+        ),
+        ("blackboard: {x: 1}\nparameters: {x: 1}\nroot: {condition: x == 1}", "declared twice"),
+        ("blackboard: {x: {type: number}}\nroot: {condition: x == 1}", "the key 'x' is read, but nothing writes it"),
+        (
+            "blackboard: {x: {type: number, unit: m}}\nroot: {sequence: [{set_blackboard: {key: x, value: 1}}, "
+            "{condition: x > 1 s}]}",
+            "a number in m and a number in s",
+        ),
+        (
+            "root: {sequence: [{for_each: {item: n, items: [1, 2], act: }}, {retry: {attempts: $n, act: }}]}",
+            "'attempts' of 'retry' must be known before the run",
+        ),
+        (
+            "root: {emergency_stop: {sequence: [{set_blackboard: {key: n, value: a}}, {reach: {target: $n}}]}}",
+            "'target' of 'reach' must be known before the run",
+        ),
+    ],
+)
+def test_mistakes_in_what_a_tree_declares(workspace: Workspace, text: str, message: str) -> None:
+    (problem,) = problems(workspace, text)
+    assert message in problem.message
+
+
+def test_declared_keys_that_nothing_reads_are_only_worth_a_warning(workspace: Workspace) -> None:
+    tree = load(workspace, "blackboard: {x: 1}\nroot: act")
+    assert [(w.code, w.severity) for w in tree.warnings] == [("unused-key", "warning")]
