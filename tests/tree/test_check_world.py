@@ -7,7 +7,8 @@ from pathlib import Path
 import pytest
 
 from humanoid_bt.errors import UserError
-from humanoid_bt.tree import Tree, load_tree
+from humanoid_bt.tree import Registry, Tree, load_tree, make_tree
+from humanoid_bt.tree.nodes import EmergencyStop, Watchdog
 from humanoid_bt.workspace import Workspace, builtin_root
 from tests.tree.helpers import found, load
 from tests.tree.test_load import one
@@ -83,6 +84,20 @@ def test_a_robot_with_mistakes_is_one_mistake_of_its_tree(workspace: Workspace) 
     (folder / "robot.yaml").write_text("format: 1\nname: broken\n")
     with pytest.raises(UserError, match=r"robot.yaml:1:1: the parameter 'model' of the robot is missing"):
         load(workspace, "robot: broken\nroot: act")
+
+
+@pytest.mark.parametrize("name", ['""', '"\\0"', "sim", "x" * 5000])
+def test_a_name_that_can_be_none_is_a_mistake(workspace: Workspace, name: str) -> None:
+    assert [line.split()[1] for line in found(workspace, f"scene: {name}\nroot: act")] == ["unknown-scene"]
+
+
+def test_a_tree_made_in_python_is_checked_for_its_robot(handless: Workspace) -> None:
+    reach = Registry.of(handless)["reach"].cls(name="reach", target="p")
+    root = EmergencyStop("stop", Watchdog("dog", reach, percept="p", max_age=1.0))
+    with pytest.raises(UserError, match="the robot 'handless' has none"):
+        make_tree(root, handless, robot="handless")
+    with pytest.raises(UserError, match="no scene named 'nowhere'"):
+        make_tree(root, handless, scene="nowhere")
 
 
 def test_an_edited_robot_is_read_again(handless: Workspace) -> None:

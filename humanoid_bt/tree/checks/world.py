@@ -103,18 +103,20 @@ def _found(
         return None
     try:
         path = find(named.value)
+        written = path.stat()
     except UserError as error:
         problem = error.problems[0]
         problems.append(Problem(problem.message, named.place, problem.hint, f"unknown-{what}"))
         return None
-    try:
-        written = path.stat()
-        return load(path, (written.st_mtime_ns, written.st_size))
     except OSError as error:
-        problems.append(Problem(f"{path} cannot be read: {error.strerror}", named.place, "", f"unknown-{what}"))
+        message = f"the {what} {named.value!r} cannot be found: {error.strerror}"
+        problems.append(Problem(message, named.place, "", f"unknown-{what}"))
+        return None
+    try:
+        return load(path, (written.st_mtime_ns, written.st_size))
     except UserError as error:
         problems += error.problems
-    return None
+        return None
 
 
 @functools.lru_cache(maxsize=32)
