@@ -20,6 +20,7 @@ from typing import Any
 import blocks
 
 from humanoid_bt import clock
+from humanoid_bt.codes import ALLOWABLE, CODES
 from humanoid_bt.messages import State
 from humanoid_bt.params import UNITS, Param, params_of, written_units
 from humanoid_bt.plant.robot_config import RobotConfig
@@ -270,11 +271,30 @@ def clocks() -> str:
     return _table(("loop", "rate", "period", "servo cycles"), rows)
 
 
+def codes() -> str:
+    """Return the table of what checks find."""
+    rows = []
+    for code in CODES.values():
+        severity = f"{code.severity}, can be allowed" if code.name in ALLOWABLE else code.severity
+        rows.append((f"`{code.name}`", severity, code.meaning.replace("$name", "`$name`")))
+    return _table(("code", "severity", "meaning"), rows)
+
+
+def code_examples() -> str:
+    """Return the table of the codes whose example fits into it."""
+    rows = [
+        (f"`{code.name}`", f"`{code.wrong}`", f"`{code.right}`")
+        for code in CODES.values()
+        if code.wrong and "\n" not in code.wrong + code.right
+    ]
+    return _table(("code", "wrong", "right"), rows)
+
+
 PARTS_BY_NAME: dict[str, Callable[[], str]] = {
     maker.__name__: maker
     for maker in (
         *(nodes, skills, tree_keys, node_keys, parameter_keys, units, robot_keys, scene_keys, trees),
-        *(handle, track, state, rig, rig_result, clocks),
+        *(handle, track, state, rig, rig_result, clocks, codes, code_examples),
     )
 }
 """Name of a generated part -> what makes it."""

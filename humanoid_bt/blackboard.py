@@ -97,5 +97,5 @@ class Key:
             what = f"{item.kind} {item.value!r}" if isinstance(item.value, str) else item.kind
             hint = "letters, digits and _, not beginning with a digit"
             message = f"{parameter!r} must name a key of the blackboard, not {what}"
-            raise UserError(message, item.place, hint, "key-name")
+            raise UserError(message, item.place, hint, "bad-name")
         return cls(item.value)

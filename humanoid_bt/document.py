@@ -63,9 +63,11 @@ def read_text(path: Path) -> str:
     try:
         return path.read_text(encoding="utf-8")
     except UnicodeDecodeError as error:
-        raise UserError("the file is not UTF-8 text", Place(relative(path))) from error
+        before = error.object[: error.start].decode("utf-8")
+        place = Place(relative(path), before.count("\n") + 1, len(before) - before.rfind("\n"))
+        raise UserError("the file is not UTF-8 text", place, code="unreadable") from error
     except OSError as error:
-        raise UserError(f"cannot be read: {error.strerror}", Place(relative(path))) from error
+        raise UserError(f"cannot be read: {error.strerror}", Place(relative(path)), code="unreadable") from error
 
 
 def load(path: Path) -> Item:
@@ -95,13 +97,15 @@ def parse(text: str, name: str, problems: list[Problem] | None = None) -> Item:
         before = text[: error.position]
         place = Place(name, before.count("\n") + 1, len(before) - before.rfind("\n"))
         code = ord(text[error.position])
-        raise UserError(f"not valid YAML: the character U+{code:04X} is not allowed", place) from error
+        raise UserError(f"not valid YAML: the character U+{code:04X} is not allowed", place, code="syntax") from error
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         what = " ".join(part for part in (error.context, error.problem) if part)
-        raise UserError(f"not valid YAML: {what}", _place(name, mark) if mark else Place(name)) from error
+        raise UserError(
+            f"not valid YAML: {what}", _place(name, mark) if mark else Place(name), code="syntax"
+        ) from error
     except RecursionError as error:
-        raise UserError("nested too deeply", Place(name)) from error
+        raise UserError("nested too deeply", Place(name, 1, 1), code="too-large") from error
     if found and problems is None:
         raise UserError(found)
     return item
@@ -123,7 +127,7 @@ class _Loader(yaml.SafeLoader):
         self.depth += 1
         if self.depth > MAX_DEPTH:
             place = _place(self.file, parent.start_mark) if parent else Place(self.file)
-            raise UserError(f"nested deeper than {MAX_DEPTH} levels", place)
+            raise UserError(f"nested deeper than {MAX_DEPTH} levels", place, code="too-large")
         node = super().compose_node(parent, index)
         self.depth -= 1
         return node
@@ -141,25 +145,35 @@ class _Reader:
 
     def document(self) -> Item:
         try:
-            node = self.loader.get_single_node()
+            node = self.root()
             if node is None:
-                raise UserError("the file is empty", Place(self.name, 1, 1))
+                raise UserError("the file is empty", Place(self.name, 1, 1), code="syntax")
             return self.item(node, ())
         finally:
             self.loader.dispose()
+
+    def root(self) -> yaml.Node | None:
+        try:
+            node: yaml.Node | None = self.loader.get_single_node()
+        except UserError:
+            raise
+        except (ValueError, OverflowError) as error:  # from the scanner: "\UFFFFFFFF", a version of 5000 digits
+            place = _place(self.name, self.loader.get_mark())
+            raise UserError("not valid YAML: no character or version has this number", place, code="syntax") from error
+        return node
 
     def item(self, node: yaml.Node, above: tuple[int, ...]) -> Item:
         place = _place(self.name, node.start_mark)
         self.count += 1
         if self.count > MAX_ITEMS:
-            raise UserError(f"more than {MAX_ITEMS} values, aliases expanded", place)
+            raise UserError(f"more than {MAX_ITEMS} values, aliases expanded", place, code="too-large")
         if isinstance(node, yaml.ScalarNode):
             return Item(self.scalar(node, place), place)
         if id(node) in above:
-            raise UserError("an alias refers to a value that contains it", place)
+            raise UserError("an alias refers to a value that contains it", place, code="syntax")
         above = (*above, id(node))
         if len(above) > MAX_DEPTH:
-            raise UserError(f"nested deeper than {MAX_DEPTH} levels", place)
+            raise UserError(f"nested deeper than {MAX_DEPTH} levels", place, code="too-large")
         if isinstance(node, yaml.SequenceNode) and node.tag == _TAG + "seq":
             return Item([self.item(child, above) for child in node.value], place)
         if not isinstance(node, yaml.MappingNode) or node.tag != _TAG + "map":
@@ -170,17 +184,25 @@ class _Reader:
 
     def scalar(self, node: yaml.ScalarNode, place: Place) -> Any:
         if node.tag in _TEXT:
-            return node.value
+            return self.text(node, place)
         if node.tag not in _CONSTRUCTED:
             raise self.unknown_tag(node, place)
         try:
             return self.loader.construct_object(node)
         except (ValueError, LookupError, ArithmeticError, AttributeError, TypeError) as error:
             kind = node.tag.removeprefix(_TAG)
-            raise UserError(f"{node.value[:40]!r} is not a valid {kind}", place) from error
+            raise UserError(f"{node.value[:40]!r} is not a valid {kind}", place, code="wrong-type") from error
+
+    def text(self, node: yaml.ScalarNode, place: Place) -> str:
+        try:
+            node.value.encode("utf-8")
+        except UnicodeEncodeError as error:  # half of a pair, written as "\uD800"
+            raise UserError(f"{node.value[:40]!a} holds half a character", place, code="syntax") from error
+        return str(node.value)
 
     def unknown_tag(self, node: yaml.Node, place: Place) -> UserError:
-        return UserError(f"the tag {node.tag.replace(_TAG, '!!')!r} is not supported", place, "write a plain value")
+        message = f"the tag {node.tag.replace(_TAG, '!!')!r} is not supported"
+        return UserError(message, place, "write a plain value", code="syntax")
 
     def pairs(self, node: yaml.MappingNode, above: tuple[int, ...]) -> dict[str, tuple[Place, yaml.Node]]:
         """Return a mapping's keys with their places and values; its own keys win over merged ones (``<<``)."""
@@ -192,14 +214,15 @@ class _Reader:
         for key_node, value_node in node.value:
             place = _place(self.name, key_node.start_mark)
             if not isinstance(key_node, yaml.ScalarNode):
-                raise UserError("a key must be text", place)
-            key = key_node.value
+                raise UserError("a key must be text", place, code="syntax")
+            key = self.text(key_node, place)
             if key_node.tag == _TAG + "merge":
                 for source in self.sources(value_node, above):
                     inherited = self.pairs(source, above) | inherited
             elif key in own:
                 hint = f"first at {own[key][0]}"
-                self.problems.append(Problem(f"the key {key!r} stands twice in one mapping", place, hint))
+                message = f"the key {key!r} stands twice in one mapping"
+                self.problems.append(Problem(message, place, hint, code="duplicate-key"))
             else:
                 own[key] = (place, value_node)
         self.merged[id(node)] = inherited | own
@@ -210,7 +233,7 @@ class _Reader:
         for source in nodes:
             place = _place(self.name, source.start_mark)
             if not isinstance(source, yaml.MappingNode):
-                raise UserError("only mappings can be merged with <<", place)
+                raise UserError("only mappings can be merged with <<", place, code="syntax")
             if id(source) in above:
-                raise UserError("an alias refers to a value that contains it", place)
+                raise UserError("an alias refers to a value that contains it", place, code="syntax")
         return list(nodes)

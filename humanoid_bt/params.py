@@ -20,7 +20,7 @@ import re
 import types
 import typing
 from collections.abc import Callable, Mapping
-from typing import Any, NewType
+from typing import Any, Literal, NewType
 
 from humanoid_bt.blackboard import Key
 from humanoid_bt.document import Item
@@ -225,7 +225,7 @@ def read(cls: type, item: Item, what: str = "") -> Any:
         UserError: with every problem found, each with its place.
     """
     if not isinstance(item.value, dict):
-        raise UserError(f"{what or 'this'} must be a mapping, not {item.kind}", item.place)
+        raise UserError(f"{what or 'this'} must be a mapping, not {item.kind}", item.place, code="wrong-type")
     values, problems = read_values(params_of(cls), item, what)
     if problems:
         raise UserError(problems)
@@ -237,7 +237,7 @@ def read_values(
     item: Item,
     what: str = "",
     also: frozenset[str] = frozenset(),
-    noun: str = "parameter",
+    noun: Literal["parameter", "key"] = "parameter",
 ) -> tuple[dict[str, Any], list[Problem]]:
     """Convert a mapping's items by their declarations; return the values and every problem.
 
@@ -255,11 +255,13 @@ def read_values(
                 problems += error.problems
         elif key not in also:
             hint = nearest(key, [*params, *also])
-            problems.append(Problem(f"unknown {noun} {key!r}{of}", item.key_places.get(key), hint))
+            message, code = f"unknown {noun} {key!r}{of}", f"unknown-{noun}"
+            problems.append(Problem(message, item.key_places.get(key), hint, code=code))
     for name, spec in params.items():
         if spec.required and name not in item.value:
             hint = f"{name}: {spec.type_name}  # {spec.doc}"
-            problems.append(Problem(f"the {noun} {name!r}{of} is missing", item.place, hint))
+            message = f"the {noun} {name!r}{of} is missing"
+            problems.append(Problem(message, item.place, hint, code=f"missing-{noun}"))
     return values, problems
 
 
@@ -288,7 +290,8 @@ def _type_name(kind: Any) -> str:  # noqa: PLR0911 (a table of cases)
 
 
 def _wrong(item: Item, spec: Param, kind: Any) -> UserError:
-    return UserError(f"{spec.name!r} must be {_article(_type_name(kind))}, not {_shown(item)}", item.place, spec.doc)
+    message = f"{spec.name!r} must be {_article(_type_name(kind))}, not {_shown(item)}"
+    return UserError(message, item.place, spec.doc, code="wrong-type")
 
 
 def _shown(item: Item) -> str:
@@ -311,9 +314,8 @@ def _convert(kind: Any, item: Item, spec: Param) -> Any:  # noqa: PLR0911 (a tab
         return _convert_union(args, item, spec)
     if origin is typing.Literal:
         if not any(type(item.value) is type(arg) and item.value == arg for arg in args):
-            raise UserError(
-                f"{spec.name!r} cannot be {_shown(item)}", item.place, nearest(str(item.value), [str(a) for a in args])
-            )
+            hint = nearest(str(item.value), [str(a) for a in args])
+            raise UserError(f"{spec.name!r} cannot be {_shown(item)}", item.place, hint, code="wrong-choice")
         return item.value
     if origin in (list, tuple):
         return _convert_sequence(origin, args, item, spec)
@@ -358,7 +360,8 @@ def _convert_sequence(origin: Any, args: tuple[Any, ...], item: Item, spec: Para
         raise _wrong(item, spec, origin[args])
     kinds = [args[0]] * len(item.value) if origin is list or Ellipsis in args else list(args)
     if len(kinds) != len(item.value):
-        raise UserError(f"{spec.name!r} must have {len(kinds)} values, not {len(item.value)}", item.place, spec.doc)
+        message = f"{spec.name!r} must have {len(kinds)} values, not {len(item.value)}"
+        raise UserError(message, item.place, spec.doc, code="wrong-length")
     return origin(_convert(kind, child, spec) for kind, child in zip(kinds, item.value, strict=True))
 
 
@@ -368,7 +371,8 @@ def _convert_number(kind: Any, item: Item, spec: Param) -> float | int:
         allowed = _UNITS.get(spec.unit, {})
         if match[2] not in allowed:
             valid = ", ".join(allowed) if allowed else "a plain number"
-            raise UserError(f"{spec.name!r} has the unit {match[2]!r}", item.place, f"valid: {valid}")
+            message = f"{spec.name!r} has the unit {match[2]!r}"
+            raise UserError(message, item.place, f"valid: {valid}", code="wrong-unit")
         value = float(match[1]) * allowed[match[2]]
     elif isinstance(value, str) and is_number_text(value):
         value = float(value)
@@ -379,7 +383,7 @@ def _convert_number(kind: Any, item: Item, spec: Param) -> float | int:
     except OverflowError:  # a whole number beyond what a float holds
         finite = False
     if not finite:
-        raise UserError(f"{spec.name!r} must be finite, not {str(value)[:20]}", item.place)
+        raise UserError(f"{spec.name!r} must be finite, not {str(value)[:20]}", item.place, code="out-of-range")
     if kind is int and value != int(value):
         raise _wrong(item, spec, kind)
     low, above, high = spec.minimum, spec.above, spec.maximum
@@ -388,7 +392,8 @@ def _convert_number(kind: Any, item: Item, spec: Param) -> float | int:
         bounds = [f">= {low:g}" if low is not None else "", f"> {above:g}" if above is not None else ""]
         bounds.append(f"<= {high:g}" if high is not None else "")
         wanted = " and ".join(bound for bound in bounds if bound)
-        raise UserError(f"{spec.name!r} must be {wanted}, not {item.value!r}", item.place, spec.doc)
+        message = f"{spec.name!r} must be {wanted}, not {item.value!r}"
+        raise UserError(message, item.place, spec.doc, code="out-of-range")
     number: float | int = kind(value)
     return number
 

@@ -58,7 +58,8 @@ def load_skills(workspace: Workspace) -> dict[str, type[Behaviour]]:
             name, place = node_type_name(cls), class_place(cls)
             known = found.get(name)
             if known and known.folder == path.parent:
-                problems.append(Problem(f"the skill {name!r} is declared twice", place, f"first at {known.place}"))
+                hint = f"first at {known.place}"
+                problems.append(Problem(f"the skill {name!r} is declared twice", place, hint, code="duplicate-skill"))
             problems += _mistakes(name, cls, place)
             found[name] = _Found(cls, path.parent, place)
     if problems:
@@ -114,6 +115,7 @@ def _module(path: Path) -> ModuleType:
         raise UserError(
             f"the skill file cannot be imported: {type(error).__name__}: {message}",
             place_in_file(error, path) or Place(relative(path)),
+            code="broken-skill",
         ) from error
     return module
 
@@ -139,24 +141,27 @@ def _mistakes(name: str, cls: type[Behaviour], place: Place) -> list[Problem]:
     missing = sorted(getattr(cls, "__abstractmethods__", ()))
     if missing:
         hint = f"def {missing[0]}(self) -> ..., or a leading underscore if it is no skill"
-        problems.append(Problem(f"the skill {name!r} has no {'(), '.join(missing)}()", place, hint))
+        message = f"the skill {name!r} has no {'(), '.join(missing)}()"
+        problems.append(Problem(message, place, hint, code="broken-skill"))
     resources = getattr(cls, "resources", ())
     if not isinstance(resources, tuple):
-        problems.append(Problem(f"the resources of {name!r} must be a tuple", place, 'resources = ("base",)'))
+        message = f"the resources of {name!r} must be a tuple"
+        problems.append(Problem(message, place, 'resources = ("base",)', code="broken-skill"))
     else:
+        valid = f"valid: {', '.join(RESOURCES)}"
         problems += [
-            Problem(f"{name!r} declares an unknown resource {resource!r}", place, f"valid: {', '.join(RESOURCES)}")
+            Problem(f"{name!r} declares an unknown resource {resource!r}", place, valid, code="unknown-resource")
             for resource in resources
             if resource not in RESOURCES
         ]
     try:
         declared = params_of(cls)
     except (NameError, KeyError, TypeError) as error:
-        problems.append(Problem(f"the parameters of {name!r} cannot be read: {error}", place, "annotate each of them"))
+        message = f"the parameters of {name!r} cannot be read: {error}"
+        problems.append(Problem(message, place, "annotate each of them", code="broken-skill"))
     else:
-        problems += [
-            Problem(f"{name!r} declares the parameter {parameter!r}, which every node has already", place, "rename it")
-            for parameter in declared
-            if parameter in _TAKEN
-        ]
+        for parameter in declared:
+            if parameter in _TAKEN:
+                message = f"{name!r} declares the parameter {parameter!r}, which every node has already"
+                problems.append(Problem(message, place, "rename it", code="taken-name"))
     return problems

@@ -6,6 +6,7 @@ Names are looked up in the current workspace first, then in the built-in one.
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Literal
 
 from humanoid_bt.errors import UserError, nearest, relative
 
@@ -31,7 +32,7 @@ class Workspace:
     def __init__(self, root: Path | None = None) -> None:
         self.root = (root or Path.cwd()).resolve()
         if not self.root.is_dir():
-            raise UserError(f"the workspace {relative(self.root)!r} is not a folder")
+            raise UserError(f"the workspace {relative(self.root)!r} is not a folder", code="no-file")
         self.layers = list(dict.fromkeys((self.root, builtin_root())))
 
     @classmethod
@@ -112,14 +113,14 @@ class Workspace:
             found |= {path.stem: path for path in sorted((layer / folder).glob(pattern))}
         return found
 
-    def _find(self, name: str, known: dict[str, Path], what: str, kind: str) -> Path:
+    def _find(self, name: str, known: dict[str, Path], what: Literal["tree", "scene", "robot"], kind: str) -> Path:
         if name in known:
             return known[name]
         path = Path(name)
         if path.is_dir():
-            raise UserError(f"{name!r} is a folder, not a {what}", hint=nearest(name, known))
+            raise UserError(f"{name!r} is a folder, not a {what}", hint=nearest(name, known), code=f"unknown-{what}")
         if path.suffix in {".yaml", ".yml"} or "/" in name:
             if path.is_file():
                 return path
-            raise UserError(f"no {what} {kind} {name!r}", hint=nearest(path.stem, known))
-        raise UserError(f"no {what} named {name!r}", hint=nearest(name, known))
+            raise UserError(f"no {what} {kind} {name!r}", hint=nearest(path.stem, known), code=f"unknown-{what}")
+        raise UserError(f"no {what} named {name!r}", hint=nearest(name, known), code=f"unknown-{what}")

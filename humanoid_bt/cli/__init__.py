@@ -9,6 +9,7 @@ import traceback
 from collections.abc import Sequence
 
 from humanoid_bt.cli.arguments import parser
+from humanoid_bt.cli.findings import counted, print_findings
 from humanoid_bt.cli.output import standard_streams
 from humanoid_bt.errors import HumanoidBtError, UserError
 from humanoid_bt.session.report import ExitCode
@@ -33,7 +34,7 @@ def _guarded(argv: Sequence[str] | None) -> int:
     try:
         return int(_dispatch(parser().parse_args(argv)))
     except UserError as error:
-        print(_problems(error), file=sys.stderr)
+        _print_problems(error)
         return ExitCode.USAGE
     except KeyboardInterrupt:
         print("interrupted", file=sys.stderr)
@@ -47,11 +48,11 @@ def _guarded(argv: Sequence[str] | None) -> int:
         return ExitCode.ERROR
 
 
-def _problems(error: UserError) -> str:
-    lines = [f"error: {problem}" for problem in error.problems]
-    if len(lines) > 1:
-        lines.append(f"{len(lines)} problems")
-    return "\n".join(lines)
+def _print_problems(error: UserError) -> None:
+    errors = [problem for problem in error.problems if problem.severity == "error"]
+    print_findings(errors, stderr=True)
+    if len(errors) > 1:
+        print(counted(errors), file=sys.stderr)
 
 
 _COMMANDS = {
@@ -60,7 +61,7 @@ _COMMANDS = {
     "fmt": "fmt",
     "schema": "schema",
     "show": "show",
-    "check": "inspect",
+    "check": "check",
     "skills": "inspect",
     "robots": "inspect",
     "estop": "remote",

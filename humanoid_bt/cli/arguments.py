@@ -43,10 +43,13 @@ _CHECK_EXAMPLES = """\
 examples:
   humanoid-bt check                       all of this folder
   humanoid-bt check fetch trees/mine.yaml skills/
+  humanoid-bt check --strict --format sarif > check.sarif
+  humanoid-bt check --explain outside-watchdog
 
 exit codes:
-  0  no mistakes
-  2  mistakes, each with its file, line and column
+  0  no errors
+  2  errors, each with its file, line and column;
+     with --strict, warnings too
 """
 
 _SCHEMA_EXAMPLES = """\
@@ -157,14 +160,7 @@ def parser() -> Parser:
     _add_run(
         command("run", "run a tree", "Run a tree on a simulated robot.", _RUN_EXAMPLES + "\n" + _EXIT_CODES),
     )
-    check = command("check", "find mistakes in files", "Find mistakes without running anything.", _CHECK_EXAMPLES)
-    check.add_argument(
-        "paths",
-        nargs="*",
-        metavar="PATH",
-        help="names, files or folders of trees, skills, scenes, robots; default: this workspace",
-    )
-    _add_workspace(check)
+    _add_check(command("check", "find mistakes in files", "Find mistakes without running anything.", _CHECK_EXAMPLES))
 
     _add_fmt(command("fmt", "format files", _FMT, _FMT_EXAMPLES))
 
@@ -330,6 +326,27 @@ def _add_show(show: Parser) -> None:
     )
     show.add_argument("--run", metavar="ID", help="with --live: which run, if there are several")
     _add_workspace(show)
+
+
+def _add_check(check: Parser) -> None:
+    check.add_argument(
+        "paths",
+        nargs="*",
+        metavar="PATH",
+        help="names, files or folders of trees, skills, scenes, robots; default: this workspace",
+    )
+    check.add_argument("--strict", action="store_true", help="let warnings fail as errors do")
+    check.add_argument(
+        "--format",
+        choices=["text", "json", "sarif"],
+        default="text",
+        metavar="F",
+        help="text (default), json, or sarif for code scanning",
+    )
+    check.add_argument(
+        "--explain", nargs="?", const="", metavar="CODE", help="say what a code means, or list all of them"
+    )
+    _add_workspace(check)
 
 
 def _add_run_id(command: Parser) -> None:

@@ -11,6 +11,7 @@ import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 
+from humanoid_bt.cli.findings import print_findings
 from humanoid_bt.document import read_text
 from humanoid_bt.errors import Place, UserError, nearest, relative
 from humanoid_bt.formatting import formatted
@@ -31,8 +32,7 @@ def fmt(arguments: argparse.Namespace) -> int:
             if file.is_changed and not looks_only:
                 _write(path, file.after)
         except UserError as error:
-            for problem in error.problems:
-                print(f"error: {problem}", file=sys.stderr)
+            print_findings(error.problems, stderr=True)
             broken += 1
             continue
         changed += file.is_changed
@@ -133,7 +133,7 @@ def _write(path: Path, content: bytes) -> None:
                 Path(name).unlink()
             raise
     except OSError as error:
-        raise UserError(f"cannot be written: {error.strerror}", Place(relative(path))) from error
+        raise UserError(f"cannot be written: {error.strerror}", Place(relative(path)), code="unreadable") from error
 
 
 def _diff(file: _File, name: str) -> str:

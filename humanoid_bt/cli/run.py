@@ -13,12 +13,15 @@ from types import FrameType
 from rich.console import Console
 from rich.text import Text
 
+from humanoid_bt.checking import settled
 from humanoid_bt.cli import keys
+from humanoid_bt.cli.findings import print_findings
 from humanoid_bt.cli.printer import Printer, print_summary
 from humanoid_bt.errors import HumanoidBtError, UserError
 from humanoid_bt.record.sinks import Sinks, has_display
 from humanoid_bt.session.options import RunOptions, default_recording
 from humanoid_bt.session.run import Run
+from humanoid_bt.tree import Tree
 from humanoid_bt.workspace import Workspace
 
 _KEYBOARD = "keyboard"
@@ -34,6 +37,7 @@ def run(arguments: argparse.Namespace) -> int:
     session = Run(options, workspace, printer)
     if arguments.report:
         _check_writable(arguments.report)
+    _tell_warnings(session.tree, arguments.quiet)
     printer.show(session.tree)
     if not arguments.quiet:
         where = f" on {session.robot_name} in {session.scene_name}, seed {options.seed}"
@@ -46,6 +50,19 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.report:
         report.write(arguments.report)
     return report.exit_code
+
+
+def _tell_warnings(tree: Tree, quiet: bool) -> None:
+    """Print what the tree's checks found that does not keep it from running.
+
+    Raises:
+        UserError: a comment in the tree's file allows what it cannot allow, or gives no reason.
+    """
+    problems = settled({tree.path: tree.warnings})
+    if any(problem.severity == "error" for problem in problems):
+        raise UserError(problems)
+    if not quiet:
+        print_findings(problems, stderr=True)
 
 
 def _options(arguments: argparse.Namespace) -> RunOptions:

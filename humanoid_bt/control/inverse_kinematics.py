@@ -237,7 +237,8 @@ def standing_posture(robot: RobotModel, steps: int = 200) -> Array:
     errors = [com.compute_error(configuration)[:2], *(sole.compute_error(configuration) for sole in soles)]
     if np.abs(np.concatenate(errors)).max() > _STANDING_TOLERANCE:
         hint = "look at home, gait.stance_width and the soles' bodies and positions"
-        raise UserError(f"{config.name} cannot stand with flat feet in its home posture", config.place("home"), hint)
+        message = f"{config.name} cannot stand with flat feet in its home posture"
+        raise UserError(message, config.place("home"), hint, code="model")
     qpos: Array = configuration.q.copy()
     qpos[0] -= ahead
     return qpos

@@ -43,7 +43,8 @@ class MujocoPlant:
             self.model = spec.compile()
         except ValueError as error:
             where = Place(relative(scene.config.path))
-            raise UserError(f"the scene does not compile: {' '.join(str(error).split())}", where) from error
+            message = f"the scene does not compile: {' '.join(str(error).split())}"
+            raise UserError(message, where, code="model") from error
         self.data = mujoco.MjData(self.model)
         joints = len(robot.joint_names)
         self._nq, self._nv = BASE_COORDINATES + joints, BASE_DOFS + joints
@@ -125,7 +126,7 @@ class MujocoPlant:
         """
         bodies = [self.model.body(i).name for i in range(1, self.model.nbody)]
         if body not in bodies:
-            raise UserError(f"there is no body {body!r} to push", hint=nearest(body, bodies))
+            raise UserError(f"there is no body {body!r} to push", hint=nearest(body, bodies), code="unknown-body")
         self._pushes[self.model.body(body).id] = (self.time + duration, np.array(force, dtype=float).reshape(3))
 
     def _apply_pushes(self) -> None:

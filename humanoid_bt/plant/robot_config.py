@@ -203,13 +203,14 @@ def load_robot_config(path: Path) -> RobotConfig:
     item = document.load(path)
     config: RobotConfig = read(RobotConfig, item, "the robot")
     problems = [
-        Problem(f"{what!r} must have the keys left and right", item.value[what].place)
+        Problem(f"{what!r} must have the keys left and right", item.value[what].place, code="missing-key")
         for what, sides in (("legs", config.legs), ("hands", config.hands))
         if set(sides) != set(SIDES) and not (what == "hands" and not sides)
     ]
     if not (path.parent / config.model).is_file():
         hint = f"looked for {relative(path.parent / config.model)}"
-        problems.append(Problem(f"the model file {config.model!r} is missing", item.value["model"].place, hint))
+        message, place = f"the model file {config.model!r} is missing", item.value["model"].place
+        problems.append(Problem(message, place, hint, code="no-file"))
     if problems:
         raise UserError(problems)
     return dataclasses.replace(config, path=path, written=item)

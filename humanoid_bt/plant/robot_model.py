@@ -108,14 +108,14 @@ def _read(config: RobotConfig) -> mujoco.MjSpec:
     try:
         return mujoco.MjSpec.from_file(str(config.path.parent / config.model))
     except ValueError as error:
-        raise UserError(f"not a valid MJCF model: {_one_line(error)}", _model(config)) from error
+        raise UserError(f"not a valid MJCF model: {_one_line(error)}", _model(config), code="model") from error
 
 
 def _compile(spec: mujoco.MjSpec, config: RobotConfig) -> mujoco.MjModel:
     try:
         return spec.compile()
     except ValueError as error:
-        raise UserError(f"the model does not compile: {_one_line(error)}", _model(config)) from error
+        raise UserError(f"the model does not compile: {_one_line(error)}", _model(config), code="model") from error
 
 
 def _model(config: RobotConfig) -> Place:
@@ -134,34 +134,35 @@ def _check_names(spec: mujoco.MjSpec, config: RobotConfig) -> None:
     problems: list[Problem] = []
     for keys, name in _named_bodies(config):
         if name not in bodies:
-            problems.append(Problem(f"the model has no body {name!r}", config.place(*keys), nearest(name, bodies)))
+            hint = nearest(name, bodies)
+            problems.append(Problem(f"the model has no body {name!r}", config.place(*keys), hint, code="unknown-body"))
     for keys, name in _named_joints(config):
         if name not in hinges:
-            problems.append(Problem(f"the model has no joint {name!r}", config.place(*keys), nearest(name, hinges)))
+            hint, place = nearest(name, hinges), config.place(*keys)
+            problems.append(Problem(f"the model has no joint {name!r}", place, hint, code="unknown-joint"))
     for keys, pattern in _joint_patterns(config):
         if not fnmatch.filter(hinges, pattern):
-            hint = nearest(pattern, hinges)
-            problems.append(Problem(f"no joint of the model matches {pattern!r}", config.place(*keys), hint))
+            hint, place = nearest(pattern, hinges), config.place(*keys)
+            problems.append(Problem(f"no joint of the model matches {pattern!r}", place, hint, code="unknown-joint"))
     if len(free) != 1 or free[0].parent.name != config.base or spec.joints[0].type != mujoco.mjtJoint.mjJNT_FREE:
         hint = "a floating base: <freejoint/> in that body, before every other joint"
         wanted = f"the model must have exactly one free joint, on the base {config.base!r}"
-        problems.append(Problem(wanted, config.place("base"), hint))
+        problems.append(Problem(wanted, config.place("base"), hint, code="model"))
     sliding = [joint.name for joint in spec.joints if joint.type not in _ROBOT_JOINTS]
     if sliding:
-        problems.append(
-            Problem(f"only hinges can be driven; these joints are none: {', '.join(sliding)}", _model(config))
-        )
+        message = f"only hinges can be driven; these joints are none: {', '.join(sliding)}"
+        problems.append(Problem(message, _model(config), code="model"))
     if list(spec.equalities):
         message = "the model has equality constraints; the robot must stand on its own"
-        problems.append(Problem(message, _model(config)))
+        problems.append(Problem(message, _model(config), code="model"))
     if any(body.gravcomp for body in spec.bodies):
-        problems.append(
-            Problem("the model has bodies with gravcomp; the robot must carry its own weight", _model(config))
-        )
+        message = "the model has bodies with gravcomp; the robot must carry its own weight"
+        problems.append(Problem(message, _model(config), code="model"))
     undriven = [name for name in hinges if config.drive(name) is None]
     if undriven:
         message = f"no group in 'drives' matches {', '.join(repr(name) for name in undriven)}"
-        problems.append(Problem(message, config.place("drives"), "every joint needs a drive"))
+        hint = "every joint needs a drive"
+        problems.append(Problem(message, config.place("drives"), hint, code="undriven-joint"))
     if problems:
         raise UserError(problems)
 

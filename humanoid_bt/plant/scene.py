@@ -108,7 +108,7 @@ class Scene:
         """
         if spec.geom("floor") is not None:
             hint = "name the robot's own model file, not one that shows it in surroundings"
-            raise UserError(f"the model {spec.modelname!r} already has a floor", hint=hint)
+            raise UserError(f"the model {spec.modelname!r} already has a floor", hint=hint, code="model")
         _add_surroundings(spec)
         for name, thing in self.config.objects.items():
             position = self.object_position(name, 0.0)

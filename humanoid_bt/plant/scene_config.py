@@ -115,14 +115,16 @@ def _object_problems(config: SceneConfig, item: Item) -> Iterator[Problem]:
         if (thing.position is None) == (thing.random is None):
             both = "both a position and a random one" if thing.position is not None else "no position"
             hint = "give it either position: [x, y, z] or random: {distance: ..., bearing: ..., height: ...}"
-            yield Problem(f"the object {name!r} has {both}", written.place, hint)
+            yield Problem(f"the object {name!r} has {both}", written.place, hint, code="exclusive-keys")
         wanted = _SIZES[thing.shape]
         if len(thing.size) != wanted.count(",") + 1:
-            yield Problem(f"a {thing.shape}'s size is {wanted}", written.value["size"].place, "full lengths [m]")
+            message, place = f"a {thing.shape}'s size is {wanted}", written.value["size"].place
+            yield Problem(message, place, "full lengths [m]", code="wrong-length")
         for what, (low, high) in dataclasses.asdict(thing.random).items() if thing.random else ():
             if low > high:
                 place = written.value["random"].value[what].place
-                yield Problem(f"{what!r} runs from {low:g} down to {high:g}", place, "give the low end first")
+                message = f"{what!r} runs from {low:g} down to {high:g}"
+                yield Problem(message, place, "give the low end first", code="out-of-range")
 
 
 def _percept_problems(config: SceneConfig, item: Item) -> Iterator[Problem]:
@@ -137,17 +139,18 @@ def _event_problems(config: SceneConfig, item: Item) -> Iterator[Problem]:
         actions = [key for key in ("hide", "show", "move") if getattr(event, key) is not None]
         if len(actions) != 1:
             found = " and ".join(actions) or "none of them"
-            yield Problem(f"an event is one of hide, show and move, not {found}", written.place)
+            yield Problem(f"an event is one of hide, show and move, not {found}", written.place, code="exclusive-keys")
         for key in actions:
             if getattr(event, key) not in config.objects:
                 yield _no_object(getattr(event, key), config, written.value[key])
         if "move" in actions and event.to is None:
-            yield Problem("a move needs where it goes", written.place, "to: [x, y, z]  # m, in the world")
+            hint = "to: [x, y, z]  # m, in the world"
+            yield Problem("a move needs where it goes", written.place, hint, code="missing-key")
         for key in ("to", "over"):
             if "move" not in actions and key in written.value:
-                yield Problem(f"{key!r} belongs to a move", written.key_places[key])
+                yield Problem(f"{key!r} belongs to a move", written.key_places[key], code="misplaced-key")
 
 
 def _no_object(name: str, config: SceneConfig, item: Item) -> Problem:
     hint = nearest(name, config.objects) or "this scene has no objects"
-    return Problem(f"there is no object {name!r} in this scene", item.place, hint)
+    return Problem(f"there is no object {name!r} in this scene", item.place, hint, code="unknown-object")

@@ -66,7 +66,7 @@ def _make(draft: Draft, made: dict[int, Behaviour], problems: list[Problem]) -> 
         file = class_file(draft.type.cls)
         place = place_in_file(error, file) if file and not builtin else None
         hint = f"raised at {place}" if place else ""
-        problems.append(Problem(f"{draft.type.type_name!r} cannot be made: {what}", draft.place, hint, "cannot-make"))
+        problems.append(Problem(f"{draft.type.type_name!r} cannot be made: {what}", draft.place, hint, "invalid-node"))
         return None
     made[id(draft)] = behaviour
     return behaviour

@@ -152,7 +152,7 @@ class _Composer:
         draft.values[name] = value
 
     def _problem(self, message: str, hint: str) -> None:
-        self._problems.append(Problem(message, self._place, hint, "cannot-make"))
+        self._problems.append(Problem(message, self._place, hint, "invalid-node"))
 
 
 def _children(node_type: NodeType, behaviour: Behaviour) -> list[Behaviour]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from py_trees.behaviour import Behaviour
 from py_trees.common import Status
@@ -91,7 +91,7 @@ class Executor:
                 for inner in own:
                     inner.setup(robot=self.robot)
             except UserError as error:
-                problems += [Problem(p.message, p.place or node.place, p.hint) for p in error.problems]
+                problems += [replace(p, place=p.place or node.place) for p in error.problems]
             except (Exception, SystemExit) as error:
                 raise NodeError(node, error) from error
         if problems:

@@ -273,7 +273,7 @@ class _Loader:
         )
         if "root" not in item.value:
             message = "the key 'root' of a tree is missing"
-            problems.append(Problem(message, item.place, "root: the root node", "missing-parameter"))
+            problems.append(Problem(message, item.place, "root: the root node", "missing-key"))
         _check_names(file, problems)
         self.problems += problems
         return file
@@ -288,7 +288,8 @@ class _Loader:
 
 def _header(item: Item, problems: list[Problem]) -> dict[str, Any]:
     values, found = read_values(params_of(Header), item, "a tree", frozenset(PARTS), noun="key")
-    problems += found
+    form = item.value["format"].place if "format" in item.value else None
+    problems += [replace(problem, code="format") if problem.place == form else problem for problem in found]
     if values.get("name"):
         try:
             check_name(item.value["name"])
@@ -314,10 +315,10 @@ def _check_names(file: _File, problems: list[Problem]) -> None:
     for name, declared in [*file.parameters.items(), *file.outputs.items()]:
         if name in taken:
             message = f"{name!r} cannot be called so: every sub-tree node has a key of this name"
-            problems.append(Problem(message, declared.place, "rename it", "duplicate-name"))
+            problems.append(Problem(message, declared.place, "rename it", "taken-name"))
     for name in file.outputs.keys() & file.parameters.keys():
         message = f"the name {name!r} is declared twice in one tree"
-        problems.append(Problem(message, file.outputs[name].place, "rename one of them", "duplicate-name"))
+        problems.append(Problem(message, file.outputs[name].place, "rename one of them", "taken-name"))
 
 
 def _in_file_order(problems: Sequence[Problem], first: str) -> list[Problem]:

@@ -255,7 +255,7 @@ def declarations(item: Item | None, what: str, problems: list[Problem]) -> dict[
         place = item.key_places[name]
         if not KEY_NAME.match(name):
             hint = "letters, digits and _, not beginning with a digit"
-            problems.append(Problem(f"{name!r} cannot be a {what}'s name", place, hint, "key-name"))
+            problems.append(Problem(f"{name!r} cannot be a {what}'s name", place, hint, "bad-name"))
         try:
             found[name] = _declaration(name, value, place, what)
         except UserError as error:
@@ -311,10 +311,10 @@ def _declaration(name: str, item: Item, place: Place, what: str) -> Declaration:
     else:
         hint = f"type: one of {', '.join(TYPES)}"
         message = f"the {what} {name!r} has neither a type nor a default"
-        raise UserError(message, item.place, hint, "missing-parameter")
+        raise UserError(message, item.place, hint, "missing-key")
     if spec.unit and spec.type not in (float, int):
         message = f"the {what} {name!r} has a unit but is no number"
-        raise UserError(message, item.value["unit"].place, code="wrong-unit")
+        raise UserError(message, item.value["unit"].place, code="wrong-type")
     return Declaration(_with_default(spec, default), place, default)
 
 

@@ -42,7 +42,7 @@ def check_name(item: Item) -> None:
     if not isinstance(name, str):
         raise UserError(f"a name must be text, not {item.kind}", item.place, code="wrong-type")
     if not name.strip() or "/" in name or not name.isprintable():
-        raise UserError(f"{name!r} cannot be a name", item.place, "one line of text without /", "node-name")
+        raise UserError(f"{name!r} cannot be a name", item.place, "one line of text without /", "bad-name")
 
 
 class Reader:
@@ -256,7 +256,8 @@ class Reader:
                 continue
             if key in self._registry:
                 message = f"{key!r} stands beside the children of {name!r}"
-                self._broken(draft, message, body.key_places[key], "children stand in a list: - first: ...", "children")
+                hint = "children stand in a list: - first: ..."
+                self._broken(draft, message, body.key_places[key], hint, "extra-child")
             else:
                 message = f"unknown parameter {key!r} of {name!r}"
                 self._broken(draft, message, body.key_places[key], nearest(key, known), "unknown-parameter")
@@ -290,7 +291,7 @@ class Reader:
         elif len(draft.children) > 1:
             hint = "put them into a sequence, a selector or a parallel"
             message = f"{name!r} has one child, here are {len(draft.children)}"
-            self._broken(draft, message, draft.children[1].place, hint, "children")
+            self._broken(draft, message, draft.children[1].place, hint, "extra-child")
 
     def _append(self, draft: Draft, child: Draft | None) -> None:
         if child is None:

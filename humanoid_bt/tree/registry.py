@@ -128,7 +128,7 @@ class Registry(Mapping[str, NodeType]):
             if name in self._types or name in keys:
                 what = "a built-in node type" if name in self._types else "a key of a built-in node type"
                 problems.append(
-                    Problem(f"the skill {name!r} has the name of {what}", class_place(cls), "rename it", "broken-skill")
+                    Problem(f"the skill {name!r} has the name of {what}", class_place(cls), "rename it", "taken-name")
                 )
             else:
                 self._types[name] = _node_type(name, "skill", cls)

@@ -153,7 +153,7 @@ class Scope:
                 self._problems += error.problems
         if name in self._keys or name in set(self.parameters):
             message = f"the name {name!r} is declared twice in one tree"
-            self._problems.append(Problem(message, declaration.place, "rename one of them", "duplicate-name"))
+            self._problems.append(Problem(message, declaration.place, "rename one of them", "taken-name"))
             return
         self._keys[name] = _Known(key, declaration.place, _type(declaration.spec))
 

@@ -52,7 +52,7 @@ def tree_text(tree: Tree) -> str:
         UserError: a parameter has a value that no file can hold, or the tree could not be made.
     """
     if not tree.nodes:
-        raise UserError(f"the sub-tree {tree.name!r} has no nodes without its parameters: nothing can be written")
+        raise UserError(f"the sub-tree {tree.name!r} has no nodes without its parameters", code="missing-parameter")
     header = {"format": 1, **tree.header}
     header = {key: header[key] for key in (*_ORDER, *header) if header.get(key) not in (None, "", {})}
     children: dict[int, list[int]] = {}
@@ -64,7 +64,8 @@ def tree_text(tree: Tree) -> str:
             document, Dumper=_Dumper, sort_keys=False, width=_WIDTH, allow_unicode=True, default_flow_style=False
         )
     except yaml.representer.RepresenterError as error:
-        raise UserError(f"the tree {tree.name!r} cannot be written: {error.args[0]} {error.args[-1]!r}") from error
+        message = f"the tree {tree.name!r} cannot be written: {error.args[0]} {error.args[-1]!r}"
+        raise UserError(message, code="wrong-type") from error
     return text
 
 

@@ -108,11 +108,11 @@ def test_a_broken_file_is_left_and_the_others_formatted(capsys: pytest.CaptureFi
     out, err = capsys.readouterr()
     assert out == "trees/ugly.yaml: formatted\n"
     assert read("trees/broken.yaml") == "root:  [\n"
-    assert "error: trees/binary.yaml: the file is not UTF-8 text\n" in err
+    assert "trees/binary.yaml:1:5: error: the file is not UTF-8 text" in err
     assert err.endswith("2 files have mistakes and cannot be formatted, of 4\n")
     told = next(line for line in err.splitlines() if "broken" in line)
     assert main(["check", "trees/broken.yaml"]) == 2
-    assert told in capsys.readouterr().err.splitlines()
+    assert told in capsys.readouterr().out.splitlines()
 
 
 @pytest.mark.parametrize("mark", ["", "\ufeff"])
@@ -143,7 +143,7 @@ def test_a_file_that_cannot_be_replaced_stays_whole(
 
     monkeypatch.setattr(Path, "replace", refuse)
     assert main(["fmt"]) == 2
-    assert "error: trees/ugly.yaml: cannot be written: Permission denied" in capsys.readouterr().err
+    assert "trees/ugly.yaml: error: cannot be written: Permission denied" in capsys.readouterr().err
     assert read("trees/ugly.yaml") == UGLY
     assert sorted(path.name for path in (folder / "trees").iterdir()) == ["deep", "ugly.yaml"]
 

@@ -1,4 +1,4 @@
-"""``check``, ``skills``, ``robots``, what ``show`` prints, and the help."""
+"""``skills``, ``robots``, what ``show`` prints, and the help."""
 
 from __future__ import annotations
 
@@ -21,46 +21,6 @@ def code_of(arguments: list[str]) -> int:
         return main(arguments)
     except SystemExit as exit:
         return int(exit.code or 0)
-
-
-def test_check_takes_names_files_and_folders(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["check", "fetch", "trees/wait.yaml", "skills", "ball_on_stand", "humanoid"]) == 0
-    out = capsys.readouterr().out.splitlines()
-    assert [line.endswith(": ok") for line in out] == [True] * 5
-    assert "skills/mine.py: ok" in out
-
-
-def test_check_tells_every_mistake_with_its_place(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    (tmp_path / "trees").mkdir()
-    (tmp_path / "trees/good.yaml").write_text("format: 1\nroot: {emergency_stop: idle}\n", encoding="utf-8")
-    (tmp_path / "trees/bare.yaml").write_text("format: 1\nroot: idle\n", encoding="utf-8")
-    (tmp_path / "trees/broken.yaml").write_text("format: 1\nroot: [\n", encoding="utf-8")
-    (tmp_path / "trees/empty.yaml").write_text("", encoding="utf-8")
-    assert main(["check", str(tmp_path)]) == 2
-    out, err = capsys.readouterr()
-    assert out == f"{tmp_path / 'trees/good.yaml'}: ok\n"
-    assert f"{tmp_path / 'trees/bare.yaml'}:2:7: 'idle' commands gaze, posture outside an emergency_stop" in err
-    assert "broken.yaml:3:1: not valid YAML" in err
-    assert "empty.yaml:1:1: the file is empty" in err
-    assert err.endswith("3 files have mistakes, of 4 checked\n")
-
-
-def test_check_tells_a_broken_skill_once(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    for part in ("trees", "skills"):
-        (tmp_path / part).mkdir()
-    (tmp_path / "skills/broken.py").write_text("1 +\n", encoding="utf-8")
-    for name in ("one", "two"):
-        (tmp_path / f"trees/{name}.yaml").write_text("format: 1\nroot: {emergency_stop: idle}\n", encoding="utf-8")
-    assert main(["check", str(tmp_path)]) == 2
-    assert capsys.readouterr().err.count("the skill file cannot be imported") == 1
-
-
-def test_check_without_files_says_what_to_give(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    assert main(["check"]) == 2
-    assert "give names, files or folders" in capsys.readouterr().err
 
 
 def test_show_draws_a_tree(capsys: pytest.CaptureFixture[str]) -> None:
@@ -147,4 +107,4 @@ def test_check_and_run_name_the_same_skills_for_a_built_in_tree(
     monkeypatch.chdir(tmp_path)
     for command in (["check", "fetch"], ["show", "fetch"], ["run", "fetch", "--no-record", "--no-view"]):
         assert code_of(command) == 2
-        assert "unknown parameter 'look_around' of 'idle'" in capsys.readouterr().err
+        assert "unknown parameter 'look_around' of 'idle'" in "".join(capsys.readouterr())

@@ -81,7 +81,7 @@ def test_the_exit_code_tells_the_outcome(tree: str, code: int, says: str, capsys
 @pytest.mark.parametrize(
     ("arguments", "says"),
     [
-        (["fetsh"], "no tree named 'fetsh'\n    did you mean 'fetch'?"),
+        (["fetsh"], "error: no tree named 'fetsh' [unknown-tree]\n    did you mean 'fetch'?"),
         (["trees"], "'trees' is a folder, not a tree"),
         (["./nope.yaml"], "no tree file './nope.yaml'"),
         (["wait", "--robot", "humanoit"], "did you mean 'humanoid'?"),
@@ -103,7 +103,7 @@ def test_a_mistake_is_one_clear_message(arguments: list[str], says: str, capsys:
     assert main(["run", *arguments]) == 2
     out, err = capsys.readouterr()
     assert says in err
-    assert err.startswith("error: ")
+    assert re.match("(--set .*: )?error: ", err)
     assert err.count("error: ") == 1
     assert "Traceback" not in out + err
 
@@ -143,7 +143,7 @@ def test_a_skill_file_with_a_mistake_is_named(tmp_path: Path, capsys: pytest.Cap
     (tmp_path / "skills/broken.py").write_text("import nothing_of_this_name\n", encoding="utf-8")
     assert main(["run", "stand", "--workspace", str(tmp_path)]) == 2
     err = capsys.readouterr().err
-    assert f"{tmp_path / 'skills/broken.py'}:1:1: the skill file cannot be imported: ModuleNotFoundError" in err
+    assert f"{tmp_path / 'skills/broken.py'}:1:1: error: the skill file cannot be imported: ModuleNotFoundError" in err
 
 
 def test_quiet_prints_the_summary_only(capsys: pytest.CaptureFixture[str]) -> None:

@@ -217,7 +217,7 @@ def test_texts_that_yaml_would_take_for_something_else_are_quoted(
         (lambda s: Wait("w", duration=-1.0), "'duration' must be >= 0", ""),
         (lambda s: Condition("c", expression="count > 1"), "unknown name 'count'", "expression"),
         (lambda s: s["act"](script=Key("what")), "unknown parameter or key '$what'", "unknown-reference"),
-        (lambda s: Sequence("a/b", [s["act"]()]), "'a/b' cannot be a name", "node-name"),
+        (lambda s: Sequence("a/b", [s["act"]()]), "'a/b' cannot be a name", "bad-name"),
     ],
 )
 def test_mistakes_are_those_of_a_file(
