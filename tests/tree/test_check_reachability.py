@@ -10,7 +10,7 @@ from tests.tree.helpers import found, load
 NEVER = [
     ("selector: [idle, act]", "'act' is never ticked: 'idle' before it never ends"),
     ("sequence: [idle, act]", "'act' is never ticked: 'idle' before it never ends"),
-    ("fallback: [act, idle, act, look]", "'act' is never ticked, nor the 1 behind it: 'idle' before it never ends"),
+    ("fallback: [act, idle, act, look]", "'act' is never ticked, nor 1 more behind it: 'idle' before it never ends"),
     ("selector: [{wait: 1 s}, act]", "'wait' before it never fails"),
     ("selector: [{set_blackboard: {key: k, value: 1}}, act]", "'set_blackboard' before it always succeeds"),
     ("selector: [{condition: 1 < 2}, act]", "'condition' before it always succeeds"),

@@ -28,6 +28,11 @@ def test_a_percept_is_used_below_a_watchdog_on_it(workspace: Workspace, reader: 
     load(workspace, f"root: {{emergency_stop: {{watchdog: {{percept: ball, max_age: 1, {reader}}}}}}}")
 
 
+def test_a_misspelled_percept_gets_the_one_that_is_watched(workspace: Workspace) -> None:
+    _, hint = one(workspace, "root: {emergency_stop: {watchdog: {percept: ball, max_age: 1, reach: {target: bal}}}}")
+    assert hint == "did you mean 'ball'? else watchdog: {percept: bal, max_age: 0.5 s, ...}"
+
+
 def test_on_stale_may_not_use_the_stale_percept(workspace: Workspace) -> None:
     message, _ = one(
         workspace,

@@ -40,7 +40,7 @@ def _siblings(draft: Draft, facts: Facts) -> Iterator[Problem]:
         results = facts.results(child)
         if passed not in results:
             first, *others = draft.children[index + 1 :]
-            behind = f", nor the {len(others)} behind it" if others else ""
+            behind = f", nor {len(others)} more behind it" if others else ""
             message = f"{first.name!r} is never ticked{behind}: {child.name!r} before it {_always(results, passed)}"
             yield Problem(message, first.place, f"{child.name!r} is at {child.place}", "unreachable", "warning")
             return

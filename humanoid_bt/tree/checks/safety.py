@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 
@@ -44,7 +45,9 @@ def _guards(draft: Draft, facts: Facts, above: _Above) -> Iterator[Problem]:
             if percept not in above.watched:
                 place = draft.value_places.get(parameter, draft.place)
                 message = f"{name!r} uses the percept {percept!r} outside a watchdog on it"
-                hint = f"watchdog: {{percept: {percept}, max_age: 0.5 s, ...}}{above.used_at}"
+                near = difflib.get_close_matches(percept, above.watched, n=1)
+                meant = f"did you mean {near[0]!r}? else " if near else ""
+                hint = f"{meant}watchdog: {{percept: {percept}, max_age: 0.5 s, ...}}{above.used_at}"
                 yield Problem(message, place, hint, "outside-watchdog")
     above = replace(above, stoppable=above.stoppable or node_type.cls is EmergencyStop)
     fresh = above
