@@ -30,9 +30,11 @@ from humanoid_bt.testing.rig import Rig, RigResult
 from humanoid_bt.tree.load import PARTS, Header, load_tree
 from humanoid_bt.tree.nodes import BUILTIN
 from humanoid_bt.tree.parameters import TYPES, LongForm
+from humanoid_bt.tree.quantities import TRUTH
 from humanoid_bt.tree.registry import NODE_KEYS, NodeType, Registry
 from humanoid_bt.tree.show import svg_tree
 from humanoid_bt.tree.slots import Slot
+from humanoid_bt.tree.vocabulary import PERCEPT, SEEN, STATE
 from humanoid_bt.workspace import Workspace, builtin_root
 
 IMAGES = blocks.ROOT / "docs" / "images"
@@ -143,6 +145,27 @@ idle: {look_around: false}
     "reach": """\
 reach: {target: target, hand: left, hold: 1 s}
 """,
+    "look_at": """\
+look_at: {target: target, hold: 1 s}
+""",
+    "offer": """\
+offer: {target: target, height: 90 cm, hold: 5 s}
+""",
+    "retract": """\
+retract: {hand: both}
+""",
+    "step_back": """\
+step_back: {distance: 30 cm}
+""",
+    "turn": """\
+turn: {angle: -90 deg}
+""",
+    "walk_to": """\
+walk_to: {x: 1 m, y: -0.5 m, heading: 90 deg}
+""",
+    "wave": """\
+wave: {target: target, times: 2}
+""",
 }
 """Node type -> a short example, each loaded by a test."""
 
@@ -179,7 +202,7 @@ def skills() -> str:
 def tree_keys() -> str:
     """Return the table of a tree file's keys."""
     rows = [_row(spec) for spec in params_of(Header).values()]
-    rows += [(f"`{name}`", "mapping" if name == "parameters" else "node", "", doc) for name, doc in PARTS.items()]
+    rows += [(f"`{name}`", "node" if name == "root" else "mapping", "", doc) for name, doc in PARTS.items()]
     return _table(("key", "type", "default", "meaning"), rows)
 
 
@@ -200,6 +223,19 @@ def units() -> str:
     """Return the table of units."""
     rows = [(f"`{unit}`", ", ".join(f"`{written}`" for written in written_units(unit))) for unit in UNITS]
     return _table(("declared in", "may be written in"), rows)
+
+
+def percept_words() -> str:
+    """Return what expressions can ask of percepts."""
+    rows = [(f"`target.{name}`", str(word.type), word.doc) for name, word in PERCEPT.items()]
+    rows.append((f"`{SEEN}(target)`", str(TRUTH), "Whether it was ever seen."))
+    return _table(("expression", "is", "meaning"), rows)
+
+
+def state_words() -> str:
+    """Return what expressions can ask of the robot's state."""
+    rows = [(f"`state.{name}`", str(word.type), word.doc) for name, word in STATE.items()]
+    return _table(("expression", "is", "meaning"), rows)
 
 
 def robot_keys() -> str:
@@ -294,6 +330,7 @@ PARTS_BY_NAME: dict[str, Callable[[], str]] = {
     maker.__name__: maker
     for maker in (
         *(nodes, skills, tree_keys, node_keys, parameter_keys, units, robot_keys, scene_keys, trees),
+        *(percept_words, state_words),
         *(handle, track, state, rig, rig_result, clocks, codes, code_examples),
     )
 }

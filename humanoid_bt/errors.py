@@ -81,13 +81,19 @@ class ResourceConflict(HumanoidBtError):  # noqa: N818 (the name says it)
     """Two living nodes commanded one resource in the same tick."""
 
 
+_FEW, _MOST = 12, 50
+"""Most names that a hint lists where one of them is close, and where none is."""
+
+
 def nearest(name: str, valid: Iterable[str]) -> str:
-    """Return a hint: the nearest valid name if one is close, and the valid ones."""
+    """Return a hint: the nearest valid name if one is close, and the valid ones if they are few or none is close."""
     names = sorted(set(valid))
     if not names:
         return ""
     close = difflib.get_close_matches(name, names, n=1, cutoff=0.6)
-    shown = ", ".join(names) if len(names) <= 30 else ", ".join(names[:30]) + ", ..."
+    if close and len(names) > _FEW:
+        return f"did you mean {close[0]!r}?"
+    shown = ", ".join(names[:_MOST]) + (", ..." if len(names) > _MOST else "")
     return (f"did you mean {close[0]!r}? " if close else "") + f"valid: {shown}"
 
 

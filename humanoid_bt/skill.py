@@ -26,13 +26,19 @@ from py_trees.common import Status
 from humanoid_bt.params import PerceptName, assign
 from humanoid_bt.robot import Robot, RobotHandle
 
-__all__ = ["PerceptName", "Skill", "Status", "node_type_name"]
+__all__ = ["PerceptName", "Skill", "Status", "node_type_name", "of_hand"]
 
 
 def node_type_name(cls: type) -> str:
     """Return the name of a class in tree files: snake_case, or its ``type_name`` if it has one."""
     named = vars(cls).get("type_name")
     return named if isinstance(named, str) else re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", cls.__name__).lower()
+
+
+def of_hand(resources: Iterable[str], hand: str) -> tuple[str, ...]:
+    """Return resources without the other hand, if it is ``left`` or ``right``; else all of them."""
+    others = {"left": "right_hand", "right": "left_hand"}
+    return tuple(resource for resource in resources if resource != others.get(hand))
 
 
 class Skill(py_trees.behaviour.Behaviour):

@@ -10,7 +10,7 @@ from pathlib import Path
 from humanoid_bt import document
 from humanoid_bt.document import Item
 from humanoid_bt.errors import Place, Problem, UserError, relative
-from humanoid_bt.messages import SIDES
+from humanoid_bt.messages import RESOURCES, SIDES
 from humanoid_bt.params import param, read
 
 
@@ -159,6 +159,17 @@ class RobotConfig:
     fall: FallConfig = param(FallConfig(), doc="When it counts as falling.")
     path: Path = field(default=Path(), compare=False)
     written: Item | None = field(default=None, compare=False, repr=False)
+
+    @property
+    def resources(self) -> tuple[str, ...]:
+        """What of :data:`~humanoid_bt.messages.RESOURCES` this robot has: what a skill can command of it.
+
+        The view turns with the neck, or with the torso if that is not the base.
+        """
+        missing = {f"{side}_hand" for side in SIDES if side not in self.hands}
+        if self.neck is None and self.torso == self.base:
+            missing.add("gaze")
+        return tuple(resource for resource in RESOURCES if resource not in missing)
 
     def place(self, *keys: str | int) -> Place:
         """Return where a value is written, as in ``place("legs", "left", "sole")``, or what should hold it."""

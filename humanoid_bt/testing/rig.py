@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import typing
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -242,7 +243,7 @@ class Rig:
             if spec is None:
                 hint = nearest(name, node_type.params)
                 raise UserError(f"the skill {node_type.type_name!r} has no parameter {name!r}", hint=hint)
-            if spec.type is PerceptName and not isinstance(value, str):
+            if PerceptName in (spec.type, *typing.get_args(spec.type)) and not isinstance(value, str):
                 self.see(name, value)
                 self._wait_for_perception()
                 converted[name] = name

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -66,10 +67,20 @@ def make_tree(
     if any(problem.severity == "error" for problem in problems):
         raise UserError(list(dict.fromkeys(problems)))
     header = {"name": name, "description": description, "robot": robot, "scene": scene}
-    path = Path(place.file)
-    nodes = collect(draft, name, composer.made)
-    tree = Tree(name, description, path, robot, scene, {}, "", nodes, header, warnings=tuple(problems))
-    return Tree(name, description, path, robot, scene, {}, tree.to_yaml(), nodes, header, warnings=tuple(problems))
+    tree = Tree(
+        name=name,
+        description=description,
+        path=Path(place.file),
+        robot=robot,
+        scene=scene,
+        parameters={},
+        source="",
+        nodes=collect(draft, name, composer.made),
+        keys=tuple(scope.own_keys),
+        header=header,
+        warnings=tuple(problems),
+    )
+    return replace(tree, source=tree.to_yaml())
 
 
 class _Composer:

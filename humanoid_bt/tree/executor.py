@@ -12,7 +12,7 @@ from humanoid_bt.errors import HumanoidBtError, Place, Problem, ResourceConflict
 from humanoid_bt.messages import Command, Percept, State
 from humanoid_bt.robot import Robot
 from humanoid_bt.skill_files import class_file, place_in_file
-from humanoid_bt.tree.ticking import INVALID, Raised, Seen, halt_alone, tick
+from humanoid_bt.tree.ticking import INVALID, RUNNING, Raised, Seen, halt_alone, tick
 from humanoid_bt.tree.tree import Node, Tree
 
 
@@ -100,13 +100,16 @@ class Executor:
     def tick(self, state: State, percepts: Mapping[str, Percept]) -> Command:
         """Tick the tree once on a snapshot and return what it commands.
 
-        A tree that has ended starts again.
+        A tree that has ended starts again, its blackboard too.
 
         Raises:
             NodeError: a node raised an exception or returned what is no status; the whole tree has been halted.
             ResourceConflict: two living nodes command one resource; the whole tree has been halted.
         """
         self.robot.begin_tick(state, percepts)
+        if self.tree.root.status is not RUNNING:
+            for key in self.tree.keys:
+                key.reset()
         seen = Seen()
         try:
             tick(self.tree.root, seen)

@@ -17,6 +17,7 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -120,6 +121,25 @@ def parse(text: str) -> Syntax:
         SyntaxMistake: it is none.
     """
     return _Parser(text).whole()
+
+
+def names(syntax: Syntax) -> Iterator[str]:
+    """Return every name of a parameter or a key in an expression."""
+    match syntax:
+        case Name(name):
+            yield name
+        case Call(_, arguments):
+            for argument in arguments:
+                yield from names(argument)
+        case Unary(_, operand):
+            yield from names(operand)
+        case Binary(_, left, right):
+            yield from names(left)
+            yield from names(right)
+        case Comparison(_, left, right, hysteresis):
+            for part in (left, right, hysteresis):
+                if part is not None:
+                    yield from names(part)
 
 
 @dataclass(frozen=True)

@@ -145,6 +145,7 @@ class _Loader:
             parameters=parameters.values,
             source=file.source,
             nodes=nodes,
+            keys=tuple(scope.own_keys),
             header=_plain_header(file, given),
             files=tuple(file.path for file in self._files.values()),
         )

@@ -9,6 +9,7 @@ from typing import Any
 
 from py_trees.behaviour import Behaviour
 
+from humanoid_bt.blackboard import Key
 from humanoid_bt.errors import Place, Problem
 from humanoid_bt.tree.nodes import Kind
 from humanoid_bt.tree.registry import NodeType
@@ -67,6 +68,7 @@ class Tree:
         parameters: every parameter's value.
         source: the file's text.
         nodes: every node, parents before children, in the file's order.
+        keys: the keys of its blackboard, those of its sub-trees left aside.
         header: the file's keys but for the root, as plain YAML.
         files: the tree file and those of its sub-trees.
         warnings: what its checks found that does not keep it from running.
@@ -80,6 +82,7 @@ class Tree:
     parameters: Mapping[str, Any]
     source: str
     nodes: tuple[Node, ...]
+    keys: tuple[Key, ...] = ()
     header: Mapping[str, Any] = field(default_factory=dict)
     files: tuple[Path, ...] = ()
     warnings: tuple[Problem, ...] = ()

@@ -60,7 +60,7 @@ def check_world(root: Draft, facts: Facts, world: World) -> Iterator[Problem]:
     - a percept that the scene does not publish.
     """
     if world.robot is not None:
-        has, name = _resources(world.robot), world.robot.name
+        has, name = world.robot.resources, world.robot.name
         for draft in root.iterate():
             missing = [resource for resource in facts.commands(draft) if resource not in has]
             if missing:
@@ -85,11 +85,6 @@ def _unknown_percepts(root: Draft, scene: SceneConfig) -> Iterator[Problem]:
             hint += f"; used in {others} more place{'s' if others > 1 else ''}"
         message = f"the scene {scene.name!r} does not publish the percept {percept!r}"
         yield Problem(message, first, hint, "unknown-percept", "warning")
-
-
-def _resources(robot: RobotConfig) -> tuple[str, ...]:
-    """Return what a robot has: every one stands, walks and turns its view, if only with its torso."""
-    return ("base", *(f"{side}_hand" for side in robot.hands), "gaze", "posture")
 
 
 def _found(

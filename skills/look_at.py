@@ -1,0 +1,53 @@
+"""Look at something seen."""
+
+import math
+
+import numpy as np
+
+from humanoid_bt.params import param
+from humanoid_bt.signals import Improving, Lasting
+from humanoid_bt.skill import PerceptName, Skill, Status
+
+
+class LookAt(Skill):
+    """Turn the view until the target is in its middle, and keep it there for a moment.
+
+    Follows a target that moves. Fails if the target was never seen, or if the view comes no nearer to it: the feet
+    stay where they are, so what is far behind is out of view.
+    """
+
+    resources = ("gaze",)
+    bounded = True  # by its patience
+
+    target: PerceptName = param(doc="Percept to look at.")
+    tolerance: float = param(0.15, unit="rad", above=0, doc="In the middle when this close to the view's direction.")
+    hold: float = param(0.5, unit="s", minimum=0, doc="How long it must stay there.")
+    patience: float = param(2.0, unit="s", above=0, doc="Fails when the view comes no nearer for this long.")
+
+    def initialise(self) -> None:
+        """Begin to count anew."""
+        self._held = Lasting(self.hold)
+        self._error = Improving(self.patience, step=0.02)
+
+    def update(self) -> Status:
+        """Look at where the target was last seen."""
+        track = self.robot.track(self.target)
+        if track is None:
+            return self.fail(f"{self.target} was never seen")
+        self.robot.look_at(track.position_world)
+
+        now, state = self.robot.clock.now(), self.robot.state
+        error = _angle(state.gaze_direction, track.position_world - state.gaze_position)
+        there = error < self.tolerance
+        if self._held.update(there, now):
+            return self.succeed(f"{math.degrees(error):.0f} deg from {self.target}")
+        if there:
+            self._error.restart()
+        elif not self._error.update(error, now):
+            return self.fail(f"the view comes no nearer to {self.target} than {math.degrees(self._error.best):.0f} deg")
+        return self.running(f"{math.degrees(error):.0f} deg from {self.target}")
+
+
+def _angle(first: np.ndarray, second: np.ndarray) -> float:
+    """Return the angle between two vectors, shape (3,) [rad]."""
+    return math.atan2(float(np.linalg.norm(np.cross(first, second))), float(first @ second))

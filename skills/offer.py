@@ -1,0 +1,96 @@
+"""Hold a hand out to somebody."""
+
+from collections.abc import Mapping
+from typing import Any, Literal
+
+import numpy as np
+
+from humanoid_bt.messages import Side
+from humanoid_bt.params import param
+from humanoid_bt.robot import Track
+from humanoid_bt.signals import Improving, Lasting, Steady
+from humanoid_bt.skill import PerceptName, Skill, Status, of_hand
+
+_HEIGHT = 0.75  # of the eyes' height: the chest
+
+
+class Offer(Skill):
+    """Stand and hold a palm out toward the target, balanced, and keep it there for a time.
+
+    The palm stays clear of the target, seen from above, and draws back from one that comes nearer, as quickly as the
+    hand moves. Waits for a steady base before it moves a hand. Fails if the target was never seen, if it is too near,
+    or if the palm does not get there: it does not walk or turn.
+    """
+
+    resources = ("left_hand", "right_hand", "gaze")
+    bounded = True  # by its patience
+
+    target: PerceptName = param(doc="Percept to hold the hand out to.")
+    hand: Literal["left", "right", "nearest"] = param("nearest", doc="Which hand.")
+    distance: float | None = param(
+        None, unit="m", above=0, doc="Palm this far from the middle between the feet; default: the robot's reach."
+    )
+    height: float | None = param(None, unit="m", above=0, doc="Palm this far above the floor; default: the chest.")
+    clearance: float = param(0.2, unit="m", above=0, doc="Least distance of the palm from the target, seen from above.")
+    tolerance: float = param(0.03, unit="m", above=0, doc="There when the palm is this close.")
+    hold: float = param(2.0, unit="s", minimum=0, doc="How long to hold it there.")
+    patience: float = param(2.0, unit="s", above=0, doc="Fails when the palm comes no nearer for this long.")
+
+    @classmethod
+    def resources_for(cls, values: Mapping[str, Any]) -> tuple[str, ...]:
+        """Return one hand unless the nearest is to be chosen."""
+        return of_hand(cls.resources, values["hand"])
+
+    def initialise(self) -> None:
+        """Choose nothing yet: the hand is chosen once the robot stands."""
+        self._hand: Side | None = None
+        self._height = 0.0
+        self._place = Steady(time=0.4)
+        self._held = Lasting(self.hold)
+        self._error = Improving(self.patience, step=0.005)
+
+    def update(self) -> Status:
+        """Wait for a steady base, then hold the palm out."""
+        track, state = self.robot.track(self.target), self.robot.state
+        if track is None:
+            return self.fail(f"{self.target} was never seen")
+        self.robot.look_at(track.position_world)
+        if self._hand is None:
+            if not state.base_settled:
+                return self.running("waiting for a steady base")
+            self._hand = self._choose(track.bearing)
+            if self._hand not in state.hands:
+                return self.fail(f"the robot has no {self._hand} hand")
+            self._height = _HEIGHT * float(state.gaze_position[2]) if self.height is None else self.height
+        aim = self._aim(track)
+        if aim is None:
+            return self.fail(f"{self.target} is too near: {track.distance:.2f} m")
+        return self._hold_out(self._hand, aim)
+
+    def _hold_out(self, hand: Side, aim: np.ndarray) -> Status:
+        self.robot.move_hand(hand, aim)
+        now, error = self.robot.clock.now(), float(np.linalg.norm(self.robot.state.hands[hand] - aim))
+        there = error < self.tolerance
+        if self._held.update(there, now):
+            return self.succeed(f"held the {hand} hand out for {self.hold:g} s")
+        if there:
+            self._error.restart()
+        elif not self._error.update(error, now):
+            return self.fail(f"{hand} hand comes no nearer than {self._error.best * 100:.0f} cm")
+        return self.running("holding it out" if there else f"{hand} hand {error * 100:.0f} cm away")
+
+    def _choose(self, bearing: float) -> Side:
+        if self.hand != "nearest":
+            return self.hand
+        return "left" if bearing > 0 else "right"
+
+    def _aim(self, track: Track) -> np.ndarray | None:
+        """Return where the palm belongs, shape (3,), world frame [m], None if no place is left for it."""
+        config, middle = self.robot.config, self.robot.state.stance[:2]
+        way = self._place.update(track.position_world, track.stamp)[:2] - middle
+        length = float(np.linalg.norm(way))
+        wanted = config.reach_distance if self.distance is None else self.distance
+        out = min(wanted, min(length, track.distance) - self.clearance)
+        if out < config.whole_body.hand_nearest:
+            return None
+        return np.array([*(middle + way * (out / length)), self._height])

@@ -1,0 +1,43 @@
+"""Turn on the spot."""
+
+import math
+
+from humanoid_bt.params import param
+from humanoid_bt.signals import Improving
+from humanoid_bt.skill import Skill, Status
+
+_LEAD = math.pi / 2  # rad ahead of the robot; less than half a turn, or it would go round the other way
+
+
+class Turn(Skill):
+    """Turn on the spot by an angle, counted from where the robot faces at the start.
+
+    An angle of more than half a turn goes the long way round. Fails if the robot does not turn.
+    """
+
+    resources = ("base",)
+    bounded = True  # by its patience
+
+    angle: float = param(unit="rad", doc="How far to turn; left is positive.")
+    tolerance: float = param(0.08, unit="rad", above=0, doc="Done when turned this close.")
+    patience: float = param(4.0, unit="s", above=0, doc="Fails when it turns no farther for this long.")
+
+    def initialise(self) -> None:
+        """Count from here."""
+        self._spot = self.robot.state.stance[:2].copy()
+        self._facing = float(self.robot.state.stance[2])
+        self._to_go = self.angle
+        self._left = Improving(self.patience, step=0.03)
+
+    def update(self) -> Status:
+        """Step round."""
+        state = self.robot.state
+        facing = float(state.stance[2])
+        self._to_go -= math.remainder(facing - self._facing, math.tau)
+        self._facing = facing
+        if abs(self._to_go) < self.tolerance and state.base_settled:
+            return self.succeed(f"turned {math.degrees(self.angle - self._to_go):z.0f} deg")
+        self.robot.walk_to(self._spot, facing + min(max(self._to_go, -_LEAD), _LEAD))
+        if not self._left.update(abs(self._to_go), self.robot.clock.now()):
+            return self.fail(f"turns no farther: {math.degrees(self._to_go):z.0f} deg to go")
+        return self.running(f"{math.degrees(self._to_go):z.0f} deg to go")

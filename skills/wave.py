@@ -1,0 +1,83 @@
+"""Wave a hand."""
+
+import math
+from collections.abc import Mapping
+from typing import Any, Literal
+
+import numpy as np
+
+from humanoid_bt.messages import Side
+from humanoid_bt.params import param
+from humanoid_bt.signals import Improving
+from humanoid_bt.skill import PerceptName, Skill, Status, of_hand
+
+_AHEAD, _ASIDE = 0.5, 0.8  # shares of the robot's reach; the raised palm is beside the head, the elbow bent
+
+
+class Wave(Skill):
+    """Raise a hand beside the head and wave it from side to side, balanced.
+
+    Waits for a steady base before it moves the hand. A wave counts once the palm has been on both sides. Fails if the
+    palm does not get there.
+    """
+
+    resources = ("left_hand", "right_hand")
+    bounded = True  # by its patience
+
+    target: PerceptName | None = param(None, doc="Percept on whose side the nearest hand is; default: the right hand.")
+    hand: Literal["left", "right", "nearest"] = param("nearest", doc="Which hand.")
+    times: int = param(3, minimum=1, doc="How often.")
+    width: float = param(0.16, unit="m", above=0, maximum=0.3, doc="How far from side to side.")
+    patience: float = param(2.0, unit="s", above=0, doc="Fails when the palm comes no nearer for this long.")
+
+    @classmethod
+    def resources_for(cls, values: Mapping[str, Any]) -> tuple[str, ...]:
+        """Return one hand unless the nearest to a target is to be chosen."""
+        by_target = values["hand"] == "nearest" and values["target"]
+        return cls.resources if by_target else of_hand(cls.resources, values["hand"].replace("nearest", "right"))
+
+    def initialise(self) -> None:
+        """Choose nothing yet: the hand is chosen once the robot stands."""
+        self._hand: Side | None = None
+        self._strokes = -1  # the first is the way up
+        self._error = Improving(self.patience, step=0.005)
+
+    def update(self) -> Status:
+        """Move the palm to one side, then to the other."""
+        state = self.robot.state
+        if self._hand is None:
+            if not state.base_settled:
+                return self.running("waiting for a steady base")
+            self._hand = self._choose()
+            if self._hand not in state.hands:
+                return self.fail(f"the robot has no {self._hand} hand")
+            self._height = float(state.gaze_position[2])
+        aim = self._aim(self._hand)
+        self.robot.move_hand(self._hand, aim)
+
+        error = float(np.linalg.norm(state.hands[self._hand] - aim))
+        if error < self.width / 4:
+            self._strokes += 1
+            self._error.restart()
+            if self._strokes == 2 * self.times:
+                return self.succeed(f"waved the {self._hand} hand {self.times} times")
+        elif not self._error.update(error, self.robot.clock.now()):
+            return self.fail(f"{self._hand} hand comes no nearer than {self._error.best * 100:.0f} cm")
+        if self._strokes < 0:
+            return self.running(f"raising the {self._hand} hand")
+        return self.running(f"waved {self._strokes // 2} of {self.times} times")
+
+    def _choose(self) -> Side:
+        if self.hand != "nearest":
+            return self.hand
+        track = self.robot.track(self.target) if self.target else None
+        return "left" if track and track.bearing > 0 else "right"
+
+    def _aim(self, hand: Side) -> np.ndarray:
+        """Return the end of this stroke, shape (3,), world frame [m]: the outer one first."""
+        x, y, heading = self.robot.state.stance
+        reach, outward = self.robot.config.reach_distance, 1 if hand == "left" else -1
+        swing = self.width / 2 if self._strokes % 2 else -self.width / 2
+        ahead, left = _AHEAD * reach, outward * (_ASIDE * reach + swing)
+        cos, sin = math.cos(heading), math.sin(heading)
+        return np.array([x + cos * ahead - sin * left, y + sin * ahead + cos * left, self._height])

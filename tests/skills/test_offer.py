@@ -1,0 +1,89 @@
+"""The skill ``offer``, alone on the simulated robot."""
+
+import math
+
+import numpy as np
+import pytest
+
+from humanoid_bt.messages import Side
+from humanoid_bt.testing.rig import Rig, RigResult
+
+
+def nearest(result: RigResult, target: tuple[float, ...]) -> float:
+    """Return how near a palm ever came to a target that stands still, seen from above [m]."""
+    away = [palm[:2] - target[:2] for state in result.states for palm in state.hands.values()]
+    return float(np.linalg.norm(away, axis=1).min())
+
+
+@pytest.mark.parametrize(("bearing", "side"), [(60, "left"), (10, "left"), (-60, "right")])
+def test_holds_the_nearest_palm_out_toward_the_target(rig: Rig, bearing: float, side: Side) -> None:
+    angle = math.radians(bearing)
+    target = (1.2 * math.cos(angle), 1.2 * math.sin(angle), 1.2)
+    result = rig.run("offer", target=target, hold=0.5)
+    assert result.succeeded, result.feedback
+    palm = rig.state.hands[side]
+    out = rig._model.config.reach_distance
+    assert palm[:2] == pytest.approx([out * math.cos(angle), out * math.sin(angle)], abs=0.03)
+    assert 0.7 < palm[2] < rig.state.gaze_position[2] - 0.2
+    assert not result.stops
+
+
+def test_holds_it_where_and_for_as_long_as_it_is_told(rig: Rig) -> None:
+    result = rig.run("offer", target=(1.0, 0.2, 1.2), hand="right", distance=0.3, height=0.8, hold=1.0)
+    assert result.succeeded, result.feedback
+    there = [np.linalg.norm(s.hands["right"] - (0.294, 0.059, 0.8)) < 0.035 for s in result.states]
+    assert sum(there) >= 50
+    assert all(there[-50:])
+
+
+@pytest.mark.parametrize("bearing", [0, 60, -90])
+def test_stays_clear_of_a_target_that_is_near(rig: Rig, bearing: float) -> None:
+    angle = math.radians(bearing)
+    target = (0.45 * math.cos(angle), 0.45 * math.sin(angle), 0.9)
+    result = rig.run("offer", target=target, hold=0.5)
+    assert result.succeeded, result.feedback
+    assert nearest(result, target) > 0.17
+
+
+def test_draws_the_hand_back_from_a_target_that_comes_nearer(rig: Rig) -> None:
+    for i in range(20):
+        rig.at(2.0 + 0.1 * i, lambda i=i: rig.see("target", (0.8 - 0.02 * i, 0.0, 1.2)))
+    result = rig.run("offer", target=(0.8, 0.0, 1.2), hold=3.0, timeout=4.5)
+    out = [state.hands["right"][0] for state in result.states]
+    assert max(out) > 0.37
+    assert out[-1] < 0.25
+    assert not result.failed
+
+
+def test_says_that_the_target_is_too_near(rig: Rig) -> None:
+    result = rig.run("offer", target=(0.25, 0.0, 1.2))
+    assert result.failed
+    assert result.feedback == "target is too near: 0.25 m"
+
+
+def test_says_how_near_it_came_when_the_hand_does_not_get_there(rig: Rig) -> None:
+    result = rig.run("offer", target=(2.0, 0.0, 1.2), distance=1.0, patience=0.5)
+    assert result.failed
+    assert "comes no nearer than" in result.feedback
+    assert not result.fell
+
+
+def test_waits_for_a_steady_base(rig: Rig) -> None:
+    rig.run("walk_to", x=1.0, y=0.0, timeout=2)
+    rig.see("person", (2.0, 0.0, 1.2))
+    result = rig.run("offer", target="person", timeout=0.3)
+    assert result.feedback == "waiting for a steady base"
+    assert not any("left_hand" in c.targets or "right_hand" in c.targets for c in result.commands)
+
+
+def test_takes_the_hand_back_when_halted(rig: Rig) -> None:
+    rest = rig.state.hands["left"].copy()
+    rig.run("offer", target=(1.0, 0.3, 1.2), timeout=1.2)
+    assert np.linalg.norm(rig.state.hands["left"] - rest) > 0.15
+    assert np.linalg.norm(rig.settle(2.5).hands["left"] - rest) < 0.03
+
+
+def test_fails_when_the_target_was_never_seen(rig: Rig) -> None:
+    result = rig.run("offer", target="nobody")
+    assert result.failed
+    assert "nobody was never seen" in result.feedback

@@ -1,0 +1,54 @@
+"""The skill ``turn``, alone on the simulated robot."""
+
+import math
+
+import numpy as np
+import pytest
+
+from humanoid_bt.messages import Gait
+from humanoid_bt.testing.rig import Rig
+
+
+@pytest.mark.parametrize("angle", [0.6, -1.2, math.pi, -math.pi])
+def test_turns_on_the_spot_to_the_side_it_is_told(rig: Rig, angle: float) -> None:
+    result = rig.run("turn", angle=angle, timeout=15)
+    assert result.succeeded, result.feedback
+    headings = np.unwrap([state.stance[2] for state in result.states])
+    assert headings[-1] - headings[0] == pytest.approx(angle, abs=0.08)
+    assert max(np.linalg.norm(state.stance[:2]) for state in result.states) < 0.06
+    assert not result.stops
+
+
+def test_counts_from_where_it_faces_at_each_start(rig: Rig) -> None:
+    for _ in range(2):
+        assert rig.run("turn", angle=0.5).succeeded
+    assert rig.state.stance[2] == pytest.approx(1.0, abs=0.16)
+
+
+def test_goes_the_long_way_round(rig: Rig) -> None:
+    result = rig.run("turn", angle=1.3 * math.pi, timeout=3.5)
+    assert result.states[-1].stance[2] > 0.5
+    assert result.feedback.endswith("deg to go")
+
+
+def test_does_not_step_for_an_angle_within_the_tolerance(rig: Rig) -> None:
+    result = rig.run("turn", angle=0.05)
+    assert result.succeeded
+    assert result.feedback == "turned 0 deg"
+    assert all(state.gait is Gait.STAND for state in result.states)
+
+
+def test_gives_up_when_it_turns_no_farther(rig: Rig) -> None:
+    rig.raise_estop()
+    result = rig.run("turn", angle=1.0, patience=1.0)
+    assert result.failed
+    assert result.feedback == "turns no farther: 57 deg to go"
+
+
+def test_stops_when_halted(rig: Rig) -> None:
+    result = rig.run("turn", angle=3.0, timeout=2.5)
+    assert result.states[-1].gait is Gait.STEP
+    facing = rig.state.stance[2]
+    settled = rig.settle(2.5)
+    assert settled.base_settled
+    assert settled.stance[2] - facing < 0.6

@@ -1,0 +1,61 @@
+"""The skill ``walk_to``, alone on the simulated robot."""
+
+import math
+
+import pytest
+
+from humanoid_bt.messages import Gait
+from humanoid_bt.testing.rig import Rig
+
+
+@pytest.mark.parametrize(("x", "y", "heading"), [(0.5, 0.0, 0.5), (-0.2, 0.15, -0.6)])
+def test_stands_at_the_place_and_faces_where_it_is_told(rig: Rig, x: float, y: float, heading: float) -> None:
+    result = rig.run("walk_to", x=x, y=y, heading=heading)
+    assert result.succeeded, result.feedback
+    stance = rig.state.stance
+    assert math.hypot(stance[0] - x, stance[1] - y) < 0.06
+    assert stance[2] == pytest.approx(heading, abs=0.12)
+    assert not result.stops
+
+
+def test_faces_where_it_walked_to_without_a_heading(rig: Rig) -> None:
+    result = rig.run("walk_to", x=0.4, y=0.4)
+    assert result.succeeded, result.feedback
+    assert rig.state.stance[2] == pytest.approx(math.pi / 4, abs=0.12)
+
+
+def test_keeps_its_heading_when_the_place_is_near(rig: Rig) -> None:
+    result = rig.run("walk_to", x=0.0, y=-0.2)
+    assert result.succeeded, result.feedback
+    assert rig.state.stance[2] == pytest.approx(0.0, abs=0.12)
+
+
+@pytest.mark.slow
+def test_turns_round_to_a_place_behind(rig: Rig) -> None:
+    result = rig.run("walk_to", x=-1.5, y=0.0, timeout=20)
+    assert result.succeeded, result.feedback
+    assert rig.state.stance[0] == pytest.approx(-1.5, abs=0.06)
+    assert abs(rig.state.stance[2]) == pytest.approx(math.pi, abs=0.12)
+
+
+def test_succeeds_at_once_when_it_is_there(rig: Rig) -> None:
+    rig.settle(0.5)
+    result = rig.run("walk_to", x=0.0, y=0.0)
+    assert result.succeeded
+    assert all(state.gait is Gait.STAND for state in result.states)
+
+
+def test_gives_up_when_it_comes_no_nearer(rig: Rig) -> None:
+    rig.raise_estop()
+    result = rig.run("walk_to", x=1.0, y=0.0, patience=1.0)
+    assert result.failed
+    assert result.feedback == "comes no nearer: 1.00 m and 0 deg to go"
+
+
+def test_stops_within_a_step_when_halted(rig: Rig) -> None:
+    result = rig.run("walk_to", x=3.0, y=0.0, timeout=2.5)
+    assert result.states[-1].gait is Gait.STEP
+    where = rig.state.stance[0]
+    settled = rig.settle(2.5)
+    assert settled.base_settled
+    assert settled.stance[0] - where < 0.35
