@@ -94,13 +94,13 @@ class Run:
             make_folder(options.sinks.file)
         options.sinks.check()
         self._engine = self._new_engine(robot_path)
-        self._robot = Robot(self._engine.robot.config, self._engine.clock, self.raise_estop)
+        self._recorder: Recorder | None = None
+        self._robot = Robot(self._engine.robot.config, self._engine.clock, self.raise_estop, self._node_tells)
         self._executor = Executor(self.tree, self._robot, self._on_change)
         self._executor.setup()
         self._guards = [node.behaviour for node in self.tree.nodes if isinstance(node.behaviour, EmergencyStop)]
         self._trace = Trace(self._scene)
         self._happenings = Happenings(self._engine)
-        self._recorder: Recorder | None = None
         self._pace = options.pace
         self._began = 0.0
         self._ticks = 0
@@ -328,6 +328,9 @@ class Run:
         self._listener.event(now, level, text)
         if self._recorder is not None:
             self._recorder.event(now, level, text)
+
+    def _node_tells(self, source: str, level: Level, text: str) -> None:
+        self._event(level, f"{text}  ({source})")
 
     def _on_change(self, change: NodeChange) -> None:
         self._trace.node_changed(change)
