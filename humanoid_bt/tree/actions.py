@@ -15,13 +15,18 @@ from humanoid_bt.params import assign, param
 from humanoid_bt.robot import Robot
 from humanoid_bt.tree.decorators import TIME_TOLERANCE
 from humanoid_bt.tree.expression import Truth, Unseen
-from humanoid_bt.tree.results import Below, Results
+from humanoid_bt.tree.results import SUCCEEDS, Below, Results
 from humanoid_bt.tree.template import Template
 from humanoid_bt.tree.ticking import FAILURE, INVALID, RUNNING, SUCCESS
 
 
 class Success(Behaviour):
     """Succeed at once."""
+
+    @classmethod
+    def possible_results(cls, _values: Mapping[str, Any], _below: Below) -> Results:
+        """Return SUCCESS."""
+        return frozenset({SUCCESS})
 
     def update(self) -> Status:
         """Succeed."""
@@ -31,6 +36,11 @@ class Success(Behaviour):
 class Failure(Behaviour):
     """Fail at once."""
 
+    @classmethod
+    def possible_results(cls, _values: Mapping[str, Any], _below: Below) -> Results:
+        """Return FAILURE."""
+        return frozenset({FAILURE})
+
     def update(self) -> Status:
         """Fail."""
         return FAILURE
@@ -38,6 +48,9 @@ class Failure(Behaviour):
 
 class Running(Behaviour):
     """Run for ever, and do nothing."""
+
+    ends: ClassVar[bool] = False
+    """Whether it can succeed or fail, as of skills."""
 
     def update(self) -> Status:
         """Go on."""
@@ -132,6 +145,11 @@ class Log(Behaviour):
     def __init__(self, name: str, **values: Any) -> None:
         super().__init__(name)
         assign(self, values)
+
+    @classmethod
+    def possible_results(cls, _values: Mapping[str, Any], _below: Below) -> Results:
+        """Return SUCCESS."""
+        return SUCCEEDS
 
     def setup(self, **kwargs: Any) -> None:
         """Take ``robot``."""

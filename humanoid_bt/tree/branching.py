@@ -149,6 +149,11 @@ class Switch(Choice):
             if value is not None and self._numbers.setdefault(value, branch) is not branch:
                 raise ValueError(f"two of its cases are the number {value:g}")
 
+    @classmethod
+    def possible_results(cls, _values: Mapping[str, Any], below: Below) -> Results:
+        """Return the results of every branch, and FAILURE: it may find none."""
+        return frozenset({FAILURE}).union(*below.branches.values())
+
     def setup(self, **kwargs: Any) -> None:
         """Take ``robot``."""
         self.robot: Robot = kwargs["robot"]

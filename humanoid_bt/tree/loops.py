@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, ClassVar
 
 from py_trees.behaviour import Behaviour
 from py_trees.common import Status
@@ -57,6 +57,13 @@ class KeepRunningUntilFailure(Decorator):
     It never succeeds. BehaviorTree.CPP's node of this name ends with failure as well. `repeat` without `times` is the
     same.
     """
+
+    bounded: ClassVar[bool] = False
+
+    @classmethod
+    def possible_results(cls, _values: Mapping[str, Any], below: Below) -> Results:
+        """Return the child's results; a success after which it runs again is RUNNING."""
+        return below.child - {SUCCESS} | {RUNNING} if SUCCESS in below.child else below.child
 
     def advance(self, seen: Seen) -> Status:
         """Tick the child; when it succeeds, go on."""
