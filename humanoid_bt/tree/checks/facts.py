@@ -90,7 +90,7 @@ class Facts:
             return False
         if below:
             for_ever = -1 in (draft.type.complete(draft.values).get(count) for count in ("attempts", "times"))
-            return not for_ever and all(self._bounded[id(child)] for child in below)
+            return not for_ever and getattr(cls, "bounded", True) and all(self._bounded[id(child)] for child in below)
         return not waits_for_ever(draft, self)
 
 

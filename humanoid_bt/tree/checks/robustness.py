@@ -37,7 +37,7 @@ def _flapping(draft: Draft, facts: Facts, again: bool) -> Iterator[Problem]:
             yield from _unsteady_expressions(draft, values)
         return
     runs = [facts.may_run(child) for _, child in draft.below()]
-    once = bool(values.get("memory"))
+    once = bool(values.get("memory")) or getattr(draft.type.cls, "one_way", False)
     if any(runs) and not once and draft.type.kind in ("composite", "decorator"):
         yield from _unsteady_expressions(draft, values)
     for index, (key, child) in enumerate(draft.below()):
