@@ -98,8 +98,8 @@ class Scope:
                 expression.link(self)
             except UserError as error:
                 self._problems += error.problems
-                known = set(self.known)
-                expression.keys = [name for name in names(expression.syntax) if name in known]  # not unused as well
+                there = set(self.known)
+                expression.keys = [name for name in names(expression.syntax) if name in there]  # not unused as well
             for name in expression.keys:
                 if self.parameters.find(name) is None:
                     self.read(name, expression.place)
