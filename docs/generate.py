@@ -27,6 +27,7 @@ from humanoid_bt.plant.robot_config import RobotConfig
 from humanoid_bt.plant.scene_config import SceneConfig
 from humanoid_bt.robot import RobotHandle, Track
 from humanoid_bt.testing.rig import Rig, RigResult
+from humanoid_bt.tree.elsewhere import FOREIGN
 from humanoid_bt.tree.load import PARTS, Header, load_tree
 from humanoid_bt.tree.nodes import BUILTIN
 from humanoid_bt.tree.parameters import TYPES, LongForm
@@ -68,17 +69,128 @@ if:
   then: {reach: {target: target}}
   else: {approach: {target: target}}
 """,
+    "switch": """\
+switch:
+  value: state.gait
+  cases:
+    stand: {reach: {target: target}}
+    step: {timeout: {duration: 3 s, wait_until: state.standing}}
+  default: {log: the robot settles}
+""",
     "for_each": """\
 for_each:
   item: side
   items: [left, right]
   reach: {target: target, hand: $side}
 """,
+    "while": """\
+while:
+  condition: distance(target) > 0.6 m
+  approach: {target: target, distance: 0.5 m}
+""",
+    "keep_running_until_failure": """\
+keep_running_until_failure:
+  sequence:
+    - wait: 1 s
+    - condition: target.confidence > 0.3 hysteresis 0.1
+""",
+    "delay": """\
+delay:
+  duration: 500 ms
+  reach: {target: target}
+""",
+    "cooldown": """\
+selector:
+  - cooldown:
+      duration: 10 s
+      timeout: {duration: 3 s, reach: {target: target}}
+  - idle
+""",
+    "min_duration": """\
+min_duration:
+  duration: 2 s
+  approach: {target: target}
+""",
+    "precondition": """\
+precondition:
+  condition: state.standing
+  reach: {target: target}
+""",
+    "guard": """\
+guard:
+  condition: distance(target) < 0.7 m hysteresis 0.1 m
+  reach: {target: target}
+""",
+    "once": """\
+sequence:
+  - once: {log: "the target is {distance(target)} away"}
+  - reach: {target: target}
+""",
+    "on_error": """\
+selector:
+  - on_error:
+      reach: {target: target}
+  - idle
+""",
+    "status_to_blackboard": """\
+parallel:
+  - status_to_blackboard:
+      key: reaching
+      reach: {target: target}
+  - wait_until: reaching == 'success'
+""",
+    "force_success": """\
+sequence:
+  - force_success:
+      timeout: {duration: 5 s, approach: {target: target}}
+  - reach: {target: target}
+""",
+    "force_failure": """\
+selector:
+  - force_failure: {log: trying to reach}
+  - reach: {target: target}
+""",
+    "running_is_failure": """\
+selector:
+  - running_is_failure:
+      wait_until: state.standing
+  - idle
+""",
+    "running_is_success": """\
+running_is_success:
+  approach: {target: target}
+""",
+    "failure_is_running": """\
+failure_is_running:
+  within: {percept: target, distance: 0.5 m}
+""",
+    "success_is_running": """\
+success_is_running:
+  confident: {percept: target, above: 0.6}
+""",
     "subtree": """\
 subtree: stand
 """,
     "condition": """\
 condition: target.confidence > 0.6 hysteresis 0.1 and abs(bearing(target)) < 30 deg
+""",
+    "success": """\
+selector:
+  - reach: {target: target}
+  - success
+""",
+    "failure": """\
+sequence:
+  - log: giving up
+  - failure
+""",
+    "running": """\
+sequence:
+  - timeout: {duration: 5 s, reach: {target: target}}
+  - running
+""",
+    "log": """\
+log: {text: "{distance(target)} away, seen {age(target)} ago", level: warning}
 """,
     "wait": """\
 wait: 2 s
@@ -192,6 +304,12 @@ def nodes() -> str:
         parts.append(f"## {_HEADINGS[kind]}")
         parts += [_node(node_type) for node_type in registry.values() if node_type.kind == kind]
     return "\n\n".join(parts)
+
+
+def elsewhere() -> str:
+    """Return the table of what nodes of other libraries are called here."""
+    rows = [(foreign.library, ", ".join(f"`{name}`" for name in foreign.names), foreign.here) for foreign in FOREIGN]
+    return _table(("library", "there", "here"), rows)
 
 
 def skills() -> str:
@@ -329,7 +447,7 @@ def code_examples() -> str:
 PARTS_BY_NAME: dict[str, Callable[[], str]] = {
     maker.__name__: maker
     for maker in (
-        *(nodes, skills, tree_keys, node_keys, parameter_keys, units, robot_keys, scene_keys, trees),
+        *(nodes, elsewhere, skills, tree_keys, node_keys, parameter_keys, units, robot_keys, scene_keys, trees),
         *(percept_words, state_words),
         *(handle, track, state, rig, rig_result, clocks, codes, code_examples),
     )

@@ -17,6 +17,8 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 Side = Literal["left", "right"]
 SIDES: tuple[Side, Side] = ("left", "right")
+Level = Literal["info", "warning", "error"]
+"""How much an event of a run matters."""
 
 RESOURCES = ("base", "left_hand", "right_hand", "gaze", "posture")
 """What a skill can command; each has at most one owner at a time."""

@@ -5,6 +5,7 @@ Targets set during a tick are buffered and leave as one :class:`~humanoid_bt.mes
 
 from __future__ import annotations
 
+import logging
 import math
 from collections import deque
 from collections.abc import Callable, Mapping
@@ -22,6 +23,7 @@ from humanoid_bt.messages import (
     Command,
     GazeTarget,
     HandTarget,
+    Level,
     Percept,
     PostureTarget,
     Side,
@@ -29,6 +31,9 @@ from humanoid_bt.messages import (
     Target,
 )
 from humanoid_bt.plant.robot_config import RobotConfig
+
+_log = logging.getLogger(__name__)
+_LEVELS: dict[Level, int] = {"info": logging.INFO, "warning": logging.WARNING, "error": logging.ERROR}
 
 _POSE_HISTORY = 64  # ticks of base poses kept to place late percepts: 1.3 s at 50 Hz
 
@@ -97,12 +102,18 @@ class Robot:
         config: the robot's numbers.
         clock: the engine's clock.
         raise_estop: called at once with source and reason when a node raises the emergency stop.
+        log: called at once with source, level and text when a node has something to tell; the program's log if None.
     """
 
     def __init__(
-        self, config: RobotConfig, clock: Clock, raise_estop: Callable[[str, str], None] | None = None
+        self,
+        config: RobotConfig,
+        clock: Clock,
+        raise_estop: Callable[[str, str], None] | None = None,
+        log: Callable[[str, Level, str], None] | None = None,
     ) -> None:
         self._raise_estop = raise_estop
+        self._tell = log or _to_log
         self.config = config
         self.clock = clock
         self._state: State | None = None
@@ -155,6 +166,16 @@ class Robot:
         if self._raise_estop is None:
             raise HumanoidBtError(f"{source!r} raises an emergency stop of a robot that has none: {reason}")
         self._raise_estop(source, reason)
+
+    def log(self, source: str, level: Level, text: str) -> None:
+        """Tell something to people, as an event of the run; it is recorded.
+
+        Args:
+            source: path of the node that tells it.
+            level: how much it matters.
+            text: what it tells.
+        """
+        self._tell(source, level, text)
 
     def begin_tick(self, state: State, percepts: Mapping[str, Percept]) -> None:
         """Take the snapshot that the whole tick sees, and forget the targets of the last one."""
@@ -269,6 +290,10 @@ class RobotHandle:
         """Raise the emergency stop at once; only a reset from outside ends it."""
         self._robot.raise_estop(self.path, reason)
 
+    def log(self, text: str, level: Level = "info") -> None:
+        """Tell something to people, as an event of the run; it is recorded."""
+        self._robot.log(self.path, level, text)
+
     def release(self) -> None:
         """Take back everything asked for in this tick; called when the node ends or is halted."""
         self.targets.clear()
@@ -282,6 +307,10 @@ class RobotHandle:
             )
         self.targets[resource] = target
         self._robot.note(self)
+
+
+def _to_log(source: str, level: Level, text: str) -> None:
+    _log.log(_LEVELS[level], "%s: %s", source, text)
 
 
 def _vector(values: Any, size: int) -> Array:

@@ -31,7 +31,12 @@ __all__ = ["PerceptName", "Skill", "Status", "node_type_name"]
 def node_type_name(cls: type) -> str:
     """Return the name of a class in tree files: snake_case, or its ``type_name`` if it has one."""
     named = vars(cls).get("type_name")
-    return named if isinstance(named, str) else re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", cls.__name__).lower()
+    return named if isinstance(named, str) else snake_case(cls.__name__)
+
+
+def snake_case(name: str) -> str:
+    """Return a CamelCase name as it is written in tree files."""
+    return re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", name).lower()
 
 
 class Skill(py_trees.behaviour.Behaviour):

@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal
+from typing import Any
 
 import rerun as rr
 
 from humanoid_bt.errors import HumanoidBtError, nearest
+from humanoid_bt.messages import Level
 from humanoid_bt.record.columns import Color, send
 from humanoid_bt.record.tree_view import printable
 from humanoid_bt.tree.show.looks import STATUS_COLORS, STATUS_GLYPHS
 
-EVENTS = "events"
+__all__ = ["EVENTS", "EventLog", "Level"]
 
-Level = Literal["info", "warning", "error"]
+EVENTS = "events"
 
 _LEVELS: dict[str, tuple[str, Color]] = {
     "info": ("INFO", (200, 205, 212)),

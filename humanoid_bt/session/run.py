@@ -78,7 +78,7 @@ class Run:
 
     def _prepare(self, tree: Tree) -> Executor:
         """Return what ticks a tree, set up. Edited trees are set up in another thread, while the old one runs."""
-        robot = Robot(self._engine.robot.config, self._engine.clock, self.raise_estop)
+        robot = Robot(self._engine.robot.config, self._engine.clock, self.raise_estop, self._teller.node_tells)
         executor = Executor(tree, robot, self._teller.node_changed)
         executor.setup()
         return executor

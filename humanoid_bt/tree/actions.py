@@ -4,16 +4,42 @@ from __future__ import annotations
 
 from typing import Any, ClassVar
 
+import py_trees
 from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
 from humanoid_bt.clock import Clock
-from humanoid_bt.messages import Mode
+from humanoid_bt.messages import Level, Mode
 from humanoid_bt.params import assign, param
 from humanoid_bt.robot import Robot
 from humanoid_bt.tree.decorators import TIME_TOLERANCE
 from humanoid_bt.tree.expression import Truth, Unseen
-from humanoid_bt.tree.ticking import RUNNING, SUCCESS
+from humanoid_bt.tree.template import Template
+from humanoid_bt.tree.ticking import FAILURE, INVALID, RUNNING, SUCCESS
+
+
+class Success(Behaviour):
+    """Succeed at once."""
+
+    def update(self) -> Status:
+        """Succeed."""
+        return SUCCESS
+
+
+class Failure(Behaviour):
+    """Fail at once."""
+
+    def update(self) -> Status:
+        """Fail."""
+        return FAILURE
+
+
+class Running(Behaviour):
+    """Run for ever, and do nothing."""
+
+    def update(self) -> Status:
+        """Go on."""
+        return RUNNING
 
 
 class Wait(Behaviour):
@@ -70,6 +96,47 @@ class WaitUntil(Behaviour):
             return RUNNING
         self.feedback_message = self.expression.explain()
         return SUCCESS if reached else RUNNING
+
+
+class Log(Behaviour):
+    """Tell people something, as an event of the run, and succeed; it is recorded.
+
+    In the text stand expressions in braces: `{distance(target)}` gives `0.82 m`. A percept that was never seen gives
+    `(never seen)`, a key without a value `(not set)`; `{{` and `}}` are braces. A percept in it needs no watchdog, for
+    nothing is decided by it.
+
+    Told once for each start: where a composite that is RUNNING checks this node again in every tick, it succeeds and
+    is silent.
+    """
+
+    main: ClassVar[str] = "text"
+    path: str  # given by what builds the tree
+
+    text: Template = param(doc="What to tell.")
+    level: Level = param("info", doc="How much it matters.")
+
+    def __init__(self, name: str, **values: Any) -> None:
+        super().__init__(name)
+        assign(self, values)
+
+    def setup(self, **kwargs: Any) -> None:
+        """Take ``robot``."""
+        self.robot: Robot = kwargs["robot"]
+
+    def update(self) -> Status:
+        """Tell it, unless it is only checked again."""
+        if self.status is INVALID or not _checked_again(self):
+            self.feedback_message = self.text.fill(self.robot)
+            self.robot.log(self.path, self.level, self.feedback_message)
+        return SUCCESS
+
+
+def _checked_again(node: Behaviour) -> bool:
+    """Return whether a node that has ended is ticked by a composite that went on running, and not started anew."""
+    above = node.parent
+    while above is not None and above.status is not RUNNING:  # it starts in this tick, like the node
+        above = above.parent
+    return isinstance(above, py_trees.composites.Composite)  # a decorator that runs starts it once more
 
 
 class RaiseEmergencyStop(Behaviour):

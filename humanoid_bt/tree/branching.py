@@ -1,7 +1,8 @@
-"""Composites that choose what runs: if."""
+"""Composites that choose what runs: if, switch."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping
 from typing import Any, ClassVar
 
 import py_trees
@@ -9,44 +10,67 @@ from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
 from humanoid_bt.params import assign, param
+from humanoid_bt.robot import Robot
+from humanoid_bt.tree.expression import Expression, Unseen, shown
+from humanoid_bt.tree.quantities import number, read_quantity, type_of
 from humanoid_bt.tree.slots import Slot, Takes
 from humanoid_bt.tree.ticking import FAILURE, INVALID, RUNNING, SUCCESS, Branch, Seen, halt, tick
 
+_TRUTHS = {"true": True, "false": False}
+
 
 class Choice(Branch, py_trees.composites.Composite):
-    """Base of the nodes that run one of several branches."""
+    """Base of the nodes that run one of several branches.
+
+    Args:
+        name: the node's name.
+        branches: what it chooses from.
+        condition: a node that is asked which; it is no branch.
+        values: its parameters.
+
+    Attributes:
+        chosen: the branch that runs, None if none does.
+    """
 
     takes: ClassVar[Takes] = "none"
 
-    def __init__(self, name: str, branches: list[Behaviour], **values: Any) -> None:
-        super().__init__(name, branches)
+    def __init__(
+        self, name: str, branches: Iterable[Behaviour], condition: Behaviour | None = None, **values: Any
+    ) -> None:
+        self._choices = list(branches)
+        super().__init__(name, [*([condition] if condition else []), *self._choices])
         assign(self, values)
         self.chosen: Behaviour | None = None
 
     def initialise(self) -> None:
         """Choose anew."""
-        self.chosen = None
+        self.chosen = self.current_child = None
 
     def run(self, chosen: Behaviour, reason: str, seen: Seen) -> Status:
         """Tick a branch, and halt the one that was chosen before if it is another."""
-        before, self.chosen = self.chosen, chosen
-        if before is not None and before is not chosen and before.status is not INVALID:
-            halt(before, reason, seen)
-        self.current_child = chosen
+        if chosen is not self.chosen:
+            self._halt_others(chosen, reason, seen)
+        self.chosen = self.current_child = chosen
         return tick(chosen, seen)
 
     def leave(self, reason: str, seen: Seen) -> None:
         """Halt what was chosen before: nothing is chosen now."""
-        if self.chosen is not None and self.chosen.status is not INVALID:
-            halt(self.chosen, reason, seen)
+        self._halt_others(None, reason, seen)
         self.chosen = None
+
+    def _halt_others(self, chosen: Behaviour | None, reason: str, seen: Seen) -> None:
+        """Halt the branch that ran, and take away what others came to the last time."""
+        for branch in self._choices:
+            if branch is not chosen and branch.status is not INVALID:
+                halt(branch, reason, seen)
 
 
 class If(Choice):
     """Run `then` while a condition holds, else `else`; fail if it does not hold and there is no `else`.
 
-    The condition is checked in every tick: if it changes, the branch that runs is halted and the other one starts.
-    With `memory` it is checked once and the branch then runs to its end.
+    The condition is checked in every tick: if it changes, the branch that runs is halted and the other one starts. If
+    it is a node that is RUNNING, so is the `if`, and neither branch runs. With `memory` the condition is checked up to
+    its first answer, and the branch then runs to its end.
     """
 
     branches: ClassVar[dict[str, Slot]] = {
@@ -60,7 +84,7 @@ class If(Choice):
     def __init__(
         self, name: str, condition: Behaviour, then: Behaviour, else_: Behaviour | None = None, **values: Any
     ) -> None:
-        super().__init__(name, [condition, then, *([else_] if else_ else [])], **values)
+        super().__init__(name, [then, *([else_] if else_ else [])], condition, **values)
         self.condition, self.then, self.else_ = condition, then, else_
 
     def advance(self, seen: Seen) -> Status:
@@ -68,6 +92,7 @@ class If(Choice):
         if self.chosen is not None and self.memory:
             return tick(self.chosen, seen)
         status = tick(self.condition, seen)
+        self.current_child = self.condition
         if status is RUNNING:
             self.leave("its condition is being checked", seen)
             return RUNNING
@@ -77,3 +102,92 @@ class If(Choice):
             self.leave(words, seen)
             return FAILURE
         return self.run(chosen, words, seen)
+
+
+class Switch(Choice):
+    """Run the case that has a value's name, else `default`; fail if there is neither.
+
+    The value is computed in every tick: if it chooses another branch, the one that runs is halted and the other one
+    starts. With `memory` it is computed once and the branch then runs to its end. If it asks for a percept that was
+    never seen the node fails, and what runs is halted.
+
+    Cases are compared as they are written: `left` with a text, `true` and `false` with a truth value, `2` and `50 cm`
+    with a number, which must be equal.
+    """
+
+    branches: ClassVar[dict[str, Slot]] = {
+        "cases": Slot("What runs, by value.", required=True, many=True),
+        "default": Slot("What runs when no case has the value; without it, fail."),
+    }
+
+    value: Expression = param(doc="What decides.")
+    memory: bool = param(False, doc="Compute the value only at the start.")
+
+    def __init__(
+        self, name: str, cases: Mapping[str, Behaviour], default: Behaviour | None = None, **values: Any
+    ) -> None:
+        super().__init__(name, [*cases.values(), *([default] if default else [])], **values)
+        self.cases = cases
+        self.default = default
+        self._truths = {_TRUTHS[text]: branch for text, branch in cases.items() if text in _TRUTHS}
+        self._numbers: dict[float, Behaviour] = {}
+        for text, branch in cases.items():
+            value = self._number(text)
+            if value is not None and self._numbers.setdefault(value, branch) is not branch:
+                raise ValueError(f"two of its cases are the number {value:g}")
+
+    def setup(self, **kwargs: Any) -> None:
+        """Take ``robot``."""
+        self.robot: Robot = kwargs["robot"]
+
+    def initialise(self) -> None:
+        """Choose anew; forget what held if its branch was left."""
+        super().initialise()
+        if self.status is INVALID:
+            self.value.forget()
+
+    def advance(self, seen: Seen) -> Status:
+        """Compute the value and tick the branch that it chooses."""
+        if self.chosen is not None and self.memory:
+            return tick(self.chosen, seen)
+        try:
+            value = self.value.evaluate(self.robot)
+        except Unseen as unseen:
+            return self._nothing(str(unseen), seen)
+        words = f"{self.value} is {shown(value)}"
+        chosen = self._case(value)
+        if chosen is None:
+            return self._nothing(f"{words}: no case", seen)
+        self.feedback_message = words
+        return self.run(chosen, words, seen)
+
+    def _nothing(self, why: str, seen: Seen) -> Status:
+        self.feedback_message = why
+        self.leave(why, seen)
+        self.current_child = None
+        return FAILURE
+
+    def _case(self, value: Any) -> Behaviour | None:
+        if isinstance(value, bool):
+            found = self._truths.get(value)
+        elif isinstance(value, (int, float)):
+            found = self._numbers.get(value)
+        else:
+            found = self.cases.get(value) if isinstance(value, str) else None
+        return found or self.default
+
+    def _number(self, text: str) -> float | None:
+        """Return a case as a number, None if it is none.
+
+        Raises:
+            ValueError: the value can never be this.
+        """
+        digits = text.removeprefix("-").lstrip()
+        found = read_quantity(digits, 0)
+        if found is not None and found[2] < len(digits):
+            found = None
+        kind = number(found[1]) if found else type_of(_TRUTHS.get(text, text))
+        wanted = self.value.type
+        if wanted.kind != "text" and not wanted.goes_with(kind):  # a text may look like a number
+            raise ValueError(f"the case {text!r} is never chosen: {str(self.value)!r} is {wanted}")
+        return None if found is None else found[0] if digits == text else -found[0]

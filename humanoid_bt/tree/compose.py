@@ -17,12 +17,12 @@ from humanoid_bt.skill import node_type_name
 from humanoid_bt.tree.build import collect
 from humanoid_bt.tree.check import check_safety
 from humanoid_bt.tree.draft import Draft
-from humanoid_bt.tree.expression import Expression
 from humanoid_bt.tree.parameters import Parameters
 from humanoid_bt.tree.read import check_name
 from humanoid_bt.tree.registry import NodeType, Registry
 from humanoid_bt.tree.scope import Scope
 from humanoid_bt.tree.subtree import SubTree
+from humanoid_bt.tree.template import expressions_of
 from humanoid_bt.tree.ticking import Branch
 from humanoid_bt.tree.tree import Tree
 from humanoid_bt.workspace import Workspace
@@ -147,9 +147,10 @@ class _Composer:
         if isinstance(value, Key):
             value = self._scope.write(value.name)
             setattr(behaviour, name, value)
-        elif isinstance(value, Expression):
-            value.place = self._place
-            self._scope.add(value)
+        elif expressions := expressions_of(value):
+            for expression in expressions:
+                expression.place = self._place
+                self._scope.add(expression)
         elif not (value is None and not spec.required and spec.default is None):
             try:
                 value = spec.convert(item_of(value, self._place))

@@ -24,6 +24,11 @@ class Decorator(Branch, py_trees.decorators.Decorator):
         super().__init__(name, child)
         assign(self, values)
 
+    def reset_child(self, reason: str, seen: Seen) -> None:
+        """Halt the child if it runs, and take away what it came to the last time."""
+        if self.decorated.status is not INVALID:
+            halt(self.decorated, reason, seen)
+
 
 class Inverter(Decorator):
     """Turn success into failure and failure into success."""
@@ -112,8 +117,7 @@ class Timeout(Decorator):
         if elapsed < self.duration - TIME_TOLERANCE:
             return tick(self.decorated, seen)
         self.feedback_message = f"timed out after {elapsed:.2f} s (limit {self.duration:g} s)"
-        if self.decorated.status is not INVALID:
-            halt(self.decorated, f"timed out after {elapsed:.2f} s", seen)
+        self.reset_child(f"timed out after {elapsed:.2f} s", seen)
         return FAILURE
 
 

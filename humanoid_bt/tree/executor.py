@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 
 from py_trees.behaviour import Behaviour
 from py_trees.common import Status
@@ -12,6 +13,7 @@ from humanoid_bt.errors import HumanoidBtError, Place, Problem, ResourceConflict
 from humanoid_bt.messages import Command, Percept, State
 from humanoid_bt.robot import Robot
 from humanoid_bt.skill_files import class_file, place_in_file
+from humanoid_bt.tree.on_error import OnError, catch
 from humanoid_bt.tree.ticking import INVALID, RUNNING, Raised, Seen, halt_alone, tick
 from humanoid_bt.tree.tree import Node, Tree
 
@@ -70,6 +72,9 @@ class Executor:
         self._nodes: dict[Behaviour, Node] = {node.behaviour: node for node in tree.nodes}
         self._children_first = [behaviour for behaviour in tree.root.iterate() if behaviour in self._nodes]
         self._told: dict[Behaviour, Status | None] = dict.fromkeys(self._nodes, INVALID)
+        for node in tree.nodes:
+            if isinstance(node.behaviour, OnError):
+                node.behaviour.on_caught = partial(self._tell_caught, node)
 
     @property
     def status(self) -> Status:
@@ -144,15 +149,21 @@ class Executor:
             raise NodeError(self._nodes[raised.node], raised.error) from raised.error
 
     def _halt_all(self, reason: str, seen: Seen) -> Raised | None:
-        """Halt every node, whatever state an interrupted tick left them in; return the first exception."""
+        """Halt every node, whatever state an interrupted tick left them in; return the first exception not caught."""
         first: Raised | None = None
         for behaviour in self._children_first:
             try:
                 if behaviour.status is not INVALID:
                     halt_alone(behaviour, reason, seen)
             except Raised as raised:
-                first = first or raised
+                if not catch(raised):
+                    first = first or raised
         return first
+
+    def _tell_caught(self, by: Node, raised: Raised) -> None:
+        """Tell that an ``on_error`` made a failure of an exception."""
+        error = NodeError(self._nodes[raised.node], raised.error)
+        self.robot.log(by.path, "warning", f"caught: {error}".replace("\n    ", ", "))
 
     def _tell(self, seen: Seen, time: float) -> None:
         told = self._told

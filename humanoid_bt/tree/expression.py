@@ -87,7 +87,7 @@ class Watched:
     @property
     def text(self) -> str:
         """What was compared, in words."""
-        return f"{self.source} {_shown(self.left)} {self.operator} {_shown(self.right)}"
+        return f"{self.source} {shown(self.left)} {self.operator} {shown(self.right)}"
 
 
 @dataclass
@@ -393,5 +393,6 @@ def _within(place: Place, text_at: int | None, index: int) -> Place:
     return replace(place, column=place.column + text_at + index)
 
 
-def _shown(value: Any) -> str:
+def shown(value: Any) -> str:
+    """Return a value as people read it."""
     return f"{value:.4g}" if isinstance(value, float) else str(value).lower() if isinstance(value, bool) else str(value)

@@ -1,4 +1,4 @@
-"""Decorators that run one child for several things."""
+"""Decorators that run one child again and again: for_each, keep_running_until_failure."""
 
 from __future__ import annotations
 
@@ -42,3 +42,16 @@ class ForEach(Decorator):
             return status
         self._index += 1
         return SUCCESS if self._index == len(self.items) else RUNNING
+
+
+class KeepRunningUntilFailure(Decorator):
+    """Run the child again when it succeeds, one run per tick; fail when it fails.
+
+    It never succeeds. BehaviorTree.CPP's node of this name ends with failure as well. `repeat` without `times` is the
+    same.
+    """
+
+    def advance(self, seen: Seen) -> Status:
+        """Tick the child; when it succeeds, go on."""
+        status = tick(self.decorated, seen)
+        return RUNNING if status is SUCCESS else status

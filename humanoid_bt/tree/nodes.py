@@ -11,25 +11,50 @@ from typing import Literal
 
 from py_trees.behaviour import Behaviour
 
-from humanoid_bt.tree.actions import RaiseEmergencyStop, Wait, WaitUntil
+from humanoid_bt.tree.actions import Failure, Log, RaiseEmergencyStop, Running, Success, Wait, WaitUntil
 from humanoid_bt.tree.blackboard_nodes import ClearBlackboard, SetBlackboard
-from humanoid_bt.tree.branching import If
+from humanoid_bt.tree.branching import If, Switch
 from humanoid_bt.tree.composites import Selector, Sequence
 from humanoid_bt.tree.conditions import Condition, Confident, Within
 from humanoid_bt.tree.decorators import Inverter, Repeat, Retry, Timeout
 from humanoid_bt.tree.guards import EmergencyStop, Watchdog
-from humanoid_bt.tree.loops import ForEach
+from humanoid_bt.tree.loops import ForEach, KeepRunningUntilFailure
+from humanoid_bt.tree.on_error import OnError
 from humanoid_bt.tree.parallel import Parallel
+from humanoid_bt.tree.preconditions import Guard, Precondition, While
+from humanoid_bt.tree.statuses import (
+    FailureIsRunning,
+    ForceFailure,
+    ForceSuccess,
+    Once,
+    RunningIsFailure,
+    RunningIsSuccess,
+    StatusToBlackboard,
+    SuccessIsRunning,
+)
 from humanoid_bt.tree.subtree import SubTree
+from humanoid_bt.tree.timing import Cooldown, Delay, MinDuration
 
 Kind = Literal["composite", "decorator", "subtree", "condition", "action", "skill"]
 
 BUILTIN: dict[Kind, tuple[type[Behaviour], ...]] = {
-    "composite": (Sequence, Selector, Parallel, If),
-    "decorator": (Inverter, Retry, Repeat, Timeout, EmergencyStop, Watchdog, ForEach),
+    "composite": (Sequence, Selector, Parallel, If, Switch),
+    "decorator": (
+        *(EmergencyStop, Watchdog),
+        *(Inverter, ForceSuccess, ForceFailure),
+        *(Retry, Repeat, ForEach, While, KeepRunningUntilFailure),
+        *(Timeout, Delay, Cooldown, MinDuration),
+        *(Precondition, Guard, Once, OnError, StatusToBlackboard),
+        *(RunningIsFailure, RunningIsSuccess, FailureIsRunning, SuccessIsRunning),
+    ),
     "subtree": (SubTree,),
     "condition": (Condition, Confident, Within),
-    "action": (Wait, WaitUntil, SetBlackboard, ClearBlackboard, RaiseEmergencyStop),
+    "action": (
+        *(Success, Failure, Running),
+        *(Wait, WaitUntil, Log),
+        *(SetBlackboard, ClearBlackboard),
+        RaiseEmergencyStop,
+    ),
 }
 """The built-in node types, in the order of the reference."""
 
@@ -38,22 +63,43 @@ __all__ = [
     "ClearBlackboard",
     "Condition",
     "Confident",
+    "Cooldown",
+    "Delay",
     "EmergencyStop",
+    "Failure",
+    "FailureIsRunning",
     "ForEach",
+    "ForceFailure",
+    "ForceSuccess",
+    "Guard",
     "If",
     "Inverter",
+    "KeepRunningUntilFailure",
     "Kind",
+    "Log",
+    "MinDuration",
+    "OnError",
+    "Once",
     "Parallel",
+    "Precondition",
     "RaiseEmergencyStop",
     "Repeat",
     "Retry",
+    "Running",
+    "RunningIsFailure",
+    "RunningIsSuccess",
     "Selector",
     "Sequence",
     "SetBlackboard",
+    "StatusToBlackboard",
     "SubTree",
+    "Success",
+    "SuccessIsRunning",
+    "Switch",
     "Timeout",
     "Wait",
     "WaitUntil",
     "Watchdog",
+    "While",
     "Within",
 ]

@@ -16,6 +16,7 @@ from humanoid_bt.tree.registry import CHILD, NodeType, Registry
 from humanoid_bt.tree.scope import Scope
 from humanoid_bt.tree.slots import Slot
 from humanoid_bt.tree.subtree import SubTree
+from humanoid_bt.tree.template import Template, expressions_of
 
 
 class SubTrees(Protocol):
@@ -153,7 +154,7 @@ class Reader:
         if node_type.takes == "many" and isinstance(body.value, list):
             return Item({"children": body}, draft.place, {"children": body.place})
         text = body.value
-        if node_type.takes == "one" and isinstance(text, str) and (text in self._registry or text.startswith("$")):
+        if node_type.takes == "one" and isinstance(text, str):
             return Item({text: Item(None, body.place)}, draft.place, {text: body.place})
         hint = {
             "many": f"{name}: followed by a list of children",
@@ -190,8 +191,8 @@ class Reader:
                 draft.values[key] = self.scope.write(value.name, _written_type(values))
             else:
                 draft.values[key] = value
-                if isinstance(value, Expression):
-                    self.scope.add(value)
+                for expression in expressions_of(value):
+                    self.scope.add(expression)
 
     def _name(self, draft: Draft, item: Item) -> None:
         try:
@@ -204,7 +205,7 @@ class Reader:
 
     def _value(self, draft: Draft, spec: Param, item: Item) -> Item | None:
         """Return a value with what it refers to put in; None if it is read while the tree runs, or is a mistake."""
-        if isinstance(spec.type, type) and issubclass(spec.type, Expression):
+        if isinstance(spec.type, type) and issubclass(spec.type, (Expression, Template)):
             return item
         name, resolved = reference(item), None
         try:
@@ -282,7 +283,7 @@ class Reader:
             elif key in self._registry or key.startswith("$"):
                 self._append(draft, self._typed(key, body.value[key], body.key_places[key]))
             else:
-                hint = nearest(key, [*known, *self._registry])
+                hint = self._registry.hint(key, known)
                 message = f"{key!r} is neither a parameter of {name!r} nor a node"
                 self._broken(draft, message, body.key_places[key], hint, "unknown-node")
         if not others:
@@ -306,7 +307,8 @@ class Reader:
                 self._broken(draft, f"{where} is missing", draft.place, f"{key}: {slot.doc}", "missing-parameter")
         elif slot.many:
             if not isinstance(item.value, dict) or not item.value:
-                message = f"{where} must be a mapping of values to nodes, not {item.kind}"
+                kind = "an empty mapping" if isinstance(item.value, dict) else item.kind
+                message = f"{where} must be a mapping of values to nodes, not {kind}"
                 self._broken(draft, message, item.place, "left: {...}", "wrong-type")
                 return
             found = {name: self.node(child, f"{name!r} of {where}") for name, child in item.value.items()}

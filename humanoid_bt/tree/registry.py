@@ -8,7 +8,7 @@ from __future__ import annotations
 import inspect
 import types
 import typing
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -18,6 +18,7 @@ from humanoid_bt.errors import Place, Problem, UserError, nearest
 from humanoid_bt.params import Param, PerceptName, params_of
 from humanoid_bt.skill import Skill, node_type_name
 from humanoid_bt.skill_files import class_place, load_skills
+from humanoid_bt.tree import elsewhere
 from humanoid_bt.tree.expression import Expression
 from humanoid_bt.tree.nodes import BUILTIN, Kind
 from humanoid_bt.tree.slots import Slot, Takes
@@ -147,8 +148,17 @@ class Registry(Mapping[str, NodeType]):
         """
         name = ALIASES.get(name, name)
         if name not in self._types:
-            raise UserError(f"unknown node {name!r}", place, nearest(name, self._types), "unknown-node")
+            raise UserError(f"unknown node {name!r}", place, self.hint(name), "unknown-node")
         return self._types[name]
+
+    def hint(self, name: str, others: Iterable[str] = ()) -> str:
+        """Return what an unknown name most likely means: what it is called here, or the nearest of what is valid.
+
+        Args:
+            name: the name.
+            others: what would be valid besides node types.
+        """
+        return elsewhere.hint(name, self) or nearest(name, [*others, *self._types])
 
 
 def _node_type(name: str, kind: Kind, cls: type[Behaviour]) -> NodeType:

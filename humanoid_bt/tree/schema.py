@@ -21,6 +21,7 @@ from humanoid_bt.tree.parameters import LongForm
 from humanoid_bt.tree.registry import ALIASES, NodeType, Registry
 from humanoid_bt.tree.slots import Slot
 from humanoid_bt.tree.subtree import SubTree
+from humanoid_bt.tree.template import Template
 
 Schema = dict[str, Any]
 
@@ -196,7 +197,7 @@ def _type(kind: Any, spec: Param) -> Schema:  # noqa: PLR0911 (a table of cases)
         return {"type": "object"}
     if kind is Key:
         return {"type": "string", "pattern": KEY_NAME.pattern}
-    if isinstance(kind, type) and issubclass(kind, Expression):
+    if isinstance(kind, type) and issubclass(kind, (Expression, Template)):
         return {"type": ["string", "number", "boolean"]}
     if kind in (float, int):
         return _number(kind, spec)

@@ -48,6 +48,10 @@ class Branch(Behaviour):
         Before it, ``initialise`` is called whenever the node is not RUNNING.
         """
 
+    def halt_child(self, child: Behaviour, reason: str, seen: Seen) -> None:
+        """Halt a child: this node is being halted; raises as :func:`halt`."""
+        halt(child, reason, seen)
+
     def update(self) -> Status:
         """Not used: :meth:`advance` decides."""
         return self.status
@@ -125,7 +129,7 @@ def halt(node: Behaviour, reason: str, seen: Seen) -> None:
     if type(node).tick is _BRANCH_TICK:
         for child in node.children:
             if child.status is not INVALID:
-                halt(child, reason, seen)
+                node.halt_child(child, reason, seen)  # type: ignore[attr-defined]  # a Branch
     halt_alone(node, reason, seen)
 
 

@@ -267,6 +267,23 @@ def test_a_full_disk_is_told(project: Path, tmp_path: Path, monkeypatch: pytest.
     assert told.events[-1][1:] == ("error", f"the disk is full: the recording '{tmp_path / 'run.rrd'}' is cut short")
 
 
+def test_what_nodes_tell_and_what_on_error_catches_are_events_of_the_run(project: Path) -> None:
+    tree = project / "trees" / "talk.yaml"
+    trying = "sequence: [{log: 'at {state.time}'}, {on_error: {walk: {raise_after: 0.1 s}}}]"
+    root = f"{{emergency_stop: {{selector: [{{{trying}}}, {{log: {{text: over, level: warning}}}}]}}}}"
+    tree.write_text(f"format: 1\nroot: {root}\n", encoding="utf-8")
+    result = ran("talk", project)
+    assert result.report.exit_code == 0
+    first, caught, last = [event for event in result.told.events if "talk/" in event[2]]
+    above = "talk/emergency_stop/selector"
+    assert first == (0.0, "info", f"at 0 s  ({above}/sequence/log)")
+    assert last == (caught[0], "warning", f"over  ({above}/log)")
+    assert caught[0] == pytest.approx(0.1)
+    assert caught[1] == "warning"
+    assert f"the node '{above}/sequence/on_error/walk' raised KeyError: 'missing', raised at " in caught[2]
+    assert caught[2].endswith(f"({above}/sequence/on_error)")
+
+
 def test_a_run_can_be_watched_while_it_is_on_and_leaves_nothing(
     project: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 import numpy as np
 
 from humanoid_bt.clock import CycleClock
-from humanoid_bt.messages import Command, FootPose, Gait, Mode, Percept, State
+from humanoid_bt.messages import Command, FootPose, Gait, Level, Mode, Percept, State
 from humanoid_bt.plant.robot_config import LegConfig, RobotConfig, SiteConfig, SoleConfig
 from humanoid_bt.robot import Robot
 from humanoid_bt.tree import Executor, NodeChange, Tree, load_tree
@@ -98,6 +98,14 @@ class BadEnd(Act):
             raise RuntimeError("cannot stop")
 
 
+class BadStart(Act):
+    """Leave the program when started."""
+
+    def initialise(self):
+        super().initialise()
+        raise SystemExit(3)
+
+
 class Plain(py_trees.behaviour.Behaviour):
     """A behaviour that knows nothing of robots."""
 
@@ -121,7 +129,7 @@ def make_workspace(root: Path, skills: str = SKILLS) -> Workspace:
     return Workspace(root)
 
 
-def make_robot(clock: CycleClock) -> Robot:
+def make_robot(clock: CycleClock, log: Callable[[str, Level, str], None] | None = None) -> Robot:
     """Return a robot."""
     sole = SiteConfig(body="foot")
     leg = LegConfig(hip_roll="a", hip_pitch="b", ankle_pitch="c", ankle_roll="d", sole=sole)
@@ -136,7 +144,7 @@ def make_robot(clock: CycleClock) -> Robot:
         gaze=SiteConfig(body="head"),
         drives=[],
     )
-    return Robot(config, clock)
+    return Robot(config, clock, log=log)
 
 
 def make_state(time: float = 0.0, mode: Mode = Mode.RUN, reason: str = "", source: str = "") -> State:
@@ -188,7 +196,8 @@ class Run:
     def __init__(self, tree: Tree) -> None:
         self.tree = tree
         self.clock = CycleClock()
-        self.robot = make_robot(self.clock)
+        self.events: list[tuple[str, str, str]] = []
+        self.robot = make_robot(self.clock, lambda *event: self.events.append(event))
         self.changes: list[NodeChange] = []
         self.executor = Executor(tree, self.robot, self.changes.append)
         self.executor.setup()
@@ -216,6 +225,11 @@ class Run:
             self.tick()
             letters.append(self.executor.status.name[0].lower())
         return "".join(letters)
+
+    def halt(self) -> None:
+        """Halt the tree."""
+        self.changes.clear()
+        self.executor.halt("test")
 
     def told(self) -> list[tuple[str, str]]:
         """Return what changed in the last tick or halt: (last part of the path, status)."""

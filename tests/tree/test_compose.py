@@ -32,7 +32,7 @@ from humanoid_bt.tree.nodes import (
 )
 from humanoid_bt.workspace import Workspace, builtin_root
 from tests.tree.helpers import Run, load, seen
-from tests.tree.test_random_trees import random_tree
+from tests.tree.test_random_trees import KEY, random_tree
 
 
 def plain(value: Any) -> Any:
@@ -165,7 +165,7 @@ def test_built_in_trees_are_written_and_load_the_same(name: str, tmp_path: Path)
 def test_random_trees_are_written_and_load_the_same(
     workspace: Workspace, again: Callable[[Tree], Tree], seed: int
 ) -> None:
-    tree = load(workspace, f"root: {random_tree(random.Random(seed), 4)}\n")
+    tree = load(workspace, f"blackboard: {{{KEY}: running}}\nroot: {random_tree(random.Random(seed), 4)}\n")
     written = again(tree)
     assert shape(written) == shape(tree)
     assert written.to_yaml() == tree.to_yaml()
@@ -242,7 +242,7 @@ def test_nodes_that_are_not_ours_are_refused(workspace: Workspace, skills: dict[
     assert "is none of our nodes" in mistakes(theirs, workspace)[0].message
     other = load_skills(Workspace(builtin_root()))["idle"]
     assert "is not the workspace's 'idle'" in mistakes(EmergencyStop("e", other()), workspace)[0].message
-    assert "no skill 'success'" in mistakes(py_trees.behaviours.Success("x"), workspace)[0].message
+    assert "no skill 'dummy'" in mistakes(py_trees.behaviours.Dummy("x"), workspace)[0].message
     act = skills["act"]()
     assert (
         "stands in the tree twice"

@@ -11,37 +11,94 @@ from py_trees.behaviour import Behaviour
 from humanoid_bt.messages import Mode
 from humanoid_bt.tree.ticking import INVALID, RUNNING
 from humanoid_bt.workspace import Workspace
-from tests.tree.helpers import Run, run, seen
+from tests.tree.helpers import Run, load, seen
+
+KEY = "k"
+"""A key that random trees write and ask for."""
+
+CONDITIONS = ["state.time < 0.8 s", f"{KEY} == 'running'", f"not ({KEY} == 'failure')", "true"]
+
+DECORATORS = [
+    "inverter: {",
+    "retry: {attempts: 2, ",
+    "repeat: {times: 2, ",
+    "timeout: {duration: 0.25, ",
+    "emergency_stop: {",
+    "watchdog: {percept: target, max_age: 0.15, ",
+    "force_success: {",
+    "force_failure: {",
+    "keep_running_until_failure: {",
+    "running_is_failure: {",
+    "running_is_success: {",
+    "failure_is_running: {",
+    "success_is_running: {",
+    "delay: {duration: 0.2 s, ",
+    "cooldown: {duration: 0.2 s, ",
+    "min_duration: {duration: 0.3 s, ",
+    "once: {",
+    "once: {policy: success, ",
+    f"status_to_blackboard: {{key: {KEY}, ",
+    "for_each: {item: n, items: [1, 2], ",
+]
 
 
-def random_tree(rng: random.Random, depth: int) -> str:
-    """Return a random tree in YAML's flow form."""
-    kind = rng.randrange(11) if depth else 10
-    if kind < 4:
-        name = rng.choice(["sequence", "selector"])
-        memory = rng.choice(["true", "false"])
-        return f"{{{name}: {{memory: {memory}, children: [{children(rng, depth)}]}}}}"
-    if kind < 6:
-        return f"{{parallel: {{success: one, failure: all, children: [{children(rng, depth)}]}}}}"
-    if kind < 10:
-        head = rng.choice(
-            [
-                "inverter: {",
-                "retry: {attempts: 2, ",
-                "repeat: {times: 2, ",
-                "timeout: {duration: 0.25, ",
-                "emergency_stop: {",
-                f"watchdog: {{percept: target, max_age: 0.15, on_stale: {random_tree(rng, depth - 1)}, ",
-                "watchdog: {percept: target, max_age: 0.15, ",
-            ]
-        )
-        return f"{{{head}{random_tree(rng, depth - 1)[1:-1]}}}}}"
-    script = "".join(rng.choice("rrrsf") for _ in range(20))
-    return f"{{act: {{name: leaf{rng.randrange(10**9)}, script: {script}}}}}"
+def random_tree(rng: random.Random, depth: int, caught: bool = False) -> str:
+    """Return a random tree in YAML's flow form; nodes in it raise if something above catches that."""
+    if not depth or rng.random() < 0.06:
+        return leaf(rng, caught)
+    makers = [sequence] * 3 + [parallel] * 2 + [choice] * 2 + [on_error] + [conditional] * 2 + [decorator] * 7
+    return rng.choice(makers)(rng, depth - 1, caught)
 
 
-def children(rng: random.Random, depth: int) -> str:
-    return ", ".join(random_tree(rng, depth - 1) for _ in range(rng.randint(1, 3)))
+def leaf(rng: random.Random, caught: bool) -> str:
+    script = "".join(rng.choice("rrrsfx" if caught else "rrrsf") for _ in range(20))
+    kind = "bad_end" if caught and rng.random() < 0.2 else "act"
+    return f"{{{kind}: {{name: leaf{rng.randrange(10**9)}, script: {script}}}}}"
+
+
+def sequence(rng: random.Random, depth: int, caught: bool) -> str:
+    """Return a random sequence or selector."""
+    kind, memory = rng.choice(["sequence", "selector"]), rng.choice(["true", "false"])
+    return f"{{{kind}: {{memory: {memory}, children: [{children(rng, depth, caught)}]}}}}"
+
+
+def parallel(rng: random.Random, depth: int, caught: bool) -> str:
+    return f"{{parallel: {{success: one, failure: all, children: [{children(rng, depth, caught)}]}}}}"
+
+
+def decorator(rng: random.Random, depth: int, caught: bool) -> str:
+    head = rng.choice(DECORATORS)
+    if head.startswith("watchdog") and rng.random() < 0.5:
+        head += f"on_stale: {random_tree(rng, depth, caught)}, "
+    return f"{{{head}{random_tree(rng, depth, caught)[1:-1]}}}}}"
+
+
+def on_error(rng: random.Random, depth: int, caught: bool) -> str:
+    return f"{{on_error: {random_tree(rng, depth, True)}}}"
+
+
+def conditional(rng: random.Random, depth: int, caught: bool) -> str:
+    kind, child = rng.choice(["while", "guard", "precondition"]), random_tree(rng, depth, caught)
+    return f"{{{kind}: {{condition: {condition(rng, depth, caught)}, {child[1:-1]}}}}}"
+
+
+def condition(rng: random.Random, depth: int, caught: bool) -> str:
+    return f'"{rng.choice(CONDITIONS)}"' if rng.random() < 0.5 else random_tree(rng, depth, caught)
+
+
+def choice(rng: random.Random, depth: int, caught: bool) -> str:
+    """Return a random ``if`` or ``switch``."""
+    memory = f"memory: {rng.choice(['true', 'false'])}"
+    one, two = (random_tree(rng, depth, caught) for _ in range(2))
+    if rng.random() < 0.5:
+        otherwise = f", else: {two}" if rng.random() < 0.7 else ""
+        return f"{{if: {{{memory}, condition: {condition(rng, depth, caught)}, then: {one}{otherwise}}}}}"
+    default = f", default: {random_tree(rng, depth, caught)}" if rng.random() < 0.5 else ""
+    return f"{{switch: {{{memory}, value: {KEY}, cases: {{running: {one}, success: {two}}}{default}}}}}"
+
+
+def children(rng: random.Random, depth: int, caught: bool) -> str:
+    return ", ".join(random_tree(rng, depth, caught) for _ in range(rng.randint(1, 3)))
 
 
 def check(under_test: Run) -> None:
@@ -63,10 +120,10 @@ def leaves(under_test: Run) -> list[Behaviour]:
     return [node.behaviour for node in under_test.tree.nodes if node.kind == "skill"]
 
 
-@pytest.mark.parametrize("seed", range(60))
+@pytest.mark.parametrize("seed", range(120))
 def test_no_node_is_forgotten_or_told_twice(workspace: Workspace, seed: int) -> None:
     rng = random.Random(seed)
-    under_test = run(workspace, random_tree(rng, 4))
+    under_test = Run(load(workspace, f"blackboard: {{{KEY}: running}}\nroot: {random_tree(rng, 4)}\n"))
     told = dict.fromkeys((node.path for node in under_test.tree.nodes), INVALID)
     for _ in range(25):
         mode = rng.choice([Mode.RUN] * 12 + [Mode.PROTECTIVE_STOP, Mode.EMERGENCY_STOP])

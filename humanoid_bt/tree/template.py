@@ -1,0 +1,99 @@
+"""Text with expressions in it: ``the target is {distance(target)} away``."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from humanoid_bt.blackboard import KeyNotSet
+from humanoid_bt.document import Item
+from humanoid_bt.errors import Place, UserError
+from humanoid_bt.robot import Robot
+from humanoid_bt.tree.expression import CODE, Expression, Unseen, shown
+
+_PIECE = re.compile(
+    r"""(?P<text>[^{}]+) | (?P<brace>\{\{|\}\}) | \{(?P<expression>(?:[^{}'"]|'[^']*'|"[^"]*")*)\}""", re.VERBOSE
+)
+_REFERENCE = re.compile(r"\$[A-Za-z_]\w*")
+
+
+@dataclass(frozen=True)
+class Template:
+    """Text with expressions in braces; ``{{`` and ``}}`` stand for braces.
+
+    Attributes:
+        text: as it is written.
+        parts: plain texts and expressions, in order; these are linked before it is filled.
+    """
+
+    text: str
+    parts: tuple[str | Expression, ...]
+
+    described: ClassVar[str] = "text with {expressions}"
+    """What it is called in messages."""
+
+    @classmethod
+    def from_item(cls, item: Item, parameter: str) -> Template:
+        """Read a template from a YAML value; a lone ``$name`` is an expression.
+
+        Raises:
+            UserError: it is no text, or an expression in it is none.
+        """
+        if isinstance(item.value, (dict, list, type(None))):
+            hint = "like the target is {distance(target)} away"
+            raise UserError(f"{parameter!r} must be text, not {item.kind}", item.place, hint, "wrong-type")
+        text = " ".join(shown(item.value).split())
+        if _REFERENCE.fullmatch(text):
+            return cls(text, (Expression.parse(text, item.place),))
+        return cls(text, _parts(text, item.place))
+
+    @property
+    def expressions(self) -> list[Expression]:
+        """The expressions in it."""
+        return [part for part in self.parts if isinstance(part, Expression)]
+
+    def __str__(self) -> str:
+        return self.text
+
+    def fill(self, robot: Robot) -> str:
+        """Return the text with the values that its expressions have now; what has none is said to have none.
+
+        Raises:
+            TypeError: the value of a key has the wrong type.
+        """
+        return "".join(part if isinstance(part, str) else _value(part, robot) for part in self.parts)
+
+
+def expressions_of(value: Any) -> list[Expression]:
+    """Return the expressions in a parameter's value."""
+    if isinstance(value, Expression):
+        return [value]
+    return value.expressions if isinstance(value, Template) else []
+
+
+def _parts(text: str, place: Place) -> tuple[str | Expression, ...]:
+    found: list[str | Expression] = []
+    at = 0
+    while at < len(text):
+        piece = _PIECE.match(text, at)
+        if piece is None:
+            message = f"a brace of {text!r} stands alone, at {text[at : at + 20]!r}"
+            raise UserError(message, place, "{expression}; for a brace itself {{ or }}", CODE)
+        if piece["expression"] is not None:
+            found.append(Expression.parse(piece["expression"].strip(), place))
+        else:
+            found.append(piece["text"] or piece["brace"][0])
+        at = piece.end()
+    return tuple(found)
+
+
+def _value(expression: Expression, robot: Robot) -> str:
+    try:
+        value = expression.evaluate(robot)
+    except Unseen:
+        return "(never seen)"
+    except KeyNotSet:
+        return "(not set)"
+    unit = expression.type.unit if isinstance(value, (int, float)) else ""
+    return f"{shown(value)} {unit}".rstrip()
