@@ -34,7 +34,6 @@ class TreeLoader:
 
     def __init__(self, options: RunOptions, workspace: Workspace) -> None:
         self._options, self._workspace = options, workspace
-        self._path = workspace.find_tree(options.tree)
         self.first = self._load()
         self.robot, self.scene = self._robot(self.first), self._scene(self.first)
 
@@ -65,7 +64,11 @@ class TreeLoader:
         return [*tree.files, *self._workspace.trees().values(), *self._workspace.skill_files()]
 
     def _load(self) -> Tree:
-        return load_tree(self._path, self._workspace, self._options.overrides)
+        options = self._options
+        if isinstance(options.tree, Tree):
+            return options.tree
+        path = self._workspace.find_tree(options.tree)
+        return load_tree(path, self._workspace, options.overrides, robot=options.robot, scene=options.scene)
 
     def _robot(self, tree: Tree) -> Path:
         return self._workspace.find_robot(self._options.robot or tree.robot or DEFAULT_ROBOT)

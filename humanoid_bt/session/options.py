@@ -10,6 +10,7 @@ from typing import Literal
 
 from humanoid_bt.errors import UserError
 from humanoid_bt.record.sinks import Sinks
+from humanoid_bt.tree.tree import Tree
 
 Mode = Literal["lockstep", "realtime"]
 
@@ -25,7 +26,7 @@ class RunOptions:
     """What to run, and how.
 
     Attributes:
-        tree: name or path of the tree.
+        tree: name or path of the tree, or a tree that was loaded or made in Python.
         robot, scene: names or paths; None for what the tree says.
         overrides: parameter values as text.
         seed: of everything random.
@@ -38,7 +39,7 @@ class RunOptions:
         view_optional: go on without the native viewer if it cannot be opened.
     """
 
-    tree: str
+    tree: str | Tree
     robot: str | None = None
     scene: str | None = None
     overrides: Mapping[str, str] = field(default_factory=dict)

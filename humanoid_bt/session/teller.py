@@ -73,7 +73,13 @@ class Teller:
             self.recorder.event(now, level, text)
 
     def node_tells(self, source: str, level: Level, text: str) -> None:
-        """Tell what a node says, with the node's path."""
+        """Tell what a node has to say.
+
+        Args:
+            source: the node's path.
+            level: info, warning or error.
+            text: what it says.
+        """
         self.event(level, f"{text}  ({source})")
 
     def node_changed(self, change: NodeChange) -> None:
