@@ -29,7 +29,7 @@ class SetBlackboard(Behaviour):
     def __init__(self, name: str, **values: Any) -> None:
         super().__init__(name)
         assign(self, values)
-        if (self.value is None) == (self.expression is None):
+        if (values.get("value") is None) == (values.get("expression") is None):
             raise ValueError("it needs either 'value' or 'expression'")
 
     @classmethod
