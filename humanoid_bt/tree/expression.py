@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import operator
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, ClassVar, Protocol, Self
 
 from humanoid_bt.document import Item
@@ -97,6 +97,7 @@ class Expression:
     Attributes:
         text: as it is written.
         place: where.
+        text_at: how many columns behind its place its first character stands, None if that is not known.
         type: of its value, once it is linked.
         percepts: the percepts that it reads, once it is linked.
         keys: the keys of the blackboard that it reads, once it is linked.
@@ -106,6 +107,7 @@ class Expression:
     text: str
     place: Place
     syntax: Syntax
+    text_at: int | None = None
     type: Type = ANYTHING
     percepts: list[str] = field(default_factory=list)
     keys: list[str] = field(default_factory=list)
@@ -134,19 +136,25 @@ class Expression:
         else:
             hint = "like distance(target) < 0.5 m"
             raise UserError(f"{parameter!r} must be an expression, not {item.kind}", item.place, hint, "wrong-type")
-        return cls.parse(text, item.place)
+        return cls.parse(text, item.place, item.text_at)
 
     @classmethod
-    def parse(cls, text: str, place: Place | None = None) -> Self:
+    def parse(cls, text: str, place: Place | None = None, text_at: int | None = None) -> Self:
         """Read an expression.
+
+        Args:
+            text: the expression.
+            place: where it is written.
+            text_at: how many columns behind its place its first character stands, None if that is not known.
 
         Raises:
             UserError: it is none.
         """
         try:
-            return cls(text, place or Place(""), grammar.parse(text))
+            return cls(text, place or Place(""), grammar.parse(text), text_at)
         except SyntaxMistake as mistake:
-            raise UserError(f"{text!r} is no expression: {mistake}", place, "", CODE) from mistake
+            where = _within(place, text_at, mistake.at) if place else None
+            raise UserError(f"{text!r} is no expression: {mistake}", where, "", CODE) from mistake
 
     def __str__(self) -> str:
         return self.text
@@ -211,26 +219,36 @@ class _Linker:
     def __init__(self, expression: Expression, names: Names) -> None:
         self._expression = expression
         self._names = names
+        self._at = 0  # index in the text of the part that is linked
 
     def mistake(self, message: str, hint: str = "") -> UserError:
-        return UserError(f"in {self._expression.text!r}: {message}", self._expression.place, hint, CODE)
+        place = _within(self._expression.place, self._expression.text_at, self._at)
+        return UserError(f"in {self._expression.text!r}: {message}", place, hint, CODE)
 
-    def link(self, syntax: Syntax) -> tuple[Type, Evaluate]:  # noqa: PLR0911 (a table of cases)
+    def link(self, syntax: Syntax) -> tuple[Type, Evaluate]:
+        """Return type and evaluation of a part; what is raised meanwhile is about it."""
+        outside = self._at
+        self._at = outside if isinstance(syntax, grammar.Literal) else syntax.at
+        found = self._link(syntax)
+        self._at = outside
+        return found
+
+    def _link(self, syntax: Syntax) -> tuple[Type, Evaluate]:  # noqa: PLR0911 (a table of cases)
         match syntax:
             case grammar.Literal(value, unit):
                 kind = number(unit) if unit else type_of(value)
                 return kind, lambda _robot: value
-            case grammar.Name(name):
+            case grammar.Name(name, _):
                 return self._name(name)
-            case grammar.Attribute(of, name):
+            case grammar.Attribute(of, name, _):
                 return self._state(name) if of == "state" else self._percept(of, name)
-            case grammar.Call(name, arguments):
+            case grammar.Call(name, arguments, _):
                 return self._call(name, arguments)
-            case grammar.Unary(sign, operand):
+            case grammar.Unary(sign, operand, _):
                 return self._unary(sign, operand)
-            case grammar.Binary("and" | "or" as word, left, right):
+            case grammar.Binary("and" | "or" as word, left, right, _):
                 return self._logic(word, left, right)
-            case grammar.Binary(sign, left, right):
+            case grammar.Binary(sign, left, right, _):
                 return self._arithmetic(sign, left, right)
             case grammar.Comparison():
                 return self._comparison(syntax)
@@ -366,6 +384,13 @@ class _Linker:
         if kind.kind not in ("number", "anything"):
             raise self.mistake(f"{what!r} needs {NUMBER.kind}s, not {kind}")
         return kind, value
+
+
+def _within(place: Place, text_at: int | None, index: int) -> Place:
+    """Return the place of a character of an expression, as near as that is known."""
+    if text_at is None or not place.line:
+        return place
+    return replace(place, column=place.column + text_at + index)
 
 
 def shown(value: Any) -> str:
