@@ -78,18 +78,12 @@ def test_memory_must_be_chosen(composite: type) -> None:
 
 
 @shows("differs-preemption")
-def test_both_act_in_the_tick_of_a_preemption(log: list[str]) -> None:
+def test_the_new_node_acts_before_the_old_one_is_halted(log: list[str]) -> None:
     selector = Selector("selector", False, [Act("high", "fr", log), Act("low", "r", log)])
     assert letters(selector, 1) == "r"
     log.clear()
     selector.tick_once()
     assert log == ["high starts", "high acts", "low INVALID"]
-    parallel = Parallel("parallel", ParallelPolicy.SuccessOnAll(False), [Act("low", "r", log), Act("end", "rf", log)])
-    root = Selector("root", False, [parallel, Act("next", "r", log)])
-    root.tick_once()
-    log.clear()
-    root.tick_once()
-    assert log.index("low acts") < log.index("low INVALID") < log.index("next acts")  # all in one tick
 
 
 @shows("differs-halt-order")
