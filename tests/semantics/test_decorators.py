@@ -261,7 +261,13 @@ def test_on_error_does_not_take_ctrl_c(workspace: Workspace) -> None:
         caught.tick()
 
 
-# ---- log -----------------------------------------------------------------------------------------------------------
+# ---- leaves --------------------------------------------------------------------------------------------------------
+
+
+@shows("leaves-plain")
+@pytest.mark.parametrize(("leaf", "statuses"), [("success", "ss"), ("failure", "ff"), ("running", "rr")])
+def test_plain_leaves(workspace: Workspace, leaf: str, statuses: str) -> None:
+    assert run(workspace, leaf).ticks(2) == statuses
 
 
 @shows("log-once")

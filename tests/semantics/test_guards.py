@@ -100,6 +100,21 @@ def test_a_node_raises_it_at_once(workspace: Workspace) -> None:
     assert told == [("t/sequence/parallel/raise_emergency_stop", "smoke")]
 
 
+@shows("stop-silent")
+def test_servo_and_supervisor_go_on_while_no_command_comes(project: Path) -> None:
+    engine = ran("wait", project).session.engine
+    engine.supervisor.stops.clear()
+    since = engine.clock.now()
+    modes = []
+    for _ in range(10):  # 20 ms each
+        engine.advance(None)
+        modes.append(engine.sense()[0].mode)
+    assert modes[:4] == [Mode.RUN] * 4
+    assert modes[5:] == [Mode.PROTECTIVE_STOP] * 5
+    assert engine.clock.now() == pytest.approx(since + 0.2)
+    assert engine.sense()[0].base_settled
+
+
 @shows("stop-supervisor")
 def test_the_supervisor_stops_the_robot_without_the_tree(project: Path) -> None:
     (project / "trees" / "blind.yaml").write_text(

@@ -9,6 +9,7 @@ import pyarrow as pa
 import pytest
 import rerun as rr
 
+from humanoid_bt.blackboard import Key
 from humanoid_bt.cli import main
 from humanoid_bt.errors import ControlLost, UserError
 from humanoid_bt.messages import Mode
@@ -264,6 +265,27 @@ def test_setup_comes_before_anything_moves(workspace: Workspace) -> None:
         node.behaviour.setup = count  # type: ignore[method-assign]
     Ticked(counted).ticks(2)
     assert sorted(calls) == ["a", "b", "sequence", "timeout"]
+
+
+CURIOUS = """
+import py_trees
+
+class Curious(py_trees.behaviour.Behaviour):
+    def setup(self, **kwargs):
+        self.got = kwargs
+    def update(self):
+        return py_trees.common.Status.SUCCESS
+"""
+
+
+@shows("before-setup-gets")
+def test_setup_gets_the_robot(workspace: Workspace) -> None:
+    (workspace.root / "skills" / "curious.py").write_text(CURIOUS, encoding="utf-8")
+    curious = run(workspace, "curious")
+    assert vars(curious.tree.root)["got"] == {"robot": curious.robot}
+    assert curious.robot.clock is curious.clock
+    keyed = run(workspace, "{set_blackboard: {key: k, value: 1}}")
+    assert isinstance(vars(keyed.tree.root)["key"], Key)
 
 
 @shows("before-scene")

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import ast
 from pathlib import Path
 
 import pytest
 from py_trees.common import Status
 
+import humanoid_bt.tree
 from humanoid_bt.tree import NodeError
-from humanoid_bt.workspace import Workspace
+from humanoid_bt.workspace import Workspace, builtin_root
 from tests.semantics.claims import shows
 from tests.session.helpers import ran
 from tests.tree.helpers import Run, run, seen
@@ -136,6 +138,25 @@ def test_a_tick_with_an_exception_commits_nothing(workspace: Workspace) -> None:
     with pytest.raises(NodeError, match="out of order"):
         selector.tick()
     assert ("start", "instead") not in selector.log
+
+
+@shows("tick-no-waiting")
+def test_nothing_waits() -> None:
+    modules = [*Path(humanoid_bt.tree.__file__).parent.glob("*.py"), *(builtin_root() / "skills").glob("*.py")]
+    assert {"timing.py", "reach.py"} <= {path.name for path in modules}
+    for path in modules:
+        assert not imports(path) & {"time", "datetime", "threading", "asyncio", "subprocess", "multiprocessing"}, path
+
+
+def imports(path: Path) -> set[str]:
+    """Return the top-level names of the modules that a file imports."""
+    found: set[str] = set()
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.ImportFrom):
+            found.add((node.module or "").partition(".")[0])
+        elif isinstance(node, ast.Import):
+            found.update(alias.name.partition(".")[0] for alias in node.names)
+    return found
 
 
 @shows("tick-slow-node")
