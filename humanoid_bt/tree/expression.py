@@ -9,7 +9,7 @@ from __future__ import annotations
 import operator
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
-from typing import Any, ClassVar, Protocol, Self
+from typing import Any, ClassVar, Protocol, Self, cast
 
 from humanoid_bt.document import Item
 from humanoid_bt.errors import HumanoidBtError, Place, UserError, nearest
@@ -73,6 +73,7 @@ class Watched:
         source: how its left side is written.
         operator: how it compares.
         steady: whether it need no hysteresis: nothing in it jitters, or it has one.
+        type: of what it compares.
         text: what it compared, "" before the first time.
         holds: whether it held, as far as hysteresis remembers.
     """
@@ -80,6 +81,7 @@ class Watched:
     source: str
     operator: str
     steady: bool
+    type: Type = ANYTHING
     left: Any = None
     right: Any = None
     holds: bool = False
@@ -197,6 +199,16 @@ class Expression:
         """
         assert self._evaluate is not None, "an expression is linked before it is evaluated"
         return self._evaluate(robot)
+
+    @property
+    def constant(self) -> Any:
+        """Its value if it is written in nothing but numbers and words (``true``, ``1 < 2``), else None."""
+        if self._evaluate is None or not grammar.is_constant(self.syntax):
+            return None
+        try:
+            return self._evaluate(cast(Robot, None))
+        except ArithmeticError:
+            return None
 
     def forget(self) -> None:
         """Forget which comparisons held: hysteresis begins anew."""
@@ -348,7 +360,8 @@ class _Linker:
         if (ordered and TEXT in (kind, other)) or (ordered and TRUTH in (kind, other)):
             raise self.mistake(f"{kind} and {other} have no order: {sign!r} is for numbers")
         jitters = len(self._expression.percepts) > before and ordered
-        watched = Watched(syntax.source, sign, not jitters or syntax.hysteresis is not None)
+        steady = not jitters or syntax.hysteresis is not None
+        watched = Watched(syntax.source, sign, steady, kind if kind.unit else other)
         self._expression.comparisons.append(watched)
         compare = _OPERATORS[sign]
         if syntax.hysteresis is None:
@@ -365,13 +378,13 @@ class _Linker:
             raise self.mistake(f"the hysteresis of {kind} cannot be {width_type}")
         looser = 1 if sign in ("<", "<=") else -1
 
-        def steady(robot: Robot) -> bool:
+        def with_hysteresis(robot: Robot) -> bool:
             watched.left, watched.right = left(robot), right(robot)
             limit = watched.right + looser * width(robot) if watched.holds else watched.right
             watched.holds = bool(compare(watched.left, limit))
             return watched.holds
 
-        return TRUTH, steady
+        return TRUTH, with_hysteresis
 
     def _truth(self, syntax: Syntax, word: str) -> Evaluate:
         kind, value = self.link(syntax)

@@ -112,6 +112,18 @@ class Comparison:
 Syntax = Literal | Name | Attribute | Call | Unary | Binary | Comparison
 
 
+def is_constant(syntax: Syntax) -> bool:
+    """Return whether no name stands in an expression."""
+    match syntax:
+        case Literal():
+            return True
+        case Unary(_, operand):
+            return is_constant(operand)
+        case Binary(_, left, right) | Comparison(_, left, right):
+            return is_constant(left) and is_constant(right)
+    return False
+
+
 def parse(text: str) -> Syntax:
     """Return the syntax tree of an expression.
 
