@@ -8,6 +8,7 @@ from pathlib import Path
 import pyarrow as pa
 import pytest
 import rerun as rr
+import yaml
 
 from humanoid_bt.blackboard import Key
 from humanoid_bt.cli import main
@@ -15,7 +16,7 @@ from humanoid_bt.errors import ControlLost, UserError
 from humanoid_bt.messages import Mode
 from humanoid_bt.session.lockstep import Lockstep
 from humanoid_bt.tree import NodeError
-from humanoid_bt.workspace import Workspace
+from humanoid_bt.workspace import Workspace, builtin_root
 from tests.semantics.claims import shows
 from tests.session.helpers import Ran, after, ran
 from tests.tree.helpers import Run as Ticked
@@ -206,7 +207,7 @@ def test_check_and_run_find_the_same(
 ) -> None:
     monkeypatch.chdir(project)
     name = tree(
-        project, "wrong", "{emergency_stop: {sequence: [{walk: {raise_afte: 1}}, {pause: {duration: 1 m}}, walc]}}"
+        project, "wrong", "{emergency_stop: {sequence: [{pause: {duratio: 1}}, {pause: {duration: 1 m}}, walc]}}"
     )
     try:
         found = {}
@@ -288,7 +289,46 @@ def test_setup_gets_the_robot(workspace: Workspace) -> None:
     assert isinstance(vars(keyed.tree.root)["key"], Key)
 
 
+@shows("before-robot")
+def test_a_robot_or_a_scene_that_is_not_there(workspace: Workspace) -> None:
+    for header in ("robot: humanoit", "scene: emty"):
+        with pytest.raises(UserError, match="did you mean"):
+            load(workspace, f"{header}\nroot: success")
+    humanoid, handless = builtin_root() / "sim" / "humanoid", workspace.root / "sim" / "handless"
+    handless.mkdir(parents=True)
+    config = yaml.safe_load((humanoid / "robot.yaml").read_text(encoding="utf-8"))
+    del config["hands"]
+    (handless / "robot.yaml").write_text(yaml.safe_dump(config | {"name": "handless"}), encoding="utf-8")
+    (handless / "humanoid.xml").write_bytes((humanoid / "humanoid.xml").read_bytes())
+    reach = "watchdog: {percept: target, max_age: 1, reach: {target: target}}"
+    with pytest.raises(UserError, match="'reach' commands left_hand, right_hand: the robot 'handless' has none"):
+        load(workspace, f"robot: handless\nroot: {{emergency_stop: {{{reach}}}}}")
+
+
+@shows("before-unreachable", "before-hysteresis", "before-time-limit", "before-decided")
+@pytest.mark.parametrize(
+    ("root", "codes"),
+    [
+        ("{selector: [running, success]}", ["unreachable"]),
+        ("{selector: [{act: }, success]}", []),
+        ("{if: {condition: 1 < 2, then: success, else: failure}}", ["unreachable"]),
+        ("{if: {condition: n < 2, then: success, else: failure}}", []),
+        ("{timeout: {duration: 1, success: }}", ["no-effect"]),
+        ("{sequence: [{condition: distance(target) < 1}, {act: }]}", ["no-hysteresis"]),
+        ("{sequence: [{condition: distance(target) < 1 hysteresis 0.1}, {act: }]}", []),
+        ("{approach: {target: target}}", ["no-time-limit"]),
+        ("{timeout: {duration: 9, approach: {target: target}}}", []),
+    ],
+)
+def test_warnings(workspace: Workspace, root: str, codes: list[str]) -> None:
+    above = f"emergency_stop: {{watchdog: {{percept: target, max_age: 1, sequence: [{{condition: n > 0}}, {root}]}}}}"
+    found = load(workspace, f"parameters: {{n: 1}}\nroot: {{{above}}}").warnings
+    assert [problem.code for problem in found] == codes
+
+
 @shows("before-scene")
 def test_a_percept_that_no_scene_publishes(project: Path) -> None:
     dog = tree(project, "nothing", "{watchdog: {percept: unicorn, max_age: 1, on_stale: success, running: }}")
-    assert ran(dog, project).report.exit_code == 0
+    done = ran(dog, project)
+    assert done.report.exit_code == 0
+    assert any("publishes no percept 'unicorn'" in text for _, level, text in done.told.events if level == "warning")
