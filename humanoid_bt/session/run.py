@@ -16,7 +16,7 @@ from py_trees.common import Status
 
 from humanoid_bt.clock import DECISION_PERIOD
 from humanoid_bt.control.robots import load_robot
-from humanoid_bt.errors import ControlLost, HumanoidBtError, Place, nearest
+from humanoid_bt.errors import ControlLost, HumanoidBtError, Place, UserError, nearest, relative
 from humanoid_bt.messages import Mode, State
 from humanoid_bt.plant.perception import SimulatedPerception
 from humanoid_bt.plant.scene import Scene, load_scene
@@ -35,6 +35,7 @@ from humanoid_bt.skill_files import class_file, place_in_file
 from humanoid_bt.tree.executor import Executor, NodeChange, NodeError
 from humanoid_bt.tree.guards import EmergencyStop
 from humanoid_bt.tree.load import load_tree
+from humanoid_bt.tree.tree import Tree
 from humanoid_bt.workspace import Workspace
 
 _log = logging.getLogger(__name__)
@@ -87,6 +88,7 @@ class Run:
     def __init__(self, options: RunOptions, workspace: Workspace, listener: Listener) -> None:
         self._options, self._listener = options, listener
         self.tree = load_tree(workspace.find_tree(options.tree), workspace, options.overrides)
+        _refuse_subtree(self.tree)
         robot_path = workspace.find_robot(options.robot or self.tree.robot or DEFAULT_ROBOT)
         scene_path = workspace.find_scene(options.scene or self.tree.scene or DEFAULT_SCENE)
         self._scene = Scene(load_scene(scene_path), options.seed)
@@ -379,6 +381,20 @@ class Run:
             versions=versions(),
             traceback=end.traceback,
         )
+
+
+def _refuse_subtree(tree: Tree) -> None:
+    """Refuse a tree that is made for use in other trees.
+
+    Raises:
+        UserError: it is.
+    """
+    if tree.is_subtree:
+        declared = tree.header.get("parameters") or {}
+        needed = [name for name, value in declared.items() if isinstance(value, dict) and value.get("default") is None]
+        given = "".join(f", {name}: ..." for name in needed)
+        message = f"the tree {tree.name!r} does not run alone: it is made for use in other trees (subtree: true)"
+        raise UserError(message, Place(relative(tree.path)), f"in another one: subtree: {{tree: {tree.name}{given}}}")
 
 
 def _failed(error: HumanoidBtError) -> _End:

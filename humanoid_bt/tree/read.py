@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any, Protocol
 
-from humanoid_bt.blackboard import Key
+from humanoid_bt.blackboard import Key, are_keys
 from humanoid_bt.document import Item
 from humanoid_bt.errors import Place, Problem, UserError, nearest
 from humanoid_bt.params import Param, PerceptName, read_values
@@ -12,7 +12,7 @@ from humanoid_bt.tree.draft import Draft
 from humanoid_bt.tree.expression import Expression
 from humanoid_bt.tree.parameters import NodeItem, Parameter, reference
 from humanoid_bt.tree.quantities import ANYTHING, Type, type_of
-from humanoid_bt.tree.registry import CHILD, NodeType, Registry
+from humanoid_bt.tree.registry import CHILD, NodeType, Registry, placeholder
 from humanoid_bt.tree.scope import Scope
 from humanoid_bt.tree.slots import Slot
 from humanoid_bt.tree.subtree import SubTree
@@ -127,7 +127,7 @@ class Reader:
             self._problem(f"{text!r} is a whole node and takes nothing", body.place, f"only {text}", "not-a-node")
             return None
         if not parameter.known:
-            return None
+            return Draft(placeholder(text, parameter.spec.doc), place, text, sound=False)
         given = parameter.given
         reader = given.reader if given else self
         draft: Draft | None = reader.node(given.value if given else parameter.value, f"the parameter {text[1:]!r}")
@@ -189,6 +189,8 @@ class Reader:
         for key, value in values.items():
             if isinstance(value, Key):
                 draft.values[key] = self.scope.write(value.name, _written_type(values))
+            elif are_keys(value):
+                draft.values[key] = [self.scope.write(part.name) for part in value]
             else:
                 draft.values[key] = value
                 for expression in expressions_of(value):

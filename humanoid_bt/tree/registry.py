@@ -161,6 +161,11 @@ class Registry(Mapping[str, NodeType]):
         return elsewhere.hint(name, self) or nearest(name, [*others, *self._types])
 
 
+def placeholder(name: str, doc: str) -> NodeType:
+    """Return the type of a node that stands for a parameter without a value (``$action``): to be shown, not made."""
+    return NodeType(name, "subtree", Behaviour, doc, {})
+
+
 def _node_type(name: str, kind: Kind, cls: type[Behaviour]) -> NodeType:
     return NodeType(
         type_name=name,
