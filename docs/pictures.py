@@ -52,6 +52,9 @@ class _Silent:
     def progress(self, time: float, running: str) -> None:
         """Say nothing."""
 
+    def show(self, tree: object) -> None:
+        """Say nothing."""
+
 
 def view(path: Path) -> None:
     """Take a picture of the demo's recording in the viewer."""

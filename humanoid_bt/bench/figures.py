@@ -56,6 +56,9 @@ class _Silent:
     def progress(self, _time: float, _running: str) -> None:
         pass
 
+    def show(self, _tree: object) -> None:
+        pass
+
 
 def _whole_stack(repetitions: int, recording: Path) -> Iterator[Figure]:
     workspace = Workspace(builtin_root())

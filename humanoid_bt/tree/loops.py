@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from itertools import zip_longest
-from typing import Any
+from typing import Any, ClassVar
 
 from py_trees.behaviour import Behaviour
 from py_trees.common import Status
@@ -11,6 +12,7 @@ from py_trees.common import Status
 from humanoid_bt.blackboard import Key
 from humanoid_bt.params import param
 from humanoid_bt.tree.decorators import Decorator
+from humanoid_bt.tree.results import Below, Results
 from humanoid_bt.tree.ticking import RUNNING, SUCCESS, Seen, tick
 
 
@@ -29,6 +31,11 @@ class ForEach(Decorator):
         self._index = 0
         if isinstance(self.item, list):
             _check_parts(self.items, [key.name for key in self.item])
+
+    @classmethod
+    def possible_results(cls, _values: Mapping[str, Any], below: Below) -> Results:
+        """Return the child's results, RUNNING between two items, and SUCCESS of an empty list."""
+        return below.child | {SUCCESS, RUNNING}
 
     def initialise(self) -> None:
         """Begin with the first item."""
@@ -68,6 +75,13 @@ class KeepRunningUntilFailure(Decorator):
     It never succeeds. BehaviorTree.CPP's node of this name ends with failure as well. `repeat` without `times` is the
     same.
     """
+
+    bounded: ClassVar[bool] = False
+
+    @classmethod
+    def possible_results(cls, _values: Mapping[str, Any], below: Below) -> Results:
+        """Return the child's results; a success after which it runs again is RUNNING."""
+        return below.child - {SUCCESS} | {RUNNING} if SUCCESS in below.child else below.child
 
     def advance(self, seen: Seen) -> Status:
         """Tick the child; when it succeeds, go on."""
