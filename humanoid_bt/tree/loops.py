@@ -30,6 +30,7 @@ class ForEach(Decorator):
         super().__init__(name, child, **values)
         self._index = 0
         if isinstance(self.item, list):
+            self.item = [Key(part) if isinstance(part, str) else part for part in self.item]
             _check_parts(self.items, [key.name for key in self.item])
 
     @classmethod

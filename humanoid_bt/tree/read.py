@@ -181,6 +181,8 @@ class Reader:
                     del wanted[key]  # it is read while the tree runs, or its mistake is noted
                 else:
                     given[key] = value
+                    if value.place != item.place:
+                        draft.given_places[key] = value.place
             elif node_type.takes == "none" and key not in node_type.branches:
                 hint = nearest(key, [*node_type.params, *node_type.branches, "name"])
                 message = f"unknown parameter {key!r} of {node_type.type_name!r}"
@@ -237,7 +239,10 @@ class Reader:
         draft.sound = False
         what = f"{spec.name!r} of {draft.type.type_name!r}"
         message = f"{what} must be known before the run, and {item.value!r} is a key of the blackboard"
-        self.scope.refuse(name, Problem(message, item.place, "give it a value or a parameter", "not-dynamic"))
+        place, hint = item.place, "give it a value or a parameter"
+        if parameter is not None and parameter.given is not None:  # the mistake is that of whoever gave it a key
+            place, hint = parameter.given.place, f"{hint}; {item.value} is used at {item.place}"
+        self.scope.refuse(name, Problem(message, place, hint, "not-dynamic"))
 
     # ---- what stands below ---------------------------------------------------------------------------------------
 

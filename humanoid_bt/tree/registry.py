@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from py_trees.behaviour import Behaviour
+from py_trees.behaviours import Dummy
 
 from humanoid_bt.blackboard import Key
 from humanoid_bt.errors import Place, Problem, UserError, nearest
@@ -180,7 +181,7 @@ class Registry(Mapping[str, NodeType]):
 
 def placeholder(name: str, doc: str) -> NodeType:
     """Return the type of a node that stands for a parameter without a value (``$action``): to be shown, not made."""
-    return NodeType(name, "subtree", Behaviour, doc, {})
+    return NodeType(name, "subtree", Dummy, doc, {})
 
 
 def _node_type(name: str, kind: Kind, cls: type[Behaviour]) -> NodeType:
