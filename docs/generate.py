@@ -29,7 +29,8 @@ from humanoid_bt.plant.scene_config import SceneConfig
 from humanoid_bt.robot import RobotHandle, Track
 from humanoid_bt.testing.rig import Rig, RigResult
 from humanoid_bt.tree.elsewhere import FOREIGN
-from humanoid_bt.tree.load import PARTS, Header, load_tree, subtree_types
+from humanoid_bt.tree.file import PARTS, Header
+from humanoid_bt.tree.load import load_tree, subtree_types
 from humanoid_bt.tree.nodes import BUILTIN
 from humanoid_bt.tree.parameters import TYPES, LongForm
 from humanoid_bt.tree.quantities import TRUTH

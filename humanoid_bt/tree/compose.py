@@ -17,8 +17,8 @@ from humanoid_bt.skill import node_type_name
 from humanoid_bt.tree.build import collect
 from humanoid_bt.tree.checks import World, check
 from humanoid_bt.tree.draft import Draft
+from humanoid_bt.tree.file import check_name
 from humanoid_bt.tree.parameters import Parameters
-from humanoid_bt.tree.read import check_name
 from humanoid_bt.tree.registry import NodeType, Registry
 from humanoid_bt.tree.scope import Scope
 from humanoid_bt.tree.subtree import SubTree

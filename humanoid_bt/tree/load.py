@@ -4,71 +4,27 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
-from typing import Any, Literal
 
-from humanoid_bt import document
 from humanoid_bt.blackboard import Key
 from humanoid_bt.document import Item
 from humanoid_bt.errors import Place, Problem, UserError, relative
-from humanoid_bt.params import Param, param, params_of, read_values
+from humanoid_bt.params import Param
 from humanoid_bt.tree.build import build, sketch
 from humanoid_bt.tree.checks import World, check
 from humanoid_bt.tree.draft import Draft
-from humanoid_bt.tree.parameters import Argument, Declaration, NodeItem, Parameters, declarations, overrides
-from humanoid_bt.tree.read import Reader, check_name
-from humanoid_bt.tree.registry import NODE_KEYS, NodeType, Registry
+from humanoid_bt.tree.file import TreeFile, read_file
+from humanoid_bt.tree.parameters import Argument, NodeItem, Parameters, overrides
+from humanoid_bt.tree.read import Reader
+from humanoid_bt.tree.registry import NodeType, Registry
 from humanoid_bt.tree.scope import Scope
 from humanoid_bt.tree.slots import Slot
 from humanoid_bt.tree.tree import Node, Tree
-from humanoid_bt.tree.write import written
 from humanoid_bt.workspace import Workspace
 
 MAX_NODES = 10_000
 """Most nodes of one tree, its sub-trees counted each time they are used."""
-
-
-@dataclass(frozen=True)
-class Header:
-    """The keys of a tree file that say what it is."""
-
-    format: Literal[1] = param(doc="Version of this file's form: 1.")
-    name: str = param("", doc="The tree's name; the file's if not given.")
-    description: str = param("", doc="One line for people.")
-    robot: str | None = param(None, doc="The robot it is made for.")
-    scene: str | None = param(None, doc="The scene it is made for.")
-    subtree: bool = param(
-        False,
-        doc="It is made for use in other trees, which give what it needs: an emergency_stop and watchdogs around it, "
-        "and the parameters without a default.",
-    )
-
-
-PARTS = {
-    "parameters": "The tree's parameters: name to default, or to a declaration in full.",
-    "blackboard": "Keys with an initial value or a type: name to value, or to a declaration in full.",
-    "outputs": "Keys that a tree which uses this one can bind to its own: name to a declaration in full.",
-    "root": "The root node.",
-}
-"""The keys of a tree file besides its header."""
-
-
-@dataclass(frozen=True)
-class _File:
-    """One tree file, read but for its nodes."""
-
-    path: Path
-    source: str
-    item: Item
-    header: dict[str, Any]
-    parameters: dict[str, Declaration]
-    blackboard: dict[str, Declaration]
-    outputs: dict[str, Declaration]
-
-    @property
-    def name(self) -> str:
-        return self.header.get("name") or self.path.stem
 
 
 def load_tree(
@@ -114,8 +70,7 @@ class _Loader:
 
     def __init__(self, workspace: Workspace) -> None:
         self._workspace = workspace
-        self._files: dict[Path, _File] = {}
-        self._chain: list[Path] = []
+        self._files: dict[Path, TreeFile] = {}
         self._nodes = 0
         self.problems: list[Problem] = []
 
@@ -128,7 +83,7 @@ class _Loader:
         registry = self._registry()
         root = None
         if registry is not None:
-            root = self._read(file, Reader(registry, scope, self, self.problems))
+            root = self._read(file, Reader(registry, (file,), scope, self, self.problems))
         world = World.of(self._workspace, file.item, self.problems, robot, scene)
         made: tuple[Node, ...] = ()
         if root is not None:
@@ -147,7 +102,7 @@ class _Loader:
             nodes=made or sketch(root, file.name),
             complete=bool(made),
             keys=tuple(scope.own_keys),
-            header=_plain_header(file, given),
+            header=file.plain_header(given),
             files=tuple(file.path for file in self._files.values()),
         )
 
@@ -160,7 +115,7 @@ class _Loader:
         item = body.value["tree"]
         if not isinstance(item.value, str):
             return node_type
-        file = self._open(self._find(item), item.place)
+        file = self._open(self._find(item))
         params = {
             name: declared.spec for name, declared in file.parameters.items() if declared.spec.type is not NodeItem
         }
@@ -177,11 +132,12 @@ class _Loader:
         item = body.value.get("tree")
         if item is None or "tree" not in draft.values:
             return
-        file = self._open(self._find(item), item.place)
-        if file.path.resolve() in self._chain:
-            names = " -> ".join(self._files[path].name for path in [*self._chain, file.path.resolve()])
+        file = self._open(self._find(item))
+        if file in reader.files:
+            names = " -> ".join(used.name for used in (*reader.files, file))
             message = f"the tree {file.name!r} would contain itself"
             self.problems.append(Problem(message, item.place, names, "subtree-cycle"))
+            reader.scope.parameters.skim(body)
             draft.sound = False
             return
         if self._nodes > MAX_NODES:
@@ -194,7 +150,7 @@ class _Loader:
         missing = [name for name in file.parameters if name not in arguments and file.parameters[name].default is None]
         parameters = Parameters(file.parameters, arguments, self.problems, complete=False)
         scope = Scope(parameters, file.blackboard, file.outputs, bound, self.problems)
-        root = self._read(file, reader.inside(scope))
+        root = self._read(file, reader.inside(file, scope))
         if root is None or missing:
             draft.sound = False
         if root is not None:
@@ -202,7 +158,7 @@ class _Loader:
             draft.keys = scope.own_keys
             self._nodes += sum(1 for _ in root.iterate())
 
-    def _arguments(self, draft: Draft, body: Item, file: _File, reader: Reader) -> dict[str, Argument]:
+    def _arguments(self, draft: Draft, body: Item, file: TreeFile, reader: Reader) -> dict[str, Argument]:
         """Return what the sub-tree's parameters are given."""
         found: dict[str, Argument] = {}
         for name, declared in file.parameters.items():
@@ -233,52 +189,26 @@ class _Loader:
 
     # ---- files ---------------------------------------------------------------------------------------------------
 
-    def _read(self, file: _File, reader: Reader) -> Draft | None:
+    def _read(self, file: TreeFile, reader: Reader) -> Draft | None:
         """Read a file's nodes, and judge the names in it."""
-        self._chain.append(file.path.resolve())
         root = None
         if "root" in file.item.value:
             root = reader.node(file.item.value["root"], "the root")
         reader.scope.finish()
         if root is not None:
             reader.scope.parameters.report_unused()
-        self._chain.pop()
         return root
 
-    def _open(self, path: Path, used_at: Place | None = None) -> _File:
+    def _open(self, path: Path) -> TreeFile:
         """Return a tree file; its mistakes are noted once.
 
         Raises:
             UserError: it cannot be read as a mapping.
         """
         key = path.resolve()
-        if key in self._files:
-            return self._files[key]
-        problems: list[Problem] = []
-        source = document.read_text(path)
-        try:
-            item = document.parse(source, relative(path), problems)
-        except UserError as error:
-            raise UserError([*problems, *error.problems]) from error
-        if not isinstance(item.value, dict):
-            message = f"a tree file must be a mapping, not {item.kind}"
-            problems.append(Problem(message, item.place, "format: 1 ... root: ...", "wrong-type"))
-            raise UserError(problems)
-        file = self._files[key] = _File(
-            path,
-            source,
-            item,
-            _header(item, problems),
-            declarations(item.value.get("parameters"), "parameter", problems),
-            declarations(item.value.get("blackboard"), "key", problems),
-            declarations(item.value.get("outputs"), "output", problems),
-        )
-        if "root" not in item.value:
-            message = "the key 'root' of a tree is missing"
-            problems.append(Problem(message, item.place, "root: the root node", "missing-key"))
-        _check_names(file, problems)
-        self.problems += problems
-        return file
+        if key not in self._files:
+            self._files[key] = read_file(path, self.problems)
+        return self._files[key]
 
     def _registry(self) -> Registry | None:
         try:
@@ -286,41 +216,6 @@ class _Loader:
         except UserError as error:
             self.problems += error.problems
             return None
-
-
-def _header(item: Item, problems: list[Problem]) -> dict[str, Any]:
-    values, found = read_values(params_of(Header), item, "a tree", frozenset(PARTS), noun="key")
-    form = item.value["format"].place if "format" in item.value else None
-    problems += [replace(problem, code="format") if problem.place == form else problem for problem in found]
-    if values.get("name"):
-        try:
-            check_name(item.value["name"])
-        except UserError as error:
-            problems += error.problems
-    return values
-
-
-def _plain_header(file: _File, given: Mapping[str, Argument]) -> dict[str, Any]:
-    """Return a file's keys but for the root as plain YAML, with parameters as they were given."""
-    header = {key: item.plain() for key, item in file.item.value.items() if key != "root"}
-    header["name"] = file.name
-    for name, argument in given.items():
-        declared, spec = header["parameters"][name], file.parameters[name].spec
-        value = written(argument.value, spec.unit)
-        header["parameters"][name] = {**declared, "default": value} if isinstance(declared, dict) else value
-    return header
-
-
-def _check_names(file: _File, problems: list[Problem]) -> None:
-    """Note parameters and outputs whose names a node has already."""
-    taken = {"tree", *NODE_KEYS}
-    for name, declared in [*file.parameters.items(), *file.outputs.items()]:
-        if name in taken:
-            message = f"{name!r} cannot be called so: every sub-tree node has a key of this name"
-            problems.append(Problem(message, declared.place, "rename it", "taken-name"))
-    for name in file.outputs.keys() & file.parameters.keys():
-        message = f"the name {name!r} is declared twice in one tree"
-        problems.append(Problem(message, file.outputs[name].place, "rename one of them", "taken-name"))
 
 
 def _in_file_order(problems: Sequence[Problem], first: str) -> list[Problem]:

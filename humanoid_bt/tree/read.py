@@ -11,6 +11,7 @@ from humanoid_bt.errors import Place, Problem, UserError, nearest
 from humanoid_bt.params import Param, PerceptName, read_values
 from humanoid_bt.tree.draft import Draft
 from humanoid_bt.tree.expression import Expression
+from humanoid_bt.tree.file import TreeFile, check_name
 from humanoid_bt.tree.parameters import NodeItem, Parameter, reference
 from humanoid_bt.tree.quantities import ANYTHING, Type, type_of
 from humanoid_bt.tree.registry import CHILD, NodeType, Registry, placeholder
@@ -34,38 +35,34 @@ class SubTrees(Protocol):
         """Read the nodes of a sub-tree into the draft of the node that uses it."""
 
 
-def check_name(item: Item) -> None:
-    """Check what a node or tree is called.
-
-    Raises:
-        UserError: it cannot be a part of a path.
-    """
-    name = item.value
-    if not isinstance(name, str):
-        raise UserError(f"a name must be text, not {item.kind}", item.place, code="wrong-type")
-    if not name.strip() or "/" in name or not name.isprintable():
-        raise UserError(f"{name!r} cannot be a name", item.place, "one line of text without /", "bad-name")
-
-
 class Reader:
     """Reads the nodes of one tree file.
 
     Args:
         registry: the node types.
+        files: the file, and before it those that use it, the outermost first.
         scope: what names mean in the file.
         subtrees: who reads other files.
         problems: takes every mistake.
     """
 
-    def __init__(self, registry: Registry, scope: Scope, subtrees: SubTrees, problems: list[Problem]) -> None:
+    def __init__(
+        self,
+        registry: Registry,
+        files: tuple[TreeFile, ...],
+        scope: Scope,
+        subtrees: SubTrees,
+        problems: list[Problem],
+    ) -> None:
         self._registry = registry
         self._subtrees = subtrees
         self._problems = problems
+        self.files = files
         self.scope = scope
 
-    def inside(self, scope: Scope) -> Reader:
-        """Return a reader of another file, with other names."""
-        return Reader(self._registry, scope, self._subtrees, self._problems)
+    def inside(self, file: TreeFile, scope: Scope) -> Reader:
+        """Return a reader of a file that is used in this one."""
+        return Reader(self._registry, (*self.files, file), scope, self._subtrees, self._problems)
 
     def node(self, item: Item, where: str) -> Draft | None:
         """Read a node: ``type``, or a mapping of one key ``type: body``; None if its type is not known.

@@ -291,3 +291,17 @@ def test_a_wrong_expression_is_one_mistake(workspace: Workspace) -> None:
 def test_a_key_can_get_the_value_of_another(workspace: Workspace, given: str) -> None:
     text = f"blackboard: {{n: 3}}\nroot: {{sequence: [{{set_blackboard: {{key: m, {given}}}}}, {{condition: m == 3}}]}}"
     assert Run(load(workspace, text)).ticks(1) == "s"
+
+
+def test_a_node_that_is_given_may_use_the_same_tree(workspace: Workspace) -> None:
+    write(workspace, "tried", TRIED)
+    inner = "{subtree: {tree: tried, attempts: 1, action: {act: {script: f}}}}"
+    tree = load(workspace, f"root: {{subtree: {{tree: tried, attempts: 2, action: {inner}}}}}")
+    assert [node.type_name for node in tree.nodes] == ["subtree", "retry", "subtree", "retry", "act"]
+    assert Run(tree).ticks(2) == "rf"
+
+
+def test_a_tree_cannot_give_itself_to_itself(workspace: Workspace) -> None:
+    write(workspace, "first", "subtree: true\nparameters: {a: {type: node}}\nroot: {subtree: {tree: first, a: $a}}")
+    (problem,) = problems(workspace, "root: {subtree: {tree: first, a: act}}")
+    assert problem.code == "subtree-cycle"
