@@ -17,7 +17,9 @@ from humanoid_bt.cli.findings import printable
 from humanoid_bt.cli.output import hanging
 from humanoid_bt.record.events import Level
 from humanoid_bt.session.report import Report
+from humanoid_bt.session.teller import Listener
 from humanoid_bt.tree.executor import NodeChange
+from humanoid_bt.tree.nodes import Log
 from humanoid_bt.tree.tree import Node, Tree
 
 _SIGNS = {
@@ -37,7 +39,7 @@ _TEXT_COLUMN = 12  # where the text of an event begins
 _REFRESH = 0.1  # s between progress lines
 
 
-class Printer:
+class Printer(Listener):
     """Prints a line per skill, action or condition that changed and per event, and a progress line on a terminal.
 
     Args:
@@ -60,7 +62,8 @@ class Printer:
         self._print_tick()
         self._told.clear()
         self._tree = tree.nodes
-        self._nodes = {node.path: node for node in tree.nodes if node.kind in ("skill", "condition", "action")}
+        leaves = [node for node in tree.nodes if node.kind in ("skill", "condition", "action")]
+        self._nodes = {node.path: node for node in leaves if node.type.cls is not Log}  # what it tells is an event
         longest = max((len(node.name) for node in self._nodes.values()), default=0)
         self._name_width = min(longest, _LONGEST_NAME)
 

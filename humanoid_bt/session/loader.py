@@ -34,6 +34,7 @@ class TreeLoader:
 
     def __init__(self, options: RunOptions, workspace: Workspace) -> None:
         self._options, self._workspace = options, workspace
+        self._path = None if isinstance(options.tree, Tree) else workspace.find_tree(options.tree)
         self.first = self._load()
         self.robot, self.scene = self._robot(self.first), self._scene(self.first)
 
@@ -67,8 +68,8 @@ class TreeLoader:
         options = self._options
         if isinstance(options.tree, Tree):
             return options.tree
-        path = self._workspace.find_tree(options.tree)
-        tree = load_tree(path, self._workspace, options.overrides, robot=options.robot, scene=options.scene)
+        assert self._path is not None
+        tree = load_tree(self._path, self._workspace, options.overrides, robot=options.robot, scene=options.scene)
         if tree.is_subtree:
             raise _not_alone(tree)
         return tree

@@ -45,7 +45,7 @@ class Run:
     Args:
         options: what to run.
         workspace: where names are looked up.
-        listener: who is told what happens.
+        listener: who is told what happens; nobody if None.
         watch: with ``options.watch``, turns what looks for edits, once per call, into what is asked for them after
             every tick.
 
@@ -58,9 +58,10 @@ class Run:
         self,
         options: RunOptions,
         workspace: Workspace,
-        listener: Listener,
+        listener: Listener | None = None,
         watch: Callable[[EditSource], AbstractContextManager[EditSource]] = Watch,
     ) -> None:
+        listener = listener or Listener()
         self._options, self._listener = options, listener
         loader = TreeLoader(options, workspace)
         self._watch = watch(Edits(loader, self._prepare)) if options.watch else None

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-from typing import Protocol
 
 from humanoid_bt.errors import nearest
 from humanoid_bt.messages import State
@@ -20,8 +19,8 @@ from humanoid_bt.tree.tree import Tree
 _STATUS_TICKS = 10  # ticks between two reports to whoever looks from outside
 
 
-class Listener(Protocol):
-    """Who is told what happens during a run."""
+class Listener:
+    """Who is told what happens during a run; a subclass does something about it."""
 
     def node_changed(self, change: NodeChange) -> None:
         """A node's status changed."""

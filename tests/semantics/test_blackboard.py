@@ -1,0 +1,178 @@
+"""The blackboard and sub-trees."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from humanoid_bt.errors import UserError
+from humanoid_bt.tree import NodeError
+from humanoid_bt.workspace import Workspace
+from tests.semantics.claims import shows
+from tests.tree.helpers import Run, load, run
+
+COUNT = "{set_blackboard: {key: n, expression: n + 1}}"
+
+COUNTED = """\
+subtree: true
+parameters: {limit: 2}
+blackboard: {count: 0}
+outputs: {total: {type: number, doc: How often.}}
+root:
+  sequence:
+    - set_blackboard: {key: count, expression: count + 1}
+    - set_blackboard: {key: total, expression: count}
+    - condition: count <= limit
+"""
+
+
+def write(workspace: Workspace, name: str, text: str) -> None:
+    """Write a tree file."""
+    (workspace.root / "trees" / f"{name}.yaml").write_text("format: 1\n" + text, encoding="utf-8")
+
+
+def told(under_test: Run) -> list[str]:
+    """Return what the tree's logs told."""
+    return [text for _, _, text in under_test.events]
+
+
+@shows("key-seen")
+def test_a_value_is_seen_in_the_same_tick(workspace: Workspace) -> None:
+    keyed = run(workspace, "{sequence: [{set_blackboard: {key: k, value: 3}}, {condition: k == 3}]}")
+    assert keyed.ticks(1) == "s"
+
+
+@shows("key-condition", "key-initial", "key-halt")
+def test_keys_through_ticks_halts_and_starts(workspace: Workspace) -> None:
+    text = f"blackboard: {{n: 0}}\nroot: {{sequence: [{{sequence: [{COUNT}, {{condition: n < 3}}]}}, act]}}\n"
+    keyed = Run(load(workspace, text))
+    assert keyed.ticks(4) == "rrfr"  # counted in every tick; the tree that failed starts with 0 again
+    (key,) = keyed.tree.keys
+    keyed.halt()
+    assert key.value == 1
+
+
+PATIENT = """
+from humanoid_bt.params import param
+from humanoid_bt.skill import Skill, Status
+
+class Patient(Skill):
+    ticks: int = param(doc="How many ticks it takes.")
+    def initialise(self):
+        self.done = 0
+    def update(self):
+        self.done += 1
+        return self.succeed("") if self.done == self.ticks else self.running(str(self.ticks))
+"""
+
+
+@shows("key-at-start")
+def test_a_parameter_is_read_at_the_start(workspace: Workspace) -> None:
+    (workspace.root / "skills" / "patient.py").write_text(PATIENT, encoding="utf-8")
+    root = f"{{sequence: {{children: [{COUNT}, {{patient: {{ticks: $n}}}}]}}}}"
+    keyed = Run(load(workspace, f"blackboard: {{n: 2}}\nroot: {{repeat: {{sequence: [{root}]}}}}\n"))
+    assert keyed.ticks(3) == "rrr"  # 3 ticks, though the key goes on to 5
+    patient = keyed.tree.nodes[-1].behaviour
+    assert (vars(patient)["ticks"], patient.status.name) == (3, "SUCCESS")
+    keyed.tick()
+    assert vars(patient)["ticks"] == 6
+
+
+@shows("key-unset", "key-clear")
+def test_a_key_without_a_value(workspace: Workspace) -> None:
+    cleared = "{set_blackboard: {key: k, value: 3}}, {clear_blackboard: k}"
+    assert run(workspace, f"{{sequence: [{cleared}, {{condition: is_set(k)}}]}}").ticks(1) == "f"
+    with pytest.raises(NodeError, match="'k' is read before anything has written it"):
+        run(workspace, f"{{sequence: [{cleared}, {{condition: k == 3}}]}}").tick()
+
+
+@shows("key-unseen")
+def test_a_value_of_what_was_never_seen(workspace: Workspace) -> None:
+    write_it = "{set_blackboard: {key: k, expression: distance(target)}}"
+    text = f"subtree: true\nblackboard: {{k: 7}}\nroot: {{sequence: [{{inverter: {write_it}}}, {{condition: k == 7}}]}}"
+    assert Run(load(workspace, text)).ticks(1) == "s"
+
+
+@shows("key-unwritten")
+def test_what_nothing_writes_is_refused(workspace: Workspace) -> None:
+    with pytest.raises(UserError, match="the key 'x' is read, but nothing writes it"):
+        load(workspace, "blackboard: {x: {type: number}}\nroot: {condition: x == 1}")
+
+
+@shows("key-static")
+def test_what_the_checks_must_know_is_no_key(workspace: Workspace) -> None:
+    keyed = "sequence: [{set_blackboard: {key: n, value: a}}, {reach: {target: $n}}]"
+    with pytest.raises(UserError, match="'target' of 'reach' must be known before the run"):
+        run(workspace, f"{{emergency_stop: {{{keyed}}}}}")
+
+
+@shows("key-scope")
+def test_two_trees_share_no_key(workspace: Workspace) -> None:
+    text = f"blackboard: {{n: 0}}\nroot: {{sequence: [{COUNT}, {{condition: n == 1}}]}}"
+    first, second = Run(load(workspace, text)), Run(load(workspace, text))
+    assert (first.ticks(1), second.ticks(1)) == ("s", "s")
+
+
+# ---- sub-trees -----------------------------------------------------------------------------------------------------
+
+
+@shows("subtree-status")
+def test_a_subtree_has_the_status_of_its_tree(workspace: Workspace) -> None:
+    write(workspace, "part", "root: {act: {script: rsf}}")
+    assert run(workspace, "{subtree: part}").ticks(3) == "rsf"
+
+
+@shows("subtree-names")
+def test_names_of_the_caller_mean_nothing_in_it(workspace: Workspace) -> None:
+    write(workspace, "part", "subtree: true\nroot: {condition: n == 1}")
+    with pytest.raises(UserError, match="unknown name 'n'"):
+        load(workspace, f"blackboard: {{n: 1}}\nroot: {{sequence: [{COUNT}, {{subtree: part}}]}}")
+    write(workspace, "part", "subtree: true\nparameters: {n: 2}\nroot: {condition: n == 1}")
+    given = f"blackboard: {{n: 0}}\nroot: {{sequence: [{COUNT}, {{subtree: {{tree: part, n: $n}}}}]}}"
+    assert Run(load(workspace, given)).ticks(1) == "s"
+
+
+@shows("subtree-outputs", "subtree-keys")
+def test_outputs_and_own_keys(workspace: Workspace) -> None:
+    write(workspace, "counted", COUNTED)
+    both = "sequence: [{subtree: {tree: counted, total: n}}, {condition: n == 1 and count == 10}]"
+    text = f"blackboard: {{count: 10}}\nroot: {{repeat: {{times: 3, {both}}}}}"
+    assert Run(load(workspace, text)).ticks(3) == "rrs"
+
+
+@shows("subtree-twice")
+def test_two_uses_share_nothing(workspace: Workspace) -> None:
+    write(workspace, "counted", COUNTED)
+    text = "root: {sequence: [{subtree: {tree: counted, limit: 1}}, {subtree: {tree: counted, limit: 1}}]}"
+    assert Run(load(workspace, text)).ticks(1) == "s"
+
+
+@shows("subtree-node")
+def test_a_node_keeps_the_callers_names(workspace: Workspace) -> None:
+    write(
+        workspace,
+        "tried",
+        "subtree: true\nparameters: {what: s, action: {type: node}}\n"
+        "root: {sequence: [{act: {script: $what}}, $action]}",
+    )
+    text = "parameters: {what: rf}\nroot: {subtree: {tree: tried, action: {act: {script: $what}}}}"
+    assert Run(load(workspace, text)).ticks(2) == "rf"
+
+
+@shows("subtree-checks")
+def test_the_checks_look_through_it(workspace: Workspace) -> None:
+    write(workspace, "touch", "subtree: true\nparameters: {it: {type: percept}}\nroot: {reach: {target: $it}}")
+    use = "subtree: {tree: touch, it: ball}"
+    load(workspace, f"root: {{emergency_stop: {{watchdog: {{percept: ball, max_age: 1, {use}}}}}}}")
+    with pytest.raises(UserError) as refused:
+        load(workspace, f"root: {{{use}}}")
+    assert [problem.code for problem in refused.value.problems] == ["outside-emergency-stop", "outside-watchdog"]
+
+
+@shows("subtree-cycle")
+def test_a_tree_cannot_contain_itself(workspace: Workspace, tmp_path: Path) -> None:
+    write(workspace, "first", "root: {subtree: second}")
+    write(workspace, "second", "root: {subtree: first}")
+    with pytest.raises(UserError, match="'first' would contain itself"):
+        load(workspace, "root: {subtree: first}")

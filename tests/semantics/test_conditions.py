@@ -1,0 +1,96 @@
+"""Conditions, expressions, hysteresis."""
+
+from __future__ import annotations
+
+import pytest
+
+from humanoid_bt.errors import UserError
+from humanoid_bt.tree import NodeError
+from humanoid_bt.workspace import Workspace
+from tests.semantics.claims import shows
+from tests.tree.helpers import Run, load, run, seen
+
+
+def asked(workspace: Workspace, root: str) -> Run:
+    """Load a tree that may ask for percepts outside a watchdog."""
+    return Run(load(workspace, f"subtree: true\nroot: {root}\n"))
+
+
+def answers(under_test: Run, *distances: float) -> str:
+    """Tick with the target at these distances; return the root's statuses as letters."""
+    letters = []
+    for distance in distances:
+        under_test.tick(seen(under_test.time, distance))
+        letters.append(under_test.executor.status.name[0].lower())
+    return "".join(letters)
+
+
+@shows("condition-at-once")
+def test_a_condition_never_runs(workspace: Workspace) -> None:
+    for node in ("condition: distance(target) < 1", "within: {percept: target, distance: 1, hysteresis: 0}"):
+        assert answers(asked(workspace, f"{{{node}}}"), 0.5, 2, 0.5) == "sfs"
+
+
+@shows("condition-unseen", "expression-short")
+def test_what_was_never_seen_fails(workspace: Workspace) -> None:
+    assert asked(workspace, "{condition: distance(target) < 1}").ticks(1) == "f"
+    assert asked(workspace, "{condition: not (distance(target) < 1)}").ticks(1) == "f"
+    assert asked(workspace, "{condition: not seen(target)}").ticks(1) == "s"
+    assert asked(workspace, "{condition: not seen(target) or distance(target) < 1}").ticks(1) == "s"
+    assert asked(workspace, "{condition: not (seen(target) and distance(target) < 1)}").ticks(1) == "s"
+
+
+@shows("expression-units")
+@pytest.mark.parametrize("limit", ["0.5", "0.5 m", "50 cm", "500 mm"])
+def test_values_are_in_si_units(workspace: Workspace, limit: str) -> None:
+    assert answers(asked(workspace, f"{{condition: distance(target) < {limit}}}"), 0.49, 0.51) == "sf"
+
+
+@shows("expression-mixed-units")
+@pytest.mark.parametrize("text", ["distance(target) < 3 s", "distance(target) + state.time > 1", "state.heading > 1 m"])
+def test_units_that_differ_are_refused(workspace: Workspace, text: str) -> None:
+    with pytest.raises(UserError, match="cannot be"):
+        asked(workspace, f"{{condition: {text}}}")
+
+
+@shows("expression-division")
+def test_a_division_by_zero_is_an_error(workspace: Workspace) -> None:
+    with pytest.raises(NodeError, match="ZeroDivisionError"):
+        run(workspace, "{condition: 1 / state.time > 0}").tick()
+
+
+@shows("hysteresis-holds", "hysteresis-begins")
+def test_hysteresis(workspace: Workspace) -> None:
+    inclusive = asked(workspace, "{condition: distance(target) <= 1 m hysteresis 50 cm}")
+    assert answers(inclusive, 1.25, 1.0, 1.25, 1.5, 1.75, 1.25) == "fsssff"
+    exclusive = asked(workspace, "{condition: distance(target) < 1 m hysteresis 50 cm}")
+    assert answers(exclusive, 1.0, 0.75, 1.25, 1.5, 1.25) == "fssff"
+    falling = asked(workspace, "{condition: distance(target) >= 1 m hysteresis 50 cm}")
+    assert answers(falling, 0.75, 1.0, 0.5, 0.25, 0.75) == "fssff"
+
+
+@shows("hysteresis-forgets")
+@pytest.mark.parametrize(
+    "condition",
+    ["condition: distance(target) <= 1 hysteresis 0.5", "within: {percept: target, distance: 1, hysteresis: 0.5}"],
+)
+def test_hysteresis_is_forgotten_when_the_branch_is_left(workspace: Workspace, condition: str) -> None:
+    left = asked(workspace, f"{{selector: [{{act: {{script: ffsf}}}}, {{{condition}}}]}}")
+    assert answers(left, 0.9, 1.25, 1.25, 1.25) == "sssf"  # the third comes from the act
+
+
+@shows("condition-limits")
+def test_limits_are_included(workspace: Workspace) -> None:
+    assert answers(asked(workspace, "{within: {percept: target, distance: 1}}"), 1.0) == "s"
+    assert answers(asked(workspace, "{within: {percept: target, distance: 1}}"), 1.001) == "f"
+    for confidence, status in ((0.6, "SUCCESS"), (0.599, "FAILURE")):
+        confident = asked(workspace, "{confident: {percept: target, above: 0.6}}")
+        confident.tick(seen(0.0, confidence=confidence))
+        assert confident.executor.status.name == status
+
+
+@shows("wait-until")
+def test_wait_until_runs_until_it_is_true(workspace: Workspace) -> None:
+    wait = asked(workspace, "{wait_until: distance(target) < 1}")
+    assert wait.ticks(2) == "rr"
+    assert answers(wait, 2, 0.5) == "rs"
