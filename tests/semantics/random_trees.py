@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -108,14 +107,25 @@ class Moment:
 
 @dataclass(frozen=True)
 class Story:
-    """A tree and all that happens to it."""
+    """A tree and all that happens to it.
+
+    Attributes:
+        tree: the tree.
+        moments: what happens, tick by tick.
+        culprit: the node that was made to raise, if one was.
+    """
 
     tree: Node
     moments: tuple[Moment, ...]
+    culprit: str = ""
 
     def __repr__(self) -> str:
         ticks = "\n".join(f"#   {moment}" for moment in self.moments)
         return f"\n{text_of(self.tree)}# then:\n{ticks}\n"
+
+    def _repr_pretty_(self, printer: Any, cycle: bool) -> None:
+        """Let hypothesis print the same."""
+        printer.text(repr(self))
 
 
 def snapshots(moments: tuple[Moment, ...]) -> list[Snapshot]:
@@ -175,23 +185,25 @@ def numbered(tree: Node) -> Node:
     return name(tree)
 
 
-def raised_in(tree: Node, name: str, **values: Any) -> Node:
+def changed(tree: Node, name: str, **values: Any) -> Node:
     """Return a tree with other values in one node."""
-    branches = {slot: raised_in(branch, name, **values) for slot, branch in tree.branches.items()}
-    children = tuple(raised_in(child, name, **values) for child in tree.children)
+    branches = {slot: changed(branch, name, **values) for slot, branch in tree.branches.items()}
+    children = tuple(changed(child, name, **values) for child in tree.children)
     own = {**tree.values, **values} if tree.name == name else tree.values
     return replace(tree, values=own, branches=branches, children=children)
 
 
-def moments(**fixed: SearchStrategy[Any]) -> SearchStrategy[tuple[Moment, ...]]:
+def moments() -> SearchStrategy[tuple[Moment, ...]]:
     """Return what may happen to a tree."""
-    given: Mapping[str, SearchStrategy[Any]] = {
-        "pause": st.sampled_from([20, 20, 40, 100]),
-        "age": st.sampled_from([None, 0, 20, 60]),
-        "mode": st.sampled_from(["RUN"] * 10 + ["PROTECTIVE_STOP", "EMERGENCY_STOP", "DAMP"]),
-        "halt": st.sampled_from([False] * 9 + [True]),
-    }
-    return st.lists(st.builds(Moment, **{**given, **fixed}), min_size=1, max_size=12).map(tuple)
+    moment = st.builds(
+        Moment,
+        pause=st.sampled_from([20, 20, 40, 100]),
+        age=st.sampled_from([0, None, 20, 60]),
+        mode=st.sampled_from(["RUN"] * 12 + ["PROTECTIVE_STOP", "EMERGENCY_STOP", "DAMP"]),
+        halt=st.sampled_from([False] * 12 + [True]),
+    )
+    several = st.integers(1, 24).flatmap(lambda count: st.lists(moment, min_size=count, max_size=count))
+    return several.map(tuple)
 
 
 def trees(caught: bool = True, overlaps: bool = False, raising: bool = False) -> SearchStrategy[Node]:
@@ -206,9 +218,10 @@ def trees(caught: bool = True, overlaps: bool = False, raising: bool = False) ->
     return _stoppable(_Rules(caught, overlaps, raising), free).map(numbered)
 
 
-def stories(caught: bool = True, raising: bool = False) -> SearchStrategy[Story]:
+@st.composite
+def stories(draw: DrawFn, caught: bool = True, raising: bool = False) -> Story:
     """Return random trees with random lives."""
-    return st.tuples(trees(caught, raising=raising), moments()).map(lambda both: Story(*both))
+    return Story(draw(trees(caught, raising=raising)), draw(moments()))
 
 
 @dataclass(frozen=True)
@@ -221,13 +234,14 @@ class _Rules:
 @st.composite
 def _stoppable(draw: DrawFn, rules: _Rules, free: frozenset[str]) -> Node:
     """A tree that may command the robot."""
-    return Node("emergency_stop", values={"wait_for_reset": draw(st.booleans())}, children=(draw(_node(rules, free, 4)),))
+    child = draw(_node(rules, free, 5))
+    return Node("emergency_stop", values={"wait_for_reset": draw(st.booleans())}, children=(child,))
 
 
 @st.composite
 def _node(draw: DrawFn, rules: _Rules, free: frozenset[str], depth: int) -> Node:
     """A node; those below it command what is ``free``."""
-    groups = ["skill", "skill", "leaf"]
+    groups = ["skill", "leaf"] if depth < 4 else []
     if depth:
         groups += ["ordered", "ordered", "ordered", "parallel", "parallel", "choice", "choice", "conditional"]
         groups += ["conditional", "plain", "again", "timed", "timed", "safe", "safe", "kept", "count"]
