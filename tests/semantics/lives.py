@@ -7,20 +7,19 @@ import re
 
 from hypothesis import HealthCheck, Phase, settings
 
-from humanoid_bt.messages import Command, Mode
+from humanoid_bt.messages import Command, Mode, Percept, State
 from humanoid_bt.tree import NodeError
 from humanoid_bt.workspace import Workspace
 from tests.semantics.model import Node, Snapshot
 from tests.semantics.random_trees import text_of
 from tests.tree.helpers import Run, load, make_state, seen
 
-EXAMPLES = int(os.environ.get("HUMANOID_BT_EXAMPLES", "300"))
-"""How many random trees each property is tried on."""
+_MORE = os.environ.get("HUMANOID_BT_EXAMPLES")
 
 settings.register_profile(
     "trees",
-    max_examples=EXAMPLES,
-    derandomize=EXAMPLES == 300,
+    max_examples=int(_MORE or 150),
+    derandomize=_MORE is None,
     deadline=None,
     database=None,
     print_blob=False,
@@ -28,7 +27,7 @@ settings.register_profile(
     suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large, HealthCheck.filter_too_much],
 )
 random_lives = settings(settings.get_profile("trees"))
-"""Decorates a property: the same examples in every run, unless more of them are asked for."""
+"""Decorates a property: the same examples in every run, or as many as ``HUMANOID_BT_EXAMPLES`` says, and new ones."""
 
 _RAISED = re.compile(r"the node '(?:[^']*/)?(\w+)' raised")
 
@@ -50,11 +49,10 @@ class Life(Run):
     def step(self, now: Snapshot) -> None:
         """Tick once."""
         self.clock.cycle = now.time
-        percepts = {} if now.stamp is None else seen(now.stamp / 1000)
         self.changes.clear()
         self.command = self.raised = None
         try:
-            self.command = self.executor.tick(make_state(self.time, Mode[now.mode]), percepts)
+            self.command = self.executor.tick(*shown(now))
         except NodeError as error:
             self.raised = _last(error.path)
 
@@ -90,6 +88,12 @@ class Life(Run):
     def logged(self) -> list[str]:
         """Which ``log`` nodes told something."""
         return [_last(source) for source, level, _ in self.events if level == "info"]
+
+
+def shown(now: Snapshot) -> tuple[State, dict[str, Percept]]:
+    """Return a snapshot as the engine takes it."""
+    percepts = {} if now.stamp is None else seen(now.stamp / 1000)
+    return make_state(now.time / 1000, Mode[now.mode]), percepts
 
 
 def _last(path: str) -> str:

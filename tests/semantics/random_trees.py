@@ -73,7 +73,6 @@ class Walk(Act):
 '''
 """The skills of random trees; :data:`~tests.semantics.model.COMMANDS` says what they command."""
 
-_SLOTS = {"if": ("condition", "then", "else"), "watchdog": ("on_stale",)}
 _CONDITIONAL = ("guard", "while", "precondition")
 _PLAIN = ("inverter", "force_success", "force_failure", "running_is_failure", "running_is_success")
 _AGAIN = ("failure_is_running", "success_is_running", "keep_running_until_failure")
@@ -151,7 +150,9 @@ def item_of(node: Node) -> dict[str, Any]:
         if name in ("duration", "max_age"):
             body[name] = f"{value} ms"
         elif isinstance(value, Comparison):
-            left, right = ("state.time", f"{value.right} ms") if value.left == "time" else (value.left, repr(value.right))
+            left, right = (
+                ("state.time", f"{value.right} ms") if value.left == "time" else (value.left, repr(value.right))
+            )
             body[name] = f"{left} {value.sign} {right}"
         elif name == "add":
             body["expression"] = f"n + {value}"
@@ -248,25 +249,34 @@ def _node(draw: DrawFn, rules: _Rules, free: frozenset[str], depth: int) -> Node
         groups += ["on_error"] if rules.caught else []
     group = draw(st.sampled_from(groups))
     below = _node(rules, free, depth - 1)
-    if group == "skill":
-        return draw(_skill(rules, free))
-    if group == "leaf":
-        return draw(_leaf(rules))
-    if group == "ordered":
-        kind, memory = draw(st.sampled_from(["sequence", "selector"])), draw(st.booleans())
-        return Node(kind, values={"memory": memory}, children=tuple(draw(st.lists(below, min_size=1, max_size=3))))
-    if group == "parallel":
-        return draw(_parallel(rules, free, depth))
-    if group == "choice":
-        return draw(_choice(rules, below))
-    if group == "on_error":
-        return Node(group, children=(draw(_node(replace(rules, raising=True), free, depth - 1)),))
-    if group == "conditional":
-        asked, child = draw(st.one_of(_condition(), below)), draw(below)
-        if child.kind == "condition":  # in a file there is no room for it beside the key of the slot
-            child = replace(child, kind="wait_until")
-        return Node(draw(st.sampled_from(_CONDITIONAL)), branches={"condition": asked}, children=(child,))
-    return draw(_decorator(group, below))
+    made: dict[str, SearchStrategy[Node]] = {
+        "skill": _skill(rules, free),
+        "leaf": _leaf(rules),
+        "ordered": _ordered(below),
+        "parallel": _parallel(rules, free, depth),
+        "choice": _choice(below),
+        "conditional": _conditional(below),
+        "on_error": st.builds(_on_error, _node(replace(rules, raising=True), free, depth - 1)),
+    }
+    return draw(made[group] if group in made else _decorator(group, below))
+
+
+def _on_error(child: Node) -> Node:
+    return Node("on_error", children=(child,))
+
+
+@st.composite
+def _ordered(draw: DrawFn, below: SearchStrategy[Node]) -> Node:
+    kind, memory = draw(st.sampled_from(["sequence", "selector"])), draw(st.booleans())
+    return Node(kind, values={"memory": memory}, children=tuple(draw(st.lists(below, min_size=1, max_size=3))))
+
+
+@st.composite
+def _conditional(draw: DrawFn, below: SearchStrategy[Node]) -> Node:
+    asked, child = draw(st.one_of(_condition(), below)), draw(below)
+    if child.kind == "condition":  # in a file there is no room for it beside the key of the slot
+        child = replace(child, kind="wait_until")
+    return Node(draw(st.sampled_from(_CONDITIONAL)), branches={"condition": asked}, children=(child,))
 
 
 @st.composite
@@ -353,7 +363,7 @@ def _parallel(draw: DrawFn, rules: _Rules, free: frozenset[str], depth: int) -> 
 
 
 @st.composite
-def _choice(draw: DrawFn, rules: _Rules, below: SearchStrategy[Node]) -> Node:
+def _choice(draw: DrawFn, below: SearchStrategy[Node]) -> Node:
     values: dict[str, Any] = {"memory": draw(st.booleans())}
     if draw(st.booleans()):
         branches = {"condition": draw(st.one_of(_condition(), below)), "then": draw(below)}

@@ -7,7 +7,7 @@ from hypothesis import given
 
 from humanoid_bt.workspace import Workspace
 from tests.semantics.lives import Life, random_lives
-from tests.semantics.model import RULES, Model
+from tests.semantics.model import Model
 from tests.semantics.random_trees import SKILLS, Story, snapshots, stories
 from tests.tree.helpers import make_workspace
 

@@ -16,13 +16,12 @@ from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
 from humanoid_bt.errors import UserError
-from humanoid_bt.messages import Mode
 from humanoid_bt.skill import Skill
 from humanoid_bt.workspace import Workspace
-from tests.semantics.lives import Life, random_lives
-from tests.semantics.model import COMMANDS, INVALID, RUNNING, Node, Snapshot
+from tests.semantics.lives import Life, random_lives, shown
+from tests.semantics.model import COMMANDS, INVALID, RUNNING, Model, Node
 from tests.semantics.random_trees import SKILLS, Story, changed, moments, snapshots, stories, text_of, trees
-from tests.tree.helpers import load, make_state, make_workspace, seen
+from tests.tree.helpers import load, make_workspace
 
 
 @pytest.fixture(scope="module")
@@ -78,28 +77,23 @@ def test_an_exception_anywhere_ends_everything(workspace: Workspace, story: Stor
 @random_lives
 @given(story=stories())
 def test_py_trees_own_functions_work_on_the_trees(workspace: Workspace, story: Story) -> None:
-    ours, theirs = Life(story.tree, workspace), Life(story.tree, workspace)
-    root = theirs.tree.root
+    life, model = Life(story.tree, workspace), Model(story.tree)
+    root = life.tree.root
     managed = py_trees.trees.BehaviourTree(root)
     for moment, now in zip(story.moments, snapshots(story.moments), strict=True):
-        ours.log.clear()  # they share it
+        life.clock.cycle = now.time
         if moment.halt:
-            ours.stop(now.time)
-        ours.step(now)
-        log = list(ours.log)
-        ours.log.clear()
-        theirs.clock.cycle = now.time
-        if moment.halt:
+            model.stop(now.time)
             root.stop(Status.INVALID)
-        theirs.robot.begin_tick(make_state(theirs.time, Mode[now.mode]), percepts(now))
-        if root.status is not Status.RUNNING:
-            for key in theirs.tree.keys:
+        if root.status is not Status.RUNNING:  # the executor's part
+            for key in life.tree.keys:
                 key.reset()
+        life.robot.begin_tick(*shown(now))
         managed.tick()
-        assert theirs.log == log
-        assert theirs.statuses == ours.statuses
-        assert drawn_statuses(root) == ours.statuses
-        assert len(list(root.iterate())) == len(theirs.tree.nodes)
+        model.step(now)
+        assert life.log == model.events
+        assert life.statuses == drawn_statuses(root) == model.status
+        assert len(list(root.iterate())) == len(life.tree.nodes)
         tip = root.tip()
         assert tip is not None
         assert tip.status is not Status.INVALID
@@ -189,10 +183,6 @@ def check(life: WatchedLife, told: dict[str, str]) -> None:
         assert told[name] != status or name == life.raised
         told[name] = status
     assert told == statuses
-
-
-def percepts(now: Snapshot) -> Any:
-    return {} if now.stamp is None else seen(now.stamp / 1000)
 
 
 def drawn_statuses(root: Behaviour) -> dict[str, str]:
