@@ -61,7 +61,7 @@ parallel:
   success: one               # ends as soon as the hand is there
   children:
     - reach: {target: target, hand: left}
-    - timeout: {duration: 5 s, within: {percept: target, distance: 0.6 m}}
+    - timeout: {duration: 5 s, wait_until: distance(target) < 0.6 m}
 """,
     "if": """\
 if:

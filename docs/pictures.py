@@ -40,24 +40,11 @@ BALL = (0.40, -0.16, 0.95)  # m
 REACH_SIZE = (1000, 750)
 
 
-class _Silent:
-    """Listens to a run and says nothing."""
-
-    def node_changed(self, change: object) -> None:
-        """Say nothing."""
-
-    def event(self, time: float, level: str, text: str) -> None:
-        """Say nothing."""
-
-    def progress(self, time: float, running: str) -> None:
-        """Say nothing."""
-
-
 def view(path: Path) -> None:
     """Take a picture of the demo's recording in the viewer."""
     with tempfile.TemporaryDirectory() as folder:
         recording = Path(folder) / "fetch.rrd"
-        Run(RunOptions("fetch", sinks=Sinks(file=recording)), Workspace(builtin_root()), _Silent()).execute()
+        Run(RunOptions("fetch", sinks=Sinks(file=recording)), Workspace(builtin_root())).execute()
         program = shutil.which("rerun") or str(Path(sys.executable).parent / "rerun")
         with ViewerClient.spawn(
             headless=True, port=VIEW_PORT, hide_welcome_screen=True, executable_path=program

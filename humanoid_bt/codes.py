@@ -168,21 +168,33 @@ _TREES = (
     _error("subtree-cycle", "A tree holds itself, through the files of its sub-trees."),
     _warning(
         "unreachable",
-        "A node is never ticked.",
+        "A node is never ticked: what stands before or above it never lets it have its turn.",
         "selector: [idle, reach: {target: target}]",
         "selector: [reach: {target: target}, idle]",
     ),
     _warning(
+        "no-effect",
+        "A retry, repeat or timeout has nothing to do: its child never fails, succeeds or runs.",
+        "timeout: {duration: 5 s, within: {percept: target, distance: 0.5 m}}",
+        "timeout: {duration: 5 s, wait_until: distance(target) < 0.5 m}",
+    ),
+    _warning(
+        "never-succeeds",
+        "A parallel needs more successes than its children can bring.",
+        "parallel: [idle, wait: 5 s]",
+        "parallel: {success: one, children: [idle, wait: 5 s]}",
+    ),
+    _warning(
         "no-hysteresis",
-        "A condition on a jittery percept may flap: it has no hysteresis.",
-        "confident: {percept: target, above: 0.6}",
-        "confident: {percept: target, above: 0.6, hysteresis: 0.1}",
+        "A condition on a jittery percept may flap: it is checked again and again without hysteresis.",
+        "sequence:\n  - condition: distance(target) < 0.5 m\n  - reach: {target: target}",
+        "sequence:\n  - condition: distance(target) < 0.5 m hysteresis 5 cm\n  - reach: {target: target}",
     ),
     _warning(
         "no-time-limit",
-        "A node that may run for ever stands below no time limit.",
-        "reach: {target: target}",
-        "timeout: {duration: 20 s, reach: {target: target}}",
+        "A node that may run for ever, although the tree waits for its end, stands below no time limit.",
+        "approach: {target: target}",
+        "timeout: {duration: 60 s, approach: {target: target}}",
     ),
 )
 
@@ -209,9 +221,24 @@ _SAFETY = (
 
 _WORLD = (
     _error("unknown-tree", "There is no tree of this name."),
-    _error("unknown-robot", "There is no robot of this name."),
-    _error("unknown-scene", "There is no scene of this name."),
-    _error("unknown-percept", "The scene does not publish this percept."),
+    _error(
+        "unknown-robot",
+        "There is no robot of this name.",
+        "format: 1\nrobot: humanod\nroot: {emergency_stop: idle}",
+        "format: 1\nrobot: humanoid\nroot: {emergency_stop: idle}",
+    ),
+    _error(
+        "unknown-scene",
+        "There is no scene of this name.",
+        "format: 1\nscene: ball\nroot: {emergency_stop: idle}",
+        "format: 1\nscene: ball_on_stand\nroot: {emergency_stop: idle}",
+    ),
+    _warning(
+        "unknown-percept",
+        "The scene does not publish this percept: it is stale for ever.",
+        "format: 1\nscene: ball_on_stand\nroot: {watchdog: {percept: bal, max_age: 1 s, wait: 2 s}}",
+        "format: 1\nscene: ball_on_stand\nroot: {watchdog: {percept: target, max_age: 1 s, wait: 2 s}}",
+    ),
     _error("unknown-object", "The scene has no object of this name."),
     _error("robot-cannot", "The tree commands what its robot does not have."),
     _error("unknown-body", "The robot's model has no body of this name."),
@@ -231,8 +258,8 @@ _ALLOWING = (
     _error(
         "allow-without-reason",
         "A comment allows a warning and does not say why.",
-        "idle: {}  # allow no-time-limit",
-        "idle: {}  # allow no-time-limit: the operator ends it",
+        "approach: {target: target}  # allow no-time-limit",
+        "approach: {target: target}  # allow no-time-limit: the operator ends it",
     ),
     _error(
         "cannot-allow",
@@ -243,8 +270,8 @@ _ALLOWING = (
     _warning(
         "unknown-code",
         "A comment allows a code that does not exist.",
-        "idle: {}  # allow no-time-limt: the operator ends it",
-        "idle: {}  # allow no-time-limit: the operator ends it",
+        "approach: {target: target}  # allow no-time-limt: the operator ends it",
+        "approach: {target: target}  # allow no-time-limit: the operator ends it",
     ),
     _warning(
         "unused-allow",

@@ -33,11 +33,13 @@ class Item:
         value: a scalar, a ``list[Item]`` or a ``dict[str, Item]``.
         place: where the value begins.
         key_places: for a mapping, where each key stands.
+        text_at: for text on one line, how many columns behind its place its first character stands.
     """
 
     value: Any
     place: Place
     key_places: dict[str, Place] = field(default_factory=dict)
+    text_at: int | None = field(default=None, compare=False)
 
     def plain(self) -> Any:
         """Return the value as ``yaml.safe_load`` would give it."""
@@ -168,7 +170,8 @@ class _Reader:
         if self.count > MAX_ITEMS:
             raise UserError(f"more than {MAX_ITEMS} values, aliases expanded", place, code="too-large")
         if isinstance(node, yaml.ScalarNode):
-            return Item(self.scalar(node, place), place)
+            on_one_line = node.start_mark.line == node.end_mark.line
+            return Item(self.scalar(node, place), place, text_at=int(bool(node.style)) if on_one_line else None)
         if id(node) in above:
             raise UserError("an alias refers to a value that contains it", place, code="syntax")
         above = (*above, id(node))

@@ -217,6 +217,14 @@ class Robot:
             handle.targets.clear()
         return self.commit()
 
+    def take_over(self, other: Robot) -> None:
+        """Go on where another tree's view of the same robot ends.
+
+        What that one knows is known here too, and commands are counted on. Its nodes command no more.
+        """
+        self._state, self._now, self._past = other._state, other._now, other._past
+        self._percepts, self._sequence = other._percepts, other._sequence
+
     def note(self, handle: RobotHandle) -> None:
         """Take note that a handle has set a target in this tick."""
         self._commanding[handle] = None

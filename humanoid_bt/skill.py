@@ -17,6 +17,7 @@ Its name in trees is the class name in snake_case.
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable, Mapping
 from typing import Any, ClassVar
 
 import py_trees
@@ -25,7 +26,7 @@ from py_trees.common import Status
 from humanoid_bt.params import PerceptName, assign
 from humanoid_bt.robot import Robot, RobotHandle
 
-__all__ = ["PerceptName", "Skill", "Status", "node_type_name"]
+__all__ = ["PerceptName", "Skill", "Status", "node_type_name", "of_hand"]
 
 
 def node_type_name(cls: type) -> str:
@@ -37,6 +38,12 @@ def node_type_name(cls: type) -> str:
 def snake_case(name: str) -> str:
     """Return a CamelCase name as it is written in tree files."""
     return re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", name).lower()
+
+
+def of_hand(resources: Iterable[str], hand: str) -> tuple[str, ...]:
+    """Return resources without the other hand, if it is ``left`` or ``right``; else all of them."""
+    others = {"left": "right_hand", "right": "left_hand"}
+    return tuple(resource for resource in resources if resource != others.get(hand))
 
 
 class Skill(py_trees.behaviour.Behaviour):
@@ -51,12 +58,17 @@ class Skill(py_trees.behaviour.Behaviour):
 
     Attributes:
         resources: what the skill may command (of :data:`~humanoid_bt.messages.RESOURCES`).
+        ends: whether it can succeed or fail; False if it only runs until it is halted.
+        bounded: whether it ends by itself in bounded time, whatever happens. Checks want a time limit above a skill
+            that commands the robot and does not say so.
         robot: how it reads the robot's state and percepts and sets targets.
         path: the node's path in its tree, set before ``setup``.
         halt_reason: why it is being halted, set before ``terminate(INVALID)``: preempted, timed out, ...
     """
 
     resources: ClassVar[tuple[str, ...]] = ()
+    ends: ClassVar[bool] = True
+    bounded: ClassVar[bool] = False
     robot: RobotHandle
 
     def __init__(self, name: str = "", **values: Any) -> None:
@@ -64,6 +76,17 @@ class Skill(py_trees.behaviour.Behaviour):
         assign(self, values)
         self.path = self.name
         self.halt_reason = ""
+
+    @classmethod
+    def resources_for(cls, values: Mapping[str, Any]) -> Iterable[str]:
+        """Return which of its resources the skill may command when it has these parameter values.
+
+        Checks ask it before the run. They take all of ``resources`` if a parameter is read from the blackboard.
+
+        Args:
+            values: every parameter by name, defaults put in.
+        """
+        return cls.resources
 
     def setup(self, **kwargs: Any) -> None:
         """Take the robot (``robot``, a :class:`~humanoid_bt.robot.Robot`); called once, before the first tick."""

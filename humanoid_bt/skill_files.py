@@ -110,7 +110,10 @@ def _module(path: Path) -> ModuleType:
         # compiled here, not by the import system: no cache files in people's folders, and never a stale one
         exec(compile(source, str(path), "exec", dont_inherit=True), vars(module))
     except (Exception, SystemExit) as error:
-        del sys.modules[name]
+        if known is None:
+            del sys.modules[name]
+        else:
+            sys.modules[name] = known  # a tree that runs goes on with it
         message = error.msg if isinstance(error, SyntaxError) else str(error)
         raise UserError(
             f"the skill file cannot be imported: {type(error).__name__}: {message}",

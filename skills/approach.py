@@ -15,6 +15,7 @@ class Approach(Skill):
     """
 
     resources = ("base", "gaze")
+    bounded = False  # the target may move on and on
 
     target: PerceptName = param(doc="Percept to walk up to.")
     distance: float | None = param(

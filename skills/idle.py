@@ -12,6 +12,7 @@ class Idle(Skill):
     """Stand, breathe, and look around ever wider; is RUNNING until it is halted."""
 
     resources = ("gaze", "posture")
+    ends = False
 
     look_around: bool = param(True, doc="Sweep the view from side to side.")
     sweep_period: float = param(9.0, unit="s", above=0, doc="Time of a sweep from side to side and back.")

@@ -17,6 +17,7 @@ class LookAt(Skill):
     """
 
     resources = ("gaze",)
+    bounded = True  # by its patience
 
     target: PerceptName = param(doc="Percept to look at.")
     tolerance: float = param(0.15, unit="rad", above=0, doc="In the middle when this close to the view's direction.")

@@ -1,6 +1,7 @@
 """Hold a hand out to somebody."""
 
-from typing import Literal
+from collections.abc import Mapping
+from typing import Any, Literal
 
 import numpy as np
 
@@ -8,7 +9,7 @@ from humanoid_bt.messages import Side
 from humanoid_bt.params import param
 from humanoid_bt.robot import Track
 from humanoid_bt.signals import Improving, Lasting, Steady
-from humanoid_bt.skill import PerceptName, Skill, Status
+from humanoid_bt.skill import PerceptName, Skill, Status, of_hand
 
 _HEIGHT = 0.75  # of the eyes' height: the chest
 
@@ -22,6 +23,7 @@ class Offer(Skill):
     """
 
     resources = ("left_hand", "right_hand", "gaze")
+    bounded = True  # by its patience
 
     target: PerceptName = param(doc="Percept to hold the hand out to.")
     hand: Literal["left", "right", "nearest"] = param("nearest", doc="Which hand.")
@@ -33,6 +35,11 @@ class Offer(Skill):
     tolerance: float = param(0.03, unit="m", above=0, doc="There when the palm is this close.")
     hold: float = param(2.0, unit="s", minimum=0, doc="How long to hold it there.")
     patience: float = param(2.0, unit="s", above=0, doc="Fails when the palm comes no nearer for this long.")
+
+    @classmethod
+    def resources_for(cls, values: Mapping[str, Any]) -> tuple[str, ...]:
+        """Return one hand unless the nearest is to be chosen."""
+        return of_hand(cls.resources, values["hand"])
 
     def initialise(self) -> None:
         """Choose nothing yet: the hand is chosen once the robot stands."""

@@ -1,13 +1,14 @@
 """Bring a hand to something seen."""
 
-from typing import Literal
+from collections.abc import Mapping
+from typing import Any, Literal
 
 import numpy as np
 
 from humanoid_bt.messages import Side
 from humanoid_bt.params import param
 from humanoid_bt.signals import Improving, Lasting, Steady
-from humanoid_bt.skill import PerceptName, Skill, Status
+from humanoid_bt.skill import PerceptName, Skill, Status, of_hand
 
 
 class Reach(Skill):
@@ -18,6 +19,7 @@ class Reach(Skill):
     """
 
     resources = ("left_hand", "right_hand", "gaze")
+    bounded = True  # by its patience
 
     target: PerceptName = param(doc="Percept to reach for.")
     hand: Literal["left", "right", "nearest"] = param("nearest", doc="Which hand.")
@@ -25,6 +27,11 @@ class Reach(Skill):
     hold: float = param(0.3, unit="s", minimum=0, doc="How long it must stay there.")
     patience: float = param(2.0, unit="s", above=0, doc="Fails when the palm comes no nearer for this long.")
     smoothing: float = param(0.4, unit="s", minimum=0, doc="Low-pass time of the target's position.")
+
+    @classmethod
+    def resources_for(cls, values: Mapping[str, Any]) -> tuple[str, ...]:
+        """Return one hand unless the nearest is to be chosen."""
+        return of_hand(cls.resources, values["hand"])
 
     def initialise(self) -> None:
         """Choose nothing yet: the hand is chosen once the robot stands."""

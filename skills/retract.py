@@ -1,6 +1,7 @@
 """Take the arms back."""
 
-from typing import Literal
+from collections.abc import Mapping
+from typing import Any, Literal
 
 import numpy as np
 
@@ -8,7 +9,7 @@ from humanoid_bt.geometry import rotation_matrix
 from humanoid_bt.messages import SIDES, Mode, Side
 from humanoid_bt.params import param
 from humanoid_bt.signals import Lasting
-from humanoid_bt.skill import Skill, Status
+from humanoid_bt.skill import Skill, Status, of_hand
 
 
 class Retract(Skill):
@@ -20,11 +21,17 @@ class Retract(Skill):
     """
 
     resources = ("left_hand", "right_hand")
+    bounded = True  # by its patience
 
     hand: Literal["left", "right", "both"] = param("both", doc="Which hand.")
     speed: float = param(0.02, unit="m/s", above=0, doc="At rest when the palm moves more slowly than this.")
     hold: float = param(0.3, unit="s", above=0, doc="How long it must be at rest.")
     patience: float = param(6.0, unit="s", above=0, doc="Fails when it is not at rest after this long.")
+
+    @classmethod
+    def resources_for(cls, values: Mapping[str, Any]) -> tuple[str, ...]:
+        """Return one hand unless it takes both."""
+        return of_hand(cls.resources, values["hand"])
 
     def initialise(self) -> None:
         """Begin to watch."""

@@ -16,6 +16,7 @@ class StepBack(Skill):
     """
 
     resources = ("base",)
+    bounded = True  # by its patience
 
     distance: float = param(0.25, unit="m", above=0, doc="How far.")
     tolerance: float = param(0.06, unit="m", above=0, doc="Done when this close to the place.")

@@ -16,6 +16,7 @@ class Turn(Skill):
     """
 
     resources = ("base",)
+    bounded = True  # by its patience
 
     angle: float = param(unit="rad", doc="How far to turn; left is positive.")
     tolerance: float = param(0.08, unit="rad", above=0, doc="Done when turned this close.")

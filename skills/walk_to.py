@@ -16,6 +16,7 @@ class WalkTo(Skill):
     """
 
     resources = ("base",)
+    bounded = True  # by its patience
 
     x: float = param(unit="m", doc="Where to stand, in the world.")
     y: float = param(unit="m", doc="Where to stand, in the world.")

@@ -1,14 +1,15 @@
 """Wave a hand."""
 
 import math
-from typing import Literal
+from collections.abc import Mapping
+from typing import Any, Literal
 
 import numpy as np
 
 from humanoid_bt.messages import Side
 from humanoid_bt.params import param
 from humanoid_bt.signals import Improving
-from humanoid_bt.skill import PerceptName, Skill, Status
+from humanoid_bt.skill import PerceptName, Skill, Status, of_hand
 
 _AHEAD, _ASIDE = 0.5, 0.8  # shares of the robot's reach; the raised palm is beside the head, the elbow bent
 
@@ -21,12 +22,19 @@ class Wave(Skill):
     """
 
     resources = ("left_hand", "right_hand")
+    bounded = True  # by its patience
 
     target: PerceptName | None = param(None, doc="Percept on whose side the nearest hand is; default: the right hand.")
     hand: Literal["left", "right", "nearest"] = param("nearest", doc="Which hand.")
     times: int = param(3, minimum=1, doc="How often.")
     width: float = param(0.16, unit="m", above=0, maximum=0.3, doc="How far from side to side.")
     patience: float = param(2.0, unit="s", above=0, doc="Fails when the palm comes no nearer for this long.")
+
+    @classmethod
+    def resources_for(cls, values: Mapping[str, Any]) -> tuple[str, ...]:
+        """Return one hand unless the nearest to a target is to be chosen."""
+        by_target = values["hand"] == "nearest" and values["target"]
+        return cls.resources if by_target else of_hand(cls.resources, values["hand"].replace("nearest", "right"))
 
     def initialise(self) -> None:
         """Choose nothing yet: the hand is chosen once the robot stands."""

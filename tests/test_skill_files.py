@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from humanoid_bt.errors import UserError
-from humanoid_bt.skill_files import class_place, load_skills
+from humanoid_bt.skill_files import class_file, class_place, load_skills
 from humanoid_bt.workspace import Workspace
 
 HEAD = "from humanoid_bt.skill import Skill, Status\nfrom humanoid_bt.params import param\n"
@@ -70,6 +70,15 @@ def test_a_file_is_loaded_again_only_when_it_changed(workspace: Workspace) -> No
     assert load_skills(workspace)["wave_hand"] is first
     write(workspace, "wave.py", WAVE.replace("Wave.", "Bow!!"))  # the same size, within the same second
     assert load_skills(workspace)["wave_hand"].__doc__ == "Bow!!"
+
+
+def test_a_file_that_breaks_leaves_its_old_classes_whole(workspace: Workspace) -> None:
+    path = write(workspace, "wave.py", WAVE)
+    wave = load_skills(workspace)["wave_hand"]
+    path.write_text("1/0\n")
+    with pytest.raises(UserError, match="ZeroDivisionError"):
+        load_skills(workspace)
+    assert class_file(wave) == path.resolve()
 
 
 def test_nothing_is_written_beside_the_files(workspace: Workspace) -> None:

@@ -46,17 +46,6 @@ def measure(repetitions: int) -> Iterator[Figure]:
 # ---- the whole stack against bare physics ---------------------------------------------------------------------------
 
 
-class _Silent:
-    def node_changed(self, _change: object) -> None:
-        pass
-
-    def event(self, _time: float, _level: str, _text: str) -> None:
-        pass
-
-    def progress(self, _time: float, _running: str) -> None:
-        pass
-
-
 def _whole_stack(repetitions: int, recording: Path) -> Iterator[Figure]:
     workspace = Workspace(builtin_root())
     controls: list[np.ndarray] = []
@@ -99,7 +88,7 @@ def _whole_stack(repetitions: int, recording: Path) -> Iterator[Figure]:
 
 
 def _new_run(workspace: Workspace, recording: Path) -> Run:
-    return Run(RunOptions(_TREE, sinks=Sinks(file=recording)), workspace, _Silent())
+    return Run(RunOptions(_TREE, sinks=Sinks(file=recording)), workspace)
 
 
 # ---- whole-body control against the bare solver ---------------------------------------------------------------------

@@ -18,7 +18,7 @@ from humanoid_bt.messages import Percept, State
 from humanoid_bt.plant.mujoco_plant import MujocoPlant
 from humanoid_bt.plant.scene import Scene, load_scene
 from humanoid_bt.robot import Robot
-from humanoid_bt.session.run import DEFAULT_ROBOT
+from humanoid_bt.session.loader import DEFAULT_ROBOT
 from humanoid_bt.testing.rig import ScriptedPerception
 from humanoid_bt.tree.executor import Executor
 from humanoid_bt.tree.load import load_tree

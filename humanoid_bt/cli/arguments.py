@@ -28,6 +28,7 @@ examples:
   humanoid-bt run fetch --set stop_distance=0.35
   humanoid-bt run fetch --scene random_target --seed 7
   humanoid-bt run trees/mine.yaml --serve in a browser
+  humanoid-bt run trees/mine.yaml --watch and edit it meanwhile
 """
 
 _BENCH_EXAMPLES = """\
@@ -253,7 +254,10 @@ def _add_run(run: Parser) -> None:
     )
     run.add_argument("--seed", type=_seed, default=0, metavar="N", help="of everything random; default 0")
     run.add_argument(
-        "--duration", type=_positive, default=120.0, metavar="S", help="longest simulated time [s]; default 120"
+        "--duration",
+        type=_positive,
+        metavar="S",
+        help="longest simulated time [s]; default 120, with --watch no end",
     )
     run.add_argument(
         "--mode",
@@ -267,7 +271,13 @@ def _add_run(run: Parser) -> None:
         "--pace",
         type=_positive,
         metavar="X",
-        help="simulated seconds per second; default: 1 with a live view, else as fast as it can",
+        help="simulated seconds per second; default: 1 with a live view or --watch, else as fast as it can",
+    )
+    run.add_argument(
+        "--watch",
+        action="store_true",
+        help="when the tree or a skill of it is edited, let the robot stand and swap the new tree in; "
+        "an edit with mistakes is told, and the old tree goes on; after the tree's end wait for an edit",
     )
     run.add_argument(
         "--hold",

@@ -13,10 +13,13 @@ from rich.console import Console
 from rich.live import Live
 from rich.text import Text
 
+from humanoid_bt.cli.findings import printable
 from humanoid_bt.cli.output import hanging
 from humanoid_bt.record.events import Level
 from humanoid_bt.session.report import Report
+from humanoid_bt.session.teller import Listener
 from humanoid_bt.tree.executor import NodeChange
+from humanoid_bt.tree.nodes import Log
 from humanoid_bt.tree.tree import Node, Tree
 
 _SIGNS = {
@@ -32,10 +35,11 @@ _ORDER = {Status.SUCCESS: 0, Status.FAILURE: 0, Status.INVALID: 1, Status.RUNNIN
 """Within a tick: what ended, what was halted for it, what started instead."""
 
 _LONGEST_NAME = 18  # longer names push their own line's text to the right
+_TEXT_COLUMN = 12  # where the text of an event begins
 _REFRESH = 0.1  # s between progress lines
 
 
-class Printer:
+class Printer(Listener):
     """Prints a line per skill, action or condition that changed and per event, and a progress line on a terminal.
 
     Args:
@@ -54,9 +58,12 @@ class Printer:
         self._tick: list[tuple[NodeChange, str]] = []
 
     def show(self, tree: Tree) -> None:
-        """Take the tree whose nodes are printed."""
+        """Take the tree whose nodes are printed from now on."""
+        self._print_tick()
+        self._told.clear()
         self._tree = tree.nodes
-        self._nodes = {node.path: node for node in tree.nodes if node.kind in ("skill", "condition", "action")}
+        leaves = [node for node in tree.nodes if node.kind in ("skill", "condition", "action")]
+        self._nodes = {node.path: node for node in leaves if node.type.cls is not Log}  # what it tells is an event
         longest = max((len(node.name) for node in self._nodes.values()), default=0)
         self._name_width = min(longest, _LONGEST_NAME)
 
@@ -90,7 +97,10 @@ class Printer:
         """Print an event."""
         self._print_tick()
         if not self._quiet or level == "error":
-            self._line(time, *_LEVELS[level], "", text)
+            first, *more = printable(text).splitlines()
+            self._line(time, *_LEVELS[level], "", first)
+            for line in more:
+                self._console.print(Text(_continued(line, self._console.is_terminal)), soft_wrap=True)
 
     def progress(self, time: float, running: str) -> None:
         """Show where the run is."""
@@ -129,8 +139,15 @@ class Printer:
         line = Text("\n".join(lines))
         line.stylize("dim", 0, 10)
         line.stylize(style, 10, 11)
-        line.stylize("bold", 12, 12 + len(label))
+        line.stylize("bold", _TEXT_COLUMN, _TEXT_COLUMN + len(label))
         self._console.print(line, soft_wrap=True)
+
+
+def _continued(line: str, wraps: bool) -> str:
+    """Return a further line of an event, below the first one's text."""
+    text = line.lstrip()
+    head = " " * (_TEXT_COLUMN + len(line) - len(text))
+    return "\n".join(hanging(head, text)) if wraps else head + text
 
 
 def print_summary(console: Console, report: Report) -> None:
@@ -144,6 +161,10 @@ def print_summary(console: Console, report: Report) -> None:
         rows.append(("hand error", f"{report.hand_error * 100:.1f} cm"))
     stops = [f"{stop['time']:.2f} s {stop['mode'].replace('_', ' ')}: {stop['reason']}" for stop in report.stops]
     rows += [("stops" if number == 0 else "", text) for number, text in enumerate(stops or ["none"])]
+    if report.reloads:
+        refused = sum(reload.outcome == "refused" for reload in report.reloads)
+        done = sum(reload.outcome == "reloaded" for reload in report.reloads)
+        rows.append(("reloads", f"{done}" + (f", {refused} refused" if refused else "")))
     rows.append(("trace", report.trace_hash[:16]))
     if report.recording:
         rows.append(("recording", report.recording))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import math
 import signal
 import sys
 from collections.abc import Iterator
@@ -19,7 +20,7 @@ from humanoid_bt.cli.findings import print_findings
 from humanoid_bt.cli.printer import Printer, print_summary
 from humanoid_bt.errors import HumanoidBtError, UserError
 from humanoid_bt.record.sinks import Sinks, has_display
-from humanoid_bt.session.options import RunOptions, default_recording
+from humanoid_bt.session.options import DURATION, RunOptions, default_recording
 from humanoid_bt.session.run import Run
 from humanoid_bt.tree import Tree
 from humanoid_bt.workspace import Workspace
@@ -66,7 +67,8 @@ def _tell_warnings(tree: Tree, quiet: bool) -> None:
 
 
 def _options(arguments: argparse.Namespace) -> RunOptions:
-    if arguments.pace and arguments.mode == "realtime":
+    lockstep = arguments.mode == "lockstep"
+    if arguments.pace and not lockstep:
         raise UserError("--pace does not go with --mode realtime", hint="realtime runs on the wall clock")
     view = arguments.view
     implied = view is None and arguments.serve is None
@@ -77,10 +79,11 @@ def _options(arguments: argparse.Namespace) -> RunOptions:
         scene=arguments.scene,
         overrides=_overrides(arguments.overrides),
         seed=arguments.seed,
-        duration=arguments.duration,
-        pace=arguments.pace,
+        duration=arguments.duration or (math.inf if arguments.watch else DURATION),
+        pace=1.0 if arguments.watch and lockstep and not arguments.pace else arguments.pace,
         mode=arguments.mode,
         hold=arguments.hold,
+        watch=arguments.watch,
         sinks=Sinks(file=file, view=has_display() if implied else bool(view), serve=arguments.serve),
         view_optional=implied,
     )

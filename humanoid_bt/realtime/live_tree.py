@@ -36,6 +36,7 @@ class TreeTeller:
         self._folder = folder
         self._ring: RingWriter = channels.writer(folder, "status")
         self._outlined: Tree | None = None
+        self._number = 0  # of the outline
 
     @classmethod
     def in_lockstep(cls, info: RunInfo) -> Self:
@@ -58,6 +59,7 @@ class TreeTeller:
         """
         if self._outlined is not tree:
             self._outlined = tree
+            self._number += 1
             with contextlib.suppress(OSError):  # no room in memory: nobody can draw it, and the robot goes on
                 self._write_outline(tree)
         found = [node.behaviour.status for node in tree.nodes]
@@ -66,7 +68,8 @@ class TreeTeller:
             for index, status in enumerate(found)
             if status in _TELLING and tree.nodes[index].behaviour.feedback_message
         }
-        message = {**status, "statuses": "".join(map(_LETTERS.__getitem__, found)), "feedback_of": said}
+        told = {"statuses": "".join(map(_LETTERS.__getitem__, found)), "feedback_of": said}
+        message = {**status, "outline": self._number, **told}
         data = json.dumps(message).encode()
         for key in _OPTIONAL:
             if len(data) > self._ring.slot_size:
@@ -116,16 +119,19 @@ class TreeWatch:
     def __init__(self, folder: RunFolder) -> None:
         self._folder = folder
         self._outline: Outline | None = None
+        self._number = 0  # of the outline
         self._ring: RingReader | None = None
 
     def latest(self) -> Moment | None:
         """Return what was told last; None before anything was told."""
         try:
             self._ring = self._ring or channels.reader(self._folder, "status")
-            if self._outline is None:
-                self._outline = Outline.from_json(self._folder.path(_OUTLINE).read_text(encoding="utf-8"))
             entry = self._ring.latest()
             told: dict[str, Any] = json.loads(entry[1]) if entry else {}
+            number = told.get("outline", 0)
+            if self._outline is None or self._number != number:  # another tree may have taken its place
+                self._outline = Outline.from_json(self._folder.path(_OUTLINE).read_text(encoding="utf-8"))
+                self._number = number
         except (LinkError, OSError, ValueError):  # it is just starting, or just over
             return None
         nodes, letters = self._outline.nodes, told.get("statuses", "")

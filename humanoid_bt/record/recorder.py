@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from types import TracebackType
-from typing import Self
+from typing import Any, Self
 
 import mujoco
 import numpy as np
@@ -16,7 +16,7 @@ from humanoid_bt.errors import HumanoidBtError
 from humanoid_bt.messages import Array, State
 from humanoid_bt.plant.robot_config import RobotConfig
 from humanoid_bt.record.blueprint import blueprint
-from humanoid_bt.record.documents import log_documents
+from humanoid_bt.record.documents import send_info, send_tree_file
 from humanoid_bt.record.events import EventLog, Level
 from humanoid_bt.record.lanes import LANE_COUNT, RobotLanes
 from humanoid_bt.record.overlays import Overlays
@@ -72,12 +72,12 @@ class Recorder:
         self._last_flush = self._last_frame = -np.inf
         self._closed = False
         self._batch = _LIVE_BATCH if sinks.view or sinks.serve is not None else _FILE_BATCH
-        layout = blueprint(self._tree.size, self._plots.groups, self._scene.base_height)
-        self._outlet = Outlet(sinks, info.get("tree", tree.file) or "run", layout)
+        self._outlet = Outlet(sinks, info.get("tree", tree.file) or "run", self._layout())
         try:
             for part in (self._scene, self._overlays, self._plots, self._tree, self._lanes):
                 part.log_static(self._outlet.stream)
-            log_documents(self._outlet.stream, tree, info)
+            send_info(self._outlet.stream, 0.0, info)
+            send_tree_file(self._outlet.stream, 0.0, tree)
         except BaseException:
             self._outlet.close()
             raise
@@ -122,6 +122,22 @@ class Recorder:
         self._tree.change(time, path, status)
         self._events.node_changed(time, path, status, feedback)
 
+    def show_tree(self, time: float, tree: TreeView, info: Mapping[str, str]) -> None:
+        """Record that another tree takes the place of the one so far.
+
+        Args:
+            time: engine time [s].
+            tree: what is shown of it.
+            info: about the run from now on, as at its start.
+        """
+        self._check_open()
+        before = self._tree.size
+        self._tree.show(self._outlet.stream, time, tree.nodes)
+        send_tree_file(self._outlet.stream, time, tree)
+        send_info(self._outlet.stream, time, info)
+        if self._tree.size != before:  # only what "reset" goes back to: people may have arranged the view by now
+            self._outlet.stream.send_blueprint(self._layout(), make_active=False, make_default=True)
+
     def event(self, time: float, level: Level, text: str) -> None:
         """Record something that happened.
 
@@ -157,6 +173,9 @@ class Recorder:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self.close()
+
+    def _layout(self) -> Any:
+        return blueprint(self._tree.size, self._plots.groups, self._scene.base_height)
 
     def _check_open(self) -> None:
         if self._closed:

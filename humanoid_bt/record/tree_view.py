@@ -66,34 +66,71 @@ def printable(text: str) -> str:
 
 
 class TreeStatus:
-    """Draws a tree and its nodes' status.
+    """Draws a tree and its nodes' status; another tree may take its place.
 
     Args:
         nodes: all nodes, each after its parent.
         first_lane: number of the first node's lane in the state timeline.
 
     Attributes:
-        size: width and height of the graph, whose corner is at the origin.
+        size: width and height of the largest graph so far, whose corner is at the origin.
     """
 
     def __init__(self, nodes: Sequence[NodeView], first_lane: int = 0) -> None:
+        self._first_lane = first_lane
+        self._lanes: dict[str, str] = {}  # node path -> entity, of all trees so far
+        self.size = (0.0, 0.0)
+        self._take(nodes)
+
+    def _take(self, nodes: Sequence[NodeView]) -> None:
         self._index = {node.path: index for index, node in enumerate(nodes)}
         self._parents = [_parent(node) for node in nodes]
         self._labels = [_label(node) for node in nodes]
         sizes = [(_CHARACTER * (2 + max(map(len, label.split("\n")))), _ROW) for label in self._labels]
         boxes = fan([-1 if parent is None else parent for parent in self._parents], sizes, (_GAP, 0.0))
         self._positions = [(box.x + box.width / 2, box.y + box.height / 2) for box in boxes]
-        self.size = max(box.right for box in boxes), max(box.bottom for box in boxes)
-        self._lanes = _lanes(nodes, self._parents, first_lane)
+        self.size = (
+            max(self.size[0], *(box.right for box in boxes)),
+            max(self.size[1], *(box.bottom for box in boxes)),
+        )
+        for node in _lane_order(nodes, self._parents):
+            self._lanes.setdefault(node.path, lane(self._first_lane + len(self._lanes), node.name))
+        self._paths = [node.path for node in nodes]
         self._status = ["INVALID"] * len(nodes)
         self._changes: list[tuple[float, int, str]] = []
 
     def log_static(self, stream: Any) -> None:
-        """Write the graph's shape and the looks of the states."""
-        ids = [str(index) for index in range(len(self._labels))]
+        """Write the graph as it is at the start, and the looks of the states."""
+        self._send_tree(stream, 0.0, self._paths)
+
+    def show(self, stream: Any, time: float, nodes: Sequence[NodeView]) -> None:
+        """Write that other nodes take the place of those so far; nodes of the same path keep their lanes.
+
+        Args:
+            stream: the rerun recording stream.
+            time: engine time [s].
+            nodes: all nodes of the tree, each after its parent.
+        """
+        self.flush(stream)
+        for path, status in zip(self._paths, self._status, strict=True):
+            if status != "INVALID":
+                self.change(time, path, "INVALID")
+        self.flush(stream)
+        known = set(self._lanes)
+        self._take(nodes)
+        self._send_tree(stream, time, [path for path in self._paths if path not in known])
+
+    def _send_tree(self, stream: Any, time: float, new: Sequence[str]) -> None:
+        """Write the graph's shape from a time on, and begin the lanes of nodes that are new."""
+        count = [len(self._labels)]
         edges = [(str(parent), str(index)) for index, parent in enumerate(self._parents) if parent is not None]
-        nodes = rr.GraphNodes(ids, positions=self._positions, show_labels=True)
-        stream.log(GRAPH, nodes, rr.GraphEdges(edges, graph_type="directed"), static=True)
+        ids = [str(index) for index in range(len(self._labels))]
+        shape = rr.GraphNodes.columns(node_ids=ids, positions=self._positions)
+        send_sets(stream, GRAPH, [time], shape, count)
+        send_sets(stream, GRAPH, [time], rr.GraphEdges.columns(edges=edges), [len(edges)])
+        self._send_graph(stream, [time], [list(self._status)])
+        stream.log(GRAPH, rr.GraphNodes.from_fields(show_labels=True), static=True)
+        stream.log(GRAPH, rr.GraphEdges.from_fields(graph_type="directed"), static=True)
         states = list(STATUS_COLORS)
         look = rr.StateConfiguration(
             values=states,
@@ -101,10 +138,9 @@ class TreeStatus:
             colors=list(STATUS_COLORS.values()),
             visible=[state != "INVALID" for state in states],
         )
-        self._send_graph(stream, [0.0], [list(self._status)])
-        for path in self._lanes:
-            stream.log(path, look, static=True)
-            send(stream, path, [0.0], rr.StateChange.columns(state=["INVALID"]))
+        for path in new:
+            stream.log(self._lanes[path], look, static=True)
+            send(stream, self._lanes[path], [time], rr.StateChange.columns(state=["INVALID"]))
 
     def change(self, time: float, path: str, status: str) -> None:
         """Take a node's change of status.
@@ -130,7 +166,7 @@ class TreeStatus:
             self._send_graph(stream, list(frames), list(frames.values()))
         for index, changes in lanes.items():
             columns = rr.StateChange.columns(state=[status for _, status in changes])
-            send(stream, self._lanes[index], [time for time, _ in changes], columns)
+            send(stream, self._lanes[self._paths[index]], [time for time, _ in changes], columns)
         self._changes = []
 
     def _send_graph(self, stream: Any, times: Sequence[float], frames: Sequence[Sequence[str]]) -> None:
@@ -154,8 +190,7 @@ def _label(node: NodeView) -> str:
     return printable(name)
 
 
-def _lanes(nodes: Sequence[NodeView], parents: Sequence[int | None], first: int) -> list[str]:
-    """Return each node's lane: leaves first, in the tree's order, for what they do is the story of a run."""
+def _lane_order(nodes: Sequence[NodeView], parents: Sequence[int | None]) -> list[NodeView]:
+    """Return the nodes in the order of their lanes: leaves first, for what they do is the story of a run."""
     inner = set(parents)
-    order = sorted(range(len(nodes)), key=lambda index: (index in inner, index))
-    return [lane(first + order.index(index), node.name) for index, node in enumerate(nodes)]
+    return [nodes[index] for index in sorted(range(len(nodes)), key=lambda index: (index in inner, index))]

@@ -10,11 +10,15 @@ from typing import Literal
 
 from humanoid_bt.errors import UserError
 from humanoid_bt.record.sinks import Sinks
+from humanoid_bt.tree.tree import Tree
 
 Mode = Literal["lockstep", "realtime"]
 
 RUNS = Path("runs")
 """Folder of recordings below the working directory; made when it is needed."""
+
+DURATION = 120.0
+"""Longest simulated time of a run that says nothing else [s]."""
 
 
 @dataclass(frozen=True)
@@ -22,7 +26,7 @@ class RunOptions:
     """What to run, and how.
 
     Attributes:
-        tree: name or path of the tree.
+        tree: name or path of the tree, or a tree that was loaded or made in Python.
         robot, scene: names or paths; None for what the tree says.
         overrides: parameter values as text.
         seed: of everything random.
@@ -31,19 +35,21 @@ class RunOptions:
         sinks: where the recording goes.
         mode: lockstep, or realtime with control and perception as processes of their own.
         hold: in realtime mode, how long control balances the robot when decision has died [s].
+        watch: swap the tree for an edited one whenever its files change; goes on when the tree has ended.
         view_optional: go on without the native viewer if it cannot be opened.
     """
 
-    tree: str
+    tree: str | Tree
     robot: str | None = None
     scene: str | None = None
     overrides: Mapping[str, str] = field(default_factory=dict)
     seed: int = 0
-    duration: float = 120.0
+    duration: float = DURATION
     pace: float | None = None
     sinks: Sinks = field(default_factory=Sinks)
     mode: Mode = "lockstep"
     hold: float = 10.0
+    watch: bool = False
     view_optional: bool = False
 
 

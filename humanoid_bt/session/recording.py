@@ -36,16 +36,33 @@ def open_recorder(
     """
     sinks = options.sinks
     try:
-        recorder = _recorder(options, sinks, tree, engine)
+        recorder = _recorder(sinks, tree, engine)
     except UserError as error:
         if not (sinks.view and options.view_optional):
             raise
         tell(0.0, "warning", f"no live view: {error.problems[0].message}")
         sinks = dataclasses.replace(sinks, view=False)
-        recorder = _recorder(options, sinks, tree, engine)
+        recorder = _recorder(sinks, tree, engine)
     if recorder.url:
         tell(0.0, "info", f"live view: {recorder.url}")
     return recorder, sinks.view or sinks.serve is not None
+
+
+def tree_view(tree: Tree) -> TreeView:
+    """Return what a recording shows of a tree."""
+    return TreeView(tree.nodes, tree.source, relative(tree.path))
+
+
+def run_info(tree: Tree, engine: Engine) -> dict[str, str]:
+    """Return what a recording says about a run of a tree: heading -> text."""
+    return {
+        "tree": tree.name,
+        "robot": engine.robot.config.name,
+        "scene": engine.scene.config.name,
+        "seed": str(engine.scene.seed),
+        "parameters": ", ".join(f"{name} = {value}" for name, value in tree.parameters.items()),
+        "versions": ", ".join(f"{name} {version}" for name, version in versions().items()),
+    }
 
 
 def cut_short(recording: Path | None) -> str:
@@ -55,15 +72,7 @@ def cut_short(recording: Path | None) -> str:
     return f"the disk is full: the recording {str(recording)!r} is cut short"
 
 
-def _recorder(options: RunOptions, sinks: Sinks, tree: Tree, engine: Engine) -> Recorder:
-    config = engine.robot.config
-    info = {
-        "tree": tree.name,
-        "robot": config.name,
-        "scene": engine.scene.config.name,
-        "seed": str(options.seed),
-        "parameters": ", ".join(f"{name} = {value}" for name, value in tree.parameters.items()),
-        "versions": ", ".join(f"{name} {version}" for name, version in versions().items()),
-    }
-    view = TreeView(tree.nodes, tree.source, relative(tree.path))
-    return Recorder(engine.model, engine.robot.joint_names, config, tree=view, sinks=sinks, info=info)
+def _recorder(sinks: Sinks, tree: Tree, engine: Engine) -> Recorder:
+    robot = engine.robot
+    view, info = tree_view(tree), run_info(tree, engine)
+    return Recorder(engine.model, robot.joint_names, robot.config, tree=view, sinks=sinks, info=info)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import importlib.metadata
 import json
 from collections.abc import Iterable
@@ -42,11 +43,28 @@ OUTCOMES: dict[str, ExitCode] = {
 
 
 @dataclass(frozen=True)
+class Reload:
+    """What came of an edit of the tree's files during a run.
+
+    Attributes:
+        time: engine time [s].
+        files: those that changed.
+        outcome: reloaded, refused for its problems, or unchanged when an edit with mistakes was undone.
+        problems: every mistake, as text.
+    """
+
+    time: float
+    files: list[str]
+    outcome: str
+    problems: list[str]
+
+
+@dataclass(frozen=True)
 class Report:
     """What happened in a run.
 
     Attributes:
-        tree, robot, scene, seed, parameters: what was run.
+        tree, robot, scene, seed, parameters: what was run; the tree that ran last.
         outcome: of :data:`OUTCOMES`.
         reason: why, in words.
         sim_time: simulated time [s].
@@ -54,6 +72,7 @@ class Report:
         real_time_factor: simulated over taken time.
         trace_hash: SHA-256 over all states, commands and node changes.
         timeline: every change of a node's status: time [s], path, status, feedback.
+        reloads: every edit of the tree's files, if they were watched.
         hand_error: distance of the hand that was commanded last to the object it went for, at the end [m].
         fell: whether the robot fell.
         stops: every stop the supervisor ordered.
@@ -75,6 +94,7 @@ class Report:
     wall_time: float
     trace_hash: str
     timeline: list[dict[str, Any]]
+    reloads: list[Reload]
     hand_error: float | None
     fell: bool
     stops: list[dict[str, Any]]
@@ -135,6 +155,7 @@ def stops_of(stops: Iterable[Stop]) -> list[dict[str, Any]]:
     ]
 
 
+@functools.cache
 def versions() -> dict[str, str]:
     """Return the versions of the packages that a run depends on."""
     found: dict[str, str] = {}

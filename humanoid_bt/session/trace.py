@@ -5,9 +5,11 @@ from __future__ import annotations
 import hashlib
 
 import numpy as np
+from py_trees.common import Status
 
 from humanoid_bt.messages import SIDES, Command, HandTarget, Side, State
 from humanoid_bt.plant.scene import Scene
+from humanoid_bt.session.report import Reload
 from humanoid_bt.tree.executor import NodeChange
 
 
@@ -19,6 +21,7 @@ class Trace:
 
     Attributes:
         timeline: every change of a node's status.
+        reloads: every edit of the tree's files.
         hand_error: distance of the hand that was commanded last to the object it went for [m], once measured.
     """
 
@@ -27,6 +30,7 @@ class Trace:
         self._hash = hashlib.sha256()
         self._last_hand: tuple[Side, str] | None = None
         self.timeline: list[NodeChange] = []
+        self.reloads: list[Reload] = []
         self.hand_error: float | None = None
 
     @property
@@ -38,6 +42,18 @@ class Trace:
         """Take a node's change of status."""
         self.timeline.append(change)
         self._hash.update(f"{change.time} {change.path} {change.status.name}".encode())
+
+    def reloaded(self, reload: Reload, source: str) -> None:
+        """Take what came of an edit, and the text of the tree that runs from now on, "" if it is the same."""
+        self.reloads.append(reload)
+        self._hash.update(f"{reload.time} {reload.outcome} {source}".encode())
+
+    def why(self, status: Status, now: float) -> str:
+        """Return what the first node says that took a status in the tick at ``now`` [s]: it decided for the others."""
+        for change in self.timeline:
+            if change.time >= now and change.status is status and change.feedback:
+                return f"{change.path.rsplit('/', 1)[-1]}: {change.feedback}"
+        return ""
 
     def tick(self, state: State, command: Command) -> None:
         """Take what one tick saw and commanded."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any, ClassVar
 
 import py_trees
@@ -14,12 +15,18 @@ from humanoid_bt.params import assign, param
 from humanoid_bt.robot import Robot
 from humanoid_bt.tree.decorators import TIME_TOLERANCE
 from humanoid_bt.tree.expression import Truth, Unseen
+from humanoid_bt.tree.results import SUCCEEDS, Below, Results
 from humanoid_bt.tree.template import Template
 from humanoid_bt.tree.ticking import FAILURE, INVALID, RUNNING, SUCCESS
 
 
 class Success(Behaviour):
     """Succeed at once."""
+
+    @classmethod
+    def possible_results(cls, _values: Mapping[str, Any], _below: Below) -> Results:
+        """Return SUCCESS."""
+        return frozenset({SUCCESS})
 
     def update(self) -> Status:
         """Succeed."""
@@ -29,6 +36,11 @@ class Success(Behaviour):
 class Failure(Behaviour):
     """Fail at once."""
 
+    @classmethod
+    def possible_results(cls, _values: Mapping[str, Any], _below: Below) -> Results:
+        """Return FAILURE."""
+        return frozenset({FAILURE})
+
     def update(self) -> Status:
         """Fail."""
         return FAILURE
@@ -36,6 +48,9 @@ class Failure(Behaviour):
 
 class Running(Behaviour):
     """Run for ever, and do nothing."""
+
+    ends: ClassVar[bool] = False
+    """Whether it can succeed or fail, as of skills."""
 
     def update(self) -> Status:
         """Go on."""
@@ -52,6 +67,11 @@ class Wait(Behaviour):
     def __init__(self, name: str, **values: Any) -> None:
         super().__init__(name)
         assign(self, values)
+
+    @classmethod
+    def possible_results(cls, _values: Mapping[str, Any], _below: Below) -> Results:
+        """Return RUNNING and SUCCESS: it never fails."""
+        return frozenset({RUNNING, SUCCESS})
 
     def setup(self, **kwargs: Any) -> None:
         """Take the engine's clock, from ``robot``."""
@@ -72,12 +92,19 @@ class WaitUntil(Behaviour):
     """Run until an expression is true, then succeed."""
 
     main: ClassVar[str] = "expression"
+    bounded: ClassVar[bool] = False
+    """Whether it ends by itself in bounded time, as of skills."""
 
     expression: Truth = param(doc="What must become true.")
 
     def __init__(self, name: str, **values: Any) -> None:
         super().__init__(name)
         assign(self, values)
+
+    @classmethod
+    def possible_results(cls, _values: Mapping[str, Any], _below: Below) -> Results:
+        """Return RUNNING and SUCCESS: it never fails."""
+        return frozenset({RUNNING, SUCCESS})
 
     def setup(self, **kwargs: Any) -> None:
         """Take ``robot``."""
@@ -119,6 +146,11 @@ class Log(Behaviour):
         super().__init__(name)
         assign(self, values)
 
+    @classmethod
+    def possible_results(cls, _values: Mapping[str, Any], _below: Below) -> Results:
+        """Return SUCCESS."""
+        return SUCCEEDS
+
     def setup(self, **kwargs: Any) -> None:
         """Take ``robot``."""
         self.robot: Robot = kwargs["robot"]
@@ -154,6 +186,11 @@ class RaiseEmergencyStop(Behaviour):
         super().__init__(name)
         assign(self, values)
         self._stopped = False
+
+    @classmethod
+    def possible_results(cls, _values: Mapping[str, Any], _below: Below) -> Results:
+        """Return RUNNING and SUCCESS: it never fails."""
+        return frozenset({RUNNING, SUCCESS})
 
     def setup(self, **kwargs: Any) -> None:
         """Take ``robot``."""

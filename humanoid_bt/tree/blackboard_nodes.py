@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 from py_trees.behaviour import Behaviour
@@ -11,6 +12,7 @@ from humanoid_bt.blackboard import Key
 from humanoid_bt.params import assign, param
 from humanoid_bt.robot import Robot
 from humanoid_bt.tree.expression import Expression, Unseen
+from humanoid_bt.tree.results import AT_ONCE, SUCCEEDS, Below, Results
 from humanoid_bt.tree.ticking import FAILURE, SUCCESS
 
 
@@ -27,8 +29,14 @@ class SetBlackboard(Behaviour):
     def __init__(self, name: str, **values: Any) -> None:
         super().__init__(name)
         assign(self, values)
-        if (self.value is None) == (self.expression is None):
+        if (values.get("value") is None) == (values.get("expression") is None):
             raise ValueError("it needs either 'value' or 'expression'")
+
+    @classmethod
+    def possible_results(cls, values: Mapping[str, Any], _below: Below) -> Results:
+        """Return SUCCESS, and FAILURE if it asks something of a percept."""
+        expression = values["expression"]
+        return AT_ONCE if isinstance(expression, Expression) and expression.percepts else SUCCEEDS
 
     def setup(self, **kwargs: Any) -> None:
         """Take ``robot``."""
@@ -56,6 +64,11 @@ class ClearBlackboard(Behaviour):
     def __init__(self, name: str, **values: Any) -> None:
         super().__init__(name)
         assign(self, values)
+
+    @classmethod
+    def possible_results(cls, _values: Mapping[str, Any], _below: Below) -> Results:
+        """Return SUCCESS."""
+        return SUCCEEDS
 
     def update(self) -> Status:
         """Clear the key."""

@@ -13,6 +13,7 @@ from humanoid_bt.params import assign, param
 from humanoid_bt.robot import Robot
 from humanoid_bt.tree.expression import Expression, Unseen, shown
 from humanoid_bt.tree.quantities import number, read_quantity, type_of
+from humanoid_bt.tree.results import Below, Results
 from humanoid_bt.tree.slots import Slot, Takes
 from humanoid_bt.tree.ticking import FAILURE, INVALID, RUNNING, SUCCESS, Branch, Seen, halt, tick
 
@@ -78,6 +79,8 @@ class If(Choice):
         "then": Slot("What runs while it holds.", required=True),
         "else": Slot("What runs while it does not; without it, fail."),
     }
+    needs: ClassVar[dict[str, Status]] = {"then": SUCCESS, "else": FAILURE}
+    """The condition's result with which a branch gets its turn."""
 
     memory: bool = param(False, doc="Check the condition only at the start.")
 
@@ -86,6 +89,16 @@ class If(Choice):
     ) -> None:
         super().__init__(name, [then, *([else_] if else_ else [])], condition, **values)
         self.condition, self.then, self.else_ = condition, then, else_
+
+    @classmethod
+    def possible_results(cls, _values: Mapping[str, Any], below: Below) -> Results:
+        """Return the results of the branches that the condition can choose."""
+        condition = below.branches["condition"]
+        found = condition & {RUNNING}
+        for branch, needed in cls.needs.items():
+            if needed in condition:
+                found |= below.branches.get(branch, {FAILURE})
+        return found
 
     def advance(self, seen: Seen) -> Status:
         """Check the condition and tick the branch that it chooses."""
@@ -135,6 +148,11 @@ class Switch(Choice):
             value = self._number(text)
             if value is not None and self._numbers.setdefault(value, branch) is not branch:
                 raise ValueError(f"two of its cases are the number {value:g}")
+
+    @classmethod
+    def possible_results(cls, _values: Mapping[str, Any], below: Below) -> Results:
+        """Return the results of every branch, and FAILURE: it may find none."""
+        return frozenset({FAILURE}).union(*below.branches.values())
 
     def setup(self, **kwargs: Any) -> None:
         """Take ``robot``."""

@@ -15,7 +15,7 @@ from humanoid_bt.errors import Place, Problem, UserError, relative
 from humanoid_bt.params import Param, item_of, keys_read
 from humanoid_bt.skill import node_type_name
 from humanoid_bt.tree.build import collect
-from humanoid_bt.tree.check import check_safety
+from humanoid_bt.tree.checks import World, check
 from humanoid_bt.tree.draft import Draft
 from humanoid_bt.tree.parameters import Parameters
 from humanoid_bt.tree.read import check_name
@@ -56,12 +56,14 @@ def make_tree(
     place = Place(relative(Path(caller.f_code.co_filename)), caller.f_lineno, 1)
     problems: list[Problem] = []
     _check_name(name, place, problems)
-    registry = Registry.of(workspace or Workspace())
+    workspace = workspace or Workspace()
+    registry = Registry.of(workspace)
     scope = Scope(Parameters({}, {}, problems), {}, {}, {}, problems)
     composer = _Composer(registry, scope, place, problems)
     draft = composer.draft(root)
     scope.finish()
-    problems += check_safety(draft)
+    named = item_of({"robot": robot, "scene": scene}, place)
+    problems += check(draft, World.of(workspace, named, problems))
     if any(problem.severity == "error" for problem in problems):
         raise UserError(list(dict.fromkeys(problems)))
     header = {"name": name, "description": description, "robot": robot, "scene": scene}
@@ -100,6 +102,7 @@ class _Composer:
         self._drafts.append(draft)
         if behaviour in self.made.values():
             self._problem(f"the node {behaviour.name!r} stands in the tree twice", "make one for each place")
+            draft.sound = False
             return draft
         self.made[id(draft)] = behaviour
         _check_name(behaviour.name, self._place, self._problems)
@@ -157,6 +160,7 @@ class _Composer:
             except UserError as error:
                 of = f" of {behaviour.name!r}"
                 self._problems += [Problem(f"{p.message}{of}", p.place, p.hint, p.code) for p in error.problems]
+                draft.sound = False
         draft.values[name] = value
 
     def _problem(self, message: str, hint: str) -> None:

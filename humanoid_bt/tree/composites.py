@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from collections.abc import Sequence as SequenceOf
 from itertools import islice
 from typing import Any, ClassVar
@@ -11,6 +12,7 @@ from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
 from humanoid_bt.params import assign, param
+from humanoid_bt.tree.results import Below, Results
 from humanoid_bt.tree.ticking import FAILURE, INVALID, RUNNING, SUCCESS, Branch, Seen, halt, tick
 
 _DID = {SUCCESS: "succeeded", FAILURE: "failed", RUNNING: "runs"}
@@ -20,12 +22,24 @@ class _Ordered(Branch):
     """Ticks its children in order up to the first whose status is not ``passed``."""
 
     passed: ClassVar[Status]
+    """The status of a child with which the next one gets its turn."""
+
     memory: bool = param(False, doc="Go on at the RUNNING child instead of beginning with the first again.")
 
     def __init__(self, name: str, children: SequenceOf[Behaviour], **values: Any) -> None:
         # py_trees' own composite, which comes next in the order of classes, takes these
         super().__init__(name, memory=False, children=children)  # type: ignore[call-arg]
         assign(self, values)
+
+    @classmethod
+    def possible_results(cls, _values: Mapping[str, Any], below: Below) -> Results:
+        """Return what the children can answer, up to one that never lets the next have its turn."""
+        found: set[Status] = set()
+        for child in below.children:
+            found |= child - {cls.passed}
+            if cls.passed not in child:
+                return frozenset(found)
+        return frozenset(found | {cls.passed})
 
     def initialise(self) -> None:
         """Start with the first child."""

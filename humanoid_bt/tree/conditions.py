@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import abc
 import math
+from collections.abc import Mapping
 from typing import Any, ClassVar
 
 from py_trees.behaviour import Behaviour
@@ -16,6 +17,7 @@ from py_trees.common import Status
 from humanoid_bt.params import PerceptName, assign, param
 from humanoid_bt.robot import Robot, Track
 from humanoid_bt.tree.expression import Truth, Unseen
+from humanoid_bt.tree.results import AT_ONCE, SUCCEEDS, Below, Results
 from humanoid_bt.tree.ticking import FAILURE, INVALID, SUCCESS
 
 
@@ -33,6 +35,14 @@ class Condition(Behaviour):
     def __init__(self, name: str, **values: Any) -> None:
         super().__init__(name)
         assign(self, values)
+
+    @classmethod
+    def possible_results(cls, values: Mapping[str, Any], _below: Below) -> Results:
+        """Return SUCCESS and FAILURE, one of them if nothing but numbers and words stand in the expression."""
+        constant = values["expression"].constant
+        if constant is None:
+            return AT_ONCE
+        return SUCCEEDS if constant else frozenset({FAILURE})
 
     def setup(self, **kwargs: Any) -> None:
         """Take ``robot``."""

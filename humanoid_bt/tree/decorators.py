@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Mapping
+from typing import Any, ClassVar
 
 import py_trees
 from py_trees.behaviour import Behaviour
@@ -11,6 +12,7 @@ from py_trees.common import Status
 from humanoid_bt.clock import Clock
 from humanoid_bt.params import assign, param
 from humanoid_bt.robot import Robot
+from humanoid_bt.tree.results import Below, Results
 from humanoid_bt.tree.ticking import FAILURE, INVALID, RUNNING, SUCCESS, Branch, Seen, halt, tick
 
 TIME_TOLERANCE = 1e-9
@@ -33,6 +35,12 @@ class Decorator(Branch, py_trees.decorators.Decorator):
 class Inverter(Decorator):
     """Turn success into failure and failure into success."""
 
+    @classmethod
+    def possible_results(cls, _values: Mapping[str, Any], below: Below) -> Results:
+        """Return the child's results, swapped."""
+        swapped = {SUCCESS: FAILURE, FAILURE: SUCCESS}
+        return frozenset(swapped.get(status, status) for status in below.child)
+
     def advance(self, seen: Seen) -> Status:
         """Tick the child and swap its result."""
         status = tick(self.decorated, seen)
@@ -50,6 +58,11 @@ class Retry(Decorator):
         super().__init__(name, child, **values)
         _not_zero("attempts", self.attempts)
         self._failures = 0
+
+    @classmethod
+    def possible_results(cls, values: Mapping[str, Any], below: Below) -> Results:
+        """Return the child's results; a failure that is tried again is RUNNING."""
+        return _again(below.child, FAILURE, values["attempts"])
 
     def initialise(self) -> None:
         """Start to count."""
@@ -77,6 +90,11 @@ class Repeat(Decorator):
         _not_zero("times", self.times)
         self._successes = 0
 
+    @classmethod
+    def possible_results(cls, values: Mapping[str, Any], below: Below) -> Results:
+        """Return the child's results; a success after which it runs again is RUNNING."""
+        return _again(below.child, SUCCESS, values["times"])
+
     def initialise(self) -> None:
         """Start to count."""
         self._successes = 0
@@ -94,12 +112,20 @@ class Repeat(Decorator):
 class Timeout(Decorator):
     """Halt the child and fail when it runs for too long."""
 
+    limits_time: ClassVar[bool] = True
+    """Whether what stands below is halted after some time."""
+
     duration: float = param(above=0, unit="s", doc="How long the child may run.")
 
     def __init__(self, name: str, child: Behaviour, **values: Any) -> None:
         super().__init__(name, child, **values)
         self._clock: Clock
         self._started = 0.0
+
+    @classmethod
+    def possible_results(cls, _values: Mapping[str, Any], below: Below) -> Results:
+        """Return the child's results, and FAILURE if it may run."""
+        return below.child | {FAILURE} if RUNNING in below.child else below.child
 
     def setup(self, **kwargs: Any) -> None:
         """Take the engine's clock, from ``robot``."""
@@ -119,6 +145,13 @@ class Timeout(Decorator):
         self.feedback_message = f"timed out after {elapsed:.2f} s (limit {self.duration:g} s)"
         self.reset_child(f"timed out after {elapsed:.2f} s", seen)
         return FAILURE
+
+
+def _again(child: Results, repeated: Status, limit: int) -> Results:
+    """Return the results of a node that runs its child again upon one of the child's results."""
+    if repeated not in child or limit == 1:
+        return child
+    return (child if limit != -1 else child - {repeated}) | {RUNNING}
 
 
 def _not_zero(name: str, count: int) -> None:

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import operator
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
-from typing import Any, ClassVar, Protocol, Self
+from dataclasses import dataclass, field, replace
+from typing import Any, ClassVar, Protocol, Self, cast
 
 from humanoid_bt.document import Item
 from humanoid_bt.errors import HumanoidBtError, Place, UserError, nearest
@@ -73,6 +73,7 @@ class Watched:
         source: how its left side is written.
         operator: how it compares.
         steady: whether it need no hysteresis: nothing in it jitters, or it has one.
+        type: of what it compares.
         text: what it compared, "" before the first time.
         holds: whether it held, as far as hysteresis remembers.
     """
@@ -80,6 +81,7 @@ class Watched:
     source: str
     operator: str
     steady: bool
+    type: Type = ANYTHING
     left: Any = None
     right: Any = None
     holds: bool = False
@@ -97,6 +99,7 @@ class Expression:
     Attributes:
         text: as it is written.
         place: where.
+        text_at: how many columns behind its place its first character stands, None if that is not known.
         type: of its value, once it is linked.
         percepts: the percepts that it reads, once it is linked.
         keys: the keys of the blackboard that it reads, once it is linked.
@@ -106,6 +109,7 @@ class Expression:
     text: str
     place: Place
     syntax: Syntax
+    text_at: int | None = None
     type: Type = ANYTHING
     percepts: list[str] = field(default_factory=list)
     keys: list[str] = field(default_factory=list)
@@ -134,19 +138,25 @@ class Expression:
         else:
             hint = "like distance(target) < 0.5 m"
             raise UserError(f"{parameter!r} must be an expression, not {item.kind}", item.place, hint, "wrong-type")
-        return cls.parse(text, item.place)
+        return cls.parse(text, item.place, item.text_at)
 
     @classmethod
-    def parse(cls, text: str, place: Place | None = None) -> Self:
+    def parse(cls, text: str, place: Place | None = None, text_at: int | None = None) -> Self:
         """Read an expression.
+
+        Args:
+            text: the expression.
+            place: where it is written.
+            text_at: how many columns behind its place its first character stands, None if that is not known.
 
         Raises:
             UserError: it is none.
         """
         try:
-            return cls(text, place or Place(""), grammar.parse(text))
+            return cls(text, place or Place(""), grammar.parse(text), text_at)
         except SyntaxMistake as mistake:
-            raise UserError(f"{text!r} is no expression: {mistake}", place, "", CODE) from mistake
+            where = _within(place, text_at, mistake.at) if place else None
+            raise UserError(f"{text!r} is no expression: {mistake}", where, "", CODE) from mistake
 
     def __str__(self) -> str:
         return self.text
@@ -190,6 +200,16 @@ class Expression:
         assert self._evaluate is not None, "an expression is linked before it is evaluated"
         return self._evaluate(robot)
 
+    @property
+    def constant(self) -> Any:
+        """Its value if it is written in nothing but numbers and words (``true``, ``1 < 2``), else None."""
+        if self._evaluate is None or not grammar.is_constant(self.syntax):
+            return None
+        try:
+            return self._evaluate(cast(Robot, None))
+        except ArithmeticError:
+            return None
+
     def forget(self) -> None:
         """Forget which comparisons held: hysteresis begins anew."""
         for comparison in self.comparisons:
@@ -211,26 +231,36 @@ class _Linker:
     def __init__(self, expression: Expression, names: Names) -> None:
         self._expression = expression
         self._names = names
+        self._at = 0  # index in the text of the part that is linked
 
     def mistake(self, message: str, hint: str = "") -> UserError:
-        return UserError(f"in {self._expression.text!r}: {message}", self._expression.place, hint, CODE)
+        place = _within(self._expression.place, self._expression.text_at, self._at)
+        return UserError(f"in {self._expression.text!r}: {message}", place, hint, CODE)
 
-    def link(self, syntax: Syntax) -> tuple[Type, Evaluate]:  # noqa: PLR0911 (a table of cases)
+    def link(self, syntax: Syntax) -> tuple[Type, Evaluate]:
+        """Return type and evaluation of a part; what is raised meanwhile is about it."""
+        outside = self._at
+        self._at = outside if isinstance(syntax, grammar.Literal) else syntax.at
+        found = self._link(syntax)
+        self._at = outside
+        return found
+
+    def _link(self, syntax: Syntax) -> tuple[Type, Evaluate]:  # noqa: PLR0911 (a table of cases)
         match syntax:
             case grammar.Literal(value, unit):
                 kind = number(unit) if unit else type_of(value)
                 return kind, lambda _robot: value
-            case grammar.Name(name):
+            case grammar.Name(name, _):
                 return self._name(name)
-            case grammar.Attribute(of, name):
+            case grammar.Attribute(of, name, _):
                 return self._state(name) if of == "state" else self._percept(of, name)
-            case grammar.Call(name, arguments):
+            case grammar.Call(name, arguments, _):
                 return self._call(name, arguments)
-            case grammar.Unary(sign, operand):
+            case grammar.Unary(sign, operand, _):
                 return self._unary(sign, operand)
-            case grammar.Binary("and" | "or" as word, left, right):
+            case grammar.Binary("and" | "or" as word, left, right, _):
                 return self._logic(word, left, right)
-            case grammar.Binary(sign, left, right):
+            case grammar.Binary(sign, left, right, _):
                 return self._arithmetic(sign, left, right)
             case grammar.Comparison():
                 return self._comparison(syntax)
@@ -330,7 +360,8 @@ class _Linker:
         if (ordered and TEXT in (kind, other)) or (ordered and TRUTH in (kind, other)):
             raise self.mistake(f"{kind} and {other} have no order: {sign!r} is for numbers")
         jitters = len(self._expression.percepts) > before and ordered
-        watched = Watched(syntax.source, sign, not jitters or syntax.hysteresis is not None)
+        steady = not jitters or syntax.hysteresis is not None
+        watched = Watched(syntax.source, sign, steady, kind if kind.unit else other)
         self._expression.comparisons.append(watched)
         compare = _OPERATORS[sign]
         if syntax.hysteresis is None:
@@ -347,13 +378,13 @@ class _Linker:
             raise self.mistake(f"the hysteresis of {kind} cannot be {width_type}")
         looser = 1 if sign in ("<", "<=") else -1
 
-        def steady(robot: Robot) -> bool:
+        def with_hysteresis(robot: Robot) -> bool:
             watched.left, watched.right = left(robot), right(robot)
             limit = watched.right + looser * width(robot) if watched.holds else watched.right
             watched.holds = bool(compare(watched.left, limit))
             return watched.holds
 
-        return TRUTH, steady
+        return TRUTH, with_hysteresis
 
     def _truth(self, syntax: Syntax, word: str) -> Evaluate:
         kind, value = self.link(syntax)
@@ -366,6 +397,13 @@ class _Linker:
         if kind.kind not in ("number", "anything"):
             raise self.mistake(f"{what!r} needs {NUMBER.kind}s, not {kind}")
         return kind, value
+
+
+def _within(place: Place, text_at: int | None, index: int) -> Place:
+    """Return the place of a character of an expression, as near as that is known."""
+    if text_at is None or not place.line:
+        return place
+    return replace(place, column=place.column + text_at + index)
 
 
 def shown(value: Any) -> str:

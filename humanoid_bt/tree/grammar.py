@@ -17,7 +17,8 @@ from __future__ import annotations
 
 import math
 import re
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
 from humanoid_bt.tree.quantities import read_quantity
@@ -36,7 +37,11 @@ COMPARISONS = ("<", "<=", ">", ">=", "==", "!=")
 
 
 class SyntaxMistake(Exception):  # noqa: N818 (a mistake of a user, made into a problem by whoever knows the place)
-    """Text that is no expression."""
+    """Text that is no expression; ``at`` is the index of the character where that shows."""
+
+    def __init__(self, message: str, at: int) -> None:
+        super().__init__(message)
+        self.at = at
 
 
 @dataclass(frozen=True)
@@ -52,6 +57,7 @@ class Name:
     """A parameter of the tree or a key of the blackboard."""
 
     name: str
+    at: int = field(default=0, compare=False)
 
 
 @dataclass(frozen=True)
@@ -60,6 +66,7 @@ class Attribute:
 
     of: str
     name: str
+    at: int = field(default=0, compare=False)
 
 
 @dataclass(frozen=True)
@@ -68,6 +75,7 @@ class Call:
 
     name: str
     arguments: tuple[Syntax, ...]
+    at: int = field(default=0, compare=False)
 
 
 @dataclass(frozen=True)
@@ -76,6 +84,7 @@ class Unary:
 
     operator: str
     operand: Syntax
+    at: int = field(default=0, compare=False)
 
 
 @dataclass(frozen=True)
@@ -85,6 +94,7 @@ class Binary:
     operator: str
     left: Syntax
     right: Syntax
+    at: int = field(default=0, compare=False)
 
 
 @dataclass(frozen=True)
@@ -96,9 +106,22 @@ class Comparison:
     right: Syntax
     hysteresis: Syntax | None
     source: str
+    at: int = field(default=0, compare=False)
 
 
 Syntax = Literal | Name | Attribute | Call | Unary | Binary | Comparison
+
+
+def is_constant(syntax: Syntax) -> bool:
+    """Return whether no name stands in an expression."""
+    match syntax:
+        case Literal():
+            return True
+        case Unary(_, operand):
+            return is_constant(operand)
+        case Binary(_, left, right) | Comparison(_, left, right):
+            return is_constant(left) and is_constant(right)
+    return False
 
 
 def parse(text: str) -> Syntax:
@@ -108,6 +131,25 @@ def parse(text: str) -> Syntax:
         SyntaxMistake: it is none.
     """
     return _Parser(text).whole()
+
+
+def names(syntax: Syntax) -> Iterator[str]:
+    """Return every name of a parameter or a key in an expression."""
+    match syntax:
+        case Name(name, _):
+            yield name
+        case Call(_, arguments, _):
+            for argument in arguments:
+                yield from names(argument)
+        case Unary(_, operand, _):
+            yield from names(operand)
+        case Binary(_, left, right, _):
+            yield from names(left)
+            yield from names(right)
+        case Comparison(_, left, right, hysteresis, _, _):
+            for part in (left, right, hysteresis):
+                if part is not None:
+                    yield from names(part)
 
 
 @dataclass(frozen=True)
@@ -131,12 +173,17 @@ class _Parser:
     def whole(self) -> Syntax:
         syntax = self._or()
         if self._token.kind != "end":
-            raise SyntaxMistake(f"{self._token.text!r} is not expected there")
+            raise SyntaxMistake(f"{self._token.text!r} is not expected there", self._token.start)
         return syntax
 
     @property
     def _token(self) -> _Token:
         return self._tokens[self._next]
+
+    @property
+    def _taken_at(self) -> int:
+        """Where the token that was taken last begins."""
+        return self._tokens[self._next - 1].start
 
     def _take(self, *texts: str) -> str:
         """Take the next token if it is one of these; return it, else ""."""
@@ -148,7 +195,7 @@ class _Parser:
 
     def _expect(self, text: str) -> None:
         if not self._take(text):
-            raise SyntaxMistake(f"{text!r} is expected {self._where()}")
+            raise SyntaxMistake(f"{text!r} is expected {self._where()}", self._token.start)
 
     def _where(self) -> str:
         return "at the end" if self._token.kind == "end" else f"before {self._token.text!r}"
@@ -156,37 +203,40 @@ class _Parser:
     def _or(self) -> Syntax:
         self._depth += 1
         if self._depth > MAX_DEPTH:
-            raise SyntaxMistake(f"it is nested deeper than {MAX_DEPTH} levels")
+            raise SyntaxMistake(f"it is nested deeper than {MAX_DEPTH} levels", self._token.start)
         left = self._and()
         while self._take("or"):
-            left = Binary("or", left, self._and())
+            at = self._taken_at
+            left = Binary("or", left, self._and(), at)
         self._depth -= 1
         return left
 
     def _and(self) -> Syntax:
         left = self._not()
         while self._take("and"):
-            left = Binary("and", left, self._not())
+            at = self._taken_at
+            left = Binary("and", left, self._not(), at)
         return left
 
     def _not(self) -> Syntax:
-        count = 0
+        count, at = 0, self._token.start
         while self._take("not"):
             count += 1
         syntax = self._comparison()
-        return Unary("not", syntax) if count % 2 else syntax
+        return Unary("not", syntax, at) if count % 2 else syntax
 
     def _comparison(self) -> Syntax:
         start = self._token.start
         left = self._sum()
         found: Syntax | None = None
         while operator := self._take(*COMPARISONS):
-            source = self._text[start : self._tokens[self._next - 1].start].strip()
+            at = self._taken_at
+            source = self._text[start:at].strip()
             start = self._token.start
             right = self._sum()
             hysteresis = self._sum() if self._take("hysteresis") else None
-            comparison = Comparison(operator, left, right, hysteresis, source)
-            found = comparison if found is None else Binary("and", found, comparison)
+            comparison = Comparison(operator, left, right, hysteresis, source, at)
+            found = comparison if found is None else Binary("and", found, comparison, at)
             left = right
         return left if found is None else found
 
@@ -195,15 +245,16 @@ class _Parser:
             return self._factor()
         left = self._sum(level + 1)
         while operator := self._take(*self._precedence[level]):
-            left = Binary(operator, left, self._sum(level + 1))
+            at = self._taken_at
+            left = Binary(operator, left, self._sum(level + 1), at)
         return left
 
     def _factor(self) -> Syntax:
-        count = 0
+        count, at = 0, self._token.start
         while self._take("-"):
             count += 1
         value = self._value()
-        return Unary("-", value) if count % 2 else value
+        return Unary("-", value, at) if count % 2 else value
 
     def _value(self) -> Syntax:
         token = self._token
@@ -218,18 +269,18 @@ class _Parser:
             self._next += 1
             return Literal(token.text == "true")
         if token.kind != "name" or token.text in _WORDS:
-            raise SyntaxMistake(f"a value is expected {self._where()}")
+            raise SyntaxMistake(f"a value is expected {self._where()}", token.start)
         self._next += 1
         name = token.text.removeprefix("$")
         if self._take("("):
-            return Call(name, self._arguments())
+            return Call(name, self._arguments(), token.start)
         if self._take("."):
             attribute = self._token
             if attribute.kind != "name":
-                raise SyntaxMistake(f"a name is expected after '{name}.'")
+                raise SyntaxMistake(f"a name is expected after '{name}.'", attribute.start)
             self._next += 1
-            return Attribute(name, attribute.text)
-        return Name(name)
+            return Attribute(name, attribute.text, attribute.start)
+        return Name(name, token.start)
 
     def _arguments(self) -> tuple[Syntax, ...]:
         if self._take(")"):
@@ -243,7 +294,7 @@ class _Parser:
 
 def _tokens(text: str) -> list[_Token]:
     if len(text) > MAX_LENGTH:
-        raise SyntaxMistake(f"it has more than {MAX_LENGTH} characters")
+        raise SyntaxMistake(f"it has more than {MAX_LENGTH} characters", MAX_LENGTH)
     found: list[_Token] = []
     at = 0
     while True:
@@ -256,7 +307,7 @@ def _tokens(text: str) -> list[_Token]:
         if quantity is not None:
             value, unit, end = quantity
             if not math.isfinite(value):
-                raise SyntaxMistake(f"{text[at:end]!r} is not finite")
+                raise SyntaxMistake(f"{text[at:end]!r} is not finite", at)
             found.append(_Token("literal", text[at:end], at, value, unit))
         elif match := _TEXT.match(text, at):
             found.append(_Token("literal", match[0], at, match[0][1:-1]))
@@ -265,5 +316,5 @@ def _tokens(text: str) -> list[_Token]:
             found.append(_Token("name" if match["name"] else "sign", match[0].strip(), at))
             end = match.end()
         else:
-            raise SyntaxMistake(f"{text[at]!r} means nothing in an expression")
+            raise SyntaxMistake(f"{text[at]!r} means nothing in an expression", at)
         at = end

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any, ClassVar
 
 from py_trees.behaviour import Behaviour
@@ -11,6 +12,7 @@ from humanoid_bt.messages import Mode
 from humanoid_bt.params import PerceptName, param
 from humanoid_bt.robot import Robot
 from humanoid_bt.tree.decorators import TIME_TOLERANCE, Decorator
+from humanoid_bt.tree.results import Below, Results
 from humanoid_bt.tree.slots import Slot
 from humanoid_bt.tree.ticking import FAILURE, INVALID, RUNNING, Seen, halt, tick
 
@@ -29,6 +31,11 @@ class EmergencyStop(Decorator):
     def __init__(self, name: str, child: Behaviour, **values: Any) -> None:
         super().__init__(name, child, **values)
         self._latched = False
+
+    @classmethod
+    def possible_results(cls, _values: Mapping[str, Any], below: Below) -> Results:
+        """Return the child's results, RUNNING and FAILURE: a stop can come at any time."""
+        return below.child | {RUNNING, FAILURE}
 
     @property
     def waits(self) -> bool:
@@ -72,6 +79,11 @@ class Watchdog(Decorator):
         if on_stale is not None:
             self.children.append(on_stale)
             on_stale.parent = self
+
+    @classmethod
+    def possible_results(cls, _values: Mapping[str, Any], below: Below) -> Results:
+        """Return the results of the child and of what runs while the percept is stale."""
+        return below.child | below.branches.get("on_stale", {FAILURE})
 
     def setup(self, **kwargs: Any) -> None:
         """Take ``robot``."""

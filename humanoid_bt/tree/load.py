@@ -14,7 +14,7 @@ from humanoid_bt.document import Item
 from humanoid_bt.errors import Place, Problem, UserError, relative
 from humanoid_bt.params import Param, param, params_of, read_values
 from humanoid_bt.tree.build import build
-from humanoid_bt.tree.check import check_safety
+from humanoid_bt.tree.checks import World, check
 from humanoid_bt.tree.draft import Draft
 from humanoid_bt.tree.parameters import Argument, Declaration, NodeItem, Parameters, declarations, overrides
 from humanoid_bt.tree.read import Reader, check_name
@@ -71,19 +71,27 @@ class _File:
         return self.header.get("name") or self.path.stem
 
 
-def load_tree(path: Path, workspace: Workspace, overrides: Mapping[str, str] | None = None) -> Tree:
+def load_tree(
+    path: Path,
+    workspace: Workspace,
+    overrides: Mapping[str, str] | None = None,
+    *,
+    robot: str | None = None,
+    scene: str | None = None,
+) -> Tree:
     """Read, check and build a tree.
 
     Args:
         path: the tree file.
         workspace: where its skills and sub-trees are found.
         overrides: parameter values as text, from ``--set name=value``.
+        robot, scene: check it for these, instead of those that its header names.
 
     Raises:
         UserError: with every mistake found, each with its place.
     """
     loader = _Loader(workspace)
-    tree = loader.load(path, overrides or {})
+    tree = loader.load(path, overrides or {}, robot, scene)
     problems = _in_file_order(loader.problems, relative(path))
     if tree is None or any(problem.severity == "error" for problem in problems):
         raise UserError(problems)
@@ -111,7 +119,7 @@ class _Loader:
         self._nodes = 0
         self.problems: list[Problem] = []
 
-    def load(self, path: Path, texts: Mapping[str, str]) -> Tree | None:
+    def load(self, path: Path, texts: Mapping[str, str], robot: str | None, scene: str | None) -> Tree | None:
         """Return the tree, None if mistakes keep it from being made."""
         file = self._open(path)
         given = overrides(file.parameters, texts, self.problems)
@@ -121,9 +129,10 @@ class _Loader:
         root = None
         if registry is not None:
             root = self._read(file, Reader(registry, scope, self, self.problems))
+        world = World.of(self._workspace, file.item, self.problems, robot, scene)
         nodes: tuple[Node, ...] = ()
         if root is not None:
-            self.problems += check_safety(root, alone=bool(file.header.get("subtree")))
+            self.problems += check(root, world, alone=bool(file.header.get("subtree")))
             nodes = build(root, file.name, self.problems)
         if root is None:
             return None

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Mapping
+from typing import Any, ClassVar
 
 from py_trees.behaviour import Behaviour
 from py_trees.common import Status
@@ -10,6 +11,7 @@ from py_trees.common import Status
 from humanoid_bt.blackboard import Key
 from humanoid_bt.params import param
 from humanoid_bt.tree.decorators import Decorator
+from humanoid_bt.tree.results import Below, Results
 from humanoid_bt.tree.ticking import RUNNING, SUCCESS, Seen, tick
 
 
@@ -25,6 +27,11 @@ class ForEach(Decorator):
     def __init__(self, name: str, child: Behaviour, **values: Any) -> None:
         super().__init__(name, child, **values)
         self._index = 0
+
+    @classmethod
+    def possible_results(cls, _values: Mapping[str, Any], below: Below) -> Results:
+        """Return the child's results, RUNNING between two items, and SUCCESS of an empty list."""
+        return below.child | {SUCCESS, RUNNING}
 
     def initialise(self) -> None:
         """Begin with the first item."""
@@ -50,6 +57,13 @@ class KeepRunningUntilFailure(Decorator):
     It never succeeds. BehaviorTree.CPP's node of this name ends with failure as well. `repeat` without `times` is the
     same.
     """
+
+    bounded: ClassVar[bool] = False
+
+    @classmethod
+    def possible_results(cls, _values: Mapping[str, Any], below: Below) -> Results:
+        """Return the child's results; a success after which it runs again is RUNNING."""
+        return below.child - {SUCCESS} | {RUNNING} if SUCCESS in below.child else below.child
 
     def advance(self, seen: Seen) -> Status:
         """Tick the child; when it succeeds, go on."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from py_trees.behaviour import Behaviour
@@ -11,6 +11,7 @@ from py_trees.common import Status
 
 from humanoid_bt.errors import ControlLost, ResourceConflict
 from humanoid_bt.tree.decorators import Decorator
+from humanoid_bt.tree.results import Below, Results
 from humanoid_bt.tree.ticking import FAILURE, INVALID, Branch, Raised, Seen, halt_alone, tick
 
 _log = logging.getLogger(__name__)
@@ -33,6 +34,11 @@ class OnError(Decorator):
     def __init__(self, name: str, child: Behaviour, **values: Any) -> None:
         super().__init__(name, child, **values)
         self.on_caught: Callable[[Raised], None] = self._to_log
+
+    @classmethod
+    def possible_results(cls, _values: Mapping[str, Any], below: Below) -> Results:
+        """Return the child's results, and FAILURE: it may raise."""
+        return below.child | {FAILURE}
 
     def advance(self, seen: Seen) -> Status:
         """Tick the child; fail if anything below raises."""

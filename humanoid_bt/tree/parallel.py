@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from collections.abc import Sequence as SequenceOf
 from typing import Any, Literal
 
@@ -10,6 +11,7 @@ from py_trees.behaviour import Behaviour
 from py_trees.common import ParallelPolicy, Status
 
 from humanoid_bt.params import assign, param
+from humanoid_bt.tree.results import Below, Results
 from humanoid_bt.tree.ticking import FAILURE, RUNNING, SUCCESS, Branch, Seen, halt, tick
 
 Threshold = Literal["all", "one"] | int
@@ -28,9 +30,24 @@ class Parallel(Branch, py_trees.composites.Parallel):
     def __init__(self, name: str, children: SequenceOf[Behaviour], **values: Any) -> None:
         super().__init__(name, policy=ParallelPolicy.SuccessOnAll(synchronise=True), children=children)
         assign(self, values)
-        self._successes_needed = self._number("success", self.success)
-        self._failures_needed = self._number("failure", self.failure)
+        self._successes_needed = self._checked("success", self.success)
+        self._failures_needed = self._checked("failure", self.failure)
         self._ended: set[Behaviour] = set()
+
+    @classmethod
+    def possible_results(cls, values: Mapping[str, Any], below: Below) -> Results:
+        """Return what the children's results can add up to."""
+        children = below.children
+        successes, failures = (number_of(values[what], len(children)) for what in ("success", "failure"))
+        can_succeed = sum(SUCCESS in child for child in children)
+        found = {RUNNING} if any(RUNNING in child for child in children) else set()
+        if can_succeed >= successes:
+            found.add(SUCCESS)
+        all_can_end = all(child & {SUCCESS, FAILURE} for child in children)
+        too_few = sum(FAILURE not in child for child in children) < successes
+        if sum(FAILURE in child for child in children) >= failures or (all_can_end and too_few):
+            found.add(FAILURE)
+        return frozenset(found)
 
     def setup(self, **kwargs: Any) -> None:
         """Nothing to set up: the thresholds were checked when the node was made."""
@@ -65,9 +82,14 @@ class Parallel(Branch, py_trees.composites.Parallel):
         self.current_child = next(child for child in reversed(children) if child.status is status)
         return status
 
-    def _number(self, what: str, threshold: str | int) -> int:
+    def _checked(self, what: str, threshold: Threshold) -> int:
         count = len(self.children)
-        number = {"all": count, "one": 1}.get(threshold) if isinstance(threshold, str) else threshold
-        if number is None or number > count:
+        number = number_of(threshold, count)
+        if number > count:
             raise ValueError(f"{what!r} needs {threshold} of {count} children")
         return number
+
+
+def number_of(threshold: Threshold, count: int) -> int:
+    """Return how many of some children a threshold means."""
+    return {"all": count, "one": 1}[threshold] if isinstance(threshold, str) else threshold

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any, ClassVar
 
 from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
 from humanoid_bt.tree.decorators import Decorator
+from humanoid_bt.tree.results import Below, Results
 from humanoid_bt.tree.slots import Slot
 from humanoid_bt.tree.ticking import FAILURE, INVALID, RUNNING, SUCCESS, Seen, tick
 
@@ -25,12 +27,26 @@ class Conditional(Decorator):
         "condition": Slot("What must hold: an expression or a node.", required=True, condition=True)
     }
     otherwise: ClassVar[Status] = FAILURE
+    needs: ClassVar[dict[str, Status]] = {"": SUCCESS}
+    """The condition's result with which the child gets its turn."""
 
     def __init__(self, name: str, child: Behaviour, condition: Behaviour, **values: Any) -> None:
         super().__init__(name, child, **values)
         self.condition = condition
         self.children.insert(0, condition)
         condition.parent = self
+
+    @classmethod
+    def possible_results(cls, _values: Mapping[str, Any], below: Below) -> Results:
+        """Return what the condition and, if it can hold, the child come to."""
+        condition = below.branches["condition"]
+        found = condition & {RUNNING} | ({cls.otherwise} if FAILURE in condition else set())
+        return found | cls.results_of_child(below.child) if SUCCESS in condition else found
+
+    @classmethod
+    def results_of_child(cls, child: Results) -> Results:
+        """Return the results that come of the child's."""
+        return child
 
     def advance(self, seen: Seen) -> Status:
         """Ask the condition, then tick the child."""
@@ -64,6 +80,9 @@ class Precondition(Conditional):
     so is the `precondition`, until it has its answer.
     """
 
+    one_way: ClassVar[bool] = True
+    """Whether the condition decides once in a run of the node, so that it cannot flap."""
+
     def advance(self, seen: Seen) -> Status:
         """Ask the condition unless the child runs."""
         if self.decorated.status is RUNNING:
@@ -88,6 +107,13 @@ class While(Conditional):
     """
 
     otherwise = SUCCESS
+    bounded: ClassVar[bool] = False
+    one_way: ClassVar[bool] = True
+
+    @classmethod
+    def results_of_child(cls, child: Results) -> Results:
+        """Return the child's results; a success after which it runs again is RUNNING."""
+        return child - {SUCCESS} | {RUNNING} if SUCCESS in child else child
 
     def proceed(self, seen: Seen) -> Status:
         """Tick the child; when it succeeds, go on."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import typing
 from typing import Any, Protocol
 
 from humanoid_bt.blackboard import Key
@@ -205,7 +206,7 @@ class Reader:
 
     def _value(self, draft: Draft, spec: Param, item: Item) -> Item | None:
         """Return a value with what it refers to put in; None if it is read while the tree runs, or is a mistake."""
-        if isinstance(spec.type, type) and issubclass(spec.type, (Expression, Template)):
+        if _has_names(spec.type):
             return item
         name, resolved = reference(item), None
         try:
@@ -340,6 +341,12 @@ def _check_unit(spec: Param, item: Item, parameter: Parameter) -> None:
         wanted = f"in {spec.unit}" if spec.unit else f"a {spec.type_name} without a unit"
         message = f"{spec.name!r} is {wanted}, {item.value} in {parameter.spec.unit}"
         raise UserError(message, item.place, f"{item.value} is declared at {parameter.place}", "wrong-unit")
+
+
+def _has_names(kind: Any) -> bool:
+    """Return whether values of a parameter's type look up names by themselves."""
+    inner = (kind, *typing.get_args(kind))
+    return any(isinstance(part, type) and issubclass(part, (Expression, Template)) for part in inner)
 
 
 def _written_type(values: dict[str, Any]) -> Type:

@@ -14,6 +14,7 @@ from typing import Any
 
 from py_trees.behaviour import Behaviour
 
+from humanoid_bt.blackboard import Key
 from humanoid_bt.errors import Place, Problem, UserError, nearest
 from humanoid_bt.params import Param, PerceptName, params_of
 from humanoid_bt.skill import Skill, node_type_name
@@ -73,6 +74,22 @@ class NodeType:
     def dynamic(self) -> bool:
         """Whether its parameters can be read from the blackboard, each time it starts."""
         return issubclass(self.cls, Skill) or self.kind in ("action", "subtree")
+
+    def complete(self, values: Mapping[str, Any]) -> dict[str, Any]:
+        """Return a node's parameter values with the defaults of those that are not given."""
+        return {name: spec.default for name, spec in self.params.items() if not spec.required} | dict(values)
+
+    def commands(self, values: Mapping[str, Any]) -> tuple[str, ...]:
+        """Return the resources that a node with these parameter values may command."""
+        narrowed = getattr(self.cls, "resources_for", None)
+        if narrowed is None or any(isinstance(value, Key) and not self._writes(name) for name, value in values.items()):
+            return self.resources
+        wanted = set(narrowed(self.complete(values)))
+        return tuple(resource for resource in self.resources if resource in wanted)
+
+    def _writes(self, parameter: str) -> bool:
+        kind = self.params[parameter].type
+        return kind is Key or Key in typing.get_args(kind)
 
     def percepts(self, values: Mapping[str, Any]) -> dict[str, list[str]]:
         """Return parameter -> percepts that a node with these parameter values names."""

@@ -10,6 +10,7 @@ from humanoid_bt.blackboard import Key
 from humanoid_bt.errors import Place, Problem, UserError, nearest
 from humanoid_bt.params import Param, PerceptName
 from humanoid_bt.tree.expression import Expression
+from humanoid_bt.tree.grammar import names
 from humanoid_bt.tree.parameters import Declaration, Parameters
 from humanoid_bt.tree.quantities import ANYTHING, TEXT, TRUTH, Type, number
 
@@ -97,8 +98,11 @@ class Scope:
                 expression.link(self)
             except UserError as error:
                 self._problems += error.problems
+                there = set(self.known)
+                expression.keys = [name for name in names(expression.syntax) if name in there]  # not unused as well
             for name in expression.keys:
-                self.read(name, expression.place)
+                if self.parameters.find(name) is None:
+                    self.read(name, expression.place)
         for name, known in self._keys.items():
             self._judge(name, known)
         self._problems += [problem for name, problem in self._refused if self._exists(self._keys[name])]

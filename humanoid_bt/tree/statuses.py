@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any, ClassVar, Literal
 
 from py_trees.behaviour import Behaviour
@@ -10,6 +11,7 @@ from py_trees.common import Status
 from humanoid_bt.blackboard import Key
 from humanoid_bt.params import param
 from humanoid_bt.tree.decorators import Decorator
+from humanoid_bt.tree.results import Below, Results
 from humanoid_bt.tree.ticking import FAILURE, INVALID, RUNNING, SUCCESS, Seen, tick
 
 
@@ -21,6 +23,11 @@ class Converter(Decorator):
     """
 
     becomes: ClassVar[dict[Status, Status]]
+
+    @classmethod
+    def possible_results(cls, _values: Mapping[str, Any], below: Below) -> Results:
+        """Return the child's results, converted."""
+        return frozenset(cls.becomes.get(status, status) for status in below.child)
 
     def advance(self, seen: Seen) -> Status:
         """Tick the child and convert its status; what counts as ended is halted if it runs."""
@@ -51,24 +58,28 @@ class RunningIsFailure(Converter):
     """Fail when the child does not end in its first tick; it is halted then."""
 
     becomes: ClassVar = {RUNNING: FAILURE}
+    limits_time: ClassVar[bool] = True
 
 
 class RunningIsSuccess(Converter):
     """Succeed when the child does not end in its first tick; it is halted then."""
 
     becomes: ClassVar = {RUNNING: SUCCESS}
+    limits_time: ClassVar[bool] = True
 
 
 class FailureIsRunning(Converter):
     """Go on when the child fails: it starts again in the next tick, until it succeeds."""
 
     becomes: ClassVar = {FAILURE: RUNNING}
+    bounded: ClassVar[bool] = False
 
 
 class SuccessIsRunning(Converter):
     """Go on when the child succeeds: it starts again in the next tick, until it fails."""
 
     becomes: ClassVar = {SUCCESS: RUNNING}
+    bounded: ClassVar[bool] = False
 
 
 class Once(Decorator):
@@ -83,6 +94,11 @@ class Once(Decorator):
     def __init__(self, name: str, child: Behaviour, **values: Any) -> None:
         super().__init__(name, child, **values)
         self._result: Status | None = None
+
+    @classmethod
+    def possible_results(cls, _values: Mapping[str, Any], below: Below) -> Results:
+        """Return the child's results."""
+        return below.child
 
     def advance(self, seen: Seen) -> Status:
         """Tick the child unless there is a result."""
@@ -103,6 +119,11 @@ class StatusToBlackboard(Decorator):
     """
 
     key: Key = param(doc="The key.")
+
+    @classmethod
+    def possible_results(cls, _values: Mapping[str, Any], below: Below) -> Results:
+        """Return the child's results."""
+        return below.child
 
     def advance(self, seen: Seen) -> Status:
         """Tick the child and write its status."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any, ClassVar
 
 from py_trees.behaviour import Behaviour
@@ -10,6 +11,7 @@ from py_trees.common import Status
 from humanoid_bt.blackboard import Key
 from humanoid_bt.params import param
 from humanoid_bt.tree.decorators import Decorator
+from humanoid_bt.tree.results import Below, Results
 from humanoid_bt.tree.ticking import Seen, tick
 
 
@@ -30,6 +32,11 @@ class SubTree(Decorator):
     def __init__(self, name: str, child: Behaviour, keys: list[Key] | None = None, **values: Any) -> None:
         super().__init__(name, child, **values)
         self._keys = keys or []
+
+    @classmethod
+    def possible_results(cls, _values: Mapping[str, Any], below: Below) -> Results:
+        """Return the tree's results."""
+        return below.child
 
     def initialise(self) -> None:
         """Give the tree's own keys their initial values."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 from py_trees.behaviour import Behaviour
@@ -11,6 +12,7 @@ from humanoid_bt.clock import Clock
 from humanoid_bt.params import param
 from humanoid_bt.robot import Robot
 from humanoid_bt.tree.decorators import TIME_TOLERANCE, Decorator
+from humanoid_bt.tree.results import Below, Results
 from humanoid_bt.tree.ticking import FAILURE, INVALID, RUNNING, Seen, tick
 
 
@@ -35,6 +37,11 @@ class Delay(Timed):
     """
 
     duration: float = param(minimum=0, unit="s", doc="How long to wait.")
+
+    @classmethod
+    def possible_results(cls, _values: Mapping[str, Any], below: Below) -> Results:
+        """Return the child's results, and RUNNING while it waits."""
+        return below.child | {RUNNING}
 
     def initialise(self) -> None:
         """Start to measure."""
@@ -66,6 +73,11 @@ class Cooldown(Timed):
         super().__init__(name, child, **values)
         self._last: float | None = None  # when the child ran last
 
+    @classmethod
+    def possible_results(cls, _values: Mapping[str, Any], below: Below) -> Results:
+        """Return the child's results, and FAILURE while it cools down."""
+        return below.child | {FAILURE}
+
     def advance(self, seen: Seen) -> Status:
         """Tick the child unless it is too early to start it."""
         if self.decorated.status is not RUNNING and self._last is not None:
@@ -93,6 +105,11 @@ class MinDuration(Timed):
     """
 
     duration: float = param(minimum=0, unit="s", doc="How long it runs at least.")
+
+    @classmethod
+    def possible_results(cls, _values: Mapping[str, Any], below: Below) -> Results:
+        """Return the child's results, and RUNNING until the time is over."""
+        return below.child | {RUNNING}
 
     def initialise(self) -> None:
         """Start to measure."""

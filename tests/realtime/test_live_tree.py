@@ -71,6 +71,19 @@ def test_what_is_told_is_seen(folder: RunFolder, tree: Tree) -> None:
     watch.close()
 
 
+def test_a_tree_that_takes_the_place_of_another_is_seen(folder: RunFolder, tree: Tree) -> None:
+    teller, watch = TreeTeller(folder), TreeWatch(folder)
+    teller.tell({"time": 1.0}, tree)
+    assert watch.latest() is not None
+    other = dataclasses.replace(tree, nodes=tree.nodes[:3])
+    teller.tell({"time": 2.0}, other)
+    moment = watch.latest()
+    assert moment is not None
+    assert (moment.outline, moment.time) == (outline_of(other), 2.0)
+    teller.close()
+    watch.close()
+
+
 def test_nothing_is_seen_before_anything_is_told(folder: RunFolder, tree: Tree) -> None:
     watch = TreeWatch(folder)
     assert watch.latest() is None
@@ -101,8 +114,8 @@ def test_a_message_that_is_too_long_leaves_out_what_nodes_say_then_statuses(fold
         return message
 
     assert {"feedback_of", "statuses", "node"} <= told(100).keys()
-    assert told(2_000).keys() == {"time", "node", "statuses"}
-    assert told(20_000).keys() == {"time", "node"}
+    assert told(2_000).keys() == {"time", "node", "outline", "statuses"}
+    assert told(20_000).keys() == {"time", "node", "outline"}
 
 
 def test_a_run_in_lockstep_is_seen_and_is_no_robot_that_can_be_stopped(tree: Tree) -> None:

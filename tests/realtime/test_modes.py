@@ -11,6 +11,7 @@ from humanoid_bt.record.events import Level
 from humanoid_bt.session.options import Mode, RunOptions
 from humanoid_bt.session.run import Run
 from humanoid_bt.tree.executor import NodeChange
+from humanoid_bt.tree.tree import Tree
 from humanoid_bt.workspace import Workspace
 
 NEAR = """
@@ -38,6 +39,9 @@ class Skills:
         pass
 
     def progress(self, time: float, running: str) -> None:
+        pass
+
+    def show(self, tree: Tree) -> None:
         pass
 
 

@@ -12,6 +12,8 @@ import pytest
 from humanoid_bt.errors import HumanoidBtError
 from humanoid_bt.messages import FootPose, HandTarget, Mode
 from humanoid_bt.record.recorder import Recorder
+from humanoid_bt.record.tree_view import TreeView
+from tests.record.conftest import NODES, Node
 from tests.record.helpers import entities, make_state, make_track, rows
 
 Maker = Callable[..., Recorder]
@@ -20,6 +22,14 @@ Maker = Callable[..., Recorder]
 @pytest.fixture
 def file(tmp_path: Path) -> Path:
     return tmp_path / "run.rrd"
+
+
+def graph_labels(file: Path) -> list[tuple[float, list[str]]]:
+    return rows(file, "/tree/graph", "GraphNodes:labels")
+
+
+def lane_states(file: Path, entity: str) -> list[tuple[float, str]]:
+    return [(time, state) for time, (state,) in rows(file, entity, "StateChange:state")]
 
 
 def poses(file: Path, frame: str) -> list[tuple[float, list[float]]]:
@@ -117,6 +127,38 @@ def test_graph_edges_and_positions_follow_the_tree(record: Maker, file: Path) ->
     root, first, second = places
     assert root[0] < first[0]
     assert first[1] < root[1] < second[1]
+
+
+def test_another_tree_has_its_own_graph_and_keeps_the_lanes_it_shares(record: Maker, file: Path) -> None:
+    new = ("root/walk", "root/reach")
+    nodes = (NODES[0], *(Node(path, path[5:], path[5:], "skill", 0) for path in new))
+    with record() as recorder:
+        recorder.node_changed(0.1, "root/ruhig ä", "RUNNING", "")
+        recorder.show_tree(1.0, TreeView(nodes, "root: {sequence: []}", "trees/small.yaml"), {"parameters": "a = 2"})
+        recorder.node_changed(1.5, "root/reach", "RUNNING", "")
+        with pytest.raises(HumanoidBtError, match="no node"):
+            recorder.node_changed(1.6, "root/ruhig ä", "RUNNING", "")
+    labels = [(time, [label.split("\n")[0] for label in value]) for time, value in graph_labels(file)]
+    assert labels[-3:] == [
+        (1.0, ["○ root", "○ reach", "○ ruhig ?"]),
+        (1.0, ["○ root", "○ walk", "○ reach"]),
+        (1.5, ["○ root", "○ walk", "▶ reach"]),
+    ]
+    assert [time for time, _ in rows(file, "/tree/graph", "GraphEdges:edges")] == [0.0, 1.0]
+    lanes = {entity: lane_states(file, entity) for entity in entities(file) if entity.startswith("/lanes/0")}
+    assert lanes["/lanes/04_ruhig__"] == [(0.0, "INVALID"), (0.1, "RUNNING"), (1.0, "INVALID")]
+    assert lanes["/lanes/03_reach"] == [(0.0, "INVALID"), (1.5, "RUNNING")]
+    assert lanes["/lanes/06_walk"] == [(1.0, "INVALID")]
+    documents = rows(file, "/documents/tree", "TextDocument:text")
+    assert [(time, "sequence" in text) for time, (text,) in documents] == [(0.0, False), (1.0, True)]
+    run = rows(file, "/documents/run", "TextDocument:text")
+    assert [(time, "| parameters | a = 2 |" in text) for time, (text,) in run] == [(0.0, False), (1.0, True)]
+
+
+def test_a_tree_of_one_node_takes_the_edges_away(record: Maker, file: Path) -> None:
+    with record() as recorder:
+        recorder.show_tree(1.0, TreeView(NODES[:1]), {})
+    assert [(time, len(edges)) for time, edges in rows(file, "/tree/graph", "GraphEdges:edges")] == [(0.0, 2), (1.0, 0)]
 
 
 @pytest.mark.parametrize(("path", "status"), [("root/reech", "RUNNING"), ("root", "DONE")])

@@ -11,6 +11,7 @@ from humanoid_bt.session.options import RunOptions
 from humanoid_bt.session.report import Report
 from humanoid_bt.session.run import Run
 from humanoid_bt.tree.executor import NodeChange
+from humanoid_bt.tree.tree import Tree
 from humanoid_bt.workspace import Workspace
 
 
@@ -20,6 +21,7 @@ class Told:
 
     changes: list[NodeChange] = field(default_factory=list)
     events: list[tuple[float, str, str]] = field(default_factory=list)
+    shown: list[Tree] = field(default_factory=list)
     ticks: int = 0
 
     def node_changed(self, change: NodeChange) -> None:
@@ -30,6 +32,9 @@ class Told:
 
     def progress(self, time: float, running: str) -> None:
         self.ticks += 1
+
+    def show(self, tree: Tree) -> None:
+        self.shown.append(tree)
 
 
 @dataclass

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from humanoid_bt.clock import CycleClock
+from humanoid_bt.errors import UserError
 from humanoid_bt.messages import Command, FootPose, Gait, Level, Mode, Percept, State
 from humanoid_bt.plant.robot_config import LegConfig, RobotConfig, SiteConfig, SoleConfig
 from humanoid_bt.robot import Robot
@@ -45,8 +46,13 @@ class Reach(Skill):
     """Touch the target."""
 
     resources = ("left_hand", "right_hand")
+    bounded = True
     target: PerceptName = param(doc="What to touch.")
     hand: Literal["left", "right", "nearest"] = param("nearest", doc="Which hand.")
+
+    @classmethod
+    def resources_for(cls, values):
+        return cls.resources if values["hand"] == "nearest" else (values["hand"] + "_hand",)
 
     def update(self):
         self.robot.move_hand("left", self.robot.track(self.target).position_world)
@@ -57,11 +63,23 @@ class Idle(Skill):
     """Stand and look around."""
 
     resources = ("gaze", "posture")
+    ends = False
     look_around: bool = param(True, doc="Turn the head now and then.")
 
     def update(self):
         self.robot.look_at([1, 0, 1])
         return self.running("idle")
+
+
+class Look(Skill):
+    """Look ahead."""
+
+    resources = ("gaze",)
+    bounded = True
+
+    def update(self):
+        self.robot.look_at([1, 0, 1])
+        return self.succeed("seen")
 
 
 class Act(Skill):
@@ -245,6 +263,19 @@ def load(workspace: Workspace, text: str, **overrides: str) -> Tree:
     path = workspace.root / "trees" / "t.yaml"
     path.write_text(text if "format:" in text else "format: 1\n" + text)
     return load_tree(path, workspace, overrides)
+
+
+def found(workspace: Workspace, text: str, *codes: str, **overrides: str) -> list[str]:
+    """Return what checking a tree file finds, as ``line:column code message``; only some codes if they are given."""
+    try:
+        problems = load(workspace, text, **overrides).warnings
+    except UserError as error:
+        problems = error.problems
+    return [
+        f"{problem.place.line}:{problem.place.column} {problem.code} {problem.message}"
+        for problem in problems
+        if problem.place is not None and (not codes or problem.code in codes)
+    ]
 
 
 def run(workspace: Workspace, root: str) -> Run:

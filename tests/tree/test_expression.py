@@ -10,7 +10,7 @@ import pytest
 
 from humanoid_bt.blackboard import Key
 from humanoid_bt.clock import CycleClock
-from humanoid_bt.errors import UserError
+from humanoid_bt.errors import Place, UserError
 from humanoid_bt.messages import Percept
 from humanoid_bt.robot import Robot
 from humanoid_bt.tree.expression import Expression, Truth, Unseen
@@ -254,3 +254,20 @@ def test_hysteresis_of_a_lower_bound(names: Names, robot: Robot) -> None:
         see(robot, distance)
         answers.append(expression.evaluate(robot))
     assert answers == [False, True, True, False, False]
+
+
+@pytest.mark.parametrize(
+    ("text", "text_at", "column"),
+    [
+        ("near < 1 and nera > 2", 0, 14),
+        ("near < 1 and nera > 2", 1, 15),
+        ("near < 1 and nera > 2", None, 1),
+        ("near < 1 s", 0, 6),
+        ("near < 1 and (2 +", 0, 18),
+        ("side == 'left' and state.standng", 0, 26),
+    ],
+)
+def test_mistakes_are_told_where_they_are(text: str, text_at: int | None, column: int, names: Names) -> None:
+    with pytest.raises(UserError) as raised:
+        Expression.parse(text, Place("t.yaml", 3, 1), text_at).link(names)
+    assert raised.value.problems[0].place == Place("t.yaml", 3, column)

@@ -89,7 +89,7 @@ def test_the_mutations_break_most_files_and_not_all(tmp_path: Path) -> None:
     clean = 0
     for _ in range(100):
         path.write_bytes(mutator.mutate(choose.choice(seeds), choose.choice(seeds)))
-        clean += not checked(path, Workspace(tmp_path))
+        clean += not any(problem.severity == "error" for problem in checked(path, Workspace(tmp_path)))
     assert 1 <= clean <= 60
 
 

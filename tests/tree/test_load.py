@@ -34,7 +34,7 @@ def test_nodes_have_names_paths_places_and_parents(workspace: Workspace) -> None
             name: fetch it
             description: A tree.
             robot: humanoid
-            scene: table
+            scene: empty
             root:
               emergency_stop:
                 sequence:
@@ -47,7 +47,7 @@ def test_nodes_have_names_paths_places_and_parents(workspace: Workspace) -> None
             """
         ),
     )
-    assert (tree.name, tree.description, tree.robot, tree.scene) == ("fetch it", "A tree.", "humanoid", "table")
+    assert (tree.name, tree.description, tree.robot, tree.scene) == ("fetch it", "A tree.", "humanoid", "empty")
     assert [node.path for node in tree.nodes] == [
         "fetch it/emergency_stop",
         "fetch it/emergency_stop/all",
@@ -178,6 +178,7 @@ def test_all_mistakes_are_answered_at_once_in_the_files_order(workspace: Workspa
         (10, "'confident' uses the percept 'ball' outside a watchdog on it"),
         (10, "'above' must be >= 0 and <= 1, not 2"),
         (11, "'idle' commands gaze, posture outside an emergency_stop"),
+        (12, "'retry' is never ticked: 'idle' before it never ends"),
         (12, "'retry' cannot be made: 'attempts' must be at least 1, or -1 for ever"),
         (0, "the tree has no parameter 'missing'"),
     ]

@@ -254,3 +254,14 @@ def test_declared_keys_that_nothing_reads_are_only_worth_a_warning(workspace: Wo
 def test_a_tree_that_starts_again_has_its_keys_as_at_first(workspace: Workspace) -> None:
     text = "blackboard: {n: 0}\nroot: {sequence: [{set_blackboard: {key: n, expression: n + 1}}, {condition: n == 1}]}"
     assert Run(load(workspace, text)).ticks(3) == "sss"
+
+
+def test_a_wrong_expression_is_one_mistake(workspace: Workspace) -> None:
+    (problem,) = problems(workspace, "parameters: {a: 1}\nblackboard: {n: 0}\nroot: {condition: n == a and m > 1}")
+    assert "unknown name 'm'" in problem.message
+
+
+@pytest.mark.parametrize("given", ["expression: $n", "expression: n", "value: $n"])
+def test_a_key_can_get_the_value_of_another(workspace: Workspace, given: str) -> None:
+    text = f"blackboard: {{n: 3}}\nroot: {{sequence: [{{set_blackboard: {{key: m, {given}}}}}, {{condition: m == 3}}]}}"
+    assert Run(load(workspace, text)).ticks(1) == "s"

@@ -1,0 +1,83 @@
+"""Loading the tree of a run: at its start, and again whenever it was edited."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+from humanoid_bt import document
+from humanoid_bt.checking import settled
+from humanoid_bt.errors import Problem, UserError, relative
+from humanoid_bt.session.options import RunOptions
+from humanoid_bt.skill_files import class_file
+from humanoid_bt.tree.load import load_tree
+from humanoid_bt.tree.tree import Tree
+from humanoid_bt.workspace import Workspace
+
+DEFAULT_ROBOT, DEFAULT_SCENE = "humanoid", "empty"
+
+
+class TreeLoader:
+    """Loads the tree of a run.
+
+    Args:
+        options: what to run.
+        workspace: where names are looked up.
+
+    Attributes:
+        first: the tree as it is at the start.
+        robot, scene: the files of its robot and its scene, which stay.
+
+    Raises:
+        UserError: the tree has mistakes, or there is no such tree, robot or scene.
+    """
+
+    def __init__(self, options: RunOptions, workspace: Workspace) -> None:
+        self._options, self._workspace = options, workspace
+        self.first = self._load()
+        self.robot, self.scene = self._robot(self.first), self._scene(self.first)
+
+    def reload(self) -> Tree:
+        """Load the tree as it is now, with the warnings that its files do not allow.
+
+        Raises:
+            UserError: it has mistakes, or is for another robot or another scene.
+        """
+        tree = self._load()
+        found = settled({tree.path: tree.warnings})
+        problems = [problem for problem in found if problem.severity == "error"]
+        for key, find, known in (("robot", self._robot, self.robot), ("scene", self._scene, self.scene)):
+            try:
+                if find(tree) == known:
+                    continue
+                message, hint = f"the {key} cannot change during a run", "end the run and start it anew"
+            except UserError as error:
+                message, hint = error.problems[0].message, error.problems[0].hint
+            header = document.parse(tree.source, relative(tree.path))
+            problems.append(Problem(message, header.value.get(key, header).place, hint))
+        if problems:
+            raise UserError(problems)
+        return replace(tree, warnings=tuple(found))
+
+    def files(self, tree: Tree) -> list[Path]:
+        """Return every file that an edited version of a tree may be made of."""
+        return [*tree.files, *self._workspace.trees().values(), *self._workspace.skill_files()]
+
+    def _load(self) -> Tree:
+        options = self._options
+        if isinstance(options.tree, Tree):
+            return options.tree
+        path = self._workspace.find_tree(options.tree)
+        return load_tree(path, self._workspace, options.overrides, robot=options.robot, scene=options.scene)
+
+    def _robot(self, tree: Tree) -> Path:
+        return self._workspace.find_robot(self._options.robot or tree.robot or DEFAULT_ROBOT)
+
+    def _scene(self, tree: Tree) -> Path:
+        return self._workspace.find_scene(self._options.scene or tree.scene or DEFAULT_SCENE)
+
+
+def used_files(tree: Tree) -> set[Path]:
+    """Return the files that a tree is made of: tree files, and those of its skills."""
+    skills = (class_file(node.type.cls) for node in tree.nodes if node.kind == "skill")
+    return {path.resolve() for path in (*tree.files, *skills) if path is not None}

@@ -1,0 +1,136 @@
+"""Telling what happens in a run: to the listener, to the recording, to the trace, to who looks from outside."""
+
+from __future__ import annotations
+
+import time
+
+from humanoid_bt.errors import nearest
+from humanoid_bt.messages import State
+from humanoid_bt.record.events import Level
+from humanoid_bt.record.recorder import Recorder
+from humanoid_bt.session.engine import Engine
+from humanoid_bt.session.happenings import Happenings
+from humanoid_bt.session.recording import run_info, tree_view
+from humanoid_bt.session.runner import TreeRunner
+from humanoid_bt.session.trace import Trace
+from humanoid_bt.tree.executor import NodeChange
+from humanoid_bt.tree.tree import Tree
+
+_STATUS_TICKS = 10  # ticks between two reports to whoever looks from outside
+
+
+class Listener:
+    """Who is told what happens during a run; a subclass does something about it."""
+
+    def node_changed(self, change: NodeChange) -> None:
+        """A node's status changed."""
+
+    def event(self, time: float, level: Level, text: str) -> None:
+        """Something else happened."""
+
+    def progress(self, time: float, running: str) -> None:
+        """A tick is over; ``running`` is the deepest running node and what it says."""
+
+    def show(self, tree: Tree) -> None:
+        """Another tree takes the place of the one that ran."""
+
+
+class Teller:
+    """Passes on what happens, to everybody in the same order.
+
+    Args:
+        listener: who is told.
+        engine: what runs below the tree.
+
+    Attributes:
+        trace: what is kept for the report.
+        recorder: the recording, if there is one; set to None it is told no more.
+    """
+
+    def __init__(self, listener: Listener, engine: Engine) -> None:
+        self._listener, self._engine = listener, engine
+        self._happenings = Happenings(engine)
+        self.trace = Trace(engine.scene)
+        self.recorder: Recorder | None = None
+        self._began = time.monotonic()
+        self._ticks = 0
+
+    @property
+    def now(self) -> float:
+        """The engine's time [s]."""
+        return self._engine.clock.now()
+
+    def begin(self) -> None:
+        """Count ticks from now on."""
+        self._began = time.monotonic()
+
+    def event(self, level: Level, text: str, at: float | None = None) -> None:
+        """Tell of something that happened, now or at an engine time [s]."""
+        now = self.now if at is None else at
+        self._listener.event(now, level, text)
+        if self.recorder is not None:
+            self.recorder.event(now, level, text)
+
+    def node_tells(self, source: str, level: Level, text: str) -> None:
+        """Tell what a node has to say.
+
+        Args:
+            source: the node's path.
+            level: info, warning or error.
+            text: what it says.
+        """
+        self.event(level, f"{text}  ({source})")
+
+    def node_changed(self, change: NodeChange) -> None:
+        """Tell that a node's status changed."""
+        self.trace.node_changed(change)
+        self._listener.node_changed(change)
+        if self.recorder is not None:
+            self.recorder.node_changed(change.time, change.path, change.status.name, change.feedback)
+
+    def happened(self, now: float) -> None:
+        """Tell what happened besides the tree up to now [s]."""
+        for happening in self._happenings.until(now):
+            self.event(happening.level, happening.text, happening.time)
+
+    def show(self, tree: Tree) -> None:
+        """Tell that another tree takes the place of the one that ran."""
+        self._listener.show(tree)
+        if self.recorder is not None:
+            self.recorder.show_tree(self.now, tree_view(tree), run_info(tree, self._engine))
+        self.warn_of_percepts(tree)
+
+    def warn_of_percepts(self, tree: Tree) -> None:
+        """Say which percepts will never come: a tree may well wait for one, but most often it is a slip."""
+        config = self._engine.scene.config
+        named = {name for node in tree.nodes for names in node.type.percepts(node.values).values() for name in names}
+        for name in sorted(named - config.percepts.keys()):
+            hint = nearest(name, config.percepts) or "it publishes none"
+            self.event("warning", f"the scene {config.name!r} publishes no percept {name!r} ({hint})")
+
+    def ticked(self, state: State, runner: TreeRunner) -> None:
+        """Tell what a tick saw and did."""
+        robot, tip = runner.robot, runner.tip
+        if self.recorder is not None:
+            scene = self._engine.scene
+            objects = {name: scene.object_position(name, state.time) for name in scene.config.objects}
+            self.recorder.sample(state, robot.tracks, objects)
+        resting = "waiting for an edit" if runner.ended else "coming to a stand"
+        self._listener.progress(state.time, f"{tip.name}: {tip.feedback_message}" if tip is not None else resting)
+        self._ticks += 1
+        if self._ticks % _STATUS_TICKS == 1:
+            self._publish(state, runner)
+
+    def _publish(self, state: State, runner: TreeRunner) -> None:
+        """Tell ``humanoid-bt status`` and ``show --live`` what goes on."""
+        robot, tip = runner.robot, runner.tip
+        self._engine.publish(
+            {
+                "time": state.time,
+                "node": getattr(tip, "path", ""),
+                "feedback": tip.feedback_message if tip is not None else "",
+                "tick_rate": self._ticks / max(time.monotonic() - self._began, 1e-9),
+                "percepts": {name: round(track.age, 3) for name, track in robot.tracks.items()},
+            },
+            runner.tree,
+        )

@@ -1,0 +1,104 @@
+"""What the checks know of each node of a tree: what it can answer, and what it commands."""
+
+from __future__ import annotations
+
+import inspect
+
+from py_trees.common import Status
+
+from humanoid_bt.errors import Problem
+from humanoid_bt.tree.draft import Draft
+from humanoid_bt.tree.results import ANYTHING, AT_ONCE, NEVER_ENDS, Below, Results
+
+
+class Facts:
+    """Facts on every node of a tree.
+
+    Args:
+        root: the tree's root.
+
+    Attributes:
+        problems: skills that could not tell what they command.
+    """
+
+    def __init__(self, root: Draft) -> None:
+        self.problems: list[Problem] = []
+        self._results: dict[int, Results] = {}
+        self._commands: dict[int, tuple[str, ...]] = {}
+        self._commanded: dict[int, frozenset[str]] = {}
+        self._bounded: dict[int, bool] = {}
+        self._learn(root)
+
+    def results(self, draft: Draft) -> Results:
+        """Return what a node can answer; anything where a mistake leaves that open."""
+        return self._results[id(draft)]
+
+    def may_run(self, draft: Draft) -> bool:
+        """Return whether a node can be RUNNING."""
+        return Status.RUNNING in self._results[id(draft)]
+
+    def commands(self, draft: Draft) -> tuple[str, ...]:
+        """Return the resources that a node itself may command."""
+        return self._commands[id(draft)]
+
+    def commanded(self, draft: Draft) -> frozenset[str]:
+        """Return the resources that a node and those below it may command."""
+        return self._commanded[id(draft)]
+
+    def bounded(self, draft: Draft) -> bool:
+        """Return whether a node ends by itself in bounded time, as far as its skills promise."""
+        return self._bounded[id(draft)]
+
+    def _learn(self, draft: Draft) -> None:
+        below = [child for _, child in draft.below()]
+        for child in below:
+            self._learn(child)
+        key = id(draft)
+        self._results[key] = self._results_of(draft)
+        self._commands[key] = self._commands_of(draft)
+        self._commanded[key] = frozenset(self._commands[key]).union(*(self._commanded[id(child)] for child in below))
+        self._bounded[key] = self._bounded_of(draft, below)
+
+    def _results_of(self, draft: Draft) -> Results:
+        node_type = draft.type
+        if not getattr(node_type.cls, "ends", True):
+            return NEVER_ENDS
+        declared = getattr(node_type.cls, "possible_results", None)
+        if not draft.sound or not inspect.ismethod(declared):
+            return AT_ONCE if node_type.kind == "condition" else ANYTHING
+        children = tuple(self._results[id(child)] for child in draft.children)
+        branches = {key: self._results[id(child)] for key, child in draft.below() if key}
+        results: Results = declared(node_type.complete(draft.values), Below(children, branches))
+        return results
+
+    def _commands_of(self, draft: Draft) -> tuple[str, ...]:
+        if not draft.sound:
+            return draft.type.resources
+        try:
+            return draft.type.commands(draft.values)
+        except Exception as error:  # the skill's code is the user's
+            what = f"{type(error).__name__}: {error}"
+            message = f"{draft.type.type_name!r} cannot tell what it commands: {what}"
+            self.problems.append(Problem(message, draft.place, "raised by its resources_for", "broken-skill"))
+            return draft.type.resources
+
+    def _bounded_of(self, draft: Draft, below: list[Draft]) -> bool:
+        cls, results = draft.type.cls, self._results[id(draft)]
+        if Status.RUNNING not in results or getattr(cls, "limits_time", False):
+            return True
+        if results == NEVER_ENDS:
+            return False
+        if below:
+            for_ever = -1 in (draft.type.complete(draft.values).get(count) for count in ("attempts", "times"))
+            return not for_ever and getattr(cls, "bounded", True) and all(self._bounded[id(child)] for child in below)
+        return not waits_for_ever(draft, self)
+
+
+def waits_for_ever(leaf: Draft, facts: Facts) -> bool:
+    """Return whether a leaf that can end may also run for ever.
+
+    So may an action that says so, and a skill that commands the robot and does not say that it is bounded.
+    """
+    results, silent = facts.results(leaf), leaf.type.kind == "skill" and not facts.commands(leaf)
+    may = Status.RUNNING in results and results != NEVER_ENDS
+    return may and not silent and not getattr(leaf.type.cls, "bounded", True)

@@ -1,0 +1,80 @@
+"""What is refused because it would not be safe."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
+
+from humanoid_bt.errors import Problem
+from humanoid_bt.tree.checks.facts import Facts
+from humanoid_bt.tree.draft import Draft
+from humanoid_bt.tree.guards import EmergencyStop, Watchdog
+from humanoid_bt.tree.parallel import Parallel
+
+
+@dataclass(frozen=True)
+class _Above:
+    """What stands above a node."""
+
+    stoppable: bool = False
+    watched: frozenset[str] = field(default_factory=frozenset)
+    all_watched: bool = False  # by a watchdog whose percept is not known: that mistake is told already
+    used_at: str = ""  # where the sub-tree stands that the node is in
+
+
+def check_guards(root: Draft, facts: Facts) -> Iterator[Problem]:
+    """Return what is used without a guard above it.
+
+    - a node that commands a resource outside an ``emergency_stop``;
+    - a percept used outside a ``watchdog`` on it (its ``on_stale`` is outside: the percept is stale there).
+    """
+    yield from _guards(root, facts, _Above())
+
+
+def _guards(draft: Draft, facts: Facts, above: _Above) -> Iterator[Problem]:
+    node_type, commands = draft.type, facts.commands(draft)
+    name = node_type.type_name
+    if commands and not above.stoppable:
+        message = f"{name!r} commands {', '.join(commands)} outside an emergency_stop"
+        yield Problem(message, draft.place, f"emergency_stop: {{...}}{above.used_at}", "outside-emergency-stop")
+    reads = node_type.percepts(draft.values)
+    is_watchdog = node_type.cls is Watchdog
+    for parameter, percepts in reads.items() if not is_watchdog and not above.all_watched else ():
+        for percept in percepts:
+            if percept not in above.watched:
+                place = draft.value_places.get(parameter, draft.place)
+                message = f"{name!r} uses the percept {percept!r} outside a watchdog on it"
+                near = difflib.get_close_matches(percept, above.watched, n=1)
+                meant = f"did you mean {near[0]!r}? else " if near else ""
+                hint = f"{meant}watchdog: {{percept: {percept}, max_age: 0.5 s, ...}}{above.used_at}"
+                yield Problem(message, place, hint, "outside-watchdog")
+    above = replace(above, stoppable=above.stoppable or node_type.cls is EmergencyStop)
+    fresh = above
+    if is_watchdog:
+        watched = reads.get("percept", [])
+        fresh = replace(above, watched=above.watched.union(watched), all_watched=above.all_watched or not watched)
+    for key, child in draft.below():
+        inside = above if key else fresh
+        if node_type.kind == "subtree" and child.place.file != draft.place.file:
+            inside = replace(inside, used_at=f" here, or around the sub-tree at {draft.place}")
+        yield from _guards(child, facts, inside)
+
+
+def check_overlaps(root: Draft, facts: Facts) -> Iterator[Problem]:
+    """Return the children of a ``parallel`` that command the same resource."""
+    for draft in root.iterate():
+        if draft.type.cls is not Parallel:
+            continue
+        owners: dict[str, Draft] = {}
+        for child in draft.children:
+            shared: dict[int, list[str]] = {}
+            for resource in sorted(facts.commanded(child)):
+                owner = owners.setdefault(resource, child)
+                if owner is not child:
+                    shared.setdefault(id(owner), []).append(resource)
+            for owner in draft.children:
+                if id(owner) in shared:
+                    what = " and ".join(shared[id(owner)])
+                    message = f"{owner.name!r} and {child.name!r} run at once and both command {what}"
+                    yield Problem(message, child.place, f"the first is at {owner.place}", "resource-overlap")
