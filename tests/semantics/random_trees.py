@@ -74,9 +74,14 @@ class Walk(Act):
 """The skills of random trees; :data:`~tests.semantics.model.COMMANDS` says what they command."""
 
 _CONDITIONAL = ("guard", "while", "precondition")
-_PLAIN = ("inverter", "force_success", "force_failure", "running_is_failure", "running_is_success")
-_AGAIN = ("failure_is_running", "success_is_running", "keep_running_until_failure")
-_TIMED = ("timeout", "delay", "cooldown", "min_duration")
+_DECORATORS = {
+    "plain": ("inverter", "force_success", "force_failure", "running_is_failure", "running_is_success"),
+    "again": ("failure_is_running", "success_is_running", "keep_running_until_failure"),
+    "timed": ("timeout", "delay", "cooldown", "min_duration"),
+    "safe": ("watchdog", "emergency_stop"),
+    "kept": ("once", "status_to_blackboard"),
+    "count": ("retry", "repeat", "for_each"),
+}
 
 MS = st.sampled_from([20, 40, 60, 100, 140])
 """Durations [ms]: multiples of the decision period."""
@@ -194,8 +199,8 @@ def changed(tree: Node, name: str, **values: Any) -> Node:
     return replace(tree, values=own, branches=branches, children=children)
 
 
-def moments() -> SearchStrategy[tuple[Moment, ...]]:
-    """Return what may happen to a tree."""
+def moments(least: int = 1) -> SearchStrategy[tuple[Moment, ...]]:
+    """Return what may happen to a tree, in ``least`` ticks or more."""
     moment = st.builds(
         Moment,
         pause=st.sampled_from([20, 20, 40, 100]),
@@ -203,7 +208,7 @@ def moments() -> SearchStrategy[tuple[Moment, ...]]:
         mode=st.sampled_from(["RUN"] * 12 + ["PROTECTIVE_STOP", "EMERGENCY_STOP", "DAMP"]),
         halt=st.sampled_from([False] * 12 + [True]),
     )
-    several = st.integers(1, 24).flatmap(lambda count: st.lists(moment, min_size=count, max_size=count))
+    several = st.integers(least, 24).flatmap(lambda count: st.lists(moment, min_size=count, max_size=count))
     return several.map(tuple)
 
 
@@ -220,9 +225,23 @@ def trees(caught: bool = True, overlaps: bool = False, raising: bool = False) ->
 
 
 @st.composite
-def stories(draw: DrawFn, caught: bool = True, raising: bool = False) -> Story:
+def stories(draw: DrawFn, raising: bool = False) -> Story:
     """Return random trees with random lives."""
-    return Story(draw(trees(caught, raising=raising)), draw(moments()))
+    return Story(draw(trees(raising=raising)), draw(moments()))
+
+
+@st.composite
+def long_stories(draw: DrawFn) -> Story:
+    """Return long lives of a few decorators side by side, each started again and again: what they remember."""
+    act = _skill(_Rules(False, False, False), frozenset())
+    decorated = st.sampled_from(sorted(_DECORATORS)).flatmap(lambda group: _decorator(group, act))
+    children = tuple(
+        Node("success_is_running", children=(Node("failure_is_running", children=(child,)),))
+        for child in draw(st.lists(decorated, min_size=4, max_size=4))
+    )
+    side_by_side = Node("parallel", values={"success": "all", "failure": "all"}, children=children)
+    tree = Node("emergency_stop", values={"wait_for_reset": True}, children=(side_by_side,))
+    return Story(numbered(tree), draw(moments(least=16)))
 
 
 @dataclass(frozen=True)
@@ -283,32 +302,22 @@ def _conditional(draw: DrawFn, below: SearchStrategy[Node]) -> Node:
 def _decorator(draw: DrawFn, group: str, below: SearchStrategy[Node]) -> Node:
     values: dict[str, Any] = {}
     branches: dict[str, Node] = {}
-    if group == "plain":
-        kind = draw(st.sampled_from(_PLAIN))
-    elif group == "again":
-        kind = draw(st.sampled_from(_AGAIN))
-    elif group == "timed":
-        kind, values["duration"] = draw(st.sampled_from(_TIMED)), draw(MS)
-    elif group == "safe":
-        kind = draw(st.sampled_from(["watchdog", "emergency_stop"]))
-        if kind == "watchdog":
-            values = {"percept": "target", "max_age": draw(MS)}
-            branches = {"on_stale": draw(below)} if draw(st.booleans()) else {}
-        else:
-            values["wait_for_reset"] = draw(st.booleans())
-    elif group == "kept":
-        kind = draw(st.sampled_from(["once", "status_to_blackboard"]))
-        if kind == "once":
-            values["policy"] = draw(st.sampled_from(["completion", "success"]))
-        else:
-            values["key"] = "s"
-    else:
-        kind = draw(st.sampled_from(["retry", "repeat", "for_each"]))
-        number = st.sampled_from([1, 2, 3, -1])
-        if kind == "for_each":
-            values = {"item": "n", "items": draw(st.lists(st.integers(0, 3), max_size=3))}
-        else:
-            values["attempts" if kind == "retry" else "times"] = draw(number)
+    kind = draw(st.sampled_from(_DECORATORS[group]))
+    if group == "timed":
+        values["duration"] = draw(MS)
+    elif kind == "watchdog":
+        values = {"percept": "target", "max_age": draw(MS)}
+        branches = {"on_stale": draw(below)} if draw(st.booleans()) else {}
+    elif kind == "emergency_stop":
+        values["wait_for_reset"] = draw(st.booleans())
+    elif kind == "once":
+        values["policy"] = draw(st.sampled_from(["completion", "success"]))
+    elif kind == "status_to_blackboard":
+        values["key"] = "s"
+    elif kind == "for_each":
+        values = {"item": "n", "items": draw(st.lists(st.integers(0, 3), max_size=3))}
+    elif group == "count":
+        values["attempts" if kind == "retry" else "times"] = draw(st.sampled_from([1, 2, 3, -1]))
     return Node(kind, values=values, branches=branches, children=(draw(below),))
 
 

@@ -8,7 +8,7 @@ from hypothesis import given
 from humanoid_bt.workspace import Workspace
 from tests.semantics.lives import Life, random_lives
 from tests.semantics.model import Model
-from tests.semantics.random_trees import SKILLS, Story, snapshots, stories
+from tests.semantics.random_trees import SKILLS, Story, long_stories, snapshots, stories
 from tests.tree.helpers import make_workspace
 
 
@@ -26,6 +26,12 @@ def test_the_engine_does_what_the_model_says(workspace: Workspace, story: Story)
 @random_lives
 @given(story=stories(raising=True))
 def test_the_engine_and_the_model_agree_on_exceptions(workspace: Workspace, story: Story) -> None:
+    compare(workspace, story)
+
+
+@random_lives
+@given(story=long_stories())
+def test_the_engine_and_the_model_remember_the_same(workspace: Workspace, story: Story) -> None:
     compare(workspace, story)
 
 
@@ -51,3 +57,5 @@ def agree(life: Life, model: Model, raised: str | None) -> None:
     assert life.executor.status.name == model.status[model.tree.name]
     assert sorted(life.caught) == sorted(model.caught)
     assert life.logged == model.told
+    board = {key.name: key.value for key in life.tree.keys if key.is_set}
+    assert board == (model.board or board)  # the model has none before the first tick
