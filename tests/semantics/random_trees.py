@@ -232,12 +232,12 @@ def stories(draw: DrawFn, raising: bool = False) -> Story:
 
 @st.composite
 def long_stories(draw: DrawFn) -> Story:
-    """Return long lives of a few decorators side by side, each started again and again: what they remember."""
+    """Return long lives of all decorators that remember something, side by side and started again and again."""
     act = _skill(_Rules(False, False, False), frozenset())
-    decorated = st.sampled_from(sorted(_DECORATORS)).flatmap(lambda group: _decorator(group, act))
+    decorated = [_decorator(group, act, kind) for group in ("timed", "kept", "count") for kind in _DECORATORS[group]]
     children = tuple(
-        Node("success_is_running", children=(Node("failure_is_running", children=(child,)),))
-        for child in draw(st.lists(decorated, min_size=4, max_size=4))
+        Node("success_is_running", children=(Node("failure_is_running", children=(draw(child),)),))
+        for child in decorated
     )
     side_by_side = Node("parallel", values={"success": "all", "failure": "all"}, children=children)
     tree = Node("emergency_stop", values={"wait_for_reset": True}, children=(side_by_side,))
@@ -299,10 +299,10 @@ def _conditional(draw: DrawFn, below: SearchStrategy[Node]) -> Node:
 
 
 @st.composite
-def _decorator(draw: DrawFn, group: str, below: SearchStrategy[Node]) -> Node:
+def _decorator(draw: DrawFn, group: str, below: SearchStrategy[Node], kind: str = "") -> Node:
     values: dict[str, Any] = {}
     branches: dict[str, Node] = {}
-    kind = draw(st.sampled_from(_DECORATORS[group]))
+    kind = kind or draw(st.sampled_from(_DECORATORS[group]))
     if group == "timed":
         values["duration"] = draw(MS)
     elif kind == "watchdog":
