@@ -167,7 +167,7 @@ class Executor:
 
     def _tell(self, seen: Seen, time: float) -> None:
         told = self._told
-        for behaviour in seen:
+        for behaviour in reversed(dict.fromkeys(reversed(seen))):  # where it stands for the last time
             status = behaviour.status
             if told[behaviour] is not status:
                 told[behaviour] = status

@@ -45,7 +45,6 @@ class OnError(Decorator):
         try:
             return tick(self.decorated, seen)
         except Raised as raised:
-            seen.changed = True  # whatever raised has become INVALID
             reason = f"{raised.node.name!r} raised {type(raised.error).__name__}: {raised.error}"
             _raise_first(self.take([raised, *_halt_all(self.decorated, reason, seen)]))
             self.feedback_message = reason
@@ -88,7 +87,6 @@ def _halt_all(node: Behaviour, reason: str, seen: Seen) -> list[Raised]:
     if isinstance(node, OnError):
         found = node.take(found)
     if node.status is INVALID:
-        seen.append(node)  # one that raised has become so on its own
         return found
     try:
         halt_alone(node, reason, seen)

@@ -79,6 +79,7 @@ class Parallel(Branch, py_trees.composites.Parallel):
         for child in children:
             if child.status is RUNNING:
                 halt(child, f"{self.name!r} {'succeeded' if status is SUCCESS else 'failed'}", seen)
+        self.current_child = next(child for child in reversed(children) if child.status is status)
         return status
 
     def _checked(self, what: str, threshold: Threshold) -> int:

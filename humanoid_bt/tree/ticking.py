@@ -103,8 +103,7 @@ def tick(node: Behaviour, seen: Seen) -> Status:
     except Raised:
         raise
     except (Exception, SystemExit) as error:  # a skill that exits must not take the robot's program along
-        _abandon(node, error)
-        seen.append(node)
+        _abandon(node, error, seen)
         raise Raised(node, error) from error
     if status is not RUNNING and how is _LEAF_TICK:
         try:
@@ -155,16 +154,24 @@ def _not_stopped(node: Behaviour, error: BaseException, seen: Seen) -> Raised:
     node.status = INVALID
     node.feedback_message = f"raised {type(error).__name__}: {error}"
     seen.append(node)
+    seen.changed = True
     return Raised(node, error)
 
 
-def _abandon(node: Behaviour, error: BaseException) -> None:
+def _abandon(node: Behaviour, error: BaseException, seen: Seen) -> None:
     """Stop a node that raised: it may hold resources although it never reached RUNNING."""
     if isinstance(node, Skill):
         node.halt_reason = "raised an exception"
     try:
+        if isinstance(node, Branch):
+            for child in node.children:
+                if child.status is not INVALID:
+                    node.halt_child(child, f"{node.name!r} raised an exception", seen)
         node.stop(INVALID)
-    except (Exception, SystemExit) as second:
+    except (Exception, SystemExit) as raised:
+        second = raised.error if isinstance(raised, Raised) else raised
         error.add_note(f"and then, while it was stopped: {type(second).__name__}: {second}")
     node.status = INVALID
     node.feedback_message = f"raised {type(error).__name__}: {error}"
+    seen.append(node)
+    seen.changed = True

@@ -170,3 +170,22 @@ def test_the_same_inputs_give_the_same_changes(workspace: Workspace) -> None:
         return lines
 
     assert trace() == trace()
+
+
+def test_children_of_a_branch_that_raises_are_told_before_it(workspace: Workspace) -> None:
+    choice = "{switch: {value: n, cases: {0: running}}}"
+    root = f"{{parallel: {{failure: all, children: [{choice}, {{clear_blackboard: n}}]}}}}"
+    under_test = Run(load(workspace, f"blackboard: {{n: 0}}\nroot: {root}\n"))
+    under_test.tick()
+    with pytest.raises(NodeError, match="'n' is read before anything has written it"):
+        under_test.tick()
+    names = ["running", "switch", "clear_blackboard", "parallel"]
+    assert under_test.told() == [(name, "INVALID") for name in names]
+
+
+def test_a_child_that_had_ended_is_told_before_its_halted_parent(workspace: Workspace) -> None:
+    slow = "{min_duration: {duration: 1 s, success: }}"
+    under_test = run(workspace, f"{{parallel: {{success: one, children: [{slow}, {{act: {{script: rs}}}}]}}}}")
+    under_test.ticks(2)
+    told = [("act", "SUCCESS"), ("success", "INVALID"), ("min_duration", "INVALID"), ("parallel", "SUCCESS")]
+    assert under_test.told() == told

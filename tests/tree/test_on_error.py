@@ -25,7 +25,7 @@ on_error:
 def test_an_exception_becomes_a_failure_and_everything_below_is_halted(workspace: Workspace) -> None:
     caught = run(workspace, BROKEN.replace("\n", "\n  "))
     assert caught.ticks(2) == "rf"
-    below = ["before", "bad", "done", "sequence", "after", "parallel"]
+    below = ["bad", "before", "done", "sequence", "after", "parallel"]
     assert caught.told() == [(name, "INVALID") for name in below] + [("on_error", "FAILURE")]
     assert sorted(caught.log) == sorted(
         [(event, name) for name in ("before", "bad", "after") for event in ("start", "INVALID")]

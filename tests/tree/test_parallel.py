@@ -42,3 +42,13 @@ def test_children_that_ended_are_not_ticked_again_and_the_rest_is_halted_at_the_
 def test_a_threshold_that_cannot_be_is_refused(workspace: Workspace, threshold: str) -> None:
     with pytest.raises(UserError, match="'success'"):
         run(workspace, f"{{parallel: {{success: {threshold}, children: [act, act]}}}}")
+
+
+@pytest.mark.parametrize(("threshold", "decides"), [("success: one, failure: 2", "good"), ("success: 2", "bad")])
+def test_its_tip_is_the_child_that_decided(workspace: Workspace, threshold: str, decides: str) -> None:
+    children = "[act: {name: good, script: s}, act: {name: bad, script: f}, act: {name: long}]"
+    under_test = run(workspace, f"{{parallel: {{{threshold}, children: {children}}}}}")
+    under_test.tick()
+    tip = under_test.tree.root.tip()
+    assert tip is not None
+    assert tip.name == decides
