@@ -34,6 +34,7 @@ class TreeLoader:
 
     def __init__(self, options: RunOptions, workspace: Workspace) -> None:
         self._options, self._workspace = options, workspace
+        self._path = None if isinstance(options.tree, Tree) else workspace.find_tree(options.tree)
         self.first = self._load()
         self.robot, self.scene = self._robot(self.first), self._scene(self.first)
 
@@ -67,8 +68,8 @@ class TreeLoader:
         options = self._options
         if isinstance(options.tree, Tree):
             return options.tree
-        path = self._workspace.find_tree(options.tree)
-        return load_tree(path, self._workspace, options.overrides, robot=options.robot, scene=options.scene)
+        assert self._path is not None
+        return load_tree(self._path, self._workspace, options.overrides, robot=options.robot, scene=options.scene)
 
     def _robot(self, tree: Tree) -> Path:
         return self._workspace.find_robot(self._options.robot or tree.robot or DEFAULT_ROBOT)

@@ -130,7 +130,7 @@ def test_a_published_models_own_drives_keyframes_and_sensors_do_not_disturb(tmp_
         ("{body: left_hand,", "{body: lefthand,", "the model has no body 'lefthand'", "did you mean 'left_hand'?"),
         ("yaw: neck_yaw", "yaw: neckyaw", "the model has no joint 'neckyaw'", "did you mean 'neck_yaw'?"),
         ('"*_knee": 0.70', '"*_kneee": 0.70', "no joint of the model matches '*_kneee'", "left_knee"),
-        ('torso: ["waist_*"', 'torso: ["waste_*"', "no joint of the model matches 'waste_*'", "valid: "),
+        ('torso: ["waist_*"', 'torso: ["waste_*"', "no joint of the model matches 'waste_*'", "waist_yaw"),
     ],
 )
 def test_an_unknown_name_is_answered_with_its_place_and_the_nearest_one(
