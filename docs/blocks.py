@@ -71,7 +71,8 @@ class Block:
 
 def pages() -> list[Path]:
     """Return every page of the docs."""
-    return [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+    docs = ROOT / "docs"
+    return [ROOT / "README.md", *sorted(docs.glob("*.md")), *sorted((docs / "trees").glob("*.md"))]
 
 
 def read(page: Path) -> list[Block]:

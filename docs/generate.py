@@ -14,6 +14,7 @@ import tempfile
 import types
 import typing
 from collections.abc import Callable, Iterator, Mapping
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -28,13 +29,14 @@ from humanoid_bt.plant.scene_config import SceneConfig
 from humanoid_bt.robot import RobotHandle, Track
 from humanoid_bt.testing.rig import Rig, RigResult
 from humanoid_bt.tree.elsewhere import FOREIGN
-from humanoid_bt.tree.load import PARTS, Header, load_tree
+from humanoid_bt.tree.load import PARTS, Header, load_tree, subtree_types
 from humanoid_bt.tree.nodes import BUILTIN
 from humanoid_bt.tree.parameters import TYPES, LongForm
 from humanoid_bt.tree.quantities import TRUTH
 from humanoid_bt.tree.registry import NODE_KEYS, NodeType, Registry
 from humanoid_bt.tree.show import svg_tree
 from humanoid_bt.tree.slots import Slot
+from humanoid_bt.tree.tree import Tree
 from humanoid_bt.tree.vocabulary import PERCEPT, SEEN, STATE
 from humanoid_bt.workspace import Workspace, builtin_root
 
@@ -367,17 +369,49 @@ def scene_keys() -> str:
 
 
 def trees() -> str:
-    """Return the pictures of the built-in trees."""
-    return "\n\n".join(f"![The tree {path.stem.removeprefix('tree-')}](images/{path.name})" for path in pictures())
+    """Return the pictures of the built-in trees that run alone."""
+    alone = [name for name, tree in _built_in().items() if not tree.is_subtree]
+    return "\n\n".join(f"![The tree {name}](images/{_picture(name).name})" for name in alone)
+
+
+def library() -> str:
+    """Return the table of the built-in trees that are made for use in other trees."""
+    rows = [(f"[`{name}`]({name}.md)", tree.description) for name, tree in _built_in().items() if tree.is_subtree]
+    return _table(("tree", "what it does"), rows)
+
+
+def library_tree(name: str) -> str:
+    """Return picture, parameters and outputs of a built-in tree that is made for use in others."""
+    workspace = Workspace(builtin_root())
+    node_type, tree = subtree_types(workspace, Registry.of(workspace))[name], _built_in()[name]
+    rows = [
+        _row(node_type.params[key]) if key in node_type.params else _node_row(node_type, key)
+        for key in tree.header["parameters"]
+    ]
+    parts = [f"![The tree {name}](../images/{_picture(name).name})"]
+    parts.append(_table(("parameter", "type", "default", "meaning"), rows))
+    if outputs := tree.header.get("outputs"):
+        parts.append(_table(("output", "meaning"), [(f"`{key}`", output["doc"]) for key, output in outputs.items()]))
+    return "\n\n".join(parts)
+
+
+def _node_row(node_type: NodeType, name: str) -> tuple[str, str, str, str]:
+    slot = node_type.branches[name]
+    return f"`{name}`", "node", "required" if slot.required else "see the picture", slot.doc
 
 
 def pictures() -> dict[Path, str]:
     """Return file -> picture of each built-in tree, as ``humanoid-bt show NAME -o FILE`` draws it."""
+    return {_picture(name): svg_tree(tree) for name, tree in _built_in().items()}
+
+
+def _picture(name: str) -> Path:
+    return IMAGES / f"tree-{name}.svg"
+
+
+def _built_in() -> dict[str, Tree]:
     workspace = Workspace(builtin_root())
-    return {
-        IMAGES / f"tree-{name}.svg": svg_tree(load_tree(path, workspace))
-        for name, path in sorted(workspace.trees().items())
-    }
+    return {name: load_tree(path, workspace) for name, path in sorted(workspace.trees().items())}
 
 
 def handle() -> str:
@@ -448,10 +482,10 @@ PARTS_BY_NAME: dict[str, Callable[[], str]] = {
     maker.__name__: maker
     for maker in (
         *(nodes, elsewhere, skills, tree_keys, node_keys, parameter_keys, units, robot_keys, scene_keys, trees),
-        *(percept_words, state_words),
+        *(percept_words, state_words, library),
         *(handle, track, state, rig, rig_result, clocks, codes, code_examples),
     )
-}
+} | {f"library_{name}": partial(library_tree, name) for name, tree in _built_in().items() if tree.is_subtree}
 """Name of a generated part -> what makes it."""
 
 

@@ -99,3 +99,8 @@ class Key:
             message = f"{parameter!r} must name a key of the blackboard, not {what}"
             raise UserError(message, item.place, hint, "bad-name")
         return cls(item.value)
+
+
+def are_keys(value: Any) -> bool:
+    """Return whether a parameter's value is a list of keys."""
+    return isinstance(value, list) and bool(value) and all(isinstance(part, Key) for part in value)

@@ -273,6 +273,8 @@ def _type_name(kind: Any) -> str:  # noqa: PLR0911 (a table of cases)
         return "anything"
     if origin in (typing.Union, types.UnionType):
         return " or ".join(_type_name(arg) for arg in args if arg is not type(None))
+    if args == (Any,):
+        return "list"
     if origin in (list, tuple):
         inner = [arg for arg in args if arg is not Ellipsis]
         return f"list of {'' if Ellipsis in args or origin is list else len(inner)} {_type_name(inner[0])}s".replace(

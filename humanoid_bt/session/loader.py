@@ -7,7 +7,7 @@ from pathlib import Path
 
 from humanoid_bt import document
 from humanoid_bt.checking import settled
-from humanoid_bt.errors import Problem, UserError, relative
+from humanoid_bt.errors import Place, Problem, UserError, relative
 from humanoid_bt.session.options import RunOptions
 from humanoid_bt.skill_files import class_file
 from humanoid_bt.tree.load import load_tree
@@ -29,7 +29,7 @@ class TreeLoader:
         robot, scene: the files of its robot and its scene, which stay.
 
     Raises:
-        UserError: the tree has mistakes, or there is no such tree, robot or scene.
+        UserError: the tree has mistakes, does not run alone, or there is no such tree, robot or scene.
     """
 
     def __init__(self, options: RunOptions, workspace: Workspace) -> None:
@@ -69,13 +69,25 @@ class TreeLoader:
         if isinstance(options.tree, Tree):
             return options.tree
         assert self._path is not None
-        return load_tree(self._path, self._workspace, options.overrides, robot=options.robot, scene=options.scene)
+        tree = load_tree(self._path, self._workspace, options.overrides, robot=options.robot, scene=options.scene)
+        if tree.is_subtree:
+            raise _not_alone(tree)
+        return tree
 
     def _robot(self, tree: Tree) -> Path:
         return self._workspace.find_robot(self._options.robot or tree.robot or DEFAULT_ROBOT)
 
     def _scene(self, tree: Tree) -> Path:
         return self._workspace.find_scene(self._options.scene or tree.scene or DEFAULT_SCENE)
+
+
+def _not_alone(tree: Tree) -> UserError:
+    """Return what is said about running a tree that is made for use in other trees."""
+    declared = tree.header.get("parameters") or {}
+    needed = [name for name, value in declared.items() if isinstance(value, dict) and value.get("default") is None]
+    given = "".join(f", {name}: ..." for name in needed)
+    message = f"the tree {tree.name!r} does not run alone: it is made for use in other trees (subtree: true)"
+    return UserError(message, Place(relative(tree.path)), f"in another one: subtree: {{tree: {tree.path.stem}{given}}}")
 
 
 def used_files(tree: Tree) -> set[Path]:

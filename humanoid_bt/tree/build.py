@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from keyword import iskeyword
 
 from py_trees.behaviour import Behaviour
+from py_trees.behaviours import Dummy
 
 from humanoid_bt.errors import Problem
 from humanoid_bt.skill_files import class_file, place_in_file
@@ -28,6 +29,11 @@ def build(root: Draft, tree_name: str, problems: list[Problem]) -> tuple[Node, .
     if _make(root, made, problems) is None:
         return ()
     return collect(root, tree_name, made)
+
+
+def sketch(root: Draft, tree_name: str) -> tuple[Node, ...]:
+    """Return every node of a tree that cannot be made yet, with behaviours that do nothing: to be shown, not run."""
+    return collect(root, tree_name, {id(draft): Dummy(draft.name) for draft in root.iterate()})
 
 
 def collect(root: Draft, tree_name: str, made: Mapping[int, Behaviour]) -> tuple[Node, ...]:

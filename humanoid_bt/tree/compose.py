@@ -9,7 +9,7 @@ from typing import Any
 
 from py_trees.behaviour import Behaviour
 
-from humanoid_bt.blackboard import Key
+from humanoid_bt.blackboard import Key, are_keys
 from humanoid_bt.document import Item
 from humanoid_bt.errors import Place, Problem, UserError, relative
 from humanoid_bt.params import Param, item_of, keys_read
@@ -149,6 +149,9 @@ class _Composer:
         value: Any = getattr(behaviour, name, None)
         if isinstance(value, Key):
             value = self._scope.write(value.name)
+            setattr(behaviour, name, value)
+        elif are_keys(value):
+            value = [self._scope.write(part.name) for part in value]
             setattr(behaviour, name, value)
         elif expressions := expressions_of(value):
             for expression in expressions:

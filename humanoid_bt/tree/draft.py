@@ -21,6 +21,7 @@ class Draft:
         name: its name.
         values: its parameters, converted; those with a mistake are missing.
         value_places: where each given parameter's value is written.
+        given_places: where those that a sub-tree's caller gave (``$name``) are written there.
         references: parameter -> name of what it was given as ``$name``.
         arguments: of a sub-tree: the nodes it is given, as plain YAML.
         children: its children.
@@ -34,6 +35,7 @@ class Draft:
     name: str
     values: dict[str, Any] = field(default_factory=dict)
     value_places: dict[str, Place] = field(default_factory=dict)
+    given_places: dict[str, Place] = field(default_factory=dict)
     references: dict[str, str] = field(default_factory=dict)
     arguments: dict[str, Any] = field(default_factory=dict)
     children: list[Draft] = field(default_factory=list)

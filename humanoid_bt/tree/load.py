@@ -13,7 +13,7 @@ from humanoid_bt.blackboard import Key
 from humanoid_bt.document import Item
 from humanoid_bt.errors import Place, Problem, UserError, relative
 from humanoid_bt.params import Param, param, params_of, read_values
-from humanoid_bt.tree.build import build
+from humanoid_bt.tree.build import build, sketch
 from humanoid_bt.tree.checks import World, check
 from humanoid_bt.tree.draft import Draft
 from humanoid_bt.tree.parameters import Argument, Declaration, NodeItem, Parameters, declarations, overrides
@@ -130,10 +130,10 @@ class _Loader:
         if registry is not None:
             root = self._read(file, Reader(registry, scope, self, self.problems))
         world = World.of(self._workspace, file.item, self.problems, robot, scene)
-        nodes: tuple[Node, ...] = ()
+        made: tuple[Node, ...] = ()
         if root is not None:
             self.problems += check(root, world, alone=bool(file.header.get("subtree")))
-            nodes = build(root, file.name, self.problems)
+            made = build(root, file.name, self.problems)
         if root is None:
             return None
         return Tree(
@@ -144,7 +144,8 @@ class _Loader:
             scene=file.header.get("scene"),
             parameters=parameters.values,
             source=file.source,
-            nodes=nodes,
+            nodes=made or sketch(root, file.name),
+            complete=bool(made),
             keys=tuple(scope.own_keys),
             header=_plain_header(file, given),
             files=tuple(file.path for file in self._files.values()),

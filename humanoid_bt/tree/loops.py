@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from itertools import zip_longest
 from typing import Any, ClassVar
 
 from py_trees.behaviour import Behaviour
@@ -18,15 +19,19 @@ from humanoid_bt.tree.ticking import RUNNING, SUCCESS, Seen, tick
 class ForEach(Decorator):
     """Run the child once for each item of a list, which it finds in a key of the blackboard; fail when it fails.
 
-    One run per tick at most; with an empty list it succeeds.
+    If `item` is a list of keys, each item is a list too, and its parts go to the keys in their order; keys that are
+    left over get null. One run per tick at most; with an empty list it succeeds.
     """
 
-    item: Key = param(doc="Key that gets one item after the other.")
+    item: Key | list[Key] = param(doc="Key that gets one item after the other, or keys that get its parts.")
     items: list[Any] = param(doc="The items.")
 
     def __init__(self, name: str, child: Behaviour, **values: Any) -> None:
         super().__init__(name, child, **values)
         self._index = 0
+        if isinstance(self.item, list):
+            self.item = [Key(part) if isinstance(part, str) else part for part in self.item]
+            _check_parts(self.items, [key.name for key in self.item])
 
     @classmethod
     def possible_results(cls, _values: Mapping[str, Any], below: Below) -> Results:
@@ -42,13 +47,27 @@ class ForEach(Decorator):
         if self._index == len(self.items):
             return SUCCESS
         if self.decorated.status is not RUNNING:
-            self.item.set(self.items[self._index])
+            self._hand_out(self.items[self._index])
         status = tick(self.decorated, seen)
-        self.feedback_message = f"{self.item.name} {self._index + 1} of {len(self.items)}: {self.items[self._index]}"
+        names = self.item.name if isinstance(self.item, Key) else ", ".join(key.name for key in self.item)
+        self.feedback_message = f"{names} {self._index + 1} of {len(self.items)}: {self.items[self._index]}"
         if status is not SUCCESS:
             return status
         self._index += 1
         return SUCCESS if self._index == len(self.items) else RUNNING
+
+    def _hand_out(self, item: Any) -> None:
+        if isinstance(self.item, Key):
+            self.item.set(item)
+        else:
+            for key, part in zip_longest(self.item, item):
+                key.set(part)
+
+
+def _check_parts(items: list[Any], keys: list[str]) -> None:
+    for number, item in enumerate(items, 1):
+        if not isinstance(item, list) or not 0 < len(item) <= len(keys):
+            raise ValueError(f"item {number} must be a list with at most {len(keys)} parts ({', '.join(keys)}): {item}")
 
 
 class KeepRunningUntilFailure(Decorator):

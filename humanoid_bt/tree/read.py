@@ -5,7 +5,7 @@ from __future__ import annotations
 import typing
 from typing import Any, Protocol
 
-from humanoid_bt.blackboard import Key
+from humanoid_bt.blackboard import Key, are_keys
 from humanoid_bt.document import Item
 from humanoid_bt.errors import Place, Problem, UserError, nearest
 from humanoid_bt.params import Param, PerceptName, read_values
@@ -13,7 +13,7 @@ from humanoid_bt.tree.draft import Draft
 from humanoid_bt.tree.expression import Expression
 from humanoid_bt.tree.parameters import NodeItem, Parameter, reference
 from humanoid_bt.tree.quantities import ANYTHING, Type, type_of
-from humanoid_bt.tree.registry import CHILD, NodeType, Registry
+from humanoid_bt.tree.registry import CHILD, NodeType, Registry, placeholder
 from humanoid_bt.tree.scope import Scope
 from humanoid_bt.tree.slots import Slot
 from humanoid_bt.tree.subtree import SubTree
@@ -128,7 +128,7 @@ class Reader:
             self._problem(f"{text!r} is a whole node and takes nothing", body.place, f"only {text}", "not-a-node")
             return None
         if not parameter.known:
-            return None
+            return Draft(placeholder(text, parameter.spec.doc), place, text, sound=False)
         given = parameter.given
         reader = given.reader if given else self
         draft: Draft | None = reader.node(given.value if given else parameter.value, f"the parameter {text[1:]!r}")
@@ -181,6 +181,8 @@ class Reader:
                     del wanted[key]  # it is read while the tree runs, or its mistake is noted
                 else:
                     given[key] = value
+                    if value.place != item.place:
+                        draft.given_places[key] = value.place
             elif node_type.takes == "none" and key not in node_type.branches:
                 hint = nearest(key, [*node_type.params, *node_type.branches, "name"])
                 message = f"unknown parameter {key!r} of {node_type.type_name!r}"
@@ -190,6 +192,8 @@ class Reader:
         for key, value in values.items():
             if isinstance(value, Key):
                 draft.values[key] = self.scope.write(value.name, _written_type(values))
+            elif are_keys(value):
+                draft.values[key] = [self.scope.write(part.name) for part in value]
             else:
                 draft.values[key] = value
                 for expression in expressions_of(value):
@@ -235,7 +239,10 @@ class Reader:
         draft.sound = False
         what = f"{spec.name!r} of {draft.type.type_name!r}"
         message = f"{what} must be known before the run, and {item.value!r} is a key of the blackboard"
-        self.scope.refuse(name, Problem(message, item.place, "give it a value or a parameter", "not-dynamic"))
+        place, hint = item.place, "give it a value or a parameter"
+        if parameter is not None and parameter.given is not None:  # the mistake is that of whoever gave it a key
+            place, hint = parameter.given.place, f"{hint}; {item.value} is used at {item.place}"
+        self.scope.refuse(name, Problem(message, place, hint, "not-dynamic"))
 
     # ---- what stands below ---------------------------------------------------------------------------------------
 

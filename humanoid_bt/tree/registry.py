@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from py_trees.behaviour import Behaviour
+from py_trees.behaviours import Dummy
 
 from humanoid_bt.blackboard import Key
 from humanoid_bt.errors import Place, Problem, UserError, nearest
@@ -176,6 +177,11 @@ class Registry(Mapping[str, NodeType]):
             others: what would be valid besides node types.
         """
         return elsewhere.hint(name, self) or nearest(name, [*others, *self._types])
+
+
+def placeholder(name: str, doc: str) -> NodeType:
+    """Return the type of a node that stands for a parameter without a value (``$action``): to be shown, not made."""
+    return NodeType(name, "subtree", Dummy, doc, {})
 
 
 def _node_type(name: str, kind: Kind, cls: type[Behaviour]) -> NodeType:

@@ -70,6 +70,7 @@ class Tree:
         nodes: every node, parents before children, in the file's order.
         keys: the keys of its blackboard, those of its sub-trees left aside.
         header: the file's keys but for the root, as plain YAML.
+        complete: whether its nodes can run: not those of a sub-tree whose parameters have no values.
         files: the tree file and those of its sub-trees.
         warnings: what its checks found that does not keep it from running.
     """
@@ -84,6 +85,7 @@ class Tree:
     nodes: tuple[Node, ...]
     keys: tuple[Key, ...] = ()
     header: Mapping[str, Any] = field(default_factory=dict)
+    complete: bool = True
     files: tuple[Path, ...] = ()
     warnings: tuple[Problem, ...] = ()
 
@@ -94,6 +96,11 @@ class Tree:
             UserError: a parameter has a value that no file can hold.
         """
         return tree_text(self)
+
+    @property
+    def is_subtree(self) -> bool:
+        """Whether it is made for use in other trees."""
+        return bool(self.header.get("subtree"))
 
     @property
     def root(self) -> Behaviour:

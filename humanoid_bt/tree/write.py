@@ -51,8 +51,8 @@ def tree_text(tree: Tree) -> str:
     Raises:
         UserError: a parameter has a value that no file can hold, or the tree could not be made.
     """
-    if not tree.nodes:
-        raise UserError(f"the sub-tree {tree.name!r} has no nodes without its parameters", code="missing-parameter")
+    if not tree.complete:
+        raise UserError(f"the sub-tree {tree.name!r} is incomplete without its parameters", code="missing-parameter")
     header = {"format": 1, **tree.header}
     header = {key: header[key] for key in (*_ORDER, *header) if header.get(key) not in (None, "", {})}
     children: dict[int, list[int]] = {}

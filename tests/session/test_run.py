@@ -56,6 +56,12 @@ def test_the_demo_ends_with_a_hand_on_the_target(fetched: Ran) -> None:
     assert fetched.settled
 
 
+def test_a_tree_that_is_made_for_use_in_others_is_refused(project: Path) -> None:
+    with pytest.raises(UserError, match="does not run alone") as raised:
+        ran("recover", project)
+    assert raised.value.problems[0].hint == "in another one: subtree: {tree: recover, action: ...}"
+
+
 def test_nothing_but_the_world_holds_the_robot(fetched: Ran) -> None:
     assert fetched.report.external_force_max == 0
 

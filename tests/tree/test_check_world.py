@@ -63,6 +63,17 @@ def test_a_percept_that_the_scene_does_not_publish_is_told_once(workspace: Works
     assert not load(workspace, tree("reach: {target: target}", "scene: ball_on_stand")).warnings
 
 
+def test_a_percept_that_a_sub_tree_is_given_is_told_where_it_is_given(workspace: Workspace) -> None:
+    path = workspace.root / "trees" / "touch.yaml"
+    path.write_text("format: 1\nsubtree: true\nparameters: {it: {type: percept}}\nroot: {reach: {target: $it}}\n")
+    text = tree("subtree: {tree: touch, it: taget}", "scene: ball_on_stand").replace(
+        "percept: target", "percept: taget"
+    )
+    (warning,) = load(workspace, text).warnings
+    assert warning.place is not None and warning.place.file.endswith("t.yaml")
+    assert warning.hint.endswith("used in 1 more place")
+
+
 def given(workspace: Workspace, text: str, robot: str | None = None, scene: str | None = None) -> Tree:
     path = workspace.root / "trees" / "t.yaml"
     path.write_text(f"format: 1\n{text}")

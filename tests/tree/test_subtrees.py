@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from humanoid_bt.errors import Problem, UserError
-from humanoid_bt.tree import load_tree
+from humanoid_bt.tree import load_tree, unicode_tree
 from humanoid_bt.workspace import Workspace
 from tests.tree.helpers import Run, load, seen
 
@@ -119,6 +119,32 @@ def test_a_key_of_the_caller_can_be_given_and_is_read_when_it_is_used(workspace:
     assert run.tree.nodes[-1].name == "act"
 
 
+def test_without_its_parameters_it_is_shown_with_their_names(workspace: Workspace) -> None:
+    text = TRIED.replace("attempts: 2", "attempts: {type: integer}")
+    tree = load_tree(write(workspace, "tried", text), workspace)
+    assert not tree.complete and tree.is_subtree
+    assert unicode_tree(tree).splitlines() == ["tried", "└─ retry  attempts: $attempts", "   └─ $action"]
+
+
+def test_a_key_for_what_must_be_known_is_the_callers_mistake(workspace: Workspace) -> None:
+    write(workspace, "tried", TRIED)
+    text = "root: {for_each: {item: n, items: [1], subtree: {tree: tried, attempts: $n, action: act}}}"
+    (problem,) = problems(workspace, text)
+    assert problem.code == "not-dynamic"
+    assert problem.place is not None and problem.place.file.endswith("t.yaml")
+    assert "tried.yaml" in problem.hint
+
+
+def test_of_nothing_but_a_parameter_it_is_shown(workspace: Workspace) -> None:
+    path = write(workspace, "given", "subtree: true\nparameters: {it: {type: node}}\nroot: $it\n")
+    assert [node.path for node in load_tree(path, workspace).nodes] == ["given/$it"]
+
+
+def test_without_its_parameters_it_cannot_be_written(workspace: Workspace) -> None:
+    with pytest.raises(UserError, match="incomplete"):
+        load_tree(write(workspace, "tried", TRIED), workspace).to_yaml()
+
+
 def test_a_node_can_be_given_and_keeps_the_callers_names(workspace: Workspace) -> None:
     write(workspace, "tried", TRIED)
     tree = load(
@@ -154,7 +180,7 @@ def test_a_sub_tree_alone_needs_nothing_around_it_and_no_values(workspace: Works
         "subtree: true\nparameters: {it: {type: percept}, act: {type: node}}\n"
         "root: {sequence: [{reach: {target: $it}}, $act, {condition: distance($it) < 1}]}",
     )
-    assert load_tree(path, workspace).nodes == ()
+    assert not load_tree(path, workspace).complete
 
 
 @pytest.mark.parametrize(

@@ -77,7 +77,8 @@ def _unknown_percepts(root: Draft, scene: SceneConfig) -> Iterator[Problem]:
         for parameter, percepts in draft.type.percepts(draft.values).items():
             for percept in percepts:
                 if percept not in scene.percepts:
-                    uses.setdefault(percept, []).append(draft.value_places.get(parameter, draft.place))
+                    written = {**draft.value_places, **draft.given_places}
+                    uses.setdefault(percept, []).append(written.get(parameter, draft.place))
     for percept, places in uses.items():
         first, others = places[0], len(set(places)) - 1
         hint = nearest(percept, scene.percepts) or "this scene publishes none"

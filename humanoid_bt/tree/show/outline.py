@@ -110,15 +110,21 @@ def _outline_node(node: Node) -> OutlineNode:
 
 def _parameters(node: Node) -> list[str]:
     shown = []
-    for name, value in node.values.items():
+    for name, value in _values(node).items():
         spec = node.type.params.get(name)
         if spec is None or spec.required or value != spec.default:
-            if isinstance(value, Key) and name in node.references:
+            if name in node.references and (isinstance(value, Key) or name not in node.values):
                 shown.append(f"{name}: ${node.references[name]}")
                 continue
             unit = f" {spec.unit}" if spec is not None and spec.unit and _is_number(value) else ""
             shown.append(f"{name}: {printable(_value_text(value))}{unit}")
     return shown
+
+
+def _values(node: Node) -> dict[str, Any]:
+    """Return the values that are given, None for a parameter of a sub-tree that has none, in the declared order."""
+    given = dict.fromkeys(node.references) | dict(node.values)
+    return {name: given[name] for name in (*node.type.params, *given) if name in given}
 
 
 def _is_number(value: Any) -> bool:
