@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import signal
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 
 import pyarrow as pa
@@ -11,7 +13,7 @@ import rerun as rr
 import yaml
 
 from humanoid_bt.blackboard import Key
-from humanoid_bt.cli import main
+from humanoid_bt.cli import keys, main
 from humanoid_bt.errors import ControlLost, UserError
 from humanoid_bt.messages import Mode
 from humanoid_bt.session.lockstep import Lockstep
@@ -94,7 +96,7 @@ def test_an_exception_halts_the_whole_tree(workspace: Workspace) -> None:
     broken.tick()
     with pytest.raises(NodeError):
         broken.tick()
-    assert broken.told() == [(name, "INVALID") for name in ("a", "bad", "parallel", "timeout")]
+    assert broken.told() == [(name, "INVALID") for name in ("bad", "a", "parallel", "timeout")]
 
 
 @shows("error-message")
@@ -181,6 +183,22 @@ def test_a_signal_ends_the_run(
     monkeypatch.chdir(project)
     assert main(["run", tree(project, "signal", root), "--no-record"]) == 130
     assert reason in capsys.readouterr().out
+
+
+@shows("exit-interrupted")
+def test_the_key_q_ends_the_run(
+    project: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    @contextmanager
+    def press_q(actions: Mapping[str, Callable[[], None]]) -> Iterator[None]:
+        actions["q"]()
+        yield
+
+    monkeypatch.chdir(project)
+    monkeypatch.setattr(keys, "available", lambda: True)
+    monkeypatch.setattr(keys, "listening", press_q)
+    assert main(["run", "wait", "--no-record"]) == 130
+    assert "the key q" in capsys.readouterr().out
 
 
 @shows("end-stand")

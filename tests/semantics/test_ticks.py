@@ -196,12 +196,16 @@ def test_another_return_value_is_an_exception(workspace: Workspace) -> None:
 
 @shows("status-told")
 def test_changes_are_told_once_and_children_first(workspace: Workspace) -> None:
-    told = run(workspace, "{emergency_stop: {sequence: [{act: {name: a, script: s}}, {idle: {name: b}}]}}")
+    told = run(workspace, "{inverter: {sequence: [{act: {name: a, script: s}}, {act: {name: b, script: rrs}}]}}")
     told.tick()
-    assert told.told() == [("a", "SUCCESS"), ("b", "RUNNING"), ("sequence", "RUNNING"), ("emergency_stop", "RUNNING")]
-    assert told.changes[1].feedback == "idle"
+    assert told.told() == [("a", "SUCCESS"), ("b", "RUNNING"), ("sequence", "RUNNING"), ("inverter", "RUNNING")]
     told.tick()
     assert told.told() == []
+    told.tick()
+    assert told.told() == [("b", "SUCCESS"), ("sequence", "SUCCESS"), ("inverter", "FAILURE")]
+    idle = run(workspace, "{emergency_stop: idle}")
+    idle.tick()
+    assert idle.changes[0].feedback == "idle"
 
 
 @shows("start-initialise")
