@@ -11,7 +11,8 @@ demo: $(VENV)/.installed
 	$(BIN)/humanoid-bt run fetch
 
 test: $(VENV)/.installed-dev
-	$(BIN)/python -m pytest
+	$(BIN)/python -m pytest -n auto --dist loadfile -m "not realtime"
+	$(BIN)/python -m pytest -m realtime
 
 check: $(VENV)/.installed-dev  ## lint, format, types, layers
 	$(BIN)/ruff check .
