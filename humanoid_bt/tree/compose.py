@@ -140,7 +140,7 @@ class _Composer:
     def _parameter(self, draft: Draft, behaviour: Behaviour, name: str, spec: Param) -> None:
         dynamic = keys_read(behaviour).get(name)
         if dynamic is not None:
-            key = self._scope.read(dynamic.name, self._place)
+            key = self._scope.read(dynamic.name, self._place, spec)
             keys_read(behaviour)[name] = draft.values[name] = key
             draft.references[name] = dynamic.name
             if not draft.type.dynamic:

@@ -231,7 +231,7 @@ class Reader:
         """Let a parameter be read from the blackboard each time the node starts."""
         name = item.value[1:]
         if draft.type.dynamic and spec.type not in (PerceptName, Key):
-            draft.values[spec.name] = self.scope.read(name, item.place) if parameter is None else parameter.value
+            draft.values[spec.name] = self.scope.read(name, item.place, spec) if parameter is None else parameter.value
             return
         draft.sound = False
         what = f"{spec.name!r} of {draft.type.type_name!r}"

@@ -23,7 +23,7 @@ class _Known:
     place: Place | None = None  # where it is declared
     type: Type | None = None
     written: list[Type] = field(default_factory=list)
-    read_at: list[Place] = field(default_factory=list)
+    read_at: list[tuple[Place, Param | None]] = field(default_factory=list)  # where, and for which parameter
     own: bool = True  # False: the caller's, handed in
 
 
@@ -72,10 +72,16 @@ class Scope:
         known.written.append(kind)
         return known.key
 
-    def read(self, name: str, place: Place) -> Key:
-        """Return the key of a name for a node that reads it; whether anything writes it is judged at the end."""
+    def read(self, name: str, place: Place, spec: Param | None = None) -> Key:
+        """Return the key of a name for a node that reads it; whether that can be right is judged at the end.
+
+        Args:
+            name: the key's.
+            place: where it is read.
+            spec: the parameter that gets its value, None for a part of an expression.
+        """
         known = self._keys.setdefault(name, _Known(Key(name)))
-        known.read_at.append(place)
+        known.read_at.append((place, spec))
         return known.key
 
     def refuse(self, name: str, problem: Problem) -> None:
@@ -170,8 +176,15 @@ class Scope:
             else:
                 message, code = f"the key {name!r} is read, but nothing writes it", "unwritten-key"
                 hint = "give it a default where it is declared, or a node that writes it"
-            self._problems += [Problem(message, place, hint, code) for place in known.read_at]
-        elif name in self._outputs and not known.written:
+            self._problems += [Problem(message, place, hint, code) for place, _ in known.read_at]
+            return
+        kind = _of(known)
+        for place, spec in known.read_at:
+            if spec is not None and not kind.goes_with(wanted := _type(spec)):
+                code = "wrong-unit" if kind.kind == wanted.kind else "wrong-type"
+                message = f"{spec.name!r} must be {wanted}, and the key {name!r} is {kind}"
+                self._problems.append(Problem(message, place, spec.doc, code))
+        if name in self._outputs and not known.written:
             message = f"nothing writes the output {name!r}"
             self._problems.append(Problem(message, known.place, "set_blackboard, or a skill's key", "unwritten-key"))
         elif known.place and not known.read_at and name not in self._outputs:

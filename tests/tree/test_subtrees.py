@@ -305,3 +305,31 @@ def test_a_tree_cannot_give_itself_to_itself(workspace: Workspace) -> None:
     write(workspace, "first", "subtree: true\nparameters: {a: {type: node}}\nroot: {subtree: {tree: first, a: $a}}")
     (problem,) = problems(workspace, "root: {subtree: {tree: first, a: act}}")
     assert problem.code == "subtree-cycle"
+
+
+@pytest.mark.parametrize(
+    ("text", "code", "message"),
+    [
+        (
+            "for_each: {item: n, items: [1, 2], act: {script: $n}}",
+            "wrong-type",
+            "'script' must be text, and",
+        ),
+        ("for_each: {item: n, items: [s, f], wait: $n}", "wrong-type", "'duration' must be a number in s"),
+    ],
+)
+def test_a_key_of_the_wrong_type_is_found_before_the_run(
+    workspace: Workspace, text: str, code: str, message: str
+) -> None:
+    (problem,) = problems(workspace, f"root: {{{text}}}")
+    assert message in problem.message
+    assert problem.code == code
+
+
+def test_a_key_of_the_wrong_unit_is_found_before_the_run(workspace: Workspace) -> None:
+    text = "blackboard: {far: {unit: m, default: 1}}\nroot: {wait: $far}"
+    (problem,) = problems(workspace, text)
+    assert (problem.code, problem.message) == (
+        "wrong-unit",
+        "'duration' must be a number in s, and the key 'far' is a number in m",
+    )
