@@ -84,7 +84,7 @@ class InverseKinematics:
         self._posture = mink.PostureTask(self._model, cost=weights.posture)
         self._gaze = _frame(GAZE_SITE, "site", 0.0, weights.gaze) if config.neck else None
         self._hands = {
-            side: _frame(palm_site(side), "site", weights.hand, 0.0, lm_damping=1.0)
+            side: _frame(palm_site(side), "site", weights.hand, 0.0, weights.hand_damping)
             for side in SIDES
             if side in config.hands
         }
