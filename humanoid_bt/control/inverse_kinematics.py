@@ -10,6 +10,7 @@ import mink
 import mujoco
 import numpy as np
 
+from humanoid_bt.control.height_limit import HeightLimit
 from humanoid_bt.errors import UserError
 from humanoid_bt.geometry import clamp, exp, planar_pose, pose_product
 from humanoid_bt.messages import SIDES, Array, Side
@@ -67,6 +68,7 @@ class InverseKinematics:
         acceleration: smoothed, shape (nv,).
         momentum_rate: smoothed rate of the planned motion's angular momentum, shape (3,) [Nm].
         solved: whether the last step had a solution.
+        height_limit: how low the base may go.
         configuration, tasks, limits: mink's problem of the last step.
     """
 
@@ -88,7 +90,8 @@ class InverseKinematics:
             for side in SIDES
             if side in config.hands
         }
-        self.limits = [mink.ConfigurationLimit(self._model)]
+        self.height_limit = HeightLimit(self._model.nv)
+        self.limits: list[mink.Limit] = [mink.ConfigurationLimit(self._model), self.height_limit]
         self.tasks: list[mink.BaseTask] = []
         self._reaching = 0.0
         self._root = self._model.body(config.base).id
@@ -115,6 +118,11 @@ class InverseKinematics:
     def joints(self) -> Array:
         """Reference of the joints, shape (nj,) [rad]."""
         return np.asarray(self.configuration.data.qpos[BASE_COORDINATES:])
+
+    @property
+    def com_height(self) -> float:
+        """Reference of the centre of mass' height [m]."""
+        return float(self.configuration.data.subtree_com[self._root][2])
 
     def palm(self, side: Side) -> Array:
         """Reference position of a palm, world frame, shape (3,)."""

@@ -119,7 +119,7 @@ class WholeBodyConfig:
     damping: float = param(1e-4, above=0, doc="Damping of the inverse kinematics.")
     hand_speed: float = param(0.4, above=0, unit="m/s", doc="Speed of a hand's reference.")
     hand_lead: float = param(
-        0.05, above=0, unit="m", doc="Farthest a hand's reference is ahead of the planned hand: bounds its pull."
+        0.08, above=0, unit="m", doc="Farthest a hand's reference is ahead of the planned hand: bounds its pull."
     )
     hand_integral: float = param(2.0, minimum=0, doc="Gain on a hand's measured error near its target [1/s].")
     hand_farthest: float = param(
