@@ -10,6 +10,7 @@ import mink
 import mujoco
 import numpy as np
 
+from humanoid_bt.control.height_limit import HeightLimit
 from humanoid_bt.errors import UserError
 from humanoid_bt.geometry import clamp, exp, planar_pose, pose_product
 from humanoid_bt.messages import SIDES, Array, Side
@@ -67,6 +68,7 @@ class InverseKinematics:
         acceleration: smoothed, shape (nv,).
         momentum_rate: smoothed rate of the planned motion's angular momentum, shape (3,) [Nm].
         solved: whether the last step had a solution.
+        height_limit: how low the base may go.
         configuration, tasks, limits: mink's problem of the last step.
     """
 
@@ -84,11 +86,12 @@ class InverseKinematics:
         self._posture = mink.PostureTask(self._model, cost=weights.posture)
         self._gaze = _frame(GAZE_SITE, "site", 0.0, weights.gaze) if config.neck else None
         self._hands = {
-            side: _frame(palm_site(side), "site", weights.hand, 0.0, lm_damping=1.0)
+            side: _frame(palm_site(side), "site", weights.hand, 0.0, weights.hand_damping)
             for side in SIDES
             if side in config.hands
         }
-        self.limits = [mink.ConfigurationLimit(self._model)]
+        self.height_limit = HeightLimit(self._model.nv)
+        self.limits: list[mink.Limit] = [mink.ConfigurationLimit(self._model), self.height_limit]
         self.tasks: list[mink.BaseTask] = []
         self._reaching = 0.0
         self._root = self._model.body(config.base).id
@@ -115,6 +118,11 @@ class InverseKinematics:
     def joints(self) -> Array:
         """Reference of the joints, shape (nj,) [rad]."""
         return np.asarray(self.configuration.data.qpos[BASE_COORDINATES:])
+
+    @property
+    def com_height(self) -> float:
+        """Reference of the centre of mass' height [m]."""
+        return float(self.configuration.data.subtree_com[self._root][2])
 
     def palm(self, side: Side) -> Array:
         """Reference position of a palm, world frame, shape (3,)."""
@@ -272,4 +280,6 @@ def _view(yaw: float, pitch: float) -> mink.SE3:
 
 
 def _blend(free: float, reaching: float, share: float) -> float:
-    return free * (1 - share) + reaching * share
+    """Return a cost between two; cubic, because a little of the free cost moves a body that leans a lot."""
+    taken = (1 - share) ** 3
+    return free * taken + reaching * (1 - taken)

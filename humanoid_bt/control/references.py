@@ -29,6 +29,9 @@ class HandReference:
     against its own arm. For the same reason a hand is let go while the robot walks and its target is out of reach; it
     follows again once the target is within reach.
 
+    The reference is never more than ``hand_lead`` ahead of the palm of the inverse kinematics: a target out of reach
+    pulls at the body no harder than that, and a hand whose target comes back turns at once.
+
     Args:
         weights: the robot's numbers.
         dt: control period [s].
@@ -38,7 +41,7 @@ class HandReference:
         self._weights, self._dt = weights, dt
         self._position: Array | None = None  # on the way to the target
         self._correction: Array = np.zeros(3)
-        self._sent: Array = np.zeros(3)  # what was returned last
+        self._sent: Array = np.zeros(3)  # what was returned last, unless the palm fell behind
         self._stance: Array = np.zeros(3)  # what these belong to
         self._let_go = False
 
@@ -61,6 +64,7 @@ class HandReference:
             stance: pose of the middle between the feet, world frame, shape (3,).
             walks: whether the stance moves.
         """
+        lead = self._weights.hand_lead
         before, self._stance = self._stance, stance
         if hold:
             if self._position is None:
@@ -68,7 +72,7 @@ class HandReference:
             self._position = _carried(self._position, before, stance)
             self._sent = _carried(self._sent, before, stance)
             self._correction[:2] = rotate(self._correction[:2], stance[2] - before[2])
-            return self._sent
+            return _toward(reference, self._sent, lead)
         if target is None:
             self._let_go = False
         if target is None or self._lets_go(target, stance, walks):
@@ -80,11 +84,12 @@ class HandReference:
         step = self._weights.hand_speed * self._dt
         error = target - self._position
         self._position = _toward(self._position, target, step)
+        self._position = _toward(reference - self._correction, self._position, lead)
         if error @ error < _CORRECT_WITHIN**2:
             correction = self._correction + self._weights.hand_integral * self._dt * (target - measured)
             self._correction = clamp(correction, -_CORRECT_MAX, _CORRECT_MAX)
         self._sent = _toward(self._sent, self._position + self._correction, step)
-        return self._sent
+        return _toward(reference, self._sent, lead)
 
     def _lets_go(self, target: Array, stance: Array, walks: bool) -> bool:
         weights, margin = self._weights, _REGAIN if self._let_go else 0.0

@@ -34,7 +34,9 @@ from humanoid_bt.messages import (
 from humanoid_bt.plant.robot_model import BASE_COORDINATES, BASE_DOFS, RobotModel
 
 _BLENDED = 1e-3  # of a share; the rest is taken in one step
-_BLEND_TIME = 0.3  # s in which the body is given to a reaching hand, and taken back
+_FALL_MARGIN = 0.05  # share of the base's home height that is kept above the height of a fall
+_GIVE_TIME = 0.3  # s in which the body is given to a reaching hand
+_TAKE_BACK_TIME = 0.8  # s in which it is taken back, from wherever it leans
 
 
 @dataclass(frozen=True)
@@ -92,6 +94,8 @@ class WholeBody:
         self._home_joints = measurement.qpos[BASE_COORDINATES:].copy()
         self.dynamics.update(measurement)
         self._home_height = float(self.dynamics.com[2])
+        least_share = self._robot.config.fall.height + _FALL_MARGIN
+        self.kinematics.height_limit.lowest = least_share * float(measurement.qpos[2])
         self.restart(measurement)
 
     def restart(self, measurement: Measurement) -> None:
@@ -188,6 +192,8 @@ class WholeBody:
         commanded = frozenset(positions)
         if self._commanded - commanded:
             self._posture.release_from(self.kinematics.joints)
+        if self._commanded and not commanded:
+            self._height = self.kinematics.com_height - self._home_height  # it rises from there, slowly
         self._commanded = commanded
         return positions
 
@@ -199,7 +205,7 @@ class WholeBody:
 
 def _blend(value: float, goal: float, dt: float) -> float:
     """Return a share moved toward its goal, which it reaches in the end."""
-    after = value + (goal - value) * min(1.0, dt / _BLEND_TIME)
+    after = value + (goal - value) * min(1.0, dt / (_GIVE_TIME if goal > value else _TAKE_BACK_TIME))
     return goal if abs(goal - after) < _BLENDED else after
 
 

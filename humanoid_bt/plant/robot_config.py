@@ -107,12 +107,20 @@ class WholeBodyConfig:
     torso_orientation: float = param(5.0, above=0, doc="Cost of the torso's orientation.")
     posture: float = param(0.3, above=0, doc="Cost of the home posture.")
     hand: float = param(8.0, above=0, doc="Cost of a commanded hand's position.")
+    hand_damping: float = param(
+        20.0,
+        minimum=0,
+        doc="Damping of all joints by the square of a hand's error, times its cost: a stretched arm does not chatter.",
+    )
     gaze: float = param(1.0, above=0, doc="Cost of the gaze's direction.")
     reach_height: float = param(0.3, minimum=0, doc="Cost of the centre of mass' height while reaching.")
     reach_torso: float = param(0.3, minimum=0, doc="Cost of the torso's orientation while reaching.")
     reach_base: float = param(2.0, minimum=0, doc="Cost of the pelvis' orientation while reaching.")
     damping: float = param(1e-4, above=0, doc="Damping of the inverse kinematics.")
     hand_speed: float = param(0.4, above=0, unit="m/s", doc="Speed of a hand's reference.")
+    hand_lead: float = param(
+        0.08, above=0, unit="m", doc="Farthest a hand's reference is ahead of the planned hand: bounds its pull."
+    )
     hand_integral: float = param(2.0, minimum=0, doc="Gain on a hand's measured error near its target [1/s].")
     hand_farthest: float = param(
         0.6,

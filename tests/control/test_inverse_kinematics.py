@@ -137,6 +137,24 @@ def test_soft_limits_hold_whatever_is_asked(
         assert (kinematics.joints <= robot.upper + 1e-6).all()
 
 
+def test_the_base_goes_no_lower_than_its_limit_whatever_a_hand_asks(
+    robot: RobotModel, standing: Array, kinematics: InverseKinematics
+) -> None:
+    lowest = kinematics.height_limit.lowest = 0.8 * standing[2]
+    wanted = targets(robot, standing, hands={"left": np.array([0.4, 0.2, 0.0])}, reaching=1.0)
+    for _ in range(300):
+        assert kinematics.step(wanted)
+        assert kinematics.base_pose[2] >= lowest - 1e-6
+    assert kinematics.base_pose[2] < lowest + 0.02  # it went there
+
+
+def test_a_base_below_its_limit_may_stay(robot: RobotModel, standing: Array, kinematics: InverseKinematics) -> None:
+    kinematics.height_limit.lowest = standing[2] + 0.1
+    for _ in range(20):
+        assert kinematics.step(targets(robot, standing))
+    assert kinematics.base_pose[2] == pytest.approx(standing[2], abs=5e-3)
+
+
 def no_solution(*_: object, **__: object) -> Array:
     raise mink.NoSolutionFound("daqp")
 

@@ -17,10 +17,10 @@ STANCE = np.zeros(3)
 
 
 def follow(hand: HandReference, periods: int, off: Array | None = None) -> list[Array]:
-    """Follow the target with a palm that is where it shall be, but for an offset of shape (3,)."""
+    """Follow the target with a planned palm that is where it shall be, and a measured one off it by shape (3,)."""
     positions, palm = [], PALM
     for _ in range(periods):
-        position = hand.update(TARGET, False, palm + (np.zeros(3) if off is None else off), PALM, stance=STANCE)
+        position = hand.update(TARGET, False, palm + (np.zeros(3) if off is None else off), palm, stance=STANCE)
         assert position is not None
         positions.append(position)
         palm = position
@@ -40,8 +40,10 @@ def test_near_the_target_a_measured_error_is_corrected_up_to_a_bound() -> None:
     sag = np.array([0, 0, -0.02])
     last = follow(hand, 160, sag)[-1]
     np.testing.assert_allclose(last, TARGET, atol=0.08)
+    bounded: Array | None = last
     for _ in range(2000):
-        bounded = hand.update(TARGET, False, TARGET + np.array([0, 0, -0.5]), PALM, stance=STANCE)
+        assert bounded is not None
+        bounded = hand.update(TARGET, False, TARGET + np.array([0, 0, -0.5]), bounded, stance=STANCE)
     assert bounded is not None
     np.testing.assert_allclose(bounded, TARGET + np.array([0, 0, 0.05]), atol=1e-6)
 
@@ -49,7 +51,7 @@ def test_near_the_target_a_measured_error_is_corrected_up_to_a_bound() -> None:
 def test_the_correction_takes_a_steady_sag_out() -> None:
     hand, palm, sag = HandReference(WEIGHTS, DT), PALM, np.array([0.0, 0.0, -0.02])
     for _ in range(1200):
-        reference = hand.update(TARGET, False, palm, PALM, stance=STANCE)
+        reference = hand.update(TARGET, False, palm, palm - sag, stance=STANCE)
         assert reference is not None
         palm = reference + sag
     np.testing.assert_allclose(palm, TARGET, atol=1e-4)
@@ -62,24 +64,47 @@ def test_far_from_the_target_nothing_is_integrated() -> None:
     assert np.linalg.norm(first - PALM) <= WEIGHTS.hand_speed * DT + 1e-12
 
 
+def test_it_is_never_far_ahead_of_a_palm_that_cannot_follow() -> None:
+    hand, stuck = HandReference(WEIGHTS, DT), PALM.copy()
+    for hold in (False, True):
+        for _ in range(400):
+            ahead = hand.update(TARGET, hold, stuck, stuck, stance=STANCE)
+            assert ahead is not None
+            assert np.linalg.norm(ahead - stuck) <= WEIGHTS.hand_lead + 1e-12
+        stuck = stuck - np.array([0.0, 0.0, 0.1])  # the body sinks while it is held
+
+
+def test_a_palm_that_could_not_follow_turns_at_once_when_its_target_comes_back() -> None:
+    hand = HandReference(WEIGHTS, DT)
+    for _ in range(400):
+        hand.update(TARGET, False, PALM, PALM, stance=STANCE)
+    back = 2 * PALM - TARGET
+    periods = 2 + round(WEIGHTS.hand_lead / (WEIGHTS.hand_speed * DT))
+    for _ in range(periods):
+        ahead = hand.update(back, False, PALM, PALM, stance=STANCE)
+    assert ahead is not None
+    assert (ahead - PALM) @ (back - PALM) > 0
+
+
 def test_hold_freezes_the_hand_whatever_is_commanded() -> None:
     hand = HandReference(WEIGHTS, DT)
     last = follow(hand, 60)[-1]
     for target in (None, TARGET, TARGET + 1):
-        frozen = hand.update(target, True, PALM, PALM, stance=STANCE)
+        frozen = hand.update(target, True, PALM, last, stance=STANCE)
         assert frozen is not None
         np.testing.assert_array_equal(frozen, last)
 
 
 def test_a_held_hand_comes_along_with_the_stance() -> None:
     hand = HandReference(WEIGHTS, DT)
-    x, y, z = follow(hand, 60)[-1]
+    x, y, z = held = follow(hand, 60)[-1]
     for share in np.linspace(0, 1, 20):
         stance = share * np.array([0.3, -0.1, np.pi / 2])
-        held = hand.update(TARGET, True, PALM, PALM, stance=stance, walks=True)
-    assert held is not None
+        moved = hand.update(TARGET, True, PALM, held, stance=stance, walks=True)
+        assert moved is not None
+        held = moved
     np.testing.assert_allclose(held, [0.3 - y, -0.1 + x, z], atol=1e-12)
-    after = hand.update(TARGET, False, PALM, PALM, stance=stance)
+    after = hand.update(TARGET, False, PALM, held, stance=stance)
     assert after is not None
     assert np.linalg.norm(after - held) <= WEIGHTS.hand_speed * DT + 1e-12  # it goes on from there, without a jump
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from humanoid_bt.messages import Side
+from humanoid_bt.messages import Gait, Side
 from humanoid_bt.testing.rig import Rig
 
 
@@ -38,6 +38,18 @@ def test_says_how_near_it_came_when_the_target_is_out_of_reach(rig: Rig) -> None
     assert result.failed
     assert "comes no nearer than" in result.feedback
     assert not result.fell
+
+
+@pytest.mark.parametrize(
+    "target", [(0.7, 0.0, 0.9), (0.65, -0.2, 0.7), (0.7, 0.3, 1.1), (0.65, 0.3, 1.1), (1.0, 0.0, 1.1), (0.6, -0.4, 0.1)]
+)
+def test_leans_and_crouches_for_a_far_target_without_losing_its_balance(rig: Rig, target: tuple[float, ...]) -> None:
+    result = rig.run("reach", target=target, timeout=12, patience=1.0)
+    assert result.succeeded or "comes no nearer than" in result.feedback
+    assert not result.stops
+    assert all(state.gait is Gait.STAND for state in result.states)  # nor does it have to catch itself
+    fastest = max(np.abs(state.setpoint_velocities).max() for state in result.states)
+    assert fastest < 5.0  # a stretched arm does not chatter
 
 
 def test_takes_the_hand_back_and_stands_when_halted(rig: Rig) -> None:
