@@ -76,3 +76,12 @@ def test_survives_an_emergency_stop_with_the_arm_out(rig: Rig) -> None:
     settled = rig.settle(1.5)
     assert settled.mode.value == "emergency_stop"
     assert np.linalg.norm(settled.hands["left"] - before) < 0.02
+
+
+@pytest.mark.parametrize("target", [(0.95, 0.1, 0.9), (0.6, 0.2, 0.1)], ids=["far", "low"])
+def test_stands_up_from_a_failed_reach_and_reaches_again(rig: Rig, target: tuple[float, float, float]) -> None:
+    assert not rig.run("reach", target=target, timeout=12).succeeded
+    assert rig.settle(3).base_settled
+    again = rig.run("reach", target=(0.4, 0.1, 0.9))
+    assert again.succeeded, again.feedback
+    assert not again.stops
