@@ -67,6 +67,7 @@ class Executor:
 
     def __init__(self, tree: Tree, robot: Robot, on_change: Callable[[NodeChange], None] | None = None) -> None:
         self.tree = tree
+        self._root = tree.root
         self.robot = robot
         self._on_change = on_change
         self._nodes: dict[Behaviour, Node] = {node.behaviour: node for node in tree.nodes}
@@ -79,7 +80,7 @@ class Executor:
     @property
     def status(self) -> Status:
         """The root's status; INVALID before the first tick and after a halt."""
-        return self.tree.root.status
+        return self._root.status
 
     def setup(self) -> None:
         """Give every node the robot; called once, before the first tick.
@@ -112,12 +113,12 @@ class Executor:
             ResourceConflict: two living nodes command one resource; the whole tree has been halted.
         """
         self.robot.begin_tick(state, percepts)
-        if self.tree.root.status is not RUNNING:
+        if self._root.status is not RUNNING:
             for key in self.tree.keys:
                 key.reset()
         seen = Seen()
         try:
-            tick(self.tree.root, seen)
+            tick(self._root, seen)
             command = self.robot.commit()
         except Raised as raised:
             node = self._nodes[raised.node]
