@@ -14,7 +14,8 @@ from humanoid_bt.messages import Level, Mode
 from humanoid_bt.params import assign, param
 from humanoid_bt.robot import Robot
 from humanoid_bt.tree.decorators import TIME_TOLERANCE
-from humanoid_bt.tree.expression import Truth, Unseen
+from humanoid_bt.tree.expression import Truth
+from humanoid_bt.tree.linking import Unseen
 from humanoid_bt.tree.results import SUCCEEDS, Below, Results
 from humanoid_bt.tree.template import Template
 from humanoid_bt.tree.ticking import FAILURE, INVALID, RUNNING, SUCCESS

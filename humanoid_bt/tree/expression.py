@@ -6,90 +6,16 @@ evaluated against the snapshot of a tick.
 
 from __future__ import annotations
 
-import operator
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field, replace
-from typing import Any, ClassVar, Protocol, Self, cast
+from dataclasses import dataclass, field
+from typing import Any, ClassVar, Self, cast
 
 from humanoid_bt.document import Item
-from humanoid_bt.errors import HumanoidBtError, Place, UserError, nearest
+from humanoid_bt.errors import Place, UserError
 from humanoid_bt.robot import Robot
 from humanoid_bt.tree import grammar
 from humanoid_bt.tree.grammar import Syntax, SyntaxMistake
-from humanoid_bt.tree.quantities import ANYTHING, NUMBER, TEXT, TRUTH, Type, number, type_of
-from humanoid_bt.tree.vocabulary import PERCEPT, SEEN, STATE
-
-Evaluate = Callable[[Robot], Any]
-"""Returns a value, from what the robot knows at the start of the tick."""
-
-CODE = "expression"
-"""The code of every mistake in an expression."""
-
-_OPERATORS: dict[str, Callable[[Any, Any], Any]] = {
-    "+": operator.add,
-    "-": operator.sub,
-    "*": operator.mul,
-    "/": operator.truediv,
-    "<": operator.lt,
-    "<=": operator.le,
-    ">": operator.gt,
-    ">=": operator.ge,
-    "==": operator.eq,
-    "!=": operator.ne,
-}
-FUNCTIONS: dict[str, Callable[..., Any]] = {"abs": abs, "min": min, "max": max}
-"""Functions of numbers."""
-
-IS_SET = "is_set"
-"""``is_set(key)``: whether the blackboard has a value for a key."""
-
-
-class Unseen(HumanoidBtError):  # noqa: N818 (the name says it)
-    """A percept was asked for something before it was ever seen."""
-
-
-class Names(Protocol):
-    """What the names of one tree mean to its expressions."""
-
-    def value(self, name: str) -> tuple[Type, Callable[[], Any]] | None:
-        """Return type and value of a parameter or a key of the blackboard, None if there is none of this name."""
-
-    def percept(self, name: str) -> str:
-        """Return the percept that a name means: the value of a parameter of this name, else the name itself."""
-
-    def is_set(self, name: str) -> Callable[[], bool] | None:
-        """Return what tells whether a key has a value, None if there is no such key."""
-
-    @property
-    def known(self) -> Iterator[str]:
-        """The names of all parameters and keys, for hints."""
-
-
-@dataclass
-class Watched:
-    """One comparison as it went the last time: what people are told about a condition.
-
-    Attributes:
-        source: how its left side is written.
-        operator: how it compares.
-        steady: whether it need no hysteresis: nothing in it jitters, or it has one.
-        type: of what it compares.
-        text: what it compared, "" before the first time.
-        holds: whether it held, as far as hysteresis remembers.
-    """
-
-    source: str
-    operator: str
-    steady: bool
-    type: Type = ANYTHING
-    left: Any = None
-    right: Any = None
-    holds: bool = False
-
-    @property
-    def text(self) -> str:
-        """What was compared, in words."""
-        return f"{self.source} {shown(self.left)} {self.operator} {shown(self.right)}"
+from humanoid_bt.tree.linking import CODE, Evaluate, Linker, Names, Watched, within
+from humanoid_bt.tree.quantities import ANYTHING, TRUTH, Type
 
 
 @dataclass
@@ -155,7 +81,7 @@ class Expression:
         try:
             return cls(text, place or Place(""), grammar.parse(text), text_at)
         except SyntaxMistake as mistake:
-            where = _within(place, text_at, mistake.at) if place else None
+            where = within(place, text_at, mistake.at) if place else None
             raise UserError(f"{text!r} is no expression: {mistake}", where, "", CODE) from mistake
 
     def __str__(self) -> str:
@@ -180,7 +106,7 @@ class Expression:
         Raises:
             UserError: a name means nothing, or types or units do not go together.
         """
-        linker = _Linker(self, names)
+        linker = Linker(self, names)
         self.percepts.clear()
         self.keys.clear()
         self.comparisons.clear()
@@ -225,187 +151,3 @@ class Truth(Expression):
     """An expression that is true or false: what conditions ask."""
 
     wanted = TRUTH
-
-
-class _Linker:
-    def __init__(self, expression: Expression, names: Names) -> None:
-        self._expression = expression
-        self._names = names
-        self._at = 0  # index in the text of the part that is linked
-
-    def mistake(self, message: str, hint: str = "") -> UserError:
-        place = _within(self._expression.place, self._expression.text_at, self._at)
-        return UserError(f"in {self._expression.text!r}: {message}", place, hint, CODE)
-
-    def link(self, syntax: Syntax) -> tuple[Type, Evaluate]:
-        """Return type and evaluation of a part; what is raised meanwhile is about it."""
-        outside = self._at
-        self._at = outside if isinstance(syntax, grammar.Literal) else syntax.at
-        found = self._link(syntax)
-        self._at = outside
-        return found
-
-    def _link(self, syntax: Syntax) -> tuple[Type, Evaluate]:  # noqa: PLR0911 (a table of cases)
-        match syntax:
-            case grammar.Literal(value, unit):
-                kind = number(unit) if unit else type_of(value)
-                return kind, lambda _robot: value
-            case grammar.Name(name, _):
-                return self._name(name)
-            case grammar.Attribute(of, name, _):
-                return self._state(name) if of == "state" else self._percept(of, name)
-            case grammar.Call(name, arguments, _):
-                return self._call(name, arguments)
-            case grammar.Unary(sign, operand, _):
-                return self._unary(sign, operand)
-            case grammar.Binary("and" | "or" as word, left, right, _):
-                return self._logic(word, left, right)
-            case grammar.Binary(sign, left, right, _):
-                return self._arithmetic(sign, left, right)
-            case grammar.Comparison():
-                return self._comparison(syntax)
-
-    def _name(self, name: str) -> tuple[Type, Evaluate]:
-        found = self._names.value(name)
-        if found is None:
-            hint = nearest(name, self._names.known) or "the tree declares no parameters and writes no keys"
-            raise self.mistake(f"unknown name {name!r}", f"{hint}; of a percept ask distance({name}) or the like")
-        kind, value = found
-        if self._names.is_set(name) is not None:
-            self._expression.keys.append(name)
-        return kind, lambda _robot: value()
-
-    def _state(self, name: str) -> tuple[Type, Evaluate]:
-        if name not in STATE:
-            raise self.mistake(f"the state has no {name!r}", nearest(name, STATE))
-        of = STATE[name].of
-        return STATE[name].type, lambda robot: of(robot.state)
-
-    def _percept(self, written: str, name: str) -> tuple[Type, Evaluate]:
-        percept = self._names.percept(written)
-        if name == SEEN:
-            self._expression.percepts.append(percept)
-            return TRUTH, lambda robot: robot.track(percept) is not None
-        if name not in PERCEPT:
-            raise self.mistake(f"a percept has no {name!r}", nearest(name, [*PERCEPT, SEEN]))
-        self._expression.percepts.append(percept)
-        of = PERCEPT[name].of
-
-        def ask(robot: Robot) -> Any:
-            track = robot.track(percept)
-            if track is None:
-                raise Unseen(f"{percept!r} was never seen")
-            return of(track)
-
-        return PERCEPT[name].type, ask
-
-    def _call(self, name: str, arguments: tuple[Syntax, ...]) -> tuple[Type, Evaluate]:
-        if name in PERCEPT or name in (SEEN, IS_SET):
-            if len(arguments) != 1 or not isinstance(arguments[0], grammar.Name):
-                what = "key of the blackboard" if name == IS_SET else "percept"
-                raise self.mistake(f"{name}() takes the name of one {what}")
-            argument = arguments[0].name
-            return self._is_set(argument) if name == IS_SET else self._percept(argument, name)
-        if name not in FUNCTIONS:
-            raise self.mistake(f"unknown function {name!r}", nearest(name, [*PERCEPT, SEEN, IS_SET, *FUNCTIONS]))
-        least = 1 if name == "abs" else 2
-        if len(arguments) < least or (name == "abs" and len(arguments) > 1):
-            raise self.mistake(f"{name}() takes {'one number' if name == 'abs' else 'two or more numbers'}")
-        linked = [self._number(argument, f"{name}()") for argument in arguments]
-        kind = linked[0][0]
-        for other, _ in linked[1:]:
-            if not kind.goes_with(other):
-                raise self.mistake(f"{kind} and {other} cannot be compared")
-            kind = other if kind.exponents is None else kind
-        function, values = FUNCTIONS[name], [value for _, value in linked]
-        return kind, lambda robot: function(*[value(robot) for value in values])
-
-    def _is_set(self, name: str) -> tuple[Type, Evaluate]:
-        is_set = self._names.is_set(name)
-        if is_set is None:
-            raise self.mistake(f"the blackboard has no key {name!r}", nearest(name, self._names.known))
-        return TRUTH, lambda _robot: is_set()
-
-    def _unary(self, sign: str, operand: Syntax) -> tuple[Type, Evaluate]:
-        if sign == "not":
-            value = self._truth(operand, "not")
-            return TRUTH, lambda robot: not value(robot)
-        kind, value = self._number(operand, "-")
-        return kind, lambda robot: -value(robot)
-
-    def _logic(self, word: str, left: Syntax, right: Syntax) -> tuple[Type, Evaluate]:
-        first, second = self._truth(left, word), self._truth(right, word)
-        if word == "and":
-            return TRUTH, lambda robot: first(robot) and second(robot)
-        return TRUTH, lambda robot: first(robot) or second(robot)
-
-    def _arithmetic(self, sign: str, left: Syntax, right: Syntax) -> tuple[Type, Evaluate]:
-        (kind, first), (other, second) = self._number(left, sign), self._number(right, sign)
-        if sign in ("*", "/"):
-            result = kind.times(other, 1 if sign == "*" else -1)
-        else:
-            if not kind.goes_with(other):
-                raise self.mistake(f"{kind} and {other} cannot be {'added' if sign == '+' else 'subtracted'}")
-            result = other if kind.exponents is None else kind
-        compute = _OPERATORS[sign]
-        return result, lambda robot: compute(first(robot), second(robot))
-
-    def _comparison(self, syntax: grammar.Comparison) -> tuple[Type, Evaluate]:
-        before = len(self._expression.percepts)
-        (kind, left), (other, right) = self.link(syntax.left), self.link(syntax.right)
-        sign = syntax.operator
-        if not kind.goes_with(other):
-            raise self.mistake(f"{kind} and {other} cannot be compared")
-        ordered = sign not in ("==", "!=")
-        if (ordered and TEXT in (kind, other)) or (ordered and TRUTH in (kind, other)):
-            raise self.mistake(f"{kind} and {other} have no order: {sign!r} is for numbers")
-        jitters = len(self._expression.percepts) > before and ordered
-        steady = not jitters or syntax.hysteresis is not None
-        watched = Watched(syntax.source, sign, steady, kind if kind.unit else other)
-        self._expression.comparisons.append(watched)
-        compare = _OPERATORS[sign]
-        if syntax.hysteresis is None:
-
-            def plain(robot: Robot) -> bool:
-                watched.left, watched.right = left(robot), right(robot)
-                return bool(compare(watched.left, watched.right))
-
-            return TRUTH, plain
-        if not ordered:
-            raise self.mistake(f"{sign!r} has no hysteresis")
-        width_type, width = self._number(syntax.hysteresis, "hysteresis")
-        if not width_type.goes_with(kind):
-            raise self.mistake(f"the hysteresis of {kind} cannot be {width_type}")
-        looser = 1 if sign in ("<", "<=") else -1
-
-        def with_hysteresis(robot: Robot) -> bool:
-            watched.left, watched.right = left(robot), right(robot)
-            limit = watched.right + looser * width(robot) if watched.holds else watched.right
-            watched.holds = bool(compare(watched.left, limit))
-            return watched.holds
-
-        return TRUTH, with_hysteresis
-
-    def _truth(self, syntax: Syntax, word: str) -> Evaluate:
-        kind, value = self.link(syntax)
-        if not kind.goes_with(TRUTH):
-            raise self.mistake(f"{word!r} needs true or false, not {kind}")
-        return value
-
-    def _number(self, syntax: Syntax, what: str) -> tuple[Type, Evaluate]:
-        kind, value = self.link(syntax)
-        if kind.kind not in ("number", "anything"):
-            raise self.mistake(f"{what!r} needs {NUMBER.kind}s, not {kind}")
-        return kind, value
-
-
-def _within(place: Place, text_at: int | None, index: int) -> Place:
-    """Return the place of a character of an expression, as near as that is known."""
-    if text_at is None or not place.line:
-        return place
-    return replace(place, column=place.column + text_at + index)
-
-
-def shown(value: Any) -> str:
-    """Return a value as people read it."""
-    return f"{value:.4g}" if isinstance(value, float) else str(value).lower() if isinstance(value, bool) else str(value)
