@@ -29,16 +29,16 @@ from humanoid_bt.plant.scene_config import SceneConfig
 from humanoid_bt.robot import RobotHandle, Track
 from humanoid_bt.testing.rig import Rig, RigResult
 from humanoid_bt.tree.elsewhere import FOREIGN
+from humanoid_bt.tree.expressions.quantities import TRUTH
+from humanoid_bt.tree.expressions.vocabulary import PERCEPT, SEEN, STATE
 from humanoid_bt.tree.file import PARTS, Header
 from humanoid_bt.tree.load import load_tree, subtree_types
 from humanoid_bt.tree.nodes import BUILTIN
 from humanoid_bt.tree.parameters import TYPES, LongForm
-from humanoid_bt.tree.quantities import TRUTH
 from humanoid_bt.tree.registry import NODE_KEYS, NodeType, Registry
 from humanoid_bt.tree.show import svg_tree
 from humanoid_bt.tree.slots import Slot
 from humanoid_bt.tree.tree import Tree
-from humanoid_bt.tree.vocabulary import PERCEPT, SEEN, STATE
 from humanoid_bt.workspace import Workspace, builtin_root
 
 IMAGES = blocks.ROOT / "docs" / "images"

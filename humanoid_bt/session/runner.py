@@ -12,7 +12,7 @@ from humanoid_bt.messages import Command, Percept, State
 from humanoid_bt.robot import Robot
 from humanoid_bt.session.outcome import End
 from humanoid_bt.tree.executor import Executor
-from humanoid_bt.tree.guards import EmergencyStop
+from humanoid_bt.tree.nodes.guards import EmergencyStop
 from humanoid_bt.tree.tree import Tree
 
 SETTLE_TIME = 5.0

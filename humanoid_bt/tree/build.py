@@ -13,7 +13,7 @@ from py_trees.behaviours import Dummy
 from humanoid_bt.errors import Problem
 from humanoid_bt.skill_files import class_file, place_in_file
 from humanoid_bt.tree.draft import Draft
-from humanoid_bt.tree.subtree import SubTree
+from humanoid_bt.tree.nodes.subtree import SubTree
 from humanoid_bt.tree.tree import Node
 
 

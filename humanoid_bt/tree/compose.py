@@ -17,12 +17,12 @@ from humanoid_bt.skill import node_type_name
 from humanoid_bt.tree.build import collect
 from humanoid_bt.tree.checks import World, check
 from humanoid_bt.tree.draft import Draft
+from humanoid_bt.tree.expressions.template import expressions_of
 from humanoid_bt.tree.file import check_name
+from humanoid_bt.tree.nodes.subtree import SubTree
 from humanoid_bt.tree.parameters import Parameters
 from humanoid_bt.tree.registry import NodeType, Registry
 from humanoid_bt.tree.scope import Scope
-from humanoid_bt.tree.subtree import SubTree
-from humanoid_bt.tree.template import expressions_of
 from humanoid_bt.tree.ticking import Branch
 from humanoid_bt.tree.tree import Tree
 from humanoid_bt.workspace import Workspace

@@ -13,7 +13,7 @@ from humanoid_bt.errors import HumanoidBtError, Place, Problem, ResourceConflict
 from humanoid_bt.messages import Command, Percept, State
 from humanoid_bt.robot import Robot
 from humanoid_bt.skill_files import class_file, place_in_file
-from humanoid_bt.tree.on_error import OnError, catch
+from humanoid_bt.tree.nodes.on_error import OnError, catch
 from humanoid_bt.tree.ticking import INVALID, RUNNING, Raised, Seen, halt_alone, tick
 from humanoid_bt.tree.tree import Node, Tree
 

@@ -8,11 +8,11 @@ from humanoid_bt.document import Item
 from humanoid_bt.errors import Place, Problem, UserError, nearest
 from humanoid_bt.tree.draft import Draft
 from humanoid_bt.tree.file import TreeFile
+from humanoid_bt.tree.nodes.subtree import SubTree
 from humanoid_bt.tree.parameters import NodeItem, reference
 from humanoid_bt.tree.registry import CHILD, NodeType, Registry, placeholder
 from humanoid_bt.tree.scope import Scope
 from humanoid_bt.tree.slots import Slot
-from humanoid_bt.tree.subtree import SubTree
 from humanoid_bt.tree.values import ValueReader
 
 

@@ -21,7 +21,7 @@ from humanoid_bt.params import Param, PerceptName, params_of
 from humanoid_bt.skill import Skill, node_type_name
 from humanoid_bt.skill_files import class_place, load_skills
 from humanoid_bt.tree import elsewhere
-from humanoid_bt.tree.expression import Expression
+from humanoid_bt.tree.expressions.expression import Expression
 from humanoid_bt.tree.nodes import BUILTIN, Kind
 from humanoid_bt.tree.slots import Slot, Takes
 from humanoid_bt.workspace import Workspace

@@ -15,13 +15,13 @@ from typing import Any
 
 from humanoid_bt.blackboard import KEY_NAME, Key
 from humanoid_bt.params import UNITS, Param, params_of, written_units
-from humanoid_bt.tree.expression import Expression
+from humanoid_bt.tree.expressions.expression import Expression
+from humanoid_bt.tree.expressions.template import Template
 from humanoid_bt.tree.file import PARTS, Header
+from humanoid_bt.tree.nodes.subtree import SubTree
 from humanoid_bt.tree.parameters import LongForm
 from humanoid_bt.tree.registry import ALIASES, NodeType, Registry
 from humanoid_bt.tree.slots import Slot
-from humanoid_bt.tree.subtree import SubTree
-from humanoid_bt.tree.template import Template
 
 Schema = dict[str, Any]
 

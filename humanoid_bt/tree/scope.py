@@ -9,10 +9,10 @@ from typing import Any
 from humanoid_bt.blackboard import Key
 from humanoid_bt.errors import Place, Problem, UserError, nearest
 from humanoid_bt.params import Param, PerceptName
-from humanoid_bt.tree.expression import Expression
-from humanoid_bt.tree.grammar import names
+from humanoid_bt.tree.expressions.expression import Expression
+from humanoid_bt.tree.expressions.grammar import names
+from humanoid_bt.tree.expressions.quantities import ANYTHING, TEXT, TRUTH, Type, number
 from humanoid_bt.tree.parameters import Declaration, Parameters
-from humanoid_bt.tree.quantities import ANYTHING, TEXT, TRUTH, Type, number
 
 
 @dataclass

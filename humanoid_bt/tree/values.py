@@ -10,12 +10,12 @@ from humanoid_bt.document import Item
 from humanoid_bt.errors import Problem, UserError, nearest
 from humanoid_bt.params import Param, PerceptName, read_values
 from humanoid_bt.tree.draft import Draft
-from humanoid_bt.tree.expression import Expression
+from humanoid_bt.tree.expressions.expression import Expression
+from humanoid_bt.tree.expressions.quantities import ANYTHING, Type, type_of
+from humanoid_bt.tree.expressions.template import Template, expressions_of
 from humanoid_bt.tree.file import check_name
 from humanoid_bt.tree.parameters import Parameter, reference
-from humanoid_bt.tree.quantities import ANYTHING, Type, type_of
 from humanoid_bt.tree.scope import Scope
-from humanoid_bt.tree.template import Template, expressions_of
 
 
 class ValueReader:

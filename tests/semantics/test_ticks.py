@@ -142,7 +142,7 @@ def test_a_tick_with_an_exception_commits_nothing(workspace: Workspace) -> None:
 
 @shows("tick-no-waiting")
 def test_nothing_waits() -> None:
-    modules = [*Path(humanoid_bt.tree.__file__).parent.glob("*.py"), *(builtin_root() / "skills").glob("*.py")]
+    modules = [*Path(humanoid_bt.tree.__file__).parent.rglob("*.py"), *(builtin_root() / "skills").glob("*.py")]
     assert {"timing.py", "reach.py"} <= {path.name for path in modules}
     for path in modules:
         assert not imports(path) & {"time", "datetime", "threading", "asyncio", "subprocess", "multiprocessing"}, path

@@ -15,7 +15,7 @@ from humanoid_bt.errors import Problem, UserError
 from humanoid_bt.skill_files import load_skills
 from humanoid_bt.tree import Registry, Tree, load_tree
 from humanoid_bt.tree.compose import make_tree
-from humanoid_bt.tree.expression import Expression
+from humanoid_bt.tree.expressions.expression import Expression
 from humanoid_bt.tree.nodes import (
     Condition,
     EmergencyStop,

@@ -13,10 +13,10 @@ from humanoid_bt.clock import CycleClock
 from humanoid_bt.errors import Place, UserError
 from humanoid_bt.messages import Percept
 from humanoid_bt.robot import Robot
-from humanoid_bt.tree.expression import Expression, Truth
-from humanoid_bt.tree.grammar import MAX_DEPTH, MAX_LENGTH
-from humanoid_bt.tree.linking import Unseen
-from humanoid_bt.tree.quantities import ANYTHING, NUMBER, TEXT, TRUTH, Type, number
+from humanoid_bt.tree.expressions.expression import Expression, Truth
+from humanoid_bt.tree.expressions.grammar import MAX_DEPTH, MAX_LENGTH
+from humanoid_bt.tree.expressions.linking import Unseen
+from humanoid_bt.tree.expressions.quantities import ANYTHING, NUMBER, TEXT, TRUTH, Type, number
 from tests.tree.helpers import make_robot, make_state
 
 

@@ -4,7 +4,7 @@ import pytest
 
 from humanoid_bt.errors import ControlLost, ResourceConflict
 from humanoid_bt.tree import NodeError
-from humanoid_bt.tree.on_error import OnError
+from humanoid_bt.tree.nodes.on_error import OnError
 from humanoid_bt.tree.ticking import RUNNING
 from humanoid_bt.workspace import Workspace
 from tests.tree.helpers import run

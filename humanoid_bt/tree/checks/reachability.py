@@ -8,9 +8,9 @@ from py_trees.common import Status
 
 from humanoid_bt.errors import Problem
 from humanoid_bt.tree.checks.facts import Facts
-from humanoid_bt.tree.decorators import Repeat, Retry, Timeout
 from humanoid_bt.tree.draft import Draft
-from humanoid_bt.tree.parallel import Parallel, number_of
+from humanoid_bt.tree.nodes.decorators import Repeat, Retry, Timeout
+from humanoid_bt.tree.nodes.parallel import Parallel, number_of
 from humanoid_bt.tree.results import Results
 
 SUCCESS, FAILURE, RUNNING = Status.SUCCESS, Status.FAILURE, Status.RUNNING

@@ -11,10 +11,10 @@ from humanoid_bt.errors import Place, Problem
 from humanoid_bt.skill import Skill
 from humanoid_bt.tree.checks.facts import Facts, waits_for_ever
 from humanoid_bt.tree.draft import Draft
-from humanoid_bt.tree.expression import Expression
-from humanoid_bt.tree.grammar import Comparison
-from humanoid_bt.tree.linking import Watched
-from humanoid_bt.tree.parallel import Parallel, number_of
+from humanoid_bt.tree.expressions.expression import Expression
+from humanoid_bt.tree.expressions.grammar import Comparison
+from humanoid_bt.tree.expressions.linking import Watched
+from humanoid_bt.tree.nodes.parallel import Parallel, number_of
 
 _WIDTHS = {"m": "5 cm", "rad": "5 deg", "s": "100 ms", "m/s": "5 cm/s", "rad/s": "5 deg/s", "": "0.1"}
 """Unit -> a hysteresis as an example."""

@@ -9,8 +9,8 @@ from dataclasses import dataclass, field, replace
 from humanoid_bt.errors import Problem
 from humanoid_bt.tree.checks.facts import Facts
 from humanoid_bt.tree.draft import Draft
-from humanoid_bt.tree.guards import EmergencyStop, Watchdog
-from humanoid_bt.tree.parallel import Parallel
+from humanoid_bt.tree.nodes.guards import EmergencyStop, Watchdog
+from humanoid_bt.tree.nodes.parallel import Parallel
 
 
 @dataclass(frozen=True)

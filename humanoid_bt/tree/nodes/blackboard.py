@@ -11,8 +11,8 @@ from py_trees.common import Status
 from humanoid_bt.blackboard import Key
 from humanoid_bt.params import assign, param
 from humanoid_bt.robot import Robot
-from humanoid_bt.tree.expression import Expression
-from humanoid_bt.tree.linking import Unseen
+from humanoid_bt.tree.expressions.expression import Expression
+from humanoid_bt.tree.expressions.linking import Unseen
 from humanoid_bt.tree.results import AT_ONCE, SUCCEEDS, Below, Results
 from humanoid_bt.tree.ticking import FAILURE, SUCCESS
 

@@ -10,7 +10,7 @@ from py_trees.common import Status
 
 from humanoid_bt.blackboard import Key
 from humanoid_bt.params import param
-from humanoid_bt.tree.decorators import Decorator
+from humanoid_bt.tree.nodes.decorators import Decorator
 from humanoid_bt.tree.results import Below, Results
 from humanoid_bt.tree.ticking import FAILURE, INVALID, RUNNING, SUCCESS, Seen, tick
 

@@ -11,7 +11,7 @@ from py_trees.common import Status
 from humanoid_bt.messages import Mode
 from humanoid_bt.params import PerceptName, param
 from humanoid_bt.robot import Robot
-from humanoid_bt.tree.decorators import TIME_TOLERANCE, Decorator
+from humanoid_bt.tree.nodes.decorators import TIME_TOLERANCE, Decorator
 from humanoid_bt.tree.results import Below, Results
 from humanoid_bt.tree.slots import Slot
 from humanoid_bt.tree.ticking import FAILURE, INVALID, RUNNING, Seen, halt, tick

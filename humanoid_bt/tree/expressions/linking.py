@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 from humanoid_bt.errors import HumanoidBtError, Place, UserError, nearest
 from humanoid_bt.robot import Robot
-from humanoid_bt.tree import grammar
-from humanoid_bt.tree.grammar import Syntax
-from humanoid_bt.tree.quantities import ANYTHING, NUMBER, TEXT, TRUTH, Type, number, type_of
-from humanoid_bt.tree.vocabulary import PERCEPT, SEEN, STATE
+from humanoid_bt.tree.expressions import grammar
+from humanoid_bt.tree.expressions.grammar import Syntax
+from humanoid_bt.tree.expressions.quantities import ANYTHING, NUMBER, TEXT, TRUTH, Type, number, type_of
+from humanoid_bt.tree.expressions.vocabulary import PERCEPT, SEEN, STATE
 
 if TYPE_CHECKING:
-    from humanoid_bt.tree.expression import Expression
+    from humanoid_bt.tree.expressions.expression import Expression
 
 Evaluate = Callable[[Robot], Any]
 """Returns a value, from what the robot knows at the start of the tick."""

@@ -9,7 +9,7 @@ from typing import Generic, TypeVar
 
 from humanoid_bt.messages import State
 from humanoid_bt.robot import Track
-from humanoid_bt.tree.quantities import NUMBER, TEXT, TRUTH, Type, number
+from humanoid_bt.tree.expressions.quantities import NUMBER, TEXT, TRUTH, Type, number
 
 Asked = TypeVar("Asked")
 Answer = bool | float | str

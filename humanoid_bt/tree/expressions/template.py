@@ -10,8 +10,8 @@ from humanoid_bt.blackboard import KeyNotSet
 from humanoid_bt.document import Item
 from humanoid_bt.errors import Place, UserError
 from humanoid_bt.robot import Robot
-from humanoid_bt.tree.expression import Expression
-from humanoid_bt.tree.linking import CODE, Unseen, shown
+from humanoid_bt.tree.expressions.expression import Expression
+from humanoid_bt.tree.expressions.linking import CODE, Unseen, shown
 
 _PIECE = re.compile(
     r"""(?P<text>[^{}]+) | (?P<brace>\{\{|\}\}) | \{(?P<expression>(?:[^{}'"]|'[^']*'|"[^"]*")*)\}""", re.VERBOSE

@@ -12,10 +12,10 @@ from typing import Any, ClassVar, Self, cast
 from humanoid_bt.document import Item
 from humanoid_bt.errors import Place, UserError
 from humanoid_bt.robot import Robot
-from humanoid_bt.tree import grammar
-from humanoid_bt.tree.grammar import Syntax, SyntaxMistake
-from humanoid_bt.tree.linking import CODE, Evaluate, Linker, Names, Watched, within
-from humanoid_bt.tree.quantities import ANYTHING, TRUTH, Type
+from humanoid_bt.tree.expressions import grammar
+from humanoid_bt.tree.expressions.grammar import Syntax, SyntaxMistake
+from humanoid_bt.tree.expressions.linking import CODE, Evaluate, Linker, Names, Watched, within
+from humanoid_bt.tree.expressions.quantities import ANYTHING, TRUTH, Type
 
 
 @dataclass

@@ -11,7 +11,7 @@ from py_trees.common import Status
 from humanoid_bt.clock import Clock
 from humanoid_bt.params import param
 from humanoid_bt.robot import Robot
-from humanoid_bt.tree.decorators import TIME_TOLERANCE, Decorator
+from humanoid_bt.tree.nodes.decorators import TIME_TOLERANCE, Decorator
 from humanoid_bt.tree.results import Below, Results
 from humanoid_bt.tree.ticking import FAILURE, INVALID, RUNNING, Seen, tick
 

@@ -10,7 +10,7 @@ from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
 from humanoid_bt.errors import ControlLost, ResourceConflict
-from humanoid_bt.tree.decorators import Decorator
+from humanoid_bt.tree.nodes.decorators import Decorator
 from humanoid_bt.tree.results import Below, Results
 from humanoid_bt.tree.ticking import FAILURE, INVALID, Branch, Raised, Seen, halt_alone, tick
 

@@ -21,7 +21,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
-from humanoid_bt.tree.quantities import read_quantity
+from humanoid_bt.tree.expressions.quantities import read_quantity
 
 MAX_DEPTH = 50
 """Deepest nesting of an expression."""

@@ -11,18 +11,18 @@ from typing import Literal
 
 from py_trees.behaviour import Behaviour
 
-from humanoid_bt.tree.actions import Failure, Log, RaiseEmergencyStop, Running, Success, Wait, WaitUntil
-from humanoid_bt.tree.blackboard_nodes import ClearBlackboard, SetBlackboard
-from humanoid_bt.tree.branching import If, Switch
-from humanoid_bt.tree.composites import Selector, Sequence
-from humanoid_bt.tree.conditions import Condition, Confident, Within
-from humanoid_bt.tree.decorators import Inverter, Repeat, Retry, Timeout
-from humanoid_bt.tree.guards import EmergencyStop, Watchdog
-from humanoid_bt.tree.loops import ForEach, KeepRunningUntilFailure
-from humanoid_bt.tree.on_error import OnError
-from humanoid_bt.tree.parallel import Parallel
-from humanoid_bt.tree.preconditions import Guard, Precondition, While
-from humanoid_bt.tree.statuses import (
+from humanoid_bt.tree.nodes.actions import Failure, Log, RaiseEmergencyStop, Running, Success, Wait, WaitUntil
+from humanoid_bt.tree.nodes.blackboard import ClearBlackboard, SetBlackboard
+from humanoid_bt.tree.nodes.branching import If, Switch
+from humanoid_bt.tree.nodes.composites import Selector, Sequence
+from humanoid_bt.tree.nodes.conditions import Condition, Confident, Within
+from humanoid_bt.tree.nodes.decorators import Inverter, Repeat, Retry, Timeout
+from humanoid_bt.tree.nodes.guards import EmergencyStop, Watchdog
+from humanoid_bt.tree.nodes.loops import ForEach, KeepRunningUntilFailure
+from humanoid_bt.tree.nodes.on_error import OnError
+from humanoid_bt.tree.nodes.parallel import Parallel
+from humanoid_bt.tree.nodes.preconditions import Guard, Precondition, While
+from humanoid_bt.tree.nodes.statuses import (
     FailureIsRunning,
     ForceFailure,
     ForceSuccess,
@@ -32,8 +32,8 @@ from humanoid_bt.tree.statuses import (
     StatusToBlackboard,
     SuccessIsRunning,
 )
-from humanoid_bt.tree.subtree import SubTree
-from humanoid_bt.tree.timing import Cooldown, Delay, MinDuration
+from humanoid_bt.tree.nodes.subtree import SubTree
+from humanoid_bt.tree.nodes.timing import Cooldown, Delay, MinDuration
 
 Kind = Literal["composite", "decorator", "subtree", "condition", "action", "skill"]
 

@@ -13,11 +13,11 @@ from humanoid_bt.clock import Clock
 from humanoid_bt.messages import Level, Mode
 from humanoid_bt.params import assign, param
 from humanoid_bt.robot import Robot
-from humanoid_bt.tree.decorators import TIME_TOLERANCE
-from humanoid_bt.tree.expression import Truth
-from humanoid_bt.tree.linking import Unseen
+from humanoid_bt.tree.expressions.expression import Truth
+from humanoid_bt.tree.expressions.linking import Unseen
+from humanoid_bt.tree.expressions.template import Template
+from humanoid_bt.tree.nodes.decorators import TIME_TOLERANCE
 from humanoid_bt.tree.results import SUCCEEDS, Below, Results
-from humanoid_bt.tree.template import Template
 from humanoid_bt.tree.ticking import FAILURE, INVALID, RUNNING, SUCCESS
 
 

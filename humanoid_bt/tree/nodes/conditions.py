@@ -16,8 +16,8 @@ from py_trees.common import Status
 
 from humanoid_bt.params import PerceptName, assign, param
 from humanoid_bt.robot import Robot, Track
-from humanoid_bt.tree.expression import Truth
-from humanoid_bt.tree.linking import Unseen
+from humanoid_bt.tree.expressions.expression import Truth
+from humanoid_bt.tree.expressions.linking import Unseen
 from humanoid_bt.tree.results import AT_ONCE, SUCCEEDS, Below, Results
 from humanoid_bt.tree.ticking import FAILURE, INVALID, SUCCESS
 
