@@ -89,8 +89,11 @@ def test_py_trees_own_functions_work_on_the_trees(workspace: Workspace, story: S
             for key in life.tree.keys:
                 key.reset()
         life.robot.begin_tick(*shown(now))
+        if model.step(now):  # a node raises, such as one that reads a key before anything has written it
+            with pytest.raises(Exception, match=r".+"):
+                managed.tick()
+            return
         managed.tick()
-        model.step(now)
         assert life.log == model.events
         assert life.statuses == drawn_statuses(root) == model.status
         assert len(list(root.iterate())) == len(life.tree.nodes)
