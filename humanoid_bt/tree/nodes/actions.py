@@ -9,19 +9,18 @@ import py_trees
 from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
-from humanoid_bt.clock import Clock
 from humanoid_bt.messages import Level, Mode
-from humanoid_bt.params import assign, param
-from humanoid_bt.robot import Robot
+from humanoid_bt.params import param
 from humanoid_bt.tree.expressions.expression import Truth
 from humanoid_bt.tree.expressions.linking import Unseen
 from humanoid_bt.tree.expressions.template import Template
 from humanoid_bt.tree.nodes.decorators import TIME_TOLERANCE
+from humanoid_bt.tree.nodes.leaf import Leaf
 from humanoid_bt.tree.results import SUCCEEDS, Below, Results
 from humanoid_bt.tree.ticking import FAILURE, INVALID, RUNNING, SUCCESS
 
 
-class Success(Behaviour):
+class Success(Leaf):
     """Succeed at once."""
 
     @classmethod
@@ -34,7 +33,7 @@ class Success(Behaviour):
         return SUCCESS
 
 
-class Failure(Behaviour):
+class Failure(Leaf):
     """Fail at once."""
 
     @classmethod
@@ -47,7 +46,7 @@ class Failure(Behaviour):
         return FAILURE
 
 
-class Running(Behaviour):
+class Running(Leaf):
     """Run for ever, and do nothing."""
 
     ends: ClassVar[bool] = False
@@ -58,38 +57,30 @@ class Running(Behaviour):
         return RUNNING
 
 
-class Wait(Behaviour):
+class Wait(Leaf):
     """Run for some time, then succeed."""
 
     main: ClassVar[str] = "duration"
 
     duration: float = param(minimum=0, unit="s", doc="How long.")
 
-    def __init__(self, name: str, **values: Any) -> None:
-        super().__init__(name)
-        assign(self, values)
-
     @classmethod
     def possible_results(cls, _values: Mapping[str, Any], _below: Below) -> Results:
         """Return RUNNING and SUCCESS: it never fails."""
         return frozenset({RUNNING, SUCCESS})
 
-    def setup(self, **kwargs: Any) -> None:
-        """Take the engine's clock, from ``robot``."""
-        self._clock: Clock = kwargs["robot"].clock
-
     def initialise(self) -> None:
         """Start to measure."""
-        self._started = self._clock.now()
+        self._started = self.robot.clock.now()
 
     def update(self) -> Status:
         """Succeed when the time is over."""
-        left = self.duration - (self._clock.now() - self._started)
+        left = self.duration - (self.robot.clock.now() - self._started)
         self.feedback_message = f"{max(left, 0):.1f} s left"
         return SUCCESS if left <= TIME_TOLERANCE else RUNNING
 
 
-class WaitUntil(Behaviour):
+class WaitUntil(Leaf):
     """Run until an expression is true, then succeed."""
 
     main: ClassVar[str] = "expression"
@@ -98,18 +89,10 @@ class WaitUntil(Behaviour):
 
     expression: Truth = param(doc="What must become true.")
 
-    def __init__(self, name: str, **values: Any) -> None:
-        super().__init__(name)
-        assign(self, values)
-
     @classmethod
     def possible_results(cls, _values: Mapping[str, Any], _below: Below) -> Results:
         """Return RUNNING and SUCCESS: it never fails."""
         return frozenset({RUNNING, SUCCESS})
-
-    def setup(self, **kwargs: Any) -> None:
-        """Take ``robot``."""
-        self.robot: Robot = kwargs["robot"]
 
     def initialise(self) -> None:
         """Begin anew: nothing held."""
@@ -126,7 +109,7 @@ class WaitUntil(Behaviour):
         return SUCCESS if reached else RUNNING
 
 
-class Log(Behaviour):
+class Log(Leaf):
     """Tell people something, as an event of the run, and succeed; it is recorded.
 
     In the text stand expressions in braces: `{distance(target)}` gives `0.82 m`. A percept that was never seen gives
@@ -143,18 +126,10 @@ class Log(Behaviour):
     text: Template = param(doc="What to tell.")
     level: Level = param("info", doc="How much it matters.")
 
-    def __init__(self, name: str, **values: Any) -> None:
-        super().__init__(name)
-        assign(self, values)
-
     @classmethod
     def possible_results(cls, _values: Mapping[str, Any], _below: Below) -> Results:
         """Return SUCCESS."""
         return SUCCEEDS
-
-    def setup(self, **kwargs: Any) -> None:
-        """Take ``robot``."""
-        self.robot: Robot = kwargs["robot"]
 
     def update(self) -> Status:
         """Tell it, unless it is only checked again."""
@@ -172,7 +147,7 @@ def _checked_again(node: Behaviour) -> bool:
     return isinstance(above, py_trees.composites.Composite)  # a decorator that runs starts it once more
 
 
-class RaiseEmergencyStop(Behaviour):
+class RaiseEmergencyStop(Leaf):
     """Raise the emergency stop, with this node as its source.
 
     It is raised at once, whatever becomes of the rest of the tick. The node runs until the robot was stopped and then
@@ -184,18 +159,13 @@ class RaiseEmergencyStop(Behaviour):
     reason: str = param(doc="Why; told to people, and recorded.")
 
     def __init__(self, name: str, **values: Any) -> None:
-        super().__init__(name)
-        assign(self, values)
+        super().__init__(name, **values)
         self._stopped = False
 
     @classmethod
     def possible_results(cls, _values: Mapping[str, Any], _below: Below) -> Results:
         """Return RUNNING and SUCCESS: it never fails."""
         return frozenset({RUNNING, SUCCESS})
-
-    def setup(self, **kwargs: Any) -> None:
-        """Take ``robot``."""
-        self.robot: Robot = kwargs["robot"]
 
     def initialise(self) -> None:
         """Raise it."""

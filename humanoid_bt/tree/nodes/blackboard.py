@@ -5,19 +5,18 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
 from humanoid_bt.blackboard import Key
-from humanoid_bt.params import assign, param
-from humanoid_bt.robot import Robot
+from humanoid_bt.params import param
 from humanoid_bt.tree.expressions.expression import Expression
 from humanoid_bt.tree.expressions.linking import Unseen
+from humanoid_bt.tree.nodes.leaf import Leaf
 from humanoid_bt.tree.results import AT_ONCE, SUCCEEDS, Below, Results
 from humanoid_bt.tree.ticking import FAILURE, SUCCESS
 
 
-class SetBlackboard(Behaviour):
+class SetBlackboard(Leaf):
     """Give a key of the blackboard a value, or the value of an expression.
 
     Succeeds; fails, and leaves the key as it was, if the expression asks for a percept that was never seen.
@@ -28,8 +27,7 @@ class SetBlackboard(Behaviour):
     expression: Expression | None = param(None, doc="Or what its new value is computed from.")
 
     def __init__(self, name: str, **values: Any) -> None:
-        super().__init__(name)
-        assign(self, values)
+        super().__init__(name, **values)
         if (values.get("value") is None) == (values.get("expression") is None):
             raise ValueError("it needs either 'value' or 'expression'")
 
@@ -38,10 +36,6 @@ class SetBlackboard(Behaviour):
         """Return SUCCESS, and FAILURE if it asks something of a percept."""
         expression = values["expression"]
         return AT_ONCE if isinstance(expression, Expression) and expression.percepts else SUCCEEDS
-
-    def setup(self, **kwargs: Any) -> None:
-        """Take ``robot``."""
-        self.robot: Robot = kwargs["robot"]
 
     def update(self) -> Status:
         """Set the key."""
@@ -55,16 +49,12 @@ class SetBlackboard(Behaviour):
         return SUCCESS
 
 
-class ClearBlackboard(Behaviour):
+class ClearBlackboard(Leaf):
     """Take the value of a key of the blackboard away."""
 
     main = "key"
 
     key: Key = param(doc="The key.")
-
-    def __init__(self, name: str, **values: Any) -> None:
-        super().__init__(name)
-        assign(self, values)
 
     @classmethod
     def possible_results(cls, _values: Mapping[str, Any], _below: Below) -> Results:

@@ -11,18 +11,18 @@ import math
 from collections.abc import Mapping
 from typing import Any, ClassVar
 
-from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
-from humanoid_bt.params import PerceptName, assign, param
-from humanoid_bt.robot import Robot, Track
+from humanoid_bt.params import PerceptName, param
+from humanoid_bt.robot import Track
 from humanoid_bt.tree.expressions.expression import Truth
 from humanoid_bt.tree.expressions.linking import Unseen
+from humanoid_bt.tree.nodes.leaf import Leaf
 from humanoid_bt.tree.results import AT_ONCE, SUCCEEDS, Below, Results
 from humanoid_bt.tree.ticking import FAILURE, INVALID, SUCCESS
 
 
-class Condition(Behaviour):
+class Condition(Leaf):
     """Succeed while an expression is true.
 
     A percept that was never seen makes it fail, unless `seen()` asks for it. A comparison can have a hysteresis:
@@ -33,10 +33,6 @@ class Condition(Behaviour):
 
     expression: Truth = param(doc="What must be true.")
 
-    def __init__(self, name: str, **values: Any) -> None:
-        super().__init__(name)
-        assign(self, values)
-
     @classmethod
     def possible_results(cls, values: Mapping[str, Any], _below: Below) -> Results:
         """Return SUCCESS and FAILURE, one of them if nothing but numbers and words stand in the expression."""
@@ -44,10 +40,6 @@ class Condition(Behaviour):
         if constant is None:
             return AT_ONCE
         return SUCCEEDS if constant else frozenset({FAILURE})
-
-    def setup(self, **kwargs: Any) -> None:
-        """Take ``robot``."""
-        self.robot: Robot = kwargs["robot"]
 
     def initialise(self) -> None:
         """Forget what held if its branch was left."""
@@ -70,23 +62,18 @@ class Condition(Behaviour):
         self.status = new_status
 
 
-class PerceptCondition(Behaviour):
+class PerceptCondition(Leaf):
     """Base of the conditions on one percept."""
 
     percept: PerceptName = param(doc="The percept to look at.")
 
     def __init__(self, name: str, **values: Any) -> None:
-        super().__init__(name)
-        assign(self, values)
+        super().__init__(name, **values)
         self._held = False
 
     @abc.abstractmethod
     def holds(self, track: Track, held: bool) -> bool:
         """Return whether the condition holds, and say why in the feedback; ``held`` is whether it did before."""
-
-    def setup(self, **kwargs: Any) -> None:
-        """Take ``robot``."""
-        self.robot: Robot = kwargs["robot"]
 
     def initialise(self) -> None:
         """Forget that it held if its branch was left."""

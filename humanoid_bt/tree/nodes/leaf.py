@@ -1,0 +1,32 @@
+"""The base of the built-in leaves."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from py_trees.behaviour import Behaviour
+
+from humanoid_bt.params import assign
+from humanoid_bt.robot import Robot
+
+
+class Leaf(Behaviour):
+    """Base of the built-in leaves: takes its parameters, and the robot.
+
+    Args:
+        name: the node's name.
+        values: parameter values, already of their declared types.
+
+    Attributes:
+        robot: the robot as decision sees it, from ``setup`` on.
+    """
+
+    robot: Robot
+
+    def __init__(self, name: str, **values: Any) -> None:
+        super().__init__(name)
+        assign(self, values)
+
+    def setup(self, **kwargs: Any) -> None:
+        """Take ``robot``."""
+        self.robot = kwargs["robot"]
