@@ -9,6 +9,7 @@ from pathlib import Path
 import blocks
 import generate
 import pytest
+from examples import EXAMPLES
 
 from humanoid_bt.session.report import ExitCode, Report
 from humanoid_bt.tree.registry import Registry
@@ -59,12 +60,12 @@ def test_pictures_of_trees_are_those_that_show_draws() -> None:
 
 
 def test_every_node_type_has_an_example() -> None:
-    assert set(generate.EXAMPLES) == set(Registry.of(Workspace(builtin_root())))
+    assert set(EXAMPLES) == set(Registry.of(Workspace(builtin_root())))
 
 
-@pytest.mark.parametrize("name", generate.EXAMPLES)
+@pytest.mark.parametrize("name", EXAMPLES)
 def test_an_example_shows_its_node_type(name: str, tmp_path: Path) -> None:
-    tree = blocks.load(generate.EXAMPLES[name], tmp_path)
+    tree = blocks.load(EXAMPLES[name], tmp_path)
     assert name in {node.type_name for node in tree.nodes}
 
 

@@ -18,7 +18,7 @@ from humanoid_bt.workspace import Workspace, builtin_root
 from tests.tree.helpers import make_workspace
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "docs"))
-from generate import EXAMPLES
+from examples import EXAMPLES
 
 BUILTIN = Workspace(builtin_root())
 
