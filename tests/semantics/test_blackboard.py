@@ -10,26 +10,9 @@ from humanoid_bt.errors import UserError
 from humanoid_bt.tree import NodeError
 from humanoid_bt.workspace import Workspace
 from tests.semantics.claims import shows
-from tests.tree.helpers import Run, load, run
+from tests.tree.helpers import COUNTED, Run, load, run, write
 
 COUNT = "{set_blackboard: {key: n, expression: n + 1}}"
-
-COUNTED = """\
-subtree: true
-parameters: {limit: 2}
-blackboard: {count: 0}
-outputs: {total: {type: number, doc: How often.}}
-root:
-  sequence:
-    - set_blackboard: {key: count, expression: count + 1}
-    - set_blackboard: {key: total, expression: count}
-    - condition: count <= limit
-"""
-
-
-def write(workspace: Workspace, name: str, text: str) -> None:
-    """Write a tree file."""
-    (workspace.root / "trees" / f"{name}.yaml").write_text("format: 1\n" + text, encoding="utf-8")
 
 
 def told(under_test: Run) -> list[str]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+import textwrap
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
@@ -135,6 +136,19 @@ class Plain(py_trees.behaviour.Behaviour):
         self.count -= 1
         return Status.SUCCESS if self.count <= 0 else Status.RUNNING
 '''
+
+COUNTED = """\
+subtree: true
+parameters: {limit: 2}
+blackboard: {count: 0}
+outputs: {total: {type: number, doc: How often.}}
+root:
+  sequence:
+    - set_blackboard: {key: count, expression: count + 1}
+    - set_blackboard: {key: total, expression: count}
+    - condition: count <= limit
+"""
+"""A sub-tree that counts how often it was started, in a key that begins anew each time."""
 
 NO_TARGET: Mapping[str, Percept] = {}
 
@@ -276,6 +290,13 @@ def found(workspace: Workspace, text: str, *codes: str, **overrides: str) -> lis
         for problem in problems
         if problem.place is not None and (not codes or problem.code in codes)
     ]
+
+
+def write(workspace: Workspace, name: str, text: str) -> Path:
+    """Write a tree file, but for its format; return its path."""
+    path = workspace.root / "trees" / f"{name}.yaml"
+    path.write_text("format: 1\n" + textwrap.dedent(text), encoding="utf-8")
+    return path
 
 
 def run(workspace: Workspace, root: str) -> Run:

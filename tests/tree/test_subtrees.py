@@ -3,32 +3,19 @@
 from __future__ import annotations
 
 import textwrap
-from pathlib import Path
 
 import pytest
 
 from humanoid_bt.errors import Problem, UserError
 from humanoid_bt.tree import load_tree, unicode_tree
 from humanoid_bt.workspace import Workspace
-from tests.tree.helpers import Run, load, seen
+from tests.tree.helpers import COUNTED, Run, load, seen, write
 
 ACT = """\
 subtree: true
 parameters:
   script: {type: text, doc: What it does.}
 root: {act: {script: $script}}
-"""
-
-COUNTED = """\
-subtree: true
-parameters: {limit: 2}
-blackboard: {count: 0}
-outputs: {total: {type: number, doc: How often.}}
-root:
-  sequence:
-    - set_blackboard: {key: count, expression: count + 1}
-    - set_blackboard: {key: total, expression: count}
-    - condition: count <= limit
 """
 
 TRIED = """\
@@ -38,12 +25,6 @@ parameters:
   action: {type: node, doc: What is tried.}
 root: {retry: {attempts: $attempts, $action: }}
 """
-
-
-def write(workspace: Workspace, name: str, text: str) -> Path:
-    path = workspace.root / "trees" / f"{name}.yaml"
-    path.write_text("format: 1\n" + textwrap.dedent(text))
-    return path
 
 
 def problems(workspace: Workspace, text: str) -> list[Problem]:
