@@ -59,7 +59,7 @@ def _whole_stack(repetitions: int, recording: Path) -> Iterator[Figure]:
         step(command)
         controls.append(plant.data.ctrl.copy())
 
-    plant.step = note  # type: ignore[method-assign]
+    plant.step = note  # type: ignore[method-assign]  # note what is commanded
     run.execute()
     simulated = len(controls) * plant.model.opt.timestep
 

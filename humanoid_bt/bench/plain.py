@@ -21,7 +21,7 @@ def empty_leaves(tree: Tree) -> None:
     """Let every leaf that was ticked do nothing but return its status again."""
     for leaf in leaves(tree):
         if leaf.behaviour.status is not Status.INVALID:
-            leaf.behaviour.update = _constant(leaf.behaviour.status)  # type: ignore[method-assign]
+            leaf.behaviour.update = _constant(leaf.behaviour.status)  # type: ignore[method-assign]  # an empty leaf
 
 
 def plain_copy(tree: Tree, *, same_leaves: bool = False) -> Behaviour:
@@ -85,7 +85,7 @@ def _decorator(status: Status, child: Status) -> type[decorators.Decorator]:
 def _fixed(node: Node) -> Behaviour:
     status = node.behaviour.status
     leaf = behaviours.Dummy(node.name)
-    leaf.update = _constant(Status.FAILURE if status is Status.INVALID else status)  # type: ignore[method-assign]
+    leaf.update = _constant(Status.FAILURE if status is Status.INVALID else status)  # type: ignore[method-assign]  # an empty leaf
     return leaf
 
 

@@ -38,7 +38,7 @@ class Lasting(io.TextIOBase):
             stream.reconfigure(errors="replace")
 
     @property
-    def encoding(self) -> str:  # type: ignore[override]
+    def encoding(self) -> str:  # type: ignore[override]  # an attribute there
         """The stream's encoding."""
         return str(getattr(self._stream, "encoding", None) or "utf-8")
 

@@ -11,7 +11,7 @@ _HEIGHT = 2  # coordinate, and degree of freedom, of the free base's height
 _BRAKE_TIME = 0.1  # s in which a sinking base comes to rest above the limit
 
 
-class HeightLimit(mink.Limit):  # type: ignore[misc]
+class HeightLimit(mink.Limit):  # type: ignore[misc]  # mink has no types
     """Keeps the base above a height: a hand that pulls it lower would make a crouch look like a fall.
 
     A base that is lower already may rise, and does not have to: standing still is always allowed.

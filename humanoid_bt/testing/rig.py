@@ -232,7 +232,7 @@ class Rig:
             raise UserError(f"no skill named {skill!r}", hint=nearest(skill, known))
         converted = self._convert(node_type, values)
         behaviour = node_type.cls(name=skill, **converted)
-        behaviour.path = skill  # type: ignore[attr-defined]
+        behaviour.path = skill  # type: ignore[attr-defined]  # plain behaviours know their path too
         node = Node(skill, skill, node_type, converted, _PLACE, behaviour, -1)
         return Tree(skill, node_type.doc, Path(_PLACE.file), None, None, {}, "", (node,))
 

@@ -172,7 +172,7 @@ class _Composer:
 
 def _children(node_type: NodeType, behaviour: Behaviour) -> list[Behaviour]:
     if node_type.takes == "one":
-        return [behaviour.decorated]  # type: ignore[attr-defined]
+        return [behaviour.decorated]  # type: ignore[attr-defined]  # a Decorator
     return list(behaviour.children) if node_type.takes == "many" or not isinstance(behaviour, Branch) else []
 
 

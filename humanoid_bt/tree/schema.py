@@ -85,9 +85,9 @@ def _bodies(names: Mapping[str, NodeType]) -> Schema:
 
 
 def _can_be_bare(node_type: NodeType) -> bool:
-    required = [spec for spec in node_type.params.values() if spec.required]
-    required += [slot for slot in node_type.branches.values() if slot.required]  # type: ignore[misc]
-    return node_type.takes == "none" and not required
+    needs_parameter = any(spec.required for spec in node_type.params.values())
+    needs_branch = any(slot.required for slot in node_type.branches.values())
+    return node_type.takes == "none" and not needs_parameter and not needs_branch
 
 
 def _body(node_type: NodeType, names: Mapping[str, NodeType], trees: Mapping[str, NodeType]) -> Schema:

@@ -90,7 +90,7 @@ class Expression:
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Expression) and other.syntax == self.syntax
 
-    __hash__ = None  # type: ignore[assignment]
+    __hash__ = None  # type: ignore[assignment]  # it is mutable, and equal by what it says
 
     @property
     def linked(self) -> bool:

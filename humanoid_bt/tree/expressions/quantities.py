@@ -67,8 +67,8 @@ class Type:
         if "anything" in (self.kind, other.kind):
             return ANYTHING
         mine, others = self.exponents or (0, 0, 0, 0), other.exponents or (0, 0, 0, 0)
-        product = tuple(a + power * b for a, b in zip(mine, others, strict=True))
-        return Type("number", product if any(product) else None)  # type: ignore[arg-type]
+        m, s, rad, kg = (a + power * b for a, b in zip(mine, others, strict=True))
+        return Type("number", (m, s, rad, kg) if m or s or rad or kg else None)
 
 
 TRUTH, TEXT, NUMBER, ANYTHING = Type("truth"), Type("text"), Type("number"), Type("anything")
