@@ -25,9 +25,9 @@ import textwrap
 from dataclasses import dataclass
 from pathlib import Path
 
-from humanoid_bt.tree.load import load_tree
+from humanoid_bt.files.workspace import Workspace
+from humanoid_bt.tree.source.load import load_tree
 from humanoid_bt.tree.tree import Tree
-from humanoid_bt.workspace import Workspace
 
 ROOT = Path(__file__).resolve().parent.parent
 TIMEOUT = 60  # s for one block

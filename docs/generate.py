@@ -21,26 +21,26 @@ from typing import Any
 import blocks
 from examples import EXAMPLES
 
-from humanoid_bt import clock
-from humanoid_bt.codes import ALLOWABLE, CODES
-from humanoid_bt.messages import State
-from humanoid_bt.params import UNITS, Param, params_of, written_units
-from humanoid_bt.plant.robot_config import RobotConfig
+from humanoid_bt.checking.codes import ALLOWABLE, CODES
+from humanoid_bt.core import clock
+from humanoid_bt.core.messages import State
+from humanoid_bt.core.params import UNITS, Param, params_of, written_units
+from humanoid_bt.decision.robot import RobotHandle, Track
+from humanoid_bt.files.workspace import Workspace, builtin_root
 from humanoid_bt.plant.scene_config import SceneConfig
-from humanoid_bt.robot import RobotHandle, Track
+from humanoid_bt.robot.config import RobotConfig
 from humanoid_bt.testing.rig import Rig, RigResult
-from humanoid_bt.tree.elsewhere import FOREIGN
 from humanoid_bt.tree.expressions.quantities import TRUTH
 from humanoid_bt.tree.expressions.vocabulary import PERCEPT, SEEN, STATE
-from humanoid_bt.tree.file import PARTS, Header
-from humanoid_bt.tree.load import load_tree, subtree_types
 from humanoid_bt.tree.nodes import BUILTIN
-from humanoid_bt.tree.parameters import TYPES, LongForm
-from humanoid_bt.tree.registry import NODE_KEYS, NodeType, Registry
+from humanoid_bt.tree.nodes.elsewhere import FOREIGN
+from humanoid_bt.tree.nodes.registry import NODE_KEYS, NodeType, Registry
 from humanoid_bt.tree.show import svg_tree
 from humanoid_bt.tree.slots import Slot
+from humanoid_bt.tree.source.file import PARTS, Header
+from humanoid_bt.tree.source.load import load_tree, subtree_types
+from humanoid_bt.tree.source.parameters import TYPES, LongForm
 from humanoid_bt.tree.tree import Tree
-from humanoid_bt.workspace import Workspace, builtin_root
 
 IMAGES = blocks.ROOT / "docs" / "images"
 

@@ -21,15 +21,15 @@ import numpy as np
 from PIL import Image
 from rerun.experimental import ViewerClient
 
+from humanoid_bt.files.workspace import Workspace, builtin_root
 from humanoid_bt.plant.mujoco_plant import MujocoPlant
-from humanoid_bt.plant.robot_config import load_robot_config
-from humanoid_bt.plant.robot_model import RobotModel
 from humanoid_bt.plant.scene import Scene
 from humanoid_bt.plant.scene_config import ObjectConfig, SceneConfig
 from humanoid_bt.record.sinks import Sinks
+from humanoid_bt.robot.config import load_robot_config
+from humanoid_bt.robot.model import RobotModel
 from humanoid_bt.session.run import Run, RunOptions
 from humanoid_bt.testing.rig import Rig
-from humanoid_bt.workspace import Workspace, builtin_root
 
 IMAGES = Path(__file__).parent / "images"
 VIEW_TIME = 11.8  # s into the demo: the hand is on its way to the ball

@@ -1,7 +1,7 @@
 """Behavior-tree task orchestration for humanoid robots.
 
 The way in: :mod:`humanoid_bt.session` runs a tree file on a simulated robot,
-:mod:`humanoid_bt.skill` is the base of every skill, :mod:`humanoid_bt.testing`
+:mod:`humanoid_bt.decision.skill` is the base of every skill, :mod:`humanoid_bt.testing`
 tests one alone. Importing this package imports none of the heavy libraries.
 """
 

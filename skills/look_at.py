@@ -4,9 +4,9 @@ import math
 
 import numpy as np
 
-from humanoid_bt.params import param
-from humanoid_bt.signals import Improving, Lasting
-from humanoid_bt.skill import PerceptName, Skill, Status
+from humanoid_bt.core.params import param
+from humanoid_bt.decision.signals import Improving, Lasting
+from humanoid_bt.decision.skill import PerceptName, Skill, Status
 
 
 class LookAt(Skill):

@@ -5,11 +5,11 @@ from typing import Any, Literal
 
 import numpy as np
 
-from humanoid_bt.messages import Side
-from humanoid_bt.params import param
-from humanoid_bt.robot import Track
-from humanoid_bt.signals import Improving, Lasting, Steady
-from humanoid_bt.skill import PerceptName, Skill, Status, of_hand
+from humanoid_bt.core.messages import Side
+from humanoid_bt.core.params import param
+from humanoid_bt.decision.robot import Track
+from humanoid_bt.decision.signals import Improving, Lasting, Steady
+from humanoid_bt.decision.skill import PerceptName, Skill, Status, of_hand
 
 _HEIGHT = 0.75  # of the eyes' height: the chest
 

@@ -5,11 +5,11 @@ from typing import Any, Literal
 
 import numpy as np
 
-from humanoid_bt.geometry import rotation_matrix
-from humanoid_bt.messages import SIDES, Mode, Side
-from humanoid_bt.params import param
-from humanoid_bt.signals import Lasting
-from humanoid_bt.skill import Skill, Status, of_hand
+from humanoid_bt.core.geometry import rotation_matrix
+from humanoid_bt.core.messages import SIDES, Mode, Side
+from humanoid_bt.core.params import param
+from humanoid_bt.decision.signals import Lasting
+from humanoid_bt.decision.skill import Skill, Status, of_hand
 
 
 class Retract(Skill):

@@ -2,9 +2,9 @@
 
 import math
 
-from humanoid_bt.params import param
-from humanoid_bt.signals import Improving
-from humanoid_bt.skill import Skill, Status
+from humanoid_bt.core.params import param
+from humanoid_bt.decision.signals import Improving
+from humanoid_bt.decision.skill import Skill, Status
 
 _LEAD = math.pi / 2  # rad ahead of the robot; less than half a turn, or it would go round the other way
 

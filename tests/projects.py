@@ -7,8 +7,8 @@ from pathlib import Path
 SKILLS = '''
 import math
 
-from humanoid_bt.params import param
-from humanoid_bt.skill import Skill, Status
+from humanoid_bt.core.params import param
+from humanoid_bt.decision.skill import Skill, Status
 
 
 class Pause(Skill):

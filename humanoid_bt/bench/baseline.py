@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from humanoid_bt.bench.punctuality import Punctuality, punctuality
-from humanoid_bt.clock import SERVO_PERIOD, cycles
+from humanoid_bt.core.clock import SERVO_PERIOD, cycles
 from humanoid_bt.realtime.schedule import SPIN
 
 SLEEP_ALONE, SAME_LOOP = "C, sleep alone", "C, same loop"

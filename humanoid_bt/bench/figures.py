@@ -12,18 +12,18 @@ import numpy as np
 
 from humanoid_bt.bench.figure import Figure, cpu, figure
 from humanoid_bt.bench.tree import measure_tree
-from humanoid_bt.clock import WHOLE_BODY_PERIOD, cycles
+from humanoid_bt.control.body.inverse_kinematics import SOLVER
+from humanoid_bt.control.body.standing import load_robot
 from humanoid_bt.control.controller import Controller
-from humanoid_bt.control.inverse_kinematics import SOLVER
-from humanoid_bt.control.robots import load_robot
-from humanoid_bt.messages import JointCommand
+from humanoid_bt.core.clock import WHOLE_BODY_PERIOD, cycles
+from humanoid_bt.core.messages import JointCommand
+from humanoid_bt.files.workspace import Workspace, builtin_root
 from humanoid_bt.plant.mujoco_plant import MujocoPlant
 from humanoid_bt.plant.scene import Scene, load_scene
 from humanoid_bt.record.sinks import Sinks
 from humanoid_bt.session.lockstep import Lockstep
 from humanoid_bt.session.options import RunOptions
 from humanoid_bt.session.run import Run
-from humanoid_bt.workspace import Workspace, builtin_root
 
 _TREE = "fetch"
 _CALLS = 400

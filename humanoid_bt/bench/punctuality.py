@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from humanoid_bt.clock import SERVO_PERIOD
+from humanoid_bt.core.clock import SERVO_PERIOD
 
 
 @dataclass(frozen=True)

@@ -11,9 +11,9 @@ from dataclasses import dataclass
 from humanoid_bt.bench.punctuality import percentile
 from humanoid_bt.bench.stand_ins import HANG
 from humanoid_bt.bench.subject import Subject, spoil
-from humanoid_bt.clock import DECISION_PERIOD
 from humanoid_bt.control.supervisor import DECISION_TIMEOUT
-from humanoid_bt.messages import Mode
+from humanoid_bt.core.clock import DECISION_PERIOD
+from humanoid_bt.core.messages import Mode
 from humanoid_bt.realtime.schedule import Schedule
 
 ESTOPS_PER_REPETITION = 20

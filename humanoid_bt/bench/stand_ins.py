@@ -15,10 +15,10 @@ from types import FrameType
 
 import numpy as np
 
-from humanoid_bt.clock import DECISION_PERIOD
+from humanoid_bt.core.clock import DECISION_PERIOD
+from humanoid_bt.core.messages import BaseTarget, Command
 from humanoid_bt.link.run_folder import RunFolder
 from humanoid_bt.link.wire import decode_state, encode_command
-from humanoid_bt.messages import BaseTarget, Command
 from humanoid_bt.realtime import channels
 from humanoid_bt.realtime.schedule import Schedule
 

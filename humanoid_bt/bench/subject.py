@@ -13,15 +13,15 @@ from types import TracebackType
 from typing import Self
 
 from humanoid_bt.bench.stand_ins import SPOIL
-from humanoid_bt.errors import HumanoidBtError
+from humanoid_bt.core.errors import HumanoidBtError
+from humanoid_bt.core.messages import Mode, State
+from humanoid_bt.files.workspace import Workspace, builtin_root
 from humanoid_bt.link.run_folder import RunFolder, RunInfo, clean_stale
 from humanoid_bt.link.wire import decode_event, decode_percepts, decode_state
-from humanoid_bt.messages import Mode, State
 from humanoid_bt.realtime import channels
 from humanoid_bt.realtime.channels import RunSpec
 from humanoid_bt.realtime.schedule import last_core
 from humanoid_bt.realtime.timing import StopRecord, Timing, Wake
-from humanoid_bt.workspace import Workspace, builtin_root
 
 _ROBOT, _SCENE = "humanoid", "ball_on_stand"
 _HOLD = 1.0  # s that control goes on if the bench dies

@@ -12,18 +12,18 @@ import yaml
 from humanoid_bt.bench.figure import Figure, Pairs, cpu, figure, in_turn
 from humanoid_bt.bench.plain import empty_leaves, plain_copy
 from humanoid_bt.bench.samples import sample_tree
+from humanoid_bt.control.body.standing import load_robot
 from humanoid_bt.control.controller import Controller
-from humanoid_bt.control.robots import load_robot
-from humanoid_bt.messages import Percept, State
+from humanoid_bt.core.messages import Percept, State
+from humanoid_bt.decision.robot import Robot
+from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.plant.mujoco_plant import MujocoPlant
 from humanoid_bt.plant.scene import Scene, load_scene
-from humanoid_bt.robot import Robot
 from humanoid_bt.session.loader import DEFAULT_ROBOT
 from humanoid_bt.testing.rig import ScriptedPerception
-from humanoid_bt.tree.executor import Executor
-from humanoid_bt.tree.load import load_tree
+from humanoid_bt.tree.engine.executor import Executor
+from humanoid_bt.tree.source.load import load_tree
 from humanoid_bt.tree.tree import Tree
-from humanoid_bt.workspace import Workspace
 
 _TICKS, _LOADS = 1000, 4  # in one measurement
 _SEEN_AT = (1.5, 0.0, 0.9)  # m, where every percept is: ahead, to be walked to

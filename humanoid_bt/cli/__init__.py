@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from humanoid_bt.cli.arguments import parser
 from humanoid_bt.cli.findings import counted, print_findings
 from humanoid_bt.cli.output import standard_streams
-from humanoid_bt.errors import HumanoidBtError, UserError
+from humanoid_bt.core.errors import HumanoidBtError, UserError
 from humanoid_bt.session.report import ExitCode
 
 

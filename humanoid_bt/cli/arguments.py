@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from humanoid_bt import __version__
-from humanoid_bt.errors import nearest
+from humanoid_bt.core.errors import nearest
 from humanoid_bt.session.report import ExitCode
 
 _EXIT_CODES = """\

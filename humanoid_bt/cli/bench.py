@@ -16,9 +16,9 @@ from rich.text import Text
 from humanoid_bt.bench.figure import Figure
 from humanoid_bt.bench.figures import measure
 from humanoid_bt.bench.tree import measure_tree
-from humanoid_bt.errors import UserError
+from humanoid_bt.core.errors import UserError
+from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.session.report import ExitCode, versions
-from humanoid_bt.workspace import Workspace
 
 
 def bench(arguments: argparse.Namespace) -> int:

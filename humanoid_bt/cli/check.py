@@ -7,14 +7,14 @@ import textwrap
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from humanoid_bt.checking import findings, settled
+from humanoid_bt.checking.check import findings, settled
+from humanoid_bt.checking.codes import ALLOWABLE, CODES, find
 from humanoid_bt.cli.findings import counted, print_findings, several
 from humanoid_bt.cli.output import columns, hanging, print_lines
 from humanoid_bt.cli.reports import as_json, as_sarif
-from humanoid_bt.codes import ALLOWABLE, CODES, find
-from humanoid_bt.errors import Place, Problem, UserError, nearest, relative
+from humanoid_bt.core.errors import Place, Problem, UserError, nearest, relative
+from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.session.report import ExitCode
-from humanoid_bt.workspace import Workspace
 
 
 def check(arguments: argparse.Namespace) -> int:

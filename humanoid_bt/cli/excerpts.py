@@ -11,8 +11,8 @@ from rich.text import Text
 
 from humanoid_bt.cli.findings import INDENT, headline, printable
 from humanoid_bt.cli.output import hanging, width
-from humanoid_bt.document import read_text
-from humanoid_bt.errors import Place, Problem, UserError
+from humanoid_bt.core.errors import Place, Problem, UserError
+from humanoid_bt.files.document import read_text
 
 _COLORS = {"error": "bold red", "warning": "bold yellow"}
 _LEAST = 20  # columns of a file's line that are shown in any case

@@ -6,7 +6,7 @@ import sys
 from collections import Counter
 from collections.abc import Iterable
 
-from humanoid_bt.errors import Problem
+from humanoid_bt.core.errors import Problem
 
 INDENT = "    "
 

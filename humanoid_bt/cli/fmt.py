@@ -12,11 +12,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from humanoid_bt.cli.findings import print_findings
-from humanoid_bt.document import read_text
-from humanoid_bt.errors import Place, UserError, nearest, relative
-from humanoid_bt.formatting import formatted
+from humanoid_bt.core.errors import Place, UserError, nearest, relative
+from humanoid_bt.files.document import read_text
+from humanoid_bt.files.formatting import formatted
+from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.session.report import ExitCode
-from humanoid_bt.workspace import Workspace
 
 _BYTE_ORDER_MARK = "\ufeff"
 

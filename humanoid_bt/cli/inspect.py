@@ -8,14 +8,14 @@ from rich.console import Console
 from rich.text import Text
 
 from humanoid_bt.cli.output import columns, hanging, print_lines
-from humanoid_bt.errors import Problem, UserError, nearest, relative
-from humanoid_bt.params import Param
-from humanoid_bt.plant.robot_config import load_robot_config
-from humanoid_bt.plant.robot_model import RobotModel
+from humanoid_bt.core.errors import Problem, UserError, nearest, relative
+from humanoid_bt.core.params import Param
+from humanoid_bt.decision.skill_files import class_file
+from humanoid_bt.files.workspace import Workspace
+from humanoid_bt.robot.config import load_robot_config
+from humanoid_bt.robot.model import RobotModel
 from humanoid_bt.session.report import ExitCode
-from humanoid_bt.skill_files import class_file
-from humanoid_bt.tree.registry import NodeType, Registry
-from humanoid_bt.workspace import Workspace
+from humanoid_bt.tree.nodes.registry import NodeType, Registry
 
 
 def skills(arguments: argparse.Namespace) -> int:

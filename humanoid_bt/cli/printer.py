@@ -18,7 +18,7 @@ from humanoid_bt.cli.output import hanging
 from humanoid_bt.record.events import Level
 from humanoid_bt.session.report import Report
 from humanoid_bt.session.teller import Listener
-from humanoid_bt.tree.executor import NodeChange
+from humanoid_bt.tree.engine.executor import NodeChange
 from humanoid_bt.tree.nodes import Log
 from humanoid_bt.tree.tree import Node, Tree
 

@@ -9,8 +9,8 @@ from typing import Any
 from urllib.parse import quote
 
 from humanoid_bt import __version__
-from humanoid_bt.codes import CODES, Code
-from humanoid_bt.errors import Place, Problem
+from humanoid_bt.checking.codes import CODES, Code
+from humanoid_bt.core.errors import Place, Problem
 
 _SCHEMA = "https://docs.oasis-open.org/sarif/sarif/v2.1.0/errata01/os/schemas/sarif-schema-2.1.0.json"
 

@@ -14,16 +14,16 @@ from types import FrameType
 from rich.console import Console
 from rich.text import Text
 
-from humanoid_bt.checking import settled
+from humanoid_bt.checking.check import settled
 from humanoid_bt.cli import keys
 from humanoid_bt.cli.findings import print_findings
 from humanoid_bt.cli.printer import Printer, print_summary
-from humanoid_bt.errors import HumanoidBtError, UserError
+from humanoid_bt.core.errors import HumanoidBtError, UserError
+from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.record.sinks import Sinks, has_display
 from humanoid_bt.session.options import DURATION, RunOptions, default_recording
 from humanoid_bt.session.run import Run
-from humanoid_bt.tree import Tree
-from humanoid_bt.workspace import Workspace
+from humanoid_bt.tree.tree import Tree
 
 _KEYBOARD = "keyboard"
 _SIGNALS = {signal.SIGINT: "Ctrl-C", signal.SIGTERM: "SIGTERM", signal.SIGHUP: "the terminal was closed"}

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from humanoid_bt.errors import UserError
+from humanoid_bt.core.errors import UserError
 from humanoid_bt.link.run_folder import RunFolder, RunInfo, live_runs, lockstep_root
 
 FoundRun = tuple[RunFolder, RunInfo]

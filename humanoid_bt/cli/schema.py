@@ -5,12 +5,12 @@ from __future__ import annotations
 import argparse
 import json
 
-from humanoid_bt.errors import UserError
+from humanoid_bt.core.errors import UserError
+from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.session.report import ExitCode
-from humanoid_bt.tree.load import subtree_types
-from humanoid_bt.tree.registry import Registry
-from humanoid_bt.tree.schema import tree_schema
-from humanoid_bt.workspace import Workspace
+from humanoid_bt.tree.nodes.registry import Registry
+from humanoid_bt.tree.source.load import subtree_types
+from humanoid_bt.tree.source.schema import tree_schema
 
 
 def schema(arguments: argparse.Namespace) -> int:

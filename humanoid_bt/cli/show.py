@@ -18,14 +18,14 @@ from rich.text import Text
 
 from humanoid_bt.cli.output import width
 from humanoid_bt.cli.runs import one_tree
-from humanoid_bt.errors import HumanoidBtError, UserError
+from humanoid_bt.core.errors import HumanoidBtError, UserError
+from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.link.run_folder import RunInfo
 from humanoid_bt.realtime.live_tree import Moment, TreeWatch
 from humanoid_bt.session.report import ExitCode
-from humanoid_bt.tree.load import load_tree
 from humanoid_bt.tree.show import Outline, OutlineNode, dot_tree, mermaid_tree, outline_of, svg_tree, unicode_tree
 from humanoid_bt.tree.show.text import lines_of
-from humanoid_bt.workspace import Workspace
+from humanoid_bt.tree.source.load import load_tree
 
 _SUFFIXES = {
     ".txt": "unicode",

@@ -9,11 +9,11 @@ from typing import Protocol
 
 import numpy as np
 
-from humanoid_bt.clock import WHOLE_BODY_PERIOD, cycles
+from humanoid_bt.control.body.whole_body import WholeBody
 from humanoid_bt.control.servo import Servo
 from humanoid_bt.control.supervisor import Supervisor
-from humanoid_bt.control.whole_body import WholeBody
-from humanoid_bt.messages import (
+from humanoid_bt.core.clock import WHOLE_BODY_PERIOD, cycles
+from humanoid_bt.core.messages import (
     SIDES,
     Array,
     Command,
@@ -26,7 +26,7 @@ from humanoid_bt.messages import (
     Side,
     State,
 )
-from humanoid_bt.plant.robot_model import BASE_COORDINATES, BASE_DOFS, RobotModel
+from humanoid_bt.robot.model import BASE_COORDINATES, BASE_DOFS, RobotModel
 
 _SETTLED_AFTER = 0.2  # s of standing
 _SETTLED_SPEED = 0.03  # m/s of the centre of mass

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from humanoid_bt.clock import WHOLE_BODY_PERIOD
-from humanoid_bt.control.whole_body import Setpoint
-from humanoid_bt.geometry import clamp
-from humanoid_bt.messages import Array, JointCommand
-from humanoid_bt.plant.robot_model import RobotModel
+from humanoid_bt.control.body.whole_body import Setpoint
+from humanoid_bt.core.clock import WHOLE_BODY_PERIOD
+from humanoid_bt.core.geometry import clamp
+from humanoid_bt.core.messages import Array, JointCommand
+from humanoid_bt.robot.model import RobotModel
 
 LIMIT_TOLERANCE = 1e-3
 """How far [rad] a setpoint may lie outside the soft limits before it is flagged: solvers overshoot by 1e-6."""

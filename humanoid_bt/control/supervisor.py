@@ -8,8 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from humanoid_bt.clock import SERVO_PERIOD, cycles
-from humanoid_bt.messages import (
+from humanoid_bt.core.clock import SERVO_PERIOD, cycles
+from humanoid_bt.core.messages import (
     RESOURCES,
     BaseTarget,
     Command,
@@ -20,8 +20,8 @@ from humanoid_bt.messages import (
     PostureTarget,
     Target,
 )
-from humanoid_bt.plant.robot_config import FallConfig
-from humanoid_bt.plant.robot_model import BASE_COORDINATES
+from humanoid_bt.robot.config import FallConfig
+from humanoid_bt.robot.model import BASE_COORDINATES
 
 DECISION_TIMEOUT = 0.100
 """Silence of decision [s] after which the robot goes to a protective stop."""

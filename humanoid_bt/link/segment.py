@@ -10,7 +10,7 @@ from enum import IntEnum
 from pathlib import Path
 from typing import Self
 
-from humanoid_bt.errors import HumanoidBtError
+from humanoid_bt.core.errors import HumanoidBtError
 
 WORD = 8
 """Bytes of a word. An aligned word is stored and loaded whole by every processor this runs on."""

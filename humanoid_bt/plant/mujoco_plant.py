@@ -7,11 +7,11 @@ import math
 import mujoco
 import numpy as np
 
-from humanoid_bt.clock import SERVO_PERIOD
-from humanoid_bt.errors import Place, UserError, nearest, relative
-from humanoid_bt.messages import SIDES, Array, JointCommand, Measurement
-from humanoid_bt.plant.robot_model import BASE_COORDINATES, BASE_DOFS, RobotModel, foot_sensor
+from humanoid_bt.core.clock import SERVO_PERIOD
+from humanoid_bt.core.errors import Place, UserError, nearest, relative
+from humanoid_bt.core.messages import SIDES, Array, JointCommand, Measurement
 from humanoid_bt.plant.scene import Scene
+from humanoid_bt.robot.model import BASE_COORDINATES, BASE_DOFS, RobotModel, foot_sensor
 
 
 class MujocoPlant:

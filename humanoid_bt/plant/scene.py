@@ -9,8 +9,8 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 
-from humanoid_bt.errors import UserError
-from humanoid_bt.messages import Array
+from humanoid_bt.core.errors import UserError
+from humanoid_bt.core.messages import Array
 from humanoid_bt.plant.scene_config import Color, EventConfig, ObjectConfig, SceneConfig, load_scene
 
 __all__ = ["Scene", "SceneConfig", "load_scene", "random_stream"]

@@ -8,10 +8,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
 
-from humanoid_bt import document
-from humanoid_bt.document import Item
-from humanoid_bt.errors import Problem, UserError, nearest
-from humanoid_bt.params import param, read
+from humanoid_bt.core.errors import Problem, UserError, nearest
+from humanoid_bt.core.params import param, read
+from humanoid_bt.files import document
+from humanoid_bt.files.document import Item
 
 Shape = Literal["ball", "box", "cylinder"]
 Color = Literal["red", "orange", "yellow", "green", "blue", "purple", "white", "grey", "black"]

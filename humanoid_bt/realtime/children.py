@@ -8,7 +8,7 @@ import subprocess
 import sys
 import time
 
-from humanoid_bt.errors import HumanoidBtError
+from humanoid_bt.core.errors import HumanoidBtError
 from humanoid_bt.link.run_folder import RunFolder
 
 _END_TIMEOUT = 3.0  # s that the processes get to end by themselves

@@ -14,16 +14,16 @@ from contextlib import suppress
 from pathlib import Path
 from types import FrameType
 
-from humanoid_bt.clock import DECISION_PERIOD, SERVO_PERIOD, WHOLE_BODY_PERIOD, cycles
+from humanoid_bt.control.body.standing import load_robot
 from humanoid_bt.control.controller import Controller
-from humanoid_bt.control.robots import load_robot
 from humanoid_bt.control.supervisor import reset_text
-from humanoid_bt.errors import UserError
+from humanoid_bt.core.clock import DECISION_PERIOD, SERVO_PERIOD, WHOLE_BODY_PERIOD, cycles
+from humanoid_bt.core.errors import UserError
+from humanoid_bt.core.messages import Mode
 from humanoid_bt.link.run_folder import RunFolder
 from humanoid_bt.link.segment import LinkError
 from humanoid_bt.link.wire import Event, WireError, decode_command, decode_event, encode_event, encode_state
 from humanoid_bt.link.wire.event import Level
-from humanoid_bt.messages import Mode
 from humanoid_bt.plant.mujoco_plant import MujocoPlant
 from humanoid_bt.plant.scene import Scene, load_scene
 from humanoid_bt.realtime import channels

@@ -11,8 +11,9 @@ from pathlib import Path
 
 import mujoco
 
-from humanoid_bt.clock import DECISION_PERIOD
-from humanoid_bt.errors import ControlLost, HumanoidBtError
+from humanoid_bt.core.clock import DECISION_PERIOD
+from humanoid_bt.core.errors import ControlLost, HumanoidBtError
+from humanoid_bt.core.messages import Command, Percept, State
 from humanoid_bt.link.ring import RingReader, RingWriter
 from humanoid_bt.link.run_folder import RunFolder, RunInfo, clean_stale, live_runs
 from humanoid_bt.link.wire import (
@@ -23,9 +24,7 @@ from humanoid_bt.link.wire import (
     encode_command,
     encode_event,
 )
-from humanoid_bt.messages import Command, Percept, State
 from humanoid_bt.plant.mujoco_plant import MujocoPlant
-from humanoid_bt.plant.robot_model import RobotModel
 from humanoid_bt.plant.scene import Scene
 from humanoid_bt.realtime import channels
 from humanoid_bt.realtime.channels import RunSpec
@@ -34,6 +33,7 @@ from humanoid_bt.realtime.live_tree import TreeTeller
 from humanoid_bt.realtime.remote import RemoteSupervisor, StateClock
 from humanoid_bt.realtime.schedule import Schedule, last_core
 from humanoid_bt.realtime.timing import Timing
+from humanoid_bt.robot.model import RobotModel
 from humanoid_bt.tree.tree import Tree
 
 HOLD_TIME = 10.0

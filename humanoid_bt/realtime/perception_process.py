@@ -7,10 +7,10 @@ import signal
 import sys
 from pathlib import Path
 
-from humanoid_bt.clock import PERCEPTION_PERIOD
+from humanoid_bt.core.clock import PERCEPTION_PERIOD
 from humanoid_bt.link.run_folder import RunFolder
 from humanoid_bt.link.wire import decode_state, encode_percepts
-from humanoid_bt.plant.perception import SimulatedPerception
+from humanoid_bt.perception.simulated import SimulatedPerception
 from humanoid_bt.plant.scene import Scene, load_scene
 from humanoid_bt.realtime import channels
 from humanoid_bt.realtime.channels import RunSpec

@@ -6,8 +6,8 @@ import threading
 from collections import deque
 
 from humanoid_bt.control.supervisor import Stop
+from humanoid_bt.core.messages import Mode, State
 from humanoid_bt.link.estop import EStop
-from humanoid_bt.messages import Mode, State
 
 
 class StateClock:

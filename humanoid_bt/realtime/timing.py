@@ -78,7 +78,7 @@ class StopRecord:
     Attributes:
         at: monotonic time at which the first setpoint that obeys it had reached the drives [ns].
         time: engine time [s].
-        mode: the kind of stop, as :class:`humanoid_bt.messages.Mode` has it.
+        mode: the kind of stop, as :class:`humanoid_bt.core.messages.Mode` has it.
         reason, source: as the supervisor gives them.
     """
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import rerun as rr
 
-from humanoid_bt.messages import Array
+from humanoid_bt.core.messages import Array
 
 TIMELINE = "sim_time"
 """The one timeline: the engine's time."""

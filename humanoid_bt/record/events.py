@@ -6,8 +6,8 @@ from typing import Any
 
 import rerun as rr
 
-from humanoid_bt.errors import HumanoidBtError, nearest
-from humanoid_bt.messages import Level
+from humanoid_bt.core.errors import HumanoidBtError, nearest
+from humanoid_bt.core.messages import Level
 from humanoid_bt.record.columns import Color, send
 from humanoid_bt.record.tree_view import printable
 from humanoid_bt.tree.show.looks import STATUS_COLORS, STATUS_GLYPHS

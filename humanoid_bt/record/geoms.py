@@ -9,7 +9,7 @@ import mujoco
 import numpy as np
 import rerun as rr
 
-from humanoid_bt.messages import Array
+from humanoid_bt.core.messages import Array
 
 _TILE = 0.5  # side of a floor tile [m]: a step is about a third of it
 _FLOOR_HALF_SIZE = 8.0  # a plane is infinite for contacts; this much of it is drawn [m]

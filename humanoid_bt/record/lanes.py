@@ -6,7 +6,7 @@ from typing import Any
 
 import rerun as rr
 
-from humanoid_bt.messages import Gait, Mode, State
+from humanoid_bt.core.messages import Gait, Mode, State
 from humanoid_bt.record.columns import Color, lane, send
 
 _FREE, _LIMITED = "free", "limited"

@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 import rerun as rr
 
-from humanoid_bt.messages import SIDES, Array, BaseTarget, FootPose, GazeTarget, HandTarget, Side, State
-from humanoid_bt.plant.robot_config import SoleConfig
+from humanoid_bt.core.messages import SIDES, Array, BaseTarget, FootPose, GazeTarget, HandTarget, Side, State
+from humanoid_bt.decision.robot import Track
 from humanoid_bt.record.columns import Color, entity, send, send_sets
 from humanoid_bt.record.scene_view import WORLD
-from humanoid_bt.robot import Track
+from humanoid_bt.robot.config import SoleConfig
 
 PATH = f"{WORLD}/path"
 """Entity of the ground path; the view shows all its points up to now."""

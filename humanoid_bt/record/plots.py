@@ -9,11 +9,11 @@ import mujoco
 import numpy as np
 import rerun as rr
 
-from humanoid_bt.messages import SIDES, Array, State
-from humanoid_bt.plant.robot_config import RobotConfig
+from humanoid_bt.core.messages import SIDES, Array, State
+from humanoid_bt.decision.robot import Track
 from humanoid_bt.record.columns import Color, entity, send
 from humanoid_bt.record.overlays import SIDE_COLORS
-from humanoid_bt.robot import Track
+from humanoid_bt.robot.config import RobotConfig
 
 JOINTS = "joints"
 FEET = "robot/foot_force"

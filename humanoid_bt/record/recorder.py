@@ -12,9 +12,9 @@ from typing import Any, Self
 import mujoco
 import numpy as np
 
-from humanoid_bt.errors import HumanoidBtError
-from humanoid_bt.messages import Array, State
-from humanoid_bt.plant.robot_config import RobotConfig
+from humanoid_bt.core.errors import HumanoidBtError
+from humanoid_bt.core.messages import Array, State
+from humanoid_bt.decision.robot import Track
 from humanoid_bt.record.blueprint import blueprint
 from humanoid_bt.record.documents import send_info, send_tree_file
 from humanoid_bt.record.events import EventLog, Level
@@ -24,7 +24,7 @@ from humanoid_bt.record.plots import Plots
 from humanoid_bt.record.scene_view import SceneView
 from humanoid_bt.record.sinks import Outlet, Sinks
 from humanoid_bt.record.tree_view import TreeStatus, TreeView
-from humanoid_bt.robot import Track
+from humanoid_bt.robot.config import RobotConfig
 
 _LIVE_BATCH = 0.5  # time covered by a batch while somebody watches [s]
 _FILE_BATCH = (

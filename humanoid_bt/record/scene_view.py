@@ -10,8 +10,8 @@ import mujoco
 import numpy as np
 import rerun as rr
 
-from humanoid_bt.errors import HumanoidBtError, nearest
-from humanoid_bt.messages import Array, State
+from humanoid_bt.core.errors import HumanoidBtError, nearest
+from humanoid_bt.core.messages import Array, State
 from humanoid_bt.record import geoms
 from humanoid_bt.record.columns import entity, send, xyzw
 

@@ -20,7 +20,7 @@ from urllib.parse import quote
 
 import rerun as rr
 
-from humanoid_bt.errors import UserError, relative
+from humanoid_bt.core.errors import UserError, relative
 
 _log = logging.getLogger(__name__)
 

@@ -8,9 +8,9 @@ from typing import Any, Protocol
 
 import rerun as rr
 
-from humanoid_bt.errors import HumanoidBtError, nearest
+from humanoid_bt.core.errors import HumanoidBtError, nearest
 from humanoid_bt.record.columns import lane, send, send_sets
-from humanoid_bt.tree.layout import fan
+from humanoid_bt.tree.show.layout import fan
 from humanoid_bt.tree.show.looks import STATUS_COLORS, STATUS_GLYPHS
 
 GRAPH = "tree/graph"

@@ -7,13 +7,13 @@ from typing import Protocol
 
 import mujoco
 
-from humanoid_bt.clock import Clock
 from humanoid_bt.control.supervisor import Stop
+from humanoid_bt.core.clock import Clock
+from humanoid_bt.core.messages import Command, Percept, State
 from humanoid_bt.link.wire import Event
-from humanoid_bt.messages import Command, Percept, State
-from humanoid_bt.plant.robot_model import RobotModel
 from humanoid_bt.plant.scene import Scene
 from humanoid_bt.realtime.timing import Timing
+from humanoid_bt.robot.model import RobotModel
 from humanoid_bt.tree.tree import Tree
 
 

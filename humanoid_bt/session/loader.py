@@ -5,14 +5,14 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
-from humanoid_bt import document
-from humanoid_bt.checking import settled
-from humanoid_bt.errors import Place, Problem, UserError, relative
+from humanoid_bt.checking.check import settled
+from humanoid_bt.core.errors import Place, Problem, UserError, relative
+from humanoid_bt.decision.skill_files import class_file
+from humanoid_bt.files import document
+from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.session.options import RunOptions
-from humanoid_bt.skill_files import class_file
-from humanoid_bt.tree.load import load_tree
+from humanoid_bt.tree.source.load import load_tree
 from humanoid_bt.tree.tree import Tree
-from humanoid_bt.workspace import Workspace
 
 DEFAULT_ROBOT, DEFAULT_SCENE = "humanoid", "empty"
 

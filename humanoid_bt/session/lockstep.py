@@ -13,17 +13,17 @@ from typing import Protocol
 
 import mujoco
 
-from humanoid_bt.clock import DECISION_PERIOD, PERCEPTION_PERIOD, CycleClock, cycles
 from humanoid_bt.control.controller import Controller
 from humanoid_bt.control.supervisor import Supervisor, reset_text
+from humanoid_bt.core.clock import DECISION_PERIOD, PERCEPTION_PERIOD, CycleClock, cycles
+from humanoid_bt.core.messages import Array, Command, Percept, State
 from humanoid_bt.link.run_folder import RunInfo
 from humanoid_bt.link.segment import LinkError
 from humanoid_bt.link.wire import Event
-from humanoid_bt.messages import Array, Command, Percept, State
 from humanoid_bt.plant.mujoco_plant import MujocoPlant
-from humanoid_bt.plant.robot_model import RobotModel
 from humanoid_bt.plant.scene import Scene
 from humanoid_bt.realtime.live_tree import TreeTeller
+from humanoid_bt.robot.model import RobotModel
 from humanoid_bt.tree.tree import Tree
 
 _log = logging.getLogger(__name__)

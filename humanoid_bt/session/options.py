@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
 
-from humanoid_bt.errors import UserError
+from humanoid_bt.core.errors import UserError
 from humanoid_bt.record.sinks import Sinks
 from humanoid_bt.tree.tree import Tree
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import traceback
 from typing import NamedTuple
 
-from humanoid_bt.errors import HumanoidBtError, Place
-from humanoid_bt.skill_files import class_file, place_in_file
-from humanoid_bt.tree.executor import NodeError
+from humanoid_bt.core.errors import HumanoidBtError, Place
+from humanoid_bt.decision.skill_files import class_file, place_in_file
+from humanoid_bt.tree.engine.executor import NodeError
 from humanoid_bt.tree.tree import Tree
 
 

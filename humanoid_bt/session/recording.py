@@ -7,7 +7,7 @@ import shutil
 from collections.abc import Callable
 from pathlib import Path
 
-from humanoid_bt.errors import UserError, relative
+from humanoid_bt.core.errors import UserError, relative
 from humanoid_bt.record.events import Level
 from humanoid_bt.record.recorder import Recorder
 from humanoid_bt.record.sinks import Sinks

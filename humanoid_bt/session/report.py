@@ -11,11 +11,11 @@ from enum import IntEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from humanoid_bt.errors import UserError
+from humanoid_bt.core.errors import UserError
 
 if TYPE_CHECKING:  # the command line reads the exit codes long before it needs the engine
     from humanoid_bt.control.supervisor import Stop
-    from humanoid_bt.tree.executor import NodeChange
+    from humanoid_bt.tree.engine.executor import NodeChange
 
 _PACKAGES = ("humanoid-bt", "mujoco", "mink", "py_trees", "numpy", "rerun-sdk")
 

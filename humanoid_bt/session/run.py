@@ -11,13 +11,14 @@ from dataclasses import asdict
 
 from py_trees.common import Status
 
-from humanoid_bt.clock import DECISION_PERIOD
-from humanoid_bt.errors import ControlLost, HumanoidBtError
-from humanoid_bt.messages import Mode, State
+from humanoid_bt.core.clock import DECISION_PERIOD
+from humanoid_bt.core.errors import ControlLost, HumanoidBtError
+from humanoid_bt.core.messages import Mode, State
+from humanoid_bt.decision.robot import Robot
+from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.plant.scene import Scene, load_scene
 from humanoid_bt.record.events import Level
 from humanoid_bt.record.recorder import Recorder
-from humanoid_bt.robot import Robot
 from humanoid_bt.session.edits import Edits, EditSource
 from humanoid_bt.session.engine import Engine
 from humanoid_bt.session.loader import TreeLoader
@@ -30,9 +31,8 @@ from humanoid_bt.session.runner import SETTLE_TIME, TreeRunner
 from humanoid_bt.session.teller import Listener, Teller
 from humanoid_bt.session.watch import Watch
 from humanoid_bt.session.wiring import new_engine
-from humanoid_bt.tree.executor import Executor
+from humanoid_bt.tree.engine.executor import Executor
 from humanoid_bt.tree.tree import Tree
-from humanoid_bt.workspace import Workspace
 
 _log = logging.getLogger(__name__)
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import time
 
-from humanoid_bt.errors import nearest
-from humanoid_bt.messages import State
+from humanoid_bt.core.errors import nearest
+from humanoid_bt.core.messages import State
 from humanoid_bt.record.events import Level
 from humanoid_bt.record.recorder import Recorder
 from humanoid_bt.session.engine import Engine
@@ -13,7 +13,7 @@ from humanoid_bt.session.happenings import Happenings
 from humanoid_bt.session.recording import run_info, tree_view
 from humanoid_bt.session.runner import TreeRunner
 from humanoid_bt.session.trace import Trace
-from humanoid_bt.tree.executor import NodeChange
+from humanoid_bt.tree.engine.executor import NodeChange
 from humanoid_bt.tree.tree import Tree
 
 _STATUS_TICKS = 10  # ticks between two reports to whoever looks from outside

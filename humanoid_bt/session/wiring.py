@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from humanoid_bt.control.robots import load_robot
-from humanoid_bt.plant.perception import SimulatedPerception
+from humanoid_bt.control.body.standing import load_robot
+from humanoid_bt.perception.simulated import SimulatedPerception
 from humanoid_bt.plant.scene import Scene
 from humanoid_bt.realtime.engine import Realtime
 from humanoid_bt.session.engine import Engine

@@ -20,8 +20,8 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 @pytest.fixture(scope="session")
 def _rig(pytestconfig: pytest.Config) -> Rig:
     """Load the robot once for all tests."""
+    from humanoid_bt.files.workspace import Workspace
     from humanoid_bt.testing.rig import Rig
-    from humanoid_bt.workspace import Workspace
 
     folder = pytestconfig.getini("humanoid_bt_workspace")
     workspace = Workspace(pytestconfig.rootpath / folder if folder else pytestconfig.rootpath)

@@ -12,20 +12,20 @@ from typing import Any
 import numpy as np
 from py_trees.common import Status
 
-from humanoid_bt.clock import PERCEPTION_PERIOD
-from humanoid_bt.control.robots import load_robot
+from humanoid_bt.control.body.standing import load_robot
 from humanoid_bt.control.supervisor import Stop
-from humanoid_bt.errors import Place, UserError, nearest
-from humanoid_bt.geometry import rotation_matrix
-from humanoid_bt.messages import Array, Command, Mode, Percept, Side, State
-from humanoid_bt.params import PerceptName, item_of
+from humanoid_bt.core.clock import PERCEPTION_PERIOD
+from humanoid_bt.core.errors import Place, UserError, nearest
+from humanoid_bt.core.geometry import rotation_matrix
+from humanoid_bt.core.messages import Array, Command, Mode, Percept, Side, State
+from humanoid_bt.core.params import PerceptName, item_of
+from humanoid_bt.decision.robot import Robot
+from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.plant.scene import Scene, load_scene
-from humanoid_bt.robot import Robot
 from humanoid_bt.session.lockstep import Lockstep
-from humanoid_bt.tree.executor import Executor, NodeChange
-from humanoid_bt.tree.registry import NodeType, Registry
+from humanoid_bt.tree.engine.executor import Executor, NodeChange
+from humanoid_bt.tree.nodes.registry import NodeType, Registry
 from humanoid_bt.tree.tree import Node, Tree
-from humanoid_bt.workspace import Workspace
 
 _PLACE = Place("rig.run")
 

@@ -6,9 +6,9 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from humanoid_bt.blackboard import Key
-from humanoid_bt.errors import Place
-from humanoid_bt.tree.registry import NodeType
+from humanoid_bt.core.errors import Place
+from humanoid_bt.decision.blackboard import Key
+from humanoid_bt.tree.nodes.registry import NodeType
 
 
 @dataclass

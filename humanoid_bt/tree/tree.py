@@ -9,10 +9,10 @@ from typing import Any
 
 from py_trees.behaviour import Behaviour
 
-from humanoid_bt.blackboard import Key
-from humanoid_bt.errors import Place, Problem
+from humanoid_bt.core.errors import Place, Problem
+from humanoid_bt.decision.blackboard import Key
 from humanoid_bt.tree.nodes import Kind
-from humanoid_bt.tree.registry import NodeType
+from humanoid_bt.tree.nodes.registry import NodeType
 from humanoid_bt.tree.write import tree_text
 
 

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 import yaml
 
-from humanoid_bt.blackboard import Key
-from humanoid_bt.errors import UserError
-from humanoid_bt.tree.registry import CHILD
+from humanoid_bt.core.errors import UserError
+from humanoid_bt.decision.blackboard import Key
+from humanoid_bt.tree.nodes.registry import CHILD
 
 if TYPE_CHECKING:
     from humanoid_bt.tree.tree import Node, Tree

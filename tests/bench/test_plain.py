@@ -10,11 +10,11 @@ from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
 from humanoid_bt.bench.plain import empty_leaves, plain_copy
-from humanoid_bt.errors import Place
-from humanoid_bt.tree.registry import NodeType
-from humanoid_bt.tree.ticking import Branch, Seen, tick
+from humanoid_bt.core.errors import Place
+from humanoid_bt.files.workspace import Workspace
+from humanoid_bt.tree.engine.ticking import Branch, Seen, tick
+from humanoid_bt.tree.nodes.registry import NodeType
 from humanoid_bt.tree.tree import Node, Tree
-from humanoid_bt.workspace import Workspace
 from tests.tree.helpers import Run, make_workspace, run, seen
 
 SHAPES = {

@@ -5,8 +5,8 @@ from pathlib import Path
 import pytest
 
 from humanoid_bt.bench.samples import sample_tree
-from humanoid_bt.tree import load_tree
-from humanoid_bt.workspace import Workspace, builtin_root
+from humanoid_bt.files.workspace import Workspace, builtin_root
+from humanoid_bt.tree.source.load import load_tree
 
 
 @pytest.mark.parametrize("nodes", [10, 40, 500])

@@ -10,7 +10,7 @@ import pytest
 
 from humanoid_bt.bench.figure import Figure
 from humanoid_bt.cli import bench, main
-from humanoid_bt.workspace import Workspace
+from humanoid_bt.files.workspace import Workspace
 
 TICK = Figure("tick of a tree", "py_trees", "us CPU", 3.0, 12.0, 0.25, 0.2, 0.3, must=1.0, aim=0.2)
 SPEED = Figure("lockstep", "CPU time it took", "s", 12.0, 1.0, 12.0, 11.0, 13.0, must=4, aim=10, more_is_better=True)

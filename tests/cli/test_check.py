@@ -8,10 +8,10 @@ from typing import Any
 
 import pytest
 
+from humanoid_bt.checking.codes import CODES
 from humanoid_bt.cli import main
 from humanoid_bt.cli.reports import as_json, as_sarif
-from humanoid_bt.codes import CODES
-from humanoid_bt.errors import Place, Problem
+from humanoid_bt.core.errors import Place, Problem
 
 SOUND = "format: 1\nroot: {emergency_stop: idle}\n"
 DOUBTFUL = "format: 1\nroot: {emergency_stop: idle}  # allow no-hysteresis: it is steady\n"

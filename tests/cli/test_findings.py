@@ -10,7 +10,7 @@ import pytest
 
 from humanoid_bt.cli.excerpts import excerpt
 from humanoid_bt.cli.findings import counted, print_findings
-from humanoid_bt.errors import Place, Problem
+from humanoid_bt.core.errors import Place, Problem
 
 
 class Terminal(io.StringIO):

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from humanoid_bt.cli import main
-from humanoid_bt.workspace import builtin_root
+from humanoid_bt.files.workspace import builtin_root
 
 UGLY = "format: 1\nroot:   # here\n    emergency_stop:   { idle: {} }\n\n\n"
 NEAT = "format: 1\nroot:   # here\n  emergency_stop: {idle: {}}\n"

@@ -102,7 +102,8 @@ def test_check_and_run_name_the_same_skills_for_a_built_in_tree(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     (tmp_path / "skills").mkdir()
-    skill = "from humanoid_bt.skill import Skill\n\nclass Idle(Skill):\n    def update(self): return self.running('')\n"
+    code = "class Idle(Skill):\n    def update(self): return self.running('')\n"
+    skill = f"from humanoid_bt.decision.skill import Skill\n\n{code}"
     (tmp_path / "skills" / "idle.py").write_text(skill, encoding="utf-8")
     monkeypatch.chdir(tmp_path)
     for command in (["check", "fetch"], ["show", "fetch"], ["run", "fetch", "--no-record", "--no-view"]):

@@ -13,10 +13,10 @@ from pathlib import Path
 import pytest
 
 from humanoid_bt.cli import main
+from humanoid_bt.core.messages import Mode, State
 from humanoid_bt.link import run_folder
 from humanoid_bt.link.run_folder import RunFolder, RunInfo
 from humanoid_bt.link.wire import encode_state
-from humanoid_bt.messages import Mode, State
 from humanoid_bt.realtime import channels
 from humanoid_bt.realtime.timing import Timing
 from tests.tree.helpers import make_state

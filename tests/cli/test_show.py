@@ -14,11 +14,12 @@ from rich.console import Console
 
 from humanoid_bt.cli import main
 from humanoid_bt.cli import show as show_module
+from humanoid_bt.files.workspace import Workspace, builtin_root
 from humanoid_bt.link import run_folder
 from humanoid_bt.link.run_folder import RunInfo
 from humanoid_bt.realtime.live_tree import TreeTeller, TreeWatch
-from humanoid_bt.tree import Tree, load_tree
-from humanoid_bt.workspace import Workspace, builtin_root
+from humanoid_bt.tree.source.load import load_tree
+from humanoid_bt.tree.tree import Tree
 
 
 @pytest.fixture(autouse=True)

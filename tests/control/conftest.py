@@ -3,12 +3,12 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from control_rig import ControlRig
 
-from humanoid_bt.control.inverse_kinematics import standing_posture
-from humanoid_bt.messages import Array, Measurement
-from humanoid_bt.plant.robot_config import load_robot_config
-from humanoid_bt.plant.robot_model import RobotModel
+from humanoid_bt.control.body.inverse_kinematics import standing_posture
+from humanoid_bt.core.messages import Array, Measurement
+from humanoid_bt.robot.config import load_robot_config
+from humanoid_bt.robot.model import RobotModel
+from tests.control.control_rig import ControlRig
 
 ROBOT = Path(__file__).resolve().parents[2] / "sim" / "humanoid" / "robot.yaml"
 

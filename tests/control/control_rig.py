@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
-from humanoid_bt.clock import DECISION_PERIOD, SERVO_PERIOD, cycles
 from humanoid_bt.control.controller import Controller
-from humanoid_bt.messages import Array, Command, State, Target
+from humanoid_bt.core.clock import DECISION_PERIOD, SERVO_PERIOD, cycles
+from humanoid_bt.core.messages import Array, Command, State, Target
 from humanoid_bt.plant.mujoco_plant import MujocoPlant
-from humanoid_bt.plant.robot_model import RobotModel
 from humanoid_bt.plant.scene import Scene
 from humanoid_bt.plant.scene_config import SceneConfig
+from humanoid_bt.robot.model import RobotModel
 
 TICK = cycles(DECISION_PERIOD)
 SETTLE_TIME = 4.0  # s in which a walking robot has come to a stand

@@ -10,11 +10,10 @@ import mink
 import mujoco
 import numpy as np
 import pytest
-from control_rig import ControlRig
 
-from humanoid_bt.control.planar import seen_from
-from humanoid_bt.control.whole_body import Setpoint
-from humanoid_bt.messages import (
+from humanoid_bt.control.body.planar import seen_from
+from humanoid_bt.control.body.whole_body import Setpoint
+from humanoid_bt.core.messages import (
     SIDES,
     Array,
     BaseTarget,
@@ -27,7 +26,8 @@ from humanoid_bt.messages import (
     State,
     Target,
 )
-from humanoid_bt.plant.robot_model import BASE_COORDINATES, RobotModel, palm_site, sole_site
+from humanoid_bt.robot.model import BASE_COORDINATES, RobotModel, palm_site, sole_site
+from tests.control.control_rig import ControlRig
 
 FORWARD = {"base": BaseTarget(np.array([1.0, 0.0]), 0.0)}
 FAR = {"base": BaseTarget(np.array([3.0, 0.0]), 0.0)}

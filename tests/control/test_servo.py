@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from humanoid_bt.clock import WHOLE_BODY_PERIOD
+from humanoid_bt.control.body.whole_body import Setpoint
 from humanoid_bt.control.servo import Servo
-from humanoid_bt.control.whole_body import Setpoint
-from humanoid_bt.messages import Array
-from humanoid_bt.plant.robot_model import BASE_COORDINATES, RobotModel
+from humanoid_bt.core.clock import WHOLE_BODY_PERIOD
+from humanoid_bt.core.messages import Array
+from humanoid_bt.robot.model import BASE_COORDINATES, RobotModel
 
 
 @pytest.fixture

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from humanoid_bt.control.supervisor import Supervisor
-from humanoid_bt.messages import (
+from humanoid_bt.core.messages import (
     BaseTarget,
     Command,
     GazeTarget,
@@ -19,7 +19,7 @@ from humanoid_bt.messages import (
     PostureTarget,
     Target,
 )
-from humanoid_bt.plant.robot_config import FallConfig
+from humanoid_bt.robot.config import FallConfig
 
 HEIGHT = 0.7
 UPRIGHT = Measurement(

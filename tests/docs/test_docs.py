@@ -11,9 +11,9 @@ import generate
 import pytest
 from examples import EXAMPLES
 
+from humanoid_bt.files.workspace import Workspace, builtin_root
 from humanoid_bt.session.report import ExitCode, Report
-from humanoid_bt.tree.registry import Registry
-from humanoid_bt.workspace import Workspace, builtin_root
+from humanoid_bt.tree.nodes.registry import Registry
 
 PAGES = blocks.pages()
 STALE = "run `make docs`"

@@ -10,10 +10,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from humanoid_bt.errors import HumanoidBtError
-from humanoid_bt.link import wire
-from humanoid_bt.link.wire import Event, MessageKind, WireError
-from humanoid_bt.messages import (
+from humanoid_bt.core.errors import HumanoidBtError
+from humanoid_bt.core.messages import (
     BaseTarget,
     Command,
     FootPose,
@@ -26,6 +24,8 @@ from humanoid_bt.messages import (
     State,
     Target,
 )
+from humanoid_bt.link import wire
+from humanoid_bt.link.wire import Event, MessageKind, WireError
 
 MUTATIONS = 2000
 

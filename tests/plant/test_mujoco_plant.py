@@ -9,14 +9,14 @@ import mujoco
 import numpy as np
 import pytest
 
-from humanoid_bt.clock import SERVO_PERIOD
-from humanoid_bt.errors import UserError
-from humanoid_bt.messages import Array, JointCommand
+from humanoid_bt.core.clock import SERVO_PERIOD
+from humanoid_bt.core.errors import UserError
+from humanoid_bt.core.messages import Array, JointCommand
 from humanoid_bt.plant.mujoco_plant import MujocoPlant
-from humanoid_bt.plant.robot_config import load_robot_config
-from humanoid_bt.plant.robot_model import BASE_COORDINATES, BASE_DOFS, RobotModel, sole_site
 from humanoid_bt.plant.scene import Scene
 from humanoid_bt.plant.scene_config import SceneConfig, StartConfig, load_scene
+from humanoid_bt.robot.config import load_robot_config
+from humanoid_bt.robot.model import BASE_COORDINATES, BASE_DOFS, RobotModel, sole_site
 
 SIM = Path(__file__).resolve().parents[2] / "sim"
 

@@ -9,7 +9,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from humanoid_bt.errors import UserError
+from humanoid_bt.core.errors import UserError
 from humanoid_bt.plant.scene import Scene, load_scene
 
 SCENES = Path(__file__).resolve().parents[2] / "sim" / "scenes"

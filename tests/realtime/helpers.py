@@ -13,9 +13,9 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
+from humanoid_bt.core.messages import Gait, State
 from humanoid_bt.link.run_folder import RunFolder, live_runs
 from humanoid_bt.link.wire import decode_state
-from humanoid_bt.messages import Gait, State
 from humanoid_bt.realtime import channels
 from humanoid_bt.realtime.status import status_of
 

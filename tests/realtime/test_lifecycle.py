@@ -10,11 +10,11 @@ from collections.abc import Callable
 import pytest
 import rerun as rr
 
+from humanoid_bt.core.messages import Gait, Mode
+from humanoid_bt.files.workspace import Workspace, builtin_root
 from humanoid_bt.link.run_folder import RunFolder, RunInfo, default_root
-from humanoid_bt.messages import Gait, Mode
 from humanoid_bt.realtime import channels
 from humanoid_bt.realtime.channels import RunSpec
-from humanoid_bt.workspace import Workspace, builtin_root
 from tests.realtime.helpers import PATIENCE, Live, command, until
 
 pytestmark = pytest.mark.realtime

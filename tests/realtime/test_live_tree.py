@@ -10,13 +10,14 @@ from pathlib import Path
 import pytest
 from py_trees.common import Status
 
+from humanoid_bt.files.workspace import Workspace, builtin_root
 from humanoid_bt.link import run_folder
 from humanoid_bt.link.run_folder import RunFolder, RunInfo, live_runs, lockstep_root
 from humanoid_bt.realtime import channels
 from humanoid_bt.realtime.live_tree import TreeTeller, TreeWatch
-from humanoid_bt.tree import Tree, load_tree
 from humanoid_bt.tree.show import outline_of
-from humanoid_bt.workspace import Workspace, builtin_root
+from humanoid_bt.tree.source.load import load_tree
+from humanoid_bt.tree.tree import Tree
 
 
 @pytest.fixture(autouse=True)

@@ -7,12 +7,12 @@ from pathlib import Path
 import pytest
 from py_trees.common import Status
 
+from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.record.events import Level
 from humanoid_bt.session.options import Mode, RunOptions
 from humanoid_bt.session.run import Run
-from humanoid_bt.tree.executor import NodeChange
+from humanoid_bt.tree.engine.executor import NodeChange
 from humanoid_bt.tree.tree import Tree
-from humanoid_bt.workspace import Workspace
 
 NEAR = """
 format: 1

@@ -10,11 +10,11 @@ from typing import Any
 import mujoco
 import pytest
 
-from humanoid_bt.messages import SIDES
-from humanoid_bt.plant.robot_config import DriveConfig, LegConfig, RobotConfig, SiteConfig, SoleConfig
+from humanoid_bt.core.messages import SIDES
 from humanoid_bt.record.recorder import Recorder
 from humanoid_bt.record.sinks import Sinks
 from humanoid_bt.record.tree_view import TreeView
+from humanoid_bt.robot.config import DriveConfig, LegConfig, RobotConfig, SiteConfig, SoleConfig
 
 JOINTS = ("left_hip", "right_hip", "neck")
 

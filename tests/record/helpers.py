@@ -10,8 +10,8 @@ import numpy as np
 import pyarrow as pa
 import rerun as rr
 
-from humanoid_bt.messages import Array, FootPose, Gait, Mode, Percept, Side, State, Target
-from humanoid_bt.robot import Track
+from humanoid_bt.core.messages import Array, FootPose, Gait, Mode, Percept, Side, State, Target
+from humanoid_bt.decision.robot import Track
 
 
 def make_state(

@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from humanoid_bt.errors import HumanoidBtError
-from humanoid_bt.messages import FootPose, HandTarget, Mode
+from humanoid_bt.core.errors import HumanoidBtError
+from humanoid_bt.core.messages import FootPose, HandTarget, Mode
 from humanoid_bt.record.recorder import Recorder
 from humanoid_bt.record.tree_view import TreeView
 from tests.record.conftest import NODES, Node

@@ -13,7 +13,7 @@ from typing import NoReturn
 
 import pytest
 
-from humanoid_bt.errors import UserError
+from humanoid_bt.core.errors import UserError
 from humanoid_bt.record import sinks
 from humanoid_bt.record.recorder import Recorder
 from humanoid_bt.record.sinks import Sinks

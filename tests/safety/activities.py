@@ -8,8 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from humanoid_bt.control.planar import ahead
-from humanoid_bt.messages import Array, BaseTarget, HandTarget, State
+from humanoid_bt.control.body.planar import ahead
+from humanoid_bt.core.messages import Array, BaseTarget, HandTarget, State
 from tests.safety.machine import Targets
 
 

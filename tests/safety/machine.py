@@ -7,17 +7,17 @@ from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Protocol
 
-from humanoid_bt.clock import DECISION_PERIOD, SERVO_PERIOD, cycles
-from humanoid_bt.control.robots import load_robot
+from humanoid_bt.control.body.standing import load_robot
 from humanoid_bt.control.supervisor import Supervisor
-from humanoid_bt.messages import Command, Mode, Percept, State, Target
+from humanoid_bt.core.clock import DECISION_PERIOD, SERVO_PERIOD, cycles
+from humanoid_bt.core.messages import Command, Mode, Percept, State, Target
+from humanoid_bt.decision.robot import Robot
+from humanoid_bt.files.workspace import Workspace, builtin_root
 from humanoid_bt.plant.scene import Scene, load_scene
-from humanoid_bt.robot import Robot
 from humanoid_bt.session.lockstep import Lockstep
 from humanoid_bt.testing.rig import ScriptedPerception
-from humanoid_bt.tree import load_tree
-from humanoid_bt.tree.executor import Executor
-from humanoid_bt.workspace import Workspace, builtin_root
+from humanoid_bt.tree.engine.executor import Executor
+from humanoid_bt.tree.source.load import load_tree
 
 TICK = cycles(DECISION_PERIOD)
 

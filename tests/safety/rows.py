@@ -9,8 +9,8 @@ from typing import Any
 import mink
 import numpy as np
 
-from humanoid_bt.clock import cycles
-from humanoid_bt.messages import BaseTarget, Command, HandTarget, Mode
+from humanoid_bt.core.clock import cycles
+from humanoid_bt.core.messages import BaseTarget, Command, HandTarget, Mode
 from tests.safety.machine import Machine, intact, resent, seconds
 
 STOP, PROTECT, DAMP, RUN = Mode.EMERGENCY_STOP, Mode.PROTECTIVE_STOP, Mode.DAMP, Mode.RUN

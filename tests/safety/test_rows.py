@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from humanoid_bt.messages import Mode
+from humanoid_bt.core.messages import Mode
 from tests.safety.activities import STANDING, WALKING
 from tests.safety.rows import ROWS
 from tests.safety.trials import main, shared_machine, summary, trial

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from humanoid_bt.clock import PERCEPTION_PERIOD, WHOLE_BODY_PERIOD, cycles
 from humanoid_bt.control.supervisor import DECISION_TIMEOUT, NO_SOLUTION_TIMEOUT
-from humanoid_bt.messages import BaseTarget, Mode
+from humanoid_bt.core.clock import PERCEPTION_PERIOD, WHOLE_BODY_PERIOD, cycles
+from humanoid_bt.core.messages import BaseTarget, Mode
 from tests.safety.machine import TICK, Machine, Scripted
 from tests.safety.rows import DAMAGES, RUN, damaged, killed, knocked_over, stopped, unsolvable
 from tests.safety.trials import shared_machine

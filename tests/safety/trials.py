@@ -15,8 +15,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from humanoid_bt.clock import cycles
-from humanoid_bt.messages import Mode
+from humanoid_bt.core.clock import cycles
+from humanoid_bt.core.messages import Mode
 from tests.safety.activities import ACTIVITIES, STANDING, WALKING
 from tests.safety.machine import Machine, Scripted, seconds
 from tests.safety.rows import ROWS, SETTLE, Row

@@ -12,8 +12,8 @@ from hypothesis.strategies import DrawFn, SearchStrategy
 from tests.semantics.model import BOARD, COMMANDS, Comparison, Node, Snapshot
 
 SKILLS = '''
-from humanoid_bt.params import param
-from humanoid_bt.skill import Skill, Status
+from humanoid_bt.core.params import param
+from humanoid_bt.decision.skill import Skill, Status
 
 LOG = []
 """What skills were told, in order: (event, node name)."""

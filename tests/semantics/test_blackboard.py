@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from humanoid_bt.errors import UserError
-from humanoid_bt.tree import NodeError
-from humanoid_bt.workspace import Workspace
+from humanoid_bt.core.errors import UserError
+from humanoid_bt.files.workspace import Workspace
+from humanoid_bt.tree.engine.executor import NodeError
 from tests.semantics.claims import shows
 from tests.tree.helpers import COUNTED, Run, load, run, write
 
@@ -37,8 +37,8 @@ def test_keys_through_ticks_halts_and_starts(workspace: Workspace) -> None:
 
 
 PATIENT = """
-from humanoid_bt.params import param
-from humanoid_bt.skill import Skill, Status
+from humanoid_bt.core.params import param
+from humanoid_bt.decision.skill import Skill, Status
 
 class Patient(Skill):
     ticks: int = param(doc="How many ticks it takes.")

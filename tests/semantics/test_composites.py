@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from humanoid_bt.errors import ResourceConflict, UserError
-from humanoid_bt.workspace import Workspace
+from humanoid_bt.core.errors import ResourceConflict, UserError
+from humanoid_bt.files.workspace import Workspace
 from tests.semantics.claims import shows
 from tests.tree.helpers import Run, load, run, seen
 
@@ -115,7 +115,7 @@ def test_resources_are_released_before_they_are_acquired(workspace: Workspace) -
 
 
 THIEF = """
-from humanoid_bt.skill import Skill, Status
+from humanoid_bt.decision.skill import Skill, Status
 
 class Thief(Skill):
     def setup(self, **kwargs):

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from humanoid_bt.errors import UserError
-from humanoid_bt.tree import NodeError
-from humanoid_bt.workspace import Workspace
+from humanoid_bt.core.errors import UserError
+from humanoid_bt.files.workspace import Workspace
+from humanoid_bt.tree.engine.executor import NodeError
 from tests.semantics.claims import shows
 from tests.tree.helpers import Run, load, run, seen
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from humanoid_bt.tree import NodeError
-from humanoid_bt.workspace import Workspace
+from humanoid_bt.files.workspace import Workspace
+from humanoid_bt.tree.engine.executor import NodeError
 from tests.semantics.claims import shows
 from tests.tree.helpers import Run, run
 
@@ -237,12 +237,12 @@ def test_the_inner_one_acts(workspace: Workspace) -> None:
 @shows("on-error-not")
 @pytest.mark.parametrize("error", ["ResourceConflict", "ControlLost"])
 def test_what_on_error_does_not_take(workspace: Workspace, error: str) -> None:
-    import humanoid_bt.errors
+    import humanoid_bt.core.errors
 
     caught = run(workspace, "{on_error: act}")
 
     def raise_it() -> None:
-        raise getattr(humanoid_bt.errors, error)("no")
+        raise getattr(humanoid_bt.core.errors, error)("no")
 
     caught.tree.nodes[1].behaviour.update = raise_it  # type: ignore[assignment, method-assign]
     with pytest.raises(NodeError, match=error):

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from humanoid_bt.messages import Mode
-from humanoid_bt.workspace import Workspace
+from humanoid_bt.core.messages import Mode
+from humanoid_bt.files.workspace import Workspace
 from tests.semantics.claims import shows
 from tests.session.helpers import ran
 from tests.tree.helpers import Run, run, seen

@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from humanoid_bt.messages import Mode
-from humanoid_bt.tree import NodeError
-from humanoid_bt.workspace import Workspace
+from humanoid_bt.core.messages import Mode
+from humanoid_bt.files.workspace import Workspace
+from humanoid_bt.tree.engine.executor import NodeError
 from tests.semantics.claims import shows
 from tests.session.helpers import after, ran
 from tests.tree.helpers import Run, run, seen

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from hypothesis import given
 
-from humanoid_bt.workspace import Workspace
+from humanoid_bt.files.workspace import Workspace
 from tests.semantics.lives import Life, random_lives
 from tests.semantics.model import Model
 from tests.semantics.random_trees import SKILLS, Story, long_stories, snapshots, stories

@@ -15,9 +15,9 @@ from hypothesis.strategies import DrawFn
 from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
-from humanoid_bt.errors import UserError
-from humanoid_bt.skill import Skill
-from humanoid_bt.workspace import Workspace
+from humanoid_bt.core.errors import UserError
+from humanoid_bt.decision.skill import Skill
+from humanoid_bt.files.workspace import Workspace
 from tests.semantics.lives import Life, random_lives, shown
 from tests.semantics.model import COMMANDS, INVALID, RUNNING, Model, Node
 from tests.semantics.random_trees import SKILLS, Story, changed, moments, snapshots, stories, text_of, trees

@@ -15,7 +15,7 @@ from py_trees.common import Access, ComparisonExpression, OneShotPolicy, Paralle
 from py_trees.composites import Parallel, Selector, Sequence
 from py_trees.decorators import EternalGuard, Inverter, OneShot, Repeat, Retry, Timeout
 
-from humanoid_bt.workspace import Workspace
+from humanoid_bt.files.workspace import Workspace
 from tests.semantics.claims import shows
 from tests.tree.helpers import run
 

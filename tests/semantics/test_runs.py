@@ -12,13 +12,13 @@ import pytest
 import rerun as rr
 import yaml
 
-from humanoid_bt.blackboard import Key
 from humanoid_bt.cli import keys, main
-from humanoid_bt.errors import ControlLost, UserError
-from humanoid_bt.messages import Mode
+from humanoid_bt.core.errors import ControlLost, UserError
+from humanoid_bt.core.messages import Mode
+from humanoid_bt.decision.blackboard import Key
+from humanoid_bt.files.workspace import Workspace, builtin_root
 from humanoid_bt.session.lockstep import Lockstep
-from humanoid_bt.tree import NodeError
-from humanoid_bt.workspace import Workspace, builtin_root
+from humanoid_bt.tree.engine.executor import NodeError
 from tests.semantics.claims import shows
 from tests.session.helpers import Ran, after, ran
 from tests.tree.helpers import Run as Ticked
@@ -27,8 +27,8 @@ from tests.tree.helpers import load, run
 SKILLS = """
 import signal
 
-from humanoid_bt.params import param
-from humanoid_bt.skill import Skill, Status
+from humanoid_bt.core.params import param
+from humanoid_bt.decision.skill import Skill, Status
 
 
 class Signal(Skill):
@@ -256,8 +256,8 @@ def test_a_percept_needs_a_watchdog(workspace: Workspace) -> None:
 
 
 PICKY = """
-from humanoid_bt.errors import UserError
-from humanoid_bt.skill import Skill, Status
+from humanoid_bt.core.errors import UserError
+from humanoid_bt.decision.skill import Skill, Status
 
 class Picky(Skill):
     def setup(self, **kwargs):

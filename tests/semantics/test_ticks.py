@@ -9,16 +9,16 @@ import pytest
 from py_trees.common import Status
 
 import humanoid_bt.tree
-from humanoid_bt.tree import NodeError
-from humanoid_bt.workspace import Workspace, builtin_root
+from humanoid_bt.files.workspace import Workspace, builtin_root
+from humanoid_bt.tree.engine.executor import NodeError
 from tests.semantics.claims import shows
 from tests.session.helpers import ran
 from tests.tree.helpers import Run, run, seen
 
 SPY = '''
-from humanoid_bt.messages import Percept
-from humanoid_bt.params import param
-from humanoid_bt.skill import Skill, Status
+from humanoid_bt.core.messages import Percept
+from humanoid_bt.core.params import param
+from humanoid_bt.decision.skill import Skill, Status
 
 SEEN = []
 

@@ -6,7 +6,7 @@ import time
 
 import pytest
 
-from humanoid_bt.workspace import Workspace
+from humanoid_bt.files.workspace import Workspace
 from tests.semantics.claims import shows
 from tests.tree.helpers import run
 

@@ -6,13 +6,13 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.record.sinks import Sinks
 from humanoid_bt.session.options import RunOptions
 from humanoid_bt.session.report import Report
 from humanoid_bt.session.run import Run
-from humanoid_bt.tree.executor import NodeChange
+from humanoid_bt.tree.engine.executor import NodeChange
 from humanoid_bt.tree.tree import Tree
-from humanoid_bt.workspace import Workspace
 
 
 @dataclass

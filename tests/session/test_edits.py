@@ -7,12 +7,12 @@ from pathlib import Path
 
 import pytest
 
+from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.session.edits import Edit, Edits
 from humanoid_bt.session.loader import TreeLoader
 from humanoid_bt.session.options import RunOptions
-from humanoid_bt.tree.executor import Executor
+from humanoid_bt.tree.engine.executor import Executor
 from humanoid_bt.tree.tree import Tree
-from humanoid_bt.workspace import Workspace
 from tests.projects import make_project
 from tests.tree.helpers import make_robot
 
@@ -183,7 +183,7 @@ def test_a_skill_that_comes_to_stand_before_one_of_the_tree_is_an_edit(files: Fi
     files.write(WALK.replace("walk", "idle"))
     assert leaf(files.edit()) == "idle"
     mine.write_text(
-        "from humanoid_bt.skill import Skill, Status\n\n\nclass Idle(Skill):\n    def update(self):\n"
+        "from humanoid_bt.decision.skill import Skill, Status\n\n\nclass Idle(Skill):\n    def update(self):\n"
         "        return self.running('mine')\n",
         encoding="utf-8",
     )

@@ -10,14 +10,14 @@ import pyarrow as pa
 import pytest
 import rerun as rr
 
-from humanoid_bt.errors import UserError
+from humanoid_bt.core.errors import UserError
+from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.link import run_folder
 from humanoid_bt.link.run_folder import live_runs, lockstep_root
 from humanoid_bt.realtime.live_tree import Moment, TreeWatch
 from humanoid_bt.record.sinks import Sinks
 from humanoid_bt.session.options import RunOptions
 from humanoid_bt.session.run import Run
-from humanoid_bt.workspace import Workspace
 from tests.session.helpers import Ran, Told, after, ran
 
 

@@ -9,12 +9,12 @@ from pathlib import Path
 
 import pytest
 
+from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.record.sinks import Sinks
 from humanoid_bt.session.edits import Edit
 from humanoid_bt.session.options import RunOptions
 from humanoid_bt.session.run import Run
 from humanoid_bt.session.watch import Watch
-from humanoid_bt.workspace import Workspace
 from tests.projects import make_project
 from tests.record.helpers import rows
 from tests.session.helpers import Ran, Told

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from py_trees.common import Status
 
-from humanoid_bt.messages import Gait
+from humanoid_bt.core.messages import Gait
 from humanoid_bt.testing.rig import Rig
 
 

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from humanoid_bt.messages import Side
+from humanoid_bt.core.messages import Side
 from humanoid_bt.testing.rig import Rig, RigResult
 
 

@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
+from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.testing.rig import Rig
-from humanoid_bt.workspace import Workspace
 
 BUILTIN = Path(__file__).resolve().parents[2] / "sim" / "humanoid"
 HANDS = """\

@@ -2,7 +2,7 @@
 
 import pytest
 
-from humanoid_bt.messages import Gait
+from humanoid_bt.core.messages import Gait
 from humanoid_bt.testing.rig import Rig
 
 

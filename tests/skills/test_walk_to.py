@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from humanoid_bt.messages import Gait
+from humanoid_bt.core.messages import Gait
 from humanoid_bt.testing.rig import Rig
 
 

@@ -8,8 +8,8 @@ import humanoid_bt.testing.rig  # noqa: F401 (the inner pytest forgets what it i
 from tests.projects import make_project
 
 TESTS = """
-from humanoid_bt.errors import UserError
-from humanoid_bt.tree.executor import NodeError
+from humanoid_bt.core.errors import UserError
+from humanoid_bt.tree.engine.executor import NodeError
 import pytest
 
 def test_a_skill_of_this_project(rig):

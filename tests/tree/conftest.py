@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from humanoid_bt.workspace import Workspace
+from humanoid_bt.files.workspace import Workspace
 from tests.tree.helpers import make_workspace
 
 

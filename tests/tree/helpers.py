@@ -9,20 +9,22 @@ from pathlib import Path
 
 import numpy as np
 
-from humanoid_bt.clock import CycleClock
-from humanoid_bt.errors import UserError
-from humanoid_bt.messages import Command, FootPose, Gait, Level, Mode, Percept, State
-from humanoid_bt.plant.robot_config import LegConfig, RobotConfig, SiteConfig, SoleConfig
-from humanoid_bt.robot import Robot
-from humanoid_bt.tree import Executor, NodeChange, Tree, load_tree
-from humanoid_bt.workspace import Workspace
+from humanoid_bt.core.clock import CycleClock
+from humanoid_bt.core.errors import UserError
+from humanoid_bt.core.messages import Command, FootPose, Gait, Level, Mode, Percept, State
+from humanoid_bt.decision.robot import Robot
+from humanoid_bt.files.workspace import Workspace
+from humanoid_bt.robot.config import LegConfig, RobotConfig, SiteConfig, SoleConfig
+from humanoid_bt.tree.engine.executor import Executor, NodeChange
+from humanoid_bt.tree.source.load import load_tree
+from humanoid_bt.tree.tree import Tree
 
 SKILLS = '''
 from typing import Literal
 
 import py_trees
-from humanoid_bt.params import PerceptName, param
-from humanoid_bt.skill import Skill, Status
+from humanoid_bt.core.params import PerceptName, param
+from humanoid_bt.decision.skill import Skill, Status
 
 LOG = []
 """What skills were told, in order: (event, node name)."""

@@ -7,9 +7,10 @@ from pathlib import Path
 
 import pytest
 
-from humanoid_bt.errors import UserError
-from humanoid_bt.tree import Tree, load_tree
-from humanoid_bt.workspace import Workspace
+from humanoid_bt.core.errors import UserError
+from humanoid_bt.files.workspace import Workspace
+from humanoid_bt.tree.source.load import load_tree
+from humanoid_bt.tree.tree import Tree
 from tests.tree.helpers import Run, seen
 
 FETCH = Path(__file__).parents[2] / "trees" / "fetch.yaml"

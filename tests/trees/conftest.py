@@ -13,8 +13,8 @@ from tests.session.helpers import Ran, ran
 SKILLS = '''
 """Skills that fail as they are told to."""
 
-from humanoid_bt.params import param
-from humanoid_bt.skill import Skill, Status
+from humanoid_bt.core.params import param
+from humanoid_bt.decision.skill import Skill, Status
 
 
 class Stumble(Skill):

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import struct
 
+from humanoid_bt.core.messages import Command
 from humanoid_bt.link.wire.format import Cursor, MessageKind, guarded, header
 from humanoid_bt.link.wire.targets import pack_sources, pack_targets, unpack_sources, unpack_targets
-from humanoid_bt.messages import Command
 
 _COUNTS = struct.Struct("<BB")  # targets, sources
 

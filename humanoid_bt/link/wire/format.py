@@ -10,8 +10,8 @@ from typing import NamedTuple, ParamSpec, TypeVar
 
 import numpy as np
 
-from humanoid_bt.errors import HumanoidBtError
-from humanoid_bt.messages import Array
+from humanoid_bt.core.errors import HumanoidBtError
+from humanoid_bt.core.messages import Array
 
 VERSION = 1
 """Of the format; both ends must have the same."""

@@ -5,8 +5,8 @@ from __future__ import annotations
 import struct
 from collections.abc import Sequence
 
+from humanoid_bt.core.messages import Percept
 from humanoid_bt.link.wire.format import Cursor, MessageKind, guarded, header, pack_floats, pack_text
-from humanoid_bt.messages import Percept
 
 _NUMBERS = struct.Struct("<dd")  # stamp, confidence
 

@@ -6,6 +6,7 @@ import struct
 from collections.abc import Mapping
 from typing import TypeVar
 
+from humanoid_bt.core.messages import SIDES, Array, FootPose, Gait, Mode, Side, State
 from humanoid_bt.link.wire.format import (
     Cursor,
     MessageKind,
@@ -17,7 +18,6 @@ from humanoid_bt.link.wire.format import (
     pack_text,
 )
 from humanoid_bt.link.wire.targets import pack_sources, pack_targets, unpack_sources, unpack_targets
-from humanoid_bt.messages import SIDES, Array, FootPose, Gait, Mode, Side, State
 
 # Command sequence; joints, footsteps, limit flags; gait, mode, settled; which sides have a hand, a foot, a foot force,
 # a hand error; targets, sources. With the header a whole number of float64, so that the block after it is aligned.

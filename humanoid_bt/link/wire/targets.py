@@ -7,8 +7,8 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from humanoid_bt.core.messages import RESOURCES, Array, BaseTarget, GazeTarget, HandTarget, PostureTarget, Target
 from humanoid_bt.link.wire.format import Cursor, WireError, pack_text
-from humanoid_bt.messages import RESOURCES, Array, BaseTarget, GazeTarget, HandTarget, PostureTarget, Target
 
 _TARGET = struct.Struct("<BB3d")  # resource, type, numbers; those a type does not need are 0
 _RESOURCE = struct.Struct("<B")

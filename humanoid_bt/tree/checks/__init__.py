@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from humanoid_bt.errors import Place, Problem
+from humanoid_bt.core.errors import Place, Problem
 from humanoid_bt.tree.checks.facts import Facts
 from humanoid_bt.tree.checks.reachability import check_reachability
 from humanoid_bt.tree.checks.robustness import check_hysteresis, check_time_limits

@@ -6,7 +6,7 @@ import inspect
 
 from py_trees.common import Status
 
-from humanoid_bt.errors import Problem
+from humanoid_bt.core.errors import Problem
 from humanoid_bt.tree.draft import Draft
 from humanoid_bt.tree.results import ANYTHING, AT_ONCE, NEVER_ENDS, Below, Results
 

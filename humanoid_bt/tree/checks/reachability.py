@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from py_trees.common import Status
 
-from humanoid_bt.errors import Problem
+from humanoid_bt.core.errors import Problem
 from humanoid_bt.tree.checks.facts import Facts
 from humanoid_bt.tree.draft import Draft
 from humanoid_bt.tree.nodes.decorators import Repeat, Retry, Timeout

@@ -7,8 +7,8 @@ from typing import Any
 
 from py_trees.common import Status
 
-from humanoid_bt.errors import Place, Problem
-from humanoid_bt.skill import Skill
+from humanoid_bt.core.errors import Place, Problem
+from humanoid_bt.decision.skill import Skill
 from humanoid_bt.tree.checks.facts import Facts, waits_for_ever
 from humanoid_bt.tree.draft import Draft
 from humanoid_bt.tree.expressions.expression import Expression

@@ -6,7 +6,7 @@ import difflib
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 
-from humanoid_bt.errors import Problem
+from humanoid_bt.core.errors import Problem
 from humanoid_bt.tree.checks.facts import Facts
 from humanoid_bt.tree.draft import Draft
 from humanoid_bt.tree.nodes.guards import EmergencyStop, Watchdog

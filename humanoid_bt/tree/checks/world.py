@@ -8,13 +8,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TypeVar
 
-from humanoid_bt.document import Item
-from humanoid_bt.errors import Place, Problem, UserError, nearest
-from humanoid_bt.plant.robot_config import RobotConfig, load_robot_config
+from humanoid_bt.core.errors import Place, Problem, UserError, nearest
+from humanoid_bt.files.document import Item
+from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.plant.scene_config import SceneConfig, load_scene
+from humanoid_bt.robot.config import RobotConfig, load_robot_config
 from humanoid_bt.tree.checks.facts import Facts
 from humanoid_bt.tree.draft import Draft
-from humanoid_bt.workspace import Workspace
 
 Config = TypeVar("Config", RobotConfig, SceneConfig)
 

@@ -7,8 +7,8 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Protocol
 
-from humanoid_bt.errors import HumanoidBtError, Place, UserError, nearest
-from humanoid_bt.robot import Robot
+from humanoid_bt.core.errors import HumanoidBtError, Place, UserError, nearest
+from humanoid_bt.decision.robot import Robot
 from humanoid_bt.tree.expressions import grammar
 from humanoid_bt.tree.expressions.grammar import Syntax
 from humanoid_bt.tree.expressions.quantities import ANYTHING, NUMBER, TEXT, TRUTH, Type, number, type_of

@@ -6,7 +6,7 @@ import re
 from dataclasses import dataclass
 from typing import Literal
 
-from humanoid_bt.params import UNITS, quantity
+from humanoid_bt.core.params import UNITS, quantity
 
 Exponents = tuple[int, int, int, int]
 """Powers of metre, second, radian, kilogram."""
@@ -75,7 +75,7 @@ TRUTH, TEXT, NUMBER, ANYTHING = Type("truth"), Type("text"), Type("number"), Typ
 
 
 def number(unit: str) -> Type:
-    """Return the type of a number with a unit of :data:`~humanoid_bt.params.UNITS`; "" for a plain one."""
+    """Return the type of a number with a unit of :data:`~humanoid_bt.core.params.UNITS`; "" for a plain one."""
     return Type("number", _EXPONENTS[unit]) if unit else NUMBER
 
 

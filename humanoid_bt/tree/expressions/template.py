@@ -6,10 +6,10 @@ import re
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from humanoid_bt.blackboard import KeyNotSet
-from humanoid_bt.document import Item
-from humanoid_bt.errors import Place, UserError
-from humanoid_bt.robot import Robot
+from humanoid_bt.core.errors import Place, UserError
+from humanoid_bt.decision.blackboard import KeyNotSet
+from humanoid_bt.decision.robot import Robot
+from humanoid_bt.files.document import Item
 from humanoid_bt.tree.expressions.expression import Expression
 from humanoid_bt.tree.expressions.linking import CODE, Unseen, shown
 

@@ -1,7 +1,7 @@
 """The built-in node types, in one place: for the registry, and for trees made in Python.
 
-In Python (see :func:`~humanoid_bt.tree.compose.make_tree`) composites take a name and their children, decorators a
-name and their child, leaves a name; parameters and branches are keyword arguments with the names that they have in
+In Python (see :func:`~humanoid_bt.tree.source.compose.make_tree`) composites take a name and their children, decorators
+a name and their child, leaves a name; parameters and branches are keyword arguments with the names that they have in
 files (``else_`` for ``else``).
 """
 

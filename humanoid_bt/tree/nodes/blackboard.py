@@ -7,13 +7,13 @@ from typing import Any
 
 from py_trees.common import Status
 
-from humanoid_bt.blackboard import Key
-from humanoid_bt.params import param
+from humanoid_bt.core.params import param
+from humanoid_bt.decision.blackboard import Key
+from humanoid_bt.tree.engine.ticking import FAILURE, SUCCESS
 from humanoid_bt.tree.expressions.expression import Expression
 from humanoid_bt.tree.expressions.linking import Unseen
 from humanoid_bt.tree.nodes.leaf import Leaf
 from humanoid_bt.tree.results import AT_ONCE, SUCCEEDS, Below, Results
-from humanoid_bt.tree.ticking import FAILURE, SUCCESS
 
 
 class SetBlackboard(Leaf):

@@ -9,14 +9,14 @@ import py_trees
 from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
-from humanoid_bt.params import assign, param
-from humanoid_bt.robot import Robot
+from humanoid_bt.core.params import assign, param
+from humanoid_bt.decision.robot import Robot
+from humanoid_bt.tree.engine.ticking import FAILURE, INVALID, RUNNING, SUCCESS, Branch, Seen, halt, tick
 from humanoid_bt.tree.expressions.expression import Expression
 from humanoid_bt.tree.expressions.linking import Unseen, shown
 from humanoid_bt.tree.expressions.quantities import number, read_quantity, type_of
 from humanoid_bt.tree.results import Below, Results
 from humanoid_bt.tree.slots import Slot, Takes
-from humanoid_bt.tree.ticking import FAILURE, INVALID, RUNNING, SUCCESS, Branch, Seen, halt, tick
 
 _TRUTHS = {"true": True, "false": False}
 

@@ -11,9 +11,9 @@ import py_trees
 from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
-from humanoid_bt.params import assign, param
+from humanoid_bt.core.params import assign, param
+from humanoid_bt.tree.engine.ticking import FAILURE, INVALID, RUNNING, SUCCESS, Branch, Seen, halt, tick
 from humanoid_bt.tree.results import Below, Results
-from humanoid_bt.tree.ticking import FAILURE, INVALID, RUNNING, SUCCESS, Branch, Seen, halt, tick
 
 _DID = {SUCCESS: "succeeded", FAILURE: "failed", RUNNING: "runs"}
 

@@ -9,11 +9,11 @@ import py_trees
 from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
-from humanoid_bt.clock import Clock
-from humanoid_bt.params import assign, param
-from humanoid_bt.robot import Robot
+from humanoid_bt.core.clock import Clock
+from humanoid_bt.core.params import assign, param
+from humanoid_bt.decision.robot import Robot
+from humanoid_bt.tree.engine.ticking import FAILURE, INVALID, RUNNING, SUCCESS, Branch, Seen, halt, tick
 from humanoid_bt.tree.results import Below, Results
-from humanoid_bt.tree.ticking import FAILURE, INVALID, RUNNING, SUCCESS, Branch, Seen, halt, tick
 
 TIME_TOLERANCE = 1e-9
 """Times within this of a limit count as at the limit [s]: engine times are sums and differences of floats."""

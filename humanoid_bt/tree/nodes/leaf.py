@@ -6,8 +6,8 @@ from typing import Any
 
 from py_trees.behaviour import Behaviour
 
-from humanoid_bt.params import assign
-from humanoid_bt.robot import Robot
+from humanoid_bt.core.params import assign
+from humanoid_bt.decision.robot import Robot
 
 
 class Leaf(Behaviour):

@@ -9,10 +9,10 @@ from typing import Any
 from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
-from humanoid_bt.errors import ControlLost, ResourceConflict
+from humanoid_bt.core.errors import ControlLost, ResourceConflict
+from humanoid_bt.tree.engine.ticking import FAILURE, INVALID, Branch, Raised, Seen, halt_alone, tick
 from humanoid_bt.tree.nodes.decorators import Decorator
 from humanoid_bt.tree.results import Below, Results
-from humanoid_bt.tree.ticking import FAILURE, INVALID, Branch, Raised, Seen, halt_alone, tick
 
 _log = logging.getLogger(__name__)
 

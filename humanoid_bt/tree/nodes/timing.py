@@ -8,12 +8,12 @@ from typing import Any
 from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
-from humanoid_bt.clock import Clock
-from humanoid_bt.params import param
-from humanoid_bt.robot import Robot
+from humanoid_bt.core.clock import Clock
+from humanoid_bt.core.params import param
+from humanoid_bt.decision.robot import Robot
+from humanoid_bt.tree.engine.ticking import FAILURE, INVALID, RUNNING, Seen, tick
 from humanoid_bt.tree.nodes.decorators import TIME_TOLERANCE, Decorator
 from humanoid_bt.tree.results import Below, Results
-from humanoid_bt.tree.ticking import FAILURE, INVALID, RUNNING, Seen, tick
 
 
 class Timed(Decorator):

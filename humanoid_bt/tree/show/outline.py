@@ -6,7 +6,7 @@ import json
 from dataclasses import asdict, dataclass
 from typing import Any, Self
 
-from humanoid_bt.blackboard import Key
+from humanoid_bt.decision.blackboard import Key
 from humanoid_bt.tree.tree import Node, Tree
 
 

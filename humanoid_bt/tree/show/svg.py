@@ -9,8 +9,8 @@ from xml.sax.saxutils import escape
 
 from py_trees.common import Status
 
-from humanoid_bt.tree.layout import Box, tidy
 from humanoid_bt.tree.show import shapes
+from humanoid_bt.tree.show.layout import Box, tidy
 from humanoid_bt.tree.show.looks import LOOKS, look_of
 from humanoid_bt.tree.show.metrics import text_width, wrap
 from humanoid_bt.tree.show.outline import Outline, OutlineNode, outline_of, printable

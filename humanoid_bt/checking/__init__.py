@@ -1,0 +1,1 @@
+"""Checking files without running them: codes of findings, comments that allow them."""

@@ -1,0 +1,1 @@
+"""State and targets in, setpoints of all joints out: balance, walking, inverse kinematics."""

@@ -1,0 +1,107 @@
+"""The plan of the divergent component of motion (DCM) over the next steps.
+
+DCM: xi = c + c_dot / omega with omega = sqrt(g / z_c). Given where the zero-moment point (ZMP) shall be, the DCM that
+ends at rest follows backward in time (Englsberger, Ott, Albu-Schaeffer, "Three-dimensional bipedal walking control
+based on divergent component of motion", IEEE T-RO 31(2), 2015).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from humanoid_bt.control.body.footsteps import Footstep
+from humanoid_bt.core.messages import Array
+from humanoid_bt.robot.config import GaitConfig
+
+GRAVITY = 9.81
+"""[m/s^2]"""
+
+_REST = 0.5  # s of rest at the end of a plan, so that its tail is flat
+
+
+@dataclass(frozen=True)
+class DcmPlan:
+    """A plan sampled every control period.
+
+    Attributes:
+        zmp: reference of the zero-moment point, shape (n, 2), world frame [m].
+        dcm: reference of the divergent component of motion, shape (n, 2), world frame [m].
+    """
+
+    zmp: Array
+    dcm: Array
+
+    def __len__(self) -> int:
+        return len(self.zmp)
+
+
+def plan_dcm(zmp: Array, omega: float, dt: float) -> Array:
+    """Return the DCM that belongs to a ZMP trajectory and comes to rest on its last point.
+
+    xi_k = p_k + (xi_{k+1} - p_k) exp(-omega dt), from the end backward.
+
+    Args:
+        zmp: shape (n, 2) [m].
+        omega: [1/s].
+        dt: [s].
+    """
+    decay = math.exp(-omega * dt)
+    x, y = float(zmp[-1, 0]), float(zmp[-1, 1])
+    points: list[tuple[float, float]] = []
+    for px, py in reversed(zmp.tolist()):
+        x, y = px + (x - px) * decay, py + (y - py) * decay
+        points.append((x, y))
+    return np.array(points[::-1])
+
+
+def plan_walk(
+    gait: GaitConfig, omega: float, dt: float, *, zmp: Array, support: Array, shift: float, steps: Sequence[Footstep]
+) -> DcmPlan:
+    """Plan from a weight shift onto the support foot over the given footholds to rest.
+
+    Args:
+        gait: the robot's gait.
+        omega: [1/s].
+        dt: [s].
+        zmp: where the ZMP is now, shape (2,) [m].
+        support: pose of the foot that stays, shape (3,).
+        shift: duration of the weight shift [s].
+        steps: footholds, the next first.
+    """
+    single = round(gait.single_support / dt)
+    parts = [_ramp(zmp, support[:2], round(shift / dt)), _hold(support[:2], single)]
+    here = support
+    for step in steps[:-1]:
+        parts += [_ramp(here[:2], step.pose[:2], round(gait.double_support / dt)), _hold(step.pose[:2], single)]
+        here = step.pose
+    middle = 0.5 * (here[:2] + steps[-1].pose[:2])
+    parts += [_ramp(here[:2], middle, round(gait.last_shift / dt)), _hold(middle, round(_REST / dt))]
+    trajectory = np.vstack(parts)
+    return DcmPlan(trajectory, plan_dcm(trajectory, omega, dt))
+
+
+def plan_settle(gait: GaitConfig, omega: float, dt: float, *, zmp: Array, middle: Array) -> DcmPlan:
+    """Plan from where the ZMP is to rest over the middle between the feet.
+
+    Args:
+        gait: the robot's gait.
+        omega: [1/s].
+        dt: [s].
+        zmp: where the ZMP is now, shape (2,) [m].
+        middle: between the feet, shape (2,) [m].
+    """
+    trajectory = np.vstack([_ramp(zmp, middle, round(gait.last_shift / dt)), _hold(middle, round(_REST / dt))])
+    return DcmPlan(trajectory, plan_dcm(trajectory, omega, dt))
+
+
+def _ramp(start: Array, end: Array, count: int) -> Array:
+    share = (np.arange(count) + 1)[:, None] / max(count, 1)
+    return np.asarray(start + (end - start) * share)
+
+
+def _hold(point: Array, count: int) -> Array:
+    return np.repeat(point[None], count, axis=0)

@@ -1,0 +1,103 @@
+"""The control layer's own copy of the robot: kinematics and dynamics at the measured state."""
+
+from __future__ import annotations
+
+import math
+
+import mujoco
+import numpy as np
+
+from humanoid_bt.core.messages import SIDES, Array, FootPose, Measurement, Side
+from humanoid_bt.robot.model import GAZE_SITE, RobotModel, palm_site, sole_site
+
+
+class RobotDynamics:
+    """Kinematics and dynamics of the measured robot; everything in the world frame.
+
+    Args:
+        robot: the robot.
+
+    Attributes:
+        model, data: MuJoCo's, of the robot alone.
+        com, com_velocity: shape (3,) [m], [m/s].
+        soles: poses (x, y, yaw) of the soles.
+        roll, pitch: tilt of the base [rad].
+    """
+
+    def __init__(self, robot: RobotModel) -> None:
+        self.model = robot.model
+        self.data = mujoco.MjData(robot.model)
+        self._base = robot.model.body(robot.config.base).id
+        self._sole = {side: robot.model.site(sole_site(side)).id for side in SIDES}
+        self._palm = {side: robot.model.site(palm_site(side)).id for side in robot.config.hands if side in SIDES}
+        self._gaze = robot.model.site(GAZE_SITE).id
+        self._foot = {side: robot.model.body(robot.config.legs[side].sole.body).id for side in SIDES}
+        self.com: Array = np.zeros(3)
+        self.com_velocity: Array = np.zeros(3)
+        self.soles: dict[Side, Array] = {}
+        self.roll = self.pitch = 0.0
+        self._product = np.zeros(robot.model.nv)
+
+    def update(self, measurement: Measurement) -> None:
+        """Take over the measured state."""
+        model, data = self.model, self.data
+        data.qpos[:] = measurement.qpos
+        data.qvel[:] = measurement.qvel
+        mujoco.mj_kinematics(model, data)
+        mujoco.mj_comPos(model, data)
+        mujoco.mj_makeM(model, data)
+        mujoco.mj_comVel(model, data)
+        mujoco.mj_rne(model, data, 0, data.qfrc_bias)
+        mujoco.mj_subtreeVel(model, data)
+        self.com = data.subtree_com[self._base].copy()
+        self.com_velocity = data.subtree_linvel[self._base].copy()
+        for side, site in self._sole.items():
+            x, y, _ = data.site_xpos[site]
+            matrix = data.site_xmat[site]
+            self.soles[side] = np.array([x, y, math.atan2(matrix[3], matrix[0])])
+        w, x, y, z = data.qpos[3:7].tolist()
+        self.roll = math.atan2(2 * (w * x + y * z), 1 - 2 * (x * x + y * y))
+        self.pitch = math.asin(max(-1.0, min(1.0, 2 * (w * y - z * x))))
+
+    @property
+    def bias(self) -> Array:
+        """Coriolis, centrifugal and gravity forces, shape (nv,)."""
+        return np.asarray(self.data.qfrc_bias)
+
+    @property
+    def gyro(self) -> Array:
+        """Angular velocity of the base, base frame, shape (3,) [rad/s]."""
+        return np.asarray(self.data.qvel[3:6])
+
+    def inertia_times(self, acceleration: Array) -> Array:
+        """Return M(q) acceleration, shape (nv,); valid until the next call."""
+        mujoco.mj_mulM(self.model, self.data, self._product, acceleration)
+        return self._product
+
+    def foot_jacobian(self, side: Side, point: Array, linear: Array, angular: Array | None = None) -> None:
+        """Write the Jacobians, shape (3, nv), of a point of the foot, world frame, into the given arrays."""
+        mujoco.mj_jac(self.model, self.data, linear, angular, point, self._foot[side])
+
+    def palm(self, side: Side) -> Array:
+        """Return a palm's position, shape (3,)."""
+        return np.array(self.data.site_xpos[self._palm[side]])
+
+    @property
+    def hands(self) -> dict[Side, Array]:
+        """Palm positions of the hands that the robot has."""
+        return {side: self.palm(side) for side in self._palm}
+
+    def foot_pose(self, side: Side) -> FootPose:
+        """Return a sole's pose."""
+        x, y, z = self.data.site_xpos[self._sole[side]].tolist()
+        return FootPose(x, y, float(self.soles[side][2]), z)
+
+    @property
+    def gaze_position(self) -> Array:
+        """Position of the gaze site, shape (3,)."""
+        return np.array(self.data.site_xpos[self._gaze])
+
+    @property
+    def gaze_direction(self) -> Array:
+        """Direction of view, unit vector, shape (3,)."""
+        return np.array(self.data.site_xmat[self._gaze][[0, 3, 6]])

@@ -1,0 +1,179 @@
+"""The swing foot: a minimum-jerk path that is retargeted at every step of control, and step adjustment."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from humanoid_bt.control.body.footsteps import SIGN
+from humanoid_bt.control.body.planar import rotate, seen_from, wrap
+from humanoid_bt.core.geometry import clamp, log, pose_inverse, pose_product
+from humanoid_bt.core.messages import SIDES, Array, Side
+from humanoid_bt.robot.config import GaitConfig, SoleConfig
+
+_ARRIVE_EARLY = 0.04  # s before touchdown at which the foot is over its foothold
+_LATE_SHARE = 0.3  # of what is still missing then, in each control period
+_SPEED_MAX = 4.0  # m/s along each axis, of the foot's reference: a foothold that moves late is not reached
+_LAND_FROM = 0.93  # share of the swing after which the foot only goes down
+_LAND_DEPTH = 0.004  # m below the ground that it aims at, so that it does land
+_ADJUST_TIME = 0.03  # s, low-pass of the adjustment
+_ANKLE_SHARE = 0.5  # of the DCM error that the ankle can still take out
+_HURRY_AT, _HURRY_FULL = 0.02, 0.08  # m of foothold that cannot be reached
+_HURRY_MAX = 1.3  # how much faster the step may go then
+_REACH_FORWARD = (-0.35, 0.45)  # m, the foothold relative to the support foot
+
+
+class Swing:
+    """One swing of a foot.
+
+    Args:
+        gait, sole: the robot's numbers.
+        omega: [1/s].
+        dt: control period [s].
+        side: the foot that swings.
+        start: its pose at lift-off, shape (3,), world frame.
+        foothold: the planned pose, shape (3,), world frame.
+        support: pose of the other foot, shape (3,), world frame.
+        dcm_end: planned DCM at touchdown, shape (2,), world frame [m].
+
+    Attributes:
+        pose: reference of the sole, shape (3,), world frame.
+        height: reference above the ground [m].
+        target: the foothold as adjusted, shape (3,).
+        progress: share of the swing that is over, in [0, 1].
+        rate: how fast the swing runs; above 1 when the foothold is out of reach and the foot must hurry.
+    """
+
+    def __init__(
+        self,
+        gait: GaitConfig,
+        sole: SoleConfig,
+        omega: float,
+        dt: float,
+        *,
+        side: Side,
+        start: Array,
+        foothold: Array,
+        support: Array,
+        dcm_end: Array,
+    ) -> None:
+        self._gait, self._omega, self._dt, self.side = gait, omega, dt, side
+        self._half = (sole.half_length - sole.margin, sole.half_width - sole.margin)
+        self._steps = round(gait.single_support / dt)
+        self._start, self._support, self._dcm_end = start, support, dcm_end
+        self._planned = seen_from(support, foothold)
+        self._adjustment = np.zeros(2)
+        self._motion = [[float(start[0]), 0.0, 0.0], [float(start[1]), 0.0, 0.0]]  # position, velocity, acceleration
+        self.pose: Array = start.copy()
+        self.height = 0.0
+        self.target: Array = foothold.copy()
+        self.progress = 0.0
+        self.rate = 1.0
+
+    def update(self, elapsed: float, dcm: Array, zmp: Array) -> None:
+        """Move the foot for one control period.
+
+        Args:
+            elapsed: control periods since lift-off.
+            dcm: measured DCM, shape (2,), world frame [m].
+            zmp: reference of the ZMP, shape (2,), world frame [m].
+        """
+        self.progress = (elapsed + 1) / self._steps
+        self.rate = 1.0
+        if self.progress < self._gait.adjust_until:
+            self._adjust(max((self._steps - elapsed) * self._dt, self._dt), dcm, zmp)
+        self._move()
+
+    def _adjust(self, remaining: float, dcm: Array, zmp: Array) -> None:
+        """Shift the foothold by the DCM error expected at touchdown, less what the ankle takes out."""
+        shift = self._expected_shift(remaining, dcm, zmp)
+        reachable = self._reachable(shift)
+        miss = abs(reachable[1] - (self._planned[1] + shift[1]))
+        if miss > _HURRY_AT:
+            self.rate = 1 + (_HURRY_MAX - 1) * min(1.0, miss / _HURRY_FULL)
+            reachable = self._reachable(self._expected_shift(remaining / self.rate, dcm, zmp))
+        self._adjustment += (reachable - self._planned - self._adjustment) * min(1.0, self._dt / _ADJUST_TIME)
+        self.target[:2] = self._support[:2] + rotate(self._planned + self._adjustment, self._support[2])
+
+    def _expected_shift(self, remaining: float, dcm: Array, zmp: Array) -> Array:
+        growth = math.exp(self._omega * remaining)
+        error = rotate((dcm - zmp) * growth + zmp - self._dcm_end, -self._support[2])
+        ankle = [half * (growth - 1) * _ANKLE_SHARE for half in self._half]
+        return np.array([math.copysign(max(abs(e) - a, 0.0), e) for e, a in zip(error, ankle, strict=True)])
+
+    def _reachable(self, shift: Array) -> Array:
+        gait, sign = self._gait, SIGN[self.side]
+        x = self._planned[0] + min(max(shift[0], -gait.adjust_forward), gait.adjust_forward)
+        y = sign * (self._planned[1] + min(max(shift[1], -gait.adjust_sideways), gait.adjust_sideways))
+        y = sign * min(max(y, gait.separation_min), gait.separation_max)
+        return np.array([min(max(x, _REACH_FORWARD[0]), _REACH_FORWARD[1]), y])
+
+    def _move(self) -> None:
+        dt = self._dt
+        remaining = max((1.0 - self.progress) * self._gait.single_support / self.rate - _ARRIVE_EARLY, 0.0)
+        for axis, motion in enumerate(self._motion):
+            error = float(self.target[axis]) - motion[0]
+            if remaining > dt:
+                after = _minimum_jerk(motion, error, remaining, dt)
+            else:
+                after = [motion[0] + _LATE_SHARE * error, 0.0, 0.0]
+            if abs(after[0] - motion[0]) > _SPEED_MAX * dt:
+                speed = math.copysign(_SPEED_MAX, after[0] - motion[0])
+                after = [motion[0] + speed * dt, speed, 0.0]
+            motion[:] = after
+        share = min(1.0, self.progress / _LAND_FROM)
+        if share < 1.0:
+            self.height = self._gait.lift * 0.5 * (1 - math.cos(2 * math.pi * share))
+        else:
+            self.height = -_LAND_DEPTH * (self.progress - _LAND_FROM) / (1 - _LAND_FROM)
+        turn = share**3 * (10 - 15 * share + 6 * share**2)
+        yaw = self._start[2] + wrap(self.target[2] - self._start[2]) * turn
+        self.pose = np.array([self._motion[0][0], self._motion[1][0], yaw])
+
+
+def _minimum_jerk(motion: list[float], error: float, remaining: float, dt: float) -> list[float]:
+    """Go on for ``dt`` on the minimum-jerk path that ends at rest after ``remaining`` (Hoff and Arbib 1993).
+
+    Evaluated exactly: near the end an explicit step of the jerk overshoots without bound.
+    """
+    position, velocity, acceleration = motion
+    h, v, a = remaining, velocity, acceleration
+    cubic = (20 * error - 12 * v * h - 3 * a * h**2) / (2 * h**3)
+    quartic = (-30 * error + 16 * v * h + 3 * a * h**2) / (2 * h**4)
+    quintic = (12 * error - 6 * v * h - a * h**2) / (2 * h**5)
+    return [
+        position + dt * (v + dt * (a / 2 + dt * (cubic + dt * (quartic + dt * quintic)))),
+        v + dt * (a + dt * (3 * cubic + dt * (4 * quartic + dt * 5 * quintic))),
+        a + dt * (6 * cubic + dt * (12 * quartic + dt * 20 * quintic)),
+    ]
+
+
+class TiltCompensation:
+    """Keeps the swing foot level with the ground although the base tilts away from its reference.
+
+    The swing foot's reference is turned with the base's error in the world; after touchdown the correction decays,
+    because a jump of a target in contact is an impact.
+
+    Attributes:
+        twist: correction of each foot, as a twist in world coordinates, shape (6,).
+    """
+
+    _RISE, _DECAY = 0.02, 0.12  # s
+    _FADE_IN = 0.3  # share of the swing
+    _LIMIT = 0.3  # m and rad, of each coordinate of the twist
+
+    def __init__(self, dt: float) -> None:
+        self._dt = dt
+        self.twist: dict[Side, Array] = {side: np.zeros(6) for side in SIDES}
+
+    def update(self, swing: Swing | None, base_measured: Array, base_reference: Array) -> None:
+        """Follow the base's error; ``base_*`` are poses (x, y, z, qw, qx, qy, qz), world frame."""
+        for side in SIDES:
+            if swing is not None and swing.side == side:
+                weight = min(1.0, max(0.0, swing.progress) / self._FADE_IN)
+                error = log(pose_product(base_reference, pose_inverse(base_measured)))
+                goal = weight * clamp(error, -self._LIMIT, self._LIMIT)
+                self.twist[side] += min(1.0, self._dt / self._RISE) * (goal - self.twist[side])
+            else:
+                self.twist[side] *= math.exp(-self._dt / self._DECAY)

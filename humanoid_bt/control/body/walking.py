@@ -1,0 +1,189 @@
+"""The gait: stand, step, settle; which foot carries, where the feet's references are, what DCM is wanted."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+import numpy as np
+
+from humanoid_bt.control.body.dcm import DcmPlan, plan_settle, plan_walk
+from humanoid_bt.control.body.footsteps import OTHER, Footstep, FootstepPlanner
+from humanoid_bt.control.body.planar import middle, seen_from, wrap
+from humanoid_bt.control.body.swing import Swing
+from humanoid_bt.core.messages import SIDES, Array, Gait, Side
+from humanoid_bt.robot.config import GaitConfig, SoleConfig
+
+_FOLLOW_TIME = 0.08  # s, a standing foot's reference follows the measured foot
+_LAND_TIME = 0.04  # s, a standing foot's height decays to the ground
+_CATCH_AT = 0.90  # share of the support at which the DCM of a standing robot makes it step
+_CATCH_MIDDLE = 0.02  # m to the right of the middle up to which it is still the left foot that steps
+_CONTACTS_NEEDED = 2  # control periods of force on the swing foot before it counts as touchdown
+
+
+class Walker:
+    """Walks to a goal and stands there.
+
+    Args:
+        gait, sole: the robot's numbers.
+        dt: control period [s].
+
+    Attributes:
+        gait: what the legs do.
+        contact: whether each foot is meant to be on the ground.
+        foot_reference: poses of the soles (x, y, yaw), world frame.
+        foot_height: of the soles above the ground [m].
+        zmp_reference, dcm_reference: shape (2,), world frame [m].
+        swing: the swing that is going on, if any.
+        footsteps: planned footholds, the next first.
+        still_for: how long it has been standing [s].
+    """
+
+    def __init__(self, gait: GaitConfig, sole: SoleConfig, dt: float) -> None:
+        self._numbers, self._sole, self._dt = gait, sole, dt
+        self._planner = FootstepPlanner(gait)
+        self._single = round(gait.single_support / dt)
+        self._omega = 1.0
+        self.gait = Gait.STAND
+        self.foot_reference: dict[Side, Array] = {}
+        self.foot_height: dict[Side, float] = dict.fromkeys(SIDES, 0.0)
+        self.contact: dict[Side, bool] = dict.fromkeys(SIDES, True)
+        self.zmp_reference: Array = np.zeros(2)
+        self.dcm_reference: Array = np.zeros(2)
+        self.swing: Swing | None = None
+        self.footsteps: list[Footstep] = []
+        self.still_for = 0.0
+        self._plan: DcmPlan | None = None
+        self._elapsed = 0.0  # control periods in the plan; not whole when a step hurries
+        self._double = 0  # control periods of weight shift before the swing
+        self._stepping: Side = "left"
+        self._ends = False
+        self._contacts = 0
+
+    def reset(self, soles: Mapping[Side, Array], omega: float) -> None:
+        """Stand where the feet are."""
+        self._omega = omega
+        self.foot_reference = {side: soles[side].copy() for side in SIDES}
+        self.foot_height = dict.fromkeys(SIDES, 0.0)
+        self.contact = dict.fromkeys(SIDES, True)
+        self.gait, self.swing, self.footsteps, self._plan = Gait.STAND, None, [], None
+        self.zmp_reference = self.dcm_reference = self.stance[:2].copy()
+        self.still_for = 0.0
+
+    @property
+    def stance(self) -> Array:
+        """Pose of the middle between the references of the feet, shape (3,), world frame."""
+        return middle(self.foot_reference["left"], self.foot_reference["right"])
+
+    def update(
+        self, goal: Array | None, dcm: Array, zmp: Array, soles: Mapping[Side, Array], foot_force: Mapping[Side, float]
+    ) -> None:
+        """Go on for one control period.
+
+        Args:
+            goal: pose (x, y, yaw) to stand at, world frame; None to stop after the step.
+            dcm: measured, shape (2,) [m].
+            zmp: that the feet were last asked for, shape (2,) [m].
+            soles: measured poses, shape (3,).
+            foot_force: measured normal forces [N].
+        """
+        self.contact = dict.fromkeys(SIDES, True)
+        self.still_for = self.still_for + self._dt if self.gait is Gait.STAND else 0.0
+        if self.gait is Gait.STAND:
+            self.zmp_reference = self.dcm_reference = self.stance[:2]
+            if goal is not None and self._planner.must_walk(self.stance, goal):
+                swing = self._planner.first_swing(self.stance, goal)
+                self._start_step(swing, goal, self.zmp_reference, self._numbers.first_shift)
+        elif self.gait is Gait.SETTLE:
+            self._settle()
+        if self.gait is not Gait.STEP:
+            self._catch(goal, dcm, zmp)
+        if self.gait is Gait.STEP:
+            self._step(goal, dcm, foot_force)
+        self._follow_ground(soles)
+
+    def _start_step(self, swing: Side, goal: Array | None, zmp: Array, shift: float) -> None:
+        support = self.foot_reference[OTHER[swing]]
+        self.footsteps, done = self._planner.plan(swing, support, goal)
+        self._ends = done and len(self.footsteps) == 1
+        self._double = round(shift / self._dt)
+        self._plan = plan_walk(
+            self._numbers, self._omega, self._dt, zmp=zmp, support=support, shift=shift, steps=self.footsteps
+        )
+        self._elapsed, self._contacts, self._stepping, self.swing = 0.0, 0, swing, None
+        self.gait = Gait.STEP
+
+    def _step(self, goal: Array | None, dcm: Array, foot_force: Mapping[Side, float]) -> None:
+        assert self._plan is not None
+        now = int(self._elapsed)
+        self.zmp_reference, self.dcm_reference = self._plan.zmp[now], self._plan.dcm[now]
+        side, landed, rate = self._stepping, False, 1.0
+        if now >= self._double:
+            self.contact[side] = False
+            if self.swing is None:
+                self.swing = self._lift_off(side)
+            self.swing.update(self._elapsed - self._double, dcm, self.zmp_reference)
+            self.foot_reference[side], self.foot_height[side] = self.swing.pose, self.swing.height
+            rate = self.swing.rate
+            self._contacts = self._contacts + 1 if foot_force[side] > self._numbers.touchdown_force else 0
+            share = (self._elapsed - self._double) / self._single
+            landed = share > self._numbers.touchdown_after and self._contacts >= _CONTACTS_NEEDED
+        self._elapsed += rate
+        if landed:
+            self.contact[side] = True
+        if landed or self._elapsed >= self._double + self._single:
+            self._touch_down(side, goal)
+
+    def _lift_off(self, side: Side) -> Swing:
+        assert self._plan is not None
+        return Swing(
+            self._numbers,
+            self._sole,
+            self._omega,
+            self._dt,
+            side=side,
+            start=self.foot_reference[side],
+            foothold=self.footsteps[0].pose,
+            support=self.foot_reference[OTHER[side]],
+            dcm_end=self._plan.dcm[self._double + self._single - 1],
+        )
+
+    def _touch_down(self, side: Side, goal: Array | None) -> None:
+        assert self.swing is not None
+        self.foot_reference[side] = np.array([*self.swing.pose[:2], self.swing.target[2]])
+        self.swing = None
+        if not self._ends:
+            self._start_step(OTHER[side], goal, self.zmp_reference, self._numbers.double_support)
+            return
+        middle = self.stance[:2]
+        self._plan = plan_settle(self._numbers, self._omega, self._dt, zmp=self.zmp_reference, middle=middle)
+        self.gait, self._elapsed, self.footsteps = Gait.SETTLE, 0.0, []
+
+    def _settle(self) -> None:
+        assert self._plan is not None
+        now = min(int(self._elapsed), len(self._plan) - 1)
+        self.zmp_reference, self.dcm_reference = self._plan.zmp[now], self._plan.dcm[now]
+        self._elapsed += 1
+        if self._elapsed >= len(self._plan):
+            self.gait, self._plan = Gait.STAND, None
+
+    def _catch(self, goal: Array | None, dcm: Array, zmp: Array) -> None:
+        """Step when a push moves the DCM of a standing robot to the edge of its feet."""
+        stance = self.stance
+        x, y = seen_from(stance, dcm)
+        left, right = self.foot_reference["left"], self.foot_reference["right"]
+        spread = abs(seen_from(stance, left)[1] - seen_from(stance, right)[1]) / 2
+        if abs(x) > _CATCH_AT * self._sole.half_length or abs(y) > _CATCH_AT * (spread + self._sole.half_width):
+            swing: Side = "right" if y < -_CATCH_MIDDLE else "left"  # the DCM is over the foot that steps to catch it
+            self._start_step(swing, goal, zmp, self._numbers.quick_shift)
+
+    def _follow_ground(self, soles: Mapping[Side, Array]) -> None:
+        """Let references of standing feet follow the measured feet: a jump in contact would be an impact."""
+        follow = min(1.0, self._dt / _FOLLOW_TIME)
+        land = math.exp(-self._dt / _LAND_TIME)
+        for side in SIDES:
+            if self.contact[side]:
+                self.foot_height[side] *= land
+                error = soles[side] - self.foot_reference[side]
+                error[2] = wrap(error[2])
+                self.foot_reference[side] = self.foot_reference[side] + follow * error

@@ -1,0 +1,216 @@
+"""The whole-body loop (200 Hz): targets and measured state in, joint setpoints out.
+
+It balances whatever the targets are, so that a robot without commands goes on standing.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from humanoid_bt.control.body.dynamics import RobotDynamics
+from humanoid_bt.control.body.feedforward import Feedforward
+from humanoid_bt.control.body.inverse_kinematics import BodyTargets, InverseKinematics
+from humanoid_bt.control.body.references import GazeReference, HandReference, PostureReference, approach
+from humanoid_bt.control.body.stabilizer import Stabilizer
+from humanoid_bt.control.body.swing import TiltCompensation
+from humanoid_bt.control.body.walking import Walker
+from humanoid_bt.core.clock import WHOLE_BODY_PERIOD
+from humanoid_bt.core.messages import (
+    SIDES,
+    Array,
+    BaseTarget,
+    Gait,
+    GazeTarget,
+    HandTarget,
+    Measurement,
+    PostureTarget,
+    Side,
+    Target,
+)
+from humanoid_bt.robot.model import BASE_COORDINATES, BASE_DOFS, RobotModel
+
+_BLENDED = 1e-3  # of a share; the rest is taken in one step
+_FALL_MARGIN = 0.05  # share of the base's home height that is kept above the height of a fall
+_GIVE_TIME = 0.3  # s in which the body is given to a reaching hand
+_TAKE_BACK_TIME = 0.8  # s in which it is taken back, from wherever it leans
+
+
+@dataclass(frozen=True)
+class Setpoint:
+    """What the servo shall follow; each of shape (nj,).
+
+    Attributes:
+        position: [rad].
+        velocity: [rad/s].
+        torque: feedforward [Nm].
+    """
+
+    position: Array
+    velocity: Array
+    torque: Array
+
+
+class WholeBody:
+    """Walking, balance, hands and gaze of one robot.
+
+    Args:
+        robot: the robot.
+
+    Attributes:
+        dynamics: the measured robot, as of the last update.
+        walker: its gait.
+        kinematics: its planned motion.
+        solved: whether the last inverse kinematics had a solution.
+    """
+
+    def __init__(self, robot: RobotModel) -> None:
+        config, dt = robot.config, WHOLE_BODY_PERIOD
+        self._robot, self._dt = robot, dt
+        self.dynamics = RobotDynamics(robot)
+        self.walker = Walker(config.gait, config.sole, dt)
+        self._stabilizer = Stabilizer(config.gait, config.sole, robot.mass, dt)
+        self._tilt = TiltCompensation(dt)
+        self.kinematics = InverseKinematics(robot, dt)
+        self._feedforward = Feedforward(robot, self.dynamics)
+        neck_range = 0.0
+        if config.neck:
+            yaw = robot.joint(config.neck.yaw)
+            neck_range = float(min(robot.upper[yaw], -robot.lower[yaw]))
+        self._gaze = GazeReference(config.whole_body, dt, neck_range)
+        self._hands: dict[Side, HandReference] = {}
+        self._home_joints: Array = robot.home_qpos[BASE_COORDINATES:]
+        self._posture = PostureReference(self._home_joints, dt)
+        self._height = self._home_height = 0.0
+        self._reaching = 0.0
+        self._commanded: frozenset[Side] = frozenset()
+        self._zmp: Array = np.zeros(2)
+
+    def reset(self, measurement: Measurement) -> None:
+        """Begin a run: the robot stands at rest, and how it stands is its home posture."""
+        self._home_joints = measurement.qpos[BASE_COORDINATES:].copy()
+        self.dynamics.update(measurement)
+        self._home_height = float(self.dynamics.com[2])
+        least_share = self._robot.config.fall.height + _FALL_MARGIN
+        self.kinematics.height_limit.lowest = least_share * float(measurement.qpos[2])
+        self.restart(measurement)
+
+    def restart(self, measurement: Measurement) -> None:
+        """Stand where the robot is, with everything at rest, and return to the home posture slowly."""
+        config, dt = self._robot.config, self._dt
+        self.dynamics.update(measurement)
+        self.kinematics.reset(measurement.qpos)
+        self._stabilizer.reset(self.dynamics.com)
+        self.walker.reset(self.dynamics.soles, self._stabilizer.omega)
+        self._tilt = TiltCompensation(dt)
+        self._gaze.yaw = self._gaze.pitch = 0.0
+        self._hands = {side: HandReference(config.whole_body, dt) for side in self.dynamics.hands}
+        self._posture = PostureReference(self._home_joints, dt)
+        self._posture.release_from(self.kinematics.joints)
+        self._height = float(self.dynamics.com[2]) - self._home_height
+        self._reaching = 0.0
+        self._commanded = frozenset()
+        self._zmp = self.walker.zmp_reference.copy()
+
+    @property
+    def solved(self) -> bool:
+        """Whether the last inverse kinematics had a solution."""
+        return self.kinematics.solved
+
+    def update(self, measurement: Measurement, targets: Mapping[str, Target], hold: bool) -> Setpoint:
+        """Return the setpoints of this control period.
+
+        Args:
+            measurement: the measured state.
+            targets: resource -> target; what is missing comes to rest.
+            hold: finish the step, stand, and keep hands, gaze and height where they are relative to the stance. They
+                are kept, too, after inverse kinematics without a solution.
+        """
+        dynamics, walker, stabilizer = self.dynamics, self.walker, self._stabilizer
+        dynamics.update(measurement)
+        dcm = dynamics.com[:2] + dynamics.com_velocity[:2] / stabilizer.omega
+        force: dict[Side, float] = dict(zip(SIDES, measurement.foot_force.tolist(), strict=True))
+        goal = None if hold else _goal(targets)
+        walker.update(goal, dcm, self._zmp, dynamics.soles, force)
+        load = stabilizer.update(
+            com=dynamics.com,
+            dcm=dcm,
+            dcm_reference=walker.dcm_reference,
+            zmp_reference=walker.zmp_reference,
+            momentum_rate=self.kinematics.momentum_rate,
+            soles=dynamics.soles,
+            contact=walker.contact,
+        )
+        self._zmp = load.zmp
+        self._tilt.update(walker.swing, measurement.qpos[:BASE_COORDINATES], self.kinematics.base_pose)
+        self.kinematics.step(self._body_targets(targets, hold or not self.solved))
+        position = self.kinematics.joints.copy()
+        velocity = self.kinematics.velocity[BASE_DOFS:]
+        torque = self._feedforward.torques(load, self.kinematics.acceleration, position, velocity)
+        return Setpoint(position, velocity, torque)
+
+    def _body_targets(self, targets: Mapping[str, Target], hold: bool) -> BodyTargets:
+        walker = self.walker
+        heading = float(walker.stance[2])
+        hands = self._hand_positions(targets, hold)
+        gaze = targets.get("gaze")
+        point = gaze.point if isinstance(gaze, GazeTarget) else None
+        self._gaze.update(point, hold, self.dynamics.gaze_position, heading)
+        if not hold:
+            self._reaching = _blend(self._reaching, float(bool(hands)), self._dt)
+            posture = targets.get("posture")
+            wanted = posture.height if isinstance(posture, PostureTarget) else 0.0
+            self._height = approach(self._height, wanted, self._robot.config.whole_body.height_speed * self._dt)
+            self._posture.update()
+        x, y = self._stabilizer.com_reference
+        return BodyTargets(
+            com=np.array([x, y, self._home_height + self._height]),
+            soles=walker.foot_reference,
+            sole_heights=walker.foot_height,
+            sole_twists=self._tilt.twist,
+            heading=heading,
+            torso_yaw=self._gaze.torso_yaw,
+            gaze=(self._gaze.yaw, self._gaze.pitch),
+            hands=hands,
+            reaching=self._reaching,
+            posture=self._posture.joints,
+        )
+
+    def _hand_positions(self, targets: Mapping[str, Target], hold: bool) -> dict[Side, Array]:
+        positions: dict[Side, Array] = {}
+        stance, walks = self.walker.stance, self.walker.gait is not Gait.STAND
+        for side, reference in self._hands.items():
+            target = targets.get(f"{side}_hand")
+            point = target.position if isinstance(target, HandTarget) else None
+            measured, planned = self.dynamics.palm(side), self.kinematics.palm(side)
+            position = reference.update(point, hold, measured, planned, stance=stance, walks=walks)
+            if position is not None:
+                positions[side] = position
+        commanded = frozenset(positions)
+        if self._commanded - commanded:
+            self._posture.release_from(self.kinematics.joints)
+        if self._commanded and not commanded:
+            self._height = self.kinematics.com_height - self._home_height  # it rises from there, slowly
+        self._commanded = commanded
+        return positions
+
+    @property
+    def com_speed(self) -> float:
+        """Horizontal speed of the centre of mass [m/s]."""
+        return math.hypot(*self.dynamics.com_velocity[:2])
+
+
+def _blend(value: float, goal: float, dt: float) -> float:
+    """Return a share moved toward its goal, which it reaches in the end."""
+    after = value + (goal - value) * min(1.0, dt / (_GIVE_TIME if goal > value else _TAKE_BACK_TIME))
+    return goal if abs(goal - after) < _BLENDED else after
+
+
+def _goal(targets: Mapping[str, Target]) -> Array | None:
+    base = targets.get("base")
+    if not isinstance(base, BaseTarget):
+        return None
+    return np.array([base.position[0], base.position[1], base.heading])

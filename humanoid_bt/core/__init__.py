@@ -1,0 +1,1 @@
+"""What every layer shares: messages, the clock, errors with places, declared parameters."""

@@ -1,0 +1,107 @@
+"""Rotations and rigid motions, for every layer, in plain floats because control needs them at 200 Hz.
+
+Quaternions are (w, x, y, z). A pose is (x, y, z, qw, qx, qy, qz). A twist is (translation, rotation vector); its
+exponential is the pose it leads to in unit time (Sola, Deray, Atchuthan, "A micro Lie theory for state estimation in
+robotics", 2018, appendix D).
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from humanoid_bt.core.messages import Array
+
+
+def clamp(values: Array, low: Array | float, high: Array | float) -> Array:
+    """Return values, none below ``low`` or above ``high``: what ``np.clip`` does, in a third of its time."""
+    return np.minimum(np.maximum(values, low), high)
+
+
+def rotation_matrix(quaternion: Array) -> Array:
+    """Return the matrix, shape (3, 3), that turns vectors as a unit quaternion, shape (4,), does."""
+    w, x, y, z = quaternion.tolist()
+    return np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+        ]
+    )
+
+
+def planar_pose(x: float, y: float, z: float, yaw: float) -> Array:
+    """Return the pose, shape (7,), of something upright at a position, turned by ``yaw``."""
+    return np.array([x, y, z, math.cos(yaw / 2), 0.0, 0.0, math.sin(yaw / 2)])
+
+
+def pose_product(first: Array, second: Array) -> Array:
+    """Return the pose, shape (7,), of ``second`` when it is given in the frame of ``first``."""
+    a, b = first.tolist(), second.tolist()
+    x, y, z = _turned(a[3:], b[:3])
+    return np.array([a[0] + x, a[1] + y, a[2] + z, *_product(a[3:], b[3:])])
+
+
+def pose_inverse(pose: Array) -> Array:
+    """Return the pose, shape (7,), of the world as seen from ``pose``."""
+    px, py, pz, w, qx, qy, qz = pose.tolist()
+    turn = [w, -qx, -qy, -qz]
+    x, y, z = _turned(turn, [px, py, pz])
+    return np.array([-x, -y, -z, *turn])
+
+
+def exp(twist: Array) -> Array:
+    """Return the pose, shape (7,), that a twist, shape (6,), leads to."""
+    values = twist.tolist()
+    way, turn = values[:3], values[3:]
+    angle = math.sqrt(turn[0] ** 2 + turn[1] ** 2 + turn[2] ** 2)
+    if angle < _SMALL:
+        half, b, c = 0.5, 0.5, 1 / 6
+    else:
+        half = math.sin(angle / 2) / angle
+        b, c = (1 - math.cos(angle)) / angle**2, (angle - math.sin(angle)) / angle**3
+    once = _cross(turn, way)
+    twice = _cross(turn, once)
+    position = [w + b * o + c * t for w, o, t in zip(way, once, twice, strict=True)]
+    return np.array([*position, math.cos(angle / 2), half * turn[0], half * turn[1], half * turn[2]])
+
+
+def log(pose: Array) -> Array:
+    """Return the twist, shape (6,), whose exponential is ``pose``, with a turn of at most half a revolution."""
+    px, py, pz, w, qx, qy, qz = pose.tolist()
+    sine = math.sqrt(qx * qx + qy * qy + qz * qz)
+    angle = 2 * math.atan2(sine, abs(w))
+    scale = math.copysign(2.0 if angle < _SMALL else angle / sine, w)
+    turn = [scale * qx, scale * qy, scale * qz]
+    d = 1 / 12 if angle < _SMALL else (1 - angle * math.sin(angle) / (2 * (1 - math.cos(angle)))) / angle**2
+    way = [px, py, pz]
+    once = _cross(turn, way)
+    twice = _cross(turn, once)
+    return np.array([*(p - 0.5 * o + d * t for p, o, t in zip(way, once, twice, strict=True)), *turn])
+
+
+_SMALL = 1e-6  # rad; below it the series' first terms are exact to the last bit
+
+
+def _product(first: list[float], second: list[float]) -> list[float]:
+    a, b, c, d = first
+    e, f, g, h = second
+    return [
+        a * e - b * f - c * g - d * h,
+        a * f + b * e + c * h - d * g,
+        a * g - b * h + c * e + d * f,
+        a * h + b * g - c * f + d * e,
+    ]
+
+
+def _turned(quaternion: list[float], vector: list[float]) -> list[float]:
+    """Return v + 2 w (u x v) + 2 u x (u x v) for the quaternion (w, u)."""
+    w, axis = quaternion[0], quaternion[1:]
+    once = _cross(axis, vector)
+    twice = _cross(axis, once)
+    return [v + 2 * (w * o + t) for v, o, t in zip(vector, once, twice, strict=True)]
+
+
+def _cross(a: list[float], b: list[float]) -> list[float]:
+    return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]

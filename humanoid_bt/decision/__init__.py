@@ -1,0 +1,1 @@
+"""The robot as skills see it: skills, the blackboard, targets out."""

@@ -1,0 +1,106 @@
+"""The blackboard: keys that nodes of one tree share.
+
+There is no global store. A tree file names its keys; whoever uses a key holds the :class:`Key` itself. Sub-trees
+have keys of their own, but for those that their caller hands to them.
+"""
+
+from __future__ import annotations
+
+import re
+from typing import Any, ClassVar
+
+from humanoid_bt.core.errors import HumanoidBtError, UserError
+from humanoid_bt.files.document import Item
+
+KEY_NAME = re.compile(r"^[A-Za-z_]\w*$")
+"""How keys and parameters of trees are called."""
+
+_UNSET: Any = object()
+
+
+class KeyNotSet(HumanoidBtError):  # noqa: N818 (the name says it)
+    """A key was read before anything had written it."""
+
+
+class Key:
+    """A value that nodes share.
+
+    As the type of a node's parameter it says that the node writes the key which the parameter names:
+
+        found: Key = param(doc="Key that gets the place.")
+        ...
+        self.found.set("kitchen")
+
+    Any other parameter of a skill may be given the value of a key: ``walk_to: {x: $x}`` in a tree file,
+    ``WalkTo(x=Key("x"), ...)`` in Python. It is read each time the skill starts.
+
+    Args:
+        name: how trees call it.
+        initial: its value when its tree starts; none if not given.
+    """
+
+    __slots__ = ("_value", "initial", "name")
+    described: ClassVar[str] = "key"
+
+    def __init__(self, name: str, initial: Any = _UNSET) -> None:
+        self.name = name
+        self.initial = initial
+        self._value = initial
+
+    @property
+    def is_set(self) -> bool:
+        """Whether it has a value."""
+        return self._value is not _UNSET
+
+    @property
+    def has_initial(self) -> bool:
+        """Whether it has a value when its tree starts."""
+        return self.initial is not _UNSET
+
+    @property
+    def value(self) -> Any:
+        """Its value.
+
+        Raises:
+            KeyNotSet: it has none.
+        """
+        if self._value is _UNSET:
+            raise KeyNotSet(f"the blackboard's {self.name!r} is read before anything has written it")
+        return self._value
+
+    def set(self, value: Any) -> None:
+        """Give it a value, seen by every node that is ticked after this one."""
+        self._value = value
+
+    def clear(self) -> None:
+        """Take its value away."""
+        self._value = _UNSET
+
+    def reset(self) -> None:
+        """Give it its initial value, or none."""
+        self._value = self.initial
+
+    def __str__(self) -> str:
+        return self.name
+
+    def __repr__(self) -> str:
+        return f"Key({self.name!r})"
+
+    @classmethod
+    def from_item(cls, item: Item, parameter: str) -> Key:
+        """Return the key that a YAML value names.
+
+        Raises:
+            UserError: it is no name of a key.
+        """
+        if not isinstance(item.value, str) or not KEY_NAME.match(item.value):
+            what = f"{item.kind} {item.value!r}" if isinstance(item.value, str) else item.kind
+            hint = "letters, digits and _, not beginning with a digit"
+            message = f"{parameter!r} must name a key of the blackboard, not {what}"
+            raise UserError(message, item.place, hint, "bad-name")
+        return cls(item.value)
+
+
+def are_keys(value: Any) -> bool:
+    """Return whether a parameter's value is a list of keys."""
+    return isinstance(value, list) and bool(value) and all(isinstance(part, Key) for part in value)

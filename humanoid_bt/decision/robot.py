@@ -1,0 +1,329 @@
+"""The robot as decision sees it: a snapshot of state and percepts in, targets out, leases on resources.
+
+Targets set during a tick are buffered and leave as one :class:`~humanoid_bt.core.messages.Command` at its end.
+"""
+
+from __future__ import annotations
+
+import logging
+import math
+from collections import deque
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+
+from humanoid_bt.core.clock import Clock
+from humanoid_bt.core.errors import HumanoidBtError, ResourceConflict
+from humanoid_bt.core.geometry import rotation_matrix
+from humanoid_bt.core.messages import (
+    RESOURCES,
+    Array,
+    BaseTarget,
+    Command,
+    GazeTarget,
+    HandTarget,
+    Level,
+    Percept,
+    PostureTarget,
+    Side,
+    State,
+    Target,
+)
+from humanoid_bt.robot.config import RobotConfig
+
+_log = logging.getLogger(__name__)
+_LEVELS: dict[Level, int] = {"info": logging.INFO, "warning": logging.WARNING, "error": logging.ERROR}
+
+_POSE_HISTORY = 64  # ticks of base poses kept to place late percepts: 1.3 s at 50 Hz
+
+
+class Track:
+    """The latest percept of one thing, placed in the world, as it was at the start of a tick.
+
+    What depends on where the robot stands is worked out when it is read.
+
+    Attributes:
+        name: the percept's name.
+        stamp: when it was seen [s].
+        age: how long ago that is [s].
+        position_world: shape (3,) [m], from the base pose at the time it was seen.
+        position_base: shape (3,), in the robot's base frame now [m].
+        distance: horizontal distance from the robot's stance (middle between the feet) [m].
+        bearing: direction of it from the stance's heading, left positive [rad].
+        confidence: in [0, 1].
+    """
+
+    __slots__ = ("_percept", "_state", "age", "position_world")
+
+    def __init__(self, percept: Percept, position_world: Array, age: float, state: State) -> None:
+        self._percept = percept
+        self._state = state
+        self.age = age
+        self.position_world = position_world
+
+    @property
+    def name(self) -> str:  # noqa: D102 (documented above, as the others)
+        return self._percept.name
+
+    @property
+    def stamp(self) -> float:  # noqa: D102
+        return self._percept.stamp
+
+    @property
+    def confidence(self) -> float:  # noqa: D102
+        return self._percept.confidence
+
+    @property
+    def position_base(self) -> Array:  # noqa: D102
+        state = self._state
+        return rotation_matrix(state.base_quaternion).T @ (self.position_world - state.base_position)
+
+    @property
+    def distance(self) -> float:  # noqa: D102
+        return math.hypot(*self._offset())
+
+    @property
+    def bearing(self) -> float:  # noqa: D102
+        x, y = self._offset()
+        bearing = math.atan2(y, x) - float(self._state.stance[2])
+        return (bearing + math.pi) % (2 * math.pi) - math.pi
+
+    def _offset(self) -> tuple[float, float]:
+        x, y, _ = self.position_world.tolist()
+        stance_x, stance_y, _ = self._state.stance.tolist()
+        return x - stance_x, y - stance_y
+
+
+class Robot:
+    """Everything decision knows and asks of one robot.
+
+    Args:
+        config: the robot's numbers.
+        clock: the engine's clock.
+        raise_estop: called at once with source and reason when a node raises the emergency stop.
+        log: called at once with source, level and text when a node has something to tell; the program's log if None.
+    """
+
+    def __init__(
+        self,
+        config: RobotConfig,
+        clock: Clock,
+        raise_estop: Callable[[str, str], None] | None = None,
+        log: Callable[[str, Level, str], None] | None = None,
+    ) -> None:
+        self._raise_estop = raise_estop
+        self._tell = log or _to_log
+        self.config = config
+        self.clock = clock
+        self._state: State | None = None
+        self._percepts: dict[str, tuple[Percept, Array]] = {}
+        self._tracks: dict[str, Track] = {}  # those that were asked for in this tick
+        self._now = 0.0  # the tick's start
+        self._past: deque[State] = deque(maxlen=_POSE_HISTORY)
+        self._commanding: dict[RobotHandle, None] = {}  # handles that set a target in this tick, in that order
+        self._sequence = 0
+
+    @property
+    def state(self) -> State:
+        """The state at the start of this tick."""
+        if self._state is None:
+            raise HumanoidBtError("the robot has no state before the first tick")
+        return self._state
+
+    def handle(self, node_path: str, resources: tuple[str, ...]) -> RobotHandle:
+        """Return the handle through which one tree node commands the robot.
+
+        Args:
+            node_path: the node's path, the source of its targets.
+            resources: what it may command.
+        """
+        return RobotHandle(self, node_path, resources)
+
+    def track(self, name: str) -> Track | None:
+        """Return the latest percept of this name as it was at the start of the tick, or None if never seen."""
+        track = self._tracks.get(name)
+        if track is None and (known := self._percepts.get(name)):
+            percept, position_world = known
+            track = self._tracks[name] = Track(percept, position_world, self._now - percept.stamp, self.state)
+        return track
+
+    @property
+    def tracks(self) -> Mapping[str, Track]:
+        """Every percept seen so far, by name, as it was at the start of the tick."""
+        return {name: track for name in self._percepts if (track := self.track(name))}
+
+    def raise_estop(self, source: str, reason: str) -> None:
+        """Raise the emergency stop, now and not at the end of the tick; only a reset from outside ends it.
+
+        Args:
+            source: path of the node that raises it.
+            reason: why.
+
+        Raises:
+            HumanoidBtError: this robot has none.
+        """
+        if self._raise_estop is None:
+            raise HumanoidBtError(f"{source!r} raises an emergency stop of a robot that has none: {reason}")
+        self._raise_estop(source, reason)
+
+    def log(self, source: str, level: Level, text: str) -> None:
+        """Tell something to people, as an event of the run; it is recorded.
+
+        Args:
+            source: path of the node that tells it.
+            level: how much it matters.
+            text: what it tells.
+        """
+        self._tell(source, level, text)
+
+    def begin_tick(self, state: State, percepts: Mapping[str, Percept]) -> None:
+        """Take the snapshot that the whole tick sees, and forget the targets of the last one."""
+        self._state = state
+        self._now = self.clock.now()
+        self._past.append(state)
+        for name, percept in percepts.items():
+            known = self._percepts.get(name)
+            if known is None or known[0].stamp < percept.stamp:
+                self._percepts[name] = (percept, self._place(percept))
+        self._tracks.clear()
+        for handle in self._commanding:
+            handle.targets.clear()
+        self._commanding.clear()
+
+    def commit(self) -> Command:
+        """Return the one command of this tick.
+
+        Raises:
+            ResourceConflict: two nodes that are both alive command one resource.
+        """
+        targets: dict[str, Target] = {}
+        sources: dict[str, str] = {}
+        for handle in self._commanding:
+            for resource, target in handle.targets.items():
+                if resource in targets:
+                    raise ResourceConflict(
+                        f"{resource!r} is commanded by two nodes at once: {sources[resource]!r} and {handle.path!r}"
+                    )
+                targets[resource] = target
+                sources[resource] = handle.path
+        command = Command(self._sequence, self.state.time, targets, sources)
+        self._sequence += 1
+        return command
+
+    def release_all(self) -> Command:
+        """Return a command that releases everything."""
+        for handle in self._commanding:
+            handle.targets.clear()
+        return self.commit()
+
+    def take_over(self, other: Robot) -> None:
+        """Go on where another tree's view of the same robot ends.
+
+        What that one knows is known here too, and commands are counted on. Its nodes command no more.
+        """
+        self._state, self._now, self._past = other._state, other._now, other._past
+        self._percepts, self._sequence = other._percepts, other._sequence
+
+    def note(self, handle: RobotHandle) -> None:
+        """Take note that a handle has set a target in this tick."""
+        self._commanding[handle] = None
+
+    def _place(self, percept: Percept) -> Array:
+        then = min(self._past, key=lambda state: abs(state.time - percept.stamp))
+        return np.asarray(then.base_position + rotation_matrix(then.base_quaternion) @ percept.position)
+
+
+class RobotHandle:
+    """One tree node's way to the robot: it may read everything and command what it declared.
+
+    A target holds for one tick; a skill sets it again in every ``update``. What it does not set is released.
+    """
+
+    def __init__(self, robot: Robot, path: str, resources: tuple[str, ...]) -> None:
+        self._robot = robot
+        self._resources = resources
+        self.path = path
+        self.targets: dict[str, Target] = {}
+
+    @property
+    def state(self) -> State:
+        """The state at the start of this tick."""
+        return self._robot.state
+
+    @property
+    def config(self) -> RobotConfig:
+        """The robot's numbers."""
+        return self._robot.config
+
+    @property
+    def clock(self) -> Clock:
+        """The engine's clock."""
+        return self._robot.clock
+
+    def track(self, name: str) -> Track | None:
+        """Return the latest percept of this name, or None if it was never seen."""
+        return self._robot.track(name)
+
+    def walk_to(self, position: Any, heading: float) -> None:
+        """Ask the robot to walk until it stands at a place.
+
+        Args:
+            position: shape (2,), middle between the feet, world frame [m].
+            heading: world frame [rad].
+        """
+        self._set("base", BaseTarget(_vector(position, 2), _number(heading)))
+
+    def move_hand(self, side: Side, position: Any) -> None:
+        """Ask for a palm at a position: shape (3,), world frame [m]."""
+        self._set(f"{side}_hand", HandTarget(_vector(position, 3)))
+
+    def look_at(self, point: Any) -> None:
+        """Ask the head, and the torso where the neck ends, to look at a point: shape (3,), world frame [m]."""
+        self._set("gaze", GazeTarget(_vector(point, 3)))
+
+    def set_height(self, offset: float) -> None:
+        """Ask for the centre of mass this much above (or below) its home height [m]."""
+        self._set("posture", PostureTarget(_number(offset)))
+
+    def raise_estop(self, reason: str) -> None:
+        """Raise the emergency stop at once; only a reset from outside ends it."""
+        self._robot.raise_estop(self.path, reason)
+
+    def log(self, text: str, level: Level = "info") -> None:
+        """Tell something to people, as an event of the run; it is recorded."""
+        self._robot.log(self.path, level, text)
+
+    def release(self) -> None:
+        """Take back everything asked for in this tick; called when the node ends or is halted."""
+        self.targets.clear()
+
+    def _set(self, resource: str, target: Target) -> None:
+        if resource not in self._resources:
+            declared = ", ".join(self._resources) or "none"
+            raise HumanoidBtError(
+                f"{self.path!r} commands {resource!r} without declaring it (declared: {declared}; "
+                f"valid: {', '.join(RESOURCES)})"
+            )
+        self.targets[resource] = target
+        self._robot.note(self)
+
+
+def _to_log(source: str, level: Level, text: str) -> None:
+    _log.log(_LEVELS[level], "%s: %s", source, text)
+
+
+def _vector(values: Any, size: int) -> Array:
+    vector: Array = np.array(values, dtype=float)
+    if vector.shape != (size,):
+        raise ValueError(f"a target's position must have shape ({size},), not {vector.shape}")
+    if not all(map(math.isfinite, vector.tolist())):
+        raise ValueError(f"a target's position must be finite, not {vector.tolist()}")
+    return vector
+
+
+def _number(value: Any) -> float:
+    number = float(value)
+    if not math.isfinite(number):
+        raise ValueError(f"a target must be finite, not {number}")
+    return number

@@ -1,0 +1,88 @@
+"""What skills need to judge what they see and measure: is it steady, does it last, does it improve.
+
+Time is always given, from the engine's clock; nothing here reads one.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from humanoid_bt.core.messages import Array
+
+
+class Steady:
+    """A position without its noise: low-passed once per observation, but followed at once where it really moves.
+
+    Args:
+        time: of the low-pass [s].
+        jump: what is farther away than this has moved [m]; more than the noise.
+    """
+
+    def __init__(self, time: float, jump: float = 0.04) -> None:
+        self._time, self._jump = time, jump
+        self._position: Array | None = None
+        self._stamp = -math.inf
+
+    def update(self, position: Array, stamp: float) -> Array:
+        """Return the steady position.
+
+        Args:
+            position: observed, shape (3,) [m].
+            stamp: when it was observed [s]; the same observation may be given many times.
+        """
+        if self._position is None or np.linalg.norm(position - self._position) > self._jump:
+            self._position = position.copy()
+        elif stamp > self._stamp:
+            elapsed = stamp - self._stamp
+            self._position = self._position + (position - self._position) * (elapsed / (elapsed + self._time))
+        self._stamp = max(self._stamp, stamp)
+        return self._position
+
+
+class Lasting:
+    """Whether something has been true without a break for a time.
+
+    Args:
+        duration: that time [s]; 0 is at once.
+    """
+
+    def __init__(self, duration: float) -> None:
+        self._duration = duration
+        self._since: float | None = None
+
+    def update(self, holds: bool, now: float) -> bool:
+        """Note whether it is true now, and return whether it has been for long enough."""
+        if not holds:
+            self._since = None
+            return False
+        if self._since is None:
+            self._since = now
+        return now - self._since >= self._duration
+
+
+class Improving:
+    """Whether an error still becomes smaller.
+
+    Args:
+        patience: how long it may not [s].
+        step: what counts as smaller, in the error's unit.
+
+    Attributes:
+        best: the smallest error that counted.
+    """
+
+    def __init__(self, patience: float, step: float) -> None:
+        self._patience, self._step = patience, step
+        self.restart()
+
+    def restart(self) -> None:
+        """Forget the errors so far, as when the error is small enough: it may grow again."""
+        self.best, self._best_at = math.inf, -math.inf
+
+    def update(self, error: float, now: float) -> bool:
+        """Note an error; return False once none has been smaller than the best for longer than the patience."""
+        if error < self.best - self._step:
+            self.best, self._best_at = error, now
+        return now - self._best_at <= self._patience

@@ -1,0 +1,116 @@
+"""The base class of a leaf that commands the robot.
+
+A skill is one file in a workspace's ``skills/`` folder:
+
+    class Wave(Skill):
+        \"\"\"Raise a hand and wave.\"\"\"
+
+        resources = ("right_hand",)
+        times: int = param(3, minimum=1, doc="How often.")
+
+        def initialise(self) -> None: ...
+        def update(self) -> Status: ...
+
+Its name in trees is the class name in snake_case.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping
+from typing import Any, ClassVar
+
+import py_trees
+from py_trees.common import Status
+
+from humanoid_bt.core.params import PerceptName, assign
+from humanoid_bt.decision.robot import Robot, RobotHandle
+
+__all__ = ["PerceptName", "Skill", "Status", "node_type_name", "of_hand"]
+
+
+def node_type_name(cls: type) -> str:
+    """Return the name of a class in tree files: snake_case, or its ``type_name`` if it has one."""
+    named = vars(cls).get("type_name")
+    return named if isinstance(named, str) else snake_case(cls.__name__)
+
+
+def snake_case(name: str) -> str:
+    """Return a CamelCase name as it is written in tree files."""
+    return re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", name).lower()
+
+
+def of_hand(resources: Iterable[str], hand: str) -> tuple[str, ...]:
+    """Return resources without the other hand, if it is ``left`` or ``right``; else all of them."""
+    others = {"left": "right_hand", "right": "left_hand"}
+    return tuple(resource for resource in resources if resource != others.get(hand))
+
+
+class Skill(py_trees.behaviour.Behaviour):
+    """A leaf that commands the robot.
+
+    Subclasses declare parameters with :func:`~humanoid_bt.core.params.param`; instances have their values as
+    attributes. ``self.robot`` is there from ``setup`` on. Nothing in a skill blocks or sleeps.
+
+    Args:
+        name: the node's name.
+        values: parameter values, already of their declared types.
+
+    Attributes:
+        resources: what the skill may command (of :data:`~humanoid_bt.core.messages.RESOURCES`).
+        ends: whether it can succeed or fail; False if it only runs until it is halted.
+        bounded: whether it ends by itself in bounded time, whatever happens. Checks want a time limit above a skill
+            that commands the robot and does not say so.
+        robot: how it reads the robot's state and percepts and sets targets.
+        path: the node's path in its tree, set before ``setup``.
+        halt_reason: why it is being halted, set before ``terminate(INVALID)``: preempted, timed out, ...
+    """
+
+    resources: ClassVar[tuple[str, ...]] = ()
+    ends: ClassVar[bool] = True
+    bounded: ClassVar[bool] = False
+    robot: RobotHandle
+
+    def __init__(self, name: str = "", **values: Any) -> None:
+        super().__init__(name or node_type_name(type(self)))
+        assign(self, values)
+        self.path = self.name
+        self.halt_reason = ""
+
+    @classmethod
+    def resources_for(cls, values: Mapping[str, Any]) -> Iterable[str]:
+        """Return which of its resources the skill may command when it has these parameter values.
+
+        Checks ask it before the run. They take all of ``resources`` if a parameter is read from the blackboard.
+
+        Args:
+            values: every parameter by name, defaults put in.
+        """
+        return cls.resources
+
+    def setup(self, **kwargs: Any) -> None:
+        """Take ``robot``, a :class:`~humanoid_bt.decision.robot.Robot`; called once, before the first tick."""
+        robot: Robot = kwargs["robot"]
+        self.robot = robot.handle(self.path, self.resources)
+
+    def stop(self, new_status: Status) -> None:
+        """End or halt the skill: ``terminate``, then give back what it commanded in this tick."""
+        try:
+            super().stop(new_status)
+        finally:
+            self.robot.release()
+
+    def running(self, feedback: str) -> Status:
+        """Return RUNNING with a word on what is happening."""
+        self.feedback_message = feedback
+        return Status.RUNNING
+
+    def succeed(self, feedback: str) -> Status:
+        """Return SUCCESS with a word on what was reached."""
+        self.feedback_message = feedback
+        return Status.SUCCESS
+
+    def fail(self, feedback: str) -> Status:
+        """Return FAILURE with the reason."""
+        self.feedback_message = feedback
+        return Status.FAILURE

@@ -1,0 +1,126 @@
+"""Workspaces: folders with ``trees/``, ``skills/`` and ``sim/``, and how names are found in them.
+
+Names are looked up in the current workspace first, then in the built-in one.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Literal
+
+from humanoid_bt.core.errors import UserError, nearest, relative
+
+_PACKAGE = Path(__file__).resolve().parents[1]
+
+
+def builtin_root() -> Path:
+    """Return the built-in workspace: inside the installed package, or the repository in a checkout."""
+    packaged = _PACKAGE / "builtin"
+    return packaged if packaged.is_dir() else _PACKAGE.parent
+
+
+class Workspace:
+    """A workspace laid over the built-in one.
+
+    Args:
+        root: the user's folder; the working directory if None. It may lack any of the three folders.
+
+    Raises:
+        UserError: ``root`` is not a folder.
+    """
+
+    def __init__(self, root: Path | None = None) -> None:
+        self.root = (root or Path.cwd()).resolve()
+        if not self.root.is_dir():
+            raise UserError(f"the workspace {relative(self.root)!r} is not a folder", code="no-file")
+        self.layers = list(dict.fromkeys((self.root, builtin_root())))
+
+    @classmethod
+    def of_tree(cls, path: Path) -> Workspace:
+        """Return the workspace a tree file belongs to.
+
+        It is the folder above its ``trees/``, else its own folder if that has ``skills/`` or ``sim/``, else the
+        current one.
+        """
+        folder = path.resolve().parent
+        for parent in (folder, *folder.parents):
+            if parent.name == "trees":
+                return cls(parent.parent)
+        return cls(folder if (folder / "skills").is_dir() or (folder / "sim").is_dir() else None)
+
+    @classmethod
+    def of_argument(cls, tree: str, root: Path | None) -> Workspace:
+        """Return the workspace for a tree named on the command line.
+
+        Args:
+            tree: name or path of the tree.
+            root: the workspace that was asked for, if any. Else a file's own, or the working directory for a name.
+
+        Raises:
+            UserError: ``root`` is not a folder.
+        """
+        if root is not None:
+            return cls(root)
+        path = Path(tree)
+        return cls.of_tree(path) if path.is_file() else cls()
+
+    def trees(self) -> dict[str, Path]:
+        """Return every tree file by name."""
+        return self._files("trees", "*.yaml")
+
+    def scenes(self) -> dict[str, Path]:
+        """Return every scene file by name."""
+        return self._files("sim/scenes", "*.yaml")
+
+    def robots(self) -> dict[str, Path]:
+        """Return every ``robot.yaml`` by the name of its folder."""
+        found: dict[str, Path] = {}
+        for layer in reversed(self.layers):
+            found |= {path.parent.name: path for path in sorted(layer.glob("sim/*/robot.yaml"))}
+        return found
+
+    def skill_files(self) -> list[Path]:
+        """Return every skill file; the current workspace's come last and win over built-in ones of one name."""
+        return [
+            path
+            for layer in reversed(self.layers)
+            for path in sorted(layer.glob("skills/*.py"))
+            if not path.name.startswith("_")
+        ]
+
+    def find_tree(self, name: str) -> Path:
+        """Return a tree's file from its name or path.
+
+        Raises:
+            UserError: there is none.
+        """
+        return self._find(name, self.trees(), "tree", "file")
+
+    def find_scene(self, name: str) -> Path:
+        """Return a scene's file from its name or path; raises as :meth:`find_tree`."""
+        return self._find(name, self.scenes(), "scene", "file")
+
+    def find_robot(self, name: str) -> Path:
+        """Return a robot's ``robot.yaml`` from its name, folder or path; raises as :meth:`find_tree`."""
+        path = Path(name)
+        if path.is_dir() and (path / "robot.yaml").is_file():
+            return path / "robot.yaml"
+        return self._find(name, self.robots(), "robot", "folder or robot.yaml")
+
+    def _files(self, folder: str, pattern: str) -> dict[str, Path]:
+        found: dict[str, Path] = {}
+        for layer in reversed(self.layers):
+            found |= {path.stem: path for path in sorted((layer / folder).glob(pattern))}
+        return found
+
+    def _find(self, name: str, known: dict[str, Path], what: Literal["tree", "scene", "robot"], kind: str) -> Path:
+        if name in known:
+            return known[name]
+        path = Path(name)
+        if path.is_dir():
+            raise UserError(f"{name!r} is a folder, not a {what}", hint=nearest(name, known), code=f"unknown-{what}")
+        if path.suffix in {".yaml", ".yml"} or "/" in name:
+            if path.is_file():
+                return path
+            raise UserError(f"no {what} {kind} {name!r}", hint=nearest(path.stem, known), code=f"unknown-{what}")
+        raise UserError(f"no {what} named {name!r}", hint=nearest(name, known), code=f"unknown-{what}")

@@ -1,0 +1,1 @@
+"""What a robot is: robot.yaml and the model."""

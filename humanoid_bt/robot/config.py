@@ -1,0 +1,235 @@
+"""``robot.yaml``: everything the engine needs to know of a robot beyond its MJCF model."""
+
+from __future__ import annotations
+
+import dataclasses
+import fnmatch
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from humanoid_bt.core.errors import Place, Problem, UserError, relative
+from humanoid_bt.core.messages import RESOURCES, SIDES
+from humanoid_bt.core.params import param, read
+from humanoid_bt.files import document
+from humanoid_bt.files.document import Item
+
+
+@dataclass(frozen=True, kw_only=True)
+class SiteConfig:
+    """A point on the robot; a site is added to the body there."""
+
+    body: str = param(doc="Body that carries the site.")
+    position: tuple[float, float, float] = param((0.0, 0.0, 0.0), unit="m", doc="In the body's frame.")
+
+
+@dataclass(frozen=True, kw_only=True)
+class LegConfig:
+    """The joints and the sole of one leg."""
+
+    hip_roll: str = param(doc="Joint that swings the leg sideways.")
+    hip_pitch: str = param(doc="Joint that swings the leg forward.")
+    ankle_pitch: str = param(doc="Joint that tilts the foot forward.")
+    ankle_roll: str = param(doc="Joint that tilts the foot sideways.")
+    sole: SiteConfig = param(doc="Centre of the sole, x forward, z up when standing.")
+
+
+@dataclass(frozen=True, kw_only=True)
+class SoleConfig:
+    """The rectangle of the sole that carries load."""
+
+    half_length: float = param(above=0, unit="m", doc="From the sole's centre to the toe.")
+    half_width: float = param(above=0, unit="m", doc="From the sole's centre to its side.")
+    margin: float = param(0.012, minimum=0, unit="m", doc="The centre of pressure is kept this far inside the edge.")
+
+
+@dataclass(frozen=True, kw_only=True)
+class NeckConfig:
+    """The joints that turn the head."""
+
+    yaw: str = param(doc="Joint that turns the head left.")
+    pitch: str = param(doc="Joint that turns the head down.")
+
+
+@dataclass(frozen=True, kw_only=True)
+class DriveConfig:
+    """The drives of a group of joints."""
+
+    joints: list[str] = param(doc="Joint names; * stands for anything.")
+    stiffness: float = param(above=0, unit="", doc="Position gain [Nm/rad].")
+    damping: float = param(above=0, unit="", doc="Velocity gain [Nm s/rad].")
+    torque: float = param(above=0, unit="Nm", doc="Limit of the torque.")
+    speed: float = param(12.0, above=0, unit="rad/s", doc="Limit of the setpoint's speed.")
+
+
+@dataclass(frozen=True, kw_only=True)
+class GaitConfig:
+    """Walking: footsteps, timing, balance. Defaults fit a humanoid of about 1.3 m and 40 kg."""
+
+    single_support: float = param(0.35, above=0, unit="s", doc="Time on one foot.")
+    double_support: float = param(0.10, above=0, unit="s", doc="Time on both feet between steps.")
+    first_shift: float = param(0.8, above=0, unit="s", doc="Weight shift before the first step.")
+    last_shift: float = param(0.6, above=0, unit="s", doc="Weight shift after the last step.")
+    quick_shift: float = param(0.10, above=0, unit="s", doc="Weight shift before a step that catches a push.")
+    lift: float = param(0.05, above=0, unit="m", doc="Height of the swing foot.")
+    stance_width: float = param(0.18, above=0, unit="m", doc="Distance between the soles' centres.")
+    step_forward: float = param(0.15, above=0, unit="m", doc="Longest step forward.")
+    step_back: float = param(0.10, above=0, unit="m", doc="Longest step back.")
+    step_sideways: float = param(0.06, above=0, unit="m", doc="Longest step sideways.")
+    step_turn: float = param(0.25, above=0, unit="rad", doc="Largest turn in a step.")
+    near: float = param(0.35, above=0, unit="m", doc="Nearer than this it side-steps instead of turning to the goal.")
+    facing: float = param(0.5, above=0, unit="rad", doc="It walks forward once the goal is this much ahead.")
+    arrived_distance: float = param(0.025, above=0, unit="m", doc="Arrived when nearer.")
+    arrived_angle: float = param(0.04, above=0, unit="rad", doc="Arrived when turned this close.")
+    leave_distance: float = param(0.04, above=0, unit="m", doc="Starts again only when farther (hysteresis).")
+    leave_angle: float = param(0.06, above=0, unit="rad", doc="Starts again only when turned farther (hysteresis).")
+    dcm_gain: float = param(2.5, above=1, doc="ZMP answer to an error of the divergent component of motion.")
+    momentum_limit: float = param(0.08, minimum=0, unit="m", doc="Limit of the angular momentum's ZMP shift.")
+    com_slide: float = param(1.0, minimum=0, doc="Leak of the reference to the measured centre of mass [1/s].")
+    adjust_forward: float = param(0.25, minimum=0, unit="m", doc="Largest step adjustment forward.")
+    adjust_sideways: float = param(0.20, minimum=0, unit="m", doc="Largest step adjustment sideways.")
+    adjust_until: float = param(0.85, above=0, maximum=1, doc="Share of the swing after which the foothold stays.")
+    separation_min: float = param(0.13, above=0, unit="m", doc="Least sideways distance of the feet.")
+    separation_max: float = param(0.42, above=0, unit="m", doc="Largest sideways distance of the feet.")
+    touchdown_force: float = param(50.0, above=0, unit="N", doc="Force on the swing foot that counts as contact.")
+    touchdown_after: float = param(0.75, above=0, maximum=1, doc="Share of the swing after which contact counts.")
+    tilt_stiffness: float = param(300.0, minimum=0, doc="Stance hips against tilt of the base [Nm/rad].")
+    tilt_damping: float = param(25.0, minimum=0, doc="Stance hips against tilt rate of the base [Nm s/rad].")
+
+
+@dataclass(frozen=True, kw_only=True)
+class WholeBodyConfig:
+    """Weights and limits of whole-body inverse kinematics and of the arms' motion."""
+
+    com: tuple[float, float, float] = param((20.0, 20.0, 10.0), doc="Cost of the centre of mass, x y z.")
+    foot_position: float = param(50.0, above=0, doc="Cost of the feet's positions.")
+    foot_orientation: float = param(20.0, above=0, doc="Cost of the feet's orientations.")
+    base_orientation: float = param(5.0, above=0, doc="Cost of the pelvis' orientation.")
+    torso_orientation: float = param(5.0, above=0, doc="Cost of the torso's orientation.")
+    posture: float = param(0.3, above=0, doc="Cost of the home posture.")
+    hand: float = param(8.0, above=0, doc="Cost of a commanded hand's position.")
+    hand_damping: float = param(
+        20.0,
+        minimum=0,
+        doc="Damping of all joints by the square of a hand's error, times its cost: a stretched arm does not chatter.",
+    )
+    gaze: float = param(1.0, above=0, doc="Cost of the gaze's direction.")
+    reach_height: float = param(0.3, minimum=0, doc="Cost of the centre of mass' height while reaching.")
+    reach_torso: float = param(0.3, minimum=0, doc="Cost of the torso's orientation while reaching.")
+    reach_base: float = param(2.0, minimum=0, doc="Cost of the pelvis' orientation while reaching.")
+    damping: float = param(1e-4, above=0, doc="Damping of the inverse kinematics.")
+    hand_speed: float = param(0.4, above=0, unit="m/s", doc="Speed of a hand's reference.")
+    hand_lead: float = param(
+        0.08, above=0, unit="m", doc="Farthest a hand's reference is ahead of the planned hand: bounds its pull."
+    )
+    hand_integral: float = param(2.0, minimum=0, doc="Gain on a hand's measured error near its target [1/s].")
+    hand_farthest: float = param(
+        0.6,
+        above=0,
+        unit="m",
+        doc="While it walks, a hand whose target is farther away than this is let go.",
+    )
+    hand_nearest: float = param(0.1, unit="m", doc="While it walks, a hand whose target is less far ahead is let go.")
+    gaze_speed: float = param(1.5, above=0, unit="rad/s", doc="Speed of the gaze's reference.")
+    gaze_yaw: float = param(2.35, above=0, unit="rad", doc="Farthest the gaze turns, with the torso's help.")
+    height_speed: float = param(0.05, above=0, unit="m/s", doc="Speed of a posture's height change.")
+
+
+@dataclass(frozen=True, kw_only=True)
+class FallConfig:
+    """When the robot counts as falling: drives are damped then."""
+
+    tilt: float = param(0.9, above=0, unit="rad", doc="Tilt of the base.")
+    height: float = param(0.6, above=0, maximum=1, doc="Height of the base as a share of its home height.")
+
+
+@dataclass(frozen=True, kw_only=True)
+class RobotConfig:
+    """A robot. Angles [rad], lengths [m], from ``robot.yaml``."""
+
+    format: int = param(doc="Version of this file's form: 1.", minimum=1, maximum=1)
+    name: str = param(doc="The robot's name.")
+    description: str = param("", doc="One line for people.")
+    model: str = param(doc="MJCF file, relative to this one.")
+    base: str = param(doc="Body with the free joint.")
+    torso: str = param(doc="Body that carries the arms.")
+    legs: dict[str, LegConfig] = param(doc="The legs: left and right.")
+    sole: SoleConfig = param(doc="Shape of both soles.")
+    hands: dict[str, SiteConfig] = param({}, doc="Palms: left, right, or none.")
+    gaze: SiteConfig = param(doc="The eyes, x in the direction of view.")
+    neck: NeckConfig | None = param(None, doc="Neck joints, if it has any.")
+    drives: list[DriveConfig] = param(doc="Drives of all joints; the first group that matches a joint counts.")
+    home: dict[str, float] = param({}, unit="rad", doc="Home posture: joint pattern to angle; others 0.")
+    groups: dict[str, list[str]] = param({}, doc="Joint groups for plots: name to joint patterns.")
+    soft_limit_margin: float = param(0.02, minimum=0, unit="rad", doc="Soft limits lie this far inside the model's.")
+    gait: GaitConfig = param(GaitConfig(), doc="How it walks.")
+    whole_body: WholeBodyConfig = param(WholeBodyConfig(), doc="How the body shares its work.")
+    reach_distance: float = param(0.40, above=0, unit="m", doc="Where to stand to reach: the target this far ahead.")
+    fall: FallConfig = param(FallConfig(), doc="When it counts as falling.")
+    path: Path = field(default=Path(), compare=False)
+    written: Item | None = field(default=None, compare=False, repr=False)
+
+    @property
+    def resources(self) -> tuple[str, ...]:
+        """What of :data:`~humanoid_bt.core.messages.RESOURCES` this robot has: what a skill can command of it.
+
+        The view turns with the neck, or with the torso if that is not the base.
+        """
+        missing = {f"{side}_hand" for side in SIDES if side not in self.hands}
+        if self.neck is None and self.torso == self.base:
+            missing.add("gaze")
+        return tuple(resource for resource in RESOURCES if resource not in missing)
+
+    def place(self, *keys: str | int) -> Place:
+        """Return where a value is written, as in ``place("legs", "left", "sole")``, or what should hold it."""
+        item = self.written
+        if item is None:
+            return Place(relative(self.path))
+        for key in keys:
+            try:
+                item = item.value[key]
+            except (KeyError, IndexError, TypeError):
+                break
+        return item.place
+
+    def drive(self, joint: str) -> DriveConfig | None:
+        """Return the drive of a joint, None if no group names it."""
+        for drive in self.drives:
+            if any(fnmatch.fnmatchcase(joint, pattern) for pattern in drive.joints):
+                return drive
+        return None
+
+    def home_angle(self, joint: str) -> float:
+        """Return a joint's angle in the home posture [rad]."""
+        for pattern, angle in self.home.items():
+            if fnmatch.fnmatchcase(joint, pattern):
+                return angle
+        return 0.0
+
+    def group(self, joint: str) -> str:
+        """Return the plot group of a joint, ``other`` if none names it."""
+        for name, patterns in self.groups.items():
+            if any(fnmatch.fnmatchcase(joint, pattern) for pattern in patterns):
+                return name
+        return "other"
+
+
+def load_robot_config(path: Path) -> RobotConfig:
+    """Read a ``robot.yaml``.
+
+    Raises:
+        UserError: with every problem found, each with its place.
+    """
+    item = document.load(path)
+    config: RobotConfig = read(RobotConfig, item, "the robot")
+    problems = [
+        Problem(f"{what!r} must have the keys left and right", item.value[what].place, code="missing-key")
+        for what, sides in (("legs", config.legs), ("hands", config.hands))
+        if set(sides) != set(SIDES) and not (what == "hands" and not sides)
+    ]
+    if not (path.parent / config.model).is_file():
+        hint = f"looked for {relative(path.parent / config.model)}"
+        message, place = f"the model file {config.model!r} is missing", item.value["model"].place
+        problems.append(Problem(message, place, hint, code="no-file"))
+    if problems:
+        raise UserError(problems)
+    return dataclasses.replace(config, path=path, written=item)

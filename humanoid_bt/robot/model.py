@@ -1,0 +1,227 @@
+"""A robot compiled from its MJCF model and ``robot.yaml``: drives, sites and sensors are added, nothing is edited."""
+
+from __future__ import annotations
+
+import fnmatch
+from collections.abc import Iterator
+
+import mujoco
+import numpy as np
+
+from humanoid_bt.core.errors import Place, Problem, UserError, nearest, relative
+from humanoid_bt.core.messages import SIDES, Array
+from humanoid_bt.robot.config import RobotConfig, SiteConfig
+
+BASE_DOFS = 6
+BASE_COORDINATES = 7
+
+
+def sole_site(side: str) -> str:
+    """Return the name of a sole's site."""
+    return f"hbt_{side}_sole"
+
+
+def palm_site(side: str) -> str:
+    """Return the name of a palm's site."""
+    return f"hbt_{side}_palm"
+
+
+GAZE_SITE = "hbt_gaze"
+
+
+def foot_sensor(side: str) -> str:
+    """Return the name of the contact-force sensor of a foot."""
+    return f"hbt_{side}_foot_force"
+
+
+_FORCE = 1 << int(mujoco.mjtConDataField.mjCONDATA_FORCE)
+_NET = 3  # what a contact sensor makes of several contacts: their sum, in the world frame
+
+
+class RobotModel:
+    """A robot and its numbers as arrays over its joints, in the model's joint order.
+
+    Args:
+        config: what ``robot.yaml`` says.
+
+    Raises:
+        UserError: the MJCF file is not valid, or ``robot.yaml`` names what it does not have.
+
+    Attributes:
+        model: the robot alone, without floor or scene (the control layer's own copy).
+        joint_names: names of the nj joints; joint i is coordinate 7 + i and degree of freedom 6 + i.
+        lower, upper: soft limits, shape (nj,) [rad].
+        stiffness, damping: drive gains, shape (nj,) [Nm/rad], [Nm s/rad].
+        torque_limit: shape (nj,) [Nm].
+        speed_limit: shape (nj,) [rad/s].
+        home_qpos: home posture above the origin, feet not yet on the ground, shape (7 + nj,).
+        mass: [kg].
+    """
+
+    def __init__(self, config: RobotConfig) -> None:
+        self.config = config
+        self.model = _compile(self.spec(), config)
+        model = self.model
+        self.joint_names = tuple(model.joint(j).name for j in range(1, model.njnt))
+        drives = [config.drive(name) for name in self.joint_names]
+        self.stiffness = np.array([drive.stiffness for drive in drives if drive])
+        self.damping = np.array([drive.damping for drive in drives if drive])
+        self.torque_limit = np.array([drive.torque for drive in drives if drive])
+        self.speed_limit = np.array([drive.speed for drive in drives if drive])
+        limited = model.jnt_limited[1:].astype(bool)
+        margin = config.soft_limit_margin
+        self.lower: Array = np.where(limited, model.jnt_range[1:, 0] + margin, -np.inf)
+        self.upper: Array = np.where(limited, model.jnt_range[1:, 1] - margin, np.inf)
+        home = np.array([config.home_angle(name) for name in self.joint_names])
+        self.home_qpos: Array = np.concatenate([model.qpos0[:BASE_COORDINATES], np.clip(home, self.lower, self.upper)])
+        self.mass = float(model.body_subtreemass[model.body(config.base).id])
+
+    def joint(self, name: str) -> int:
+        """Return a joint's index in the arrays over joints."""
+        return self.joint_names.index(name)
+
+    def spec(self) -> mujoco.MjSpec:
+        """Return a new editable model of the robot with its drives, sites and foot sensors."""
+        config = self.config
+        spec = _read(config)
+        _check_names(spec, config)
+        # keyframes no longer fit once a scene is added; sensors may read actuators that are replaced
+        for element in [*spec.keys, *spec.sensors]:
+            spec.delete(element)
+        _add_drives(spec, config)
+        for side in SIDES:
+            _add_site(spec, sole_site(side), config.legs[side].sole)
+            if side in config.hands:
+                _add_site(spec, palm_site(side), config.hands[side])
+            spec.add_sensor(
+                name=foot_sensor(side),
+                type=mujoco.mjtSensor.mjSENS_CONTACT,
+                objtype=mujoco.mjtObj.mjOBJ_BODY,
+                objname=config.legs[side].sole.body,
+                intprm=[_FORCE, _NET, 1],
+            )
+        _add_site(spec, GAZE_SITE, config.gaze)
+        return spec
+
+
+def _read(config: RobotConfig) -> mujoco.MjSpec:
+    try:
+        return mujoco.MjSpec.from_file(str(config.path.parent / config.model))
+    except ValueError as error:
+        raise UserError(f"not a valid MJCF model: {_one_line(error)}", _model(config), code="model") from error
+
+
+def _compile(spec: mujoco.MjSpec, config: RobotConfig) -> mujoco.MjModel:
+    try:
+        return spec.compile()
+    except ValueError as error:
+        raise UserError(f"the model does not compile: {_one_line(error)}", _model(config), code="model") from error
+
+
+def _model(config: RobotConfig) -> Place:
+    return Place(relative(config.path.parent / config.model))
+
+
+def _one_line(error: ValueError) -> str:
+    return " ".join(str(error).split())
+
+
+def _check_names(spec: mujoco.MjSpec, config: RobotConfig) -> None:
+    """Refuse a ``robot.yaml`` that does not fit its model."""
+    bodies = [body.name for body in spec.bodies]
+    free = [joint for joint in spec.joints if joint.type == mujoco.mjtJoint.mjJNT_FREE]
+    hinges = [joint.name for joint in spec.joints if joint.type != mujoco.mjtJoint.mjJNT_FREE]
+    problems: list[Problem] = []
+    for keys, name in _named_bodies(config):
+        if name not in bodies:
+            hint = nearest(name, bodies)
+            problems.append(Problem(f"the model has no body {name!r}", config.place(*keys), hint, code="unknown-body"))
+    for keys, name in _named_joints(config):
+        if name not in hinges:
+            hint, place = nearest(name, hinges), config.place(*keys)
+            problems.append(Problem(f"the model has no joint {name!r}", place, hint, code="unknown-joint"))
+    for keys, pattern in _joint_patterns(config):
+        if not fnmatch.filter(hinges, pattern):
+            hint, place = nearest(pattern, hinges), config.place(*keys)
+            problems.append(Problem(f"no joint of the model matches {pattern!r}", place, hint, code="unknown-joint"))
+    if len(free) != 1 or free[0].parent.name != config.base or spec.joints[0].type != mujoco.mjtJoint.mjJNT_FREE:
+        hint = "a floating base: <freejoint/> in that body, before every other joint"
+        wanted = f"the model must have exactly one free joint, on the base {config.base!r}"
+        problems.append(Problem(wanted, config.place("base"), hint, code="model"))
+    sliding = [joint.name for joint in spec.joints if joint.type not in _ROBOT_JOINTS]
+    if sliding:
+        message = f"only hinges can be driven; these joints are none: {', '.join(sliding)}"
+        problems.append(Problem(message, _model(config), code="model"))
+    if list(spec.equalities):
+        message = "the model has equality constraints; the robot must stand on its own"
+        problems.append(Problem(message, _model(config), code="model"))
+    if any(body.gravcomp for body in spec.bodies):
+        message = "the model has bodies with gravcomp; the robot must carry its own weight"
+        problems.append(Problem(message, _model(config), code="model"))
+    undriven = [name for name in hinges if config.drive(name) is None]
+    if undriven:
+        message = f"no group in 'drives' matches {', '.join(repr(name) for name in undriven)}"
+        hint = "every joint needs a drive"
+        problems.append(Problem(message, config.place("drives"), hint, code="undriven-joint"))
+    if problems:
+        raise UserError(problems)
+
+
+_ROBOT_JOINTS = (mujoco.mjtJoint.mjJNT_FREE, mujoco.mjtJoint.mjJNT_HINGE)
+_Reference = tuple[tuple[str | int, ...], str]  # keys in robot.yaml, and the name written there
+
+
+def _named_bodies(config: RobotConfig) -> Iterator[_Reference]:
+    yield ("base",), config.base
+    yield ("torso",), config.torso
+    for side, leg in config.legs.items():
+        yield ("legs", side, "sole", "body"), leg.sole.body
+    for side, hand in config.hands.items():
+        yield ("hands", side, "body"), hand.body
+    yield ("gaze", "body"), config.gaze.body
+
+
+def _named_joints(config: RobotConfig) -> Iterator[_Reference]:
+    for side, leg in config.legs.items():
+        for what in ("hip_roll", "hip_pitch", "ankle_pitch", "ankle_roll"):
+            yield ("legs", side, what), getattr(leg, what)
+    if config.neck:
+        yield ("neck", "yaw"), config.neck.yaw
+        yield ("neck", "pitch"), config.neck.pitch
+
+
+def _joint_patterns(config: RobotConfig) -> Iterator[_Reference]:
+    for i, drive in enumerate(config.drives):
+        for k, pattern in enumerate(drive.joints):
+            yield ("drives", i, "joints", k), pattern
+    for pattern in config.home:
+        yield ("home", pattern), pattern
+    for name, patterns in config.groups.items():
+        for k, pattern in enumerate(patterns):
+            yield ("groups", name, k), pattern
+
+
+def _add_drives(spec: mujoco.MjSpec, config: RobotConfig) -> None:
+    """Give every joint a torque drive: force = ctrl - stiffness q - damping qd, within its limit."""
+    for actuator in list(spec.actuators):
+        spec.delete(actuator)
+    for joint in spec.joints:
+        drive = config.drive(joint.name)
+        if joint.type == mujoco.mjtJoint.mjJNT_FREE or drive is None:
+            continue
+        spec.add_actuator(
+            name=joint.name,
+            target=joint.name,
+            trntype=mujoco.mjtTrn.mjTRN_JOINT,
+            gaintype=mujoco.mjtGain.mjGAIN_FIXED,
+            biastype=mujoco.mjtBias.mjBIAS_AFFINE,
+            gainprm=[1.0] + [0.0] * 9,
+            biasprm=[0.0, -drive.stiffness, -drive.damping] + [0.0] * 7,
+            forcelimited=True,
+            forcerange=[-drive.torque, drive.torque],
+            ctrllimited=False,
+        )
+
+
+def _add_site(spec: mujoco.MjSpec, name: str, site: SiteConfig) -> None:
+    spec.body(site.body).add_site(name=name, pos=list(site.position), size=[0.005] * 3, group=4)

@@ -1,0 +1,177 @@
+"""Ticking a tree: one snapshot in, one command out, and every change of a node's status told."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from functools import partial
+
+from py_trees.behaviour import Behaviour
+from py_trees.common import Status
+
+from humanoid_bt.core.errors import HumanoidBtError, Place, Problem, ResourceConflict, UserError
+from humanoid_bt.core.messages import Command, Percept, State
+from humanoid_bt.decision.robot import Robot
+from humanoid_bt.decision.skill_files import class_file, place_in_file
+from humanoid_bt.tree.engine.ticking import INVALID, RUNNING, Raised, Seen, halt_alone, tick
+from humanoid_bt.tree.nodes.on_error import OnError, catch
+from humanoid_bt.tree.tree import Node, Tree
+
+
+@dataclass(frozen=True, slots=True)
+class NodeChange:
+    """A node's status changed.
+
+    Attributes:
+        time: engine time of the tick [s].
+        path: the node's path.
+        status: its new status; INVALID when it was halted, or reset because its branch was left.
+        feedback: what the node says about it.
+    """
+
+    time: float
+    path: str
+    status: Status
+    feedback: str
+
+
+class NodeError(HumanoidBtError):
+    """A node raised an exception.
+
+    Attributes:
+        path: the node's path.
+        place: where the node stands in its tree file.
+        error: the exception.
+        where: the line of the skill's file that raised it, None if it came from elsewhere.
+    """
+
+    def __init__(self, node: Node, error: BaseException) -> None:
+        file = class_file(node.type.cls)
+        self.path = node.path
+        self.place: Place = node.place
+        self.error = error
+        self.where: Place | None = place_in_file(error, file) if file else None
+        at = f"\n    raised at {self.where}" if self.where else ""
+        super().__init__(f"{self.place}: the node {self.path!r} raised {type(error).__name__}: {error}{at}")
+
+
+class Executor:
+    """Runs one tree on one robot.
+
+    Args:
+        tree: the tree.
+        robot: the robot as decision sees it.
+        on_change: called after a tick or halt for every node whose status differs from before it, children
+            before parents, in the order in which they were ticked or halted.
+    """
+
+    def __init__(self, tree: Tree, robot: Robot, on_change: Callable[[NodeChange], None] | None = None) -> None:
+        self.tree = tree
+        self._root = tree.root
+        self.robot = robot
+        self._on_change = on_change
+        self._nodes: dict[Behaviour, Node] = {node.behaviour: node for node in tree.nodes}
+        self._children_first = [behaviour for behaviour in tree.root.iterate() if behaviour in self._nodes]
+        self._told: dict[Behaviour, Status | None] = dict.fromkeys(self._nodes, INVALID)
+        for node in tree.nodes:
+            if isinstance(node.behaviour, OnError):
+                node.behaviour.on_caught = partial(self._tell_caught, node)
+
+    @property
+    def status(self) -> Status:
+        """The root's status; INVALID before the first tick and after a halt."""
+        return self._root.status
+
+    def setup(self) -> None:
+        """Give every node the robot; called once, before the first tick.
+
+        Raises:
+            UserError: with everything that nodes did not find (a percept, a hand, a joint).
+            NodeError: a node raised another exception.
+        """
+        problems: list[Problem] = []
+        for behaviour in self._children_first:
+            node = self._nodes[behaviour]
+            own = [behaviour] if node.kind != "skill" else list(behaviour.iterate())  # a leaf may hide children
+            try:
+                for inner in own:
+                    inner.setup(robot=self.robot)
+            except UserError as error:
+                problems += [replace(p, place=p.place or node.place) for p in error.problems]
+            except (Exception, SystemExit) as error:
+                raise NodeError(node, error) from error
+        if problems:
+            raise UserError(problems)
+
+    def tick(self, state: State, percepts: Mapping[str, Percept]) -> Command:
+        """Tick the tree once on a snapshot and return what it commands.
+
+        A tree that has ended starts again, its blackboard too.
+
+        Raises:
+            NodeError: a node raised an exception or returned what is no status; the whole tree has been halted.
+            ResourceConflict: two living nodes command one resource; the whole tree has been halted.
+        """
+        self.robot.begin_tick(state, percepts)
+        if self._root.status is not RUNNING:
+            for key in self.tree.keys:
+                key.reset()
+        seen = Seen()
+        try:
+            tick(self._root, seen)
+            command = self.robot.commit()
+        except Raised as raised:
+            node = self._nodes[raised.node]
+            self._halt_all(f"{raised.node.name!r} raised an exception", seen)
+            self._told[raised.node] = None  # tell of it also if it has never run
+            self._tell(seen, state.time)
+            raise NodeError(node, raised.error) from raised.error
+        except ResourceConflict as conflict:
+            self._halt_all(str(conflict), seen)
+            self._tell(seen, state.time)
+            raise
+        if seen.changed:
+            self._tell(seen, state.time)
+        return command
+
+    def halt(self, reason: str) -> None:
+        """Halt the whole tree, children before parents.
+
+        Args:
+            reason: why, told to the skills.
+
+        Raises:
+            NodeError: a node raised an exception while it was halted; the others have been halted all the same.
+        """
+        seen = Seen()
+        raised = self._halt_all(reason, seen)
+        self._tell(seen, self.robot.clock.now())
+        if raised is not None:
+            raise NodeError(self._nodes[raised.node], raised.error) from raised.error
+
+    def _halt_all(self, reason: str, seen: Seen) -> Raised | None:
+        """Halt every node, whatever state an interrupted tick left them in; return the first exception not caught."""
+        first: Raised | None = None
+        for behaviour in self._children_first:
+            try:
+                if behaviour.status is not INVALID:
+                    halt_alone(behaviour, reason, seen)
+            except Raised as raised:
+                if not catch(raised):
+                    first = first or raised
+        return first
+
+    def _tell_caught(self, by: Node, raised: Raised) -> None:
+        """Tell that an ``on_error`` made a failure of an exception."""
+        error = NodeError(self._nodes[raised.node], raised.error)
+        self.robot.log(by.path, "warning", f"caught: {error}".replace("\n    ", ", "))
+
+    def _tell(self, seen: Seen, time: float) -> None:
+        told = self._told
+        for behaviour in reversed(dict.fromkeys(reversed(seen))):  # where it stands for the last time
+            status = behaviour.status
+            if told[behaviour] is not status:
+                told[behaviour] = status
+                if self._on_change is not None:
+                    path = self._nodes[behaviour].path
+                    self._on_change(NodeChange(time, path, status, behaviour.feedback_message))

@@ -1,0 +1,177 @@
+"""How nodes are ticked and halted: one function each, the same for every kind of node.
+
+Nodes are plain py_trees behaviours. Those of this package decide in :meth:`Branch.advance`, by plain calls and not
+by generators, and note every node they touch in ``seen``, children before parents; py_trees' own way to tick
+(``tick``, ``tick_once``, visitors) still works on them. Leaves of any origin are ticked as py_trees does it.
+"""
+
+from __future__ import annotations
+
+import abc
+from collections.abc import Iterator
+
+from py_trees.behaviour import Behaviour
+from py_trees.common import Status
+
+from humanoid_bt.decision.skill import Skill
+
+
+class Seen(list[Behaviour]):
+    """Nodes ticked or halted so far, children before parents; a node may stand in it twice.
+
+    Attributes:
+        changed: whether any of them has another status than before.
+    """
+
+    changed = False
+
+
+SUCCESS, FAILURE, RUNNING, INVALID = Status.SUCCESS, Status.FAILURE, Status.RUNNING, Status.INVALID
+
+
+class Raised(Exception):  # noqa: N818 (it carries an error, it is none)
+    """Carries an exception and the node that raised it up through the tree."""
+
+    def __init__(self, node: Behaviour, error: BaseException) -> None:
+        super().__init__(node, error)
+        self.node = node
+        self.error = error
+
+
+class Branch(Behaviour):
+    """Base of the nodes with children; a subclass decides its status in :meth:`advance`."""
+
+    @abc.abstractmethod
+    def advance(self, seen: Seen) -> Status:
+        """Tick and halt children as this node does and return its status. No child runs on when it ends.
+
+        Before it, ``initialise`` is called whenever the node is not RUNNING.
+        """
+
+    def halt_child(self, child: Behaviour, reason: str, seen: Seen) -> None:
+        """Halt a child: this node is being halted; raises as :func:`halt`."""
+        halt(child, reason, seen)
+
+    def update(self) -> Status:
+        """Not used: :meth:`advance` decides."""
+        return self.status
+
+    def tick(self) -> Iterator[Behaviour]:
+        """Tick the branch as py_trees does, and yield the nodes ticked, children before parents."""
+        seen = Seen()
+        try:
+            tick(self, seen)
+        except Raised as raised:
+            raise raised.error from None
+        yield from seen
+
+    def stop(self, new_status: Status = INVALID) -> None:
+        """Halt what runs below, children before parents, and take the status."""
+        for child in self.children:
+            if child.status is RUNNING or (new_status is INVALID and child.status is not INVALID):
+                halt(child, f"{self.name!r} was stopped", Seen())
+        self.terminate(new_status)
+        self.status = new_status
+
+
+_BRANCH_TICK, _LEAF_TICK = Branch.tick, Behaviour.tick
+
+
+def tick(node: Behaviour, seen: Seen) -> Status:
+    """Tick one node and return its status.
+
+    Raises:
+        Raised: a node raised an exception, or returned what is no status. That node has been told to stop.
+    """
+    how, before = type(node).tick, node.status
+    try:
+        if how is _BRANCH_TICK:
+            if before is not RUNNING:
+                node.feedback_message = ""
+                node.initialise()
+            status: Status = node.advance(seen)  # type: ignore[attr-defined]  # a Branch
+        elif how is _LEAF_TICK:
+            if before is not RUNNING:
+                node.initialise()
+            status = node.update()
+        else:  # a behaviour with a tick of its own, such as one that has children inside
+            for _ in node.tick():
+                pass
+            status = node.status
+        if status is not RUNNING and status is not SUCCESS and status is not FAILURE:
+            raise TypeError(f"its status must be SUCCESS, FAILURE or RUNNING, not {status!r}")
+    except Raised:
+        raise
+    except (Exception, SystemExit) as error:  # a skill that exits must not take the robot's program along
+        _abandon(node, error, seen)
+        raise Raised(node, error) from error
+    if status is not RUNNING and how is _LEAF_TICK:
+        try:
+            node.stop(status)
+        except (Exception, SystemExit) as error:
+            raise _not_stopped(node, error, seen) from error
+    node.status = status
+    seen.append(node)
+    if status is not before:
+        seen.changed = True
+    return status
+
+
+def halt(node: Behaviour, reason: str, seen: Seen) -> None:
+    """Halt a node and everything below it, children before parents.
+
+    RUNNING nodes are told (``terminate(INVALID)``), once; what has ended only takes the status INVALID.
+
+    Raises:
+        Raised: a node raised an exception in ``terminate``.
+    """
+    if type(node).tick is _BRANCH_TICK:
+        for child in node.children:
+            if child.status is not INVALID:
+                node.halt_child(child, reason, seen)  # type: ignore[attr-defined]  # a Branch
+    halt_alone(node, reason, seen)
+
+
+def halt_alone(node: Behaviour, reason: str, seen: Seen) -> None:
+    """Halt one node whose children have been halted; raises as :func:`halt`."""
+    if node.status is RUNNING:
+        node.feedback_message = f"halted: {reason}"
+        if isinstance(node, Skill):
+            node.halt_reason = reason
+        try:
+            node.stop(INVALID)
+        except (Exception, SystemExit) as error:
+            raise _not_stopped(node, error, seen) from error
+    else:
+        node.feedback_message = ""
+    node.status = INVALID
+    seen.append(node)
+    seen.changed = True
+
+
+def _not_stopped(node: Behaviour, error: BaseException, seen: Seen) -> Raised:
+    """Note what a node raised while it was stopped; it counts as halted."""
+    node.status = INVALID
+    node.feedback_message = f"raised {type(error).__name__}: {error}"
+    seen.append(node)
+    seen.changed = True
+    return Raised(node, error)
+
+
+def _abandon(node: Behaviour, error: BaseException, seen: Seen) -> None:
+    """Stop a node that raised: it may hold resources although it never reached RUNNING."""
+    if isinstance(node, Skill):
+        node.halt_reason = "raised an exception"
+    try:
+        if isinstance(node, Branch):
+            for child in node.children:
+                if child.status is not INVALID:
+                    node.halt_child(child, f"{node.name!r} raised an exception", seen)
+        node.stop(INVALID)
+    except (Exception, SystemExit) as raised:
+        second = raised.error if isinstance(raised, Raised) else raised
+        error.add_note(f"and then, while it was stopped: {type(second).__name__}: {second}")
+    node.status = INVALID
+    node.feedback_message = f"raised {type(error).__name__}: {error}"
+    seen.append(node)
+    seen.changed = True

@@ -1,0 +1,1 @@
+"""From the text of a tree file, or Python, to nodes."""

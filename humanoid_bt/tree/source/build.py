@@ -1,0 +1,125 @@
+"""Making a tree's nodes from their drafts."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping
+from dataclasses import dataclass
+from keyword import iskeyword
+
+from py_trees.behaviour import Behaviour
+from py_trees.behaviours import Dummy
+
+from humanoid_bt.core.errors import Problem
+from humanoid_bt.decision.skill_files import class_file, place_in_file
+from humanoid_bt.tree.draft import Draft
+from humanoid_bt.tree.nodes.subtree import SubTree
+from humanoid_bt.tree.tree import Node
+
+
+def build(root: Draft, tree_name: str, problems: list[Problem]) -> tuple[Node, ...]:
+    """Return every node of a tree, parents before children.
+
+    Args:
+        root: the tree's root.
+        tree_name: the first part of every path.
+        problems: takes the mistakes that only show when a node is made; the nodes are incomplete then.
+    """
+    made: dict[int, Behaviour] = {}
+    if _make(root, made, problems) is None:
+        return ()
+    return collect(root, tree_name, made)
+
+
+def sketch(root: Draft, tree_name: str) -> tuple[Node, ...]:
+    """Return every node of a tree that cannot be made yet, with behaviours that do nothing: to be shown, not run."""
+    return collect(root, tree_name, {id(draft): Dummy(draft.name) for draft in root.iterate()})
+
+
+def collect(root: Draft, tree_name: str, made: Mapping[int, Behaviour]) -> tuple[Node, ...]:
+    """Return every node of a tree whose behaviours have been made, parents before children.
+
+    Args:
+        root: the tree's root.
+        tree_name: the first part of every path.
+        made: the behaviour of each draft, by the draft's id.
+    """
+    nodes: list[Node] = []
+    _collect(_Step(root, f"{tree_name}/{root.name}", -1, ""), made, nodes)
+    return tuple(nodes)
+
+
+def _make(draft: Draft, made: dict[int, Behaviour], problems: list[Problem]) -> Behaviour | None:
+    """Make a node and those below it; None if a mistake is in them, but then the others have been tried."""
+    children = [_make(child, made, problems) for child in draft.children]
+    branches = {key: _make_branch(branch, made, problems) for key, branch in draft.branches.items()}
+    if not draft.sound or None in children or None in branches.values():
+        return None
+    arguments = {**branches, **draft.values}
+    if draft.type.cls is SubTree:
+        arguments = {"tree": draft.values["tree"], "keys": draft.keys}
+    arguments = {key + "_" * iskeyword(key): value for key, value in arguments.items()}
+    try:
+        if draft.type.takes == "many":
+            behaviour = draft.type.factory(draft.name, children, **arguments)
+        elif draft.type.takes == "one" or draft.type.cls is SubTree:
+            behaviour = draft.type.factory(draft.name, children[0], **arguments)
+        else:
+            behaviour = draft.type.factory(name=draft.name, **arguments)
+    except Exception as error:  # a skill's constructor is the user's code
+        builtin = isinstance(error, ValueError) and draft.type.kind != "skill"
+        what = str(error) if builtin else f"{type(error).__name__}: {error}"
+        file = class_file(draft.type.cls)
+        place = place_in_file(error, file) if file and not builtin else None
+        hint = f"raised at {place}" if place else ""
+        problems.append(Problem(f"{draft.type.type_name!r} cannot be made: {what}", draft.place, hint, "invalid-node"))
+        return None
+    made[id(draft)] = behaviour
+    return behaviour
+
+
+def _make_branch(
+    branch: Draft | dict[str, Draft], made: dict[int, Behaviour], problems: list[Problem]
+) -> Behaviour | dict[str, Behaviour] | None:
+    if isinstance(branch, Draft):
+        return _make(branch, made, problems)
+    found = {name: _make(child, made, problems) for name, child in branch.items()}
+    whole = {name: behaviour for name, behaviour in found.items() if behaviour is not None}
+    return whole if len(whole) == len(found) else None
+
+
+@dataclass(frozen=True)
+class _Step:
+    draft: Draft
+    path: str
+    parent: int
+    branch: str
+
+
+def _collect(step: _Step, made: Mapping[int, Behaviour], nodes: list[Node]) -> None:
+    draft, path = step.draft, step.path
+    behaviour = made[id(draft)]
+    vars(behaviour)["path"] = path  # plain behaviours know their path too
+    index = len(nodes)
+    nodes.append(
+        Node(
+            path,
+            draft.name,
+            draft.type,
+            draft.values,
+            draft.place,
+            behaviour,
+            step.parent,
+            step.branch,
+            draft.references,
+            draft.arguments,
+        )
+    )
+    taken: Counter[str] = Counter()
+    for key, child in draft.below():
+        below = f"{path}/{child.name}"
+        while below in taken:
+            taken[below] += 1
+            below = f"{below}#{taken[below]}"
+        taken[below] = 1
+        _collect(_Step(child, below, index, key), made, nodes)

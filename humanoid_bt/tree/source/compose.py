@@ -1,0 +1,183 @@
+"""Trees built in Python, of the same classes and under the same checks as those in files."""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from py_trees.behaviour import Behaviour
+
+from humanoid_bt.core.errors import Place, Problem, UserError, relative
+from humanoid_bt.core.params import Param, item_of, keys_read
+from humanoid_bt.decision.blackboard import Key, are_keys
+from humanoid_bt.decision.skill import node_type_name
+from humanoid_bt.files.document import Item
+from humanoid_bt.files.workspace import Workspace
+from humanoid_bt.tree.checks import World, check
+from humanoid_bt.tree.draft import Draft
+from humanoid_bt.tree.engine.ticking import Branch
+from humanoid_bt.tree.expressions.template import expressions_of
+from humanoid_bt.tree.nodes.registry import NodeType, Registry
+from humanoid_bt.tree.nodes.subtree import SubTree
+from humanoid_bt.tree.source.build import collect
+from humanoid_bt.tree.source.file import check_name
+from humanoid_bt.tree.source.parameters import Parameters
+from humanoid_bt.tree.source.scope import Scope
+from humanoid_bt.tree.tree import Tree
+
+
+def make_tree(
+    root: Behaviour,
+    workspace: Workspace | None = None,
+    *,
+    name: str = "tree",
+    description: str = "",
+    robot: str | None = None,
+    scene: str | None = None,
+) -> Tree:
+    """Return a tree of nodes that were made in Python.
+
+    Keys of the blackboard are one key wherever they have one name: ``Key("place")``, or ``"place"`` for a parameter
+    that names one. Messages name the line that calls this function.
+
+    Args:
+        root: the root node, of :mod:`humanoid_bt.tree.nodes`.
+        workspace: where its skills are from; the current one if None.
+        name: what the tree is called.
+        description: one line for people.
+        robot, scene: what it is made for.
+
+    Raises:
+        UserError: with everything that ``check`` would find in a file.
+    """
+    caller = sys._getframe(1)
+    place = Place(relative(Path(caller.f_code.co_filename)), caller.f_lineno, 1)
+    problems: list[Problem] = []
+    _check_name(name, place, problems)
+    workspace = workspace or Workspace()
+    registry = Registry.of(workspace)
+    scope = Scope(Parameters({}, {}, problems), {}, {}, {}, problems)
+    composer = _Composer(registry, scope, place, problems)
+    draft = composer.draft(root)
+    scope.finish()
+    named = item_of({"robot": robot, "scene": scene}, place)
+    problems += check(draft, World.of(workspace, named, problems))
+    if any(problem.severity == "error" for problem in problems):
+        raise UserError(list(dict.fromkeys(problems)))
+    header = {"name": name, "description": description, "robot": robot, "scene": scene}
+    tree = Tree(
+        name=name,
+        description=description,
+        path=Path(place.file),
+        robot=robot,
+        scene=scene,
+        parameters={},
+        source="",
+        nodes=collect(draft, name, composer.made),
+        keys=tuple(scope.own_keys),
+        header=header,
+        warnings=tuple(problems),
+    )
+    return replace(tree, source=tree.to_yaml())
+
+
+class _Composer:
+    """Turns nodes back into what a file would say about them."""
+
+    def __init__(self, registry: Registry, scope: Scope, place: Place, problems: list[Problem]) -> None:
+        self._types = {node_type.cls: node_type for node_type in registry.values()}
+        self._registry = registry
+        self._scope = scope
+        self._place = place
+        self._problems = problems
+        self.made: dict[int, Behaviour] = {}
+        self._drafts: list[Draft] = []  # kept alive: their ids are keys
+
+    def draft(self, behaviour: Behaviour) -> Draft:
+        """Return the draft of a node and those below it, with every mistake noted."""
+        node_type = self._type(behaviour)
+        draft = Draft(node_type, self._place, behaviour.name)
+        self._drafts.append(draft)
+        if behaviour in self.made.values():
+            self._problem(f"the node {behaviour.name!r} stands in the tree twice", "make one for each place")
+            draft.sound = False
+            return draft
+        self.made[id(draft)] = behaviour
+        _check_name(behaviour.name, self._place, self._problems)
+        for name, spec in node_type.params.items():
+            self._parameter(draft, behaviour, name, spec)
+        draft.children = [self.draft(child) for child in _children(node_type, behaviour)]
+        for key, slot in node_type.branches.items():
+            branch = getattr(behaviour, key + "_" if hasattr(behaviour, key + "_") else key, None)
+            if slot.many:
+                draft.branches[key] = {case: self.draft(child) for case, child in (branch or {}).items()}
+            elif branch is not None:
+                draft.branches[key] = self.draft(branch)
+        return draft
+
+    def _type(self, behaviour: Behaviour) -> NodeType:
+        cls = type(behaviour)
+        if cls in self._types and cls is not SubTree:
+            return self._types[cls]
+        if isinstance(behaviour, SubTree):
+            self._problem(
+                "a sub-tree cannot be used in a tree made in Python", "call a function that returns its nodes"
+            )
+        elif behaviour.children:
+            ours = "humanoid_bt.tree.nodes has those that can be used"
+            self._problem(f"{cls.__module__}.{cls.__name__} has children and is none of our nodes", ours)
+        elif node_type_name(cls) in self._registry:
+            self._problem(
+                f"the class {cls.__name__} of {behaviour.name!r} is not the workspace's {node_type_name(cls)!r}",
+                f'Registry.of(workspace)["{node_type_name(cls)}"].cls',
+            )
+        else:
+            self._problem(f"the workspace has no skill {node_type_name(cls)!r}", "put its class into a file in skills/")
+        return NodeType(node_type_name(cls), "skill", cls, "", {})
+
+    def _parameter(self, draft: Draft, behaviour: Behaviour, name: str, spec: Param) -> None:
+        dynamic = keys_read(behaviour).get(name)
+        if dynamic is not None:
+            key = self._scope.read(dynamic.name, self._place, spec)
+            keys_read(behaviour)[name] = draft.values[name] = key
+            draft.references[name] = dynamic.name
+            if not draft.type.dynamic:
+                self._problem(f"{name!r} of {behaviour.name!r} cannot be read from the blackboard", "give it a value")
+            return
+        value: Any = getattr(behaviour, name, None)
+        if isinstance(value, Key):
+            value = self._scope.write(value.name)
+            setattr(behaviour, name, value)
+        elif are_keys(value):
+            value = [self._scope.write(part.name) for part in value]
+            setattr(behaviour, name, value)
+        elif expressions := expressions_of(value):
+            for expression in expressions:
+                expression.place = self._place
+                self._scope.add(expression)
+        elif not (value is None and not spec.required and spec.default is None):
+            try:
+                value = spec.convert(item_of(value, self._place))
+            except UserError as error:
+                of = f" of {behaviour.name!r}"
+                self._problems += [Problem(f"{p.message}{of}", p.place, p.hint, p.code) for p in error.problems]
+                draft.sound = False
+        draft.values[name] = value
+
+    def _problem(self, message: str, hint: str) -> None:
+        self._problems.append(Problem(message, self._place, hint, "invalid-node"))
+
+
+def _children(node_type: NodeType, behaviour: Behaviour) -> list[Behaviour]:
+    if node_type.takes == "one":
+        return [behaviour.decorated]  # type: ignore[attr-defined]  # a Decorator
+    return list(behaviour.children) if node_type.takes == "many" or not isinstance(behaviour, Branch) else []
+
+
+def _check_name(name: str, place: Place, problems: list[Problem]) -> None:
+    try:
+        check_name(Item(name, place))
+    except UserError as error:
+        problems += error.problems

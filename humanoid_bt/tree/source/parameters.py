@@ -1,0 +1,339 @@
+"""A tree's parameters: declared in its file, given by ``--set`` or by the tree that uses it, used as ``$name``."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from typing import Any, Literal, NewType
+
+from humanoid_bt.core.errors import Place, Problem, UserError, nearest
+from humanoid_bt.core.params import UNITS, Param, PerceptName, base_unit, is_number_text, item_of, param, read
+from humanoid_bt.decision.blackboard import KEY_NAME, Key
+from humanoid_bt.files import document
+from humanoid_bt.files.document import Item
+
+NodeItem = NewType("NodeItem", object)
+"""The type of a parameter that stands for a node, given by the tree that uses this one as a sub-tree."""
+
+TYPES: dict[str, Any] = {
+    "number": float,
+    "integer": int,
+    "text": str,
+    "boolean": bool,
+    "percept": PerceptName,
+    "list": list[Any],
+    "node": NodeItem,
+}
+"""Types that a parameter of a tree can declare."""
+
+
+@dataclass(frozen=True)
+class LongForm:
+    """A parameter, or a key of the blackboard, declared in full."""
+
+    type: Literal["number", "integer", "text", "boolean", "percept", "list", "node"] | None = param(
+        None, doc="Its type; the default's if not given."
+    )
+    unit: str = param("", doc=f"SI unit of a number: {', '.join(UNITS)}.")
+    default: Any = param(None, doc="Its value unless another is given; without one, it must be given.")
+    doc: str = param("", doc="One line for people.")
+
+
+@dataclass(frozen=True)
+class Declaration:
+    """What a file says about one of its names.
+
+    Attributes:
+        spec: type, unit, doc; its default is the plain value of ``default``.
+        place: where it is declared.
+        default: its default as written, None for none.
+        broken: whether it has a mistake, so that its uses are none.
+    """
+
+    spec: Param
+    place: Place
+    default: Item | None
+    broken: bool = False
+
+
+@dataclass(frozen=True)
+class Argument:
+    """What a parameter is given from outside.
+
+    Attributes:
+        value: its value, of the parameter's type; a :class:`Key` if it is read while the tree runs.
+        place: where it is given.
+        reader: for a node, who reads it: names in it are those of the tree that gives it.
+    """
+
+    value: Any
+    place: Place
+    reader: Any = None
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """One parameter of a tree and its value.
+
+    Attributes:
+        spec: its declaration.
+        place: where it is declared.
+        value: its value, None if it has none.
+        known: whether it has a value.
+        given: what it was given from outside, None for its default.
+    """
+
+    spec: Param
+    place: Place
+    value: Any = None
+    known: bool = False
+    given: Argument | None = None
+
+
+class Parameters:
+    """The parameters of one tree file, in one use of it.
+
+    Args:
+        declarations: what the file declares.
+        arguments: what is given from outside, by name; the names are declared.
+        problems: takes every mistake.
+        complete: whether every parameter must have a value: not in a sub-tree that is looked at alone.
+    """
+
+    def __init__(
+        self,
+        declarations: Mapping[str, Declaration],
+        arguments: Mapping[str, Argument],
+        problems: list[Problem],
+        complete: bool = True,
+    ) -> None:
+        self._problems = problems
+        self._used: set[str] = set()
+        self._origins: dict[Place, str] = {}
+        self._known = {
+            name: self._parameter(declaration, arguments.get(name), complete)
+            for name, declaration in declarations.items()
+        }
+
+    @property
+    def values(self) -> dict[str, Any]:
+        """The value of every parameter that is known before the run."""
+        return {
+            name: parameter.value
+            for name, parameter in self._known.items()
+            if parameter.known and not isinstance(parameter.value, Key) and parameter.spec.type is not NodeItem
+        }
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._known)
+
+    def find(self, name: str) -> Parameter | None:
+        """Return a parameter and mark it used; None if there is none of this name."""
+        parameter = self._known.get(name)
+        if parameter is not None:
+            self._used.add(name)
+        return parameter
+
+    def excuse(self, name: str) -> None:
+        """Take the parameter that a misspelled name most likely means for used: that is one mistake, not two."""
+        self._used.update(difflib.get_close_matches(name, self._known, n=1))
+
+    def resolve(self, item: Item) -> Item | None:
+        """Return a value with every ``$name`` in it replaced; None if one of them has no value before the run.
+
+        Raises:
+            UserError: there is no such parameter, or its value is only known while the tree runs.
+        """
+        if isinstance(item.value, list):
+            children = [self.resolve(child) for child in item.value]
+            known = [child for child in children if child is not None]
+            return Item(known, item.place) if len(known) == len(children) else None
+        if isinstance(item.value, dict):
+            pairs = {key: self.resolve(child) for key, child in item.value.items()}
+            found = {key: child for key, child in pairs.items() if child is not None}
+            return Item(found, item.place, item.key_places) if len(found) == len(pairs) else None
+        name = reference(item)
+        if name is None:
+            return unescaped(item)
+        parameter = self.find(name)
+        if parameter is None:
+            self.excuse(name)
+            hint = nearest(name, self._known) or "the tree declares no parameters"
+            raise UserError(f"unknown parameter {item.value!r}", item.place, hint, "unknown-reference")
+        if parameter.spec.type is NodeItem:
+            raise UserError(f"{item.value!r} is a node", item.place, "use it where a node stands", "wrong-type")
+        if isinstance(parameter.value, Key):
+            hint = "it is a key of the blackboard there; only a whole parameter of a skill can be read from one"
+            raise UserError(f"{item.value!r} is only known while the tree runs", item.place, hint, "not-dynamic")
+        return self.item(parameter, item) if parameter.known else None
+
+    def item(self, parameter: Parameter, use: Item) -> Item:
+        """Return a parameter's value as it stands where it is used."""
+        if parameter.given:
+            place, origin = parameter.given.place, f"{use.value} is used at {use.place}"
+        else:
+            place, origin = use.place, f"{use.value} is declared at {parameter.place}"
+        self._origins[place] = origin
+        return item_of(parameter.value, place)
+
+    def skim(self, item: Item) -> None:
+        """Mark what an item that cannot be read refers to as used: that is one mistake, not two."""
+        name = reference(item)
+        if name in self._known:
+            self._used.add(name)
+        for key in item.value if isinstance(item.value, dict) else ():
+            if key.startswith("$"):
+                self._used.add(key[1:])
+        children = item.value.values() if isinstance(item.value, dict) else item.value
+        for child in children if isinstance(item.value, (dict, list)) else ():
+            self.skim(child)
+
+    def explain(self, problem: Problem) -> Problem:
+        """Return a problem with a word on the parameter that the value came from, if it came from one."""
+        origin = self._origins.get(problem.place) if problem.place else None
+        if origin is None:
+            return problem
+        hint = "; ".join(part for part in (problem.hint.rstrip("."), origin) if part)
+        return replace(problem, hint=hint)
+
+    def report_unused(self) -> None:
+        """Note a problem for every parameter that no node uses."""
+        for name, parameter in self._known.items():
+            if name not in self._used:
+                hint = f"use it as ${name}, or remove it"
+                message = f"the parameter {name!r} is not used"
+                self._problems.append(Problem(message, parameter.place, hint, "unused-parameter"))
+
+    def _parameter(self, declaration: Declaration, given: Argument | None, complete: bool) -> Parameter:
+        spec, place = declaration.spec, declaration.place
+        if given is not None:
+            return Parameter(spec, place, given.value, True, given)
+        if declaration.default is None:
+            if complete and not declaration.broken:
+                hint = f"give it one: --set {spec.name}=..., or a default"
+                message = f"the parameter {spec.name!r} has no value"
+                self._problems.append(Problem(message, place, hint, "missing-parameter"))
+            return Parameter(spec, place)
+        if spec.type is NodeItem:
+            return Parameter(spec, place, declaration.default, True)
+        try:
+            return Parameter(spec, place, spec.convert(declaration.default), True)
+        except UserError as error:
+            self._problems += error.problems
+            return Parameter(spec, place)
+
+
+def reference(item: Item) -> str | None:
+    """Return the name that a value refers to (``$name``), None if it is no reference."""
+    text = item.value
+    return text[1:] if isinstance(text, str) and text.startswith("$") and not text.startswith("$$") else None
+
+
+def unescaped(item: Item) -> Item:
+    """Return a value that is text beginning with ``$``, written ``$$``, as it is meant."""
+    text = item.value
+    return Item(text[1:], item.place) if isinstance(text, str) and text.startswith("$$") else item
+
+
+def declarations(item: Item | None, what: str, problems: list[Problem]) -> dict[str, Declaration]:
+    """Return what a mapping of names to defaults or long forms declares.
+
+    Args:
+        item: the mapping, None if the file has none.
+        what: one of its names, for messages ("parameter").
+        problems: takes every mistake.
+    """
+    found: dict[str, Declaration] = {}
+    if item is None or item.value is None:
+        return found
+    if not isinstance(item.value, dict):
+        message = f"the {what}s must be a mapping, not {item.kind}"
+        problems.append(Problem(message, item.place, "name: default", "wrong-type"))
+        return found
+    for name, value in item.value.items():
+        place = item.key_places[name]
+        if not KEY_NAME.match(name):
+            hint = "letters, digits and _, not beginning with a digit"
+            problems.append(Problem(f"{name!r} cannot be a {what}'s name", place, hint, "bad-name"))
+        try:
+            found[name] = _declaration(name, value, place, what)
+        except UserError as error:
+            problems += error.problems
+            found[name] = Declaration(Param(name, Any), place, None, broken=True)
+    return found
+
+
+def overrides(
+    declared: Mapping[str, Declaration], texts: Mapping[str, str], problems: list[Problem]
+) -> dict[str, Argument]:
+    """Return parameters given as text, by ``--set name=value``."""
+    found: dict[str, Argument] = {}
+    for name, text in texts.items():
+        place = Place(f"--set {name}={text}")
+        if name not in declared:
+            hint = nearest(name, declared) or "the tree declares no parameters"
+            problems.append(Problem(f"the tree has no parameter {name!r}", place, hint, "unknown-parameter"))
+            continue
+        spec = declared[name].spec
+        if spec.type is float and not spec.unit:
+            spec = replace(spec, unit=base_unit(text) or "")
+        if spec.type is NodeItem:
+            hint = "only a tree that uses this one can give it"
+            problems.append(Problem(f"the parameter {name!r} is a node", place, hint, "wrong-type"))
+            continue
+        try:
+            found[name] = Argument(spec.convert(_written(spec, text, place)), place)
+        except UserError as error:
+            problems += error.problems
+    return found
+
+
+def _declaration(name: str, item: Item, place: Place, what: str) -> Declaration:
+    if not isinstance(item.value, dict):
+        default = item if item.value is not None else None
+        return Declaration(_with_default(_inferred(name, item), default), place, default)
+    form: LongForm = read(LongForm, item, f"the {what} {name!r}")
+    default = item.value.get("default")
+    if default is not None and default.value is None:
+        default = None
+    if form.unit and form.unit not in UNITS:
+        raise UserError(
+            f"unknown unit {form.unit!r}", item.value["unit"].place, nearest(form.unit, UNITS), "wrong-unit"
+        )
+    if form.type is not None:
+        spec = Param(name, TYPES[form.type], doc=form.doc, unit=form.unit)
+    elif default is not None:
+        inferred = _inferred(name, default)
+        spec = Param(name, inferred.type, doc=form.doc, unit=form.unit or inferred.unit)
+    elif form.unit:
+        spec = Param(name, float, doc=form.doc, unit=form.unit)
+    else:
+        hint = f"type: one of {', '.join(TYPES)}"
+        message = f"the {what} {name!r} has neither a type nor a default"
+        raise UserError(message, item.place, hint, "missing-key")
+    if spec.unit and spec.type not in (float, int):
+        message = f"the {what} {name!r} has a unit but is no number"
+        raise UserError(message, item.value["unit"].place, code="wrong-type")
+    return Declaration(_with_default(spec, default), place, default)
+
+
+def _with_default(spec: Param, default: Item | None) -> Param:
+    return spec if default is None else replace(spec, default=default.plain())
+
+
+def _inferred(name: str, default: Item) -> Param:
+    if isinstance(default.value, str):
+        unit = base_unit(default.value)  # "45 cm" is a number with a unit
+        return Param(name, float, unit=unit or "") if unit or is_number_text(default.value) else Param(name, str)
+    kinds = {bool: bool, int: float, float: float, list: list[Any]}  # 1 may become 0.5 with --set
+    return Param(name, kinds.get(type(default.value), Any))
+
+
+def _written(spec: Param, text: str, place: Place) -> Item:
+    if spec.type in (str, PerceptName):
+        return Item(text, place)
+    try:
+        return item_of(document.parse(text, str(place)).plain(), place)
+    except UserError:
+        return Item(text, place)

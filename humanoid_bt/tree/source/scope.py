@@ -1,0 +1,207 @@
+"""What names mean in one tree file: its parameters and the keys of its blackboard."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from humanoid_bt.core.errors import Place, Problem, UserError, nearest
+from humanoid_bt.core.params import Param, PerceptName
+from humanoid_bt.decision.blackboard import Key
+from humanoid_bt.tree.expressions.expression import Expression
+from humanoid_bt.tree.expressions.grammar import names
+from humanoid_bt.tree.expressions.quantities import ANYTHING, TEXT, TRUTH, Type, number
+from humanoid_bt.tree.source.parameters import Declaration, Parameters
+
+
+@dataclass
+class _Known:
+    """A key, and who writes and reads it."""
+
+    key: Key
+    place: Place | None = None  # where it is declared
+    type: Type | None = None
+    written: list[Type] = field(default_factory=list)
+    read_at: list[tuple[Place, Param | None]] = field(default_factory=list)  # where, and for which parameter
+    own: bool = True  # False: the caller's, handed in
+
+
+class Scope:
+    """What names mean in one use of one tree file.
+
+    Keys are named by whoever writes them, or declared in the file. Since one may be read above the node that writes
+    it, expressions are linked and keys are judged when the whole file has been read (:meth:`finish`).
+
+    Args:
+        parameters: the tree's parameters.
+        blackboard: the keys that the file declares, with their initial values.
+        outputs: the keys that the file offers to its caller.
+        bound: keys of the caller, by the name of the output that they are bound to.
+        problems: takes every mistake.
+    """
+
+    def __init__(
+        self,
+        parameters: Parameters,
+        blackboard: Mapping[str, Declaration],
+        outputs: Mapping[str, Declaration],
+        bound: Mapping[str, Key],
+        problems: list[Problem],
+    ) -> None:
+        self.parameters = parameters
+        self._outputs = outputs
+        self._problems = problems
+        self._expressions: list[Expression] = []
+        self._refused: list[tuple[str, Problem]] = []
+        self._keys: dict[str, _Known] = {}
+        for name, declaration in outputs.items():
+            key = bound.get(name)
+            self._keys[name] = _Known(key or Key(name), declaration.place, _type(declaration.spec), own=key is None)
+        for name, declaration in blackboard.items():
+            self._declare(name, declaration)
+
+    @property
+    def own_keys(self) -> list[Key]:
+        """The keys that belong to this use of the file, and begin anew whenever it starts."""
+        return [known.key for known in self._keys.values() if known.own]
+
+    def write(self, name: str, kind: Type = ANYTHING) -> Key:
+        """Return the key of a name for a node that writes it."""
+        known = self._keys.setdefault(name, _Known(Key(name)))
+        known.written.append(kind)
+        return known.key
+
+    def read(self, name: str, place: Place, spec: Param | None = None) -> Key:
+        """Return the key of a name for a node that reads it; whether that can be right is judged at the end.
+
+        Args:
+            name: the key's.
+            place: where it is read.
+            spec: the parameter that gets its value, None for a part of an expression.
+        """
+        known = self._keys.setdefault(name, _Known(Key(name)))
+        known.read_at.append((place, spec))
+        return known.key
+
+    def refuse(self, name: str, problem: Problem) -> None:
+        """Note that a key is used where none can be: the problem, unless there is no such key at all."""
+        if name in set(self.parameters):
+            self._problems.append(problem)
+        else:
+            assert problem.place is not None
+            self.read(name, problem.place)
+            self._refused.append((name, problem))
+
+    def add(self, expression: Expression) -> None:
+        """Take an expression, to be linked when the whole file has been read."""
+        self._expressions.append(expression)
+
+    def finish(self) -> None:
+        """Link every expression, and note every key that is read and never written, or declared in vain."""
+        for expression in self._expressions:
+            try:
+                expression.link(self)
+            except UserError as error:
+                self._problems += error.problems
+                there = set(self.known)
+                expression.keys = [name for name in names(expression.syntax) if name in there]  # not unused as well
+            for name in expression.keys:
+                if self.parameters.find(name) is None:
+                    self.read(name, expression.place)
+        for name, known in self._keys.items():
+            self._judge(name, known)
+        self._problems += [problem for name, problem in self._refused if self._exists(self._keys[name])]
+
+    # ---- what expressions ask (see Names) ------------------------------------------------------------------------
+
+    @property
+    def known(self) -> Iterator[str]:
+        """The names of all parameters and keys."""
+        yield from self.parameters
+        yield from (name for name, known in self._keys.items() if self._exists(known))
+
+    def value(self, name: str) -> tuple[Type, Callable[[], Any]] | None:
+        """Return type and value of a parameter or a key, None if there is none of this name."""
+        parameter = self.parameters.find(name)
+        if parameter is not None:
+            kind, value = _type(parameter.spec), parameter.value
+            return kind, (lambda: value.value) if isinstance(value, Key) else (lambda: value)
+        known = self._keys.get(name)
+        if known is None or not self._exists(known):
+            self.parameters.excuse(name)
+            return None
+        key = known.key
+        return _of(known), lambda: key.value
+
+    def percept(self, name: str) -> str:
+        """Return the percept that a name means: a parameter's value, else the name itself."""
+        parameter = self.parameters.find(name)
+        return parameter.value if parameter is not None and isinstance(parameter.value, str) else name
+
+    def is_set(self, name: str) -> Callable[[], bool] | None:
+        """Return what tells whether a key has a value, None if there is no such key."""
+        known = self._keys.get(name)
+        if known is None or self.parameters.find(name) is not None:
+            return None
+        key = known.key
+        return lambda: key.is_set
+
+    # ---- keys ----------------------------------------------------------------------------------------------------
+
+    @staticmethod
+    def _exists(known: _Known) -> bool:
+        return bool(known.written or known.place)
+
+    def _declare(self, name: str, declaration: Declaration) -> None:
+        initial = declaration.default
+        key = Key(name)
+        if initial is not None:
+            try:
+                key = Key(name, declaration.spec.convert(initial))
+            except UserError as error:
+                self._problems += error.problems
+        if name in self._keys or name in set(self.parameters):
+            message = f"the name {name!r} is declared twice in one tree"
+            self._problems.append(Problem(message, declaration.place, "rename one of them", "taken-name"))
+            return
+        self._keys[name] = _Known(key, declaration.place, _type(declaration.spec))
+
+    def _judge(self, name: str, known: _Known) -> None:
+        if known.read_at and not known.written and not known.key.has_initial:
+            hint = nearest(name, self.known) or "the tree declares no parameters and writes no keys"
+            if known.place is None:
+                self.parameters.excuse(name)
+                message, code = f"unknown parameter or key '${name}'", "unknown-reference"
+            else:
+                message, code = f"the key {name!r} is read, but nothing writes it", "unwritten-key"
+                hint = "give it a default where it is declared, or a node that writes it"
+            self._problems += [Problem(message, place, hint, code) for place, _ in known.read_at]
+            return
+        kind = _of(known)
+        for place, spec in known.read_at:
+            if spec is not None and not kind.goes_with(wanted := _type(spec)):
+                code = "wrong-unit" if kind.kind == wanted.kind else "wrong-type"
+                message = f"{spec.name!r} must be {wanted}, and the key {name!r} is {kind}"
+                self._problems.append(Problem(message, place, spec.doc, code))
+        if name in self._outputs and not known.written:
+            message = f"nothing writes the output {name!r}"
+            self._problems.append(Problem(message, known.place, "set_blackboard, or a skill's key", "unwritten-key"))
+        elif known.place and not known.read_at and name not in self._outputs:
+            message = f"nothing reads the key {name!r}"
+            self._problems.append(Problem(message, known.place, "remove it", "unused-key", "warning"))
+
+
+def _of(known: _Known) -> Type:
+    """Return the type of a key: as declared, else what all that writes it agrees on."""
+    if known.type is not None and known.type.kind != "anything":
+        return known.type
+    kinds = set(known.written)
+    return kinds.pop() if len(kinds) == 1 else ANYTHING
+
+
+def _type(spec: Param) -> Type:
+    """Return the type of a declared parameter's value."""
+    if spec.type in (float, int):
+        return number(spec.unit)
+    return {bool: TRUTH, str: TEXT, PerceptName: TEXT}.get(spec.type, ANYTHING)

@@ -1,0 +1,135 @@
+"""Reading the parameters of a node: values, ``$name``, keys of the blackboard, expressions."""
+
+from __future__ import annotations
+
+import typing
+from typing import Any
+
+from humanoid_bt.core.errors import Problem, UserError, nearest
+from humanoid_bt.core.params import Param, PerceptName, read_values
+from humanoid_bt.decision.blackboard import Key, are_keys
+from humanoid_bt.files.document import Item
+from humanoid_bt.tree.draft import Draft
+from humanoid_bt.tree.expressions.expression import Expression
+from humanoid_bt.tree.expressions.quantities import ANYTHING, Type, type_of
+from humanoid_bt.tree.expressions.template import Template, expressions_of
+from humanoid_bt.tree.source.file import check_name
+from humanoid_bt.tree.source.parameters import Parameter, reference
+from humanoid_bt.tree.source.scope import Scope
+
+
+class ValueReader:
+    """Reads the parameters of the nodes of one tree file.
+
+    Args:
+        scope: what names mean in the file.
+        problems: takes every mistake.
+    """
+
+    def __init__(self, scope: Scope, problems: list[Problem]) -> None:
+        self._scope = scope
+        self._problems = problems
+
+    def read(self, draft: Draft, body: Item) -> None:
+        """Read the parameters and the name of a node into its draft.
+
+        Args:
+            draft: the node's.
+            body: what stands behind the node's type, as a mapping.
+        """
+        node_type = draft.type
+        given: dict[str, Item] = {}
+        wanted = dict(node_type.params)
+        for key, item in body.value.items():
+            if key == "name":
+                self._name(draft, item)
+            elif key in wanted:
+                value = self._value(draft, wanted[key], item)
+                draft.value_places[key] = item.place
+                if value is None:
+                    del wanted[key]  # it is read while the tree runs, or its mistake is noted
+                else:
+                    given[key] = value
+                    if value.place != item.place:
+                        draft.given_places[key] = value.place
+            elif node_type.takes == "none" and key not in node_type.branches:
+                hint = nearest(key, [*node_type.params, *node_type.branches, "name"])
+                message = f"unknown parameter {key!r} of {node_type.type_name!r}"
+                self._problems.append(Problem(message, body.key_places[key], hint, "unknown-parameter"))
+        values, problems = read_values(wanted, Item(given, draft.place), repr(node_type.type_name))
+        self._problems += [self._scope.parameters.explain(problem) for problem in problems]
+        for key, value in values.items():
+            if isinstance(value, Key):
+                draft.values[key] = self._scope.write(value.name, _written_type(values))
+            elif are_keys(value):
+                draft.values[key] = [self._scope.write(part.name) for part in value]
+            else:
+                draft.values[key] = value
+                for expression in expressions_of(value):
+                    self._scope.add(expression)
+
+    def _name(self, draft: Draft, item: Item) -> None:
+        try:
+            resolved = self._scope.parameters.resolve(item)
+            if resolved is not None:
+                check_name(resolved)
+                draft.name = resolved.value
+        except UserError as error:
+            self._problems += error.problems
+
+    def _value(self, draft: Draft, spec: Param, item: Item) -> Item | None:
+        """Return a value with what it refers to put in; None if it is read while the tree runs, or is a mistake."""
+        if _has_names(spec.type):
+            return item
+        name, resolved = reference(item), None
+        try:
+            if name is None:
+                resolved = self._scope.parameters.resolve(item)
+            else:
+                draft.references[spec.name] = name
+                parameter = self._scope.parameters.find(name)
+                if parameter is None or isinstance(parameter.value, Key):
+                    self._dynamic(draft, spec, item, parameter)
+                    return None
+                _check_unit(spec, item, parameter)
+                resolved = self._scope.parameters.resolve(item)
+        except UserError as error:
+            self._problems += error.problems
+        if resolved is None:
+            draft.sound = False
+        return resolved
+
+    def _dynamic(self, draft: Draft, spec: Param, item: Item, parameter: Parameter | None) -> None:
+        """Let a parameter be read from the blackboard each time the node starts."""
+        name = item.value[1:]
+        if draft.type.dynamic and spec.type not in (PerceptName, Key):
+            draft.values[spec.name] = self._scope.read(name, item.place, spec) if parameter is None else parameter.value
+            return
+        draft.sound = False
+        what = f"{spec.name!r} of {draft.type.type_name!r}"
+        message = f"{what} must be known before the run, and {item.value!r} is a key of the blackboard"
+        place, hint = item.place, "give it a value or a parameter"
+        if parameter is not None and parameter.given is not None:  # the mistake is that of whoever gave it a key
+            place, hint = parameter.given.place, f"{hint}; {item.value} is used at {item.place}"
+        self._scope.refuse(name, Problem(message, place, hint, "not-dynamic"))
+
+
+def _check_unit(spec: Param, item: Item, parameter: Parameter) -> None:
+    if parameter.spec.unit and parameter.spec.unit != spec.unit:
+        wanted = f"in {spec.unit}" if spec.unit else f"a {spec.type_name} without a unit"
+        message = f"{spec.name!r} is {wanted}, {item.value} in {parameter.spec.unit}"
+        raise UserError(message, item.place, f"{item.value} is declared at {parameter.place}", "wrong-unit")
+
+
+def _has_names(kind: Any) -> bool:
+    """Return whether values of a parameter's type look up names by themselves."""
+    inner = (kind, *typing.get_args(kind))
+    return any(isinstance(part, type) and issubclass(part, (Expression, Template)) for part in inner)
+
+
+def _written_type(values: dict[str, Any]) -> Type:
+    """Return the type of what a node writes, if its parameters tell: a ``value``, or ``items`` of one type."""
+    if "value" in values and not isinstance(values["value"], Expression):
+        return type_of(values["value"])
+    kinds = {type_of(item) for item in values.get("items") or ()}
+    return kinds.pop() if len(kinds) == 1 else ANYTHING

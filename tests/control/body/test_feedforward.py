@@ -1,0 +1,139 @@
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from humanoid_bt.control.body.dcm import GRAVITY
+from humanoid_bt.control.body.dynamics import RobotDynamics
+from humanoid_bt.control.body.feedforward import Feedforward
+from humanoid_bt.control.body.stabilizer import Load
+from humanoid_bt.core.messages import SIDES, Array, JointCommand, Measurement
+from humanoid_bt.robot.model import BASE_COORDINATES, BASE_DOFS, RobotModel
+from tests.control.control_rig import ControlRig
+
+
+@pytest.fixture
+def dynamics(robot: RobotModel, measurement: Measurement) -> RobotDynamics:
+    dynamics = RobotDynamics(robot)
+    dynamics.update(measurement)
+    return dynamics
+
+
+def standing_load(robot: RobotModel, dynamics: RobotDynamics, left: float = 0.5) -> Load:
+    cop = {side: np.array([dynamics.com[0], dynamics.soles[side][1]]) for side in SIDES}
+    share = {"left": left, "right": 1 - left}
+    zmp = left * cop["left"] + (1 - left) * cop["right"]
+    return Load(share, cop, zmp, np.array([0, 0, robot.mass * GRAVITY]))
+
+
+def torques(
+    robot: RobotModel,
+    dynamics: RobotDynamics,
+    load: Load,
+    position: Array | None = None,
+    acceleration: Array | None = None,
+) -> Array:
+    joints = dynamics.data.qpos[BASE_COORDINATES:].copy()
+    still = np.zeros(robot.model.nv)
+    feedforward = Feedforward(robot, dynamics)
+    wanted = joints if position is None else position
+    return feedforward.torques(load, still if acceleration is None else acceleration, wanted, still[BASE_DOFS:])
+
+
+def test_the_robot_stands_almost_still_on_feedforward_alone(
+    rig: ControlRig, robot: RobotModel, dynamics: RobotDynamics, standing: Array
+) -> None:
+    torque = torques(robot, dynamics, standing_load(robot, dynamics))
+    sag = {}
+    for name, feedforward in (("with", torque), ("without", np.zeros_like(torque))):
+        rig.reset()
+        joints = standing[BASE_COORDINATES:]
+        command = JointCommand(joints, np.zeros_like(joints), robot.stiffness, robot.damping, feedforward)
+        for _ in range(300):
+            rig.plant.step(command)
+        sag[name] = np.abs(rig.plant.measure().qpos[BASE_COORDINATES:] - joints).max()
+    assert sag["with"] < 2e-3
+    assert sag["without"] > 20 * sag["with"]
+
+
+def test_the_ground_carries_the_whole_weight(robot: RobotModel, dynamics: RobotDynamics) -> None:
+    """With the feet's forces the base needs no force of its own, or else the joints would not get the right torques."""
+    load = standing_load(robot, dynamics)
+    forces, jacobian = dynamics.bias.copy(), np.zeros((3, robot.model.nv))
+    for side in SIDES:
+        dynamics.foot_jacobian(side, np.array([*load.cop[side], 0.0]), jacobian)
+        forces -= jacobian.T @ (load.share[side] * load.force)
+    np.testing.assert_allclose(forces[:BASE_DOFS], np.zeros(BASE_DOFS), atol=0.1)
+    np.testing.assert_allclose(torques(robot, dynamics, load), forces[BASE_DOFS:], atol=0.5)
+
+
+def test_arms_are_held_against_gravity(robot: RobotModel, dynamics: RobotDynamics) -> None:
+    torque = torques(robot, dynamics, standing_load(robot, dynamics))
+    elbow = robot.joint("left_elbow")
+    assert torque[elbow] == pytest.approx(dynamics.bias[BASE_DOFS + elbow])
+
+
+def test_the_leg_that_carries_more_pushes_more(robot: RobotModel, dynamics: RobotDynamics) -> None:
+    torque = torques(robot, dynamics, standing_load(robot, dynamics, left=0.8))
+    assert abs(torque[robot.joint("left_knee")]) > 2 * abs(torque[robot.joint("right_knee")])
+
+
+def test_planned_acceleration_adds_inertia(robot: RobotModel, dynamics: RobotDynamics) -> None:
+    load = standing_load(robot, dynamics)
+    acceleration = np.zeros(robot.model.nv)
+    elbow = robot.joint("left_elbow")
+    acceleration[BASE_DOFS + elbow] = 10.0
+    more = torques(robot, dynamics, load, acceleration=acceleration) - torques(robot, dynamics, load)
+    assert more[elbow] == pytest.approx(dynamics.inertia_times(acceleration)[BASE_DOFS + elbow])
+    assert more[elbow] > 0
+
+
+def test_stance_hips_resist_a_tilt_by_their_share(robot: RobotModel, measurement: Measurement) -> None:
+    upright, leaning = RobotDynamics(robot), RobotDynamics(robot)
+    upright.update(measurement)
+    leaning.update(measurement)
+    leaning.pitch += 0.1  # the tilt alone, with everything else as it was
+    load = standing_load(robot, upright, left=0.75)
+    more = torques(robot, leaning, load) - torques(robot, upright, load)
+    tilt = robot.config.gait.tilt_stiffness * 0.1
+    assert more[robot.joint("left_hip_pitch")] == pytest.approx(0.75 * tilt)
+    assert more[robot.joint("right_hip_pitch")] == pytest.approx(0.25 * tilt)
+    assert more[robot.joint("left_knee")] == pytest.approx(0)
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_the_ankle_never_turns_the_foot_over_its_edge(robot: RobotModel, dynamics: RobotDynamics, sign: int) -> None:
+    load = standing_load(robot, dynamics)
+    weight = load.force[2] / 2
+    sole = robot.config.sole
+    joints = dynamics.data.qpos[BASE_COORDINATES:]
+    for name, half in (("left_ankle_pitch", sole.half_length), ("right_ankle_roll", sole.half_width)):
+        ankle = robot.joint(name)
+        far = joints.copy()
+        far[ankle] += sign * 1.0
+        whole = torques(robot, dynamics, load, far)[ankle] + robot.stiffness[ankle] * sign
+        height = 0.06 * weight * 0.5  # the ankle is not over the sole's centre
+        assert abs(whole) <= weight * half + height
+
+
+def test_an_unloaded_foot_has_no_ankle_limit(robot: RobotModel, dynamics: RobotDynamics) -> None:
+    load = standing_load(robot, dynamics, left=1.0)
+    ankle = robot.joint("right_ankle_pitch")
+    far = dynamics.data.qpos[BASE_COORDINATES:].copy()
+    near = torques(robot, dynamics, load, far.copy())
+    far[ankle] += 1.0
+    assert torques(robot, dynamics, load, far)[ankle] == pytest.approx(near[ankle])
+
+
+def test_dynamics_measure_tilt_and_centre_of_mass(robot: RobotModel, measurement: Measurement) -> None:
+    dynamics = RobotDynamics(robot)
+    qpos = measurement.qpos.copy()
+    qpos[3:7] = [np.cos(0.05), 0, np.sin(0.05), 0]
+    qvel = measurement.qvel.copy()
+    qvel[0] = 0.3
+    dynamics.update(replace(measurement, qpos=qpos, qvel=qvel))
+    assert dynamics.pitch == pytest.approx(0.1)
+    assert dynamics.roll == pytest.approx(0)
+    np.testing.assert_allclose(dynamics.com_velocity, [0.3, 0, 0], atol=1e-9)

@@ -1,0 +1,109 @@
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from humanoid_bt.control.body.footsteps import OTHER, SIGN, Footstep, FootstepPlanner
+from humanoid_bt.control.body.planar import ahead, seen_from, wrap
+from humanoid_bt.core.messages import Array
+from humanoid_bt.robot.config import GaitConfig
+
+GAIT = GaitConfig()
+ORIGIN = np.zeros(3)
+NO_CONTACT = 0.10  # m between the feet's centres; the built-in soles are 0.09 m wide
+GOALS = [
+    np.array([distance * math.cos(bearing), distance * math.sin(bearing), heading])
+    for distance, bearing, heading in np.random.default_rng(0).uniform([0, -3, -3], [3, 3, 3], (25, 3))
+]
+
+
+@pytest.fixture
+def planner() -> FootstepPlanner:
+    return FootstepPlanner(GAIT)
+
+
+def walk(planner: FootstepPlanner, goal: Array) -> list[Footstep]:
+    """Make one planned step after the other from the origin until the plan ends the walk."""
+    swing = planner.first_swing(ORIGIN, goal)
+    made = [Footstep(OTHER[swing], planner.foothold(OTHER[swing], ORIGIN))]
+    while len(made) < 150:
+        steps, done = planner.plan(swing, made[-1].pose, goal)
+        made.append(steps[0])
+        if done and len(steps) == 1:
+            return made
+        swing = OTHER[swing]
+    pytest.fail(f"the walk to {goal} does not end")
+
+
+@pytest.mark.parametrize("goal", GOALS, ids=lambda goal: f"{goal[0]:.1f},{goal[1]:.1f},{goal[2]:.1f}")
+def test_a_walk_reaches_its_goal_in_steps_that_the_robot_can_make(planner: FootstepPlanner, goal: Array) -> None:
+    made = walk(planner, goal)
+    assert planner.arrived(planner.stance_beside(made[-1].side, made[-1].pose), goal)
+    for before, step in pairwise(made):
+        assert step.side == OTHER[before.side]
+        start = planner.stance_beside(before.side, before.pose)
+        end = planner.stance_beside(step.side, step.pose)
+        forward, sideways = seen_from(start, end)
+        assert -GAIT.step_back - 1e-9 <= forward <= GAIT.step_forward + 1e-9
+        assert abs(sideways) <= GAIT.step_sideways + 1e-9
+        assert abs(wrap(end[2] - start[2])) <= GAIT.step_turn + 1e-9
+        assert SIGN[step.side] * seen_from(before.pose, step.pose)[1] > NO_CONTACT
+
+
+def test_it_plans_a_few_steps_ahead_and_says_that_more_will_follow(planner: FootstepPlanner) -> None:
+    steps, done = planner.plan("left", planner.foothold("right", ORIGIN), np.array([3.0, 0, 0]))
+    assert [step.side for step in steps] == ["left", "right", "left", "right"]
+    assert not done
+
+
+def test_the_step_after_arriving_brings_the_feet_together_and_ends_the_walk(planner: FootstepPlanner) -> None:
+    steps, done = planner.plan("left", planner.foothold("right", ORIGIN), np.array([0.2, 0, 0]))
+    assert done
+    beside = planner.stance_beside("right", steps[-2].pose if steps[-2].side == "right" else steps[-1].pose)
+    np.testing.assert_allclose(beside, [0.2, 0, 0], atol=1e-9)
+
+
+def test_without_a_goal_it_brings_the_feet_together(planner: FootstepPlanner) -> None:
+    support = np.array([1.0, 2.0, 0.3])
+    steps, done = planner.plan("right", support, None)
+    assert done
+    assert [step.side for step in steps] == ["right"]
+    np.testing.assert_allclose(steps[0].pose, ahead(support, 0, -GAIT.stance_width), atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("goal", "arrived", "must_walk"),
+    [
+        ([0.020, 0, 0], True, False),
+        ([0.030, 0, 0], False, False),  # between the thresholds: a robot that stands stays, one that walks goes on
+        ([0.050, 0, 0], False, True),
+        ([0, 0, 0.03], True, False),
+        ([0, 0, -0.05], False, False),
+        ([0, 0, 0.07], False, True),
+    ],
+)
+def test_arriving_and_leaving_have_a_hysteresis(
+    planner: FootstepPlanner, goal: list[float], arrived: bool, must_walk: bool
+) -> None:
+    assert planner.arrived(ORIGIN, np.array(goal)) is arrived
+    assert planner.must_walk(ORIGIN, np.array(goal)) is must_walk
+
+
+def test_a_goal_behind_makes_it_turn_in_place_first(planner: FootstepPlanner) -> None:
+    after = planner.next_stance(ORIGIN, np.array([-2.0, 0.5, 0]))
+    np.testing.assert_allclose(after, [0, 0, GAIT.step_turn])
+
+
+def test_a_goal_beside_makes_it_sidestep_without_turning(planner: FootstepPlanner) -> None:
+    after = planner.next_stance(ORIGIN, np.array([-0.05, 0.3, 0]))
+    np.testing.assert_allclose(after, [-0.05, GAIT.step_sideways, 0])
+
+
+@pytest.mark.parametrize(
+    ("goal", "side"), [([2, 1, 0], "left"), ([2, -1, 0], "right"), ([0, 0, 1], "left"), ([0, 0, -1], "right")]
+)
+def test_the_foot_inside_the_turn_steps_first(planner: FootstepPlanner, goal: list[float], side: str) -> None:
+    assert planner.first_swing(ORIGIN, np.array(goal, dtype=float)) == side

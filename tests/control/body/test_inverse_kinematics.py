@@ -1,0 +1,220 @@
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import mink
+import mujoco
+import numpy as np
+import pytest
+
+from humanoid_bt.control.body.inverse_kinematics import BodyTargets, InverseKinematics, standing_posture
+from humanoid_bt.core.errors import UserError
+from humanoid_bt.core.messages import SIDES, Array
+from humanoid_bt.robot.model import BASE_COORDINATES, RobotModel, palm_site, sole_site
+
+DT = 0.005
+
+
+class Pose:
+    """Kinematics of one configuration."""
+
+    def __init__(self, robot: RobotModel, qpos: Array) -> None:
+        self.robot, self.data = robot, mujoco.MjData(robot.model)
+        self.data.qpos[:] = qpos
+        mujoco.mj_kinematics(robot.model, self.data)
+        mujoco.mj_comPos(robot.model, self.data)
+
+    @property
+    def com(self) -> Array:
+        return self.data.subtree_com[1].copy()
+
+    def site(self, name: str) -> Array:
+        return self.data.site(name).xpos.copy()
+
+    def rotation(self, name: str) -> Array:
+        return self.data.site(name).xmat.reshape(3, 3).copy()
+
+
+@pytest.fixture
+def kinematics(robot: RobotModel, standing: Array) -> InverseKinematics:
+    kinematics = InverseKinematics(robot, DT)
+    kinematics.reset(standing)
+    return kinematics
+
+
+def configuration(kinematics: InverseKinematics) -> Array:
+    return np.concatenate([kinematics.base_pose, kinematics.joints])
+
+
+def targets(robot: RobotModel, standing: Array, **given: Any) -> BodyTargets:
+    """Stand as in the start posture, except for what is given."""
+    half = robot.config.gait.stance_width / 2
+    stand: dict[str, Any] = {
+        "com": Pose(robot, standing).com,
+        "soles": {"left": np.array([0, half, 0]), "right": np.array([0, -half, 0])},
+        "sole_heights": dict.fromkeys(SIDES, 0.0),
+        "sole_twists": {side: np.zeros(6) for side in SIDES},
+        "heading": 0.0,
+        "torso_yaw": 0.0,
+        "gaze": (0.0, 0.0),
+        "hands": {},
+        "reaching": 0.0,
+        "posture": standing[BASE_COORDINATES:],
+    }
+    return BodyTargets(**{**stand, **given})
+
+
+def test_the_standing_posture_puts_both_feet_flat_beside_each_other(robot: RobotModel, standing: Array) -> None:
+    pose = Pose(robot, standing)
+    half = robot.config.gait.stance_width / 2
+    for side, sign in (("left", 1), ("right", -1)):
+        np.testing.assert_allclose(pose.site(sole_site(side)), [0, sign * half, 0], atol=2e-4)
+        np.testing.assert_allclose(pose.rotation(sole_site(side)), np.eye(3), atol=1e-3)
+
+
+def test_the_standing_posture_has_the_weight_over_the_middle_of_the_feet(robot: RobotModel, standing: Array) -> None:
+    np.testing.assert_allclose(Pose(robot, standing).com[:2], [0, 0], atol=1e-3)
+
+
+def test_the_standing_posture_is_symmetric_upright_and_inside_the_soft_limits(
+    robot: RobotModel, standing: Array
+) -> None:
+    joints = dict(zip(robot.joint_names, standing[BASE_COORDINATES:], strict=True))
+    for name, angle in joints.items():
+        if name.startswith("left_"):
+            mirrored = joints[name.replace("left_", "right_")]
+            turns_with_the_side = name.endswith(("_yaw", "_roll"))
+            assert angle == pytest.approx(-mirrored if turns_with_the_side else mirrored, abs=2e-3), name
+    np.testing.assert_allclose(standing[3:7], [1, 0, 0, 0], atol=1e-2)
+    inside = (standing[BASE_COORDINATES:] >= robot.lower - 1e-6) & (standing[BASE_COORDINATES:] <= robot.upper + 1e-6)
+    assert inside.all()
+
+
+def test_a_robot_that_cannot_stand_is_answered_with_the_place_of_its_home_posture(robot: RobotModel) -> None:
+    config = replace(robot.config, gait=replace(robot.config.gait, stance_width=1.5))
+    with pytest.raises(UserError, match="humanoid cannot stand with flat feet") as error:
+        standing_posture(RobotModel(config))
+    assert error.value.problems[0].place == config.place("home")
+
+
+def test_the_centre_of_mass_moves_and_the_feet_stay(
+    robot: RobotModel, standing: Array, kinematics: InverseKinematics
+) -> None:
+    goal = Pose(robot, standing).com + np.array([0.02, 0.04, -0.03])
+    wanted = targets(robot, standing, com=goal)
+    for _ in range(200):
+        assert kinematics.step(wanted)
+    pose = Pose(robot, configuration(kinematics))
+    np.testing.assert_allclose(pose.com[:2], goal[:2], atol=1e-3)
+    assert pose.com[2] == pytest.approx(goal[2], abs=0.01)  # the home posture pulls a little against the height
+    for side in SIDES:
+        np.testing.assert_allclose(pose.site(sole_site(side)), [*wanted.soles[side][:2], 0], atol=1e-3)
+        np.testing.assert_allclose(pose.rotation(sole_site(side)), np.eye(3), atol=5e-3)
+
+
+def test_a_hand_reaches_its_target_with_the_feet_on_the_ground(
+    robot: RobotModel, standing: Array, kinematics: InverseKinematics
+) -> None:
+    goal = np.array([0.35, 0.2, 0.9])
+    wanted = targets(robot, standing, hands={"left": goal}, reaching=1.0)
+    for _ in range(300):
+        kinematics.step(wanted)
+    pose = Pose(robot, configuration(kinematics))
+    np.testing.assert_allclose(pose.site(palm_site("left")), goal, atol=2e-3)
+    np.testing.assert_allclose(kinematics.palm("left"), goal, atol=2e-3)
+    np.testing.assert_allclose(pose.site(sole_site("left")), [*wanted.soles["left"][:2], 0], atol=1e-3)
+
+
+@pytest.mark.parametrize("goal", [[2.0, 0, 2], [-2.0, 1, 0.2], [0, -2.0, 3], [0, 0, 0.3]])
+def test_soft_limits_hold_whatever_is_asked(
+    robot: RobotModel, standing: Array, kinematics: InverseKinematics, goal: list[float]
+) -> None:
+    wanted = targets(robot, standing, hands={side: np.array(goal) for side in SIDES}, reaching=1.0, gaze=(2.0, 0.8))
+    for _ in range(250):
+        kinematics.step(wanted)
+        assert (kinematics.joints >= robot.lower - 1e-6).all()
+        assert (kinematics.joints <= robot.upper + 1e-6).all()
+
+
+def test_the_base_goes_no_lower_than_its_limit_whatever_a_hand_asks(
+    robot: RobotModel, standing: Array, kinematics: InverseKinematics
+) -> None:
+    lowest = kinematics.height_limit.lowest = 0.8 * standing[2]
+    wanted = targets(robot, standing, hands={"left": np.array([0.4, 0.2, 0.0])}, reaching=1.0)
+    for _ in range(300):
+        assert kinematics.step(wanted)
+        assert kinematics.base_pose[2] >= lowest - 1e-6
+    assert kinematics.base_pose[2] < lowest + 0.02  # it went there
+
+
+def test_a_base_below_its_limit_may_stay(robot: RobotModel, standing: Array, kinematics: InverseKinematics) -> None:
+    kinematics.height_limit.lowest = standing[2] + 0.1
+    for _ in range(20):
+        assert kinematics.step(targets(robot, standing))
+    assert kinematics.base_pose[2] == pytest.approx(standing[2], abs=5e-3)
+
+
+def no_solution(*_: object, **__: object) -> Array:
+    raise mink.NoSolutionFound("daqp")
+
+
+def not_finite(*_: object, **__: object) -> Array:
+    return np.full(1, np.nan)
+
+
+@pytest.mark.parametrize("failure", [no_solution, not_finite])
+def test_without_a_solution_it_goes_on_without_limits_and_says_so(
+    robot: RobotModel, standing: Array, kinematics: InverseKinematics, monkeypatch: pytest.MonkeyPatch, failure: Any
+) -> None:
+    wanted = targets(robot, standing, com=Pose(robot, standing).com + np.array([0.0, 0.02, 0.0]))
+    monkeypatch.setattr(mink, "solve_ik", failure)
+    for _ in range(20):
+        assert not kinematics.step(wanted)
+        assert not kinematics.solved
+    after = Pose(robot, configuration(kinematics))
+    np.testing.assert_allclose(after.com[:2], wanted.com[:2], atol=2e-3)
+    for side in SIDES:
+        np.testing.assert_allclose(after.site(sole_site(side))[:2], wanted.soles[side][:2], atol=2e-3)
+    monkeypatch.undo()
+    assert kinematics.step(wanted)
+    assert kinematics.solved
+
+
+def test_without_a_solution_the_joints_stay_inside_the_soft_limits(
+    robot: RobotModel, standing: Array, kinematics: InverseKinematics, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(mink, "solve_ik", no_solution)
+    for _ in range(40):
+        kinematics.step(targets(robot, standing, hands={"left": np.array([1.5, 0.2, 1.5])}, reaching=1.0))
+    assert (kinematics.joints >= robot.lower - 1e-9).all()
+    assert (kinematics.joints <= robot.upper + 1e-9).all()
+
+
+def test_with_neither_it_stays_where_it_is(
+    robot: RobotModel, standing: Array, kinematics: InverseKinematics, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    before = configuration(kinematics)
+    monkeypatch.setattr(mink, "solve_ik", no_solution)
+    assert not kinematics.step(targets(robot, standing, com=np.full(3, np.nan)))
+    np.testing.assert_allclose(configuration(kinematics), before, atol=1e-12)
+    np.testing.assert_array_equal(kinematics.velocity, np.zeros(robot.model.nv))
+
+
+def test_the_planned_motion_is_reported(robot: RobotModel, standing: Array, kinematics: InverseKinematics) -> None:
+    wanted = targets(robot, standing, com=Pose(robot, standing).com + np.array([0, 0.05, 0]))
+    before = kinematics.joints.copy()
+    kinematics.step(wanted)
+    np.testing.assert_allclose(kinematics.velocity[6:] * DT, kinematics.joints - before, atol=1e-9)
+    assert np.linalg.norm(kinematics.momentum_rate) > 0
+    kinematics.reset(standing)
+    assert not kinematics.velocity.any()
+    assert not kinematics.acceleration.any()
+    assert not kinematics.momentum_rate.any()
+
+
+def test_it_starts_inside_the_soft_limits(robot: RobotModel, standing: Array, kinematics: InverseKinematics) -> None:
+    outside = standing.copy()
+    outside[BASE_COORDINATES:] = robot.upper + 0.5
+    kinematics.reset(outside)
+    np.testing.assert_array_equal(kinematics.joints, robot.upper)

@@ -1,0 +1,183 @@
+from __future__ import annotations
+
+import math
+
+import mink
+import numpy as np
+import pytest
+
+from humanoid_bt.control.body.swing import Swing, TiltCompensation
+from humanoid_bt.core.messages import Array, Side
+from humanoid_bt.robot.config import GaitConfig, SoleConfig
+
+GAIT = GaitConfig()
+SOLE = SoleConfig(half_length=0.105, half_width=0.045)
+OMEGA, DT = 3.9, 0.005
+PERIODS = round(GAIT.single_support / DT)
+SUPPORT = np.array([0.0, -0.09, 0.0])
+START = np.array([-0.15, 0.09, 0.0])
+FOOTHOLD = np.array([0.15, 0.09, 0.2])
+DCM_END = np.array([0.10, 0.02])  # planned at touchdown
+
+
+def swing_of(side: Side = "left") -> Swing:
+    mirror = np.array([1, 1, 1]) if side == "left" else np.array([1, -1, -1])
+    return Swing(
+        GAIT,
+        SOLE,
+        OMEGA,
+        DT,
+        side=side,
+        start=START * mirror,
+        foothold=FOOTHOLD * mirror,
+        support=SUPPORT * mirror,
+        dcm_end=DCM_END * mirror[:2],
+    )
+
+
+def planned_dcm(elapsed: int) -> Array:
+    """The DCM from which the ZMP under the support foot leads to the planned one at touchdown."""
+    return SUPPORT[:2] + (DCM_END - SUPPORT[:2]) * math.exp(-OMEGA * (PERIODS - elapsed) * DT)
+
+
+def fly(swing: Swing, error: Array | None = None, since: int = 0) -> tuple[Array, Array]:
+    """Make the swing with a DCM error, shape (2,), from a period on; return poses (n, 3) and heights (n,)."""
+    poses, heights = [swing.pose.copy()], [swing.height]
+    for elapsed in range(PERIODS):
+        off = error if error is not None and elapsed >= since else np.zeros(2)
+        swing.update(elapsed, planned_dcm(elapsed) + off, SUPPORT[:2])
+        poses.append(swing.pose.copy())
+        heights.append(swing.height)
+    return np.array(poses), np.array(heights)
+
+
+def test_it_goes_from_lift_off_to_the_foothold() -> None:
+    swing = swing_of()
+    poses, heights = fly(swing)
+    np.testing.assert_array_equal(poses[0], START)
+    np.testing.assert_allclose(poses[-1], FOOTHOLD, atol=2e-3)
+    np.testing.assert_allclose(swing.target, FOOTHOLD, atol=1e-9)
+    assert swing.progress == pytest.approx(1)
+    assert heights[0] == 0
+    assert -0.006 < heights[-1] < 0  # it aims a little below the ground, so that it does land
+
+
+def test_it_lifts_the_foot_once_and_as_high_as_the_gait_says() -> None:
+    _, heights = fly(swing_of())
+    top = int(heights.argmax())
+    assert heights[top] == pytest.approx(GAIT.lift, rel=0.01)
+    assert (np.diff(heights[: top + 1]) > 0).all()
+    assert (np.diff(heights[top:]) < 0).all()
+
+
+def test_it_is_over_its_foothold_before_it_lands() -> None:
+    poses, heights = fly(swing_of())
+    early = -round(0.02 / DT)
+    assert np.linalg.norm(poses[early, :2] - FOOTHOLD[:2]) < 0.006
+    assert heights[early] < 0.01
+
+
+@pytest.mark.parametrize("axis", [0, 1])
+@pytest.mark.parametrize("sign", [1, -1])
+def test_the_foothold_moves_the_way_the_dcm_runs_off(axis: int, sign: int) -> None:
+    swing = swing_of()
+    error = np.zeros(2)
+    error[axis] = sign * 0.03
+    fly(swing, error)
+    shift = swing.target[:2] - FOOTHOLD[:2]
+    assert sign * shift[axis] > 0.01
+    assert shift[1 - axis] == pytest.approx(0, abs=1e-9)
+
+
+def test_an_error_that_the_ankle_takes_out_leaves_the_foothold() -> None:
+    swing = swing_of()
+    fly(swing, np.array([0.008, -0.002]))
+    np.testing.assert_allclose(swing.target, FOOTHOLD, atol=1e-9)
+
+
+@pytest.mark.parametrize("side", ["left", "right"])
+def test_adjustment_keeps_its_limits_and_the_feet_apart(side: Side) -> None:
+    outward = 1 if side == "left" else -1
+    for error in ([1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]):
+        swing = swing_of(side)
+        for elapsed in range(PERIODS):
+            swing.update(elapsed, np.array(error), SUPPORT[:2])
+            forward = swing.target[0] - FOOTHOLD[0]
+            apart = outward * (swing.target[1] - (SUPPORT[1] if side == "left" else -SUPPORT[1]))
+            assert abs(forward) <= GAIT.adjust_forward + 1e-9
+            assert GAIT.separation_min - 1e-9 <= apart <= GAIT.separation_max + 1e-9
+
+
+def test_the_foothold_stays_late_in_the_swing() -> None:
+    swing = swing_of()
+    fly(swing, np.array([0.2, 0.1]), since=round(GAIT.adjust_until * PERIODS))
+    np.testing.assert_allclose(swing.target, FOOTHOLD, atol=1e-9)
+
+
+def test_the_reference_never_jumps_when_the_foothold_does() -> None:
+    for share in (0.0, 0.3, 0.5, 0.8):
+        poses, heights = fly(swing_of(), np.array([0.3, 0.3]), since=int(share * PERIODS))
+        assert np.abs(np.diff(poses[:, :2], axis=0)).max() <= 4.0 * DT + 1e-12  # m/s
+        assert np.abs(np.diff(heights)).max() < 0.003
+
+
+def test_it_hurries_when_the_foot_would_have_to_cross_the_other() -> None:
+    swing = swing_of()
+    swing.update(0, planned_dcm(0) + np.array([0.0, -0.05]), SUPPORT[:2])
+    assert 1 < swing.rate <= 1.3
+    swing.update(1, planned_dcm(1), SUPPORT[:2])
+    assert swing.rate == 1
+
+
+# ---- the swing foot stays level with the ground when the base tilts -------------------------------------------------
+
+UPRIGHT = np.array([0.0, 0, 0.7, 1, 0, 0, 0])
+
+
+def tilted(pitch: float) -> Array:
+    return np.array([0.0, 0, 0.7, math.cos(pitch / 2), 0, math.sin(pitch / 2), 0])
+
+
+def swing_at(progress: float) -> Swing:
+    swing = swing_of()
+    swing.progress = progress
+    return swing
+
+
+def test_no_tilt_needs_no_compensation() -> None:
+    tilt = TiltCompensation(DT)
+    tilt.update(swing_at(0.5), UPRIGHT, UPRIGHT)
+    np.testing.assert_allclose(tilt.twist["left"], np.zeros(6), atol=1e-12)
+
+
+def test_the_swing_foot_turns_against_the_tilt_and_the_stance_foot_not() -> None:
+    tilt = TiltCompensation(DT)
+    for _ in range(40):
+        tilt.update(swing_at(0.5), tilted(0.05), UPRIGHT)
+    np.testing.assert_allclose(tilt.twist["left"][3:], [0, -0.05, 0], atol=1e-3)
+    np.testing.assert_array_equal(tilt.twist["right"], np.zeros(6))
+    leaned = mink.SE3(np.concatenate([tilted(0.05)[3:], tilted(0.05)[:3]]))
+    restored = mink.SE3.exp(tilt.twist["left"]) @ leaned
+    np.testing.assert_allclose(restored.rotation().wxyz, [1, 0, 0, 0], atol=1e-3)
+
+
+def test_compensation_fades_in_and_is_limited() -> None:
+    early, full, extreme = TiltCompensation(DT), TiltCompensation(DT), TiltCompensation(DT)
+    for _ in range(100):
+        early.update(swing_at(0.03), tilted(0.05), UPRIGHT)
+        full.update(swing_at(0.30), tilted(0.05), UPRIGHT)
+        extreme.update(swing_at(0.5), tilted(1.0), UPRIGHT)
+    assert early.twist["left"][4] == pytest.approx(0.1 * full.twist["left"][4], rel=1e-3)
+    assert np.abs(extreme.twist["left"]).max() == pytest.approx(0.3, rel=1e-3)
+
+
+def test_compensation_decays_after_touchdown_without_a_jump() -> None:
+    tilt = TiltCompensation(DT)
+    for _ in range(100):
+        tilt.update(swing_at(0.5), tilted(0.1), UPRIGHT)
+    before = tilt.twist["left"].copy()
+    tilt.update(None, tilted(0.1), UPRIGHT)
+    np.testing.assert_allclose(tilt.twist["left"], before, rtol=0.05)
+    for _ in range(round(0.36 / DT)):
+        tilt.update(None, tilted(0.1), UPRIGHT)
+    assert np.abs(tilt.twist["left"]).max() < 0.06 * np.abs(before).max()

@@ -1,0 +1,164 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from humanoid_bt.control.body.planar import ahead
+from humanoid_bt.control.body.walking import Walker
+from humanoid_bt.core.messages import SIDES, Array, Gait, Side
+from humanoid_bt.robot.config import GaitConfig, SoleConfig
+
+GAIT = GaitConfig()
+SOLE = SoleConfig(half_length=0.105, half_width=0.045)
+OMEGA, DT = 3.9, 0.005
+AHEAD = np.array([1.0, 0.0, 0.0])
+NO_FORCE = dict.fromkeys(SIDES, 0.0)
+
+
+class Ideal:
+    """A walker whose robot is always where it shall be, but for an error of the DCM, shape (2,)."""
+
+    def __init__(self) -> None:
+        self.walker = Walker(GAIT, SOLE, DT)
+        self.walker.reset(
+            {side: ahead(np.zeros(3), 0, sign * 0.09) for side, sign in zip(SIDES, (1, -1), strict=True)}, OMEGA
+        )
+        self.gaits: list[Gait] = []
+
+    def go(
+        self,
+        seconds: float,
+        goal: Array | None = None,
+        error: Array | None = None,
+        force: dict[Side, float] | None = None,
+    ) -> None:
+        walker = self.walker
+        for _ in range(round(seconds / DT)):
+            dcm = walker.dcm_reference + (np.zeros(2) if error is None else error)
+            soles = {side: walker.foot_reference[side].copy() for side in SIDES}
+            walker.update(goal, dcm, walker.zmp_reference, soles, force or NO_FORCE)
+            self.gaits.append(walker.gait)
+
+    def until_swing(self) -> None:
+        while self.walker.swing is None:
+            self.go(DT, AHEAD)
+
+
+@pytest.fixture
+def ideal() -> Ideal:
+    return Ideal()
+
+
+def test_without_a_goal_it_stands(ideal: Ideal) -> None:
+    ideal.go(1.0)
+    assert set(ideal.gaits) == {Gait.STAND}
+    assert ideal.walker.still_for == pytest.approx(1.0)
+    assert ideal.walker.footsteps == []
+    np.testing.assert_allclose(ideal.walker.dcm_reference, [0, 0], atol=1e-9)
+
+
+def test_it_shifts_its_weight_before_it_lifts_a_foot(ideal: Ideal) -> None:
+    ideal.go(GAIT.first_shift, AHEAD)
+    assert ideal.walker.gait is Gait.STEP
+    assert all(ideal.walker.contact.values())
+    assert ideal.walker.zmp_reference[1] > 0.08  # over the left foot; the right steps first
+    ideal.go(2 * DT, AHEAD)
+    assert ideal.walker.contact == {"left": True, "right": False}
+    ideal.go(GAIT.single_support / 2, AHEAD)
+    assert ideal.walker.foot_height["right"] > 0.8 * GAIT.lift
+    assert ideal.walker.foot_height["left"] == 0
+
+
+def test_it_walks_to_the_goal_settles_and_stands(ideal: Ideal) -> None:
+    ideal.go(8.0, AHEAD)
+    changes = [gait for i, gait in enumerate(ideal.gaits) if i == 0 or ideal.gaits[i - 1] is not gait]
+    assert changes == [Gait.STEP, Gait.SETTLE, Gait.STAND]
+    assert np.hypot(*(ideal.walker.stance - AHEAD)[:2]) < GAIT.arrived_distance
+    assert ideal.walker.footsteps == []
+    assert max(ideal.walker.foot_height.values()) == pytest.approx(0, abs=1e-6)
+
+
+def test_a_goal_that_is_taken_away_ends_the_walk_with_the_feet_together(ideal: Ideal) -> None:
+    ideal.go(2.0, AHEAD)
+    assert ideal.walker.gait is Gait.STEP
+    ideal.go(2 * (GAIT.single_support + GAIT.double_support) + GAIT.last_shift + 0.6)
+    assert ideal.walker.gait is Gait.STAND
+    apart = ideal.walker.foot_reference["left"] - ideal.walker.foot_reference["right"]
+    np.testing.assert_allclose(apart, [0, GAIT.stance_width, 0], atol=5e-3)
+    assert 0.1 < ideal.walker.stance[0] < 0.6
+
+
+def test_a_goal_nearby_does_not_make_it_start(ideal: Ideal) -> None:
+    ideal.go(0.5, np.array([0.035, 0, 0.05]))
+    assert set(ideal.gaits) == {Gait.STAND}
+
+
+@pytest.mark.parametrize(("share", "lands"), [(0.5, False), (0.85, True)])
+def test_contact_ends_the_swing_only_when_it_is_due(ideal: Ideal, share: float, lands: bool) -> None:
+    ideal.until_swing()
+    ideal.go(share * GAIT.single_support, AHEAD)
+    before = ideal.walker.foot_height["right"]
+    ideal.go(3 * DT, AHEAD, force={"left": 300.0, "right": 100.0})
+    assert ideal.walker.contact["right"] is lands
+    assert ideal.walker.foot_height["right"] < before + 0.01
+
+
+def test_a_short_touch_is_not_a_touchdown(ideal: Ideal) -> None:
+    ideal.until_swing()
+    ideal.go(0.85 * GAIT.single_support, AHEAD)
+    ideal.go(DT, AHEAD, force={"left": 300.0, "right": 100.0})
+    assert not ideal.walker.contact["right"]
+
+
+def test_references_of_the_feet_never_jump(ideal: Ideal) -> None:
+    previous = {side: ideal.walker.foot_reference[side].copy() for side in SIDES}
+    for _ in range(round(6.0 / DT)):
+        heights = dict(ideal.walker.foot_height)
+        ideal.go(DT, np.array([0.6, 0.4, 1.0]))
+        for side in SIDES:
+            moved = ideal.walker.foot_reference[side] - previous[side]
+            assert np.hypot(*moved[:2]) < 0.012
+            assert abs(moved[2]) < 0.02
+            assert abs(ideal.walker.foot_height[side] - heights[side]) < 0.004
+            previous[side] = ideal.walker.foot_reference[side].copy()
+
+
+def test_a_standing_foot_that_slips_is_followed_slowly(ideal: Ideal) -> None:
+    walker = ideal.walker
+    slipped = {side: pose + np.array([0.02, 0, 0.1]) for side, pose in walker.foot_reference.items()}
+    walker.update(None, np.zeros(2), np.zeros(2), slipped, NO_FORCE)
+    assert 0 < walker.foot_reference["left"][0] < 0.002
+    for _ in range(100):
+        walker.update(None, np.array([0.02, 0]), np.zeros(2), slipped, NO_FORCE)
+    np.testing.assert_allclose(walker.foot_reference["left"], slipped["left"], atol=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("error", "steps", "side"),
+    [
+        ([0.05, 0], False, ""),
+        ([0.11, 0], True, ""),
+        ([0, 0.10], False, ""),
+        ([0, 0.16], True, "left"),
+        ([0, -0.16], True, "right"),
+    ],
+)
+def test_a_push_beyond_the_feet_makes_a_standing_robot_step(
+    ideal: Ideal, error: list[float], steps: bool, side: str
+) -> None:
+    ideal.go(0.5)
+    ideal.go(DT, error=np.array(error))
+    assert (ideal.walker.gait is Gait.STEP) is steps
+    if side:
+        assert ideal.walker.footsteps[0].side == side
+
+
+def test_reset_stands_where_the_feet_are(ideal: Ideal) -> None:
+    ideal.go(2.0, AHEAD)
+    soles: dict[Side, Array] = {"left": np.array([1.0, 0.1, 0.0]), "right": np.array([1.0, -0.1, 0.0])}
+    ideal.walker.reset(soles, OMEGA)
+    assert ideal.walker.gait is Gait.STAND
+    assert ideal.walker.footsteps == []
+    assert all(ideal.walker.contact.values())
+    np.testing.assert_allclose(ideal.walker.stance, [1, 0, 0], atol=1e-12)
+    np.testing.assert_allclose(ideal.walker.dcm_reference, [1, 0], atol=1e-12)

@@ -1,0 +1,48 @@
+from __future__ import annotations
+
+import pytest
+
+from humanoid_bt.core.clock import (
+    DECISION_PERIOD,
+    PERCEPTION_PERIOD,
+    SERVO_PERIOD,
+    WHOLE_BODY_PERIOD,
+    CycleClock,
+    cycles,
+)
+
+
+def test_durations_count_in_servo_cycles() -> None:
+    assert cycles(0) == 0
+    assert cycles(SERVO_PERIOD) == 1
+    assert cycles(0.1) == 100
+    assert cycles(3600.005) == 3_600_005
+
+
+@pytest.mark.parametrize("seconds", [0.0005, 0.0204, 1 / 3])
+def test_a_duration_between_cycles_is_refused(seconds: float) -> None:
+    with pytest.raises(ValueError, match=r"whole number of servo periods of 0\.001 s"):
+        cycles(seconds)
+
+
+def test_every_loop_is_a_whole_number_of_the_faster_ones() -> None:
+    assert cycles(WHOLE_BODY_PERIOD) == 5
+    assert cycles(DECISION_PERIOD) % cycles(WHOLE_BODY_PERIOD) == 0
+    assert cycles(PERCEPTION_PERIOD) % cycles(DECISION_PERIOD) == 0
+
+
+def test_the_clock_counts_cycles_without_drift() -> None:
+    clock = CycleClock()
+    assert clock.now() == 0
+    for _ in range(100_000):
+        clock.advance()
+    assert clock.now() == pytest.approx(100, abs=1e-12)
+
+
+def test_a_loop_is_due_at_the_start_and_then_every_period() -> None:
+    clock, ran = CycleClock(), []
+    for _ in range(41):
+        if clock.due(20):
+            ran.append(clock.cycle)
+        clock.advance()
+    assert ran == [0, 20, 40]

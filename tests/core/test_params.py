@@ -1,0 +1,144 @@
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import pytest
+
+from humanoid_bt.core.errors import UserError
+from humanoid_bt.core.params import PerceptName, assign, base_unit, param, params_of, read
+from humanoid_bt.files import document
+
+
+@dataclass(frozen=True)
+class Inner:
+    x: float = param(doc="Required.")
+
+
+@dataclass(frozen=True)
+class Example:
+    length: float = param(1.0, unit="m", minimum=0, maximum=10, doc="A length.")
+    angle: float | None = param(None, unit="rad", above=0, doc="An angle.")
+    count: int = param(2, minimum=-1, doc="A count.")
+    side: Literal["left", "right"] = param("left", doc="A side.")
+    much: Literal["all", "one"] | int = param("all", minimum=1, doc="How much.")
+    target: PerceptName = param("ball", doc="A percept.")
+    text: str = param("", doc="Text.")
+    flag: bool = param(False, doc="A flag.")
+    point: tuple[float, float] = param((0.0, 0.0), unit="m", doc="A point.")
+    names: list[str] = param([], doc="Names.")
+    gains: dict[str, float] = param({}, doc="Gains.")
+    inner: Inner = param(Inner(0.0), doc="Inner.")
+    anything: Any = param(None, doc="Anything.")
+
+
+def value(name: str, text: str) -> Any:
+    return getattr(read(Example, document.parse(f"{name}: {text}", "f")), name)
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "expected"),
+    [
+        ("length", "2", 2.0),
+        ("length", "25 cm", 0.25),
+        ("length", "1e-3", 0.001),
+        ("length", "1e+1 mm", 0.01),
+        ("angle", "180 deg", math.pi),
+        ("angle", "null", None),
+        ("count", "3.0", 3),
+        ("side", "right", "right"),
+        ("much", "one", "one"),
+        ("much", "3", 3),
+        ("target", "cup", "cup"),
+        ("flag", "true", True),
+        ("point", "[1, 20 cm]", (1.0, 0.2)),
+        ("names", "[a, b]", ["a", "b"]),
+        ("gains", "{a: 1}", {"a": 1.0}),
+        ("inner", "{x: 3}", Inner(3.0)),
+        ("anything", "[1, {a: b}]", [1, {"a": "b"}]),
+    ],
+)
+def test_conversion(name: str, text: str, expected: Any) -> None:
+    result = value(name, text)
+    assert result == pytest.approx(expected) if isinstance(expected, float) else result == expected
+    assert type(result) is type(expected)
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "message"),
+    [
+        ("length", "x", "'length' must be a number, not text 'x'"),
+        ("length", "true", "'length' must be a number, not a boolean True"),
+        ("length", "null", "'length' must be a number, not nothing"),
+        ("length", "[1]", "'length' must be a number, not a list"),
+        ("length", "-1", "'length' must be >= 0 and <= 10, not -1"),
+        ("length", ".nan", "'length' must be finite"),
+        ("length", "1" + "0" * 400, "'length' must be finite"),
+        ("length", "1e999", "'length' must be finite"),
+        ("length", "1 s", "'length' has the unit 's'"),
+        ("angle", "0", "'angle' must be > 0, not 0"),
+        ("count", "1.5", "'count' must be a whole number, not a number 1.5"),
+        ("count", ".inf", "'count' must be finite"),
+        ("side", "lft", "'side' cannot be text 'lft'\n    did you mean 'left'?"),
+        ("side", "[left]", "'side' cannot be a list"),
+        ("much", "al", "'much' must be all | one or whole number, not text 'al'"),
+        ("much", "0", "'much' must be >= 1, not 0"),
+        ("much", "true", "'much' must be all | one or whole number, not a boolean True"),
+        ("target", "3", "'target' must be a percept, not a number 3"),
+        ("text", "true", "'text' must be text, not a boolean True"),
+        ("flag", "1", "'flag' must be true or false, not a number 1"),
+        ("point", "[1]", "'point' must have 2 values, not 1"),
+        ("point", "1", "'point' must be a list of 2 numbers"),
+        ("names", "[1]", "'names' must be text, not a number 1"),
+        ("gains", "[1]", "'gains' must be a mapping of number"),
+        ("inner", "{}", "the parameter 'x' of 'inner' is missing"),
+        ("inner", "3", "'inner' must be a mapping, not a number"),
+        ("lenght", "1", "unknown parameter 'lenght' of it\n    did you mean 'length'?"),
+    ],
+)
+def test_mistakes(name: str, text: str, message: str) -> None:
+    with pytest.raises(UserError) as caught:
+        read(Example, document.parse(f"{name}: {text}", "f"), "it")
+    assert message in str(caught.value)
+    assert all(problem.place for problem in caught.value.problems)
+
+
+def test_every_mistake_is_answered_at_once() -> None:
+    with pytest.raises(UserError) as caught:
+        read(Example, document.parse("length: x\ncount: y\nflg: 1", "f"))
+    assert [problem.place.line for problem in caught.value.problems if problem.place] == [1, 2, 3]
+
+
+class Base:
+    speed: float = param(doc="Required.")
+
+
+class Derived(Base):
+    names: list[str] = param(["a"], doc="Names.")
+
+
+def test_plain_classes_declare_and_inherit_parameters() -> None:
+    assert list(params_of(Derived)) == ["speed", "names"]
+    assert params_of(Derived)["speed"].required
+
+
+def test_assigned_defaults_are_not_shared() -> None:
+    first, second = Derived(), Derived()
+    assign(first, {"speed": 1.0})
+    assign(second, {"speed": 2.0})
+    first.names.append("b")
+    assert (second.names, first.speed) == (["a"], 1.0)
+
+
+def test_assign_refuses_what_is_missing_or_not_declared() -> None:
+    with pytest.raises(TypeError, match="Derived needs the parameter 'speed'"):
+        assign(Derived(), {})
+    with pytest.raises(TypeError, match="Derived has no parameter 'sped'"):
+        assign(Derived(), {"speed": 1.0, "sped": 2})
+
+
+def test_base_unit() -> None:
+    assert [base_unit(text) for text in ("45 cm", "10 deg/s", "3", "left hand", "3 apples")] == [
+        "m", "rad/s", None, None, None,
+    ]  # fmt: skip

@@ -1,0 +1,110 @@
+"""The robot as decision sees it: what a tick sees of percepts, and what leaves at its end."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+
+from humanoid_bt.core.clock import CycleClock
+from humanoid_bt.core.errors import HumanoidBtError, ResourceConflict
+from humanoid_bt.core.messages import Percept, State
+from humanoid_bt.decision.robot import Robot
+from tests.tree.helpers import make_robot, make_state, seen
+
+
+@pytest.fixture
+def clock() -> CycleClock:
+    return CycleClock()
+
+
+@pytest.fixture
+def robot(clock: CycleClock) -> Robot:
+    return make_robot(clock)
+
+
+def standing(x: float, y: float, yaw: float, time: float = 0.0) -> State:
+    turn = np.array([math.cos(yaw / 2), 0.0, 0.0, math.sin(yaw / 2)])
+    base = np.array([x, y, 0.8])
+    return dataclasses.replace(make_state(time), base_position=base, base_quaternion=turn, stance=np.array([x, y, yaw]))
+
+
+def test_a_track_is_of_the_start_of_the_tick_however_late_it_is_read(robot: Robot, clock: CycleClock) -> None:
+    clock.cycle = 300
+    robot.begin_tick(make_state(0.3), seen(0.1, distance=1.0))
+    clock.cycle = 340
+    track = robot.track("target")
+    assert track is not None and track.age == pytest.approx(0.2)
+    assert robot.track("target") is track and robot.tracks == {"target": track}
+    robot.begin_tick(standing(0.5, 0.0, 0.0, time=0.34), {})
+    assert (track.age, track.distance) == pytest.approx((0.2, 1.0))
+    later = robot.track("target")
+    assert later is not None and (later.age, later.distance) == pytest.approx((0.24, 0.5))
+
+
+def test_a_track_says_where_the_thing_is(robot: Robot) -> None:
+    state = standing(1.0, 2.0, math.pi / 2)
+    robot.begin_tick(state, {"ball": Percept("ball", 0.0, np.array([2.0, 2.0, -0.3]), 0.7)})
+    track = robot.track("ball")
+    assert track is not None
+    np.testing.assert_allclose(track.position_world, [-1.0, 4.0, 0.5], atol=1e-12)
+    np.testing.assert_allclose(track.position_base, [2.0, 2.0, -0.3], atol=1e-12)
+    assert (track.distance, track.bearing) == pytest.approx((math.sqrt(8), math.pi / 4))
+    assert (track.name, track.stamp, track.confidence) == ("ball", 0.0, 0.7)
+
+
+def test_a_late_percept_is_placed_from_where_the_robot_stood_when_it_was_seen(robot: Robot) -> None:
+    for step in range(5):
+        robot.begin_tick(standing(0.1 * step, 0.0, 0.0, time=0.02 * step), {})
+    robot.begin_tick(standing(0.5, 0.0, 0.0, time=0.1), seen(0.041, distance=1.0))
+    track = robot.track("target")
+    assert track is not None
+    np.testing.assert_allclose(track.position_world, [1.2, 0.0, 0.8], atol=1e-12)
+
+
+def test_an_older_percept_does_not_replace_a_newer_one(robot: Robot) -> None:
+    robot.begin_tick(make_state(0.2), seen(0.2, distance=1.0))
+    robot.begin_tick(make_state(0.3), seen(0.1, distance=3.0))
+    track = robot.track("target")
+    assert track is not None and track.stamp == 0.2
+    assert robot.track("nothing") is None
+
+
+def test_a_target_holds_for_one_tick(robot: Robot) -> None:
+    handle = robot.handle("t/idle", ("gaze", "posture"))
+    robot.begin_tick(make_state(), {})
+    handle.look_at([1, 0, 1])
+    handle.set_height(0.01)
+    assert dict(robot.commit().sources) == {"gaze": "t/idle", "posture": "t/idle"}
+    robot.begin_tick(make_state(0.02), {})
+    assert robot.commit().targets == {}
+
+
+def test_what_was_released_can_be_taken_again_in_the_same_tick(robot: Robot) -> None:
+    first, second = robot.handle("t/first", ("gaze",)), robot.handle("t/second", ("gaze",))
+    robot.begin_tick(make_state(), {})
+    first.look_at([1, 0, 1])
+    first.release()
+    second.look_at([2, 0, 1])
+    second.release()
+    first.look_at([3, 0, 1])
+    command = robot.commit()
+    assert dict(command.sources) == {"gaze": "t/first"}
+    second.look_at([4, 0, 1])
+    with pytest.raises(ResourceConflict, match=r"'gaze' .* 't/first' and 't/second'"):
+        robot.commit()
+    assert robot.release_all().targets == {}
+
+
+@pytest.mark.parametrize("point", [[1, 2], [1, 2, math.nan], [1, math.inf, 0], [math.inf, -math.inf, 0]])
+def test_a_target_must_have_its_shape_and_be_finite(robot: Robot, point: list[float]) -> None:
+    robot.begin_tick(make_state(), {})
+    with pytest.raises(ValueError, match=r"must have shape \(3,\)|must be finite"):
+        robot.handle("t/look", ("gaze",)).look_at(point)
+
+
+def test_there_is_no_state_before_the_first_tick(robot: Robot) -> None:
+    with pytest.raises(HumanoidBtError, match="before the first tick"):
+        _ = robot.state

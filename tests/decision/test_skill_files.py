@@ -1,0 +1,132 @@
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import pytest
+
+from humanoid_bt.core.errors import UserError
+from humanoid_bt.decision.skill_files import class_file, class_place, load_skills
+from humanoid_bt.files.workspace import Workspace
+
+HEAD = "from humanoid_bt.decision.skill import Skill, Status\nfrom humanoid_bt.core.params import param\n"
+WAVE = HEAD + "class WaveHand(Skill):\n    'Wave.'\n    def update(self): return Status.SUCCESS\n"
+
+
+@pytest.fixture
+def workspace(tmp_path: Path) -> Workspace:
+    (tmp_path / "skills").mkdir()
+    return Workspace(tmp_path)
+
+
+def write(workspace: Workspace, name: str, text: str) -> Path:
+    path = workspace.root / "skills" / name
+    path.write_text(text)
+    return path
+
+
+def test_skills_and_plain_behaviours_defined_in_a_file_are_found_by_name(workspace: Workspace) -> None:
+    write(workspace, "wave.py", WAVE + "import py_trees\nclass Plain(py_trees.behaviours.Success): pass\n")
+    abstract = "class Abstract(Skill): pass\nclass Real(Abstract):\n    def update(self): pass\n"
+    write(workspace, "more.py", HEAD + "class _Private(Skill):\n    def update(self): pass\n" + abstract)
+    skills = load_skills(workspace)
+    assert skills["wave_hand"].__doc__ == "Wave."
+    assert {"plain", "wave_hand", "real"} <= set(skills)
+    assert not {"success", "skill", "abstract", "_private"} & set(skills)
+    assert str(class_place(skills["wave_hand"])).endswith("wave.py:3:1")
+
+
+def test_a_skill_without_update_is_a_mistake(workspace: Workspace) -> None:
+    write(workspace, "lazy.py", HEAD + "class Lazy(Skill): pass\n")
+    with pytest.raises(UserError, match=r"lazy.py:3:1: the skill 'lazy' has no update\(\)"):
+        load_skills(workspace)
+
+
+def test_file_names_never_collide_with_modules(workspace: Workspace) -> None:
+    before = dict(sys.modules)
+    for name in ("numpy", "py_trees", "idle", "json"):
+        write(workspace, f"{name}.py", f"import numpy, json\n{WAVE.replace('WaveHand', 'Do' + name.title())}")
+    skills = load_skills(workspace)
+    assert {"do_numpy", "do_json"} <= set(skills)
+    assert all(sys.modules[name] is module for name, module in before.items())
+    assert all(name.startswith("_humanoid_bt_skill_") for name in set(sys.modules) - set(before))
+
+
+def test_a_users_skill_wins_over_a_built_in_one(
+    workspace: Workspace, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    builtin = tmp_path / "builtin"
+    (builtin / "skills").mkdir(parents=True)
+    (builtin / "skills" / "wave.py").write_text(WAVE.replace("Wave.", "Built in."))
+    workspace.layers = [workspace.root, builtin]
+    assert load_skills(workspace)["wave_hand"].__doc__ == "Built in."
+    write(workspace, "mine.py", WAVE.replace("Wave.", "Mine."))
+    assert load_skills(workspace)["wave_hand"].__doc__ == "Mine."
+
+
+def test_a_file_is_loaded_again_only_when_it_changed(workspace: Workspace) -> None:
+    write(workspace, "wave.py", WAVE)
+    first = load_skills(workspace)["wave_hand"]
+    assert load_skills(workspace)["wave_hand"] is first
+    write(workspace, "wave.py", WAVE.replace("Wave.", "Bow!!"))  # the same size, within the same second
+    assert load_skills(workspace)["wave_hand"].__doc__ == "Bow!!"
+
+
+def test_a_file_that_breaks_leaves_its_old_classes_whole(workspace: Workspace) -> None:
+    path = write(workspace, "wave.py", WAVE)
+    wave = load_skills(workspace)["wave_hand"]
+    path.write_text("1/0\n")
+    with pytest.raises(UserError, match="ZeroDivisionError"):
+        load_skills(workspace)
+    assert class_file(wave) == path.resolve()
+
+
+def test_nothing_is_written_beside_the_files(workspace: Workspace) -> None:
+    write(workspace, "wave.py", WAVE)
+    load_skills(workspace)
+    assert [path.name for path in (workspace.root / "skills").iterdir()] == ["wave.py"]
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("import nothing_of_this_name\n", r"bad.py:1:1: .*ModuleNotFoundError: No module named 'nothing_of_this_name'"),
+        ("x = 1\ndef f():\n    return 1 / 0\nf()\n", r"bad.py:3:12: .*ZeroDivisionError: division by zero"),
+        ("class A:\n  def f(:\n", r"bad.py:2:9: .*SyntaxError: "),
+        ("import json\njson.loads('{')\n", r"bad.py:2:1: .*JSONDecodeError"),
+        ("raise SystemExit(3)\n", r"bad.py:1:1: .*SystemExit: 3"),
+        (
+            WAVE.replace("    'Wave.'", "    resources = ('tail',)"),
+            r"bad.py:3:1: .*unknown resource 'tail'\n.*valid: base",
+        ),
+        (
+            WAVE.replace("    'Wave.'", "    resources = 'base'"),
+            r"bad.py:3:1: the resources of 'wave_hand' must be a tuple",
+        ),
+        (WAVE.replace("    'Wave.'", "    x: Nowhere = param(1, doc='')"), r"bad.py.*NameError: name 'Nowhere'"),
+        (WAVE.replace("    'Wave.'", "    x: 'Nowhere' = param(1, doc='')"), r"bad.py:3:1: .*cannot be read"),
+        (
+            WAVE.replace("    'Wave.'", "    status: int = param(1, doc='')"),
+            r"bad.py:3:1: .*declares the parameter 'status', which every node has",
+        ),
+        (WAVE.replace("    'Wave.'", "    x = param(1, doc='')"), r"bad.py:3:1: .*cannot be read"),
+    ],
+)
+def test_a_bad_file_is_answered_with_its_line(workspace: Workspace, text: str, message: str) -> None:
+    write(workspace, "bad.py", text)
+    with pytest.raises(UserError, match=message):
+        load_skills(workspace)
+
+
+def test_all_bad_files_are_answered_at_once(workspace: Workspace) -> None:
+    write(workspace, "a.py", "1/0\n")
+    write(workspace, "b.py", "1/0\n")
+    write(workspace, "c.py", WAVE)
+    write(workspace, "d.py", WAVE)
+    with pytest.raises(UserError) as caught:
+        load_skills(workspace)
+    assert [problem.message.split(":")[0] for problem in caught.value.problems] == [
+        "the skill file cannot be imported",
+        "the skill file cannot be imported",
+        "the skill 'wave_hand' is declared twice",
+    ]

@@ -1,0 +1,59 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from humanoid_bt.core.errors import UserError
+from humanoid_bt.files.workspace import Workspace, builtin_root
+
+
+@pytest.fixture
+def project(tmp_path: Path) -> Path:
+    for name in ("trees/walk.yaml", "trees/fetch.yaml", "sim/scenes/table.yaml", "sim/r2/robot.yaml", "skills/_no.py"):
+        path = tmp_path / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text("format: 1\n")
+    (tmp_path / "skills" / "wave.py").write_text("")
+    return tmp_path
+
+
+def test_names_are_looked_up_in_the_workspace_first_then_in_the_built_in_one(project: Path) -> None:
+    workspace = Workspace(project)
+    assert workspace.find_tree("walk") == project / "trees" / "walk.yaml"
+    assert workspace.find_tree("fetch") == project / "trees" / "fetch.yaml"
+    assert workspace.find_scene("table") == project / "sim" / "scenes" / "table.yaml"
+    assert workspace.find_robot("r2") == project / "sim" / "r2" / "robot.yaml"
+    elsewhere = Workspace(project / "skills")
+    assert elsewhere.find_tree("fetch") == builtin_root() / "trees" / "fetch.yaml"
+
+
+def test_paths_work_too(project: Path) -> None:
+    workspace = Workspace(builtin_root())
+    assert workspace.find_tree(str(project / "trees" / "walk.yaml")) == project / "trees" / "walk.yaml"
+    assert workspace.find_robot(str(project / "sim" / "r2")) == project / "sim" / "r2" / "robot.yaml"
+
+
+def test_the_users_skills_come_last_and_private_files_are_left_out(project: Path) -> None:
+    files = Workspace(project).skill_files()
+    assert files[-1] == project / "skills" / "wave.py"
+    assert not any(path.name.startswith("_") for path in files)
+
+
+def test_an_unknown_name_is_answered_with_the_nearest(project: Path) -> None:
+    workspace = Workspace(project)
+    with pytest.raises(UserError, match=r"no tree named 'wlak'\n    did you mean 'walk'\?"):
+        workspace.find_tree("wlak")
+    with pytest.raises(UserError, match=r"no tree file 'trees/wlak.yaml'\n    did you mean 'walk'\?"):
+        workspace.find_tree("trees/wlak.yaml")
+    with pytest.raises(UserError, match="no robot named 'r3'"):
+        workspace.find_robot("r3")
+
+
+def test_a_tree_belongs_to_the_folder_above_its_trees(project: Path) -> None:
+    assert Workspace.of_tree(project / "trees" / "deep" / "walk.yaml").root == project.resolve()
+
+
+def test_a_workspace_is_a_folder(project: Path) -> None:
+    with pytest.raises(UserError, match="is not a folder"):
+        Workspace(project / "none")

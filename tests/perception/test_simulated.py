@@ -1,0 +1,158 @@
+"""Simulated perception: frames, visibility, noise, and what stays the same from run to run."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from humanoid_bt.core.messages import Array, FootPose, Gait, Mode, Percept, State
+from humanoid_bt.perception.simulated import SimulatedPerception
+from humanoid_bt.plant.scene import Scene, load_scene
+
+EYES = np.array([0.1, 0.0, 0.5])  # from the base, in its frame
+EXACT = "noise: 0, noise_per_meter: 0, drop_out: 0"
+
+
+def scene(folder: Path, position: str, percept: str = EXACT, events: str = "[]") -> Scene:
+    path = folder / "scene.yaml"
+    path.write_text(
+        f"format: 1\nname: scene\nobjects: {{ball: {{shape: ball, size: [0.1], position: {position}}}}}\n"
+        f"percepts: {{target: {{object: ball{', ' * bool(percept)}{percept}}}}}\nevents: {events}\n"
+    )
+    return Scene(load_scene(path), 0)
+
+
+def state(time: float = 0.0, base: tuple[float, float, float] = (0, 0, 0.7), yaw: float = 0, gaze: float = 0) -> State:
+    """A robot at ``base`` that faces ``yaw`` and looks ``gaze`` to the left of that."""
+    c, s = math.cos(yaw), math.sin(yaw)
+    rotation = np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
+    none: Array = np.zeros(0)
+    zero: Array = np.zeros(3)
+    return State(
+        time=time, cycle=round(time * 1000), joint_positions=none, joint_velocities=none, joint_torques=none,
+        setpoint_positions=none, setpoint_velocities=none, base_position=np.array(base),
+        base_quaternion=np.array([math.cos(yaw / 2), 0, 0, math.sin(yaw / 2)]), base_linear_velocity=zero,
+        base_angular_velocity=zero, com=zero, com_velocity=zero, hands={}, feet={"left": FootPose(0, 0.09, 0)},
+        stance=zero, gaze_position=np.array(base) + rotation @ EYES,
+        gaze_direction=np.array([math.cos(yaw + gaze), math.sin(yaw + gaze), 0]), foot_force={}, gait=Gait.STAND,
+        footsteps=(), base_settled=True, mode=Mode.RUN, stop_reason="", stop_source="", command_sequence=-1,
+        command_sources={}, targets={}, hand_errors={}, limit_flags=(),
+    )  # fmt: skip
+
+
+def watch(perception: SimulatedPerception, seconds: float, yaw: float = 0) -> list[Percept]:
+    return [seen for step in range(round(seconds * 10)) for seen in perception.observe(state(step / 10, yaw=yaw))]
+
+
+def test_the_position_is_in_the_frame_of_a_turned_and_moved_base(tmp_path: Path) -> None:
+    perception = SimulatedPerception(scene(tmp_path, "[2, 3, 0.9]"), 0)
+    (seen,) = perception.observe(state(time=1.5, base=(2, 1, 0.7), yaw=math.pi / 2))
+    np.testing.assert_allclose(seen.position, [2, 0, 0.2], atol=1e-12)
+    assert (seen.name, seen.stamp) == ("target", 1.5)
+    assert seen.confidence > 0.9
+
+
+def test_a_tilted_base_tilts_the_position(tmp_path: Path) -> None:
+    perception = SimulatedPerception(scene(tmp_path, "[1, 0, 0.7]"), 0)
+    half = math.pi / 12  # leaning forward by 30 degrees
+    leaning = replace(state(), base_quaternion=np.array([math.cos(half), 0, math.sin(half), 0]))
+    (seen,) = perception.observe(leaning)
+    np.testing.assert_allclose(seen.position, [math.cos(math.pi / 6), 0, 0.5], atol=1e-12)
+
+
+def test_what_is_behind_is_not_published_before_it_was_seen(tmp_path: Path) -> None:
+    perception = SimulatedPerception(scene(tmp_path, "[-1, 0, 0.9]"), 0)
+    assert perception.observe(state(0.0)) == []
+    (seen,) = perception.observe(state(0.1, yaw=math.pi))
+    assert seen.confidence > 0.9
+    (remembered,) = perception.observe(state(0.2))
+    assert remembered.confidence < 0.15
+    assert remembered.stamp == 0.2
+    np.testing.assert_allclose(remembered.position, [-1, 0, 0.2], atol=1e-12)
+
+
+def test_what_is_hidden_stays_where_it_was_last_seen(tmp_path: Path) -> None:
+    events = "[{at: 0.5, hide: ball}, {at: 0.6, move: ball, to: [1, 1, 1]}, {at: 1, show: ball}]"
+    perception = SimulatedPerception(scene(tmp_path, "[1, 0, 0.9]", events=events), 0)
+    percepts = watch(perception, 1.5)
+    assert [seen.confidence > 0.6 for seen in percepts] == [True] * 5 + [False] * 5 + [True] * 5
+    np.testing.assert_allclose(percepts[9].position, [1, 0, 0.2], atol=1e-12)
+    np.testing.assert_allclose(percepts[10].position, [1, 1, 0.3], atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("position", "gaze", "visible"),
+    [
+        ("[2.1, 0, 1.2]", 48, True),
+        ("[2.1, 0, 1.2]", 52, False),
+        ("[2.1, 0, 1.2]", -48, True),
+        ("[2.1, 0, 1.2]", -52, False),
+        ("[1.1, 0, 1.99]", 0, True),  # 38 degrees up
+        ("[1.1, 0, 2.09]", 0, False),  # 42 degrees up
+        ("[1.1, 0, 0.41]", 0, True),
+        ("[1.1, 0, 0.31]", 0, False),
+        ("[4.0, 0, 1.2]", 0, True),
+        ("[4.2, 0, 1.2]", 0, False),
+    ],
+)
+def test_the_eyes_see_100_by_80_degrees_and_4_meters(tmp_path: Path, position: str, gaze: float, visible: bool) -> None:
+    perception = SimulatedPerception(scene(tmp_path, position), 0)
+    assert bool(perception.observe(state(gaze=math.radians(gaze)))) == visible
+
+
+def test_confidence_falls_with_distance_but_stays_clear_of_usual_thresholds(tmp_path: Path) -> None:
+    means = []
+    for distance in (0.3, 2.0, 3.0, 3.99):
+        perception = SimulatedPerception(scene(tmp_path, f"[{distance + 0.1}, 0, 1.2]"), 1)
+        values = [seen.confidence for seen in watch(perception, 50)]
+        assert 0 <= min(values) < max(values) <= 1
+        assert max(values) - min(values) < 0.05
+        if distance <= 3:
+            assert min(values) > 0.72
+        means.append(np.mean(values))
+    assert means == sorted(means, reverse=True)
+    assert means[0] == pytest.approx(0.95, abs=0.01)
+    assert means[-1] == pytest.approx(0.6, abs=0.01)
+
+
+@pytest.mark.parametrize("distance", [0.5, 3.0])
+def test_noise_is_unbiased_and_grows_with_distance(tmp_path: Path, distance: float) -> None:
+    perception = SimulatedPerception(scene(tmp_path, f"[{distance + 0.1}, 0, 1.2]", ""), 2)
+    percepts = watch(perception, 200)
+    errors = np.array([seen.position for seen in percepts]) - [distance + 0.1, 0, 0.5]
+    deviation = 0.003 + 0.004 * distance
+    np.testing.assert_allclose(errors.std(axis=0), deviation, rtol=0.1)
+    np.testing.assert_allclose(errors.mean(axis=0), 0, atol=4 * deviation / math.sqrt(len(errors)))
+    assert 0.005 < 1 - len(percepts) / 2000 < 0.04  # one in fifty drops out
+
+
+def test_the_seed_alone_decides_the_noise(tmp_path: Path) -> None:
+    ahead = scene(tmp_path, "[2, 0, 1]", "drop_out: 0.2")
+    runs = [watch(SimulatedPerception(ahead, seed), 5) for seed in (5, 5, 6)]
+    first, again, other = ([(seen.stamp, *seen.position, seen.confidence) for seen in run] for run in runs)
+    assert first == again
+    assert first != other
+
+
+def test_what_was_seen_before_does_not_change_later_noise(tmp_path: Path) -> None:
+    ahead = scene(tmp_path, "[2, 0, 1]", "drop_out: 0.2")
+    blind, seeing = SimulatedPerception(ahead, 5), SimulatedPerception(ahead, 5)
+    watch(blind, 2, yaw=math.pi)
+    watch(seeing, 2)
+    first, second = blind.observe(state(2.0)), seeing.observe(state(2.0))
+    assert [seen.confidence for seen in first] == [seen.confidence for seen in second]
+
+
+def test_drop_outs_publish_nothing_and_remember_nothing(tmp_path: Path) -> None:
+    perception = SimulatedPerception(scene(tmp_path, "[2, 0, 1]", "drop_out: 1"), 0)
+    assert watch(perception, 1) == []
+
+
+def test_looking_straight_down_still_sees_what_is_there(tmp_path: Path) -> None:
+    down = replace(state(), gaze_direction=np.array([0.0, 0.0, -1.0]))
+    assert SimulatedPerception(scene(tmp_path, "[0.1, 0, 0.3]"), 0).observe(down)
+    assert not SimulatedPerception(scene(tmp_path, "[1.5, 0, 1.2]"), 0).observe(down)

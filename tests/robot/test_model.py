@@ -1,0 +1,231 @@
+"""robot.yaml and the model it names: what they must say, and how mistakes are answered."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import pytest
+
+from humanoid_bt.core.errors import UserError
+from humanoid_bt.robot.config import load_robot_config
+from humanoid_bt.robot.model import (
+    BASE_COORDINATES,
+    BASE_DOFS,
+    GAZE_SITE,
+    RobotModel,
+    foot_sensor,
+    palm_site,
+    sole_site,
+)
+
+FOLDER = Path(__file__).resolve().parents[2] / "sim" / "humanoid"
+
+
+@pytest.fixture(scope="module")
+def robot() -> RobotModel:
+    return RobotModel(load_robot_config(FOLDER / "robot.yaml"))
+
+
+Edit = Callable[[str, str, str], None]
+
+
+@pytest.fixture
+def edit(tmp_path: Path) -> Edit:
+    """Change a copy of the built-in robot: file, old text, new text."""
+    for file in ("robot.yaml", "humanoid.xml"):
+        shutil.copy(FOLDER / file, tmp_path)
+
+    def change(file: str, old: str, new: str) -> None:
+        text = (tmp_path / file).read_text()
+        assert old in text
+        (tmp_path / file).write_text(text.replace(old, new, 1))
+
+    return change
+
+
+def load(folder: Path) -> RobotModel:
+    return RobotModel(load_robot_config(folder / "robot.yaml"))
+
+
+def place_of(folder: Path, file: str, text: str) -> str:
+    """Return file:line:column of the first place where a text stands."""
+    lines = (folder / file).read_text().splitlines()
+    line = next(i for i, content in enumerate(lines) if text in content)
+    return f"{folder / file}:{line + 1}:{lines[line].index(text) + 1}"
+
+
+def test_joints_are_in_the_models_order(robot: RobotModel) -> None:
+    model = robot.model
+    for i, name in enumerate(robot.joint_names):
+        joint = model.joint(name)
+        assert joint.qposadr[0] == BASE_COORDINATES + i
+        assert joint.dofadr[0] == BASE_DOFS + i
+        assert robot.joint(name) == i
+        assert model.actuator(i).name == name
+
+
+def test_numbers_of_the_drives_come_from_their_group(robot: RobotModel) -> None:
+    knee, neck = robot.joint("right_knee"), robot.joint("neck_yaw")
+    numbers = (robot.stiffness, robot.damping, robot.torque_limit, robot.speed_limit)
+    assert [values[knee] for values in numbers] == [500, 20, 150, 12]
+    assert [values[neck] for values in numbers] == [40, 2, 15, 12]
+
+
+def test_soft_limits_lie_inside_the_models(robot: RobotModel) -> None:
+    margin = robot.config.soft_limit_margin
+    np.testing.assert_allclose(robot.lower, robot.model.jnt_range[1:, 0] + margin)
+    np.testing.assert_allclose(robot.upper, robot.model.jnt_range[1:, 1] - margin)
+
+
+def test_the_home_posture_is_inside_the_soft_limits(robot: RobotModel) -> None:
+    home = robot.home_qpos[BASE_COORDINATES:]
+    assert home[robot.joint("left_knee")] == 0.7
+    assert home[robot.joint("right_shoulder_roll")] == -0.15
+    assert home[robot.joint("neck_yaw")] == 0
+    assert ((home >= robot.lower) & (home <= robot.upper)).all()
+
+
+def test_sites_and_sensors_are_added(robot: RobotModel) -> None:
+    for side in ("left", "right"):
+        leg, hand = robot.config.legs[side], robot.config.hands[side]
+        assert robot.model.body(robot.model.site(sole_site(side)).bodyid[0]).name == leg.sole.body
+        np.testing.assert_allclose(robot.model.site(sole_site(side)).pos, leg.sole.position)
+        np.testing.assert_allclose(robot.model.site(palm_site(side)).pos, hand.position)
+        assert robot.model.sensor(foot_sensor(side)).dim[0] == 3
+    np.testing.assert_allclose(robot.model.site(GAZE_SITE).pos, robot.config.gaze.position)
+    assert robot.mass == pytest.approx(robot.model.body_mass.sum())
+
+
+def test_a_published_models_own_drives_keyframes_and_sensors_do_not_disturb(tmp_path: Path, edit: Edit) -> None:
+    own = (
+        '<actuator><motor name="m" joint="left_knee" gear="50"/></actuator>'
+        '<sensor><gyro site="imu"/><actuatorfrc actuator="m"/></sensor>'
+        '<keyframe><key name="home" ctrl="1"/></keyframe></mujoco>'
+    )
+    edit("humanoid.xml", "</mujoco>", own)
+    robot = load(tmp_path)
+    assert robot.model.nu == len(robot.joint_names)
+    assert robot.model.nkey == 0
+    assert robot.model.nsensor == 2  # the feet's
+    assert robot.model.actuator("left_knee").gainprm[0] == 1
+
+
+# ---- mistakes -------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message", "hint"),
+    [
+        ("torso: torso", "torso: torzo", "the model has no body 'torzo'", "did you mean 'torso'?"),
+        (
+            "hip_roll: left_hip_roll",
+            "hip_roll: left_hip_rol",
+            "no joint 'left_hip_rol'",
+            "did you mean 'left_hip_roll'?",
+        ),
+        ("{body: left_hand,", "{body: lefthand,", "the model has no body 'lefthand'", "did you mean 'left_hand'?"),
+        ("yaw: neck_yaw", "yaw: neckyaw", "the model has no joint 'neckyaw'", "did you mean 'neck_yaw'?"),
+        ('"*_knee": 0.70', '"*_kneee": 0.70', "no joint of the model matches '*_kneee'", "left_knee"),
+        ('torso: ["waist_*"', 'torso: ["waste_*"', "no joint of the model matches 'waste_*'", "waist_yaw"),
+    ],
+)
+def test_an_unknown_name_is_answered_with_its_place_and_the_nearest_one(
+    *, tmp_path: Path, edit: Edit, old: str, new: str, message: str, hint: str
+) -> None:
+    edit("robot.yaml", old, new)
+    with pytest.raises(UserError) as error:
+        load(tmp_path)
+    (problem,) = error.value.problems
+    assert message in problem.message
+    assert hint in problem.hint
+    wrong = problem.message.split("'")[1]
+    line = place_of(tmp_path, "robot.yaml", wrong).rsplit(":", 1)[0]
+    assert str(problem.place).startswith(line + ":")
+
+
+def test_a_joint_without_a_drive_is_named(tmp_path: Path, edit: Edit) -> None:
+    edit("robot.yaml", '  - {joints: ["neck_*"], stiffness: 40, damping: 2, torque: 15}\n', "")
+    with pytest.raises(UserError) as error:
+        load(tmp_path)
+    (problem,) = error.value.problems
+    assert problem.message == "no group in 'drives' matches 'neck_yaw', 'neck_pitch'"
+    assert problem.place is not None
+    assert problem.place.line > 1
+
+
+def test_a_missing_model_file_is_named_where_it_is_asked_for(tmp_path: Path, edit: Edit) -> None:
+    edit("robot.yaml", "model: humanoid.xml", "model: human.xml")
+    with pytest.raises(UserError, match=r"the model file 'human.xml' is missing") as error:
+        load(tmp_path)
+    (problem,) = error.value.problems
+    assert str(problem.place) == place_of(tmp_path, "robot.yaml", "human.xml")
+    assert str(tmp_path / "human.xml") in problem.hint
+
+
+def test_a_missing_side_is_named(tmp_path: Path, edit: Edit) -> None:
+    edit("robot.yaml", "  right: {body: right_hand, position: [0, 0, -0.10]}\n", "")
+    with pytest.raises(UserError, match="'hands' must have the keys left and right"):
+        load(tmp_path)
+
+
+MISSING_MESH = '<asset><mesh name="m" file="gone.stl"/></asset><worldbody><geom type="mesh" mesh="m"/></worldbody>'
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("</mujoco>", "", "not a valid MJCF model"),
+        ("<worldbody>", '<worldbody><geom typ="box"/>', "unrecognized attribute: 'typ'"),
+        ("<worldbody>", f"{MISSING_MESH}<worldbody>", "gone.stl"),
+        ("</mujoco>", '<equality><weld body1="pelvis"/></equality></mujoco>', "equality constraints"),
+        ('<body name="head"', '<body name="head" gravcomp="1"', "gravcomp"),
+        ('<joint name="left_knee"', '<joint name="left_knee" type="slide"', "these joints are none: left_knee"),
+    ],
+)
+def test_a_model_that_cannot_be_used_is_answered_with_the_models_name(
+    *, tmp_path: Path, edit: Edit, old: str, new: str, message: str
+) -> None:
+    edit("humanoid.xml", old, new)
+    with pytest.raises(UserError) as error:
+        load(tmp_path)
+    (problem,) = error.value.problems
+    assert message in problem.message
+    assert "\n" not in problem.message
+    assert str(problem.place) == str(tmp_path / "humanoid.xml")
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ('<freejoint name="root"/>', ""),
+        ("<worldbody>", '<worldbody><body><joint name="left_knee_stand"/><geom size="0.1"/></body>'),
+        ("<worldbody>", '<worldbody><body><freejoint name="other"/><geom size="0.1"/></body>'),
+    ],
+)
+def test_the_base_must_be_the_one_thing_that_floats(tmp_path: Path, edit: Edit, old: str, new: str) -> None:
+    edit("humanoid.xml", old, new)
+    with pytest.raises(UserError) as error:
+        load(tmp_path)
+    problem = error.value.problems[0]
+    assert "exactly one free joint, on the base 'pelvis'" in problem.message
+    assert str(problem.place) == place_of(tmp_path, "robot.yaml", "pelvis")
+
+
+def test_every_mistake_is_told_at_once(tmp_path: Path, edit: Edit) -> None:
+    edit("robot.yaml", "torso: torso", "torso: torzo")
+    edit("robot.yaml", '"*_knee": 0.70', '"*_kneee": 0.70')
+    edit("humanoid.xml", "</mujoco>", '<equality><weld body1="pelvis"/></equality></mujoco>')
+    with pytest.raises(UserError) as error:
+        load(tmp_path)
+    assert len(error.value.problems) == 3
+
+
+def test_the_built_in_model_is_not_changed_by_compiling(robot: RobotModel) -> None:
+    again = robot.spec().compile()
+    for name in ("body_mass", "jnt_range", "actuator_forcerange", "qpos0"):
+        np.testing.assert_array_equal(getattr(again, name), getattr(robot.model, name))
+    assert isinstance(robot.spec(), mujoco.MjSpec)

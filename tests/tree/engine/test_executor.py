@@ -1,0 +1,191 @@
+from __future__ import annotations
+
+import pytest
+from py_trees.common import Status
+
+from humanoid_bt.core.errors import ResourceConflict, UserError
+from humanoid_bt.files.workspace import Workspace
+from humanoid_bt.tree.engine.executor import NodeError
+from tests.tree.helpers import Run, load, run, seen
+
+
+def test_a_tick_commits_one_command_with_its_sources(workspace: Workspace) -> None:
+    idle = run(workspace, "{emergency_stop: idle}")
+    first, second = idle.tick(), idle.tick()
+    assert dict(first.sources) == {"gaze": "t/emergency_stop/idle"}
+    assert (first.sequence, second.sequence) == (0, 1)
+    assert second.stamp == pytest.approx(0.1)
+    assert idle.executor.status is Status.RUNNING
+
+
+def test_a_halted_tree_commands_nothing(workspace: Workspace) -> None:
+    idle = run(workspace, "{emergency_stop: idle}")
+    idle.tick()
+    idle.executor.halt("Ctrl-C")
+    assert idle.robot.commit().targets == {}
+    assert idle.executor.status is Status.INVALID
+    assert idle.changes[-1].feedback == "halted: Ctrl-C"
+
+
+def test_only_changes_are_told_and_with_the_time_of_the_tick(workspace: Workspace) -> None:
+    sequence = run(workspace, "{sequence: [{act: {name: a, script: s}}, {act: {name: b, script: rrs}}]}")
+    sequence.tick()
+    assert sequence.told() == [("a", "SUCCESS"), ("b", "RUNNING"), ("sequence", "RUNNING")]
+    sequence.tick()
+    assert sequence.changes == []
+    sequence.tick()
+    assert sequence.told() == [("b", "SUCCESS"), ("sequence", "SUCCESS")]
+    assert [change.time for change in sequence.changes] == pytest.approx([0.2, 0.2])
+
+
+def test_the_preempted_owner_of_a_resource_loses_it_within_the_tick(workspace: Workspace) -> None:
+    taken = run(
+        workspace,
+        "{emergency_stop: {selector: [{sequence: [{inverter: {act: {script: ssf}}}, {idle: {name: new}}]}, "
+        "{idle: {name: old}}]}}",
+    )
+    assert taken.tick().sources["gaze"].endswith("/old")
+    taken.tick()
+    assert taken.tick().sources["gaze"].endswith("/new")
+
+
+ERROR = """
+name: broken
+root:
+  parallel:
+    - act: {name: before}
+    - sequence:
+        - act: {name: bad, script: rx}
+    - act: {name: after}
+"""
+
+
+def test_an_exception_halts_the_tree_in_order_and_says_where(workspace: Workspace) -> None:
+    broken = Run(load(workspace, ERROR))
+    broken.tick()
+    broken.log.clear()
+    with pytest.raises(NodeError) as caught:
+        broken.tick()
+    error = caught.value
+    assert broken.log == [("INVALID", "bad"), ("INVALID", "before"), ("INVALID", "after")]
+    assert error.path == "broken/parallel/sequence/bad"
+    assert (error.place.line, error.place.column) == (8, 11)
+    assert isinstance(error.error, RuntimeError)
+    assert error.where is not None and error.where.file.endswith("test_skills.py")
+    source = (workspace.root / "skills" / "test_skills.py").read_text().splitlines()
+    assert 'raise RuntimeError("out of order")' in source[error.where.line - 1]
+    assert "out of order" in str(error) and "t.yaml:8:11" in str(error)
+    assert all(node.status is Status.INVALID for node in broken.tree.root.iterate())
+    feedback = {change.path.rpartition("/")[2]: change.feedback for change in broken.changes}
+    assert feedback["bad"] == "raised RuntimeError: out of order"
+    assert feedback["after"] == "halted: 'bad' raised an exception"
+
+
+def test_an_exception_in_the_first_tick_still_tells_the_node_to_let_go(workspace: Workspace) -> None:
+    broken = run(workspace, "{parallel: [{act: {name: a}}, {act: {name: b, script: x}}]}")
+    with pytest.raises(NodeError):
+        broken.tick()
+    assert broken.log == [("start", "a"), ("start", "b"), ("INVALID", "b"), ("INVALID", "a")]
+    assert ("b", "INVALID") in broken.told()
+
+
+def test_what_is_no_status_is_an_error(workspace: Workspace) -> None:
+    broken = run(workspace, "{sequence: [{act: {script: n}}]}")
+    with pytest.raises(NodeError, match="must be SUCCESS, FAILURE or RUNNING, not None"):
+        broken.tick()
+
+
+def test_a_node_that_raises_when_halted_does_not_keep_others_from_being_halted(workspace: Workspace) -> None:
+    broken = run(workspace, "{parallel: [{act: {name: a}}, bad_end, {act: {name: c}}]}")
+    broken.tick()
+    broken.log.clear()
+    with pytest.raises(NodeError, match="cannot stop"):
+        broken.executor.halt("test")
+    assert broken.log == [("INVALID", "a"), ("INVALID", "bad_end"), ("INVALID", "c")]
+    assert all(node.status is Status.INVALID for node in broken.tree.root.iterate())
+
+
+def test_a_node_that_raises_when_preempted_is_told_once(workspace: Workspace) -> None:
+    broken = run(workspace, "{selector: [{act: {script: fs}}, {parallel: [bad_end, {act: {name: other}}]}]}")
+    broken.tick()
+    with pytest.raises(NodeError) as caught:
+        broken.tick()
+    assert caught.value.path.endswith("/bad_end")
+    assert broken.log.count(("INVALID", "bad_end")) == 1
+    assert broken.log.count(("INVALID", "other")) == 1
+
+
+def test_two_living_owners_of_a_resource_halt_the_tree(workspace: Workspace) -> None:
+    (workspace.root / "skills" / "thief.py").write_text(
+        "from humanoid_bt.decision.skill import Skill, Status\n"
+        "class Thief(Skill):\n"
+        "    def setup(self, **kwargs):\n"
+        "        self.robot = kwargs['robot'].handle(self.path, ('gaze',))\n"
+        "    def update(self):\n"
+        "        self.robot.look_at([0, 0, 0])\n"
+        "        return Status.RUNNING\n"
+    )
+    thief = run(workspace, "{emergency_stop: {parallel: [idle, thief]}}")
+    with pytest.raises(ResourceConflict, match=r"idle.*thief"):
+        thief.tick()
+    assert thief.executor.status is Status.INVALID
+
+
+def test_what_setup_does_not_find_is_an_error_at_the_node(workspace: Workspace) -> None:
+    (workspace.root / "skills" / "picky.py").write_text(
+        "from humanoid_bt.core.errors import UserError\n"
+        "from humanoid_bt.decision.skill import Skill, Status\n"
+        "class Picky(Skill):\n"
+        "    def setup(self, **kwargs):\n"
+        "        raise UserError('there is no tail')\n"
+        "    def update(self):\n"
+        "        return Status.RUNNING\n"
+        "class Rude(Picky):\n"
+        "    def setup(self, **kwargs):\n"
+        "        raise KeyError('tail')\n"
+    )
+    with pytest.raises(UserError, match=r"t.yaml:2:19: there is no tail\n.*t.yaml:2:26: there is no tail"):
+        run(workspace, "{sequence: [picky, picky]}")
+    with pytest.raises(NodeError, match="KeyError"):
+        run(workspace, "rude")
+
+
+def test_a_tree_that_ended_starts_again(workspace: Workspace) -> None:
+    again = run(workspace, "{sequence: [plain]}")
+    assert again.ticks(3) == "rss"
+
+
+def test_the_same_inputs_give_the_same_changes(workspace: Workspace) -> None:
+    def trace() -> list[str]:
+        under_test = run(
+            workspace,
+            "{emergency_stop: {watchdog: {percept: target, max_age: 0.3, on_stale: idle, selector: "
+            "[{sequence: [{confident: {percept: target, above: 0.6}}, {approach: {target: target}}]}, idle]}}}",
+        )
+        lines: list[str] = []
+        for step in range(30):
+            percepts = seen(under_test.time, 2 - step * 0.1, (step * 7 % 10) / 10) if step % 9 < 5 else {}
+            command = under_test.tick(percepts)
+            lines += [str(change) for change in under_test.changes] + [str(dict(command.sources))]
+        return lines
+
+    assert trace() == trace()
+
+
+def test_children_of_a_branch_that_raises_are_told_before_it(workspace: Workspace) -> None:
+    choice = "{switch: {value: n, cases: {0: running}}}"
+    root = f"{{parallel: {{failure: all, children: [{choice}, {{clear_blackboard: n}}]}}}}"
+    under_test = Run(load(workspace, f"blackboard: {{n: 0}}\nroot: {root}\n"))
+    under_test.tick()
+    with pytest.raises(NodeError, match="'n' is read before anything has written it"):
+        under_test.tick()
+    names = ["running", "switch", "clear_blackboard", "parallel"]
+    assert under_test.told() == [(name, "INVALID") for name in names]
+
+
+def test_a_child_that_had_ended_is_told_before_its_halted_parent(workspace: Workspace) -> None:
+    slow = "{min_duration: {duration: 1 s, success: }}"
+    under_test = run(workspace, f"{{parallel: {{success: one, children: [{slow}, {{act: {{script: rs}}}}]}}}}")
+    under_test.ticks(2)
+    told = [("act", "SUCCESS"), ("success", "INVALID"), ("min_duration", "INVALID"), ("parallel", "SUCCESS")]
+    assert under_test.told() == told
