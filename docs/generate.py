@@ -24,17 +24,20 @@ from examples import EXAMPLES
 from humanoid_bt.checking.codes import ALLOWABLE, CODES
 from humanoid_bt.core import clock
 from humanoid_bt.core.messages import State
-from humanoid_bt.core.params import UNITS, Param, params_of, written_units
-from humanoid_bt.decision.robot import RobotHandle, Track
+from humanoid_bt.core.params import Param, params_of
+from humanoid_bt.core.units import UNITS, factors
+from humanoid_bt.decision.robot import RobotHandle
 from humanoid_bt.files.workspace import Workspace, builtin_root
+from humanoid_bt.perception.track import Track
 from humanoid_bt.plant.scene_config import SceneConfig
 from humanoid_bt.robot.config import RobotConfig
 from humanoid_bt.testing.rig import Rig, RigResult
 from humanoid_bt.tree.expressions.quantities import TRUTH
 from humanoid_bt.tree.expressions.vocabulary import PERCEPT, SEEN, STATE
+from humanoid_bt.tree.node_type import NODE_KEYS, NodeType
 from humanoid_bt.tree.nodes import BUILTIN
 from humanoid_bt.tree.nodes.elsewhere import FOREIGN
-from humanoid_bt.tree.nodes.registry import NODE_KEYS, NodeType, Registry
+from humanoid_bt.tree.nodes.registry import Registry
 from humanoid_bt.tree.show import svg_tree
 from humanoid_bt.tree.slots import Slot
 from humanoid_bt.tree.source.file import PARTS, Header
@@ -103,7 +106,7 @@ def parameter_keys() -> str:
 
 def units() -> str:
     """Return the table of units."""
-    rows = [(f"`{unit}`", ", ".join(f"`{written}`" for written in written_units(unit))) for unit in UNITS]
+    rows = [(f"`{unit}`", ", ".join(f"`{written}`" for written in factors(unit))) for unit in UNITS]
     return _table(("declared in", "may be written in"), rows)
 
 

@@ -7,9 +7,9 @@ import numpy as np
 
 from humanoid_bt.core.messages import Side
 from humanoid_bt.core.params import param
-from humanoid_bt.decision.robot import Track
 from humanoid_bt.decision.signals import Improving, Lasting, Steady
 from humanoid_bt.decision.skill import PerceptName, Skill, Status, of_hand
+from humanoid_bt.perception.track import Track
 
 _HEIGHT = 0.75  # of the eyes' height: the chest
 

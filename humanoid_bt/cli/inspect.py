@@ -15,7 +15,8 @@ from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.robot.config import load_robot_config
 from humanoid_bt.robot.model import RobotModel
 from humanoid_bt.session.report import ExitCode
-from humanoid_bt.tree.nodes.registry import NodeType, Registry
+from humanoid_bt.tree.node_type import NodeType
+from humanoid_bt.tree.nodes.registry import Registry
 
 
 def skills(arguments: argparse.Namespace) -> int:

@@ -7,10 +7,11 @@ have keys of their own, but for those that their caller hands to them.
 from __future__ import annotations
 
 import re
+import typing
 from typing import Any, ClassVar
 
 from humanoid_bt.core.errors import HumanoidBtError, UserError
-from humanoid_bt.files.document import Item
+from humanoid_bt.core.items import Item
 
 KEY_NAME = re.compile(r"^[A-Za-z_]\w*$")
 """How keys and parameters of trees are called."""
@@ -104,3 +105,8 @@ class Key:
 def are_keys(value: Any) -> bool:
     """Return whether a parameter's value is a list of keys."""
     return isinstance(value, list) and bool(value) and all(isinstance(part, Key) for part in value)
+
+
+def names_key(kind: Any) -> bool:
+    """Return whether a parameter of this type names a key, which the node writes."""
+    return kind is Key or Key in typing.get_args(kind)

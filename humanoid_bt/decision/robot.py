@@ -30,69 +30,13 @@ from humanoid_bt.core.messages import (
     State,
     Target,
 )
+from humanoid_bt.perception.track import Track
 from humanoid_bt.robot.config import RobotConfig
 
 _log = logging.getLogger(__name__)
 _LEVELS: dict[Level, int] = {"info": logging.INFO, "warning": logging.WARNING, "error": logging.ERROR}
 
 _POSE_HISTORY = 64  # ticks of base poses kept to place late percepts: 1.3 s at 50 Hz
-
-
-class Track:
-    """The latest percept of one thing, placed in the world, as it was at the start of a tick.
-
-    What depends on where the robot stands is worked out when it is read.
-
-    Attributes:
-        name: the percept's name.
-        stamp: when it was seen [s].
-        age: how long ago that is [s].
-        position_world: shape (3,) [m], from the base pose at the time it was seen.
-        position_base: shape (3,), in the robot's base frame now [m].
-        distance: horizontal distance from the robot's stance (middle between the feet) [m].
-        bearing: direction of it from the stance's heading, left positive [rad].
-        confidence: in [0, 1].
-    """
-
-    __slots__ = ("_percept", "_state", "age", "position_world")
-
-    def __init__(self, percept: Percept, position_world: Array, age: float, state: State) -> None:
-        self._percept = percept
-        self._state = state
-        self.age = age
-        self.position_world = position_world
-
-    @property
-    def name(self) -> str:  # noqa: D102 (documented above, as the others)
-        return self._percept.name
-
-    @property
-    def stamp(self) -> float:  # noqa: D102
-        return self._percept.stamp
-
-    @property
-    def confidence(self) -> float:  # noqa: D102
-        return self._percept.confidence
-
-    @property
-    def position_base(self) -> Array:  # noqa: D102
-        state = self._state
-        return rotation_matrix(state.base_quaternion).T @ (self.position_world - state.base_position)
-
-    @property
-    def distance(self) -> float:  # noqa: D102
-        return math.hypot(*self._offset())
-
-    @property
-    def bearing(self) -> float:  # noqa: D102
-        x, y = self._offset()
-        bearing = math.atan2(y, x) - float(self._state.stance[2])
-        return (bearing + math.pi) % (2 * math.pi) - math.pi
-
-    def _offset(self) -> tuple[float, float]:
-        x, y, _ = self.position_world.tolist()
-        stance_x, stance_y, _ = self._state.stance.tolist()
-        return x - stance_x, y - stance_y
 
 
 class Robot:

@@ -23,7 +23,8 @@ from typing import Any, ClassVar
 import py_trees
 from py_trees.common import Status
 
-from humanoid_bt.core.params import PerceptName, assign
+from humanoid_bt.core.params import PerceptName
+from humanoid_bt.decision.assign import assign
 from humanoid_bt.decision.robot import Robot, RobotHandle
 
 __all__ = ["PerceptName", "Skill", "Status", "node_type_name", "of_hand"]

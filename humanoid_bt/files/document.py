@@ -6,13 +6,13 @@ cannot exhaust memory or the stack: its size after expanding aliases and its dep
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import yaml
 
 from humanoid_bt.core.errors import Place, Problem, UserError, relative
+from humanoid_bt.core.items import Item
 
 MAX_ITEMS = 100_000
 """Most values in one file, aliases expanded."""
@@ -23,37 +23,6 @@ MAX_DEPTH = 100
 _TAG = "tag:yaml.org,2002:"
 _CONSTRUCTED = {_TAG + name for name in ("null", "bool", "int", "float")}
 _TEXT = {_TAG + name for name in ("str", "timestamp", "value", "merge")}  # a date or a lone "=" is text here
-
-
-@dataclass(frozen=True)
-class Item:
-    """A value of a YAML file and its place.
-
-    Attributes:
-        value: a scalar, a ``list[Item]`` or a ``dict[str, Item]``.
-        place: where the value begins.
-        key_places: for a mapping, where each key stands.
-        text_at: for text on one line, how many columns behind its place its first character stands.
-    """
-
-    value: Any
-    place: Place
-    key_places: dict[str, Place] = field(default_factory=dict)
-    text_at: int | None = field(default=None, compare=False)
-
-    def plain(self) -> Any:
-        """Return the value as ``yaml.safe_load`` would give it."""
-        if isinstance(self.value, dict):
-            return {key: item.plain() for key, item in self.value.items()}
-        if isinstance(self.value, list):
-            return [item.plain() for item in self.value]
-        return self.value
-
-    @property
-    def kind(self) -> str:
-        """The value's kind in words, for messages."""
-        names = {dict: "a mapping", list: "a list", str: "text", bool: "a boolean", type(None): "nothing"}
-        return names.get(type(self.value), "a number")
 
 
 def read_text(path: Path) -> str:

@@ -9,9 +9,10 @@ from pathlib import Path
 from typing import Literal
 
 from humanoid_bt.core.errors import Problem, UserError, nearest
-from humanoid_bt.core.params import param, read
+from humanoid_bt.core.items import Item
+from humanoid_bt.core.params import param
+from humanoid_bt.core.reading import read
 from humanoid_bt.files import document
-from humanoid_bt.files.document import Item
 
 Shape = Literal["ball", "box", "cylinder"]
 Color = Literal["red", "orange", "yellow", "green", "blue", "purple", "white", "grey", "black"]

@@ -10,7 +10,7 @@ import numpy as np
 import rerun as rr
 
 from humanoid_bt.core.messages import SIDES, Array, BaseTarget, FootPose, GazeTarget, HandTarget, Side, State
-from humanoid_bt.decision.robot import Track
+from humanoid_bt.perception.track import Track
 from humanoid_bt.record.columns import Color, entity, send, send_sets
 from humanoid_bt.record.scene_view import WORLD
 from humanoid_bt.robot.config import SoleConfig

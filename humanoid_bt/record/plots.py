@@ -10,7 +10,7 @@ import numpy as np
 import rerun as rr
 
 from humanoid_bt.core.messages import SIDES, Array, State
-from humanoid_bt.decision.robot import Track
+from humanoid_bt.perception.track import Track
 from humanoid_bt.record.columns import Color, entity, send
 from humanoid_bt.record.overlays import SIDE_COLORS
 from humanoid_bt.robot.config import RobotConfig

@@ -14,7 +14,7 @@ import numpy as np
 
 from humanoid_bt.core.errors import HumanoidBtError
 from humanoid_bt.core.messages import Array, State
-from humanoid_bt.decision.robot import Track
+from humanoid_bt.perception.track import Track
 from humanoid_bt.record.blueprint import blueprint
 from humanoid_bt.record.documents import send_info, send_tree_file
 from humanoid_bt.record.events import EventLog, Level

@@ -8,10 +8,11 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from humanoid_bt.core.errors import Place, Problem, UserError, relative
+from humanoid_bt.core.items import Item
 from humanoid_bt.core.messages import RESOURCES, SIDES
-from humanoid_bt.core.params import param, read
+from humanoid_bt.core.params import param
+from humanoid_bt.core.reading import read
 from humanoid_bt.files import document
-from humanoid_bt.files.document import Item
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -17,14 +17,17 @@ from humanoid_bt.control.supervisor import Stop
 from humanoid_bt.core.clock import PERCEPTION_PERIOD
 from humanoid_bt.core.errors import Place, UserError, nearest
 from humanoid_bt.core.geometry import rotation_matrix
+from humanoid_bt.core.items import item_of
 from humanoid_bt.core.messages import Array, Command, Mode, Percept, Side, State
-from humanoid_bt.core.params import PerceptName, item_of
+from humanoid_bt.core.params import PerceptName
+from humanoid_bt.core.reading import convert
 from humanoid_bt.decision.robot import Robot
 from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.plant.scene import Scene, load_scene
 from humanoid_bt.session.lockstep import Lockstep
 from humanoid_bt.tree.engine.executor import Executor, NodeChange
-from humanoid_bt.tree.nodes.registry import NodeType, Registry
+from humanoid_bt.tree.node_type import NodeType
+from humanoid_bt.tree.nodes.registry import Registry
 from humanoid_bt.tree.tree import Node, Tree
 
 _PLACE = Place("rig.run")
@@ -248,7 +251,7 @@ class Rig:
                 self._wait_for_perception()
                 converted[name] = name
             else:
-                converted[name] = spec.convert(item_of(value, _PLACE))
+                converted[name] = convert(spec, item_of(value, _PLACE))
         return converted
 
     def _wait_for_perception(self) -> None:

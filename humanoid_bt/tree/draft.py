@@ -8,7 +8,7 @@ from typing import Any
 
 from humanoid_bt.core.errors import Place
 from humanoid_bt.decision.blackboard import Key
-from humanoid_bt.tree.nodes.registry import NodeType
+from humanoid_bt.tree.node_type import NodeType
 
 
 @dataclass

@@ -11,8 +11,7 @@ from py_trees.behaviour import Behaviour
 
 from humanoid_bt.core.errors import Place, Problem
 from humanoid_bt.decision.blackboard import Key
-from humanoid_bt.tree.nodes import Kind
-from humanoid_bt.tree.nodes.registry import NodeType
+from humanoid_bt.tree.node_type import Kind, NodeType
 from humanoid_bt.tree.write import tree_text
 
 

@@ -9,7 +9,7 @@ import yaml
 
 from humanoid_bt.core.errors import UserError
 from humanoid_bt.decision.blackboard import Key
-from humanoid_bt.tree.nodes.registry import CHILD
+from humanoid_bt.tree.node_type import CHILD
 
 if TYPE_CHECKING:
     from humanoid_bt.tree.tree import Node, Tree

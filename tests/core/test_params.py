@@ -7,7 +7,10 @@ from typing import Any, Literal
 import pytest
 
 from humanoid_bt.core.errors import UserError
-from humanoid_bt.core.params import PerceptName, assign, base_unit, param, params_of, read
+from humanoid_bt.core.params import PerceptName, param, params_of
+from humanoid_bt.core.reading import read
+from humanoid_bt.core.units import base_unit
+from humanoid_bt.decision.assign import assign
 from humanoid_bt.files import document
 
 

@@ -11,7 +11,7 @@ import pyarrow as pa
 import rerun as rr
 
 from humanoid_bt.core.messages import Array, FootPose, Gait, Mode, Percept, Side, State, Target
-from humanoid_bt.decision.robot import Track
+from humanoid_bt.perception.track import Track
 
 
 def make_state(

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TypeVar
 
 from humanoid_bt.core.errors import Place, Problem, UserError, nearest
-from humanoid_bt.files.document import Item
+from humanoid_bt.core.items import Item
 from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.plant.scene_config import SceneConfig, load_scene
 from humanoid_bt.robot.config import RobotConfig, load_robot_config

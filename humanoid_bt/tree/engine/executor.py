@@ -13,8 +13,8 @@ from humanoid_bt.core.errors import HumanoidBtError, Place, Problem, ResourceCon
 from humanoid_bt.core.messages import Command, Percept, State
 from humanoid_bt.decision.robot import Robot
 from humanoid_bt.decision.skill_files import class_file, place_in_file
+from humanoid_bt.tree.engine.catching import Catcher, catch
 from humanoid_bt.tree.engine.ticking import INVALID, RUNNING, Raised, Seen, halt_alone, tick
-from humanoid_bt.tree.nodes.on_error import OnError, catch
 from humanoid_bt.tree.tree import Node, Tree
 
 
@@ -74,7 +74,7 @@ class Executor:
         self._children_first = [behaviour for behaviour in tree.root.iterate() if behaviour in self._nodes]
         self._told: dict[Behaviour, Status | None] = dict.fromkeys(self._nodes, INVALID)
         for node in tree.nodes:
-            if isinstance(node.behaviour, OnError):
+            if isinstance(node.behaviour, Catcher):
                 node.behaviour.on_caught = partial(self._tell_caught, node)
 
     @property

@@ -10,8 +10,8 @@ from dataclasses import dataclass, field
 from typing import Any, ClassVar, Self, cast
 
 from humanoid_bt.core.errors import Place, UserError
+from humanoid_bt.core.items import Item
 from humanoid_bt.decision.robot import Robot
-from humanoid_bt.files.document import Item
 from humanoid_bt.tree.expressions import grammar
 from humanoid_bt.tree.expressions.grammar import Syntax, SyntaxMistake
 from humanoid_bt.tree.expressions.linking import CODE, Evaluate, Linker, Names, Watched, within

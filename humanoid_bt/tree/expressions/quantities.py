@@ -6,7 +6,7 @@ import re
 from dataclasses import dataclass
 from typing import Literal
 
-from humanoid_bt.core.params import UNITS, quantity
+from humanoid_bt.core.units import UNITS, quantity
 
 Exponents = tuple[int, int, int, int]
 """Powers of metre, second, radian, kilogram."""

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from humanoid_bt.core.errors import Place, UserError
+from humanoid_bt.core.items import Item
 from humanoid_bt.decision.blackboard import KeyNotSet
 from humanoid_bt.decision.robot import Robot
-from humanoid_bt.files.document import Item
 from humanoid_bt.tree.expressions.expression import Expression
 from humanoid_bt.tree.expressions.linking import CODE, Unseen, shown
 

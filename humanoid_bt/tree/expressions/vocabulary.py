@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Generic, TypeVar
 
 from humanoid_bt.core.messages import State
-from humanoid_bt.decision.robot import Track
+from humanoid_bt.perception.track import Track
 from humanoid_bt.tree.expressions.quantities import NUMBER, TEXT, TRUTH, Type, number
 
 Asked = TypeVar("Asked")

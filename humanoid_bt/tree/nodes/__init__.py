@@ -7,10 +7,9 @@ files (``else_`` for ``else``).
 
 from __future__ import annotations
 
-from typing import Literal
-
 from py_trees.behaviour import Behaviour
 
+from humanoid_bt.tree.node_type import Kind
 from humanoid_bt.tree.nodes.actions import Failure, Log, RaiseEmergencyStop, Running, Success, Wait, WaitUntil
 from humanoid_bt.tree.nodes.blackboard import ClearBlackboard, SetBlackboard
 from humanoid_bt.tree.nodes.branching import If, Switch
@@ -34,8 +33,6 @@ from humanoid_bt.tree.nodes.statuses import (
 )
 from humanoid_bt.tree.nodes.subtree import SubTree
 from humanoid_bt.tree.nodes.timing import Cooldown, Delay, MinDuration
-
-Kind = Literal["composite", "decorator", "subtree", "condition", "action", "skill"]
 
 BUILTIN: dict[Kind, tuple[type[Behaviour], ...]] = {
     "composite": (Sequence, Selector, Parallel, If, Switch),
@@ -75,7 +72,6 @@ __all__ = [
     "If",
     "Inverter",
     "KeepRunningUntilFailure",
-    "Kind",
     "Log",
     "MinDuration",
     "OnError",

@@ -9,7 +9,8 @@ import py_trees
 from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
-from humanoid_bt.core.params import assign, param
+from humanoid_bt.core.params import param
+from humanoid_bt.decision.assign import assign
 from humanoid_bt.decision.robot import Robot
 from humanoid_bt.tree.engine.ticking import FAILURE, INVALID, RUNNING, SUCCESS, Branch, Seen, halt, tick
 from humanoid_bt.tree.expressions.expression import Expression

@@ -14,7 +14,7 @@ from typing import Any, ClassVar
 from py_trees.common import Status
 
 from humanoid_bt.core.params import PerceptName, param
-from humanoid_bt.decision.robot import Track
+from humanoid_bt.perception.track import Track
 from humanoid_bt.tree.engine.ticking import FAILURE, INVALID, SUCCESS
 from humanoid_bt.tree.expressions.expression import Truth
 from humanoid_bt.tree.expressions.linking import Unseen

@@ -6,7 +6,7 @@ from typing import Any
 
 from py_trees.behaviour import Behaviour
 
-from humanoid_bt.core.params import assign
+from humanoid_bt.decision.assign import assign
 from humanoid_bt.decision.robot import Robot
 
 

@@ -2,24 +2,19 @@
 
 from __future__ import annotations
 
-import logging
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
-from humanoid_bt.core.errors import ControlLost, ResourceConflict
-from humanoid_bt.tree.engine.ticking import FAILURE, INVALID, Branch, Raised, Seen, halt_alone, tick
+from humanoid_bt.tree.engine.catching import Catcher, halt_all
+from humanoid_bt.tree.engine.ticking import FAILURE, Raised, Seen, tick
 from humanoid_bt.tree.nodes.decorators import Decorator
 from humanoid_bt.tree.results import Below, Results
 
-_log = logging.getLogger(__name__)
 
-_NOT_CAUGHT = (ControlLost, ResourceConflict)
-
-
-class OnError(Decorator):
+class OnError(Decorator, Catcher):
     """Run the child, and fail instead of ending the run when a node below raises an exception.
 
     Everything below is halted in order, children before parents, and released. Each exception is told as a warning of
@@ -33,7 +28,7 @@ class OnError(Decorator):
 
     def __init__(self, name: str, child: Behaviour, **values: Any) -> None:
         super().__init__(name, child, **values)
-        self.on_caught: Callable[[Raised], None] = self._to_log
+        self.on_caught = self.to_log
 
     @classmethod
     def possible_results(cls, _values: Mapping[str, Any], below: Below) -> Results:
@@ -46,53 +41,13 @@ class OnError(Decorator):
             return tick(self.decorated, seen)
         except Raised as raised:
             reason = f"{raised.node.name!r} raised {type(raised.error).__name__}: {raised.error}"
-            _raise_first(self.take([raised, *_halt_all(self.decorated, reason, seen)]))
+            _raise_first(self.take([raised, *halt_all(self.decorated, reason, seen)]))
             self.feedback_message = reason
             return FAILURE
 
     def halt_child(self, child: Behaviour, reason: str, seen: Seen) -> None:
         """Halt the child, whatever nodes raise meanwhile."""
-        _raise_first(self.take(_halt_all(child, reason, seen)))
-
-    def take(self, errors: Sequence[Raised]) -> list[Raised]:
-        """Tell of exceptions below; return those that are not for this node."""
-        others = [raised for raised in errors if isinstance(raised.error, _NOT_CAUGHT)]
-        for raised in errors:
-            if raised not in others:
-                self.on_caught(raised)
-        return others
-
-    def _to_log(self, raised: Raised) -> None:
-        _log.warning("%s caught what %s raised", self.name, raised.node.name, exc_info=raised.error)
-
-
-def catch(raised: Raised) -> bool:
-    """Let the nearest ``on_error`` above a node take what it raised; return whether one did."""
-    above = raised.node.parent
-    while above is not None and not isinstance(above, OnError):
-        above = above.parent
-    return isinstance(above, OnError) and not above.take([raised])
-
-
-def _halt_all(node: Behaviour, reason: str, seen: Seen) -> list[Raised]:
-    """Halt a node and everything below it, whatever state an exception left them in.
-
-    Returns:
-        What they raise, but for what an ``on_error`` below takes.
-    """
-    found: list[Raised] = []
-    if isinstance(node, Branch):
-        for child in node.children:
-            found += _halt_all(child, reason, seen)
-    if isinstance(node, OnError):
-        found = node.take(found)
-    if node.status is INVALID:
-        return found
-    try:
-        halt_alone(node, reason, seen)
-    except Raised as raised:
-        found.append(raised)
-    return found
+        _raise_first(self.take(halt_all(child, reason, seen)))
 
 
 def _raise_first(errors: Sequence[Raised]) -> None:

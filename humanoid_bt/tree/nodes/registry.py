@@ -6,103 +6,25 @@ Reading, checking, help and documentation of trees all come from this one regist
 from __future__ import annotations
 
 import inspect
-import types
 import typing
-from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 from py_trees.behaviour import Behaviour
-from py_trees.behaviours import Dummy
 
 from humanoid_bt.core.errors import Place, Problem, UserError, nearest
-from humanoid_bt.core.params import Param, PerceptName, params_of
-from humanoid_bt.decision.blackboard import Key
-from humanoid_bt.decision.skill import Skill, node_type_name
+from humanoid_bt.core.params import Param, params_of
+from humanoid_bt.decision.skill import node_type_name
 from humanoid_bt.decision.skill_files import class_place, load_skills
 from humanoid_bt.files.workspace import Workspace
-from humanoid_bt.tree.expressions.expression import Expression
-from humanoid_bt.tree.nodes import BUILTIN, Kind, elsewhere
-from humanoid_bt.tree.slots import Slot, Takes
+from humanoid_bt.tree.node_type import NODE_KEYS, Kind, NodeType
+from humanoid_bt.tree.nodes import BUILTIN, elsewhere
+from humanoid_bt.tree.slots import Takes
 
 ALIASES = {"fallback": "selector"}
 """Other names of built-in node types, for files that come from elsewhere."""
 
 _TAKES: dict[str, Takes] = {"composite": "many", "decorator": "one"}
-
-CHILD = "child"
-NODE_KEYS = {
-    "name": "What the node is called; its type if not given.",
-    "children": "The nodes below it.",
-    CHILD: "The node below it, where its type is called like a parameter.",
-}
-"""Keys that a node's body may have besides its parameters: all a name, composites children, decorators a child."""
-
-
-@dataclass(frozen=True)
-class NodeType:
-    """One type of node.
-
-    Attributes:
-        type_name: as written in trees.
-        kind: composite, decorator, subtree, condition, action or skill.
-        cls: its class.
-        doc: one line.
-        params: its declared parameters by name.
-        resources: what it may command.
-        takes: how many children it has.
-        branches: places for nodes besides the children (a watchdog's ``on_stale``).
-        main: the parameter that a body without a mapping gives (``wait: 2 s``), "" for none.
-    """
-
-    type_name: str
-    kind: Kind
-    cls: type[Behaviour]
-    doc: str
-    params: Mapping[str, Param]
-    resources: tuple[str, ...] = ()
-    takes: Takes = "none"
-    branches: Mapping[str, Slot] = field(default_factory=dict)
-    main: str = ""
-
-    @property
-    def factory(self) -> Callable[..., Behaviour]:
-        """What makes a node: called with ``name``, children and parameter values."""
-        return self.cls
-
-    @property
-    def dynamic(self) -> bool:
-        """Whether its parameters can be read from the blackboard, each time it starts."""
-        return issubclass(self.cls, Skill) or self.kind in ("action", "subtree")
-
-    def complete(self, values: Mapping[str, Any]) -> dict[str, Any]:
-        """Return a node's parameter values with the defaults of those that are not given."""
-        return {name: spec.default for name, spec in self.params.items() if not spec.required} | dict(values)
-
-    def commands(self, values: Mapping[str, Any]) -> tuple[str, ...]:
-        """Return the resources that a node with these parameter values may command."""
-        narrowed = getattr(self.cls, "resources_for", None)
-        if narrowed is None or any(isinstance(value, Key) and not self._writes(name) for name, value in values.items()):
-            return self.resources
-        wanted = set(narrowed(self.complete(values)))
-        return tuple(resource for resource in self.resources if resource in wanted)
-
-    def _writes(self, parameter: str) -> bool:
-        kind = self.params[parameter].type
-        return kind is Key or Key in typing.get_args(kind)
-
-    def percepts(self, values: Mapping[str, Any]) -> dict[str, list[str]]:
-        """Return parameter -> percepts that a node with these parameter values names."""
-        found: dict[str, list[str]] = {}
-        if self.kind == "subtree":
-            return found  # the nodes in it tell
-        for name, spec in self.params.items():
-            if _names_percepts(spec.type):
-                value = values.get(name, None if spec.required else spec.default)
-                found[name] = [value] if isinstance(value, str) else list(value or ())
-            elif isinstance(value := values.get(name), Expression):
-                found[name] = list(dict.fromkeys(value.percepts))
-        return found
 
 
 class Registry(Mapping[str, NodeType]):
@@ -178,11 +100,6 @@ class Registry(Mapping[str, NodeType]):
         return elsewhere.hint(name, self) or nearest(name, [*others, *self._types])
 
 
-def placeholder(name: str, doc: str) -> NodeType:
-    """Return the type of a node that stands for a parameter without a value (``$action``): to be shown, not made."""
-    return NodeType(name, "subtree", Dummy, doc, {})
-
-
 def _node_type(name: str, kind: Kind, cls: type[Behaviour]) -> NodeType:
     return NodeType(
         type_name=name,
@@ -211,11 +128,3 @@ def _signature(cls: type) -> dict[str, Param]:
         spec = Param(name, hints.get(name, Any))
         found[name] = spec if argument.default is argument.empty else Param(name, spec.type, argument.default)
     return found
-
-
-def _names_percepts(kind: Any) -> bool:
-    if kind is PerceptName:
-        return True
-    inner = typing.get_args(kind)
-    containers = (typing.Union, types.UnionType, list, tuple)
-    return typing.get_origin(kind) in containers and any(map(_names_percepts, inner))

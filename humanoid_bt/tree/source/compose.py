@@ -10,16 +10,19 @@ from typing import Any
 from py_trees.behaviour import Behaviour
 
 from humanoid_bt.core.errors import Place, Problem, UserError, relative
-from humanoid_bt.core.params import Param, item_of, keys_read
+from humanoid_bt.core.items import Item, item_of
+from humanoid_bt.core.params import Param
+from humanoid_bt.core.reading import convert
+from humanoid_bt.decision.assign import keys_read
 from humanoid_bt.decision.blackboard import Key, are_keys
 from humanoid_bt.decision.skill import node_type_name
-from humanoid_bt.files.document import Item
 from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.tree.checks import World, check
 from humanoid_bt.tree.draft import Draft
 from humanoid_bt.tree.engine.ticking import Branch
 from humanoid_bt.tree.expressions.template import expressions_of
-from humanoid_bt.tree.nodes.registry import NodeType, Registry
+from humanoid_bt.tree.node_type import NodeType
+from humanoid_bt.tree.nodes.registry import Registry
 from humanoid_bt.tree.nodes.subtree import SubTree
 from humanoid_bt.tree.source.build import collect
 from humanoid_bt.tree.source.file import check_name
@@ -159,7 +162,7 @@ class _Composer:
                 self._scope.add(expression)
         elif not (value is None and not spec.required and spec.default is None):
             try:
-                value = spec.convert(item_of(value, self._place))
+                value = convert(spec, item_of(value, self._place))
             except UserError as error:
                 of = f" of {behaviour.name!r}"
                 self._problems += [Problem(f"{p.message}{of}", p.place, p.hint, p.code) for p in error.problems]

@@ -8,10 +8,11 @@ from pathlib import Path
 from typing import Any, Literal
 
 from humanoid_bt.core.errors import Problem, UserError, relative
-from humanoid_bt.core.params import param, params_of, read_values
+from humanoid_bt.core.items import Item
+from humanoid_bt.core.params import param, params_of
+from humanoid_bt.core.reading import read_values
 from humanoid_bt.files import document
-from humanoid_bt.files.document import Item
-from humanoid_bt.tree.nodes.registry import NODE_KEYS
+from humanoid_bt.tree.node_type import NODE_KEYS
 from humanoid_bt.tree.source.parameters import Argument, Declaration, declarations
 from humanoid_bt.tree.write import written
 

@@ -8,13 +8,14 @@ from dataclasses import replace
 from pathlib import Path
 
 from humanoid_bt.core.errors import Place, Problem, UserError, relative
+from humanoid_bt.core.items import Item
 from humanoid_bt.core.params import Param
 from humanoid_bt.decision.blackboard import Key
-from humanoid_bt.files.document import Item
 from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.tree.checks import World, check
 from humanoid_bt.tree.draft import Draft
-from humanoid_bt.tree.nodes.registry import NodeType, Registry
+from humanoid_bt.tree.node_type import NodeType
+from humanoid_bt.tree.nodes.registry import Registry
 from humanoid_bt.tree.slots import Slot
 from humanoid_bt.tree.source.build import build, sketch
 from humanoid_bt.tree.source.file import TreeFile, read_file

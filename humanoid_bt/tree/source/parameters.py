@@ -8,10 +8,12 @@ from dataclasses import dataclass, replace
 from typing import Any, Literal, NewType
 
 from humanoid_bt.core.errors import Place, Problem, UserError, nearest
-from humanoid_bt.core.params import UNITS, Param, PerceptName, base_unit, is_number_text, item_of, param, read
+from humanoid_bt.core.items import Item, item_of
+from humanoid_bt.core.params import Param, PerceptName, param
+from humanoid_bt.core.reading import convert, read
+from humanoid_bt.core.units import UNITS, base_unit, is_number_text
 from humanoid_bt.decision.blackboard import KEY_NAME, Key
 from humanoid_bt.files import document
-from humanoid_bt.files.document import Item
 
 NodeItem = NewType("NodeItem", object)
 """The type of a parameter that stands for a node, given by the tree that uses this one as a sub-tree."""
@@ -218,7 +220,7 @@ class Parameters:
         if spec.type is NodeItem:
             return Parameter(spec, place, declaration.default, True)
         try:
-            return Parameter(spec, place, spec.convert(declaration.default), True)
+            return Parameter(spec, place, convert(spec, declaration.default), True)
         except UserError as error:
             self._problems += error.problems
             return Parameter(spec, place)
@@ -283,7 +285,7 @@ def overrides(
             problems.append(Problem(f"the parameter {name!r} is a node", place, hint, "wrong-type"))
             continue
         try:
-            found[name] = Argument(spec.convert(_written(spec, text, place)), place)
+            found[name] = Argument(convert(spec, _written(spec, text, place)), place)
         except UserError as error:
             problems += error.problems
     return found

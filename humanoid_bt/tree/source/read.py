@@ -5,9 +5,10 @@ from __future__ import annotations
 from typing import Protocol
 
 from humanoid_bt.core.errors import Place, Problem, UserError, nearest
-from humanoid_bt.files.document import Item
+from humanoid_bt.core.items import Item
 from humanoid_bt.tree.draft import Draft
-from humanoid_bt.tree.nodes.registry import CHILD, NodeType, Registry, placeholder
+from humanoid_bt.tree.node_type import CHILD, NodeType, placeholder
+from humanoid_bt.tree.nodes.registry import Registry
 from humanoid_bt.tree.nodes.subtree import SubTree
 from humanoid_bt.tree.slots import Slot
 from humanoid_bt.tree.source.file import TreeFile

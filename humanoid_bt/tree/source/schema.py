@@ -13,11 +13,13 @@ import typing
 from collections.abc import Mapping
 from typing import Any
 
-from humanoid_bt.core.params import UNITS, Param, params_of, written_units
+from humanoid_bt.core.params import Param, params_of
+from humanoid_bt.core.units import UNITS, factors
 from humanoid_bt.decision.blackboard import KEY_NAME, Key
 from humanoid_bt.tree.expressions.expression import Expression
 from humanoid_bt.tree.expressions.template import Template
-from humanoid_bt.tree.nodes.registry import ALIASES, NodeType, Registry
+from humanoid_bt.tree.node_type import NodeType
+from humanoid_bt.tree.nodes.registry import ALIASES, Registry
 from humanoid_bt.tree.nodes.subtree import SubTree
 from humanoid_bt.tree.slots import Slot
 from humanoid_bt.tree.source.file import PARTS, Header
@@ -207,9 +209,9 @@ def _type(kind: Any, spec: Param) -> Schema:  # noqa: PLR0911 (a table of cases)
 def _number(kind: Any, spec: Param) -> Schema:
     bounds = {"minimum": spec.minimum, "exclusiveMinimum": spec.above, "maximum": spec.maximum}
     plain = {"type": "integer" if kind is int else "number", **{k: v for k, v in bounds.items() if v is not None}}
-    units = "|".join(map(re.escape, written_units(spec.unit)))
+    units = "|".join(map(re.escape, factors(spec.unit)))
     unit = rf"\s*({units})" if units else ""
     behind = f"({unit})?" if unit else ""
     written = {"type": "string", "pattern": rf"^\s*{_NUMBER}{behind}\s*$"}
-    valid = f"A number; units: {', '.join(written_units(spec.unit))}." if units else "A number without a unit."
+    valid = f"A number; units: {', '.join(factors(spec.unit))}." if units else "A number without a unit."
     return {"anyOf": [{**written, "patternErrorMessage": valid}, plain]}

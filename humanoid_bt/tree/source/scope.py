@@ -8,6 +8,7 @@ from typing import Any
 
 from humanoid_bt.core.errors import Place, Problem, UserError, nearest
 from humanoid_bt.core.params import Param, PerceptName
+from humanoid_bt.core.reading import convert
 from humanoid_bt.decision.blackboard import Key
 from humanoid_bt.tree.expressions.expression import Expression
 from humanoid_bt.tree.expressions.grammar import names
@@ -158,7 +159,7 @@ class Scope:
         key = Key(name)
         if initial is not None:
             try:
-                key = Key(name, declaration.spec.convert(initial))
+                key = Key(name, convert(declaration.spec, initial))
             except UserError as error:
                 self._problems += error.problems
         if name in self._keys or name in set(self.parameters):

@@ -6,9 +6,10 @@ import typing
 from typing import Any
 
 from humanoid_bt.core.errors import Problem, UserError, nearest
-from humanoid_bt.core.params import Param, PerceptName, read_values
+from humanoid_bt.core.items import Item
+from humanoid_bt.core.params import Param, PerceptName
+from humanoid_bt.core.reading import read_values
 from humanoid_bt.decision.blackboard import Key, are_keys
-from humanoid_bt.files.document import Item
 from humanoid_bt.tree.draft import Draft
 from humanoid_bt.tree.expressions.expression import Expression
 from humanoid_bt.tree.expressions.quantities import ANYTHING, Type, type_of

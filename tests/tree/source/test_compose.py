@@ -259,4 +259,4 @@ def test_every_built_in_type_is_in_nodes() -> None:
 
     registry = Registry.of(Workspace(builtin_root()))
     ours = {node_type.cls.__name__ for node_type in registry.values() if node_type.kind != "skill"}
-    assert ours | {"BUILTIN", "Kind"} == set(nodes.__all__)
+    assert ours | {"BUILTIN"} == set(nodes.__all__)

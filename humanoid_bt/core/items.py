@@ -1,0 +1,48 @@
+"""Values with the place where they were written, so that a mistake can be shown where it is."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+from humanoid_bt.core.errors import Place
+
+
+@dataclass(frozen=True)
+class Item:
+    """A value of a YAML file and its place.
+
+    Attributes:
+        value: a scalar, a ``list[Item]`` or a ``dict[str, Item]``.
+        place: where the value begins.
+        key_places: for a mapping, where each key stands.
+        text_at: for text on one line, how many columns behind its place its first character stands.
+    """
+
+    value: Any
+    place: Place
+    key_places: dict[str, Place] = field(default_factory=dict)
+    text_at: int | None = field(default=None, compare=False)
+
+    def plain(self) -> Any:
+        """Return the value as ``yaml.safe_load`` would give it."""
+        if isinstance(self.value, dict):
+            return {key: item.plain() for key, item in self.value.items()}
+        if isinstance(self.value, list):
+            return [item.plain() for item in self.value]
+        return self.value
+
+    @property
+    def kind(self) -> str:
+        """The value's kind in words, for messages."""
+        names = {dict: "a mapping", list: "a list", str: "text", bool: "a boolean", type(None): "nothing"}
+        return names.get(type(self.value), "a number")
+
+
+def item_of(value: Any, place: Place) -> Item:
+    """Wrap a plain Python value (a default, a ``--set`` argument) as an item with one place."""
+    if isinstance(value, dict):
+        return Item({key: item_of(child, place) for key, child in value.items()}, place)
+    if isinstance(value, (list, tuple)):
+        return Item([item_of(child, place) for child in value], place)
+    return Item(value, place)

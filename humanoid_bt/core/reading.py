@@ -1,0 +1,186 @@
+"""Reading declared parameters: from the values of a file to those of a class, with every mistake in its place."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+import types
+import typing
+from collections.abc import Mapping
+from typing import Any, Literal
+
+from humanoid_bt.core.errors import Problem, UserError, nearest
+from humanoid_bt.core.items import Item
+from humanoid_bt.core.params import Param, params_of, type_name
+from humanoid_bt.core.units import factors, is_number_text, written_quantity
+
+
+def convert(spec: Param, item: Item) -> Any:
+    """Return a value as a declared parameter's type.
+
+    Raises:
+        UserError: the value has the wrong type or unit, or is out of bounds.
+    """
+    return _convert(spec.type, item, spec)
+
+
+def read(cls: type, item: Item, what: str = "") -> Any:
+    """Read a YAML mapping into a dataclass whose fields are declared with :func:`param`.
+
+    Args:
+        cls: the dataclass.
+        item: the mapping.
+        what: what is being read, for messages ("robot", "scene").
+
+    Raises:
+        UserError: with every problem found, each with its place.
+    """
+    if not isinstance(item.value, dict):
+        raise UserError(f"{what or 'this'} must be a mapping, not {item.kind}", item.place, code="wrong-type")
+    values, problems = read_values(params_of(cls), item, what)
+    if problems:
+        raise UserError(problems)
+    return cls(**values)
+
+
+def read_values(
+    params: Mapping[str, Param],
+    item: Item,
+    what: str = "",
+    also: frozenset[str] = frozenset(),
+    noun: Literal["parameter", "key"] = "parameter",
+) -> tuple[dict[str, Any], list[Problem]]:
+    """Convert a mapping's items by their declarations; return the values and every problem.
+
+    Keys in ``also`` are left to the caller. Missing parameters with a default are not in the values. ``noun`` is
+    what a key is called in messages.
+    """
+    values: dict[str, Any] = {}
+    problems: list[Problem] = []
+    of = f" of {what}" if what else ""
+    for key, child in item.value.items():
+        if key in params:
+            try:
+                values[key] = convert(params[key], child)
+            except UserError as error:
+                problems += error.problems
+        elif key not in also:
+            hint = nearest(key, [*params, *also])
+            message, code = f"unknown {noun} {key!r}{of}", f"unknown-{noun}"
+            problems.append(Problem(message, item.key_places.get(key), hint, code=code))
+    for name, spec in params.items():
+        if spec.required and name not in item.value:
+            hint = f"{name}: {spec.type_name}  # {spec.doc}"
+            message = f"the {noun} {name!r}{of} is missing"
+            problems.append(Problem(message, item.place, hint, code=f"missing-{noun}"))
+    return values, problems
+
+
+def _wrong(item: Item, spec: Param, kind: Any) -> UserError:
+    message = f"{spec.name!r} must be {_article(type_name(kind))}, not {_shown(item)}"
+    return UserError(message, item.place, spec.doc, code="wrong-type")
+
+
+def _shown(item: Item) -> str:
+    if isinstance(item.value, (dict, list)) or item.value is None:
+        return item.kind
+    return f"{item.kind} {item.value!r}"
+
+
+def _article(noun: str) -> str:
+    if noun.startswith(("text", "true")) or "|" in noun:
+        return noun
+    return ("an " if noun[0] in "aeiou" else "a ") + noun
+
+
+def _convert(kind: Any, item: Item, spec: Param) -> Any:  # noqa: PLR0911 (a table of cases)
+    origin, args = typing.get_origin(kind), typing.get_args(kind)
+    if kind is Any:
+        return item.plain()
+    if origin in (typing.Union, types.UnionType):
+        return _convert_union(args, item, spec)
+    if origin is typing.Literal:
+        if not any(type(item.value) is type(arg) and item.value == arg for arg in args):
+            hint = nearest(str(item.value), [str(a) for a in args])
+            raise UserError(f"{spec.name!r} cannot be {_shown(item)}", item.place, hint, code="wrong-choice")
+        return item.value
+    if origin in (list, tuple):
+        return _convert_sequence(origin, args, item, spec)
+    if origin is dict:
+        if not isinstance(item.value, dict):
+            raise _wrong(item, spec, kind)
+        return {key: _convert(args[1], child, spec) for key, child in item.value.items()}
+    if hasattr(kind, "from_item"):  # a type that reads itself
+        return kind.from_item(item, spec.name)
+    if dataclasses.is_dataclass(kind):
+        assert isinstance(kind, type)
+        return read(kind, item, repr(spec.name))
+    if kind in (float, int):
+        return _convert_number(kind, item, spec)
+    python_type = getattr(kind, "__supertype__", kind)
+    if not isinstance(item.value, python_type):
+        raise _wrong(item, spec, kind)
+    return item.value
+
+
+def _convert_union(args: tuple[Any, ...], item: Item, spec: Param) -> Any:
+    if item.value is None and type(None) in args:
+        return None
+    kinds = [arg for arg in args if arg is not type(None)]
+    if len(kinds) == 1:
+        return _convert(kinds[0], item, spec)
+    for kind in kinds:
+        try:
+            return _convert(kind, item, spec)
+        except UserError:
+            if kind in (float, int) and _is_number(item.value):
+                raise  # it is out of bounds, which says more than what else it could be
+    raise _wrong(item, spec, spec.type)
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, (int, float)) and not isinstance(value, bool)
+
+
+def _convert_sequence(origin: Any, args: tuple[Any, ...], item: Item, spec: Param) -> Any:
+    if not isinstance(item.value, list):
+        raise _wrong(item, spec, origin[args])
+    kinds = [args[0]] * len(item.value) if origin is list or Ellipsis in args else list(args)
+    if len(kinds) != len(item.value):
+        message = f"{spec.name!r} must have {len(kinds)} values, not {len(item.value)}"
+        raise UserError(message, item.place, spec.doc, code="wrong-length")
+    return origin(_convert(kind, child, spec) for kind, child in zip(kinds, item.value, strict=True))
+
+
+def _convert_number(kind: Any, item: Item, spec: Param) -> float | int:
+    value = item.value
+    if isinstance(value, str) and (written := written_quantity(value)):
+        number, unit = written
+        allowed = factors(spec.unit)
+        if unit not in allowed:
+            valid = ", ".join(allowed) if allowed else "a plain number"
+            message = f"{spec.name!r} has the unit {unit!r}"
+            raise UserError(message, item.place, f"valid: {valid}", code="wrong-unit")
+        value = number * allowed[unit]
+    elif isinstance(value, str) and is_number_text(value):
+        value = float(value)
+    if not _is_number(value):
+        raise _wrong(item, spec, kind)
+    try:
+        finite = math.isfinite(value)
+    except OverflowError:  # a whole number beyond what a float holds
+        finite = False
+    if not finite:
+        raise UserError(f"{spec.name!r} must be finite, not {str(value)[:20]}", item.place, code="out-of-range")
+    if kind is int and value != int(value):
+        raise _wrong(item, spec, kind)
+    low, above, high = spec.minimum, spec.above, spec.maximum
+    bad = (low is not None and value < low) or (above is not None and value <= above)
+    if bad or (high is not None and value > high):
+        bounds = [f">= {low:g}" if low is not None else "", f"> {above:g}" if above is not None else ""]
+        bounds.append(f"<= {high:g}" if high is not None else "")
+        wanted = " and ".join(bound for bound in bounds if bound)
+        message = f"{spec.name!r} must be {wanted}, not {item.value!r}"
+        raise UserError(message, item.place, spec.doc, code="out-of-range")
+    converted: float | int = kind(value)
+    return converted

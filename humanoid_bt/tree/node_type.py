@@ -1,0 +1,105 @@
+"""What a type of node says about itself: its parameters, its places for other nodes, what it commands and reads."""
+
+from __future__ import annotations
+
+import types
+import typing
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+from py_trees.behaviour import Behaviour
+from py_trees.behaviours import Dummy
+
+from humanoid_bt.core.params import Param, PerceptName
+from humanoid_bt.decision.blackboard import Key, names_key
+from humanoid_bt.decision.skill import Skill
+from humanoid_bt.tree.expressions.expression import Expression
+from humanoid_bt.tree.slots import Slot, Takes
+
+Kind = Literal["composite", "decorator", "subtree", "condition", "action", "skill"]
+"""What a node is for."""
+
+CHILD = "child"
+NODE_KEYS = {
+    "name": "What the node is called; its type if not given.",
+    "children": "The nodes below it.",
+    CHILD: "The node below it, where its type is called like a parameter.",
+}
+"""Keys that a node's body may have besides its parameters: all a name, composites children, decorators a child."""
+
+
+@dataclass(frozen=True)
+class NodeType:
+    """One type of node.
+
+    Attributes:
+        type_name: as written in trees.
+        kind: composite, decorator, subtree, condition, action or skill.
+        cls: its class.
+        doc: one line.
+        params: its declared parameters by name.
+        resources: what it may command.
+        takes: how many children it has.
+        branches: places for nodes besides the children (a watchdog's ``on_stale``).
+        main: the parameter that a body without a mapping gives (``wait: 2 s``), "" for none.
+    """
+
+    type_name: str
+    kind: Kind
+    cls: type[Behaviour]
+    doc: str
+    params: Mapping[str, Param]
+    resources: tuple[str, ...] = ()
+    takes: Takes = "none"
+    branches: Mapping[str, Slot] = field(default_factory=dict)
+    main: str = ""
+
+    @property
+    def factory(self) -> Callable[..., Behaviour]:
+        """What makes a node: called with ``name``, children and parameter values."""
+        return self.cls
+
+    @property
+    def dynamic(self) -> bool:
+        """Whether its parameters can be read from the blackboard, each time it starts."""
+        return issubclass(self.cls, Skill) or self.kind in ("action", "subtree")
+
+    def complete(self, values: Mapping[str, Any]) -> dict[str, Any]:
+        """Return a node's parameter values with the defaults of those that are not given."""
+        return {name: spec.default for name, spec in self.params.items() if not spec.required} | dict(values)
+
+    def commands(self, values: Mapping[str, Any]) -> tuple[str, ...]:
+        """Return the resources that a node with these parameter values may command."""
+        narrowed = getattr(self.cls, "resources_for", None)
+        from_keys = (name for name, value in values.items() if isinstance(value, Key))
+        if narrowed is None or not all(names_key(self.params[name].type) for name in from_keys):
+            return self.resources
+        wanted = set(narrowed(self.complete(values)))
+        return tuple(resource for resource in self.resources if resource in wanted)
+
+    def percepts(self, values: Mapping[str, Any]) -> dict[str, list[str]]:
+        """Return parameter -> percepts that a node with these parameter values names."""
+        found: dict[str, list[str]] = {}
+        if self.kind == "subtree":
+            return found  # the nodes in it tell
+        for name, spec in self.params.items():
+            if _names_percepts(spec.type):
+                value = values.get(name, None if spec.required else spec.default)
+                found[name] = [value] if isinstance(value, str) else list(value or ())
+            elif isinstance(value := values.get(name), Expression):
+                found[name] = list(dict.fromkeys(value.percepts))
+        return found
+
+
+def placeholder(name: str, doc: str) -> NodeType:
+    """Return the type of a node that stands for a parameter without a value (``$action``): to be shown, not made."""
+    return NodeType(name, "subtree", Dummy, doc, {})
+
+
+def _names_percepts(kind: Any) -> bool:
+    if kind is PerceptName:
+        return True
+    inner = typing.get_args(kind)
+    containers = (typing.Union, types.UnionType, list, tuple)
+    return typing.get_origin(kind) in containers and any(map(_names_percepts, inner))
