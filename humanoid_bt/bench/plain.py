@@ -8,7 +8,8 @@ from py_trees import behaviours, composites, decorators
 from py_trees.behaviour import Behaviour
 from py_trees.common import ParallelPolicy, Status
 
-from humanoid_bt.tree.tree import Node, Tree
+from humanoid_bt.tree.node import Node
+from humanoid_bt.tree.tree import Tree
 
 
 def leaves(tree: Tree) -> list[Node]:

@@ -3,11 +3,7 @@
 from __future__ import annotations
 
 import argparse
-import json
-import platform
-from collections.abc import Iterator, Mapping
-from pathlib import Path
-from typing import Any
+from collections.abc import Iterator
 
 from rich.console import Console
 from rich.table import Table
@@ -16,9 +12,9 @@ from rich.text import Text
 from humanoid_bt.bench.figure import Figure
 from humanoid_bt.bench.figures import measure
 from humanoid_bt.bench.tree import measure_tree
-from humanoid_bt.core.errors import UserError
+from humanoid_bt.cli.figures import write_figures
 from humanoid_bt.files.workspace import Workspace
-from humanoid_bt.session.report import ExitCode, versions
+from humanoid_bt.session.report import ExitCode
 
 
 def bench(arguments: argparse.Namespace) -> int:
@@ -36,7 +32,7 @@ def bench(arguments: argparse.Namespace) -> int:
     console.print(_table(figures, arguments.repetitions))
     if arguments.json:
         figures_data = [figure.to_dict() for figure in figures]
-        write(arguments.json, {"repetitions": arguments.repetitions, "figures": figures_data})
+        write_figures(arguments.json, {"repetitions": arguments.repetitions, "figures": figures_data})
     return ExitCode.SUCCESS
 
 
@@ -45,20 +41,6 @@ def _measured(arguments: argparse.Namespace) -> Iterator[Figure]:
         return measure(arguments.repetitions)
     workspace = Workspace.of_argument(arguments.tree, None)
     return measure_tree(workspace.find_tree(arguments.tree), workspace, arguments.repetitions)
-
-
-def write(path: Path, figures: Mapping[str, Any]) -> None:
-    """Write figures to a JSON file, with what they were measured on.
-
-    Raises:
-        UserError: it cannot be written.
-    """
-    machine = {"system": platform.platform(), "python": platform.python_version()}
-    data = {"machine": machine, "versions": versions(), **figures}
-    try:
-        path.write_text(json.dumps(data, indent=2) + "\n", encoding="utf-8")
-    except OSError as error:
-        raise UserError(f"the figures cannot be written to {str(path)!r}: {error.strerror}") from error
 
 
 def _table(figures: list[Figure], repetitions: int) -> Table:

@@ -17,7 +17,7 @@ from humanoid_bt.bench.baseline import SAME_LOOP
 from humanoid_bt.bench.punctuality import Punctuality
 from humanoid_bt.bench.reactions import Reaction
 from humanoid_bt.bench.realtime import LATENESS_MUST, OURS, Note, measure_realtime
-from humanoid_bt.cli.bench import write
+from humanoid_bt.cli.figures import write_figures
 from humanoid_bt.realtime.schedule import FIFO_HINT
 from humanoid_bt.session.report import ExitCode
 
@@ -49,7 +49,7 @@ def bench_realtime(arguments: argparse.Namespace) -> int:
     for note in notes:
         console.print(f"note: {note}")
     if arguments.json:
-        write(
+        write_figures(
             arguments.json,
             {
                 "repetitions": arguments.repetitions,

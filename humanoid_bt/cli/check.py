@@ -9,9 +9,10 @@ from pathlib import Path
 
 from humanoid_bt.checking.check import findings, settled
 from humanoid_bt.checking.codes import ALLOWABLE, CODES, find
-from humanoid_bt.cli.findings import counted, print_findings, several
+from humanoid_bt.cli.findings import counted, print_findings
 from humanoid_bt.cli.output import columns, hanging, print_lines
 from humanoid_bt.cli.reports import as_json, as_sarif
+from humanoid_bt.cli.wording import several
 from humanoid_bt.core.errors import Place, Problem, UserError, nearest, relative
 from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.session.report import ExitCode

@@ -9,8 +9,8 @@ from rich.cells import cell_len
 from rich.console import Console
 from rich.text import Text
 
-from humanoid_bt.cli.findings import INDENT, headline, printable
 from humanoid_bt.cli.output import hanging, width
+from humanoid_bt.cli.wording import INDENT, headline, printable
 from humanoid_bt.core.errors import Place, Problem, UserError
 from humanoid_bt.files.document import read_text
 

@@ -13,14 +13,15 @@ from rich.console import Console
 from rich.live import Live
 from rich.text import Text
 
-from humanoid_bt.cli.findings import printable
 from humanoid_bt.cli.output import hanging
+from humanoid_bt.cli.wording import printable
 from humanoid_bt.record.events import Level
 from humanoid_bt.session.report import Report
 from humanoid_bt.session.teller import Listener
 from humanoid_bt.tree.engine.executor import NodeChange
+from humanoid_bt.tree.node import Node
 from humanoid_bt.tree.nodes import Log
-from humanoid_bt.tree.tree import Node, Tree
+from humanoid_bt.tree.tree import Tree
 
 _SIGNS = {
     Status.RUNNING: ("▶", "cyan"),

@@ -9,49 +9,10 @@ from typing import Any
 
 from py_trees.behaviour import Behaviour
 
-from humanoid_bt.core.errors import Place, Problem
+from humanoid_bt.core.errors import Problem, UserError
 from humanoid_bt.decision.blackboard import Key
-from humanoid_bt.tree.node_type import Kind, NodeType
+from humanoid_bt.tree.node import Node
 from humanoid_bt.tree.write import tree_text
-
-
-@dataclass(frozen=True)
-class Node:
-    """One node of a tree.
-
-    Attributes:
-        path: names from the tree's down to this node's, joined by "/"; unique, equal siblings get ``#2``, ``#3``.
-        name: as the file calls it, or its type's name.
-        type: its type, with the declared parameters.
-        values: the parameters that the file gives, converted.
-        references: parameter -> the name that the file gives for it as ``$name``.
-        arguments: of a sub-tree: the nodes it is given, as plain YAML.
-        place: where it is written.
-        behaviour: the py_trees node.
-        parent: index of its parent in the tree's nodes, -1 for the root.
-        branch: the key of its parent that it stands under ("on_stale", "cases left"), "" for a plain child.
-    """
-
-    path: str
-    name: str
-    type: NodeType
-    values: Mapping[str, Any]
-    place: Place
-    behaviour: Behaviour
-    parent: int
-    branch: str = ""
-    references: Mapping[str, str] = field(default_factory=dict)
-    arguments: Mapping[str, Any] = field(default_factory=dict)
-
-    @property
-    def type_name(self) -> str:
-        """Its type as written in trees."""
-        return self.type.type_name
-
-    @property
-    def kind(self) -> Kind:
-        """Whether it is a composite, a decorator, a condition, an action or a skill."""
-        return self.type.kind
 
 
 @dataclass(frozen=True)
@@ -92,9 +53,12 @@ class Tree:
         """Return the text of a file that loads to the same tree; sub-trees stay in their own files.
 
         Raises:
-            UserError: a parameter has a value that no file can hold.
+            UserError: a parameter has a value that no file can hold, or the tree could not be made.
         """
-        return tree_text(self)
+        if not self.complete:
+            message = f"the sub-tree {self.name!r} is incomplete without its parameters"
+            raise UserError(message, code="missing-parameter")
+        return tree_text(self.name, self.header, self.nodes)
 
     @property
     def is_subtree(self) -> bool:

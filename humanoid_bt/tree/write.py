@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 import yaml
 
 from humanoid_bt.core.errors import UserError
 from humanoid_bt.decision.blackboard import Key
+from humanoid_bt.tree.node import Node
 from humanoid_bt.tree.node_type import CHILD
-
-if TYPE_CHECKING:
-    from humanoid_bt.tree.tree import Node, Tree
 
 _WIDTH = 100
 _ORDER = ("format", "name", "description", "robot", "scene", "subtree", "parameters", "blackboard", "outputs")
@@ -45,26 +43,29 @@ _Dumper.add_representer(
 _Dumper.add_representer(type(None), lambda dumper, _: dumper.represent_scalar("tag:yaml.org,2002:null", ""))
 
 
-def tree_text(tree: Tree) -> str:
+def tree_text(name: str, header: Mapping[str, Any], nodes: Sequence[Node]) -> str:
     """Return the text of a tree file.
 
+    Args:
+        name: what the tree is called, for messages.
+        header: the file's keys but for the root, as plain YAML.
+        nodes: every node, parents before children.
+
     Raises:
-        UserError: a parameter has a value that no file can hold, or the tree could not be made.
+        UserError: a parameter has a value that no file can hold.
     """
-    if not tree.complete:
-        raise UserError(f"the sub-tree {tree.name!r} is incomplete without its parameters", code="missing-parameter")
-    header = {"format": 1, **tree.header}
+    header = {"format": 1, **header}
     header = {key: header[key] for key in (*_ORDER, *header) if header.get(key) not in (None, "", {})}
     children: dict[int, list[int]] = {}
-    for index, node in enumerate(tree.nodes):
+    for index, node in enumerate(nodes):
         children.setdefault(node.parent, []).append(index)
-    document = {**header, "root": _node(tree, 0, children)}
+    document = {**header, "root": _node(nodes, 0, children)}
     try:
         text: str = yaml.dump(
             document, Dumper=_Dumper, sort_keys=False, width=_WIDTH, allow_unicode=True, default_flow_style=False
         )
     except yaml.representer.RepresenterError as error:
-        message = f"the tree {tree.name!r} cannot be written: {error.args[0]} {error.args[-1]!r}"
+        message = f"the tree {name!r} cannot be written: {error.args[0]} {error.args[-1]!r}"
         raise UserError(message, code="wrong-type") from error
     return text
 
@@ -86,23 +87,23 @@ def written(value: Any, unit: str = "") -> Any:  # noqa: PLR0911 (a table of cas
     return str(value) if hasattr(type(value), "from_item") else value
 
 
-def _node(tree: Tree, index: int, children: Mapping[int, list[int]]) -> Any:
+def _node(nodes: Sequence[Node], index: int, children: Mapping[int, list[int]]) -> Any:
     """Return a node as plain YAML, in its shortest form."""
-    node = tree.nodes[index]
+    node = nodes[index]
     below = [] if node.kind == "subtree" else children.get(index, [])
     body = _parameters(node)
-    plain = [child for child in below if not tree.nodes[child].branch]
+    plain = [child for child in below if not nodes[child].branch]
     for child in below:
-        branch, _, case = tree.nodes[child].branch.partition(" ")
+        branch, _, case = nodes[child].branch.partition(" ")
         if case:
-            body.setdefault(branch, {})[case] = _node(tree, child, children)
+            body.setdefault(branch, {})[case] = _node(nodes, child, children)
         elif branch:
-            body[branch] = _branch(node, branch, _node(tree, child, children))
+            body[branch] = _branch(node, branch, _node(nodes, child, children))
     if node.type.takes == "many":
-        items = [_node(tree, child, children) for child in plain]
+        items = [_node(nodes, child, children) for child in plain]
         return {node.type_name: {**body, "children": items} if body else items}
     if node.type.takes == "one":
-        return {node.type_name: {**body, **_child(node, _node(tree, plain[0], children))}}
+        return {node.type_name: {**body, **_child(node, _node(nodes, plain[0], children))}}
     if not body:
         return node.type_name
     if body.keys() == {node.type.main} and not isinstance(body[node.type.main], (list, dict)):

@@ -13,8 +13,9 @@ from humanoid_bt.bench.plain import empty_leaves, plain_copy
 from humanoid_bt.core.errors import Place
 from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.tree.engine.ticking import Branch, Seen, tick
+from humanoid_bt.tree.node import Node
 from humanoid_bt.tree.node_type import NodeType
-from humanoid_bt.tree.tree import Node, Tree
+from humanoid_bt.tree.tree import Tree
 from tests.tree.helpers import Run, make_workspace, run, seen
 
 SHAPES = {

@@ -15,7 +15,8 @@ from humanoid_bt.decision.robot import Robot
 from humanoid_bt.decision.skill_files import class_file, place_in_file
 from humanoid_bt.tree.engine.catching import Catcher, catch
 from humanoid_bt.tree.engine.ticking import INVALID, RUNNING, Raised, Seen, halt_alone, tick
-from humanoid_bt.tree.tree import Node, Tree
+from humanoid_bt.tree.node import Node
+from humanoid_bt.tree.tree import Tree
 
 
 @dataclass(frozen=True, slots=True)

@@ -106,11 +106,9 @@ class Expression:
         Raises:
             UserError: a name means nothing, or types or units do not go together.
         """
-        linker = Linker(self, names)
-        self.percepts.clear()
-        self.keys.clear()
-        self.comparisons.clear()
+        linker = Linker(self.text, self.place, self.text_at, names)
         self.type, evaluate = linker.link(self.syntax)
+        self.percepts, self.keys, self.comparisons = linker.percepts, linker.keys, linker.comparisons
         if self.wanted is not None and not self.type.goes_with(self.wanted):
             raise linker.mistake(f"it is {self.type}, but must be {self.wanted}", "like distance(target) < 0.5 m")
         self._evaluate = evaluate

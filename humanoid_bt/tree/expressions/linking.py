@@ -5,7 +5,7 @@ from __future__ import annotations
 import operator
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import Any, Protocol
 
 from humanoid_bt.core.errors import HumanoidBtError, Place, UserError, nearest
 from humanoid_bt.decision.robot import Robot
@@ -13,9 +13,6 @@ from humanoid_bt.tree.expressions import grammar
 from humanoid_bt.tree.expressions.grammar import Syntax
 from humanoid_bt.tree.expressions.quantities import ANYTHING, NUMBER, TEXT, TRUTH, Type, number, type_of
 from humanoid_bt.tree.expressions.vocabulary import PERCEPT, SEEN, STATE
-
-if TYPE_CHECKING:
-    from humanoid_bt.tree.expressions.expression import Expression
 
 Evaluate = Callable[[Robot], Any]
 """Returns a value, from what the robot knows at the start of the tick."""
@@ -94,19 +91,28 @@ class Linker:
     """Links one expression.
 
     Args:
-        expression: gets the percepts and keys that it reads, and its comparisons.
+        text: the expression, for messages.
+        place: where it is written.
+        text_at: how many columns behind its place its first character stands, None if that is not known.
         names: what names mean.
+
+    Attributes:
+        percepts, keys: those that were linked so far.
+        comparisons: those that were linked so far.
     """
 
-    def __init__(self, expression: Expression, names: Names) -> None:
-        self._expression = expression
+    def __init__(self, text: str, place: Place, text_at: int | None, names: Names) -> None:
+        self._text, self._place, self._text_at = text, place, text_at
         self._names = names
+        self.percepts: list[str] = []
+        self.keys: list[str] = []
+        self.comparisons: list[Watched] = []
         self._at = 0  # index in the text of the part that is linked
 
     def mistake(self, message: str, hint: str = "") -> UserError:
         """Return an error about the part that is linked."""
-        place = within(self._expression.place, self._expression.text_at, self._at)
-        return UserError(f"in {self._expression.text!r}: {message}", place, hint, CODE)
+        place = within(self._place, self._text_at, self._at)
+        return UserError(f"in {self._text!r}: {message}", place, hint, CODE)
 
     def link(self, syntax: Syntax) -> tuple[Type, Evaluate]:
         """Return type and evaluation of a part; what is raised meanwhile is about it."""
@@ -143,7 +149,7 @@ class Linker:
             raise self.mistake(f"unknown name {name!r}", f"{hint}; of a percept ask distance({name}) or the like")
         kind, value = found
         if self._names.is_set(name) is not None:
-            self._expression.keys.append(name)
+            self.keys.append(name)
         return kind, lambda _robot: value()
 
     def _state(self, name: str) -> tuple[Type, Evaluate]:
@@ -155,11 +161,11 @@ class Linker:
     def _percept(self, written: str, name: str) -> tuple[Type, Evaluate]:
         percept = self._names.percept(written)
         if name == SEEN:
-            self._expression.percepts.append(percept)
+            self.percepts.append(percept)
             return TRUTH, lambda robot: robot.track(percept) is not None
         if name not in PERCEPT:
             raise self.mistake(f"a percept has no {name!r}", nearest(name, [*PERCEPT, SEEN]))
-        self._expression.percepts.append(percept)
+        self.percepts.append(percept)
         of = PERCEPT[name].of
 
         def ask(robot: Robot) -> Any:
@@ -222,7 +228,7 @@ class Linker:
         return result, lambda robot: compute(first(robot), second(robot))
 
     def _comparison(self, syntax: grammar.Comparison) -> tuple[Type, Evaluate]:
-        before = len(self._expression.percepts)
+        before = len(self.percepts)
         (kind, left), (other, right) = self.link(syntax.left), self.link(syntax.right)
         sign = syntax.operator
         if not kind.goes_with(other):
@@ -230,10 +236,10 @@ class Linker:
         ordered = sign not in ("==", "!=")
         if (ordered and TEXT in (kind, other)) or (ordered and TRUTH in (kind, other)):
             raise self.mistake(f"{kind} and {other} have no order: {sign!r} is for numbers")
-        jitters = len(self._expression.percepts) > before and ordered
+        jitters = len(self.percepts) > before and ordered
         steady = not jitters or syntax.hysteresis is not None
         watched = Watched(syntax.source, sign, steady, kind if kind.unit else other)
-        self._expression.comparisons.append(watched)
+        self.comparisons.append(watched)
         compare = _OPERATORS[sign]
         if syntax.hysteresis is None:
 

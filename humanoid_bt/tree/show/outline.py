@@ -7,7 +7,8 @@ from dataclasses import asdict, dataclass
 from typing import Any, Self
 
 from humanoid_bt.decision.blackboard import Key
-from humanoid_bt.tree.tree import Node, Tree
+from humanoid_bt.tree.node import Node
+from humanoid_bt.tree.tree import Tree
 
 
 @dataclass(frozen=True)

@@ -13,8 +13,8 @@ from py_trees.behaviours import Dummy
 from humanoid_bt.core.errors import Problem
 from humanoid_bt.decision.skill_files import class_file, place_in_file
 from humanoid_bt.tree.draft import Draft
+from humanoid_bt.tree.node import Node
 from humanoid_bt.tree.nodes.subtree import SubTree
-from humanoid_bt.tree.tree import Node
 
 
 def build(root: Draft, tree_name: str, problems: list[Problem]) -> tuple[Node, ...]:

@@ -14,6 +14,7 @@ from humanoid_bt.decision.blackboard import Key
 from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.tree.checks import World, check
 from humanoid_bt.tree.draft import Draft
+from humanoid_bt.tree.node import Node
 from humanoid_bt.tree.node_type import NodeType
 from humanoid_bt.tree.nodes.registry import Registry
 from humanoid_bt.tree.slots import Slot
@@ -22,7 +23,7 @@ from humanoid_bt.tree.source.file import TreeFile, read_file
 from humanoid_bt.tree.source.parameters import Argument, NodeItem, Parameters, overrides
 from humanoid_bt.tree.source.read import Reader
 from humanoid_bt.tree.source.scope import Scope
-from humanoid_bt.tree.tree import Node, Tree
+from humanoid_bt.tree.tree import Tree
 
 MAX_NODES = 10_000
 """Most nodes of one tree, its sub-trees counted each time they are used."""

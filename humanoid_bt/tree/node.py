@@ -1,0 +1,51 @@
+"""A node of a loaded tree, as it is ticked, shown, recorded and written."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from py_trees.behaviour import Behaviour
+
+from humanoid_bt.core.errors import Place
+from humanoid_bt.tree.node_type import Kind, NodeType
+
+
+@dataclass(frozen=True)
+class Node:
+    """One node of a tree.
+
+    Attributes:
+        path: names from the tree's down to this node's, joined by "/"; unique, equal siblings get ``#2``, ``#3``.
+        name: as the file calls it, or its type's name.
+        type: its type, with the declared parameters.
+        values: the parameters that the file gives, converted.
+        references: parameter -> the name that the file gives for it as ``$name``.
+        arguments: of a sub-tree: the nodes it is given, as plain YAML.
+        place: where it is written.
+        behaviour: the py_trees node.
+        parent: index of its parent in the tree's nodes, -1 for the root.
+        branch: the key of its parent that it stands under ("on_stale", "cases left"), "" for a plain child.
+    """
+
+    path: str
+    name: str
+    type: NodeType
+    values: Mapping[str, Any]
+    place: Place
+    behaviour: Behaviour
+    parent: int
+    branch: str = ""
+    references: Mapping[str, str] = field(default_factory=dict)
+    arguments: Mapping[str, Any] = field(default_factory=dict)
+
+    @property
+    def type_name(self) -> str:
+        """Its type as written in trees."""
+        return self.type.type_name
+
+    @property
+    def kind(self) -> Kind:
+        """Whether it is a composite, a decorator, a condition, an action or a skill."""
+        return self.type.kind

@@ -1,0 +1,55 @@
+"""The rooms of the package: who may import whom, and that nothing goes in circles."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+import grimp
+import pytest
+from importlinter.cli import lint_imports
+
+ROOT = Path(__file__).resolve().parents[1]
+
+
+def circle(imports: Mapping[str, set[str]]) -> list[str]:
+    """Return files that import each other in a circle, none if there is no circle."""
+    done: set[str] = set()
+    way: list[str] = []
+
+    def visit(file: str) -> list[str]:
+        if file in way:
+            return way[way.index(file) :]
+        if file in done:
+            return []
+        way.append(file)
+        for other in sorted(imports.get(file, ())):
+            if found := visit(other):
+                return found
+        done.add(way.pop())
+        return []
+
+    return next((found for file in sorted(imports) if (found := visit(file))), [])
+
+
+def test_the_contracts_of_the_rooms_hold(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    monkeypatch.chdir(ROOT)
+    assert lint_imports(no_cache=True) == 0, capsys.readouterr().out
+
+
+def test_no_file_imports_itself_through_others() -> None:
+    graph = grimp.build_graph("humanoid_bt", cache_dir=None)
+    assert not circle({file: graph.find_modules_directly_imported_by(file) for file in graph.modules})
+
+
+@pytest.mark.parametrize(
+    ("imports", "found"),
+    [
+        ({"a": {"b"}, "b": {"c"}, "c": set()}, []),
+        ({"a": {"b", "c"}, "b": {"c"}, "c": set()}, []),
+        ({"a": {"b"}, "b": {"a"}}, ["a", "b"]),
+        ({"a": {"b"}, "b": {"c"}, "c": {"d"}, "d": {"b"}}, ["b", "c", "d"]),
+    ],
+)
+def test_circles_are_found(imports: Mapping[str, set[str]], found: list[str]) -> None:
+    assert circle(imports) == found
