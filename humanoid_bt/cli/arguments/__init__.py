@@ -1,0 +1,39 @@
+"""The arguments of the command line, a file for each command that has many."""
+
+from __future__ import annotations
+
+import argparse
+
+from humanoid_bt import __version__
+from humanoid_bt.cli.arguments.bench import add_bench
+from humanoid_bt.cli.arguments.check import add_check
+from humanoid_bt.cli.arguments.fmt import add_fmt
+from humanoid_bt.cli.arguments.lists import add_robots, add_skills
+from humanoid_bt.cli.arguments.parsing import EXIT_CODES, Commands, Parser
+from humanoid_bt.cli.arguments.remote import add_estop, add_reset, add_status
+from humanoid_bt.cli.arguments.run import add_run
+from humanoid_bt.cli.arguments.schema import add_schema
+from humanoid_bt.cli.arguments.show import add_show
+
+_COMMANDS = (
+    *(add_run, add_check, add_fmt, add_show),
+    *(add_skills, add_schema, add_robots),
+    *(add_estop, add_reset, add_status),
+    add_bench,
+)
+"""What declares each command, in the order of the help."""
+
+
+def parser() -> Parser:
+    """Return the parser of the command line."""
+    top = Parser(
+        prog="humanoid-bt",
+        description="Run behavior trees on a humanoid robot.",
+        epilog="humanoid-bt COMMAND --help says more about a command.\n\n" + EXIT_CODES,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    top.add_argument("--version", action="version", version=f"humanoid-bt {__version__}")
+    commands = Commands(top)
+    for declare in _COMMANDS:
+        declare(commands)
+    return top

@@ -1,0 +1,96 @@
+"""The parser of the command line: how a mistake in the arguments is answered, and what commands share."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+from typing import Any, NoReturn
+
+from humanoid_bt.core.errors import nearest
+from humanoid_bt.session.report import ExitCode
+
+EXIT_CODES = """\
+exit codes:
+  0    the tree succeeded
+  1    the tree failed, or still ran at the end of --duration
+  2    usage, or a mistake in a file
+  3    stopped for safety
+  4    internal error, or an exception in a skill
+  130  interrupted
+"""
+
+
+class Parser(argparse.ArgumentParser):
+    """An argument parser that says in two lines what is wrong and what would be valid."""
+
+    def error(self, message: str) -> NoReturn:
+        """Print a mistake and exit."""
+        print(f"error: {message}\n    see: {self.prog} --help", file=sys.stderr)
+        sys.exit(ExitCode.USAGE)
+
+    def parse_args(self, args: Any = None, namespace: Any = None) -> Any:
+        """Parse the arguments; what no command knows is answered with what it does know."""
+        values, unknown = self.parse_known_args(args, namespace)
+        if unknown:
+            command = self._command(values.command)
+            known = [option for action in command._actions for option in action.option_strings]
+            close = nearest(unknown[0].split("=")[0], known).partition("valid:")[0].strip()
+            command.error(f"unknown argument {unknown[0]!r}" + (f"; {close}" if close else ""))
+        return values
+
+    def _check_value(self, action: argparse.Action, value: Any) -> None:
+        if action.choices is not None and value not in action.choices:
+            what = "command" if action.dest == "command" else action.option_strings[0]
+            self.error(f"unknown {what} {value!r}: {nearest(value, map(str, action.choices))}")
+
+    def _command(self, name: str) -> Parser:
+        for action in self._actions:
+            if isinstance(action, argparse._SubParsersAction):
+                chosen: Parser = action.choices[name]
+                return chosen
+        return self
+
+
+class Commands:
+    """The commands of a parser.
+
+    Args:
+        parser: whose commands they are.
+    """
+
+    def __init__(self, parser: Parser) -> None:
+        self._commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
+
+    def add(self, name: str, text: str, description: str, epilog: str = "") -> Parser:
+        """Return the parser of one more command.
+
+        Args:
+            name: the command.
+            text: what it does, for the list of commands.
+            description: the same in more words, for its own help.
+            epilog: examples and exit codes.
+        """
+        added: Parser = self._commands.add_parser(
+            name,
+            help=text,
+            description=description,
+            epilog=epilog,
+            formatter_class=argparse.RawDescriptionHelpFormatter,
+        )
+        return added
+
+
+def add_run_id(command: Parser) -> None:
+    """Let a command say which running robot it is for."""
+    command.add_argument("--run", metavar="ID", help="which run, if there are several")
+
+
+def add_workspace(command: Parser) -> None:
+    """Let a command say where names are looked up."""
+    command.add_argument(
+        "--workspace",
+        type=Path,
+        metavar="DIR",
+        help="folder with trees/, skills/, sim/; default: the tree file's own, else the working directory",
+    )

@@ -1,0 +1,84 @@
+"""The arguments of ``humanoid-bt run``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from humanoid_bt.cli.arguments.numbers import port, positive, seed
+from humanoid_bt.cli.arguments.parsing import EXIT_CODES, Commands, add_workspace
+
+_EXAMPLES = """\
+examples:
+  humanoid-bt run fetch                   the built-in demo
+  humanoid-bt run fetch --set stop_distance=0.35
+  humanoid-bt run fetch --scene random_target --seed 7
+  humanoid-bt run trees/mine.yaml --serve in a browser
+  humanoid-bt run trees/mine.yaml --watch and edit it meanwhile
+"""
+
+
+def add_run(commands: Commands) -> None:
+    """Declare ``run``."""
+    run = commands.add("run", "run a tree", "Run a tree on a simulated robot.", _EXAMPLES + "\n" + EXIT_CODES)
+    run.add_argument("tree", metavar="TREE", help="name or file of a tree")
+    run.add_argument("--robot", metavar="R", help="name or folder of a robot; default: what the tree says")
+    run.add_argument("--scene", metavar="S", help="name or file of a scene; default: what the tree says")
+    run.add_argument(
+        "--set",
+        action="append",
+        default=[],
+        metavar="NAME=VALUE",
+        dest="overrides",
+        help="set a parameter of the tree; may be given several times",
+    )
+    run.add_argument("--seed", type=seed, default=0, metavar="N", help="of everything random; default 0")
+    run.add_argument(
+        "--duration",
+        type=positive,
+        metavar="S",
+        help="longest simulated time [s]; default 120, with --watch no end",
+    )
+    run.add_argument(
+        "--mode",
+        choices=["lockstep", "realtime"],
+        default="lockstep",
+        metavar="M",
+        help="lockstep (default): all loops in step on simulated time, deterministic; "
+        "realtime: control, decision and perception as processes on the wall clock",
+    )
+    run.add_argument(
+        "--pace",
+        type=positive,
+        metavar="X",
+        help="simulated seconds per second; default: 1 with a live view or --watch, else as fast as it can",
+    )
+    run.add_argument(
+        "--watch",
+        action="store_true",
+        help="when the tree or a skill of it is edited, let the robot stand and swap the new tree in; "
+        "an edit with mistakes is told, and the old tree goes on; after the tree's end wait for an edit",
+    )
+    run.add_argument(
+        "--hold",
+        type=positive,
+        default=10.0,
+        metavar="S",
+        help="realtime: how long control balances the robot when decision has died [s]; default 10",
+    )
+    view = run.add_mutually_exclusive_group()
+    view.add_argument("--view", action="store_true", default=None, help="open the live view (default with a display)")
+    view.add_argument("--no-view", action="store_false", dest="view", help="do not open the live view")
+    run.add_argument(
+        "--serve",
+        nargs="?",
+        type=port,
+        const=9090,
+        metavar="PORT",
+        help="serve the live view to a browser on 127.0.0.1; default port 9090",
+    )
+    record = run.add_mutually_exclusive_group()
+    record.add_argument("--record", type=Path, metavar="FILE", help="recording; default: runs/TREE-DATE-TIME.rrd")
+    record.add_argument("--no-record", action="store_true", help="write no recording")
+    run.add_argument("--report", type=Path, metavar="FILE", help="write a report of the run as JSON")
+    run.add_argument("--quiet", action="store_true", help="print only errors and the summary")
+    add_workspace(run)
