@@ -187,8 +187,8 @@ _TREES = (
     _warning(
         "no-hysteresis",
         "A condition on a jittery percept may flap: it is checked again and again without hysteresis.",
-        "sequence:\n  - condition: distance(target) < 0.5 m\n  - reach: {target: target}",
-        "sequence:\n  - condition: distance(target) < 0.5 m hysteresis 5 cm\n  - reach: {target: target}",
+        "reactive_sequence:\n  - condition: distance(target) < 0.5 m\n  - reach: {target: target}",
+        "reactive_sequence:\n  - condition: distance(target) < 0.5 m hysteresis 5 cm\n  - reach: {target: target}",
     ),
     _warning(
         "no-time-limit",

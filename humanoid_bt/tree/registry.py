@@ -26,7 +26,7 @@ from humanoid_bt.tree.nodes import BUILTIN, Kind
 from humanoid_bt.tree.slots import Slot, Takes
 from humanoid_bt.workspace import Workspace
 
-ALIASES = {"fallback": "selector"}
+ALIASES = {"fallback": "selector", "reactive_fallback": "reactive_selector"}
 """Other names of built-in node types, for files that come from elsewhere."""
 
 _TAKES: dict[str, Takes] = {"composite": "many", "decorator": "one"}
