@@ -191,6 +191,12 @@ _TREES = (
         "reactive_sequence:\n  - condition: distance(target) < 0.5 m hysteresis 5 cm\n  - reach: {target: target}",
     ),
     _warning(
+        "starts-again",
+        "A node that is asked again in every tick starts again after its end, and halts what had its turn.",
+        "reactive_sequence:\n  - walk_to: {x: 1 m, y: 0 m}\n  - turn: {angle: 90 deg}",
+        "sequence:\n  - walk_to: {x: 1 m, y: 0 m}\n  - turn: {angle: 90 deg}",
+    ),
+    _warning(
         "no-time-limit",
         "A node that may run for ever, although the tree waits for its end, stands below no time limit.",
         "approach: {target: target}",

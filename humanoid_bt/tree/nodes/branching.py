@@ -165,6 +165,12 @@ class _Switch(Choice):
         """Return the results of every branch, and FAILURE: it may find none."""
         return frozenset({FAILURE}).union(*below.branches.values())
 
+    @classmethod
+    def results_at_once(cls, _values: Mapping[str, Any], below: Below) -> Results:
+        """Return what every branch can answer at once, and FAILURE if there may be none."""
+        found = frozenset().union(*below.branches.values())
+        return found if "default" in below.branches else found | {FAILURE}
+
     def setup(self, **kwargs: Any) -> None:
         """Take ``robot``."""
         self.robot: Robot = kwargs["robot"]
