@@ -191,6 +191,7 @@ def test_it_is_found_once_in_a_sub_tree_that_is_used_twice(workspace: Workspace)
         (f"if: {{condition: {{act: }}, then: {WALK}}}", ""),
         (f"precondition: {{condition: {{act: }}, {WALK[1:-1]}}}", ""),
         ("reactive_if: {condition: {act: }, then: success}", ""),
+        (f"reactive_if: {{condition: {{wait: 1 s}}, then: success, else: {WALK}}}", ""),
         (f"reactive_if: {{condition: {{wait_until: seen(p)}}, then: {WALK}}}", ""),
         (f"guard: {{condition: {{selector: [{HELD}, act]}}, {WALK[1:-1]}}}", ""),
         (f"guard: {{condition: {HELD}, {WALK[1:-1]}}}", ""),
@@ -232,6 +233,8 @@ def test_the_place_is_the_childs_and_a_comment_allows_it(workspace: Workspace) -
 def test_a_skill_can_say_that_it_answers_at_once(workspace: Workspace) -> None:
     (hint,) = hints(workspace, "reactive_sequence: [act, plain]")
     assert hint.endswith("or, in its class, runs = False if it always answers at once")
+    (hint,) = hints(workspace, "emergency_stop: {reactive_sequence: [look, act]}")
+    assert "runs = False" not in hint, "what commands the robot takes its time"
     file = workspace.root / "skills" / "test_skills.py"
     asks = "class Powered(Skill):\n    runs = False\n    def update(self):\n        return self.succeed('')\n"
     file.write_text(file.read_text() + asks)

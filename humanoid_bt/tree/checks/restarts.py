@@ -42,7 +42,7 @@ def _children(draft: Draft, facts: Facts) -> Iterator[Problem]:
             repair = (
                 f"put {child.name!r} and what is behind it into a {_goes_on(draft)!r}" if index else _instead(draft)
             )
-            yield _problem(child, effect, repair)
+            yield _problem(child, effect, repair, facts)
 
 
 def _condition(draft: Draft, facts: Facts) -> Iterator[Problem]:
@@ -53,14 +53,13 @@ def _condition(draft: Draft, facts: Facts) -> Iterator[Problem]:
         assert condition is not None
         if key in below and facts.may_run(below[key]) and _starts_again(condition, needed, facts):
             effect = f"{condition.name!r} starts again when it has {_ENDED[needed]}, and halts {below[key].name!r}"
-            yield _problem(condition, effect, _instead(draft))
+            yield _problem(condition, effect, _instead(draft), facts)
             return
 
 
 def _starts_again(node: Draft, status: Status, facts: Facts) -> bool:
-    """Return whether a node that has run and ended with a status can only do so again by running again."""
-    results = facts.results(node)
-    return Status.RUNNING in results and status in results and status not in facts.at_once(node)
+    """Return whether a node can end with a status, and only by running: what never runs answers at once."""
+    return status in facts.results(node) and status not in facts.at_once(node)
 
 
 def _goes_on(draft: Draft) -> str:
@@ -73,8 +72,8 @@ def _instead(draft: Draft) -> str:
     return f"use {_goes_on(draft)!r} instead of {draft.type.type_name!r}"
 
 
-def _problem(node: Draft, message: str, repair: str) -> Problem:
+def _problem(node: Draft, message: str, repair: str, facts: Facts) -> Problem:
     hint = f"{repair}: it goes on with what runs; or put {node.name!r} below 'once' if it is to run only once"
-    if issubclass(node.type.cls, Skill):
+    if issubclass(node.type.cls, Skill) and not facts.commands(node):
         hint += "; or, in its class, runs = False if it always answers at once"
     return Problem(message, node.place, hint, "starts-again", "warning")
