@@ -182,12 +182,14 @@ class Realtime:
         """Ask control for a reset; its answer comes as a notice."""
         self.supervisor.request_reset(source)
 
-    def advance(self, command: Command | None) -> None:
+    def submit(self, command: Command) -> None:
         """Give a command to control. It counts as decision's sign of life, so it comes after a whole tick."""
         for source, reason in self.supervisor.take_requests():
             self._writers["request"].write(encode_event(Event(self.clock.now(), "error", f"{source}: {reason}")))
-        if command is not None:
-            self._writers["command"].write(encode_command(command))
+        self._writers["command"].write(encode_command(command))
+
+    def advance(self) -> None:
+        """Nothing: the wall clock goes on by itself, and :meth:`sense` waits for the next tick."""
 
     def publish(self, status: Mapping[str, object], tree: Tree) -> None:
         """Tell ``humanoid-bt status`` and ``show --live`` what the tree does."""

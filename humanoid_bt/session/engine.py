@@ -69,8 +69,11 @@ class Engine(Protocol):
     def sense(self) -> tuple[State, Mapping[str, Percept]]:
         """Return the state and the latest percepts, for one tick."""
 
-    def advance(self, command: Command | None) -> None:
-        """Give the command of a tick to control; None if there is none."""
+    def submit(self, command: Command) -> None:
+        """Give the command of a tick to control."""
+
+    def advance(self) -> None:
+        """Let one period of decision pass, where time is simulated; the wall clock goes on by itself."""
 
     def publish(self, status: Mapping[str, object], tree: Tree) -> None:
         """Tell whoever looks from outside what the tree does."""

@@ -189,7 +189,8 @@ class Run:
                 if end is not runner.ended:
                     teller.trace.measure_hand(state)
                 return end
-            engine.advance(command)
+            engine.submit(command)
+            engine.advance()
             self._keep_pace()
             if self._reloader is not None:
                 self._reloader.look()
@@ -243,7 +244,8 @@ class Run:
         command = runner.robot.release_all()
         until = self._now + SETTLE_TIME
         while self._now < until:
-            engine.advance(command)
+            engine.submit(command)
+            engine.advance()
             state, percepts = engine.sense()
             self._teller.happened(state.time)
             command = runner.hold(state, percepts)

@@ -223,7 +223,9 @@ class Rig:
         return self._lockstep.sense()
 
     def _advance(self, command: Command) -> None:
-        self._lockstep.advance(None if self.time < self._silent_until else command)
+        if self.time >= self._silent_until:
+            self._lockstep.submit(command)
+        self._lockstep.advance()
 
     def _tree(self, skill: str, values: dict[str, Any]) -> Tree:
         node_type = self._registry.get(skill)

@@ -93,8 +93,8 @@ def test_the_robot_is_held_between_two_trees_and_commands_are_counted_on(
     script = edited(root, (75, WALK + "# again\n"), (300, "end"))
 
     def listen(run: Run) -> Script:
-        advance = run.engine.advance
-        monkeypatch.setattr(run.engine, "advance", lambda command: (commands.append(command), advance(command)))
+        submit = run.engine.submit
+        monkeypatch.setattr(run.engine, "submit", lambda command: (commands.append(command), submit(command)))
         return script(run)
 
     ran = watched(root, WALK, listen, duration=12.0)
