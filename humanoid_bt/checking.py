@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 from humanoid_bt import allow
 from humanoid_bt.document import read_text
@@ -14,6 +15,7 @@ from humanoid_bt.plant.robot_model import RobotModel
 from humanoid_bt.plant.scene_config import load_scene
 from humanoid_bt.tree.load import load_tree
 from humanoid_bt.tree.registry import Registry
+from humanoid_bt.tree.tree import Tree
 from humanoid_bt.workspace import Workspace
 
 
@@ -25,6 +27,27 @@ def checked(path: Path, workspace: Workspace) -> list[Problem]:
         workspace: where it would run.
     """
     return settled({path: findings(path, workspace)})
+
+
+def load_checked(
+    path: Path,
+    workspace: Workspace,
+    parameters: Mapping[str, Any] | None = None,
+    *,
+    robot: str | None = None,
+    scene: str | None = None,
+    arguments: Collection[str] = (),
+) -> Tree:
+    """Load a tree as :func:`~humanoid_bt.tree.load.load_tree` does, with the warnings that its files do not allow.
+
+    Raises:
+        UserError: it has mistakes, or a comment in its file allows what it cannot allow or gives no reason.
+    """
+    tree = load_tree(path, workspace, parameters, robot=robot, scene=scene, arguments=arguments)
+    problems = settled({tree.path: tree.warnings})
+    if errors := [problem for problem in problems if problem.severity == "error"]:
+        raise UserError(errors)
+    return replace(tree, warnings=tuple(problems))
 
 
 def findings(path: Path, workspace: Workspace) -> list[Problem]:
@@ -53,7 +76,7 @@ def settled(found: Mapping[Path, Sequence[Problem]]) -> list[Problem]:
         complete = path in found and not any(problem.severity == "error" for problem in found[path])
         try:
             source = read_text(path)
-        except UserError:  # a finding tells of it, or it is no file (a --set)
+        except UserError:  # a finding tells of it, or it is no file (a value that was set)
             continue
         problems = allow.remaining(source, file, problems, complete=complete)
     order = {file: number for number, file in enumerate(files)}

@@ -78,7 +78,7 @@ _FILES = (
 _VALUES = (
     _error(
         "unknown-parameter",
-        "A node, or what --set names, does not have this parameter.",
+        "A node, or what was set by name, does not have this parameter.",
         "reach: {target: target, hnad: left}",
         "reach: {target: target, hand: left}",
     ),

@@ -10,6 +10,8 @@ from typing import Any, NoReturn
 
 from humanoid_bt import __version__
 from humanoid_bt.errors import nearest
+from humanoid_bt.session import limits
+from humanoid_bt.session.limits import Limit
 from humanoid_bt.session.report import ExitCode
 
 _EXIT_CODES = """\
@@ -228,13 +230,13 @@ def parser() -> Parser:
     )
     bench.add_argument(
         "--duration",
-        type=_phase,
+        type=_number(_PHASE),
         default=10.0,
         metavar="S",
         help="with --realtime: how long each loop is watched [s]; default 10",
     )
     bench.add_argument(
-        "--repetitions", type=_positive_int, default=5, metavar="N", help="of each pair, or each cause; default 5"
+        "--repetitions", type=_number(_COUNT), default=5, metavar="N", help="of each pair, or each cause; default 5"
     )
     bench.add_argument("--json", type=Path, metavar="FILE", help="write the figures to this file too")
     return top
@@ -252,10 +254,12 @@ def _add_run(run: Parser) -> None:
         dest="overrides",
         help="set a parameter of the tree; may be given several times",
     )
-    run.add_argument("--seed", type=_seed, default=0, metavar="N", help="of everything random; default 0")
+    run.add_argument(
+        "--seed", type=_number(limits.SEED), default=0, metavar="N", help="of everything random; default 0"
+    )
     run.add_argument(
         "--duration",
-        type=_positive,
+        type=_number(limits.DURATION),
         metavar="S",
         help="longest simulated time [s]; default 120, with --watch no end",
     )
@@ -269,7 +273,7 @@ def _add_run(run: Parser) -> None:
     )
     run.add_argument(
         "--pace",
-        type=_positive,
+        type=_number(limits.POSITIVE),
         metavar="X",
         help="simulated seconds per second; default: 1 with a live view or --watch, else as fast as it can",
     )
@@ -281,7 +285,7 @@ def _add_run(run: Parser) -> None:
     )
     run.add_argument(
         "--hold",
-        type=_positive,
+        type=_number(limits.POSITIVE),
         default=10.0,
         metavar="S",
         help="realtime: how long control balances the robot when decision has died [s]; default 10",
@@ -292,7 +296,7 @@ def _add_run(run: Parser) -> None:
     run.add_argument(
         "--serve",
         nargs="?",
-        type=_port,
+        type=_number(limits.PORT),
         const=9090,
         metavar="PORT",
         help="serve the live view to a browser on 127.0.0.1; default port 9090",
@@ -372,23 +376,17 @@ def _add_workspace(command: Parser) -> None:
     )
 
 
-def _number(kind: Callable[[str], Any], valid: str, is_valid: Callable[[Any], bool]) -> Callable[[str], Any]:
+def _number(limit: Limit) -> Callable[[str], Any]:
     """Return what reads a number and says what would be valid if it is not."""
 
     def read(text: str) -> Any:
         try:
-            value = kind(text)
-        except ValueError:
-            value = None
-        if value is None or not is_valid(value):
-            raise argparse.ArgumentTypeError(f"must be {valid}, not {text!r}")
-        return value
+            return limit.read(text)
+        except ValueError as error:
+            raise argparse.ArgumentTypeError(f"must be {limit.valid}, not {text!r}") from error
 
     return read
 
 
-_positive = _number(float, "a number above 0", lambda value: 0 < value < float("inf"))
-_phase = _number(float, "a number from 0.1 to 3600", lambda value: 0.1 <= value <= 3600)
-_positive_int = _number(int, "a whole number above 0", lambda value: value > 0)
-_seed = _number(int, "a whole number, 0 or more", lambda value: value >= 0)
-_port = _number(int, "a port from 1 to 65534", lambda value: 1 <= value <= 65534)
+_PHASE = Limit(float, "a number from 0.1 to 3600", lambda value: 0.1 <= value <= 3600)
+_COUNT = Limit(int, "a whole number above 0", lambda value: value > 0)

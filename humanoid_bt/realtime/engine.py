@@ -12,7 +12,7 @@ from pathlib import Path
 import mujoco
 
 from humanoid_bt.clock import DECISION_PERIOD
-from humanoid_bt.errors import ControlLost, HumanoidBtError
+from humanoid_bt.errors import ControlLost, HumanoidBtError, UserError
 from humanoid_bt.link.ring import RingReader, RingWriter
 from humanoid_bt.link.run_folder import RunFolder, RunInfo, clean_stale, live_runs
 from humanoid_bt.link.wire import (
@@ -23,7 +23,7 @@ from humanoid_bt.link.wire import (
     encode_command,
     encode_event,
 )
-from humanoid_bt.messages import Command, Percept, State
+from humanoid_bt.messages import Array, Command, Percept, State
 from humanoid_bt.plant.mujoco_plant import MujocoPlant
 from humanoid_bt.plant.robot_model import RobotModel
 from humanoid_bt.plant.scene import Scene
@@ -190,6 +190,14 @@ class Realtime:
 
     def advance(self) -> None:
         """Nothing: the wall clock goes on by itself, and :meth:`sense` waits for the next tick."""
+
+    def push(self, body: str, force: Array, duration: float) -> None:
+        """Refuse: only in lockstep somebody pushes the simulated robot.
+
+        Raises:
+            UserError: always.
+        """
+        raise UserError("the robot cannot be pushed in realtime mode", hint="valid: mode='lockstep'")
 
     def publish(self, status: Mapping[str, object], tree: Tree) -> None:
         """Tell ``humanoid-bt status`` and ``show --live`` what the tree does."""

@@ -10,7 +10,7 @@ import mujoco
 from humanoid_bt.clock import Clock
 from humanoid_bt.control.supervisor import Stop
 from humanoid_bt.link.wire import Event
-from humanoid_bt.messages import Command, Percept, State
+from humanoid_bt.messages import Array, Command, Percept, State
 from humanoid_bt.plant.robot_model import RobotModel
 from humanoid_bt.plant.scene import Scene
 from humanoid_bt.realtime.timing import Timing
@@ -74,6 +74,13 @@ class Engine(Protocol):
 
     def advance(self) -> None:
         """Let one period of decision pass, where time is simulated; the wall clock goes on by itself."""
+
+    def push(self, body: str, force: Array, duration: float) -> None:
+        """Push a body with a force, shape (3,), world frame [N], for a time [s].
+
+        Raises:
+            UserError: there is no such body, or nobody can push it.
+        """
 
     def publish(self, status: Mapping[str, object], tree: Tree) -> None:
         """Tell whoever looks from outside what the tree does."""

@@ -112,6 +112,14 @@ class Lockstep:
         """Reset a latched stop before the next tick, if nothing stands against it."""
         self._resets.append(source)
 
+    def push(self, body: str, force: Array, duration: float) -> None:
+        """Push a body with a force, shape (3,), world frame [N], for a time [s].
+
+        Raises:
+            UserError: there is no such body.
+        """
+        self.plant.push(body, force, duration)
+
     def reset(self, perception: Perception) -> None:
         """Begin a new run: the robot stands at the start, time is zero, nothing was seen."""
         self.clock.cycle = 0

@@ -78,6 +78,7 @@ def make_tree(
         nodes=collect(draft, name, composer.made),
         keys=tuple(scope.own_keys),
         header=header,
+        workspace=workspace,
         warnings=tuple(problems),
     )
     return replace(tree, source=tree.to_yaml())

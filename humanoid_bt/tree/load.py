@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 from humanoid_bt.blackboard import Key
 from humanoid_bt.document import Item
@@ -30,24 +31,26 @@ MAX_NODES = 10_000
 def load_tree(
     path: Path,
     workspace: Workspace,
-    overrides: Mapping[str, str] | None = None,
+    parameters: Mapping[str, Any] | None = None,
     *,
     robot: str | None = None,
     scene: str | None = None,
+    arguments: Collection[str] = (),
 ) -> Tree:
     """Read, check and build a tree.
 
     Args:
         path: the tree file.
         workspace: where its skills and sub-trees are found.
-        overrides: parameter values as text, from ``--set name=value``.
+        parameters: values for its parameters, or text as after ``--set``, by name.
         robot, scene: check it for these, instead of those that its header names.
+        arguments: what else can be given beside the parameters, for hints.
 
     Raises:
         UserError: with every mistake found, each with its place.
     """
     loader = _Loader(workspace)
-    tree = loader.load(path, overrides or {}, robot, scene)
+    tree = loader.load(path, parameters or {}, robot, scene, arguments)
     problems = _in_file_order(loader.problems, relative(path))
     if tree is None or any(problem.severity == "error" for problem in problems):
         raise UserError(problems)
@@ -74,10 +77,17 @@ class _Loader:
         self._nodes = 0
         self.problems: list[Problem] = []
 
-    def load(self, path: Path, texts: Mapping[str, str], robot: str | None, scene: str | None) -> Tree | None:
+    def load(
+        self,
+        path: Path,
+        values: Mapping[str, Any],
+        robot: str | None,
+        scene: str | None,
+        arguments: Collection[str],
+    ) -> Tree | None:
         """Return the tree, None if mistakes keep it from being made."""
         file = self._open(path)
-        given = overrides(file.parameters, texts, self.problems)
+        given = overrides(file.parameters, values, self.problems, arguments)
         parameters = Parameters(file.parameters, given, self.problems, complete=not file.header.get("subtree"))
         scope = Scope(parameters, file.blackboard, file.outputs, {}, self.problems)
         registry = self._registry()
@@ -104,6 +114,7 @@ class _Loader:
             keys=tuple(scope.own_keys),
             header=file.plain_header(given),
             files=tuple(file.path for file in self._files.values()),
+            workspace=self._workspace,
         )
 
     # ---- sub-trees (see SubTrees) --------------------------------------------------------------------------------
