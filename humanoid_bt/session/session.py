@@ -22,7 +22,7 @@ from humanoid_bt.session.loader import workspace_of
 from humanoid_bt.session.options import Mode, RunOptions
 from humanoid_bt.session.report import Report
 from humanoid_bt.session.teller import Listener, listening
-from humanoid_bt.tree.parameters import given
+from humanoid_bt.tree.given import given
 from humanoid_bt.tree.tree import Node, Tree
 from humanoid_bt.workspace import Workspace
 

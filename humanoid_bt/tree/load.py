@@ -16,7 +16,8 @@ from humanoid_bt.tree.build import build, sketch
 from humanoid_bt.tree.checks import World, check
 from humanoid_bt.tree.draft import Draft
 from humanoid_bt.tree.file import TreeFile, read_file
-from humanoid_bt.tree.parameters import Argument, NodeItem, Parameters, overrides
+from humanoid_bt.tree.given import overrides
+from humanoid_bt.tree.parameters import Argument, NodeItem, Parameters
 from humanoid_bt.tree.read import Reader
 from humanoid_bt.tree.registry import NodeType, Registry
 from humanoid_bt.tree.scope import Scope
@@ -49,9 +50,9 @@ def load_tree(
     Raises:
         UserError: with every mistake found, each with its place.
     """
-    loader = _Loader(workspace)
-    tree = loader.load(path, parameters or {}, robot, scene, arguments)
-    problems = _in_file_order(loader.problems, relative(path))
+    found: list[Problem] = []
+    tree = Loader(workspace, found).load(path, parameters or {}, robot, scene, arguments)
+    problems = _in_file_order(found, relative(path))
     if tree is None or any(problem.severity == "error" for problem in problems):
         raise UserError(problems)
     return replace(tree, warnings=tuple(problems))
@@ -59,7 +60,7 @@ def load_tree(
 
 def subtree_types(workspace: Workspace, registry: Registry) -> dict[str, NodeType]:
     """Return for every tree of a workspace the type of a node that uses it as a sub-tree; broken ones are left out."""
-    loader, node_type = _Loader(workspace), registry["subtree"]
+    loader, node_type = Loader(workspace, []), registry["subtree"]
     found: dict[str, NodeType] = {}
     for name, path in workspace.trees().items():
         item = Item(name, Place(relative(path)))
@@ -68,14 +69,24 @@ def subtree_types(workspace: Workspace, registry: Registry) -> dict[str, NodeTyp
     return found
 
 
-class _Loader:
-    """Reads one tree and every file that it uses."""
+class Loader:
+    """Reads one tree and every file that it uses.
 
-    def __init__(self, workspace: Workspace) -> None:
+    Args:
+        workspace: where skills and sub-trees are found.
+        problems: takes every mistake.
+    """
+
+    def __init__(self, workspace: Workspace, problems: list[Problem]) -> None:
         self._workspace = workspace
         self._files: dict[Path, TreeFile] = {}
         self._nodes = 0
-        self.problems: list[Problem] = []
+        self.problems = problems
+
+    @property
+    def files(self) -> tuple[Path, ...]:
+        """The files that were read."""
+        return tuple(file.path for file in self._files.values())
 
     def load(
         self,
@@ -113,7 +124,7 @@ class _Loader:
             complete=bool(made),
             keys=tuple(scope.own_keys),
             header=file.plain_header(given),
-            files=tuple(file.path for file in self._files.values()),
+            files=self.files,
             workspace=self._workspace,
         )
 

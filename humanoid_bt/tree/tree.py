@@ -28,7 +28,7 @@ class Node:
         type: its type, with the declared parameters.
         values: the parameters that the file gives, converted.
         references: parameter -> the name that the file gives for it as ``$name``.
-        arguments: of a sub-tree: the nodes it is given, as plain YAML.
+        arguments: of a sub-tree: the nodes it is given, as plain YAML, or the nodes themselves if made in Python.
         place: where it is written.
         behaviour: the py_trees node.
         parent: index of its parent in the tree's nodes, -1 for the root.

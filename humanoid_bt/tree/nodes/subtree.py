@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import Any, ClassVar
 
 from py_trees.behaviour import Behaviour
+from py_trees.behaviours import Dummy
 from py_trees.common import Status
 
 from humanoid_bt.blackboard import Key
@@ -22,6 +23,14 @@ class SubTree(Decorator):
     and for its outputs the keys of this tree's blackboard that get them. All other names in it are its own; its keys
     begin anew each time it starts. The file is looked for beside this one if it is a path, else by its name in the
     workspace and then among the built-in trees.
+
+    In Python they are keyword arguments: values, nodes, and a :class:`~humanoid_bt.blackboard.Key` for what is read
+    from the blackboard or written there. :func:`~humanoid_bt.tree.compose.make_tree` reads the file.
+
+    Args:
+        name: the node's name.
+        tree: name or file of the tree.
+        arguments: what its parameters and outputs are given.
     """
 
     type_name: ClassVar[str] = "subtree"
@@ -29,9 +38,21 @@ class SubTree(Decorator):
 
     tree: str = param(doc="Name or file of the tree.")
 
-    def __init__(self, name: str, child: Behaviour, keys: list[Key] | None = None, **values: Any) -> None:
-        super().__init__(name, child, **values)
-        self._keys = keys or []
+    def __init__(self, name: str, *, tree: str, **arguments: Any) -> None:
+        super().__init__(name, Dummy(f"what is in {tree}"), tree=tree)
+        self.arguments = arguments
+        self._keys: list[Key] = []
+
+    def fill(self, child: Behaviour, keys: list[Key]) -> None:
+        """Take what its file holds, once that has been read.
+
+        Args:
+            child: the root of the file's nodes.
+            keys: the keys that begin anew with it.
+        """
+        self.children[:] = [child]
+        self.decorated, child.parent = child, self
+        self._keys = keys
 
     @classmethod
     def possible_results(cls, _values: Mapping[str, Any], below: Below) -> Results:
