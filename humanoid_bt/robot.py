@@ -9,7 +9,7 @@ import logging
 import math
 from collections import deque
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -30,7 +30,9 @@ from humanoid_bt.messages import (
     State,
     Target,
 )
-from humanoid_bt.plant.robot_config import RobotConfig
+
+if TYPE_CHECKING:  # a skill's file is imported without it
+    from humanoid_bt.plant.robot_config import RobotConfig
 
 _log = logging.getLogger(__name__)
 _LEVELS: dict[Level, int] = {"info": logging.INFO, "warning": logging.WARNING, "error": logging.ERROR}
@@ -61,6 +63,11 @@ class Track:
         self._state = state
         self.age = age
         self.position_world = position_world
+
+    def __repr__(self) -> str:
+        return (
+            f"<Track {self.name!r}: {self.distance:.2f} m away, {self.age:.2f} s old, confidence {self.confidence:.2f}>"
+        )
 
     @property
     def name(self) -> str:  # noqa: D102 (documented above, as the others)

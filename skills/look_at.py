@@ -4,9 +4,7 @@ import math
 
 import numpy as np
 
-from humanoid_bt.params import param
-from humanoid_bt.signals import Improving, Lasting
-from humanoid_bt.skill import PerceptName, Skill, Status
+from humanoid_bt import Improving, Lasting, PerceptName, Skill, Status, param
 
 
 class LookAt(Skill):

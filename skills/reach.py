@@ -5,10 +5,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from humanoid_bt.messages import Side
-from humanoid_bt.params import param
-from humanoid_bt.signals import Improving, Lasting, Steady
-from humanoid_bt.skill import PerceptName, Skill, Status, of_hand
+from humanoid_bt import Improving, Lasting, PerceptName, Side, Skill, Status, Steady, of_hand, param
 
 
 class Reach(Skill):

@@ -5,11 +5,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from humanoid_bt.geometry import rotation_matrix
-from humanoid_bt.messages import SIDES, Mode, Side
-from humanoid_bt.params import param
-from humanoid_bt.signals import Lasting
-from humanoid_bt.skill import Skill, Status, of_hand
+from humanoid_bt import SIDES, Lasting, Mode, Side, Skill, Status, of_hand, param, rotation_matrix
 
 
 class Retract(Skill):

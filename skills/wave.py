@@ -6,10 +6,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from humanoid_bt.messages import Side
-from humanoid_bt.params import param
-from humanoid_bt.signals import Improving
-from humanoid_bt.skill import PerceptName, Skill, Status, of_hand
+from humanoid_bt import Improving, PerceptName, Side, Skill, Status, of_hand, param
 
 _AHEAD, _ASIDE = 0.5, 0.8  # shares of the robot's reach; the raised palm is beside the head, the elbow bent
 

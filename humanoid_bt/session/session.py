@@ -174,8 +174,8 @@ class Session:
             UserError: the recording or the view cannot be opened.
             KeyboardInterrupt: somebody ended it; :attr:`report` is there all the same.
         """
-        if not self._drive.begun:
-            self.start()
+        if not self._drive.begun or self._drive.report is not None:
+            self.start()  # refuses a second time
         with ExitStack() as leaving:
             leaving.push(self)
             while not self.outcome:
@@ -223,7 +223,10 @@ class Session:
         Raises:
             UserError: there is no such body, the force is none, or the mode is realtime.
         """
-        vector = np.asarray(force, dtype=float)
+        try:
+            vector = np.array(force, dtype=float)
+        except (TypeError, ValueError):
+            vector = np.zeros(0)
         if vector.shape != (3,) or not np.isfinite(vector).all():
             raise UserError(f"'force' must be three numbers [N], not {force!r}")
         self._drive.engine.push(body or self._drive.engine.robot.config.torso, vector, float(duration))

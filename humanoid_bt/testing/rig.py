@@ -6,6 +6,7 @@ import math
 import typing
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from os import PathLike
 from pathlib import Path
 from typing import Any
 
@@ -98,15 +99,15 @@ class Rig:
     dictated by the test.
 
     Args:
-        workspace: where skills are found.
+        workspace: where skills are found; the working directory if None.
         robot: name of the robot.
 
     Raises:
         UserError: the robot or a skill has mistakes.
     """
 
-    def __init__(self, workspace: Workspace, robot: str = "humanoid") -> None:
-        self.workspace = workspace
+    def __init__(self, workspace: str | PathLike[str] | Workspace | None = None, robot: str = "humanoid") -> None:
+        self.workspace = workspace = workspace if isinstance(workspace, Workspace) else Workspace(workspace)
         self._registry = Registry.of(workspace)
         self._model, start = load_robot(workspace.find_robot(robot))
         scene = Scene(load_scene(workspace.find_scene("empty")), seed=0)

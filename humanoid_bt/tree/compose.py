@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable
 from dataclasses import replace
+from os import PathLike
 from pathlib import Path
 from typing import Any, get_args
 
@@ -34,7 +35,7 @@ from humanoid_bt.workspace import Workspace
 
 def make_tree(
     root: Behaviour,
-    workspace: Workspace | None = None,
+    workspace: str | PathLike[str] | Workspace | None = None,
     *,
     name: str = "tree",
     description: str = "",
@@ -60,7 +61,7 @@ def make_tree(
     place = Place(relative(Path(caller.f_code.co_filename)), caller.f_lineno, 1)
     problems: list[Problem] = []
     _check_name(name, place, problems)
-    workspace = workspace or Workspace()
+    workspace = workspace if isinstance(workspace, Workspace) else Workspace(workspace)
     registry = Registry.of(workspace)
     scope = Scope(Parameters({}, {}, problems), {}, {}, {}, problems)
     loader = Loader(workspace, problems)
