@@ -218,7 +218,7 @@ def api() -> str:
     for line in source.splitlines()[1:]:
         text = line.strip()
         if text.startswith("# "):
-            rows = groups.setdefault(text[2:].capitalize(), [])
+            rows = groups.setdefault(text[2:], [])
         else:
             rows.append(_public(text.strip('",')))
     return "\n\n".join(f"### {title}\n\n{_table(('name', 'what it is'), rows)}" for title, rows in groups.items())

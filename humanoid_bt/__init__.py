@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 __version__ = "0.1.0"
 
 __all__ = [  # noqa: RUF022 (grouped as a reader looks for them)
-    # running and looking
+    # Running and looking
     "load",
     "run",
     "Session",
@@ -28,12 +28,12 @@ __all__ = [  # noqa: RUF022 (grouped as a reader looks for them)
     "Workspace",
     "unicode_tree",
     "svg_tree",
-    # trees made in Python
+    # Trees made in Python
     "make_tree",
     "nodes",
     "skills",
     "Key",
-    # skills
+    # Skills
     "Skill",
     "Status",
     "param",
@@ -50,10 +50,10 @@ __all__ = [  # noqa: RUF022 (grouped as a reader looks for them)
     "Lasting",
     "Improving",
     "rotation_matrix",
-    # tests of skills
+    # Tests of skills
     "Rig",
     "RigResult",
-    # errors
+    # Errors
     "HumanoidBtError",
     "UserError",
     "NodeError",

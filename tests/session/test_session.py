@@ -43,14 +43,14 @@ def in_project(project: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_steps_make_the_same_run(tmp_path: Path) -> None:
-    whole = hbt.run("walk", duration=1.0)
-    with hbt.Session("walk", duration=1.0) as session:
+    whole = hbt.run("walk", duration=0.4)
+    with hbt.Session("walk", duration=0.4) as session:
         steps = 0
         while session.step():
             steps += 1
             assert session.time == pytest.approx(0.02 * (steps - 1))
             assert session.outcome == ""
-    assert steps == 50
+    assert steps == 20
     assert session.outcome == session.report.outcome == "unfinished"
     assert session.report.trace_hash == whole.trace_hash
 
@@ -251,7 +251,7 @@ class Press(hbt.Listener):
     ticks = 0
     def progress(self, time, running):
         self.ticks += 1
-        if self.ticks == 60:
+        if self.ticks == 30:
             os.kill(os.getpid(), signal.SIGINT)
 
 session = hbt.Session("walk", record="ctrl-c.rrd", listener=Press())
@@ -269,9 +269,9 @@ def test_ctrl_c_ends_a_program_with_the_robot_standing(tmp_path: Path, project: 
     script = tmp_path / "script.py"
     script.write_text(CTRL_C, encoding="utf-8")
     done = subprocess.run([sys.executable, str(script)], cwd=project, check=False, capture_output=True, text=True)
-    assert done.stdout == "interrupted Ctrl-C 1.18 True []\n"
+    assert done.stdout == "interrupted Ctrl-C 0.58 True []\n"
     assert done.returncode in (130, -signal.SIGINT)
-    assert last_time(project / "ctrl-c.rrd") > 1.2
+    assert last_time(project / "ctrl-c.rrd") > 0.6
 
 
 # ---- mistakes ------------------------------------------------------------------------------------------------------
@@ -419,12 +419,12 @@ def test_what_a_table_shows_is_escaped(project: Path) -> None:
 def test_realtime_is_stepped_in_the_same_way(tmp_path: Path) -> None:
     with hbt.Session("walk", mode="realtime", duration=5.0, record=tmp_path / "walk.rrd") as session:
         assert session.run_until(0.4)
-        assert 0.4 <= session.time < 0.6
+        assert session.time >= 0.4
         assert session.node("walk").status is Status.RUNNING
         with pytest.raises(hbt.UserError, match="cannot be pushed in realtime mode"):
             session.push((0, 1, 0))
         session.raise_estop("enough")
-        assert session.run_until(lambda s: s.state.mode is hbt.Mode.EMERGENCY_STOP, timeout=0.2)
+        assert session.run_until(lambda s: s.state.mode is hbt.Mode.EMERGENCY_STOP, timeout=2.0)
     assert session.report.outcome == "stopped"
     assert [stop["reason"] for stop in session.report.stops] == ["enough"]
     assert last_time(tmp_path / "walk.rrd") > 0.4

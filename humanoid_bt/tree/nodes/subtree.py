@@ -23,14 +23,6 @@ class SubTree(Decorator):
     and for its outputs the keys of this tree's blackboard that get them. All other names in it are its own; its keys
     begin anew each time it starts. The file is looked for beside this one if it is a path, else by its name in the
     workspace and then among the built-in trees.
-
-    In Python they are keyword arguments: values, nodes, and a :class:`~humanoid_bt.blackboard.Key` for what is read
-    from the blackboard or written there. :func:`~humanoid_bt.tree.compose.make_tree` reads the file.
-
-    Args:
-        name: the node's name.
-        tree: name or file of the tree.
-        arguments: what its parameters and outputs are given.
     """
 
     type_name: ClassVar[str] = "subtree"
@@ -39,6 +31,14 @@ class SubTree(Decorator):
     tree: str = param(doc="Name or file of the tree.")
 
     def __init__(self, name: str, *, tree: str, **arguments: Any) -> None:
+        """Make a node that :func:`~humanoid_bt.tree.compose.make_tree` fills from the tree's file.
+
+        Args:
+            name: the node's name.
+            tree: name or file of the tree.
+            arguments: its parameters: values, nodes, and keys for what is read from the blackboard; and for its
+                outputs the keys that get them.
+        """
         super().__init__(name, Dummy(f"what is in {tree}"), tree=tree)
         self.arguments = arguments
         self._keys: list[Key] = []
