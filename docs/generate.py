@@ -7,8 +7,10 @@ generated too.
 
 from __future__ import annotations
 
+import ast
 import dataclasses
 import inspect
+import itertools
 import re
 import tempfile
 import types
@@ -16,13 +18,14 @@ import typing
 from collections.abc import Callable, Iterator, Mapping
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import blocks
 from examples import EXAMPLES
 
+import humanoid_bt
+from humanoid_bt import clock, messages, params
 from humanoid_bt.checking.codes import ALLOWABLE, CODES
-from humanoid_bt.core import clock
 from humanoid_bt.core.messages import State
 from humanoid_bt.core.params import Param, params_of
 from humanoid_bt.core.units import UNITS, factors
@@ -31,6 +34,8 @@ from humanoid_bt.files.workspace import Workspace, builtin_root
 from humanoid_bt.perception.track import Track
 from humanoid_bt.plant.scene_config import SceneConfig
 from humanoid_bt.robot.config import RobotConfig
+from humanoid_bt.session.report import Report
+from humanoid_bt.session.session import Session
 from humanoid_bt.testing.rig import Rig, RigResult
 from humanoid_bt.tree.expressions.quantities import TRUTH
 from humanoid_bt.tree.expressions.vocabulary import PERCEPT, SEEN, STATE
@@ -209,6 +214,56 @@ def rig_result() -> str:
     )
 
 
+def api() -> str:
+    """Return the tables of the public API, in the groups of ``humanoid_bt.__all__``."""
+    source = inspect.getsource(humanoid_bt).partition("__all__ = [")[2].partition("\n]")[0]
+    groups: dict[str, list[tuple[str, str]]] = {}
+    for line in source.splitlines()[1:]:
+        text = line.strip()
+        if text.startswith("# "):
+            rows = groups.setdefault(text[2:], [])
+        else:
+            rows.append(_public(text.strip('",')))
+    return "\n\n".join(f"### {title}\n\n{_table(('name', 'what it is'), rows)}" for title, rows in groups.items())
+
+
+def session() -> str:
+    """Return what a session offers."""
+    return _members(Session)
+
+
+def report() -> str:
+    """Return what a report holds besides its fields."""
+    return _members(Report)
+
+
+def _public(name: str) -> tuple[str, str]:
+    """Return a public name as it is called, and its first line of documentation."""
+    thing = getattr(humanoid_bt, name)
+    if inspect.isclass(thing) or inspect.ismodule(thing) or inspect.isfunction(thing):
+        call = f"{name}({_arguments(thing)})" if inspect.isfunction(thing) else name
+        return f"`{call}`", _summary(inspect.getdoc(thing) or "")
+    return f"`{name}`", _summary(_doc_below(name))
+
+
+def _arguments(function: Any) -> str:
+    """Return the arguments that matter of a function: those that must be given, and that there are others."""
+    arguments = inspect.signature(function).parameters.values()
+    needed = [str(a.replace(annotation=a.empty)) for a in arguments if a.default is a.empty and a.kind != a.VAR_KEYWORD]
+    return ", ".join([*needed, *(["..."] if len(needed) < len(arguments) else [])])
+
+
+def _doc_below(name: str) -> str:
+    """Return the text below the assignment of a constant."""
+    for module in (messages, params):
+        body = ast.parse(inspect.getsource(module)).body
+        for node, after in itertools.pairwise(body):
+            targets = getattr(node, "targets", [getattr(node, "target", None)])
+            if any(getattr(target, "id", "") == name for target in targets):
+                return str(ast.literal_eval(cast(ast.Expr, after).value))
+    raise LookupError(name)
+
+
 def clocks() -> str:
     """Return the table of the loops' periods."""
     loops = {
@@ -249,6 +304,7 @@ PARTS_BY_NAME: dict[str, Callable[[], str]] = {
         *(nodes, elsewhere, skills, tree_keys, node_keys, parameter_keys, units, robot_keys, scene_keys, trees),
         *(percept_words, state_words, library),
         *(handle, track, state, rig, rig_result, clocks, codes, code_examples),
+        *(api, session, report),
     )
 } | {f"library_{name}": partial(library_tree, name) for name, tree in _built_in().items() if tree.is_subtree}
 """Name of a generated part -> what makes it."""

@@ -25,10 +25,9 @@ from humanoid_bt.files.workspace import Workspace, builtin_root
 from humanoid_bt.plant.mujoco_plant import MujocoPlant
 from humanoid_bt.plant.scene import Scene
 from humanoid_bt.plant.scene_config import ObjectConfig, SceneConfig
-from humanoid_bt.record.sinks import Sinks
 from humanoid_bt.robot.config import load_robot_config
 from humanoid_bt.robot.model import RobotModel
-from humanoid_bt.session.run import Run, RunOptions
+from humanoid_bt.session.running import run
 from humanoid_bt.testing.rig import Rig
 
 IMAGES = Path(__file__).parent / "images"
@@ -44,7 +43,7 @@ def view(path: Path) -> None:
     """Take a picture of the demo's recording in the viewer."""
     with tempfile.TemporaryDirectory() as folder:
         recording = Path(folder) / "fetch.rrd"
-        Run(RunOptions("fetch", sinks=Sinks(file=recording)), Workspace(builtin_root())).execute()
+        run("fetch", workspace=builtin_root(), record=recording)
         program = shutil.which("rerun") or str(Path(sys.executable).parent / "rerun")
         with ViewerClient.spawn(
             headless=True, port=VIEW_PORT, hide_welcome_screen=True, executable_path=program

@@ -1,8 +1,144 @@
 """Behavior-tree task orchestration for humanoid robots.
 
-The way in: :mod:`humanoid_bt.session` runs a tree file on a simulated robot,
-:mod:`humanoid_bt.decision.skill` is the base of every skill, :mod:`humanoid_bt.testing`
-tests one alone. Importing this package imports none of the heavy libraries.
+    import humanoid_bt as hbt                           # a program or a notebook
+    from humanoid_bt import Skill, Status, param        # a skill's file
+
+What is named here is the public API; everything else may move. Each name is imported when it is first used, so that
+``import humanoid_bt`` costs nothing, and a skill's file needs no simulator.
 """
 
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING
+
 __version__ = "0.1.0"
+
+__all__ = [  # noqa: RUF022 (grouped as a reader looks for them)
+    # Running and looking
+    "load",
+    "run",
+    "Session",
+    "Report",
+    "Listener",
+    "NodeChange",
+    "check",
+    "Tree",
+    "Node",
+    "Workspace",
+    "unicode_tree",
+    "svg_tree",
+    # Trees made in Python
+    "make_tree",
+    "nodes",
+    "skills",
+    "Key",
+    # Skills
+    "Skill",
+    "Status",
+    "param",
+    "PerceptName",
+    "RobotHandle",
+    "Track",
+    "State",
+    "Mode",
+    "Gait",
+    "Side",
+    "SIDES",
+    "of_hand",
+    "Steady",
+    "Lasting",
+    "Improving",
+    "rotation_matrix",
+    # Tests of skills
+    "Rig",
+    "RigResult",
+    # Errors
+    "HumanoidBtError",
+    "UserError",
+    "NodeError",
+    "Problem",
+    "Place",
+]
+
+if TYPE_CHECKING:
+    from humanoid_bt.api import check as check
+    from humanoid_bt.api import load as load
+    from humanoid_bt.api import skills as skills
+    from humanoid_bt.core.errors import HumanoidBtError as HumanoidBtError
+    from humanoid_bt.core.errors import Place as Place
+    from humanoid_bt.core.errors import Problem as Problem
+    from humanoid_bt.core.errors import UserError as UserError
+    from humanoid_bt.core.geometry import rotation_matrix as rotation_matrix
+    from humanoid_bt.core.messages import SIDES as SIDES
+    from humanoid_bt.core.messages import Gait as Gait
+    from humanoid_bt.core.messages import Mode as Mode
+    from humanoid_bt.core.messages import Side as Side
+    from humanoid_bt.core.messages import State as State
+    from humanoid_bt.core.params import PerceptName as PerceptName
+    from humanoid_bt.core.params import param as param
+    from humanoid_bt.decision.blackboard import Key as Key
+    from humanoid_bt.decision.robot import RobotHandle as RobotHandle
+    from humanoid_bt.decision.signals import Improving as Improving
+    from humanoid_bt.decision.signals import Lasting as Lasting
+    from humanoid_bt.decision.signals import Steady as Steady
+    from humanoid_bt.decision.skill import Skill as Skill
+    from humanoid_bt.decision.skill import Status as Status
+    from humanoid_bt.decision.skill import of_hand as of_hand
+    from humanoid_bt.files.workspace import Workspace as Workspace
+    from humanoid_bt.perception.track import Track as Track
+    from humanoid_bt.session.report import Report as Report
+    from humanoid_bt.session.running import run as run
+    from humanoid_bt.session.session import Session as Session
+    from humanoid_bt.session.teller import Listener as Listener
+    from humanoid_bt.testing.rig import Rig as Rig
+    from humanoid_bt.testing.rig import RigResult as RigResult
+    from humanoid_bt.tree import nodes as nodes
+    from humanoid_bt.tree.engine.executor import NodeChange as NodeChange
+    from humanoid_bt.tree.engine.executor import NodeError as NodeError
+    from humanoid_bt.tree.node import Node as Node
+    from humanoid_bt.tree.show import svg_tree as svg_tree
+    from humanoid_bt.tree.show import unicode_tree as unicode_tree
+    from humanoid_bt.tree.source.compose import make_tree as make_tree
+    from humanoid_bt.tree.tree import Tree as Tree
+else:
+    _HOMES = {
+        "humanoid_bt.api": "check load skills",
+        "humanoid_bt.decision.blackboard": "Key",
+        "humanoid_bt.core.errors": "HumanoidBtError Place Problem UserError",
+        "humanoid_bt.core.geometry": "rotation_matrix",
+        "humanoid_bt.core.messages": "SIDES Gait Mode Side State",
+        "humanoid_bt.core.params": "PerceptName param",
+        "humanoid_bt.decision.robot": "RobotHandle",
+        "humanoid_bt.perception.track": "Track",
+        "humanoid_bt.session.report": "Report",
+        "humanoid_bt.session.running": "run",
+        "humanoid_bt.session.session": "Session",
+        "humanoid_bt.session.teller": "Listener",
+        "humanoid_bt.decision.signals": "Improving Lasting Steady",
+        "humanoid_bt.decision.skill": "Skill Status of_hand",
+        "humanoid_bt.testing.rig": "Rig RigResult",
+        "humanoid_bt.tree.source.compose": "make_tree",
+        "humanoid_bt.tree.engine.executor": "NodeChange NodeError",
+        "humanoid_bt.tree.show": "svg_tree unicode_tree",
+        "humanoid_bt.tree.node": "Node",
+        "humanoid_bt.tree.tree": "Tree",
+        "humanoid_bt.files.workspace": "Workspace",
+    }
+
+    _MODULES = {"nodes": "humanoid_bt.tree.nodes"}
+
+    def __getattr__(name):
+        """Import a public name when it is first used (PEP 562)."""
+        if name in _MODULES:
+            value = import_module(_MODULES[name])
+        else:
+            home = next((home for home, names in _HOMES.items() if name in names.split()), None)
+            if home is None:
+                raise AttributeError(f"module 'humanoid_bt' has no attribute {name!r}")
+            value = getattr(import_module(home), name)
+        globals()[name] = value
+        return value
+
+    def __dir__():
+        return [*globals(), *__all__]

@@ -4,9 +4,7 @@ import math
 
 import numpy as np
 
-from humanoid_bt.core.params import param
-from humanoid_bt.decision.signals import Improving, Lasting
-from humanoid_bt.decision.skill import PerceptName, Skill, Status
+from humanoid_bt import Improving, Lasting, PerceptName, Skill, Status, param
 
 
 class LookAt(Skill):

@@ -5,10 +5,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from humanoid_bt.core.messages import Side
-from humanoid_bt.core.params import param
-from humanoid_bt.decision.signals import Improving, Lasting, Steady
-from humanoid_bt.decision.skill import PerceptName, Skill, Status, of_hand
+from humanoid_bt import Improving, Lasting, PerceptName, Side, Skill, Status, Steady, of_hand, param
 
 
 class Reach(Skill):

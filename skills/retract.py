@@ -5,11 +5,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from humanoid_bt.core.geometry import rotation_matrix
-from humanoid_bt.core.messages import SIDES, Mode, Side
-from humanoid_bt.core.params import param
-from humanoid_bt.decision.signals import Lasting
-from humanoid_bt.decision.skill import Skill, Status, of_hand
+from humanoid_bt import SIDES, Lasting, Mode, Side, Skill, Status, of_hand, param, rotation_matrix
 
 
 class Retract(Skill):

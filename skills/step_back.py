@@ -4,9 +4,7 @@ import math
 
 import numpy as np
 
-from humanoid_bt.core.params import param
-from humanoid_bt.decision.signals import Improving
-from humanoid_bt.decision.skill import Skill, Status
+from humanoid_bt import Improving, Skill, Status, param
 
 
 class StepBack(Skill):

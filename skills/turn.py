@@ -2,9 +2,7 @@
 
 import math
 
-from humanoid_bt.core.params import param
-from humanoid_bt.decision.signals import Improving
-from humanoid_bt.decision.skill import Skill, Status
+from humanoid_bt import Improving, Skill, Status, param
 
 _LEAD = math.pi / 2  # rad ahead of the robot; less than half a turn, or it would go round the other way
 

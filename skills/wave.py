@@ -6,10 +6,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from humanoid_bt.core.messages import Side
-from humanoid_bt.core.params import param
-from humanoid_bt.decision.signals import Improving
-from humanoid_bt.decision.skill import PerceptName, Skill, Status, of_hand
+from humanoid_bt import Improving, PerceptName, Side, Skill, Status, of_hand, param
 
 _AHEAD, _ASIDE = 0.5, 0.8  # shares of the robot's reach; the raised palm is beside the head, the elbow bent
 

@@ -20,10 +20,8 @@ from humanoid_bt.core.messages import JointCommand
 from humanoid_bt.files.workspace import Workspace, builtin_root
 from humanoid_bt.plant.mujoco_plant import MujocoPlant
 from humanoid_bt.plant.scene import Scene, load_scene
-from humanoid_bt.record.sinks import Sinks
 from humanoid_bt.session.lockstep import Lockstep
-from humanoid_bt.session.options import RunOptions
-from humanoid_bt.session.run import Run
+from humanoid_bt.session.session import Session
 
 _TREE = "fetch"
 _CALLS = 400
@@ -60,12 +58,12 @@ def _whole_stack(repetitions: int, recording: Path) -> Iterator[Figure]:
         controls.append(plant.data.ctrl.copy())
 
     plant.step = note  # type: ignore[method-assign]  # note what is commanded
-    run.execute()
+    run.run()
     simulated = len(controls) * plant.model.opt.timestep
 
     def stack() -> float:
         again = _new_run(workspace, recording)
-        return cpu(again.execute)
+        return cpu(again.run)
 
     def bare() -> float:
         data = mujoco.MjData(plant.model)
@@ -87,8 +85,8 @@ def _whole_stack(repetitions: int, recording: Path) -> Iterator[Figure]:
     )
 
 
-def _new_run(workspace: Workspace, recording: Path) -> Run:
-    return Run(RunOptions(_TREE, sinks=Sinks(file=recording)), workspace)
+def _new_run(workspace: Workspace, recording: Path) -> Session:
+    return Session(_TREE, workspace=workspace, record=recording)
 
 
 # ---- whole-body control against the bare solver ---------------------------------------------------------------------

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
+from os import PathLike
 from pathlib import Path
+from typing import Any
 
 from humanoid_bt.checking import allow
-from humanoid_bt.core.errors import Place, Problem, UserError, relative
+from humanoid_bt.core.errors import Place, Problem, UserError, nearest, relative
 from humanoid_bt.files.document import read_text
 from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.plant.scene_config import load_scene
@@ -15,6 +17,7 @@ from humanoid_bt.robot.config import load_robot_config
 from humanoid_bt.robot.model import RobotModel
 from humanoid_bt.tree.nodes.registry import Registry
 from humanoid_bt.tree.source.load import load_tree
+from humanoid_bt.tree.tree import Tree
 
 
 def checked(path: Path, workspace: Workspace) -> list[Problem]:
@@ -25,6 +28,27 @@ def checked(path: Path, workspace: Workspace) -> list[Problem]:
         workspace: where it would run.
     """
     return settled({path: findings(path, workspace)})
+
+
+def load_checked(
+    path: Path,
+    workspace: Workspace,
+    parameters: Mapping[str, Any] | None = None,
+    *,
+    robot: str | None = None,
+    scene: str | None = None,
+    arguments: Collection[str] = (),
+) -> Tree:
+    """Load a tree, with the warnings that its files do not allow; arguments as of ``load_tree``.
+
+    Raises:
+        UserError: it has mistakes, or a comment in its file allows what it cannot allow or gives no reason.
+    """
+    tree = load_tree(path, workspace, parameters, robot=robot, scene=scene, arguments=arguments)
+    problems = settled({tree.path: tree.warnings})
+    if errors := [problem for problem in problems if problem.severity == "error"]:
+        raise UserError(errors)
+    return replace(tree, warnings=tuple(problems))
 
 
 def findings(path: Path, workspace: Workspace) -> list[Problem]:
@@ -53,7 +77,7 @@ def settled(found: Mapping[Path, Sequence[Problem]]) -> list[Problem]:
         complete = path in found and not any(problem.severity == "error" for problem in found[path])
         try:
             source = read_text(path)
-        except UserError:  # a finding tells of it, or it is no file (a --set)
+        except UserError:  # a finding tells of it, or it is no file (a value that was set)
             continue
         problems = allow.remaining(source, file, problems, complete=complete)
     order = {file: number for number, file in enumerate(files)}
@@ -80,3 +104,78 @@ def _load(path: Path, workspace: Workspace) -> Sequence[Problem]:
     else:
         return load_tree(path, workspace).warnings
     return ()
+
+
+def collect(
+    paths: Sequence[str], root: str | PathLike[str] | Workspace | None
+) -> tuple[dict[Path, Workspace], list[Problem]]:
+    """Return every file to check with the workspace in which it would run, and what was not found.
+
+    Args:
+        paths: names, files or folders; the whole workspace if there are none.
+        root: the workspace that was asked for, if any.
+
+    Raises:
+        UserError: there is nothing to check.
+    """
+    given = root if isinstance(root, Workspace) else Workspace(root)
+    if not paths:
+        files = _files_in(given.root)
+        if not files:
+            raise UserError(
+                f"nothing to check in {relative(given.root)!r}",
+                hint="give names, files or folders, or go to a folder with trees/, skills/ or sim/",
+            )
+        return dict.fromkeys(files, given), []
+    found: dict[Path, Workspace] = {}
+    missing: list[Problem] = []
+    for text in paths:
+        try:
+            found |= _given(text, given, given if root is not None else None)
+        except UserError as error:
+            missing += error.problems
+    return found, missing
+
+
+def _given(text: str, given: Workspace, root: Workspace | None) -> dict[Path, Workspace]:
+    """Return the files that one argument stands for.
+
+    Raises:
+        UserError: there are none.
+    """
+    path = Path(text)
+    if path.is_dir():
+        inside = _files_in(path)
+        if not inside:
+            hint = "trees, scenes and robots end in .yaml"
+            raise UserError(f"nothing to check in {text!r}", Place(text), hint, code="no-file")
+        return {file.resolve(): _workspace(file, str(file), root) for file in inside}
+    file = path if path.suffix == ".py" and path.is_file() else _named(text, given)
+    return {file.resolve(): _workspace(file, text, root)}
+
+
+def _workspace(file: Path, text: str, root: Workspace | None) -> Workspace:
+    """Return where a file that was given as ``text`` would run: a skill beside the others of its folder."""
+    if file.suffix == ".py" and root is None:
+        return Workspace(file.resolve().parent.parent)
+    return Workspace.of_argument(text, root)
+
+
+def _named(text: str, workspace: Workspace) -> Path:
+    """Return the file of a name: a tree's, else a scene's or a robot's."""
+    known = {**workspace.robots(), **workspace.scenes(), **workspace.trees()}
+    if text in known:
+        return known[text]
+    if Path(text).is_file():
+        return Path(text)
+    hint = nearest(Path(text).stem, known)
+    raise UserError(f"no file and no tree, scene or robot named {text!r}", Place(text), hint, code="no-file")
+
+
+def _files_in(folder: Path) -> list[Path]:
+    """Return the files of a workspace, or all YAML and skill files of any other folder."""
+    parts = [part for part in (folder / "skills", folder / "trees", folder / "sim") if part.is_dir()]
+    found = [path for part in parts or [folder] for path in sorted(part.rglob("*.yaml"))]
+    skill_folders = [folder] if folder.resolve().name == "skills" else [folder / "skills"]
+    skills = [path for part in skill_folders for path in sorted(part.glob("*.py")) if not path.name.startswith("_")]
+    return [*skills, *found]

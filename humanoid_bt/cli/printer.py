@@ -155,20 +155,8 @@ def print_summary(console: Console, report: Report) -> None:
     """Print how a run ended."""
     style = _OUTCOME_STYLES.get(report.outcome, "bold red")
     console.print(Text.assemble("\n", (report.outcome, style), f": {report.reason}"), soft_wrap=True)
-    rows = [
-        ("simulated", f"{report.sim_time:.2f} s in {report.wall_time:.2f} s ({report.real_time_factor:.1f}x real time)")
-    ]
-    if report.hand_error is not None:
-        rows.append(("hand error", f"{report.hand_error * 100:.1f} cm"))
-    stops = [f"{stop['time']:.2f} s {stop['mode'].replace('_', ' ')}: {stop['reason']}" for stop in report.stops]
-    rows += [("stops" if number == 0 else "", text) for number, text in enumerate(stops or ["none"])]
-    if report.reloads:
-        refused = sum(reload.outcome == "refused" for reload in report.reloads)
-        done = sum(reload.outcome == "reloaded" for reload in report.reloads)
-        rows.append(("reloads", f"{done}" + (f", {refused} refused" if refused else "")))
-    rows.append(("trace", report.trace_hash[:16]))
+    rows = report.summary
     if report.recording:
-        rows.append(("recording", report.recording))
         rows.append(("open it", f"{_viewer_command()} {report.recording}"))
     for name, value in rows:
         console.print(f"  {name:<11}{value}", soft_wrap=True, markup=False)

@@ -57,6 +57,8 @@ class HumanoidBtError(Exception):
 class UserError(HumanoidBtError, ValueError):
     """A mistake in what the user gave: a file, a name, a value, a flag.
 
+    Its text tells every mistake; warnings that were found with them are only in ``problems``.
+
     Args:
         problems: every mistake found, or the message of the only one.
         place: where it is, for a single message.
@@ -70,7 +72,8 @@ class UserError(HumanoidBtError, ValueError):
         self.problems: tuple[Problem, ...] = (
             (Problem(problems, place, hint, code),) if isinstance(problems, str) else tuple(problems)
         )
-        super().__init__("\n".join(str(p) for p in self.problems))
+        mistakes = [problem for problem in self.problems if problem.severity == "error"]
+        super().__init__("\n".join(map(str, mistakes or self.problems)))
 
 
 class ControlLost(HumanoidBtError):  # noqa: N818 (the name says it)

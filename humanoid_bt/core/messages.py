@@ -16,7 +16,11 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 Side = Literal["left", "right"]
+"""A side of the robot."""
+
 SIDES: tuple[Side, Side] = ("left", "right")
+"""Both of them."""
+
 Level = Literal["info", "warning", "error"]
 """How much an event of a run matters."""
 

@@ -9,7 +9,7 @@ import logging
 import math
 from collections import deque
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -31,7 +31,9 @@ from humanoid_bt.core.messages import (
     Target,
 )
 from humanoid_bt.perception.track import Track
-from humanoid_bt.robot.config import RobotConfig
+
+if TYPE_CHECKING:  # a skill's file is imported without it
+    from humanoid_bt.robot.config import RobotConfig
 
 _log = logging.getLogger(__name__)
 _LEVELS: dict[Level, int] = {"info": logging.INFO, "warning": logging.WARNING, "error": logging.ERROR}

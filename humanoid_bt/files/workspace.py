@@ -5,6 +5,7 @@ Names are looked up in the current workspace first, then in the built-in one.
 
 from __future__ import annotations
 
+from os import PathLike
 from pathlib import Path
 from typing import Literal
 
@@ -29,11 +30,16 @@ class Workspace:
         UserError: ``root`` is not a folder.
     """
 
-    def __init__(self, root: Path | None = None) -> None:
-        self.root = (root or Path.cwd()).resolve()
+    def __init__(self, root: str | PathLike[str] | None = None) -> None:
+        if root is not None and not isinstance(root, (str, PathLike)):
+            raise UserError(f"a workspace is a folder, not {root!r}", hint="valid: its path, as text or a Path")
+        self.root = Path(root or Path.cwd()).resolve()
         if not self.root.is_dir():
             raise UserError(f"the workspace {relative(self.root)!r} is not a folder", code="no-file")
         self.layers = list(dict.fromkeys((self.root, builtin_root())))
+
+    def __repr__(self) -> str:
+        return f"Workspace({relative(self.root)!r})"
 
     @classmethod
     def of_tree(cls, path: Path) -> Workspace:
@@ -49,8 +55,8 @@ class Workspace:
         return cls(folder if (folder / "skills").is_dir() or (folder / "sim").is_dir() else None)
 
     @classmethod
-    def of_argument(cls, tree: str, root: Path | None) -> Workspace:
-        """Return the workspace for a tree named on the command line.
+    def of_argument(cls, tree: str, root: str | PathLike[str] | Workspace | None) -> Workspace:
+        """Return the workspace for a tree that is named.
 
         Args:
             tree: name or path of the tree.
@@ -60,7 +66,7 @@ class Workspace:
             UserError: ``root`` is not a folder.
         """
         if root is not None:
-            return cls(root)
+            return root if isinstance(root, Workspace) else cls(root)
         path = Path(tree)
         return cls.of_tree(path) if path.is_file() else cls()
 

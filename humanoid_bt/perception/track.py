@@ -32,6 +32,11 @@ class Track:
         self.age = age
         self.position_world = position_world
 
+    def __repr__(self) -> str:
+        return (
+            f"<Track {self.name!r}: {self.distance:.2f} m away, {self.age:.2f} s old, confidence {self.confidence:.2f}>"
+        )
+
     @property
     def name(self) -> str:  # noqa: D102 (documented above, as the others)
         return self._percept.name

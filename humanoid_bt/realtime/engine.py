@@ -12,8 +12,8 @@ from pathlib import Path
 import mujoco
 
 from humanoid_bt.core.clock import DECISION_PERIOD
-from humanoid_bt.core.errors import ControlLost, HumanoidBtError
-from humanoid_bt.core.messages import Command, Percept, State
+from humanoid_bt.core.errors import ControlLost, HumanoidBtError, UserError
+from humanoid_bt.core.messages import Array, Command, Percept, State
 from humanoid_bt.link.ring import RingReader, RingWriter
 from humanoid_bt.link.run_folder import RunFolder, RunInfo, clean_stale, live_runs
 from humanoid_bt.link.wire import Event, decode_event, decode_percepts, decode_state, encode_command, encode_event
@@ -175,12 +175,22 @@ class Realtime:
         """Ask control for a reset; its answer comes as a notice."""
         self.supervisor.request_reset(source)
 
-    def advance(self, command: Command | None) -> None:
+    def submit(self, command: Command) -> None:
         """Give a command to control. It counts as decision's sign of life, so it comes after a whole tick."""
         for source, reason in self.supervisor.take_requests():
             self._writers["request"].write(encode_event(Event(self.clock.now(), "error", f"{source}: {reason}")))
-        if command is not None:
-            self._writers["command"].write(encode_command(command))
+        self._writers["command"].write(encode_command(command))
+
+    def advance(self) -> None:
+        """Nothing: the wall clock goes on by itself, and :meth:`sense` waits for the next tick."""
+
+    def push(self, body: str, force: Array, duration: float) -> None:
+        """Refuse: only in lockstep somebody pushes the simulated robot.
+
+        Raises:
+            UserError: always.
+        """
+        raise UserError("the robot cannot be pushed in realtime mode", hint="valid: mode='lockstep'")
 
     def publish(self, status: Mapping[str, object], tree: Tree) -> None:
         """Tell ``humanoid-bt status`` and ``show --live`` what the tree does."""

@@ -9,7 +9,7 @@ import mujoco
 
 from humanoid_bt.control.supervisor import Stop
 from humanoid_bt.core.clock import Clock
-from humanoid_bt.core.messages import Command, Percept, State
+from humanoid_bt.core.messages import Array, Command, Percept, State
 from humanoid_bt.link.wire import Event
 from humanoid_bt.plant.scene import Scene
 from humanoid_bt.realtime.timing import Timing
@@ -69,8 +69,18 @@ class Engine(Protocol):
     def sense(self) -> tuple[State, Mapping[str, Percept]]:
         """Return the state and the latest percepts, for one tick."""
 
-    def advance(self, command: Command | None) -> None:
-        """Give the command of a tick to control; None if there is none."""
+    def submit(self, command: Command) -> None:
+        """Give the command of a tick to control."""
+
+    def advance(self) -> None:
+        """Let one period of decision pass, where time is simulated; the wall clock goes on by itself."""
+
+    def push(self, body: str, force: Array, duration: float) -> None:
+        """Push a body with a force, shape (3,), world frame [N], for a time [s].
+
+        Raises:
+            UserError: there is no such body, or nobody can push it.
+        """
 
     def publish(self, status: Mapping[str, object], tree: Tree) -> None:
         """Tell whoever looks from outside what the tree does."""

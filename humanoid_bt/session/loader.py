@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from os import PathLike
 from pathlib import Path
+from weakref import WeakSet
 
-from humanoid_bt.checking.check import settled
+from py_trees.behaviour import Behaviour
+
+from humanoid_bt.checking.check import load_checked
 from humanoid_bt.core.errors import Place, Problem, UserError, relative
 from humanoid_bt.decision.skill_files import class_file
 from humanoid_bt.files import document
 from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.session.options import RunOptions
-from humanoid_bt.tree.source.load import load_tree
 from humanoid_bt.tree.tree import Tree
 
 DEFAULT_ROBOT, DEFAULT_SCENE = "humanoid", "empty"
+
+_taken: WeakSet[Behaviour] = WeakSet()  # roots of trees that were given as such
 
 
 class TreeLoader:
@@ -45,8 +49,7 @@ class TreeLoader:
             UserError: it has mistakes, or is for another robot or another scene.
         """
         tree = self._load()
-        found = settled({tree.path: tree.warnings})
-        problems = [problem for problem in found if problem.severity == "error"]
+        problems: list[Problem] = []
         for key, find, known in (("robot", self._robot, self.robot), ("scene", self._scene, self.scene)):
             try:
                 if find(tree) == known:
@@ -58,7 +61,7 @@ class TreeLoader:
             problems.append(Problem(message, header.value.get(key, header).place, hint))
         if problems:
             raise UserError(problems)
-        return replace(tree, warnings=tuple(found))
+        return tree
 
     def files(self, tree: Tree) -> list[Path]:
         """Return every file that an edited version of a tree may be made of."""
@@ -67,9 +70,16 @@ class TreeLoader:
     def _load(self) -> Tree:
         options = self._options
         if isinstance(options.tree, Tree):
-            return options.tree
+            return _once(options.tree)
         assert self._path is not None
-        tree = load_tree(self._path, self._workspace, options.overrides, robot=options.robot, scene=options.scene)
+        tree = load_checked(
+            self._path,
+            self._workspace,
+            options.parameters,
+            robot=options.robot,
+            scene=options.scene,
+            arguments=options.arguments,
+        )
         if tree.is_subtree:
             raise _not_alone(tree)
         return tree
@@ -79,6 +89,36 @@ class TreeLoader:
 
     def _scene(self, tree: Tree) -> Path:
         return self._workspace.find_scene(self._options.scene or tree.scene or DEFAULT_SCENE)
+
+
+def workspace_of(tree: str | Tree, given: str | PathLike[str] | Workspace | None) -> Workspace:
+    """Return where the names of a run are looked up.
+
+    Args:
+        tree: what runs.
+        given: the workspace that was asked for, if any.
+
+    Raises:
+        UserError: it is no folder.
+    """
+    if given is None and isinstance(tree, Tree):
+        return tree.workspace or Workspace()
+    return Workspace.of_argument("" if isinstance(tree, Tree) else tree, given)
+
+
+def _once(tree: Tree) -> Tree:
+    """Return a tree that no session has had yet.
+
+    Raises:
+        UserError: one has had it: its nodes remember.
+    """
+    if not tree.complete:
+        raise _not_alone(tree)
+    if tree.root in _taken:
+        hint = "give its name or file instead of it, or load or make it anew for each session"
+        raise UserError(f"the tree {tree.name!r} was in a session before, and its nodes remember", hint=hint)
+    _taken.add(tree.root)
+    return tree
 
 
 def _not_alone(tree: Tree) -> UserError:

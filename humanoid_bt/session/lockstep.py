@@ -61,6 +61,7 @@ class Lockstep:
         self.perception = perception
         self.notices: list[Event] = []
         self._percepts: dict[str, Percept] = {}
+        self._command: Command | None = None  # given, and not yet heard of
         self._resets: deque[str] = deque()  # who asks for one, from any thread
         self._teller: TreeTeller | None = None
         self._tells = True
@@ -111,6 +112,14 @@ class Lockstep:
         """Reset a latched stop before the next tick, if nothing stands against it."""
         self._resets.append(source)
 
+    def push(self, body: str, force: Array, duration: float) -> None:
+        """Push a body with a force, shape (3,), world frame [N], for a time [s].
+
+        Raises:
+            UserError: there is no such body.
+        """
+        self.plant.push(body, force, duration)
+
     def reset(self, perception: Perception) -> None:
         """Begin a new run: the robot stands at the start, time is zero, nothing was seen."""
         self.clock.cycle = 0
@@ -118,6 +127,7 @@ class Lockstep:
         self.controller.reset()
         self.perception = perception
         self._percepts = {}
+        self._command = None
         self._resets.clear()
         self.notices.clear()
 
@@ -133,10 +143,15 @@ class Lockstep:
                 self._percepts[percept.name] = percept
         return state, dict(self._percepts)
 
-    def advance(self, command: Command | None) -> None:
-        """Give a command to control (None: decision is silent) and run one decision period of servo cycles."""
-        if command is not None:
-            self.controller.submit(command)
+    def submit(self, command: Command) -> None:
+        """Give the command of a tick to control, which hears of it when time goes on."""
+        self._command = command
+
+    def advance(self) -> None:
+        """Run one decision period of servo cycles; without a command since the last one decision is silent."""
+        if self._command is not None:
+            self.controller.submit(self._command)
+            self._command = None
         for _ in range(self._decision):
             self.controller.run_cycle()
             self.clock.advance()

@@ -1,15 +1,19 @@
-"""What to run, and how."""
+"""What to run, and how: every argument of a session, judged once for Python and the command line."""
 
 from __future__ import annotations
 
+import math
+import os
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal, get_args
 
-from humanoid_bt.core.errors import UserError
-from humanoid_bt.record.sinks import Sinks
+from humanoid_bt.core.errors import Problem, UserError, nearest
+from humanoid_bt.realtime.engine import HOLD_TIME
+from humanoid_bt.record.sinks import Sinks, has_display
+from humanoid_bt.session import limits
 from humanoid_bt.tree.tree import Tree
 
 Mode = Literal["lockstep", "realtime"]
@@ -17,7 +21,7 @@ Mode = Literal["lockstep", "realtime"]
 RUNS = Path("runs")
 """Folder of recordings below the working directory; made when it is needed."""
 
-DURATION = 120.0
+RUN_TIME = 120.0
 """Longest simulated time of a run that says nothing else [s]."""
 
 
@@ -28,7 +32,8 @@ class RunOptions:
     Attributes:
         tree: name or path of the tree, or a tree that was loaded or made in Python.
         robot, scene: names or paths; None for what the tree says.
-        overrides: parameter values as text.
+        parameters: values for the tree's parameters, or text as after ``--set``.
+        arguments: what else can be given beside the parameters, for hints.
         seed: of everything random.
         duration: longest simulated time [s].
         pace: simulated seconds per second; None for 1 with a live view, else as fast as it can.
@@ -42,21 +47,131 @@ class RunOptions:
     tree: str | Tree
     robot: str | None = None
     scene: str | None = None
-    overrides: Mapping[str, str] = field(default_factory=dict)
+    parameters: Mapping[str, Any] = field(default_factory=dict)
+    arguments: tuple[str, ...] = ()
     seed: int = 0
-    duration: float = DURATION
+    duration: float = RUN_TIME
     pace: float | None = None
     sinks: Sinks = field(default_factory=Sinks)
     mode: Mode = "lockstep"
-    hold: float = 10.0
+    hold: float = HOLD_TIME
     watch: bool = False
     view_optional: bool = False
 
+    @classmethod
+    def of(
+        cls,
+        tree: Any,
+        *,
+        parameters: Mapping[str, Any],
+        arguments: tuple[str, ...],
+        robot: Any,
+        scene: Any,
+        seed: Any,
+        mode: Any,
+        duration: Any,
+        pace: Any,
+        hold: Any,
+        record: Any,
+        view: Any,
+        serve: Any,
+        watch: Any,
+    ) -> RunOptions:
+        """Return the options that the arguments of a :class:`~humanoid_bt.session.session.Session` stand for.
 
-def default_recording(tree: str) -> Path:
+        Raises:
+            UserError: with everything that is wrong with them.
+        """
+        judge = _Judge()
+        judge.choice("mode", mode, get_args(Mode))
+        judge.choice("watch", watch, (False, True))
+        judge.choice("view", view, (False, True, "auto"))
+        speed = judge.number("pace", pace, limits.POSITIVE)
+        if speed and mode == "realtime":
+            judge.note("'pace' does not go with the mode realtime", "realtime runs on the wall clock")
+        named = judge.tree(tree)
+        if isinstance(named, Tree):
+            judge.loaded(named, parameters, watch)
+        last = judge.number("duration", duration, limits.DURATION)
+        port = judge.number("serve", serve, limits.PORT)
+        options = cls(
+            tree=named,
+            robot=judge.name("robot", robot),
+            scene=judge.name("scene", scene),
+            parameters=parameters,
+            arguments=arguments,
+            seed=int(judge.number("seed", seed, limits.SEED, needed=True) or 0),
+            duration=last or (math.inf if watch else RUN_TIME),
+            pace=1.0 if watch and mode == "lockstep" and not speed else speed,
+            sinks=Sinks(
+                file=judge.recording(record, named),
+                view=has_display() if view == "auto" else view,
+                serve=None if port is None else int(port),
+            ),
+            mode=mode,
+            hold=judge.number("hold", hold, limits.POSITIVE, needed=True) or HOLD_TIME,
+            watch=watch,
+            view_optional=view == "auto",
+        )
+        if judge.problems:
+            raise UserError(judge.problems)
+        return options
+
+
+class _Judge:
+    """Takes the arguments of a session one by one and notes what is wrong with them."""
+
+    def __init__(self) -> None:
+        self.problems: list[Problem] = []
+
+    def note(self, message: str, hint: str = "") -> None:
+        self.problems.append(Problem(message, hint=hint))
+
+    def tree(self, tree: Any) -> str | Tree:
+        return tree if isinstance(tree, Tree) else self._path("tree", tree, "the name or the file of a tree, or a Tree")
+
+    def loaded(self, tree: Tree, parameters: Mapping[str, Any], watch: Any) -> None:
+        """Judge what does not go with a tree that is there already."""
+        if parameters:
+            given = ", ".join(f"{name}={value!r}" for name, value in parameters.items())
+            hint = f"give them where it is loaded: load({str(tree.path)!r}, {given})"
+            self.note(f"the tree {tree.name!r} is loaded already, with its parameters", hint)
+        if watch:
+            self.note("'watch' needs the file of a tree, not one that is loaded already", "give its name or its file")
+
+    def name(self, argument: str, value: Any) -> str | None:
+        return None if value is None else self._path(argument, value, f"the name or the path of a {argument}")
+
+    def number(self, argument: str, value: Any, limit: limits.Limit, needed: bool = False) -> float | None:
+        if value is None and not needed:
+            return None
+        try:
+            return limit.take(value, argument)
+        except UserError as error:
+            self.problems += error.problems
+            return None
+
+    def choice(self, argument: str, value: Any, valid: tuple[Any, ...]) -> None:
+        if not any(type(value) is type(known) and value == known for known in valid):
+            self.note(f"{argument!r} cannot be {value!r}", nearest(str(value), map(str, valid)))
+
+    def recording(self, value: Any, tree: str | Tree) -> Path | None:
+        if isinstance(value, bool):
+            return default_recording(tree) if value else None
+        return Path(self._path("record", value, "a file, True or False"))
+
+    def _path(self, argument: str, value: Any, valid: str) -> str:
+        path = os.fspath(value) if isinstance(value, (str, os.PathLike)) else ""
+        if path and isinstance(path, str):
+            return path
+        self.note(f"{argument!r} must be {valid}, not {value!r}")
+        return ""
+
+
+def default_recording(tree: str | Tree) -> Path:
     """Return where a run is recorded by default: a file in :data:`RUNS` that is not there yet."""
     stamp = time.strftime("%Y%m%d-%H%M%S")
-    name = Path(tree).stem
+    name = tree.name if isinstance(tree, Tree) else Path(tree).stem
     path = RUNS / f"{name}-{stamp}.rrd"
     number = 2
     while path.exists():
@@ -76,5 +191,5 @@ def make_folder(recording: Path) -> None:
     try:
         RUNS.mkdir(exist_ok=True)
     except OSError as error:
-        hint = "give another place with --record FILE, or --no-record"
+        hint = "give another place with --record FILE (record=FILE in Python), or --no-record"
         raise UserError(f"the folder {str(RUNS.absolute())!r} cannot be made: {error.strerror}", hint=hint) from error

@@ -1,12 +1,18 @@
-"""How a run ends."""
+"""How a run ends, and what is reported of it."""
 
 from __future__ import annotations
 
 import traceback
+from dataclasses import asdict
 from typing import NamedTuple
 
 from humanoid_bt.core.errors import HumanoidBtError, Place
+from humanoid_bt.core.messages import Mode
 from humanoid_bt.decision.skill_files import class_file, place_in_file
+from humanoid_bt.session.engine import Engine
+from humanoid_bt.session.options import RunOptions
+from humanoid_bt.session.report import Report, stops_of, timeline_of, versions
+from humanoid_bt.session.trace import Trace
 from humanoid_bt.tree.engine.executor import NodeError
 from humanoid_bt.tree.tree import Tree
 
@@ -36,6 +42,12 @@ def failed(error: HumanoidBtError) -> End:
     return End("error", str(error), failure, "".join(traceback.format_exception(cause)))
 
 
+def internal(error: Exception) -> End:
+    """Return the end of a run in which something raised an exception that is no skill's."""
+    failure = f"internal error: {type(error).__name__}: {error}"
+    return End("error", failure, failure, "".join(traceback.format_exception(error)))
+
+
 def where(error: BaseException, tree: Tree) -> str:
     """Return in which line of a tree's skill an exception came, as " in FILE:LINE:COLUMN"; "" if in none."""
     for node in tree.nodes:
@@ -44,3 +56,42 @@ def where(error: BaseException, tree: Tree) -> str:
         if place is not None:
             return f" in {place}, in the node {node.path!r}"
     return ""
+
+
+def report_of(
+    end: End, tree: Tree, engine: Engine, *, trace: Trace, options: RunOptions, sim_time: float, wall_time: float
+) -> Report:
+    """Return the report of a run that is over.
+
+    Args:
+        end: how it ended.
+        tree: the tree that ran last.
+        engine: what it ran on, closed.
+        trace: what was collected.
+        options: what was asked for.
+        sim_time: engine time at which the tree ended [s].
+        wall_time: time it took [s].
+    """
+    file = options.sinks.file
+    return Report(
+        tree=tree.name,
+        robot=engine.robot.config.name,
+        scene=engine.scene.config.name,
+        seed=options.seed,
+        parameters=dict(tree.parameters),
+        outcome=end.outcome,
+        reason=end.reason,
+        sim_time=round(sim_time, 3),
+        wall_time=wall_time,
+        trace_hash=trace.digest,
+        timeline=timeline_of(trace.timeline),
+        reloads=trace.reloads,
+        hand_error=trace.hand_error,
+        fell=any(stop.mode is Mode.DAMP for stop in engine.supervisor.stops),
+        stops=stops_of(engine.supervisor.stops),
+        external_force_max=engine.external_force_max,
+        timing=asdict(engine.timing) if engine.timing else None,
+        recording=str(file) if file else None,
+        versions=versions(),
+        traceback=end.traceback,
+    )

@@ -8,6 +8,8 @@ import json
 from collections.abc import Iterable
 from dataclasses import asdict, dataclass, field
 from enum import IntEnum
+from html import escape
+from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -114,6 +116,38 @@ class Report:
         """Simulated over taken time."""
         return self.sim_time / self.wall_time if self.wall_time > 0 else 0.0
 
+    @property
+    def summary(self) -> list[tuple[str, str]]:
+        """What matters most, for people: rows of a name and a text."""
+        factor = f"{self.real_time_factor:.1f}x real time"
+        rows = [("simulated", f"{self.sim_time:.2f} s in {self.wall_time:.2f} s ({factor})")]
+        if self.hand_error is not None:
+            rows.append(("hand error", f"{self.hand_error * 100:.1f} cm"))
+        stops = [f"{stop['time']:.2f} s {stop['mode'].replace('_', ' ')}: {stop['reason']}" for stop in self.stops]
+        rows += [("stops" if number == 0 else "", text) for number, text in enumerate(stops or ["none"])]
+        if self.reloads:
+            refused = sum(reload.outcome == "refused" for reload in self.reloads)
+            done = sum(reload.outcome == "reloaded" for reload in self.reloads)
+            rows.append(("reloads", f"{done}" + (f", {refused} refused" if refused else "")))
+        rows.append(("trace", self.trace_hash[:16]))
+        if self.recording:
+            rows.append(("recording", self.recording))
+        return rows
+
+    @property
+    def _title(self) -> str:
+        return f"{self.tree} on {self.robot} in {self.scene}, seed {self.seed}"
+
+    def __repr__(self) -> str:
+        lines = [f"{self._title}", f"{self.outcome}: {self.reason}", *(f"  {n:<11}{text}" for n, text in self.summary)]
+        return "\n".join(lines)
+
+    def _repr_html_(self) -> str:
+        """Return a table, as notebooks show it."""
+        rows = [(self.outcome, self.reason), *self.summary]
+        cells = "".join(f"<tr><th>{escape(name)}</th><td>{escape(text)}</td></tr>" for name, text in rows)
+        return f"<table><caption>{escape(self._title)}</caption>{cells}</table>"
+
     def to_dict(self) -> dict[str, Any]:
         """Return everything as plain data for JSON."""
         values = asdict(self)
@@ -121,14 +155,14 @@ class Report:
         values["real_time_factor"] = self.real_time_factor
         return values
 
-    def write(self, path: Path) -> None:
+    def write(self, path: str | PathLike[str]) -> None:
         """Write the report as JSON.
 
         Raises:
             UserError: the file cannot be written.
         """
         try:
-            path.write_text(json.dumps(self.to_dict(), indent=2) + "\n", encoding="utf-8")
+            Path(path).write_text(json.dumps(self.to_dict(), indent=2) + "\n", encoding="utf-8")
         except OSError as error:
             raise UserError(f"the report cannot be written to {str(path)!r}: {error.strerror}") from error
 

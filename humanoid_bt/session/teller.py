@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 
-from humanoid_bt.core.errors import nearest
+from humanoid_bt.core.errors import UserError, nearest
 from humanoid_bt.core.messages import State
 from humanoid_bt.record.events import Level
 from humanoid_bt.record.recorder import Recorder
@@ -33,6 +33,19 @@ class Listener:
 
     def show(self, tree: Tree) -> None:
         """Another tree takes the place of the one that ran."""
+
+
+def listening(listener: Listener) -> Listener:
+    """Return a listener that can be told everything.
+
+    Raises:
+        UserError: it lacks a method.
+    """
+    methods = [name for name in vars(Listener) if not name.startswith("_")]
+    if missing := [name for name in methods if not callable(getattr(listener, name, None))]:
+        message = f"'listener' has no {', '.join(f'{name}()' for name in missing)}: {listener!r}"
+        raise UserError(message, hint="derive it from Listener, whose methods do nothing")
+    return listener
 
 
 class Teller:
@@ -70,6 +83,10 @@ class Teller:
         self._listener.event(now, level, text)
         if self.recorder is not None:
             self.recorder.event(now, level, text)
+
+    def tree_ended(self, outcome: str, more: str = "") -> None:
+        """Tell that the tree ended."""
+        self.event("info" if outcome == "success" else "warning", f"the tree ended: {outcome}{more}")
 
     def node_tells(self, source: str, level: Level, text: str) -> None:
         """Tell what a node has to say.

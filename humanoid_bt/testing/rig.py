@@ -6,6 +6,7 @@ import math
 import typing
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from os import PathLike
 from pathlib import Path
 from typing import Any
 
@@ -102,15 +103,15 @@ class Rig:
     dictated by the test.
 
     Args:
-        workspace: where skills are found.
+        workspace: where skills are found; the working directory if None.
         robot: name of the robot.
 
     Raises:
         UserError: the robot or a skill has mistakes.
     """
 
-    def __init__(self, workspace: Workspace, robot: str = "humanoid") -> None:
-        self.workspace = workspace
+    def __init__(self, workspace: str | PathLike[str] | Workspace | None = None, robot: str = "humanoid") -> None:
+        self.workspace = workspace = workspace if isinstance(workspace, Workspace) else Workspace(workspace)
         self._registry = Registry.of(workspace)
         self._model, start = load_robot(workspace.find_robot(robot))
         scene = Scene(load_scene(workspace.find_scene("empty")), seed=0)
@@ -227,7 +228,9 @@ class Rig:
         return self._lockstep.sense()
 
     def _advance(self, command: Command) -> None:
-        self._lockstep.advance(None if self.time < self._silent_until else command)
+        if self.time >= self._silent_until:
+            self._lockstep.submit(command)
+        self._lockstep.advance()
 
     def _tree(self, skill: str, values: dict[str, Any]) -> Tree:
         node_type = self._registry.get(skill)

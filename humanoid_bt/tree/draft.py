@@ -23,7 +23,7 @@ class Draft:
         value_places: where each given parameter's value is written.
         given_places: where those that a sub-tree's caller gave (``$name``) are written there.
         references: parameter -> name of what it was given as ``$name``.
-        arguments: of a sub-tree: the nodes it is given, as plain YAML.
+        arguments: of a sub-tree: the nodes it is given, as plain YAML, or the nodes themselves if made in Python.
         children: its children.
         branches: other sub-trees by key (a watchdog's ``on_stale``, an ``if``'s ``then``).
         keys: of a sub-tree: the keys that begin anew with it.

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from py_trees.behaviour import Behaviour
+from py_trees.common import Status
 
 from humanoid_bt.core.errors import Place
 from humanoid_bt.tree.node_type import Kind, NodeType
@@ -22,7 +23,7 @@ class Node:
         type: its type, with the declared parameters.
         values: the parameters that the file gives, converted.
         references: parameter -> the name that the file gives for it as ``$name``.
-        arguments: of a sub-tree: the nodes it is given, as plain YAML.
+        arguments: of a sub-tree: the nodes it is given, as plain YAML, or the nodes themselves if made in Python.
         place: where it is written.
         behaviour: the py_trees node.
         parent: index of its parent in the tree's nodes, -1 for the root.
@@ -44,6 +45,16 @@ class Node:
     def type_name(self) -> str:
         """Its type as written in trees."""
         return self.type.type_name
+
+    @property
+    def status(self) -> Status:
+        """Its status after the last tick; INVALID before the first, or when it was halted."""
+        return self.behaviour.status
+
+    @property
+    def feedback(self) -> str:
+        """What it said last."""
+        return self.behaviour.feedback_message
 
     @property
     def kind(self) -> Kind:

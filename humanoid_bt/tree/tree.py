@@ -9,8 +9,9 @@ from typing import Any
 
 from py_trees.behaviour import Behaviour
 
-from humanoid_bt.core.errors import Problem, UserError
+from humanoid_bt.core.errors import Problem, UserError, nearest, relative
 from humanoid_bt.decision.blackboard import Key
+from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.tree.node import Node
 from humanoid_bt.tree.write import tree_text
 
@@ -32,6 +33,7 @@ class Tree:
         header: the file's keys but for the root, as plain YAML.
         complete: whether its nodes can run: not those of a sub-tree whose parameters have no values.
         files: the tree file and those of its sub-trees.
+        workspace: where its skills and sub-trees are from.
         warnings: what its checks found that does not keep it from running.
     """
 
@@ -47,7 +49,31 @@ class Tree:
     header: Mapping[str, Any] = field(default_factory=dict)
     complete: bool = True
     files: tuple[Path, ...] = ()
+    workspace: Workspace | None = None
     warnings: tuple[Problem, ...] = ()
+
+    def __repr__(self) -> str:
+        of = f", {', '.join(f'{name} = {value}' for name, value in self.parameters.items())}" if self.parameters else ""
+        return f"<Tree {self.name!r}: {len(self.nodes)} nodes, {relative(self.path)}{of}>"
+
+    def node(self, path: str) -> Node:
+        """Return a node.
+
+        Args:
+            path: its path, or the end of it where no other node's ends so: "reach", "act on target/approach".
+
+        Raises:
+            UserError: there is none, or more than one.
+        """
+        found = [node for node in self.nodes if node.path == path or node.path.endswith(f"/{path}")]
+        exact = [node for node in found if node.path == path]
+        if len(found) == 1 or exact:
+            return (exact or found)[0]
+        if found:
+            message = f"{len(found)} nodes of the tree {self.name!r} have paths that end with {path!r}"
+            raise UserError(message, hint=f"valid: {', '.join(node.path for node in found)}")
+        names = [node.path.rsplit("/", 1)[-1] for node in self.nodes]
+        raise UserError(f"the tree {self.name!r} has no node {path!r}", hint=nearest(path.rsplit("/", 1)[-1], names))
 
     def to_yaml(self) -> str:
         """Return the text of a file that loads to the same tree; sub-trees stay in their own files.

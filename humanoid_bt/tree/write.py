@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import yaml
+from py_trees.behaviour import Behaviour
 
 from humanoid_bt.core.errors import UserError
 from humanoid_bt.decision.blackboard import Key
@@ -91,7 +92,7 @@ def _node(nodes: Sequence[Node], index: int, children: Mapping[int, list[int]]) 
     """Return a node as plain YAML, in its shortest form."""
     node = nodes[index]
     below = [] if node.kind == "subtree" else children.get(index, [])
-    body = _parameters(node)
+    body = {**_parameters(node), **_arguments(nodes, node, children)}
     plain = [child for child in below if not nodes[child].branch]
     for child in below:
         branch, _, case = nodes[child].branch.partition(" ")
@@ -118,7 +119,23 @@ def _parameters(node: Node) -> dict[str, Any]:
             body[name] = f"${node.references[name]}"
         elif name in node.values and (spec.required or node.values[name] != spec.default):
             body[name] = written(node.values[name], spec.unit)
-    return {**body, **node.arguments}
+    return body
+
+
+def _arguments(nodes: Sequence[Node], node: Node, children: Mapping[int, list[int]]) -> dict[str, Any]:
+    """Return the nodes that a sub-tree is given; those that were made in Python stand somewhere below it."""
+    places = {node.behaviour: index for index, node in enumerate(nodes)} if node.arguments else {}
+    return {
+        name: _plain(_node(nodes, places[given], children)) if isinstance(given, Behaviour) else given
+        for name, given in node.arguments.items()
+    }
+
+
+def _plain(value: Any) -> Any:
+    """Return a node's value without a word on how it is laid out: as it comes back from a file."""
+    if isinstance(value, dict):
+        return {key: _plain(part) for key, part in value.items()}
+    return [_plain(part) for part in value] if isinstance(value, list) else value
 
 
 def _branch(node: Node, branch: str, below: Any) -> Any:

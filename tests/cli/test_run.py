@@ -103,7 +103,7 @@ def test_a_mistake_is_one_clear_message(arguments: list[str], says: str, capsys:
     assert main(["run", *arguments]) == 2
     out, err = capsys.readouterr()
     assert says in err
-    assert re.match(r"(--\w+ .*: )?error: ", err)
+    assert re.match(r"(\w+=.*: )?error: ", err)
     assert err.count("error: ") == 1
     assert "Traceback" not in out + err
 

@@ -7,12 +7,10 @@ from pathlib import Path
 import pytest
 from py_trees.common import Status
 
-from humanoid_bt.files.workspace import Workspace
-from humanoid_bt.record.events import Level
-from humanoid_bt.session.options import Mode, RunOptions
-from humanoid_bt.session.run import Run
+from humanoid_bt.session.options import Mode
+from humanoid_bt.session.session import Session
+from humanoid_bt.session.teller import Listener
 from humanoid_bt.tree.engine.executor import NodeChange
-from humanoid_bt.tree.tree import Tree
 
 NEAR = """
 format: 1
@@ -24,7 +22,7 @@ percepts:
 """
 
 
-class Skills:
+class Skills(Listener):
     """Notes which skills started and how they ended, in order."""
 
     def __init__(self) -> None:
@@ -35,15 +33,6 @@ class Skills:
         if name in ("approach", "reach", "idle") and change.status is not Status.INVALID:
             self.told.append((name, change.status))
 
-    def event(self, time: float, level: Level, text: str) -> None:
-        pass
-
-    def progress(self, time: float, running: str) -> None:
-        pass
-
-    def show(self, tree: Tree) -> None:
-        pass
-
 
 @pytest.mark.realtime
 def test_the_same_tree_gives_the_same_sequence_of_skills(tmp_path: Path) -> None:
@@ -53,7 +42,7 @@ def test_the_same_tree_gives_the_same_sequence_of_skills(tmp_path: Path) -> None
     modes: tuple[Mode, ...] = ("lockstep", "realtime")
     for mode in modes:
         skills = Skills()
-        report = Run(RunOptions("fetch", scene="near", mode=mode, duration=30), Workspace(tmp_path), skills).execute()
+        report = Session("fetch", workspace=tmp_path, scene="near", mode=mode, duration=30, listener=skills).run()
         assert (report.outcome, report.fell, report.external_force_max) == ("success", False, 0.0), report.reason
         told[mode] = skills.told
     assert told["lockstep"] == told["realtime"]

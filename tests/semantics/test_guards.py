@@ -107,7 +107,7 @@ def test_servo_and_supervisor_go_on_while_no_command_comes(project: Path) -> Non
     since = engine.clock.now()
     modes = []
     for _ in range(10):  # 20 ms each
-        engine.advance(None)
+        engine.advance()
         modes.append(engine.sense()[0].mode)
     assert modes[:4] == [Mode.RUN] * 4
     assert modes[5:] == [Mode.PROTECTIVE_STOP] * 5

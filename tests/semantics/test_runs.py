@@ -160,7 +160,7 @@ def test_the_duration_is_over(project: Path) -> None:
 
 @shows("exit-control-gone")
 def test_control_is_gone(project: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def gone(_engine: Lockstep, _command: object) -> None:
+    def gone(_engine: Lockstep) -> None:
         raise ControlLost("the control process was killed")
 
     monkeypatch.setattr(Lockstep, "advance", gone)

@@ -3,20 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from humanoid_bt.files.workspace import Workspace
-from humanoid_bt.record.sinks import Sinks
-from humanoid_bt.session.options import RunOptions
 from humanoid_bt.session.report import Report
-from humanoid_bt.session.run import Run
+from humanoid_bt.session.session import Session
+from humanoid_bt.session.teller import Listener
 from humanoid_bt.tree.engine.executor import NodeChange
 from humanoid_bt.tree.tree import Tree
 
 
 @dataclass
-class Told:
+class Told(Listener):
     """A listener that keeps what it is told."""
 
     changes: list[NodeChange] = field(default_factory=list)
@@ -41,7 +40,7 @@ class Told:
 class Ran:
     """A run that is over."""
 
-    session: Run
+    session: Session
     report: Report
     told: Told
     recording: Path | None
@@ -63,9 +62,18 @@ def ran(
 ) -> Ran:
     """Run a tree to its end."""
     told = Told()
-    options = RunOptions(tree, seed=seed, duration=duration, sinks=Sinks(file=recording))
-    session = Run(options, Workspace(project), told)
-    return Ran(session, session.execute(interrupted), told, recording)
+    record = recording or False
+    session = Session(tree, workspace=project, seed=seed, duration=duration, record=record, listener=told)
+    return Ran(session, play(session, interrupted), told, recording)
+
+
+def play(session: Session, interrupted: Callable[[], str] = lambda: "") -> Report:
+    """Run a session to its end, or until the answer that is asked for after every tick is a reason to end."""
+    with suppress(KeyboardInterrupt), session:
+        while session.step():
+            if reason := interrupted():
+                session.interrupt(reason)
+    return session.report
 
 
 def after(calls: int, reason: str) -> Callable[[], str]:

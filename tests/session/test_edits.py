@@ -219,7 +219,7 @@ def test_a_parameter_that_was_set_and_vanished_is_a_mistake(tmp_path: Path, monk
     files = Files(tmp_path)
     text = "format: 1\nparameters: {long: 1.0}\nroot:\n  emergency_stop: {wait: {duration: $long}}\n"
     files.write(text)
-    files._options = {"overrides": {"long": "2"}}
+    files._options = {"parameters": {"long": "2"}}
     files.edits = files.watched()
     files.write(text.replace("long", "time"))
     assert "no parameter 'long'" in messages(files.edit())

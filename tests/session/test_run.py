@@ -11,14 +11,11 @@ import pytest
 import rerun as rr
 
 from humanoid_bt.core.errors import UserError
-from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.link import run_folder
 from humanoid_bt.link.run_folder import live_runs, lockstep_root
 from humanoid_bt.realtime.live_tree import Moment, TreeWatch
-from humanoid_bt.record.sinks import Sinks
-from humanoid_bt.session.options import RunOptions
-from humanoid_bt.session.run import Run
-from tests.session.helpers import Ran, Told, after, ran
+from humanoid_bt.session.session import Session
+from tests.session.helpers import Ran, Told, after, play, ran
 
 
 @pytest.fixture(scope="module")
@@ -112,19 +109,19 @@ def test_a_tree_that_waits_for_a_reset_goes_on_after_it(project: Path) -> None:
     tree = project / "trees" / "patient.yaml"
     tree.write_text("format: 1\nroot:\n  emergency_stop: {wait_for_reset: true, walk: }\n", encoding="utf-8")
     told = Told()
-    session = Run(RunOptions("patient", duration=5.0), Workspace(project), told)
+    session = Session("patient", duration=5.0, workspace=project, listener=told)
     ticks = 0
 
     def press() -> str:
         nonlocal ticks
         ticks += 1
         if ticks == 20:
-            session.raise_estop("button", "pressed by hand")
+            session.raise_estop("pressed by hand", source="button")
         if ticks == 170:  # long after a run that does not wait would have ended
-            session.request_reset("key")
+            session.request_reset(source="key")
         return ""
 
-    report = session.execute(press)
+    report = play(session, press)
     assert (report.outcome, [stop["source"] for stop in report.stops]) == ("unfinished", ["button"])
     assert "reset by key: done" in [text for _, _, text in told.events]
     walked = [entry["time"] for entry in report.timeline if entry["path"].endswith("/walk")]
@@ -143,7 +140,7 @@ def test_a_node_raises_the_emergency_stop(project: Path) -> None:
 
 def test_an_emergency_stop_ends_the_run(project: Path) -> None:
     told = Told()
-    session = Run(RunOptions("walk"), Workspace(project), told)
+    session = Session("walk", workspace=project, listener=told)
     ask = after(20, "pressed")
 
     def press() -> str:
@@ -151,7 +148,7 @@ def test_an_emergency_stop_ends_the_run(project: Path) -> None:
             session.engine.supervisor.raise_estop("button", "pressed by hand")
         return ""
 
-    report = session.execute(press)
+    report = play(session, press)
     assert (report.outcome, report.exit_code) == ("stopped", 3)
     assert report.reason == "pressed by hand (button)"
     assert [stop["mode"] for stop in report.stops] == ["emergency_stop"]
@@ -222,8 +219,8 @@ def test_an_error_of_our_own_still_brings_the_robot_to_a_stand(
             raise ZeroDivisionError("a bug")
 
     monkeypatch.setattr(told, "progress", broken)
-    session = Run(RunOptions("walk"), Workspace(project), told)
-    report = session.execute()
+    session = Session("walk", workspace=project, listener=told)
+    report = session.run()
     assert (report.outcome, report.exit_code) == ("error", 4)
     assert report.reason == "internal error: ZeroDivisionError: a bug"
     assert "in broken" in report.traceback
@@ -239,8 +236,7 @@ def test_refused_commands_are_told_once_a_second(project: Path) -> None:
 
 def test_a_percept_that_never_comes_is_told(project: Path) -> None:
     told = Told()
-    run = Run(RunOptions("fetch", scene="empty", duration=0.1), Workspace(project), told)
-    run.execute()
+    Session("fetch", scene="empty", duration=0.1, workspace=project, listener=told).run()
     assert (0.0, "warning", "the scene 'empty' publishes no percept 'target' (it publishes none)") in told.events
 
 
@@ -257,11 +253,10 @@ def test_a_view_that_cannot_be_opened_is_a_mistake_only_if_asked_for(
 
     monkeypatch.setenv("DISPLAY", ":77")
     monkeypatch.setattr("humanoid_bt.record.sinks._start_viewer", refuse)
-    asked = RunOptions("give_up", sinks=Sinks(view=True))
     with pytest.raises(UserError, match="did not start"):
-        Run(asked, Workspace(project), Told()).execute()
+        Session("give_up", view=True, workspace=project).run()
     told = Told()
-    report = Run(RunOptions("give_up", sinks=Sinks(view=True), view_optional=True), Workspace(project), told).execute()
+    report = Session("give_up", view="auto", workspace=project, listener=told).run()
     assert report.outcome == "failure"
     assert told.events[0][2] == "no live view: the viewer did not start: no screen"
 

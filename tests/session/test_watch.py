@@ -4,20 +4,16 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable
-from contextlib import nullcontext
 from pathlib import Path
 
 import pytest
 
-from humanoid_bt.files.workspace import Workspace
-from humanoid_bt.record.sinks import Sinks
-from humanoid_bt.session.edits import Edit
-from humanoid_bt.session.options import RunOptions
-from humanoid_bt.session.run import Run
+from humanoid_bt.session.edits import Edit, EditSource
+from humanoid_bt.session.session import Session
 from humanoid_bt.session.watch import Watch
 from tests.projects import make_project
 from tests.record.helpers import rows
-from tests.session.helpers import Ran, Told
+from tests.session.helpers import Ran, Told, play
 
 WALK = "format: 1\nroot:\n  emergency_stop: walk\n"
 WAIT = "format: 1\nroot:\n  emergency_stop: {wait: {duration: 0.4}}\n"
@@ -26,9 +22,23 @@ BROKEN = "format: 1\nroot:\n  emergency_stop: {wak: }\n"
 Script = dict[int, Callable[[], object]]
 
 
+class InStep:
+    """Looks for edits after every tick instead of in a thread of its own."""
+
+    def __init__(self, edits: EditSource) -> None:
+        self.poll = edits.poll
+
+    def __enter__(self) -> InStep:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        pass
+
+
 @pytest.fixture
 def root(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("humanoid_bt.session.drive.Watch", InStep)
     return make_project(tmp_path / "project")
 
 
@@ -38,13 +48,13 @@ def tree(root: Path, text: str) -> Callable[[], object]:
 
 
 def watched(
-    root: Path, first: str, script: Callable[[Run], Script], duration: float = 6.0, recording: Path | None = None
+    root: Path, first: str, script: Callable[[Session], Script], duration: float = 6.0, recording: Path | None = None
 ) -> Ran:
     """Run the tree ``mine`` and do something in some of its ticks, counted from 1; "end" ends the run."""
     tree(root, first)()
     told = Told()
-    options = RunOptions("mine", duration=duration, watch=True, sinks=Sinks(file=recording))
-    run = Run(options, Workspace(root), told, watch=nullcontext)
+    record = recording or False
+    run = Session("mine", workspace=root, duration=duration, watch=True, pace=1e9, record=record, listener=told)
     actions, tick = script(run), 0
 
     def ask() -> str:
@@ -52,10 +62,10 @@ def watched(
         tick += 1
         return str(actions[tick]() or "") if tick in actions else ""
 
-    return Ran(run, run.execute(lambda: "Ctrl-C" if ask() == "end" else ""), told, recording)
+    return Ran(run, play(run, lambda: "Ctrl-C" if ask() == "end" else ""), told, recording)
 
 
-def edited(root: Path, *edits: tuple[int, str]) -> Callable[[Run], Script]:
+def edited(root: Path, *edits: tuple[int, str]) -> Callable[[Session], Script]:
     """Return a script: tick -> text of the tree, or "end"."""
     return lambda _: {tick: (lambda: "end") if text == "end" else tree(root, text) for tick, text in edits}
 
@@ -92,9 +102,9 @@ def test_the_robot_is_held_between_two_trees_and_commands_are_counted_on(
     commands = []
     script = edited(root, (75, WALK + "# again\n"), (300, "end"))
 
-    def listen(run: Run) -> Script:
-        advance = run.engine.advance
-        monkeypatch.setattr(run.engine, "advance", lambda command: (commands.append(command), advance(command)))
+    def listen(run: Session) -> Script:
+        submit = run.engine.submit
+        monkeypatch.setattr(run.engine, "submit", lambda command: (commands.append(command), submit(command)))
         return script(run)
 
     ran = watched(root, WALK, listen, duration=12.0)
@@ -147,8 +157,8 @@ def test_a_run_that_waits_for_an_edit_ends_with_its_duration_as_its_tree_did(roo
 
 
 def test_an_emergency_stop_ends_a_run_that_waits(root: Path) -> None:
-    def press(run: Run) -> Script:
-        return {100: lambda: run.raise_estop("button", "pressed")}
+    def press(run: Session) -> Script:
+        return {100: lambda: run.raise_estop("pressed", source="button")}
 
     ran = watched(root, WAIT, press, duration=20.0)
     assert (ran.report.outcome, ran.report.exit_code) == ("stopped", 3)
@@ -157,11 +167,11 @@ def test_an_emergency_stop_ends_a_run_that_waits(root: Path) -> None:
 def test_a_tree_that_waits_for_a_reset_can_be_replaced(root: Path) -> None:
     patient = "format: 1\nroot:\n  emergency_stop: {wait_for_reset: true, walk: }\n"
 
-    def press(run: Run) -> Script:
+    def press(run: Session) -> Script:
         return {
-            20: lambda: run.raise_estop("button", "pressed"),
+            20: lambda: run.raise_estop("pressed", source="button"),
             200: tree(root, patient + "# again\n"),
-            300: lambda: run.request_reset("key"),
+            300: lambda: run.request_reset(source="key"),
         }
 
     ran = watched(root, patient, press, duration=7.0)

@@ -5,8 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from humanoid_bt.core.messages import Gait
-from humanoid_bt.testing.rig import Rig
+from humanoid_bt import Gait, Rig
 
 
 @pytest.mark.parametrize(("distance", "bearing"), [(1.0, 0.0), (0.9, 1.2)])

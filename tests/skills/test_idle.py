@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 from py_trees.common import Status
 
-from humanoid_bt.core.messages import Gait
-from humanoid_bt.testing.rig import Rig
+from humanoid_bt import Gait, Rig
 
 
 def test_stands_where_it_is(rig: Rig) -> None:

@@ -5,8 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from humanoid_bt.core.messages import Gait
-from humanoid_bt.testing.rig import Rig
+from humanoid_bt import Gait, Rig
 
 
 def off_target(rig: Rig, target: tuple[float, ...]) -> float:

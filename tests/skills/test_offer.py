@@ -5,8 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from humanoid_bt.core.messages import Side
-from humanoid_bt.testing.rig import Rig, RigResult
+from humanoid_bt import Rig, RigResult, Side
 
 
 def nearest(result: RigResult, target: tuple[float, ...]) -> float:

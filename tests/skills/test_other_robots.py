@@ -5,8 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from humanoid_bt.files.workspace import Workspace
-from humanoid_bt.testing.rig import Rig
+from humanoid_bt import Rig, Workspace
 
 BUILTIN = Path(__file__).resolve().parents[2] / "sim" / "humanoid"
 HANDS = """\

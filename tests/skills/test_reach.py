@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from humanoid_bt.core.messages import Gait, Side
-from humanoid_bt.testing.rig import Rig
+from humanoid_bt import Gait, Rig, Side
 
 
 @pytest.mark.parametrize(

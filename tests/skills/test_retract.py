@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from humanoid_bt.testing.rig import Rig
+from humanoid_bt import Rig
 
 
 @pytest.mark.parametrize("hand", ["left", "both"])

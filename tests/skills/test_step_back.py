@@ -2,8 +2,7 @@
 
 import pytest
 
-from humanoid_bt.core.messages import Gait
-from humanoid_bt.testing.rig import Rig
+from humanoid_bt import Gait, Rig
 
 
 @pytest.mark.parametrize("distance", [0.1, 0.25, 0.6])

@@ -5,8 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from humanoid_bt.core.messages import Gait
-from humanoid_bt.testing.rig import Rig
+from humanoid_bt import Gait, Rig
 
 
 @pytest.mark.parametrize("angle", [0.6, -1.2, math.pi, -math.pi])

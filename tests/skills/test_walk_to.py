@@ -4,8 +4,7 @@ import math
 
 import pytest
 
-from humanoid_bt.core.messages import Gait
-from humanoid_bt.testing.rig import Rig
+from humanoid_bt import Gait, Rig
 
 
 @pytest.mark.parametrize(("x", "y", "heading"), [(0.5, 0.0, 0.5), (-0.2, 0.15, -0.6)])

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from humanoid_bt.cli.arguments.numbers import phase, positive_int
+from humanoid_bt.cli.arguments.numbers import COUNT, PHASE, number
 from humanoid_bt.cli.arguments.parsing import Commands
 
 _EXAMPLES = """\
@@ -42,12 +42,12 @@ def add_bench(commands: Commands) -> None:
     )
     bench.add_argument(
         "--duration",
-        type=phase,
+        type=number(PHASE),
         default=10.0,
         metavar="S",
         help="with --realtime: how long each loop is watched [s]; default 10",
     )
     bench.add_argument(
-        "--repetitions", type=positive_int, default=5, metavar="N", help="of each pair, or each cause; default 5"
+        "--repetitions", type=number(COUNT), default=5, metavar="N", help="of each pair, or each cause; default 5"
     )
     bench.add_argument("--json", type=Path, metavar="FILE", help="write the figures to this file too")

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from humanoid_bt.cli.arguments.numbers import port, positive, seed
+from humanoid_bt.cli.arguments.numbers import number
 from humanoid_bt.cli.arguments.parsing import EXIT_CODES, Commands, add_workspace
+from humanoid_bt.session.limits import DURATION, PORT, POSITIVE, SEED
 
 _EXAMPLES = """\
 examples:
@@ -31,10 +32,10 @@ def add_run(commands: Commands) -> None:
         dest="overrides",
         help="set a parameter of the tree; may be given several times",
     )
-    run.add_argument("--seed", type=seed, default=0, metavar="N", help="of everything random; default 0")
+    run.add_argument("--seed", type=number(SEED), default=0, metavar="N", help="of everything random; default 0")
     run.add_argument(
         "--duration",
-        type=positive,
+        type=number(DURATION),
         metavar="S",
         help="longest simulated time [s]; default 120, with --watch no end",
     )
@@ -48,7 +49,7 @@ def add_run(commands: Commands) -> None:
     )
     run.add_argument(
         "--pace",
-        type=positive,
+        type=number(POSITIVE),
         metavar="X",
         help="simulated seconds per second; default: 1 with a live view or --watch, else as fast as it can",
     )
@@ -60,7 +61,7 @@ def add_run(commands: Commands) -> None:
     )
     run.add_argument(
         "--hold",
-        type=positive,
+        type=number(POSITIVE),
         default=10.0,
         metavar="S",
         help="realtime: how long control balances the robot when decision has died [s]; default 10",
@@ -71,7 +72,7 @@ def add_run(commands: Commands) -> None:
     run.add_argument(
         "--serve",
         nargs="?",
-        type=port,
+        type=number(PORT),
         const=9090,
         metavar="PORT",
         help="serve the live view to a browser on 127.0.0.1; default port 9090",

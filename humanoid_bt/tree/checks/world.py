@@ -45,7 +45,7 @@ class World:
         """
 
         def named(key: str, instead: str | None) -> Item | None:
-            return header.value.get(key) if instead is None else Item(instead, Place(f"--{key} {instead}"))
+            return header.value.get(key) if instead is None else Item(instead, Place(f"{key}={instead}"))
 
         return cls(
             _found(named("robot", robot), "robot", workspace.find_robot, _robot, problems),

@@ -73,7 +73,7 @@ class ForEach(Decorator):
 
 def _check_parts(items: list[Any], keys: list[str]) -> None:
     for number, item in enumerate(items, 1):
-        if not isinstance(item, list) or not 0 < len(item) <= len(keys):
+        if not isinstance(item, (list, tuple)) or not 0 < len(item) <= len(keys):
             raise ValueError(f"item {number} must be a list with at most {len(keys)} parts ({', '.join(keys)}): {item}")
 
 

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import Any, ClassVar
 
 from py_trees.behaviour import Behaviour
+from py_trees.behaviours import Dummy
 from py_trees.common import Status
 
 from humanoid_bt.core.params import param
@@ -29,9 +30,29 @@ class SubTree(Decorator):
 
     tree: str = param(doc="Name or file of the tree.")
 
-    def __init__(self, name: str, child: Behaviour, keys: list[Key] | None = None, **values: Any) -> None:
-        super().__init__(name, child, **values)
-        self._keys = keys or []
+    def __init__(self, name: str, *, tree: str, **arguments: Any) -> None:
+        """Make a node that :func:`~humanoid_bt.tree.source.compose.make_tree` fills from the tree's file.
+
+        Args:
+            name: the node's name.
+            tree: name or file of the tree.
+            arguments: its parameters: values, nodes, and keys for what is read from the blackboard; and for its
+                outputs the keys that get them.
+        """
+        super().__init__(name, Dummy(f"what is in {tree}"), tree=tree)
+        self.arguments = arguments
+        self._keys: list[Key] = []
+
+    def fill(self, child: Behaviour, keys: list[Key]) -> None:
+        """Take what its file holds, once that has been read.
+
+        Args:
+            child: the root of the file's nodes.
+            keys: the keys that begin anew with it.
+        """
+        self.children[:] = [child]
+        self.decorated, child.parent = child, self
+        self._keys = keys
 
     @classmethod
     def possible_results(cls, _values: Mapping[str, Any], below: Below) -> Results:

@@ -26,7 +26,7 @@ def build(root: Draft, tree_name: str, problems: list[Problem]) -> tuple[Node, .
         problems: takes the mistakes that only show when a node is made; the nodes are incomplete then.
     """
     made: dict[int, Behaviour] = {}
-    if _make(root, made, problems) is None:
+    if make(root, made, problems) is None:
         return ()
     return collect(root, tree_name, made)
 
@@ -49,21 +49,29 @@ def collect(root: Draft, tree_name: str, made: Mapping[int, Behaviour]) -> tuple
     return tuple(nodes)
 
 
-def _make(draft: Draft, made: dict[int, Behaviour], problems: list[Problem]) -> Behaviour | None:
-    """Make a node and those below it; None if a mistake is in them, but then the others have been tried."""
-    children = [_make(child, made, problems) for child in draft.children]
+def make(draft: Draft, made: dict[int, Behaviour], problems: list[Problem]) -> Behaviour | None:
+    """Make a node and those below it; None if a mistake is in them, but then the others have been tried.
+
+    Args:
+        draft: the node's.
+        made: the nodes that are there already, by the id of their draft; takes the new ones.
+        problems: takes the mistakes that only show when a node is made.
+    """
+    if id(draft) in made:
+        return made[id(draft)]
+    children = [make(child, made, problems) for child in draft.children]
     branches = {key: _make_branch(branch, made, problems) for key, branch in draft.branches.items()}
     if not draft.sound or None in children or None in branches.values():
         return None
-    arguments = {**branches, **draft.values}
-    if draft.type.cls is SubTree:
-        arguments = {"tree": draft.values["tree"], "keys": draft.keys}
-    arguments = {key + "_" * iskeyword(key): value for key, value in arguments.items()}
+    arguments = {key + "_" * iskeyword(key): value for key, value in {**branches, **draft.values}.items()}
     try:
         if draft.type.takes == "many":
             behaviour = draft.type.factory(draft.name, children, **arguments)
-        elif draft.type.takes == "one" or draft.type.cls is SubTree:
+        elif draft.type.takes == "one":
             behaviour = draft.type.factory(draft.name, children[0], **arguments)
+        elif draft.type.cls is SubTree:
+            behaviour = SubTree(draft.name, tree=draft.values["tree"])
+            behaviour.fill(made[id(draft.children[0])], draft.keys)
         else:
             behaviour = draft.type.factory(name=draft.name, **arguments)
     except Exception as error:  # a skill's constructor is the user's code
@@ -82,8 +90,8 @@ def _make_branch(
     branch: Draft | dict[str, Draft], made: dict[int, Behaviour], problems: list[Problem]
 ) -> Behaviour | dict[str, Behaviour] | None:
     if isinstance(branch, Draft):
-        return _make(branch, made, problems)
-    found = {name: _make(child, made, problems) for name, child in branch.items()}
+        return make(branch, made, problems)
+    found = {name: make(child, made, problems) for name, child in branch.items()}
     whole = {name: behaviour for name, behaviour in found.items() if behaviour is not None}
     return whole if len(whole) == len(found) else None
 

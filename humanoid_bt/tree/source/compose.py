@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Callable
 from dataclasses import replace
+from os import PathLike
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 from py_trees.behaviour import Behaviour
 
@@ -24,16 +26,19 @@ from humanoid_bt.tree.expressions.template import expressions_of
 from humanoid_bt.tree.node_type import NodeType
 from humanoid_bt.tree.nodes.registry import Registry
 from humanoid_bt.tree.nodes.subtree import SubTree
-from humanoid_bt.tree.source.build import collect
+from humanoid_bt.tree.source.build import collect, make
 from humanoid_bt.tree.source.file import check_name
+from humanoid_bt.tree.source.given import plain_item
+from humanoid_bt.tree.source.load import Loader
 from humanoid_bt.tree.source.parameters import Parameters
+from humanoid_bt.tree.source.read import Reader
 from humanoid_bt.tree.source.scope import Scope
 from humanoid_bt.tree.tree import Tree
 
 
 def make_tree(
     root: Behaviour,
-    workspace: Workspace | None = None,
+    workspace: str | PathLike[str] | Workspace | None = None,
     *,
     name: str = "tree",
     description: str = "",
@@ -47,7 +52,7 @@ def make_tree(
 
     Args:
         root: the root node, of :mod:`humanoid_bt.tree.nodes`.
-        workspace: where its skills are from; the current one if None.
+        workspace: where its skills and sub-trees are from; the current one if None.
         name: what the tree is called.
         description: one line for people.
         robot, scene: what it is made for.
@@ -59,16 +64,18 @@ def make_tree(
     place = Place(relative(Path(caller.f_code.co_filename)), caller.f_lineno, 1)
     problems: list[Problem] = []
     _check_name(name, place, problems)
-    workspace = workspace or Workspace()
+    workspace = workspace if isinstance(workspace, Workspace) else Workspace(workspace)
     registry = Registry.of(workspace)
     scope = Scope(Parameters({}, {}, problems), {}, {}, {}, problems)
-    composer = _Composer(registry, scope, place, problems)
+    loader = Loader(workspace, problems)
+    composer = _Composer(registry, scope, loader, place, problems)
     draft = composer.draft(root)
     scope.finish()
     named = item_of({"robot": robot, "scene": scene}, place)
     problems += check(draft, World.of(workspace, named, problems))
-    if any(problem.severity == "error" for problem in problems):
-        raise UserError(list(dict.fromkeys(problems)))
+    _raise_if_wrong(problems)
+    composer.fill()
+    _raise_if_wrong(problems)
     header = {"name": name, "description": description, "robot": robot, "scene": scene}
     tree = Tree(
         name=name,
@@ -81,6 +88,8 @@ def make_tree(
         nodes=collect(draft, name, composer.made),
         keys=tuple(scope.own_keys),
         header=header,
+        files=loader.files,
+        workspace=workspace,
         warnings=tuple(problems),
     )
     return replace(tree, source=tree.to_yaml())
@@ -89,25 +98,33 @@ def make_tree(
 class _Composer:
     """Turns nodes back into what a file would say about them."""
 
-    def __init__(self, registry: Registry, scope: Scope, place: Place, problems: list[Problem]) -> None:
+    def __init__(self, registry: Registry, scope: Scope, loader: Loader, place: Place, problems: list[Problem]) -> None:
         self._types = {node_type.cls: node_type for node_type in registry.values()}
         self._registry = registry
         self._scope = scope
+        reader = _MixedReader(registry, (), scope, loader, problems)
+        reader.made = self.draft
+        self._subtrees = _SubTrees(registry["subtree"], reader, loader, place, problems)
         self._place = place
         self._problems = problems
         self.made: dict[int, Behaviour] = {}
         self._drafts: list[Draft] = []  # kept alive: their ids are keys
+        self._unfilled: list[tuple[SubTree, Draft]] = []
 
     def draft(self, behaviour: Behaviour) -> Draft:
         """Return the draft of a node and those below it, with every mistake noted."""
-        node_type = self._type(behaviour)
-        draft = Draft(node_type, self._place, behaviour.name)
+        subtree = self._subtrees.draft(behaviour) if isinstance(behaviour, SubTree) else None
+        node_type = self._type(behaviour) if subtree is None else subtree.type
+        draft = Draft(node_type, self._place, behaviour.name) if subtree is None else subtree
         self._drafts.append(draft)
         if behaviour in self.made.values():
             self._problem(f"the node {behaviour.name!r} stands in the tree twice", "make one for each place")
             draft.sound = False
             return draft
         self.made[id(draft)] = behaviour
+        if isinstance(behaviour, SubTree):
+            self._unfilled.append((behaviour, draft))
+            return draft
         _check_name(behaviour.name, self._place, self._problems)
         for name, spec in node_type.params.items():
             self._parameter(draft, behaviour, name, spec)
@@ -120,15 +137,18 @@ class _Composer:
                 draft.branches[key] = self.draft(branch)
         return draft
 
+    def fill(self) -> None:
+        """Make what stands in the files of sub-trees. To be called once there are no mistakes."""
+        for subtree, draft in self._unfilled:
+            child = make(draft.children[0], self.made, self._problems)
+            if child is not None:
+                subtree.fill(child, draft.keys)
+
     def _type(self, behaviour: Behaviour) -> NodeType:
         cls = type(behaviour)
-        if cls in self._types and cls is not SubTree:
+        if cls in self._types:
             return self._types[cls]
-        if isinstance(behaviour, SubTree):
-            self._problem(
-                "a sub-tree cannot be used in a tree made in Python", "call a function that returns its nodes"
-            )
-        elif behaviour.children:
+        if behaviour.children:
             ours = "humanoid_bt.tree.nodes has those that can be used"
             self._problem(f"{cls.__module__}.{cls.__name__} has children and is none of our nodes", ours)
         elif node_type_name(cls) in self._registry:
@@ -171,6 +191,71 @@ class _Composer:
 
     def _problem(self, message: str, hint: str) -> None:
         self._problems.append(Problem(message, self._place, hint, "invalid-node"))
+
+
+class _SubTrees:
+    """Reads the files of sub-trees that are used in Python, as if a file used them.
+
+    Args:
+        node_type: the type of a sub-tree's node.
+        reader: reads nodes, with the names of the tree made in Python.
+        loader: reads the files.
+        place: where the tree is made.
+        problems: takes every mistake.
+    """
+
+    def __init__(
+        self, node_type: NodeType, reader: _MixedReader, loader: Loader, place: Place, problems: list[Problem]
+    ) -> None:
+        self._type, self._reader, self._loader = node_type, reader, loader
+        self._place, self._problems = place, problems
+
+    def draft(self, subtree: SubTree) -> Draft:
+        """Return the draft of a sub-tree and of what stands in its file."""
+        before = len(self._problems)
+        draft = None
+        try:
+            draft = self._reader.node(self._item(subtree), "a sub-tree")
+        except UserError as error:
+            self._problems += error.problems
+        for index, problem in enumerate(self._problems[before:], before):
+            if problem.place == self._place:  # the one line that all of the tree has
+                self._problems[index] = replace(problem, message=f"{problem.message}, in {subtree.name!r}")
+        return draft or Draft(self._type, self._place, subtree.name, sound=False)
+
+    def _item(self, subtree: SubTree) -> Item:
+        """Return what a file would say."""
+        place = self._place
+        tree = Item({"tree": Item(subtree.tree, place)}, place)
+        declared = self._loader.specialise(self._type, tree).params
+        body = {name: self._argument(declared.get(name), name, value) for name, value in subtree.arguments.items()}
+        body |= tree.value | {"name": Item(subtree.name, place)}
+        return Item({"subtree": Item(body, place, dict.fromkeys(body, place))}, place, {"subtree": place})
+
+    def _argument(self, spec: Param | None, name: str, value: Any) -> Item:
+        writes = spec is not None and Key in get_args(spec.type)
+        if isinstance(value, Behaviour):
+            return Item(value, self._place)
+        if isinstance(value, Key):
+            return Item(value.name if writes else f"${value.name}", self._place)
+        if isinstance(value, str) and value.startswith("$"):
+            return Item(f"${value}", self._place)  # in a file, text that is no reference
+        return plain_item(name, value, self._place)
+
+
+class _MixedReader(Reader):
+    """Reads nodes of files, and takes those that were made in Python."""
+
+    made: Callable[[Behaviour], Draft]
+
+    def node(self, item: Item, where: str) -> Draft | None:
+        """Read a node, or take one that was made."""
+        return self.made(item.value) if isinstance(item.value, Behaviour) else super().node(item, where)
+
+
+def _raise_if_wrong(problems: list[Problem]) -> None:
+    if any(problem.severity == "error" for problem in problems):
+        raise UserError(list(dict.fromkeys(problems)))
 
 
 def _children(node_type: NodeType, behaviour: Behaviour) -> list[Behaviour]:

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 from humanoid_bt.core.errors import Place, Problem, UserError, relative
 from humanoid_bt.core.items import Item
@@ -20,7 +21,8 @@ from humanoid_bt.tree.nodes.registry import Registry
 from humanoid_bt.tree.slots import Slot
 from humanoid_bt.tree.source.build import build, sketch
 from humanoid_bt.tree.source.file import TreeFile, read_file
-from humanoid_bt.tree.source.parameters import Argument, NodeItem, Parameters, overrides
+from humanoid_bt.tree.source.given import overrides
+from humanoid_bt.tree.source.parameters import Argument, NodeItem, Parameters
 from humanoid_bt.tree.source.read import Reader
 from humanoid_bt.tree.source.scope import Scope
 from humanoid_bt.tree.tree import Tree
@@ -32,25 +34,27 @@ MAX_NODES = 10_000
 def load_tree(
     path: Path,
     workspace: Workspace,
-    overrides: Mapping[str, str] | None = None,
+    parameters: Mapping[str, Any] | None = None,
     *,
     robot: str | None = None,
     scene: str | None = None,
+    arguments: Collection[str] = (),
 ) -> Tree:
     """Read, check and build a tree.
 
     Args:
         path: the tree file.
         workspace: where its skills and sub-trees are found.
-        overrides: parameter values as text, from ``--set name=value``.
+        parameters: values for its parameters, or text as after ``--set``, by name.
         robot, scene: check it for these, instead of those that its header names.
+        arguments: what else can be given beside the parameters, for hints.
 
     Raises:
         UserError: with every mistake found, each with its place.
     """
-    loader = _Loader(workspace)
-    tree = loader.load(path, overrides or {}, robot, scene)
-    problems = _in_file_order(loader.problems, relative(path))
+    found: list[Problem] = []
+    tree = Loader(workspace, found).load(path, parameters or {}, robot, scene, arguments)
+    problems = _in_file_order(found, relative(path))
     if tree is None or any(problem.severity == "error" for problem in problems):
         raise UserError(problems)
     return replace(tree, warnings=tuple(problems))
@@ -58,7 +62,7 @@ def load_tree(
 
 def subtree_types(workspace: Workspace, registry: Registry) -> dict[str, NodeType]:
     """Return for every tree of a workspace the type of a node that uses it as a sub-tree; broken ones are left out."""
-    loader, node_type = _Loader(workspace), registry["subtree"]
+    loader, node_type = Loader(workspace, []), registry["subtree"]
     found: dict[str, NodeType] = {}
     for name, path in workspace.trees().items():
         item = Item(name, Place(relative(path)))
@@ -67,19 +71,36 @@ def subtree_types(workspace: Workspace, registry: Registry) -> dict[str, NodeTyp
     return found
 
 
-class _Loader:
-    """Reads one tree and every file that it uses."""
+class Loader:
+    """Reads one tree and every file that it uses.
 
-    def __init__(self, workspace: Workspace) -> None:
+    Args:
+        workspace: where skills and sub-trees are found.
+        problems: takes every mistake.
+    """
+
+    def __init__(self, workspace: Workspace, problems: list[Problem]) -> None:
         self._workspace = workspace
         self._files: dict[Path, TreeFile] = {}
         self._nodes = 0
-        self.problems: list[Problem] = []
+        self.problems = problems
 
-    def load(self, path: Path, texts: Mapping[str, str], robot: str | None, scene: str | None) -> Tree | None:
+    @property
+    def files(self) -> tuple[Path, ...]:
+        """The files that were read."""
+        return tuple(file.path for file in self._files.values())
+
+    def load(
+        self,
+        path: Path,
+        values: Mapping[str, Any],
+        robot: str | None,
+        scene: str | None,
+        arguments: Collection[str],
+    ) -> Tree | None:
         """Return the tree, None if mistakes keep it from being made."""
         file = self._open(path)
-        given = overrides(file.parameters, texts, self.problems)
+        given = overrides(file.parameters, values, self.problems, arguments)
         parameters = Parameters(file.parameters, given, self.problems, complete=not file.header.get("subtree"))
         scope = Scope(parameters, file.blackboard, file.outputs, {}, self.problems)
         registry = self._registry()
@@ -105,7 +126,8 @@ class _Loader:
             complete=bool(made),
             keys=tuple(scope.own_keys),
             header=file.plain_header(given),
-            files=tuple(file.path for file in self._files.values()),
+            files=self.files,
+            workspace=self._workspace,
         )
 
     # ---- sub-trees (see SubTrees) --------------------------------------------------------------------------------

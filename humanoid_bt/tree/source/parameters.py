@@ -1,4 +1,4 @@
-"""A tree's parameters: declared in its file, given by ``--set`` or by the tree that uses it, used as ``$name``."""
+"""A tree's parameters: declared in its file, given from outside or by the tree that uses it, used as ``$name``."""
 
 from __future__ import annotations
 
@@ -13,7 +13,6 @@ from humanoid_bt.core.params import Param, PerceptName, param
 from humanoid_bt.core.reading import convert, read
 from humanoid_bt.core.units import UNITS, base_unit, is_number_text
 from humanoid_bt.decision.blackboard import KEY_NAME, Key
-from humanoid_bt.files import document
 
 NodeItem = NewType("NodeItem", object)
 """The type of a parameter that stands for a node, given by the tree that uses this one as a sub-tree."""
@@ -213,7 +212,7 @@ class Parameters:
             return Parameter(spec, place, given.value, True, given)
         if declaration.default is None:
             if complete and not declaration.broken:
-                hint = f"give it one: --set {spec.name}=..., or a default"
+                hint = f"give it one: {spec.name}=... (in a shell --set {spec.name}=...), or a default"
                 message = f"the parameter {spec.name!r} has no value"
                 self._problems.append(Problem(message, place, hint, "missing-parameter"))
             return Parameter(spec, place)
@@ -266,31 +265,6 @@ def declarations(item: Item | None, what: str, problems: list[Problem]) -> dict[
     return found
 
 
-def overrides(
-    declared: Mapping[str, Declaration], texts: Mapping[str, str], problems: list[Problem]
-) -> dict[str, Argument]:
-    """Return parameters given as text, by ``--set name=value``."""
-    found: dict[str, Argument] = {}
-    for name, text in texts.items():
-        place = Place(f"--set {name}={text}")
-        if name not in declared:
-            hint = nearest(name, declared) or "the tree declares no parameters"
-            problems.append(Problem(f"the tree has no parameter {name!r}", place, hint, "unknown-parameter"))
-            continue
-        spec = declared[name].spec
-        if spec.type is float and not spec.unit:
-            spec = replace(spec, unit=base_unit(text) or "")
-        if spec.type is NodeItem:
-            hint = "only a tree that uses this one can give it"
-            problems.append(Problem(f"the parameter {name!r} is a node", place, hint, "wrong-type"))
-            continue
-        try:
-            found[name] = Argument(convert(spec, _written(spec, text, place)), place)
-        except UserError as error:
-            problems += error.problems
-    return found
-
-
 def _declaration(name: str, item: Item, place: Place, what: str) -> Declaration:
     if not isinstance(item.value, dict):
         default = item if item.value is not None else None
@@ -330,12 +304,3 @@ def _inferred(name: str, default: Item) -> Param:
         return Param(name, float, unit=unit or "") if unit or is_number_text(default.value) else Param(name, str)
     kinds = {bool: bool, int: float, float: float, list: list[Any]}  # 1 may become 0.5 with --set
     return Param(name, kinds.get(type(default.value), Any))
-
-
-def _written(spec: Param, text: str, place: Place) -> Item:
-    if spec.type in (str, PerceptName):
-        return Item(text, place)
-    try:
-        return item_of(document.parse(text, str(place)).plain(), place)
-    except UserError:
-        return Item(text, place)

@@ -88,7 +88,7 @@ def test_what_is_run_counts_and_not_what_the_header_names(handless: Workspace) -
     assert not given(handless, text, "humanoid", "ball_on_stand").warnings
     with pytest.raises(UserError, match="the robot 'handless' has none"):
         given(handless, text, "handless", "ball_on_stand")
-    with pytest.raises(UserError, match=r"--robot humanod: no robot named 'humanod'\n.*did you mean 'humanoid'"):
+    with pytest.raises(UserError, match=r"robot=humanod: no robot named 'humanod'\n.*did you mean 'humanoid'"):
         given(handless, text, "humanod", "ball_on_stand")
 
 

@@ -1,0 +1,169 @@
+"""The parts of one run, wired together: begun, ticked, ended."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping
+from contextlib import ExitStack
+
+from humanoid_bt.core.errors import ControlLost
+from humanoid_bt.decision.robot import Robot
+from humanoid_bt.files.workspace import Workspace
+from humanoid_bt.perception.track import Track
+from humanoid_bt.plant.scene import Scene, load_scene
+from humanoid_bt.record.recorder import Recorder
+from humanoid_bt.session.edits import Edits
+from humanoid_bt.session.ending import Ending
+from humanoid_bt.session.interrupt import WholeTick
+from humanoid_bt.session.loader import TreeLoader
+from humanoid_bt.session.loop import Loop
+from humanoid_bt.session.options import RunOptions, make_folder
+from humanoid_bt.session.outcome import End, report_of
+from humanoid_bt.session.pace import Pace
+from humanoid_bt.session.recording import cut_short, open_recorder
+from humanoid_bt.session.reload import Reloader
+from humanoid_bt.session.report import Report
+from humanoid_bt.session.runner import TreeRunner
+from humanoid_bt.session.teller import Listener, Teller
+from humanoid_bt.session.watch import Watch
+from humanoid_bt.session.wiring import new_engine
+from humanoid_bt.tree.engine.executor import Executor
+from humanoid_bt.tree.tree import Tree
+
+
+class Drive:
+    """A tree on a robot in a scene, ready to run once.
+
+    Args:
+        options: what to run.
+        workspace: where names are looked up.
+        listener: who is told what happens.
+
+    Attributes:
+        engine: control, plant and perception.
+        runner: what runs the tree.
+        end: how the run ends, None while it goes on.
+        report: what happened, None until it is closed.
+        begun: whether it was ever begun.
+
+    Raises:
+        UserError: the tree, robot, scene or a skill has mistakes, or a sink cannot be opened.
+        NodeError: a skill raised an exception in ``setup``.
+    """
+
+    def __init__(self, options: RunOptions, workspace: Workspace, listener: Listener) -> None:
+        self._options, self._listener = options, listener
+        loader = TreeLoader(options, workspace)
+        self._watch = Watch(Edits(loader, self._prepare)) if options.watch else None
+        scene = Scene(load_scene(loader.scene), options.seed)
+        if options.sinks.file is not None:
+            make_folder(options.sinks.file)
+        options.sinks.check()
+        self.engine = new_engine(options, loader.robot, scene, loader.first.name)
+        self._teller = Teller(listener, self.engine)
+        self.runner = TreeRunner(self._prepare(loader.first))
+        self._pace = Pace(options.pace)
+        self.loop = Loop(self.engine, self.runner, self._teller, self._pace, options.duration)
+        self._ending = Ending(self.engine, self.runner, self._teller, self._pace)
+        self._stack: ExitStack | None = None
+        self._began_at = 0.0
+        self._tracks: Mapping[str, Track] | None = None
+        self.begun = False
+        self.end: End | None = None
+        self.report: Report | None = None
+
+    def _prepare(self, tree: Tree) -> Executor:
+        """Return what ticks a tree, set up. Edited trees are set up in another thread, while the old one runs."""
+        engine = self.engine
+        robot = Robot(engine.robot.config, engine.clock, engine.supervisor.raise_estop, self._teller.node_tells)
+        executor = Executor(tree, robot, self._teller.node_changed)
+        executor.setup()
+        return executor
+
+    @property
+    def running(self) -> bool:
+        """Whether it can be ticked."""
+        return self._stack is not None and self.end is None
+
+    @property
+    def tracks(self) -> Mapping[str, Track]:
+        """What was seen up to the last tick, by name."""
+        return self.runner.robot.tracks if self._tracks is None else self._tracks
+
+    def start(self) -> None:
+        """Open the recording, start what runs beside the tree.
+
+        Raises:
+            UserError: the recording or the view cannot be opened.
+            HumanoidBtError: control did not come up.
+        """
+        self.begun = True
+        with ExitStack() as stack:
+            if self._options.sinks.active:
+                self._teller.recorder = stack.enter_context(self._open_recorder())
+            stack.callback(self.engine.close)
+            self.engine.start()
+            self._began_at = time.monotonic()
+            self._teller.begin()
+            if self._watch is not None:
+                self.loop.reloader = Reloader(stack.enter_context(self._watch), self.runner, self._teller)
+            self._stack = stack.pop_all()
+
+    def tick(self) -> None:
+        """Tick the tree once; what goes wrong is an end too.
+
+        Raises:
+            KeyboardInterrupt: Ctrl-C; a first one when the tick is over, a second one at once.
+        """
+        with WholeTick():
+            try:
+                self.end = self.loop.tick()
+            except KeyboardInterrupt as interrupt:
+                self.end = self._ending.torn(interrupt)
+                raise
+            except ControlLost as error:
+                self.end = self._ending.lost(error)
+            except Exception as error:
+                self.end = self._ending.bug(error)
+
+    def leave(self, outcome: str, reason: str) -> None:
+        """End the run between two ticks, unless it has ended."""
+        self.end = self.end or self.loop.leave(outcome, reason)
+
+    def close(self) -> None:
+        """Bring the robot to a stand, close the recording, make the report. Twice is once.
+
+        Raises:
+            KeyboardInterrupt: somebody does not wait for the robot to stand; all is closed nevertheless.
+        """
+        stack, self._stack = self._stack, None
+        if stack is None:
+            return
+        before = self._ending.interrupted
+        with stack:
+            self._tracks = dict(self.runner.robot.tracks)
+            moved = self.loop.state is not None
+            self.leave("unfinished", "the session was left while the tree was running")
+            assert self.end is not None
+            self.end = self._ending.bring_to_stand(self.end, moved)
+            wall_time = time.monotonic() - self._began_at
+        now = self.engine.clock.now()
+        if problem := cut_short(self._options.sinks.file):
+            self._listener.event(now, "error", problem)
+        self.report = report_of(
+            self.end,
+            self.runner.tree,
+            self.engine,
+            trace=self._teller.trace,
+            options=self._options,
+            sim_time=now if self._ending.began is None else self._ending.began,
+            wall_time=wall_time,
+        )
+        if self._ending.interrupted is not before:
+            raise KeyboardInterrupt
+
+    def _open_recorder(self) -> Recorder:
+        recorder, live = open_recorder(self._options, self.runner.tree, self.engine, self._listener.event)
+        if self._pace.speed is None and live and self._options.mode == "lockstep":
+            self._pace.speed = 1.0
+        return recorder

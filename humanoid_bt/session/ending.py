@@ -1,0 +1,123 @@
+"""What follows the end of a tree: the robot comes to a stand, whatever happens."""
+
+from __future__ import annotations
+
+import logging
+from contextlib import suppress
+
+from py_trees.common import Status
+
+from humanoid_bt.core.errors import ControlLost, HumanoidBtError
+from humanoid_bt.core.messages import Mode
+from humanoid_bt.session.engine import Engine
+from humanoid_bt.session.outcome import End, failed, internal, where
+from humanoid_bt.session.pace import Pace
+from humanoid_bt.session.runner import SETTLE_TIME, TreeRunner
+from humanoid_bt.session.teller import Teller
+
+_log = logging.getLogger(__name__)
+
+
+class Ending:
+    """Halts the tree and lets control bring the robot to rest, with nothing commanded any more.
+
+    Args:
+        engine: control, plant and perception.
+        runner: what runs the tree.
+        teller: is told what happens.
+        pace: how fast simulated time goes.
+
+    Attributes:
+        began: engine time at which the tree ended [s], None before it.
+        interrupted: what ended it at once, if anybody insisted.
+    """
+
+    def __init__(self, engine: Engine, runner: TreeRunner, teller: Teller, pace: Pace) -> None:
+        self._engine, self._runner, self._teller, self._pace = engine, runner, teller, pace
+        self.began: float | None = None
+        self.interrupted: KeyboardInterrupt | None = None
+        self._final = self._bug = False
+
+    def torn(self, interrupt: KeyboardInterrupt) -> End:
+        """Return the end of a run in whose midst somebody insists on ending it at once: nothing is done any more."""
+        self.interrupted, self._final = interrupt, True
+        return End("interrupted", f"stopped at once{where(interrupt, self._runner.tree)}")
+
+    def lost(self, error: ControlLost) -> End:
+        """Halt the tree: there is no robot any more that could be brought to a stand."""
+        self._final, self.began = True, self._engine.clock.now()
+        self._teller.event("error", str(error))
+        with suppress(HumanoidBtError):  # what ended the run is told, not what came of it
+            self._runner.halt(str(error))
+        return End("error", str(error))
+
+    def bug(self, error: Exception) -> End:
+        """Return the end of a run in which something raised that is no skill."""
+        self._bug = True
+        self._teller.recorder = None  # it may be what failed; it is closed all the same
+        return internal(error)
+
+    def bring_to_stand(self, end: End, moved: bool) -> End:
+        """Halt the tree and let the robot come to rest.
+
+        Args:
+            end: how the run ends.
+            moved: whether the tree was ticked at all.
+
+        Returns:
+            How it ends after all: what goes wrong here is part of it.
+        """
+        if self._final:
+            return end
+        try:
+            return self._settle(end, moved)
+        except KeyboardInterrupt as interrupt:
+            return self.torn(interrupt)
+        except ControlLost as error:
+            if not self._bug:
+                return self.lost(error)
+            self._teller.event("error", str(error))
+        except Exception as error:
+            if not self._bug:
+                return self.bring_to_stand(self.bug(error), moved)
+            _log.exception("the robot could not be brought to a stand")
+        return end
+
+    def _settle(self, end: End, moved: bool) -> End:
+        engine, runner = self._engine, self._runner
+        self.began = now = engine.clock.now()
+        if end.failure:
+            engine.supervisor.request_stop("the tree", end.failure)
+        end = self._halt(end)
+        if end is not runner.ended:
+            self._teller.tree_ended(end.outcome)
+        command = runner.robot.release_all() if moved else None
+        until = now + SETTLE_TIME
+        while command is not None and engine.clock.now() < until:
+            engine.submit(command)
+            engine.advance()
+            state, percepts = engine.sense()
+            self._teller.happened(state.time)
+            command = runner.hold(state, percepts)
+            self._teller.ticked(state, runner)
+            if state.mode is Mode.DAMP and end.outcome not in ("stopped", "error"):
+                end = End("stopped", f"{state.stop_reason} ({state.stop_source}), after the tree had ended")
+            if state.base_settled and state.mode is not Mode.DAMP:
+                break
+            self._pace.keep(engine.clock.now())
+        if timing := engine.timing:
+            late = f"{timing.missed} missed, {timing.late_p99:.0f} us late at the 99th percentile"
+            self._teller.event("info", f"the servo ran {timing.cycles} cycles: {late}")
+        return end
+
+    def _halt(self, end: End) -> End:
+        """Halt the tree if it still runs; one that has ended keeps its result, for those who look at it."""
+        if self._runner.status is not Status.RUNNING:
+            return end
+        try:
+            self._runner.halt("the run ended")
+        except HumanoidBtError as error:
+            if end.outcome == "unfinished":
+                return failed(error)
+            self._teller.event("error", str(error))
+        return end

@@ -1,0 +1,36 @@
+"""Ctrl-C between ticks: one is never torn by it."""
+
+from __future__ import annotations
+
+import signal
+import threading
+from types import FrameType
+
+
+class WholeTick:
+    """Holds Ctrl-C back until what it is entered for is done, and then raises KeyboardInterrupt. A second one is not
+    held back.
+
+    Programs that handle the signal themselves, and threads that do not get it, are left alone. Use it as a context
+    manager.
+    """
+
+    def __enter__(self) -> None:
+        self._noted = False
+        self._ours = (
+            threading.current_thread() is threading.main_thread()
+            and signal.getsignal(signal.SIGINT) is signal.default_int_handler
+        )
+        if self._ours:
+            signal.signal(signal.SIGINT, self._note)
+
+    def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
+        if self._ours:
+            signal.signal(signal.SIGINT, signal.default_int_handler)
+        if self._noted and kind is None:
+            raise KeyboardInterrupt
+
+    def _note(self, _number: int, _frame: FrameType | None) -> None:
+        if self._noted:
+            raise KeyboardInterrupt
+        self._noted = True

@@ -1,0 +1,62 @@
+"""The blackboard of a tree, for the program that runs it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, MutableMapping
+from typing import Any
+
+from humanoid_bt.core.errors import UserError, nearest
+from humanoid_bt.decision.blackboard import Key
+
+
+class UnknownKey(UserError, KeyError):  # noqa: N818 (the name says it)
+    """A tree has no key of this name, or the key has no value."""
+
+    __str__ = Exception.__str__  # a KeyError's is in quotes
+
+
+class Blackboard(MutableMapping[str, Any]):
+    """The keys of a tree by name, those of its sub-trees left aside.
+
+    It holds what has a value. A key that the tree does not have cannot be set.
+
+    Args:
+        keys: the tree's.
+        begun: whether the tree has been ticked; before it, what is set is the value that a key begins with.
+    """
+
+    def __init__(self, keys: Iterable[Key], begun: bool) -> None:
+        self._keys = {key.name: key for key in keys}
+        self._begun = begun
+
+    def __getitem__(self, name: str) -> Any:
+        key = self._key(name)
+        if not key.is_set:
+            hint = f"with a value: {', '.join(self) or 'none'}"
+            raise UnknownKey(f"the key {name!r} has no value yet", hint=hint)
+        return key.value
+
+    def __setitem__(self, name: str, value: Any) -> None:
+        key = self._key(name)
+        key.set(value)
+        if not self._begun:
+            key.initial = value
+
+    def __delitem__(self, name: str) -> None:
+        self._key(name).clear()
+
+    def __iter__(self) -> Iterator[str]:
+        return (name for name, key in self._keys.items() if key.is_set)
+
+    def __len__(self) -> int:
+        return sum(key.is_set for key in self._keys.values())
+
+    def __repr__(self) -> str:
+        values = [f"{name}: {key.value!r}" if key.is_set else f"{name}: (not set)" for name, key in self._keys.items()]
+        return f"{{{', '.join(values)}}}"
+
+    def _key(self, name: str) -> Key:
+        if name not in self._keys:
+            hint = nearest(str(name), self._keys) or "the tree has no keys"
+            raise UnknownKey(f"the tree has no key {name!r}", hint=hint)
+        return self._keys[name]

@@ -1,0 +1,63 @@
+"""Which numbers a run takes: one place for the command line and for Python."""
+
+from __future__ import annotations
+
+import math
+import operator
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+from humanoid_bt.core.errors import UserError
+
+
+@dataclass(frozen=True)
+class Limit:
+    """Which numbers an argument takes.
+
+    Attributes:
+        kind: whole numbers or any.
+        valid: the same in words.
+        holds: whether a number is one of them.
+    """
+
+    kind: type[int] | type[float]
+    valid: str
+    holds: Callable[[float], bool]
+
+    def take(self, value: Any, name: str) -> float:
+        """Return a value as a number.
+
+        Args:
+            value: what was given for the argument.
+            name: the argument's.
+
+        Raises:
+            UserError: it is none that is valid.
+        """
+        number = self._number(value)
+        if number is None or not self.holds(number):
+            raise UserError(f"{name!r} must be {self.valid}, not {value!r}")
+        return number
+
+    def read(self, text: str) -> float:
+        """Return the number that a text holds.
+
+        Raises:
+            ValueError: it holds none that is valid.
+        """
+        return self.take(self.kind(text), "it")
+
+    def _number(self, value: Any) -> float | None:
+        if isinstance(value, (bool, str)):
+            return None
+        try:
+            return operator.index(value) if self.kind is int else float(value)
+        except (TypeError, ValueError):
+            return None
+
+
+DURATION = Limit(float, "a number above 0", lambda value: value > 0)
+POSITIVE = Limit(float, "a number above 0", lambda value: 0 < value < math.inf)
+SEED = Limit(int, "a whole number, 0 or more", lambda value: value >= 0)
+PORT = Limit(int, "a port from 1 to 65534", lambda value: 1 <= value <= 65534)

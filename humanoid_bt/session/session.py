@@ -1,0 +1,317 @@
+"""One tree on one robot: ticked step by step or to its end, with a report of what happened."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable, Mapping
+from contextlib import ExitStack
+from os import PathLike
+from types import TracebackType
+from typing import Any, Literal, Self
+
+import numpy as np
+
+from humanoid_bt.core.errors import HumanoidBtError, UserError
+from humanoid_bt.core.messages import State
+from humanoid_bt.files.workspace import Workspace
+from humanoid_bt.perception.track import Track
+from humanoid_bt.realtime.engine import HOLD_TIME
+from humanoid_bt.session.drive import Drive
+from humanoid_bt.session.engine import Engine
+from humanoid_bt.session.keys import Blackboard
+from humanoid_bt.session.loader import workspace_of
+from humanoid_bt.session.options import Mode, RunOptions
+from humanoid_bt.session.report import Report
+from humanoid_bt.session.teller import Listener, listening
+from humanoid_bt.tree.node import Node
+from humanoid_bt.tree.source.given import given
+from humanoid_bt.tree.tree import Tree
+
+_AT = 1e-9  # s; engine times are sums of floats
+
+
+class Session:
+    """One tree on one robot, ready to run once.
+
+    As a context manager it begins when it is entered. However it is left, the robot is brought to a stand, the
+    recording is whole, and :attr:`report` is there. What a session shows is what its last step saw.
+
+    Args:
+        tree: name or file of a tree, or a tree that was loaded or made in Python and was in no session before.
+        workspace: folder in which names are looked up; else a tree file's own, or the working directory.
+        robot, scene: names or paths; else what the tree says.
+        seed: of everything random.
+        mode: "lockstep": simulated time, all in one process, deterministic. "realtime": the wall clock, with control
+            and perception as processes of their own.
+        duration: longest simulated time [s]; 120 if None, without end with ``watch``.
+        pace: simulated seconds per second; if None 1 where somebody watches, else as fast as it can.
+        hold: in realtime mode, how long control balances the robot when this process has died [s].
+        record: the file of the recording; True for ``runs/TREE-DATE-TIME.rrd``, False for none.
+        view: open the viewer on this machine's display; "auto" if there is one.
+        serve: port of 127.0.0.1 on which a browser finds the viewer.
+        watch: swap the tree for an edited one whenever its files change; goes on when the tree has ended.
+        listener: who is told what happens.
+        parameters: values for the tree's parameters, for names that are those of arguments too.
+        values: values for the tree's parameters: 0.45, or text as after ``--set``, "45 cm".
+
+    Raises:
+        UserError: an argument, the tree, robot, scene or a skill has mistakes, or a sink cannot be opened.
+        NodeError: a skill raised an exception in ``setup``.
+    """
+
+    def __init__(
+        self,
+        tree: str | PathLike[str] | Tree,
+        *,
+        workspace: str | PathLike[str] | Workspace | None = None,
+        robot: str | PathLike[str] | None = None,
+        scene: str | PathLike[str] | None = None,
+        seed: int = 0,
+        mode: Mode = "lockstep",
+        duration: float | None = None,
+        pace: float | None = None,
+        hold: float = HOLD_TIME,
+        record: bool | str | PathLike[str] = False,
+        view: bool | Literal["auto"] = False,
+        serve: int | None = None,
+        watch: bool = False,
+        listener: Listener | None = None,
+        parameters: Mapping[str, Any] | None = None,
+        **values: Any,
+    ) -> None:
+        options = RunOptions.of(
+            tree,
+            parameters=given(parameters, values),
+            arguments=_ARGUMENTS if values else (),
+            robot=robot,
+            scene=scene,
+            seed=seed,
+            mode=mode,
+            duration=duration,
+            pace=pace,
+            hold=hold,
+            record=record,
+            view=view,
+            serve=serve,
+            watch=watch,
+        )
+        who = Listener() if listener is None else listening(listener)
+        self._drive = Drive(options, workspace_of(options.tree, workspace), who)
+        self._interruption = ""
+
+    # ---- running ----------------------------------------------------------------------------------------------------
+
+    def start(self) -> None:
+        """Begin: open the recording, start what runs beside the tree. Entering the session does it.
+
+        Raises:
+            UserError: the recording or the view cannot be opened.
+            HumanoidBtError: it has begun before, or control did not come up.
+        """
+        if self._drive.begun:
+            raise HumanoidBtError(f"the session of {self.tree.name!r} has begun before: it runs once, make a new one")
+        self._drive.start()
+
+    def step(self) -> bool:
+        """Tick the tree once, 20 ms after the last time; return whether it goes on.
+
+        False says that the run ends: :attr:`outcome` says how. An exception in a skill is such an end too, with the
+        outcome "error" and the traceback in the report; it is not raised here. Ctrl-C is raised when the tick is
+        over.
+
+        In realtime mode it waits for the next tick. Who takes longer than 100 ms between two steps leaves the robot
+        without commands, and the supervisor stops it until the next one.
+
+        Raises:
+            HumanoidBtError: the session has not begun, or the run has ended.
+        """
+        if not self._drive.running:
+            raise HumanoidBtError(self._why_no_step())
+        if self._interruption:
+            self._drive.leave("interrupted", self._interruption)
+        else:
+            self._drive.tick()
+        return self._drive.running
+
+    def run_until(self, condition: float | Callable[[Session], object], timeout: float | None = None) -> bool:
+        """Step until something holds or the run ends; return whether it holds.
+
+        Args:
+            condition: an engine time [s], or what is asked after each step and answers whether it holds.
+            timeout: longest time from now [s]; as long as the run goes on if None.
+
+        Raises:
+            UserError: the condition is neither.
+            HumanoidBtError: as :meth:`step`.
+        """
+        holds = self._condition(condition)
+        if timeout is not None and not (isinstance(timeout, (int, float)) and timeout >= 0):
+            raise UserError(f"'timeout' must be a number of seconds, 0 or more, not {timeout!r}")
+        if self._drive.running and self._ticked and holds():
+            return True
+        until = None if timeout is None else self.time + timeout - _AT
+        while until is None or self.time < until:
+            goes_on = self.step()
+            if holds():
+                return True
+            if not goes_on:
+                return False
+        return False
+
+    def _condition(self, condition: float | Callable[[Session], object]) -> Callable[[], bool]:
+        if callable(condition):
+            return lambda: bool(condition(self))
+        if isinstance(condition, (int, float)) and not isinstance(condition, bool):
+            return lambda: self.time >= condition - _AT
+        raise UserError(f"'condition' must be a time [s] or a function of the session, not {condition!r}")
+
+    def run(self) -> Report:
+        """Step to the end, bring the robot to a stand, close the recording; return the report.
+
+        A report comes back whatever the tree does. Ctrl-C brings the robot to a stand too, and is raised after it; a
+        second one ends the run at once.
+
+        Raises:
+            UserError: the recording or the view cannot be opened.
+            KeyboardInterrupt: somebody ended it; :attr:`report` is there all the same.
+        """
+        if not self._drive.begun or self._drive.report is not None:
+            self.start()  # refuses a second time
+        with ExitStack() as leaving:
+            leaving.push(self)
+            while not self.outcome:
+                self.step()
+        return self.report
+
+    def interrupt(self, reason: str) -> None:
+        """End the run instead of the next step, with the outcome "interrupted". From any thread."""
+        self._interruption = self._interruption or reason or "no reason was given"
+
+    def close(self) -> None:
+        """Bring the robot to a stand and close the recording; leaving the session does it. Twice is once."""
+        self._drive.close()
+
+    def __enter__(self) -> Self:
+        self.start()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, _traceback: TracebackType | None
+    ) -> None:
+        if error is not None:
+            reason = "Ctrl-C" if isinstance(error, KeyboardInterrupt) else f"{type(error).__name__}: {error}"
+            self._drive.leave("interrupted", reason)
+        self.close()
+
+    # ---- stopping and disturbing ------------------------------------------------------------------------------------
+
+    def raise_estop(self, reason: str = "raised by the program", *, source: str = "program") -> None:
+        """Raise the emergency stop. From any thread, at any time."""
+        self._drive.engine.supervisor.raise_estop(source, reason)
+
+    def request_reset(self, *, source: str = "program") -> None:
+        """Ask for a reset of a latched stop before the next step; the answer comes as an event. From any thread."""
+        self._drive.engine.request_reset(source)
+
+    def push(self, force: Any, duration: float = 0.1, body: str = "") -> None:
+        """Push the simulated robot from now on, in lockstep.
+
+        Args:
+            force: shape (3,), world frame [N].
+            duration: how long [s].
+            body: the body's name in the robot's model; the torso if "".
+
+        Raises:
+            UserError: there is no such body, the force is none, or the mode is realtime.
+        """
+        try:
+            vector = np.array(force, dtype=float)
+        except (TypeError, ValueError):
+            vector = np.zeros(0)
+        if vector.shape != (3,) or not np.isfinite(vector).all():
+            raise UserError(f"'force' must be three numbers [N], not {force!r}")
+        self._drive.engine.push(body or self._drive.engine.robot.config.torso, vector, float(duration))
+
+    # ---- looking ----------------------------------------------------------------------------------------------------
+
+    @property
+    def tree(self) -> Tree:
+        """The tree."""
+        return self._drive.runner.tree
+
+    @property
+    def time(self) -> float:
+        """Engine time of the last step [s]; 0 before the first."""
+        return self.state.time if self._ticked else 0.0
+
+    @property
+    def state(self) -> State:
+        """The robot's state at the last step.
+
+        Raises:
+            HumanoidBtError: there was none yet.
+        """
+        if (state := self._drive.loop.state) is None:
+            raise HumanoidBtError("the robot's state is there after the first step()")
+        return state
+
+    @property
+    def percepts(self) -> Mapping[str, Track]:
+        """What has been seen so far by name, as skills see it: where it is, how old, how sure."""
+        return self._drive.tracks
+
+    @property
+    def blackboard(self) -> Blackboard:
+        """The tree's keys, to be read and set."""
+        return Blackboard(self.tree.keys, self._ticked)
+
+    def node(self, path: str) -> Node:
+        """Return a node of the tree, with its status and feedback, by its path or the end of it."""
+        return self.tree.node(path)
+
+    @property
+    def outcome(self) -> str:
+        """How the run ended, as in the report; "" while it goes on."""
+        return self._drive.end.outcome if self._drive.end else ""
+
+    @property
+    def report(self) -> Report:
+        """What happened.
+
+        Raises:
+            HumanoidBtError: the session has not been left yet.
+        """
+        if self._drive.report is None:
+            raise HumanoidBtError("the report is there after run(), or when the session has been left")
+        return self._drive.report
+
+    @property
+    def robot_name(self) -> str:
+        """The robot's name."""
+        return self.engine.robot.config.name
+
+    @property
+    def scene_name(self) -> str:
+        """The scene's name."""
+        return self.engine.scene.config.name
+
+    @property
+    def engine(self) -> Engine:
+        """Control, plant and perception, for those who measure them; what is in it may change."""
+        return self._drive.engine
+
+    @property
+    def _ticked(self) -> bool:
+        return self._drive.loop.state is not None
+
+    def __repr__(self) -> str:
+        now = self.outcome or ("running" if self._drive.running else "not begun")
+        return f"<Session of {self.tree.name!r}: {now}, {self.time:.2f} s>"
+
+    def _why_no_step(self) -> str:
+        if self.outcome:
+            return f"the run of {self.tree.name!r} has ended ({self.outcome}): a new Session runs it again"
+        return "the session has not begun: use it as 'with session:', or call start()"
+
+
+_ARGUMENTS = tuple(inspect.signature(Session).parameters)[1:-1]

@@ -1,0 +1,122 @@
+"""Values for a tree's parameters that come from outside of files: from a command line, or from Python."""
+
+from __future__ import annotations
+
+import difflib
+import textwrap
+from collections.abc import Collection, Mapping
+from dataclasses import replace
+from typing import Any
+
+from humanoid_bt.core.errors import Place, Problem, UserError, nearest
+from humanoid_bt.core.items import Item, item_of
+from humanoid_bt.core.params import Param, PerceptName
+from humanoid_bt.core.reading import convert
+from humanoid_bt.core.units import base_unit
+from humanoid_bt.files import document
+from humanoid_bt.tree.source.parameters import Argument, Declaration, NodeItem
+
+_SHOWN = 60  # characters of a value, in messages
+
+
+def given(parameters: Mapping[str, Any] | None, values: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the values of parameters that were given in a mapping and as keyword arguments.
+
+    Raises:
+        UserError: one is given in both, or what should be a mapping is none.
+    """
+    if parameters is None:
+        return dict(values)
+    if not isinstance(parameters, Mapping) or not all(isinstance(name, str) for name in parameters):
+        raise UserError(f"'parameters' must be a mapping of names to values, not {parameters!r}")
+    if both := [name for name in parameters if name in values]:
+        raise UserError(f"the parameter {both[0]!r} is given twice", hint="by itself, or in 'parameters'")
+    return {**parameters, **values}
+
+
+def overrides(
+    declared: Mapping[str, Declaration],
+    values: Mapping[str, Any],
+    problems: list[Problem],
+    arguments: Collection[str] = (),
+) -> dict[str, Argument]:
+    """Return the parameters that were given from outside.
+
+    Args:
+        declared: what the tree declares.
+        values: plain values, or text as after ``--set``, by name.
+        problems: takes every mistake.
+        arguments: what else could have been given beside the parameters.
+    """
+    found: dict[str, Argument] = {}
+    for name, value in values.items():
+        place = Place(textwrap.shorten(f"{name}={value}", _SHOWN))
+        if name not in declared:
+            hint = _meant(name, declared, arguments)
+            problems.append(Problem(f"the tree has no parameter {name!r}", place, hint, "unknown-parameter"))
+            continue
+        spec = declared[name].spec
+        if spec.type is float and not spec.unit and isinstance(value, str):
+            spec = replace(spec, unit=base_unit(value) or "")
+        if spec.type is NodeItem:
+            hint = "only a tree that uses this one can give it"
+            problems.append(Problem(f"the parameter {name!r} is a node", place, hint, "wrong-type"))
+            continue
+        try:
+            found[name] = Argument(convert(spec, _item(spec, value, place)), place)
+        except UserError as error:
+            problems += error.problems
+    return found
+
+
+def _meant(name: str, declared: Collection[str], arguments: Collection[str]) -> str:
+    """Return a hint: what a name that is no parameter's most likely means."""
+    close = difflib.get_close_matches(name, [*declared, *arguments], n=1)
+    if close and close[0] in arguments:
+        return f"did you mean the argument {close[0]!r}?"
+    return nearest(name, declared) or "the tree declares no parameters"
+
+
+def _item(spec: Param, value: Any, place: Place) -> Item:
+    """Return a value that was given from outside, text read as YAML.
+
+    Raises:
+        UserError: no file could hold the value.
+    """
+    return _written(spec, value, place) if isinstance(value, str) else plain_item(spec.name, value, place)
+
+
+def plain_item(name: str, value: Any, place: Place) -> Item:
+    """Return a plain Python value as a file would hold it.
+
+    Args:
+        name: of what it is given for.
+        value: a number, text, a boolean, or a list or mapping of them; numpy's are taken too.
+        place: where it is given.
+
+    Raises:
+        UserError: no file could hold the value.
+    """
+    return item_of(_plain(name, value, place), place)
+
+
+def _plain(name: str, value: Any, place: Place) -> Any:
+    if hasattr(value, "tolist"):  # numpy's numbers and arrays
+        value = value.tolist()
+    if isinstance(value, Mapping):
+        return {key: _plain(name, part, place) for key, part in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_plain(name, part, place) for part in value]
+    if value is None or isinstance(value, (bool, int, float, str)):
+        return value
+    hint = "a number, text, a boolean, or a list or mapping of them"
+    raise UserError(f"{name!r} cannot be {value!r}", place, f"valid: {hint}", "wrong-type")
+
+
+def _written(spec: Param, text: str, place: Place) -> Item:
+    if spec.type in (str, PerceptName):
+        return Item(text, place)
+    try:
+        return item_of(document.parse(text, str(place)).plain(), place)
+    except UserError:
+        return Item(text, place)

@@ -1,0 +1,430 @@
+"""A session as programs use it: stepped, watched, set, stopped, left."""
+
+from __future__ import annotations
+
+import math
+import signal
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+import rerun as rr
+from py_trees.common import Status
+
+import humanoid_bt as hbt
+from humanoid_bt.session.interrupt import WholeTick
+
+COUNT = """\
+format: 1
+blackboard: {n: 0, last: 100}
+root:
+  while:
+    condition: n < last
+    sequence:
+      - set_blackboard: {key: n, expression: n + 1}
+      - set_blackboard: {key: found, value: cup}
+      - wait: 100 ms
+"""
+SEES = "format: 1\nscene: ball_on_stand\nroot: {emergency_stop: walk}\n"
+SET = "format: 1\nparameters: {seed: 1, duration: 2 s}\nroot: {sequence: [{condition: seed == 5}, {wait: $duration}]}\n"
+
+
+@pytest.fixture(autouse=True)
+def in_project(project: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(project)
+    for name, text in {"count": COUNT, "sees": SEES, "set": SET}.items():
+        (project / "trees" / f"{name}.yaml").write_text(text, encoding="utf-8")
+
+
+# ---- stepping ------------------------------------------------------------------------------------------------------
+
+
+def test_steps_make_the_same_run(tmp_path: Path) -> None:
+    whole = hbt.run("walk", duration=0.4)
+    with hbt.Session("walk", duration=0.4) as session:
+        steps = 0
+        while session.step():
+            steps += 1
+            assert session.time == pytest.approx(0.02 * (steps - 1))
+            assert session.outcome == ""
+    assert steps == 20
+    assert session.outcome == session.report.outcome == "unfinished"
+    assert session.report.trace_hash == whole.trace_hash
+
+
+def test_what_it_shows_is_what_the_last_step_saw() -> None:
+    with hbt.Session("sees") as session:
+        assert (session.time, dict(session.percepts)) == (0.0, {})
+        assert session.run_until(0.5)
+        assert session.state.time == session.time == pytest.approx(0.5)
+        target = session.percepts["target"]
+        assert (target.distance, target.confidence) == (pytest.approx(1.95, abs=0.05), pytest.approx(0.9, abs=0.1))
+        assert "1.9" in repr(target)
+        walk = session.node("walk")
+        assert (walk.status, walk.feedback) == (Status.RUNNING, "walking")
+        assert session.node("sees/emergency_stop").path == "sees/emergency_stop"
+        before = session.state
+    assert session.state is before
+    assert session.percepts["target"].age == target.age
+
+
+def test_it_runs_until_something_holds_or_time_is_up_or_it_ends() -> None:
+    with hbt.Session("wait") as session:
+        assert session.run_until(lambda s: s.node("pause").status is Status.RUNNING)
+        assert session.time == 0.0
+        assert session.run_until(0.0)
+        assert session.time == 0.0
+        assert not session.run_until(lambda s: False, timeout=0.1)
+        assert session.time == pytest.approx(0.1)
+        assert not session.run_until(5.0)
+        assert session.outcome == "success"
+
+
+def test_run_goes_on_where_steps_have_led() -> None:
+    with hbt.Session("wait") as session:
+        session.run_until(0.1)
+        report = session.run()
+        assert report is session.report
+    assert (report.outcome, report.sim_time) == ("success", 0.2)
+
+
+def test_the_blackboard_is_read_and_set() -> None:
+    with hbt.Session("count") as session:
+        board = session.blackboard
+        assert dict(board) == {"n": 0, "last": 100}
+        assert repr(board) == "{n: 0.0, last: 100.0, found: (not set)}"
+        assert "found" not in board and board.get("found") is None
+        board["last"] = 50
+        session.step()
+        assert session.blackboard["last"] == 50
+        assert session.blackboard["found"] == "cup"
+        session.blackboard["last"] = 2
+        del session.blackboard["found"]
+        assert session.run().outcome == "success"
+    assert session.blackboard["n"] == 2
+
+
+def test_a_push_moves_it_and_is_told() -> None:
+    def sway(force: float) -> tuple[float, float]:
+        with hbt.Session("wait") as session:
+            session.step()
+            session.push((0.0, force, 0.0), duration=0.1)
+            session.run()
+        return abs(session.engine.sense()[0].base_position[1]), session.report.external_force_max
+
+    assert sway(60.0)[0] > sway(0.0)[0] + 1e-4
+    assert sway(60.0)[1] == 60.0
+
+
+def test_a_stop_is_raised() -> None:
+    with hbt.Session("walk", duration=3.0) as session:
+        session.run_until(0.5)
+        session.raise_estop("too near")
+        session.step()
+        assert (session.state.mode, session.state.stop_source) == (hbt.Mode.EMERGENCY_STOP, "program")
+    (stop,) = session.report.stops
+    assert (stop["time"], stop["reason"], session.outcome) == (pytest.approx(0.5), "too near", "stopped")
+
+
+def test_a_reset_lets_a_patient_tree_go_on(project: Path) -> None:
+    patient = "format: 1\nroot: {emergency_stop: {wait_for_reset: true, pause: }}\n"
+    (project / "trees" / "patient.yaml").write_text(patient, encoding="utf-8")
+    with hbt.Session("patient") as session:
+        session.raise_estop(source="button")
+        assert session.run_until(lambda s: s.state.mode is hbt.Mode.EMERGENCY_STOP)
+        session.run_until(session.time + 0.1)
+        session.request_reset(source="key")
+        assert session.run().outcome == "success"
+
+
+# ---- leaving -------------------------------------------------------------------------------------------------------
+
+
+def last_time(recording: Path) -> float:
+    """Return the last time [s] in a recording."""
+    assert subprocess.run([*VERIFY, str(recording)], check=False, capture_output=True).returncode == 0
+    times = [0.0]
+    for chunk in rr.chunk.RrdReader(recording).stream():
+        batch = chunk.to_record_batch()
+        if "sim_time" in batch.schema.names:
+            times += [time.total_seconds() for time in batch.column("sim_time").to_pylist()]
+    return max(times)
+
+
+VERIFY = [str(Path(sys.executable).parent / "rerun"), "rrd", "verify"]
+
+
+@pytest.mark.parametrize(
+    ("error", "reason"), [(None, "the session was left"), (ZeroDivisionError("oh"), "ZeroDivisionError: oh")]
+)
+def test_leaving_brings_the_robot_to_a_stand(tmp_path: Path, error: Exception | None, reason: str) -> None:
+    recording = tmp_path / "walk.rrd"
+    session = hbt.Session("walk", record=recording)
+    try:
+        with session:
+            session.run_until(1.0)
+            if error:
+                raise error
+    except ZeroDivisionError as raised:
+        assert raised is error
+    report = session.report
+    assert report.outcome == ("interrupted" if error else "unfinished")
+    assert report.reason.startswith(reason)
+    assert (report.sim_time, report.stops) == (1.0, [])
+    assert session.engine.sense()[0].base_settled
+    assert last_time(recording) > 1.1
+
+
+def test_a_session_that_was_never_stepped_is_closed_too(tmp_path: Path) -> None:
+    with hbt.Session("walk", record=str(tmp_path / "walk.rrd")) as session:
+        pass
+    assert (session.report.outcome, session.report.sim_time) == ("unfinished", 0.0)
+    assert last_time(tmp_path / "walk.rrd") == 0.0
+
+
+def test_an_exception_in_a_skill_is_an_end_and_not_raised() -> None:
+    with hbt.Session("raise") as session:
+        while session.step():
+            pass
+        assert (session.outcome, session.time) == ("error", pytest.approx(1.0))
+    assert "KeyError: 'missing'" in session.report.traceback
+    assert [stop["mode"] for stop in session.report.stops] == ["protective_stop"]
+
+
+def test_it_is_interrupted_from_elsewhere() -> None:
+    with hbt.Session("walk") as session:
+        session.run_until(0.1)
+        session.interrupt("the door opened")
+        assert not session.step()
+    report = session.report
+    assert (report.outcome, report.reason, report.sim_time) == ("interrupted", "the door opened", 0.1)
+
+
+def test_a_recording_is_made_only_if_asked_for(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, project: Path) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert hbt.run("wait", workspace=str(project)).recording is None
+    assert list(tmp_path.iterdir()) == []
+    recording = hbt.run("wait", workspace=project, record=True).recording
+    assert recording is not None and recording.startswith("runs/wait-")
+    assert Path(recording).is_file()
+
+
+# ---- Ctrl-C --------------------------------------------------------------------------------------------------------
+
+
+def test_ctrl_c_in_a_tick_is_raised_when_the_tick_is_over() -> None:
+    done = []
+    with pytest.raises(KeyboardInterrupt), WholeTick():
+        signal.raise_signal(signal.SIGINT)
+        done.append("the rest")
+    assert done == ["the rest"]
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+
+
+def test_a_second_ctrl_c_does_not_wait() -> None:
+    with pytest.raises(KeyboardInterrupt), WholeTick():
+        signal.raise_signal(signal.SIGINT)
+        signal.raise_signal(signal.SIGINT)
+        raise AssertionError("it waited")
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+
+
+def test_programs_that_handle_ctrl_c_are_left_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    noted: list[int] = []
+    before = signal.signal(signal.SIGINT, lambda number, _: noted.append(number))
+    try:
+        with WholeTick():
+            signal.raise_signal(signal.SIGINT)
+    finally:
+        signal.signal(signal.SIGINT, before)
+    assert noted == [signal.SIGINT]
+
+
+CTRL_C = """
+import os, signal
+import humanoid_bt as hbt
+
+class Press(hbt.Listener):
+    ticks = 0
+    def progress(self, time, running):
+        self.ticks += 1
+        if self.ticks == 30:
+            os.kill(os.getpid(), signal.SIGINT)
+
+session = hbt.Session("walk", record="ctrl-c.rrd", listener=Press())
+try:
+    session.run()
+except KeyboardInterrupt:
+    report, state = session.report, session.engine.sense()[0]
+    print(report.outcome, report.reason, report.sim_time, state.base_settled, report.stops)
+for seed in range(100):
+    hbt.run("walk", seed=seed, listener=Press())
+"""
+
+
+def test_ctrl_c_ends_a_program_with_the_robot_standing(tmp_path: Path, project: Path) -> None:
+    script = tmp_path / "script.py"
+    script.write_text(CTRL_C, encoding="utf-8")
+    done = subprocess.run([sys.executable, str(script)], cwd=project, check=False, capture_output=True, text=True)
+    assert done.stdout == "interrupted Ctrl-C 0.58 True []\n"
+    assert done.returncode in (130, -signal.SIGINT)
+    assert last_time(project / "ctrl-c.rrd") > 0.6
+
+
+# ---- mistakes ------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"mode": "fast"}, "'mode' cannot be 'fast'\n    valid: lockstep, realtime"),
+        ({"duration": -1}, "'duration' must be a number above 0, not -1"),
+        ({"duration": math.nan}, "'duration' must be a number above 0, not nan"),
+        ({"duration": "3"}, "'duration' must be a number above 0, not '3'"),
+        ({"seed": 0.5}, "'seed' must be a whole number, 0 or more, not 0.5"),
+        ({"seed": None}, "'seed' must be a whole number, 0 or more, not None"),
+        ({"pace": 0}, "'pace' must be a number above 0, not 0"),
+        ({"pace": 1, "mode": "realtime"}, "'pace' does not go with the mode realtime"),
+        ({"hold": math.inf}, "'hold' must be a number above 0, not inf"),
+        ({"serve": True}, "'serve' must be a port from 1 to 65534, not True"),
+        ({"view": "yes"}, "'view' cannot be 'yes'\n    valid: False, True, auto"),
+        ({"watch": 1}, "'watch' cannot be 1"),
+        ({"record": 3}, "'record' must be a file, True or False, not 3"),
+        ({"record": ""}, "'record' must be a file, True or False, not ''"),
+        ({"scene": 3}, "'scene' must be the name or the path of a scene, not 3"),
+        ({"workspace": 3}, "a workspace is a folder, not 3"),
+        ({"listener": print}, "'listener' has no node_changed(), event(), progress(), show()"),
+        ({"parameters": ["x"]}, "'parameters' must be a mapping of names to values"),
+        ({"sede": 3}, "sede=3: the tree has no parameter 'sede'\n    did you mean the argument 'seed'?"),
+        ({"near": 0.42}, "near=0.42: the tree has no parameter 'near'\n    the tree declares no parameters"),
+    ],
+)
+def test_a_wrong_argument_is_one_clear_message(arguments: dict[str, Any], message: str) -> None:
+    with pytest.raises(hbt.UserError) as raised:
+        hbt.run("walk", **arguments)
+    assert message in str(raised.value)
+    assert str(raised.value).count("\n") <= 1
+
+
+def test_every_wrong_argument_is_told() -> None:
+    with pytest.raises(hbt.UserError) as raised:
+        hbt.Session(3, seed=-1, duration=0, record=0)  # type: ignore[arg-type]
+    assert len(raised.value.problems) == 4
+
+
+def test_values_are_plain_or_text_and_may_be_called_like_arguments() -> None:
+    report = hbt.run("set", seed=3, parameters={"seed": 5, "duration": "40 ms"})
+    assert (report.outcome, report.seed, report.parameters) == ("success", 3, {"seed": 5.0, "duration": 0.04})
+    with pytest.raises(hbt.UserError, match="is given twice"):
+        hbt.run("fetch", parameters={"target": "a"}, target="b")
+    with pytest.raises(hbt.UserError, match=r"duration=\[1\]: 'duration' must be a number, not a list"):
+        hbt.run("set", parameters={"duration": [1]})
+    with pytest.raises(hbt.UserError, match="'duration' cannot be <object"):
+        hbt.run("set", parameters={"duration": object()})
+
+
+def use(*calls: Callable[[hbt.Session], object]) -> Callable[[hbt.Session], object]:
+    return lambda session: [call(session) for call in calls][-1]
+
+
+@pytest.mark.parametrize(
+    ("misuse", "message"),
+    [
+        (lambda s: s.step(), "the session has not begun: use it as 'with session:', or call start()"),
+        (lambda s: s.run_until(1.0), "the session has not begun"),
+        (lambda s: s.state, "the robot's state is there after the first step()"),
+        (lambda s: s.report, "the report is there after run()"),
+        (use(lambda s: s.run(), lambda s: s.step()), "has ended (success): a new Session runs it again"),
+        (use(lambda s: s.run(), lambda s: s.run()), "has begun before: it runs once, make a new one"),
+        (use(lambda s: s.start(), lambda s: s.__enter__()), "has begun before"),
+        (lambda s: s.run_until("soon"), "'condition' must be a time [s] or a function of the session, not 'soon'"),
+        (lambda s: s.run_until(True), "'condition' must be a time"),
+        (lambda s: s.run_until(1.0, timeout=-1), "'timeout' must be a number of seconds, 0 or more, not -1"),
+        (lambda s: s.node("paus"), "has no node 'paus'\n    did you mean 'pause'?"),
+        (lambda s: s.blackboard["n"], "the tree has no key 'n'\n    the tree has no keys"),
+        (lambda s: s.push("hard"), "'force' must be three numbers [N], not 'hard'"),
+        (lambda s: s.push((0, 1, 0), body="arm"), "there is no body 'arm' to push"),
+    ],
+)
+def test_misuse_is_one_clear_message(misuse: Callable[[hbt.Session], object], message: str) -> None:
+    session = hbt.Session("wait")
+    try:
+        with pytest.raises(hbt.HumanoidBtError) as raised:
+            misuse(session)
+        assert message in str(raised.value)
+    finally:
+        session.close()
+
+
+def test_an_unknown_key_is_told_with_the_nearest() -> None:
+    board = hbt.Session("count").blackboard
+    with pytest.raises(KeyError, match="did you mean 'found'"):
+        board["foud"] = 3
+    with pytest.raises(KeyError, match="the key 'found' has no value yet"):
+        board["found"]
+
+
+def test_two_nodes_of_one_name_are_told_apart_by_their_paths(project: Path) -> None:
+    (project / "trees" / "two.yaml").write_text("format: 1\nroot: {sequence: [pause, {repeat: {times: 2, pause: }}]}\n")
+    tree = hbt.load("two")
+    assert tree.node("repeat/pause") is tree.nodes[-1]
+    with pytest.raises(hbt.UserError, match="2 nodes of the tree 'two' have paths that end with 'pause'"):
+        tree.node("pause")
+
+
+# ---- trees that are loaded already ---------------------------------------------------------------------------------
+
+
+def test_a_loaded_tree_runs_once_where_it_is_from(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, project: Path
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    tree = hbt.load(project / "trees" / "wait.yaml")
+    assert repr(tree) == f"<Tree 'wait': 2 nodes, {project / 'trees' / 'wait.yaml'}>"
+    assert hbt.run(tree).outcome == "success"
+    with pytest.raises(hbt.UserError, match="was in a session before, and its nodes remember"):
+        hbt.run(tree)
+
+
+def test_a_loaded_tree_takes_no_parameters_and_is_not_watched() -> None:
+    tree = hbt.load("fetch", reach_distance="45 cm")
+    assert tree.parameters["reach_distance"] == 0.45
+    with pytest.raises(hbt.UserError, match="is loaded already") as raised:
+        hbt.run(tree, reach_distance=0.4, watch=True)
+    assert "load('" in raised.value.problems[0].hint and "reach_distance=0.4)" in raised.value.problems[0].hint
+    assert "'watch' needs the file of a tree" in raised.value.problems[1].message
+
+
+# ---- reports -------------------------------------------------------------------------------------------------------
+
+
+def test_a_report_is_a_few_lines_and_a_table_in_a_notebook() -> None:
+    report = hbt.run("give_up")
+    lines = repr(report).splitlines()
+    assert lines[:2] == ["give_up on humanoid in empty, seed 0", "failure: give_up: the thing is not there"]
+    assert len(lines) < 10
+    assert report._repr_html_().startswith("<table><caption>give_up on humanoid in empty, seed 0</caption><tr>")
+    assert "<tr><th>stops</th><td>none</td></tr>" in report._repr_html_()
+
+
+def test_what_a_table_shows_is_escaped(project: Path) -> None:
+    (project / "trees" / "odd.yaml").write_text('format: 1\nname: "<b>"\nroot: {wait: 20 ms}\n', encoding="utf-8")
+    assert "&lt;b&gt; on humanoid" in hbt.run("odd")._repr_html_()
+
+
+@pytest.mark.realtime
+def test_realtime_is_stepped_in_the_same_way(tmp_path: Path) -> None:
+    with hbt.Session("walk", mode="realtime", duration=5.0, record=tmp_path / "walk.rrd") as session:
+        assert session.run_until(0.4)
+        assert session.time >= 0.4
+        assert session.node("walk").status is Status.RUNNING
+        with pytest.raises(hbt.UserError, match="cannot be pushed in realtime mode"):
+            session.push((0, 1, 0))
+        session.raise_estop("enough")
+        assert session.run_until(lambda s: s.state.mode is hbt.Mode.EMERGENCY_STOP, timeout=2.0)
+    assert session.report.outcome == "stopped"
+    assert [stop["reason"] for stop in session.report.stops] == ["enough"]
+    assert last_time(tmp_path / "walk.rrd") > 0.4
