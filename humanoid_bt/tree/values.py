@@ -9,7 +9,7 @@ from typing import Any
 from humanoid_bt.blackboard import Key, are_keys
 from humanoid_bt.document import Item
 from humanoid_bt.errors import Problem, UserError, nearest
-from humanoid_bt.params import Param, PerceptName, read_values
+from humanoid_bt.params import Param, read_values
 from humanoid_bt.tree import elsewhere
 from humanoid_bt.tree.draft import Draft
 from humanoid_bt.tree.expressions.expression import Expression
@@ -17,6 +17,7 @@ from humanoid_bt.tree.expressions.quantities import ANYTHING, Type, type_of
 from humanoid_bt.tree.expressions.template import Template, expressions_of
 from humanoid_bt.tree.file import check_name
 from humanoid_bt.tree.parameters import Parameter, reference
+from humanoid_bt.tree.registry import names_percepts
 from humanoid_bt.tree.scope import Scope
 
 
@@ -120,7 +121,7 @@ class ValueReader:
     def _dynamic(self, draft: Draft, spec: Param, item: Item, parameter: Parameter | None) -> None:
         """Let a parameter be read from the blackboard each time the node starts."""
         name = item.value[1:]
-        if draft.type.dynamic and spec.type not in (PerceptName, Key):
+        if draft.type.dynamic and spec.type is not Key and not names_percepts(spec.type):
             draft.values[spec.name] = self._scope.read(name, item.place, spec) if parameter is None else parameter.value
             return
         draft.sound = False
