@@ -84,7 +84,7 @@ class NodeType:
         if self.kind == "subtree":
             return found  # the nodes in it tell
         for name, spec in self.params.items():
-            if _names_percepts(spec.type):
+            if names_percepts(spec.type):
                 value = values.get(name, None if spec.required else spec.default)
                 found[name] = [value] if isinstance(value, str) else list(value or ())
             elif isinstance(value := values.get(name), Expression):
@@ -97,9 +97,10 @@ def placeholder(name: str, doc: str) -> NodeType:
     return NodeType(name, "subtree", Dummy, doc, {})
 
 
-def _names_percepts(kind: Any) -> bool:
+def names_percepts(kind: Any) -> bool:
+    """Return whether values of a parameter's type are names of percepts, or hold some."""
     if kind is PerceptName:
         return True
     inner = typing.get_args(kind)
     containers = (typing.Union, types.UnionType, list, tuple)
-    return typing.get_origin(kind) in containers and any(map(_names_percepts, inner))
+    return typing.get_origin(kind) in containers and any(map(names_percepts, inner))

@@ -83,10 +83,24 @@ def test_what_nothing_writes_is_refused(workspace: Workspace) -> None:
         load(workspace, "blackboard: {x: {type: number}}\nroot: {condition: x == 1}")
 
 
+WINK = """
+from humanoid_bt.core.params import param
+from humanoid_bt.decision.skill import PerceptName, Skill
+
+class Wink(Skill):
+    target: PerceptName | None = param(None, doc="At whom.")
+    others: list[PerceptName] = param([], doc="At whom else.")
+    def update(self):
+        return self.succeed("")
+"""
+
+
 @shows("key-static")
-def test_what_the_checks_must_know_is_no_key(workspace: Workspace) -> None:
-    keyed = "sequence: [{set_blackboard: {key: n, value: a}}, {reach: {target: $n}}]"
-    with pytest.raises(UserError, match="'target' of 'reach' must be known before the run"):
+@pytest.mark.parametrize(("skill", "parameter"), [("reach", "target"), ("wink", "target"), ("wink", "others")])
+def test_what_the_checks_must_know_is_no_key(workspace: Workspace, skill: str, parameter: str) -> None:
+    (workspace.root / "skills" / "wink.py").write_text(WINK, encoding="utf-8")
+    keyed = f"sequence: [{{set_blackboard: {{key: n, value: a}}}}, {{{skill}: {{{parameter}: $n}}}}]"
+    with pytest.raises(UserError, match=f"'{parameter}' of '{skill}' must be known before the run"):
         run(workspace, f"{{emergency_stop: {{{keyed}}}}}")
 
 

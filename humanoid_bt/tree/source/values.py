@@ -8,13 +8,14 @@ from typing import Any
 
 from humanoid_bt.core.errors import Problem, UserError, nearest
 from humanoid_bt.core.items import Item
-from humanoid_bt.core.params import Param, PerceptName
+from humanoid_bt.core.params import Param
 from humanoid_bt.core.reading import read_values
 from humanoid_bt.decision.blackboard import Key, are_keys
 from humanoid_bt.tree.draft import Draft
 from humanoid_bt.tree.expressions.expression import Expression
 from humanoid_bt.tree.expressions.quantities import ANYTHING, Type, type_of
 from humanoid_bt.tree.expressions.template import Template, expressions_of
+from humanoid_bt.tree.node_type import names_percepts
 from humanoid_bt.tree.nodes import elsewhere
 from humanoid_bt.tree.source.file import check_name
 from humanoid_bt.tree.source.parameters import Parameter, reference
@@ -121,7 +122,7 @@ class ValueReader:
     def _dynamic(self, draft: Draft, spec: Param, item: Item, parameter: Parameter | None) -> None:
         """Let a parameter be read from the blackboard each time the node starts."""
         name = item.value[1:]
-        if draft.type.dynamic and spec.type not in (PerceptName, Key):
+        if draft.type.dynamic and spec.type is not Key and not names_percepts(spec.type):
             draft.values[spec.name] = self._scope.read(name, item.place, spec) if parameter is None else parameter.value
             return
         draft.sound = False
