@@ -32,7 +32,8 @@ class Workspace:
 
     def __init__(self, root: str | PathLike[str] | None = None) -> None:
         if root is not None and not isinstance(root, (str, PathLike)):
-            raise UserError(f"a workspace is a folder, not {root!r}", hint="valid: its path, as text or a Path")
+            message, hint = f"a workspace is a folder, not {root!r}", "valid: its path, as text or a Path"
+            raise UserError(message, hint=hint, code="wrong-type")
         self.root = Path(root or Path.cwd()).resolve()
         if not self.root.is_dir():
             raise UserError(f"the workspace {relative(self.root)!r} is not a folder", code="no-file")

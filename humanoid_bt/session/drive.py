@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Mapping
-from contextlib import ExitStack
+from contextlib import ExitStack, nullcontext
 
 from humanoid_bt.core.errors import ControlLost
 from humanoid_bt.decision.robot import Robot
@@ -139,13 +139,12 @@ class Drive:
         stack, self._stack = self._stack, None
         if stack is None:
             return
-        before = self._ending.interrupted
         with stack:
             self._tracks = dict(self.runner.robot.tracks)
             moved = self.loop.state is not None
             self.leave("unfinished", "the session was left while the tree was running")
             assert self.end is not None
-            self.end = self._ending.bring_to_stand(self.end, moved)
+            insists = self._stand(self.end, moved)
             wall_time = time.monotonic() - self._began_at
         now = self.engine.clock.now()
         if problem := cut_short(self._options.sinks.file):
@@ -159,8 +158,18 @@ class Drive:
             sim_time=now if self._ending.began is None else self._ending.began,
             wall_time=wall_time,
         )
-        if self._ending.interrupted is not before:
+        if insists:
             raise KeyboardInterrupt
+
+    def _stand(self, end: End, moved: bool) -> bool:
+        """Bring the robot to a stand; return whether somebody pressed Ctrl-C meanwhile. A first one waits for it."""
+        before = self._ending.interrupted
+        try:
+            with nullcontext() if end.outcome == "interrupted" else WholeTick():
+                self.end = self._ending.bring_to_stand(end, moved)
+        except KeyboardInterrupt:
+            return True
+        return self._ending.interrupted is not before
 
     def _open_recorder(self) -> Recorder:
         recorder, live = open_recorder(self._options, self.runner.tree, self.engine, self._listener.event)

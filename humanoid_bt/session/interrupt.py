@@ -8,8 +8,9 @@ from types import FrameType
 
 
 class WholeTick:
-    """Holds Ctrl-C back until what it is entered for is done, and then raises KeyboardInterrupt. A second one is not
-    held back.
+    """Holds Ctrl-C back until what it is entered for is done, and then raises KeyboardInterrupt.
+
+    A second one is not held back.
 
     Programs that handle the signal themselves, and threads that do not get it, are left alone. Use it as a context
     manager.

@@ -71,9 +71,10 @@ class Tree:
             return (exact or found)[0]
         if found:
             message = f"{len(found)} nodes of the tree {self.name!r} have paths that end with {path!r}"
-            raise UserError(message, hint=f"valid: {', '.join(node.path for node in found)}")
+            raise UserError(message, hint=f"valid: {', '.join(node.path for node in found)}", code="no-file")
         names = [node.path.rsplit("/", 1)[-1] for node in self.nodes]
-        raise UserError(f"the tree {self.name!r} has no node {path!r}", hint=nearest(path.rsplit("/", 1)[-1], names))
+        message, hint = f"the tree {self.name!r} has no node {path!r}", nearest(path.rsplit("/", 1)[-1], names)
+        raise UserError(message, hint=hint, code="unknown-reference")
 
     def to_yaml(self) -> str:
         """Return the text of a file that loads to the same tree; sub-trees stay in their own files.

@@ -274,6 +274,31 @@ def test_ctrl_c_ends_a_program_with_the_robot_standing(tmp_path: Path, project: 
     assert last_time(project / "ctrl-c.rrd") > 0.6
 
 
+def test_ctrl_c_while_the_robot_comes_to_a_stand_waits_for_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    session = hbt.Session("walk", duration=0.5)
+    with pytest.raises(KeyboardInterrupt), session:
+        session.run_until(lambda s: bool(s.outcome))
+        monkeypatch.setattr(session.engine, "clock", Pressing(session.engine.clock))
+    assert session.report.outcome == "unfinished"
+    assert session.engine.sense()[0].base_settled
+
+
+class Pressing:
+    """A clock at whose third reading somebody presses Ctrl-C."""
+
+    def __init__(self, clock: Any) -> None:
+        self._clock, self._asked = clock, 0
+
+    def now(self) -> float:
+        self._asked += 1
+        if self._asked == 3:
+            signal.raise_signal(signal.SIGINT)
+        return float(self._clock.now())
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._clock, name)
+
+
 # ---- mistakes ------------------------------------------------------------------------------------------------------
 
 

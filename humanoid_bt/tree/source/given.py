@@ -28,9 +28,11 @@ def given(parameters: Mapping[str, Any] | None, values: Mapping[str, Any]) -> di
     if parameters is None:
         return dict(values)
     if not isinstance(parameters, Mapping) or not all(isinstance(name, str) for name in parameters):
-        raise UserError(f"'parameters' must be a mapping of names to values, not {parameters!r}")
+        message = f"'parameters' must be a mapping of names to values, not {parameters!r}"
+        raise UserError(message, code="wrong-type")
     if both := [name for name in parameters if name in values]:
-        raise UserError(f"the parameter {both[0]!r} is given twice", hint="by itself, or in 'parameters'")
+        message = f"the parameter {both[0]!r} is given twice"
+        raise UserError(message, hint="by itself, or in 'parameters'", code="exclusive-keys")
     return {**parameters, **values}
 
 
