@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import partial
 
-from parts import codes, config_files, library, nodes, python, tree_files, units
+from parts import codes, config_files, house, library, nodes, python, tree_files, units
 
 PARTS_BY_NAME: dict[str, Callable[[], str]] = {
     maker.__name__: maker
@@ -17,6 +17,7 @@ PARTS_BY_NAME: dict[str, Callable[[], str]] = {
         *(python.handle, python.track, python.state, python.rig, python.rig_result),
         *(codes.codes, codes.code_examples),
         *(units.units, units.clocks),
+        *(house.rooms, house.inner_rooms, house.percept_way, house.command_way),
     )
 } | {f"library_{name}": partial(library.library_tree, name) for name in library.made_for_use_in_others()}
 """Name of a generated part -> what makes it."""
