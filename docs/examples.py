@@ -5,17 +5,28 @@ from __future__ import annotations
 EXAMPLES = {
     "sequence": """\
 sequence:
-  - confident: {percept: target, above: 0.6}
   - approach: {target: target}
   - reach: {target: target}
+  - retract: {hand: both}
 """,
     "selector": """\
 selector:
   name: get near
-  memory: true
   children:
     - within: {percept: target, distance: 0.5 m}
     - approach: {target: target, distance: 0.4 m}
+""",
+    "reactive_sequence": """\
+reactive_sequence:
+  - confident: {percept: target, above: 0.6}
+  - approach: {target: target}
+""",
+    "reactive_selector": """\
+reactive_selector:
+  - guard:
+      condition: distance(target) < 0.7 m hysteresis 0.1 m
+      reach: {target: target}
+  - idle
 """,
     "parallel": """\
 parallel:
@@ -26,12 +37,25 @@ parallel:
 """,
     "if": """\
 if:
-  condition: distance(target) < 0.5 m hysteresis 5 cm
+  condition: distance(target) < 0.5 m
   then: {reach: {target: target}}
   else: {approach: {target: target}}
 """,
     "switch": """\
 switch:
+  value: bearing(target) > 0 deg
+  cases:
+    true: {reach: {target: target, hand: left}}
+    false: {reach: {target: target, hand: right}}
+""",
+    "reactive_if": """\
+reactive_if:
+  condition: distance(target) < 0.5 m hysteresis 5 cm
+  then: {reach: {target: target}}
+  else: {approach: {target: target}}
+""",
+    "reactive_switch": """\
+reactive_switch:
   value: state.gait
   cases:
     stand: {reach: {target: target}}
@@ -61,7 +85,7 @@ delay:
   reach: {target: target}
 """,
     "cooldown": """\
-selector:
+reactive_selector:
   - cooldown:
       duration: 10 s
       timeout: {duration: 3 s, reach: {target: target}}
@@ -83,9 +107,11 @@ guard:
   reach: {target: target}
 """,
     "once": """\
-sequence:
-  - once: {log: "the target is {distance(target)} away"}
-  - reach: {target: target}
+retry:
+  attempts: 3
+  sequence:
+    - once: {log: "the target is {distance(target)} away"}
+    - reach: {target: target}
 """,
     "on_error": """\
 selector:

@@ -12,7 +12,7 @@ import numpy as np
 
 from humanoid_bt.bench.figure import Figure, cpu, figure
 from humanoid_bt.bench.tree import measure_tree
-from humanoid_bt.control.body.inverse_kinematics import SOLVER
+from humanoid_bt.control.body.mink_terms import SOLVER
 from humanoid_bt.control.body.standing import load_robot
 from humanoid_bt.control.controller import Controller
 from humanoid_bt.core.clock import WHOLE_BODY_PERIOD, cycles

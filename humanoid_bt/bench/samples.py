@@ -18,14 +18,14 @@ root:
       percept: $target
       max_age: $max_age
       on_stale: {idle: {look_around: true}}
-      selector:
-        - selector:
+      reactive_selector:
+        - reactive_selector:
             name: ways
             children:
 """
 
 _WAY = """\
-              - sequence:
+              - reactive_sequence:
                   name: way {number}
                   children:
                     - confident: {{percept: $target, above: $min_confidence, hysteresis: 0.1}}

@@ -14,7 +14,7 @@ def print_findings(problems: Iterable[Problem], *, stderr: bool = False) -> None
     """Print findings; on a terminal in color and with the lines they are about."""
     stream = sys.stderr if stderr else sys.stdout
     if stream.isatty():
-        from humanoid_bt.cli.excerpts import print_with_excerpts  # stopping a robot does not wait for this import
+        from humanoid_bt.cli.excerpts import print_with_excerpts
 
         print_with_excerpts(problems, stderr=stderr)
         return

@@ -60,6 +60,7 @@ class Skill(py_trees.behaviour.Behaviour):
     Attributes:
         resources: what the skill may command (of :data:`~humanoid_bt.core.messages.RESOURCES`).
         ends: whether it can succeed or fail; False if it only runs until it is halted.
+        runs: whether it can be RUNNING; False if it answers in the tick in which it starts, as conditions do.
         bounded: whether it ends by itself in bounded time, whatever happens. Checks want a time limit above a skill
             that commands the robot and does not say so.
         robot: how it reads the robot's state and percepts and sets targets.
@@ -69,6 +70,7 @@ class Skill(py_trees.behaviour.Behaviour):
 
     resources: ClassVar[tuple[str, ...]] = ()
     ends: ClassVar[bool] = True
+    runs: ClassVar[bool] = True
     bounded: ClassVar[bool] = False
     robot: RobotHandle
 

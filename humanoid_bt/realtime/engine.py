@@ -16,14 +16,7 @@ from humanoid_bt.core.errors import ControlLost, HumanoidBtError
 from humanoid_bt.core.messages import Command, Percept, State
 from humanoid_bt.link.ring import RingReader, RingWriter
 from humanoid_bt.link.run_folder import RunFolder, RunInfo, clean_stale, live_runs
-from humanoid_bt.link.wire import (
-    Event,
-    decode_event,
-    decode_percepts,
-    decode_state,
-    encode_command,
-    encode_event,
-)
+from humanoid_bt.link.wire import Event, decode_event, decode_percepts, decode_state, encode_command, encode_event
 from humanoid_bt.plant.mujoco_plant import MujocoPlant
 from humanoid_bt.plant.scene import Scene
 from humanoid_bt.realtime import channels

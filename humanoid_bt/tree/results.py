@@ -3,6 +3,10 @@
 A node type says it with a class method ``possible_results(values, below)``, with its parameters (defaults put in) and
 what can come from below it. One without it may answer anything, a condition anything but RUNNING. A set may hold too
 much, never too little: what is missing from it never comes.
+
+What a node can answer *at once*, in the tick in which it starts and without starting anything that runs, follows from
+that: what never runs answers at once, a leaf that may run does not, and any other node answers what it makes of what
+those below it answer at once. Where that is not so, a class method ``results_at_once(values, below)`` says it.
 """
 
 from __future__ import annotations
@@ -21,6 +25,8 @@ AT_ONCE: Results = frozenset({Status.SUCCESS, Status.FAILURE})
 NEVER_ENDS: Results = frozenset({Status.RUNNING})
 """Of a node that runs until it is halted."""
 SUCCEEDS: Results = frozenset({Status.SUCCESS})
+NOTHING: Results = frozenset()
+"""Of a node that cannot answer at once."""
 
 
 @dataclass(frozen=True)

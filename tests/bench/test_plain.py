@@ -19,12 +19,13 @@ from humanoid_bt.tree.tree import Tree
 from tests.tree.helpers import Run, make_workspace, run, seen
 
 SHAPES = {
-    "fetch-like": "{emergency_stop: {watchdog: {percept: target, max_age: 1, on_stale: idle, selector: [{sequence: "
+    "fetch-like": "{emergency_stop: {watchdog: {percept: target, max_age: 1, on_stale: idle, "
+    "reactive_selector: [{reactive_sequence: "
     "[{confident: {percept: target, above: 0.6}}, {approach: {target: target}}]}, idle]}}}",
     "stale": "{emergency_stop: {watchdog: {percept: nothing, max_age: 1, on_stale: idle, act: {}}}}",
-    "memory": "{sequence: {memory: true, children: [{act: {name: a, script: s}}, {act: {name: b}}]}}",
+    "memory": "{sequence: [{act: {name: a, script: s}}, {act: {name: b}}]}",
     "decorators": "{retry: {attempts: 3, timeout: {duration: 9, inverter: {act: {script: s}}}}}",
-    "inverted": "{sequence: [{inverter: {act: {name: a, script: f}}}, {act: {name: b}}]}",
+    "inverted": "{reactive_sequence: [{inverter: {act: {name: a, script: f}}}, {act: {name: b}}]}",
     "parallel": "{parallel: [{act: {name: a}}, {act: {name: b}}]}",
 }
 
@@ -55,11 +56,11 @@ def test_it_ticks_the_same_nodes(workspace: Workspace, shape: str) -> None:
 
 
 def test_it_can_take_the_leaves_themselves(workspace: Workspace) -> None:
-    under_test = run(workspace, "{sequence: [{inverter: {act: {name: a, script: f}}}, {act: {name: b}}]}")
+    under_test = run(workspace, "{reactive_sequence: [{inverter: {act: {name: a, script: f}}}, {act: {name: b}}]}")
     under_test.tick()
     copy = plain_copy(under_test.tree, same_leaves=True)
     under_test.log.clear()
-    assert ticked(copy) == ["a", "inverter", "b", "sequence"]
+    assert ticked(copy) == ["a", "inverter", "b", "reactive_sequence"]
     assert ("start", "a") in under_test.log and ("FAILURE", "a") in under_test.log
 
 

@@ -200,7 +200,7 @@ def test_a_code_is_explained_with_its_example(capsys: pytest.CaptureFixture[str]
     assert main(["check", "--explain", "no-hysteresis"]) == 0
     out = capsys.readouterr().out
     assert out.startswith("no-hysteresis  warning. A condition")
-    assert "wrong:\n    sequence:" in out and "right:\n    sequence:" in out
+    assert "wrong:\n    reactive_sequence:" in out and "right:\n    reactive_sequence:" in out
     assert out.endswith("# allow no-hysteresis: and why\n")
     assert main(["check", "--explain", "outside-watchdog"]) == 0
     assert "allow" not in capsys.readouterr().out

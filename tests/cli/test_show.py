@@ -152,7 +152,7 @@ def test_what_is_idle_is_folded_where_a_tree_is_too_tall(played: Played) -> None
     assert moment is not None
     short = Console(force_terminal=True, width=80, height=9)
     text = show_module._colored(moment, moment.outline, short).plain
-    assert "act on target (sequence)  5 below" in text
+    assert "act on target (reactive_sequence)  5 below" in text
     assert "approach" not in text
     tall = Console(force_terminal=True, width=80, height=40)
     assert "approach" in show_module._colored(moment, moment.outline, tall).plain

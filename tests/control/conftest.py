@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from humanoid_bt.control.body.inverse_kinematics import standing_posture
+from humanoid_bt.control.body.standing import standing_posture
 from humanoid_bt.core.messages import Array, Measurement
 from humanoid_bt.robot.config import load_robot_config
 from humanoid_bt.robot.model import RobotModel

@@ -6,14 +6,7 @@ import mink
 import numpy as np
 import pytest
 
-from humanoid_bt.core.geometry import (
-    exp,
-    log,
-    planar_pose,
-    pose_inverse,
-    pose_product,
-    rotation_matrix,
-)
+from humanoid_bt.core.geometry import exp, log, planar_pose, pose_inverse, pose_product, rotation_matrix
 
 TWISTS = [np.random.default_rng(seed).normal(scale=scale, size=6) for seed in range(5) for scale in (1e-9, 0.1, 0.8)]
 

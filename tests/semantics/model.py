@@ -300,9 +300,8 @@ def log(m: Model, node: Node) -> str:
     return SUCCESS
 
 
-def in_order(m: Model, node: Node, passed: str) -> str:
-    """Tick children in order up to one that has not ``passed``; halt the later ones. Memory goes on at that one."""
-    first = m.memory[node.name] or 0 if node.values["memory"] else 0
+def in_order(m: Model, node: Node, passed: str, first: int) -> str:
+    """Tick children in order, from the ``first`` up to one that has not ``passed``; halt the later ones."""
     for index in range(first, len(node.children)):
         status = m.tick(node.children[index])
         if status != passed:
@@ -313,13 +312,23 @@ def in_order(m: Model, node: Node, passed: str) -> str:
 
 
 def sequence(m: Model, node: Node) -> str:
-    """Run the children in order while they succeed; fail with the first that fails."""
-    return in_order(m, node, SUCCESS)
+    """Go on at the child that runs; fail with the first that fails."""
+    return in_order(m, node, SUCCESS, m.memory[node.name] or 0)
 
 
 def selector(m: Model, node: Node) -> str:
-    """Try the children in order until one succeeds or runs; fail if all fail."""
-    return in_order(m, node, FAILURE)
+    """Go on at the child that runs; succeed with the first that succeeds."""
+    return in_order(m, node, FAILURE, m.memory[node.name] or 0)
+
+
+def reactive_sequence(m: Model, node: Node) -> str:
+    """A sequence that begins with the first child in every tick."""
+    return in_order(m, node, SUCCESS, 0)
+
+
+def reactive_selector(m: Model, node: Node) -> str:
+    """A selector that begins with the first child in every tick."""
+    return in_order(m, node, FAILURE, 0)
 
 
 def parallel(m: Model, node: Node) -> str:
@@ -352,9 +361,12 @@ def choose(m: Model, node: Node, chosen: Node | None) -> str:
 
 
 def if_(m: Model, node: Node) -> str:
-    """Run ``then`` while a condition holds, else ``else``; neither while it is RUNNING. Memory asks up to an answer."""
-    if node.values["memory"] and m.memory[node.name]:
-        return m.tick(m.memory[node.name])
+    """Go on with the branch that was chosen; else choose one."""
+    return m.tick(m.memory[node.name]) if m.memory[node.name] else reactive_if(m, node)
+
+
+def reactive_if(m: Model, node: Node) -> str:
+    """Run ``then`` while a condition holds, else ``else``; neither while it is RUNNING."""
     status = m.tick(node.branches["condition"])
     if status == RUNNING:
         choose(m, node, None)
@@ -363,9 +375,12 @@ def if_(m: Model, node: Node) -> str:
 
 
 def switch(m: Model, node: Node) -> str:
-    """Run the case of the value, else ``default``; fail if there is neither. Memory computes the value once."""
-    if node.values["memory"] and m.memory[node.name]:
-        return m.tick(m.memory[node.name])
+    """Go on with the branch that was chosen; else choose one."""
+    return m.tick(m.memory[node.name]) if m.memory[node.name] else reactive_switch(m, node)
+
+
+def reactive_switch(m: Model, node: Node) -> str:
+    """Run the case of the value, else ``default``; fail if there is neither."""
     value = str(m.read(node, node.values["value"]))
     return choose(m, node, node.branches.get(value, node.branches.get("default")))
 
@@ -521,14 +536,18 @@ def while_(m: Model, node: Node) -> str:
     return ask(m, node, SUCCESS) or count(m, node, SUCCESS, -1)
 
 
-COMPOSITES = ("sequence", "selector", "parallel", "if", "switch")
+COMPOSITES: dict[str, Callable[[Model, Node], str]] = {
+    **{"sequence": sequence, "selector": selector, "parallel": parallel, "if": if_, "switch": switch},
+    **{"reactive_sequence": reactive_sequence, "reactive_selector": reactive_selector},
+    **{"reactive_if": reactive_if, "reactive_switch": reactive_switch},
+}
 
 RULES: dict[str, Callable[[Model, Node], str]] = {
     **dict.fromkeys(COMMANDS, skill),
     **{"success": success, "failure": failure, "running": running},
     **{"wait": wait, "wait_until": wait_until, "condition": condition, "log": log},
     **{"set_blackboard": set_blackboard, "clear_blackboard": clear_blackboard},
-    **{"sequence": sequence, "selector": selector, "parallel": parallel, "if": if_, "switch": switch},
+    **COMPOSITES,
     **{"emergency_stop": emergency_stop, "watchdog": watchdog},
     "inverter": convert(SUCCESS=FAILURE, FAILURE=SUCCESS),
     "force_success": convert(FAILURE=SUCCESS),

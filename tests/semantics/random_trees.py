@@ -73,6 +73,7 @@ class Walk(Act):
 '''
 """The skills of random trees; :data:`~tests.semantics.model.COMMANDS` says what they command."""
 
+_ORDERED = ("sequence", "selector", "reactive_sequence", "reactive_selector")
 _CONDITIONAL = ("guard", "while", "precondition")
 _DECORATORS = {
     "plain": ("inverter", "force_success", "force_failure", "running_is_failure", "running_is_success"),
@@ -166,11 +167,11 @@ def item_of(node: Node) -> dict[str, Any]:
     if node.kind in ("set_blackboard", "clear_blackboard"):
         body["key"] = "n"
     below = {slot: item_of(branch) for slot, branch in node.branches.items()}
-    if node.kind == "switch":
+    if node.kind in ("switch", "reactive_switch"):
         body["cases"] = {case: item for case, item in below.items() if case != "default"}
         below = {"default": below["default"]} if "default" in below else {}
     body.update(below)
-    if node.kind in ("sequence", "selector", "parallel"):
+    if node.kind in (*_ORDERED, "parallel"):
         body["children"] = [item_of(child) for child in node.children]
     elif node.children:
         body.update(item_of(node.child))
@@ -286,8 +287,8 @@ def _on_error(child: Node) -> Node:
 
 @st.composite
 def _ordered(draw: DrawFn, below: SearchStrategy[Node]) -> Node:
-    kind, memory = draw(st.sampled_from(["sequence", "selector"])), draw(st.booleans())
-    return Node(kind, values={"memory": memory}, children=tuple(draw(st.lists(below, min_size=1, max_size=3))))
+    kind = draw(st.sampled_from(_ORDERED))
+    return Node(kind, children=tuple(draw(st.lists(below, min_size=1, max_size=3))))
 
 
 @st.composite
@@ -373,16 +374,16 @@ def _parallel(draw: DrawFn, rules: _Rules, free: frozenset[str], depth: int) -> 
 
 @st.composite
 def _choice(draw: DrawFn, below: SearchStrategy[Node]) -> Node:
-    values: dict[str, Any] = {"memory": draw(st.booleans())}
+    reactive = draw(st.sampled_from(["", "reactive_"]))
     if draw(st.booleans()):
         branches = {"condition": draw(st.one_of(_condition(), below)), "then": draw(below)}
         if draw(st.booleans()):
             branches["else"] = draw(below)
-        return Node("if", values=values, branches=branches)
-    values["value"] = draw(st.sampled_from(["n", "s"]))
-    cases = ["0", "1", "2"] if values["value"] == "n" else ["running", "success", "failure"]
+        return Node(f"{reactive}if", branches=branches)
+    key = draw(st.sampled_from(["n", "s"]))
+    cases = ["0", "1", "2"] if key == "n" else ["running", "success", "failure"]
     chosen = draw(st.lists(st.sampled_from(cases), min_size=1, max_size=2, unique=True))
     branches = {case: draw(below) for case in chosen}
     if draw(st.booleans()):
         branches["default"] = draw(below)
-    return Node("switch", values=values, branches=branches)
+    return Node(f"{reactive}switch", values={"value": key}, branches=branches)

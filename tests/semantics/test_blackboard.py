@@ -28,7 +28,7 @@ def test_a_value_is_seen_in_the_same_tick(workspace: Workspace) -> None:
 
 @shows("key-condition", "key-initial", "key-halt")
 def test_keys_through_ticks_halts_and_starts(workspace: Workspace) -> None:
-    text = f"blackboard: {{n: 0}}\nroot: {{sequence: [{{sequence: [{COUNT}, {{condition: n < 3}}]}}, act]}}\n"
+    text = f"blackboard: {{n: 0}}\nroot: {{reactive_sequence: [{{sequence: [{COUNT}, {{condition: n < 3}}]}}, act]}}\n"
     keyed = Run(load(workspace, text))
     assert keyed.ticks(4) == "rrfr"  # counted in every tick; the tree that failed starts with 0 again
     (key,) = keyed.tree.keys
@@ -53,8 +53,8 @@ class Patient(Skill):
 @shows("key-at-start")
 def test_a_parameter_is_read_at_the_start(workspace: Workspace) -> None:
     (workspace.root / "skills" / "patient.py").write_text(PATIENT, encoding="utf-8")
-    root = f"{{sequence: {{children: [{COUNT}, {{patient: {{ticks: $n}}}}]}}}}"
-    keyed = Run(load(workspace, f"blackboard: {{n: 2}}\nroot: {{repeat: {{sequence: [{root}]}}}}\n"))
+    root = f"{{reactive_sequence: [{COUNT}, {{patient: {{ticks: $n}}}}]}}"
+    keyed = Run(load(workspace, f"blackboard: {{n: 2}}\nroot: {{repeat: {root}}}\n"))
     assert keyed.ticks(3) == "rrr"  # 3 ticks, though the key goes on to 5
     patient = keyed.tree.nodes[-1].behaviour
     assert (vars(patient)["ticks"], patient.status.name) == (3, "SUCCESS")

@@ -33,7 +33,7 @@ def test_every_claim_is_shown_and_nothing_else() -> None:
     assert sorted(shown() - claimed) == [], "the page has no such claims"
 
 
-WHOLE = {"test_claims", "test_model", "test_properties"}
+WHOLE = {"test_claims", "test_model", "test_properties", "test_results"}
 """Modules that are about the page as a whole."""
 
 

@@ -57,27 +57,19 @@ def test_a_selector_ends_at_the_first_that_does_not_fail(workspace: Workspace, s
     assert started(selector) == "ab"
 
 
-@shows("composite-reactive")
+@shows("composite-goes-on")
 @pytest.mark.parametrize(("kind", "first"), [("sequence", "s"), ("selector", "f")])
-def test_they_begin_with_the_first_child_in_every_tick(workspace: Workspace, kind: str, first: str) -> None:
-    composite = run(workspace, f"{{{kind}: {acts(first, 'r')}}}")
-    composite.ticks(3)
-    assert started(composite) == "abaa"
+def test_they_go_on_with_the_child_that_runs(workspace: Workspace, kind: str, first: str) -> None:
+    composite = run(workspace, f"{{{kind}: {acts(first, 'r' + first, 'r')}}}")
+    composite.ticks(4)
+    assert started(composite) == "abc"
 
 
-@shows("composite-memory")
-@pytest.mark.parametrize(("kind", "first"), [("sequence", "s"), ("selector", "f")])
-def test_with_memory_they_go_on(workspace: Workspace, kind: str, first: str) -> None:
-    composite = run(workspace, f"{{{kind}: {{memory: true, children: {acts(first, 'r')}}}}}")
-    composite.ticks(3)
-    assert started(composite) == "ab"
-
-
-@shows("composite-memory-cleared")
+@shows("composite-begins-anew")
 @pytest.mark.parametrize("end", ["s", "f", "halt"])
-def test_an_end_clears_the_memory(workspace: Workspace, end: str) -> None:
+def test_an_end_lets_them_begin_with_the_first_child(workspace: Workspace, end: str) -> None:
     script = "rr" if end == "halt" else "r" + end
-    sequence = run(workspace, f"{{sequence: {{memory: true, children: {acts('s', script + 'r')}}}}}")
+    sequence = run(workspace, f"{{sequence: {acts('s', script + 'r')}}}")
     sequence.ticks(2)
     if end == "halt":
         sequence.halt()
@@ -85,17 +77,50 @@ def test_an_end_clears_the_memory(workspace: Workspace, end: str) -> None:
     assert started(sequence) == "abab"
 
 
+@shows("reactive-order")
+@pytest.mark.parametrize(("kind", "passed", "decides"), [("sequence", "s", "f"), ("selector", "f", "s")])
+def test_the_reactive_ones_take_turns_and_decide_alike(
+    workspace: Workspace, kind: str, passed: str, decides: str
+) -> None:
+    all_passed = run(workspace, f"{{reactive_{kind}: {acts(passed, passed, passed)}}}")
+    assert all_passed.ticks(1) == passed
+    assert started(all_passed) == "abc"
+    for status in (decides, "r"):
+        decided = run(workspace, f"{{reactive_{kind}: {acts(passed, status, passed)}}}")
+        assert decided.ticks(1) == status
+        assert started(decided) == "ab"
+
+
+@shows("reactive-asks-again")
+@pytest.mark.parametrize(("kind", "first"), [("sequence", "s"), ("selector", "f")])
+def test_the_reactive_ones_begin_with_the_first_child_in_every_tick(
+    workspace: Workspace, kind: str, first: str
+) -> None:
+    composite = run(workspace, f"{{reactive_{kind}: {acts(first, 'r')}}}")
+    composite.ticks(3)
+    assert started(composite) == "abaa"
+
+
+@shows("reactive-starts-again")
+@pytest.mark.parametrize(("kind", "passed"), [("sequence", "s"), ("selector", "f")])
+def test_what_ran_starts_again_and_preempts(workspace: Workspace, kind: str, passed: str) -> None:
+    composite = run(workspace, f"{{reactive_{kind}: {acts('r' + passed + 'r', 'r')}}}")
+    assert composite.ticks(3) == "rrr"
+    assert started(composite) == "aba"
+    assert composite.log[-1] == ("INVALID", "b")
+
+
 # ---- preemption ----------------------------------------------------------------------------------------------------
 
 
 @shows("preempt-same-tick")
 def test_what_runs_behind_is_halted_after_the_earlier_child_was_ticked(workspace: Workspace) -> None:
-    selector = run(workspace, f"{{selector: {acts('fr', 'r')}}}")
+    selector = run(workspace, f"{{reactive_selector: {acts('fr', 'r')}}}")
     selector.tick()
     selector.log.clear()
     selector.tick()
     assert selector.log == [("start", "a"), ("INVALID", "b")]
-    sequence = run(workspace, f"{{sequence: {acts('sf', 'r')}}}")
+    sequence = run(workspace, f"{{reactive_sequence: {acts('sf', 'r')}}}")
     sequence.tick()
     sequence.log.clear()
     sequence.tick()
@@ -105,7 +130,7 @@ def test_what_runs_behind_is_halted_after_the_earlier_child_was_ticked(workspace
 @shows("preempt-release", "preempt-acquire")
 def test_resources_are_released_before_they_are_acquired(workspace: Workspace) -> None:
     new, old = f"{{sequence: [{{{SWITCHED}}}, {{idle: {{name: new}}}}]}}", "{idle: {name: old}}"
-    taken = run(workspace, f"{{emergency_stop: {{selector: [{new}, {old}]}}}}")
+    taken = run(workspace, f"{{emergency_stop: {{reactive_selector: [{new}, {old}]}}}}")
     owners = [taken.tick().sources["gaze"].rpartition("/")[2] for _ in range(3)]
     assert owners == ["old", "old", "new"]
     later = f"{{parallel: {{failure: one, children: [{old}, {{act: {{script: rf}}}}]}}}}"
@@ -196,63 +221,75 @@ THEN_ELSE = "then: {act: {name: a, script: rrrs}}, else: {act: {name: b, script:
 EARLY = "state.time < 0.15"
 
 
-@shows("if-every-tick", "if-changes")
-def test_if_changes_its_branch(workspace: Workspace) -> None:
-    choice = run(workspace, f"{{if: {{condition: {EARLY}, {THEN_ELSE}}}}}")
+@shows("if-chooses-once")
+def test_if_asks_up_to_the_first_answer(workspace: Workspace) -> None:
+    choice = run(workspace, f"{{if: {{condition: {{act: {{name: c, script: rsf}}}}, {THEN_ELSE}}}}}")
+    assert choice.ticks(5) == "rrrrs"
+    assert started(choice) == "ca"
+
+
+@shows("reactive-if-every-tick", "reactive-if-changes")
+def test_reactive_if_changes_its_branch(workspace: Workspace) -> None:
+    choice = run(workspace, f"{{reactive_if: {{condition: {EARLY}, {THEN_ELSE}}}}}")
     assert choice.ticks(3) == "rrr"
     assert choice.log == [("start", "a"), ("INVALID", "a"), ("start", "b")]
 
 
 @shows("if-no-else")
-def test_if_without_else_fails(workspace: Workspace) -> None:
-    assert run(workspace, f"{{if: {{condition: {EARLY}, then: act}}}}").ticks(3) == "rrf"
+def test_without_else_they_fail(workspace: Workspace) -> None:
+    assert run(workspace, "{if: {condition: 2 < 1, then: act}}").ticks(1) == "f"
+    assert run(workspace, f"{{reactive_if: {{condition: {EARLY}, then: act}}}}").ticks(3) == "rrf"
 
 
 @shows("if-condition-runs")
-def test_neither_branch_runs_while_the_condition_runs(workspace: Workspace) -> None:
-    choice = run(workspace, f"{{if: {{condition: {{act: {{name: c, script: srf}}}}, {THEN_ELSE}}}}}")
+@pytest.mark.parametrize("kind", ["if", "reactive_if"])
+def test_neither_branch_runs_while_the_condition_runs(workspace: Workspace, kind: str) -> None:
+    asking = run(workspace, f"{{{kind}: {{condition: {{act: {{name: c, script: rs}}}}, {THEN_ELSE}}}}}")
+    assert asking.ticks(1) == "r"
+    assert started(asking) == "c"
+
+
+@shows("if-condition-runs")
+def test_a_condition_that_runs_again_halts_the_branch(workspace: Workspace) -> None:
+    choice = run(workspace, f"{{reactive_if: {{condition: {{act: {{name: c, script: srf}}}}, {THEN_ELSE}}}}}")
     choice.tick()
     choice.log.clear()
     assert choice.ticks(1) == "r"
     assert choice.log == [("start", "c"), ("INVALID", "a")]
 
 
-@shows("if-memory")
-def test_if_with_memory_asks_up_to_the_first_answer(workspace: Workspace) -> None:
-    choice = run(workspace, f"{{if: {{memory: true, condition: {{act: {{name: c, script: rsf}}}}, {THEN_ELSE}}}}}")
-    assert choice.ticks(5) == "rrrrs"
-    assert started(choice) == "ca"
-
-
 CASES = "cases: {'true': {act: {name: a, script: rrrs}}, 'false': {act: {name: b}}}"
 
 
-@shows("switch-every-tick")
-def test_switch_changes_its_case(workspace: Workspace) -> None:
+@shows("switch-chooses-once")
+def test_switch_computes_once(workspace: Workspace) -> None:
     switch = run(workspace, f"{{switch: {{value: {EARLY}, {CASES}}}}}")
+    assert switch.ticks(4) == "rrrs"
+    assert started(switch) == "a"
+
+
+@shows("reactive-switch-every-tick")
+def test_reactive_switch_changes_its_case(workspace: Workspace) -> None:
+    switch = run(workspace, f"{{reactive_switch: {{value: {EARLY}, {CASES}}}}}")
     assert switch.ticks(3) == "rrr"
     assert switch.log == [("start", "a"), ("INVALID", "a"), ("start", "b")]
 
 
 @shows("switch-default")
-def test_switch_without_a_case_takes_default_or_fails(workspace: Workspace) -> None:
+@pytest.mark.parametrize("kind", ["switch", "reactive_switch"])
+def test_a_value_without_a_case_takes_default_or_fails(workspace: Workspace, kind: str) -> None:
     value = "value: state.gait, cases: {step: success}"
-    assert run(workspace, f"{{switch: {{{value}, default: running}}}}").ticks(1) == "r"
-    assert run(workspace, f"{{switch: {{{value}}}}}").ticks(1) == "f"
+    assert run(workspace, f"{{{kind}: {{{value}, default: running}}}}").ticks(1) == "r"
+    assert run(workspace, f"{{{kind}: {{{value}}}}}").ticks(1) == "f"
 
 
 @shows("switch-unseen")
-def test_switch_on_what_was_never_seen_fails_and_halts(workspace: Workspace) -> None:
+def test_a_value_of_what_was_never_seen_fails_and_halts(workspace: Workspace) -> None:
+    never = Run(load(workspace, f"subtree: true\nroot: {{switch: {{value: distance(target) < 1, {CASES}}}}}\n"))
+    assert never.ticks(1) == "f"
     value = "state.time < 0.05 or distance(target) < 1"
-    switch = Run(load(workspace, f"subtree: true\nroot: {{switch: {{value: {value}, {CASES}}}}}\n"))
+    switch = Run(load(workspace, f"subtree: true\nroot: {{reactive_switch: {{value: {value}, {CASES}}}}}\n"))
     assert switch.ticks(2) == "rf"
     assert switch.log[-1] == ("INVALID", "a")
     switch.tick(seen(0.2, distance=2))
     assert switch.log[-1] == ("start", "b")
-
-
-@shows("switch-memory")
-def test_switch_with_memory_computes_once(workspace: Workspace) -> None:
-    switch = run(workspace, f"{{switch: {{memory: true, value: {EARLY}, {CASES}}}}}")
-    assert switch.ticks(4) == "rrrs"
-    assert started(switch) == "a"

@@ -75,7 +75,7 @@ def test_hysteresis(workspace: Workspace) -> None:
     ["condition: distance(target) <= 1 hysteresis 0.5", "within: {percept: target, distance: 1, hysteresis: 0.5}"],
 )
 def test_hysteresis_is_forgotten_when_the_branch_is_left(workspace: Workspace, condition: str) -> None:
-    left = asked(workspace, f"{{selector: [{{act: {{script: ffsf}}}}, {{{condition}}}]}}")
+    left = asked(workspace, f"{{reactive_selector: [{{act: {{script: ffsf}}}}, {{{condition}}}]}}")
     assert answers(left, 0.9, 1.25, 1.25, 1.25) == "sssf"  # the third comes from the act
 
 

@@ -199,7 +199,7 @@ def test_precondition(workspace: Workspace) -> None:
 
 @shows("on-error-fails", "on-error-again")
 def test_on_error_fails_and_halts(workspace: Workspace) -> None:
-    inner = "{sequence: {memory: true, children: [{act: {name: a, script: s}}, {act: {name: bad, script: rxr}}]}}"
+    inner = "{sequence: [{act: {name: a, script: s}}, {act: {name: bad, script: rxr}}]}"
     caught = run(workspace, f"{{on_error: {{parallel: [{{act: {{name: other}}}}, {inner}]}}}}")
     assert caught.ticks(2) == "rf"
     assert sorted(caught.told()[:-1]) == [(name, "INVALID") for name in ("a", "bad", "other", "parallel", "sequence")]
@@ -222,7 +222,7 @@ def test_what_on_error_takes_is_told(workspace: Workspace) -> None:
 
 @shows("on-error-halt")
 def test_on_error_takes_what_is_raised_in_a_halt(workspace: Workspace) -> None:
-    caught = run(workspace, "{selector: [{act: {script: fr}}, {on_error: bad_end}]}")
+    caught = run(workspace, "{reactive_selector: [{act: {script: fr}}, {on_error: bad_end}]}")
     assert caught.ticks(2) == "rr"
     assert "cannot stop" in caught.events[0][2]
 
@@ -279,6 +279,6 @@ def test_log_tells_once_for_each_start(workspace: Workspace) -> None:
 
 @shows("log-silent")
 def test_log_is_silent_when_it_is_only_checked_again(workspace: Workspace) -> None:
-    log = run(workspace, "{sequence: [{log: hello}, act]}")
+    log = run(workspace, "{reactive_sequence: [{log: hello}, act]}")
     assert log.ticks(3) == "rrr"
     assert len(log.events) == 1

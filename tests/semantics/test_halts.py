@@ -14,7 +14,7 @@ from tests.session.helpers import after, ran
 from tests.tree.helpers import Run, run, seen
 
 NESTED = (
-    "{selector: [{inverter: {act: {name: switch, script: sf}}}, {retry: {attempts: 3, sequence: ["
+    "{reactive_selector: [{inverter: {act: {name: switch, script: sf}}}, {retry: {attempts: 3, sequence: ["
     "{act: {name: done, script: s}}, "
     "{parallel: [{act: {name: left}}, {timeout: {duration: 9, inverter: {act: {name: right}}}}]}, "
     "{act: {name: never}}]}}]}"
@@ -49,7 +49,7 @@ def test_only_what_runs_is_told_and_once(preempted: Run) -> None:
 
 @shows("halt-reason", "halt-recorded", "reason-preempted")
 def test_a_skill_knows_why_before_it_is_told(workspace: Workspace) -> None:
-    selector = run(workspace, "{selector: [{act: {script: fsr}}, {act: {name: low}}]}")
+    selector = run(workspace, "{reactive_selector: [{act: {script: fsr}}, {act: {name: low}}]}")
     low = next(node.behaviour for node in selector.tree.nodes if node.name == "low")
     reasons: list[str] = []
     low.terminate = lambda _status: reasons.append(vars(low)["halt_reason"])  # type: ignore[method-assign]
@@ -68,8 +68,8 @@ def why(under_test: Run) -> str:
 @pytest.mark.parametrize(
     ("root", "reason"),
     [
-        ("{selector: [{act: {script: fr}}, {act: {name: low}}]}", "preempted by 'act', which runs"),
-        ("{sequence: [{act: {script: sf}}, {act: {name: low}}]}", "preempted by 'act', which failed"),
+        ("{reactive_selector: [{act: {script: fr}}, {act: {name: low}}]}", "preempted by 'act', which runs"),
+        ("{reactive_sequence: [{act: {script: sf}}, {act: {name: low}}]}", "preempted by 'act', which failed"),
         ("{parallel: [{act: {script: rf}}, {act: {name: low}}]}", "'parallel' failed"),
         ("{parallel: {success: one, children: [{act: {script: rs}}, {act: {name: low}}]}}", "'parallel' succeeded"),
         ("{timeout: {duration: 100 ms, act: {name: low}}}", "timed out after 0.10 s"),

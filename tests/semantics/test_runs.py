@@ -323,7 +323,10 @@ def test_a_robot_or_a_scene_that_is_not_there(workspace: Workspace) -> None:
         load(workspace, f"robot: handless\nroot: {{emergency_stop: {{{reach}}}}}")
 
 
-@shows("before-unreachable", "before-hysteresis", "before-time-limit", "before-decided")
+@shows(
+    *("before-unreachable", "before-hysteresis", "before-starts-again", "before-at-once", "before-time-limit"),
+    "before-decided",
+)
 @pytest.mark.parametrize(
     ("root", "codes"),
     [
@@ -332,8 +335,12 @@ def test_a_robot_or_a_scene_that_is_not_there(workspace: Workspace) -> None:
         ("{if: {condition: 1 < 2, then: success, else: failure}}", ["unreachable"]),
         ("{if: {condition: n < 2, then: success, else: failure}}", []),
         ("{timeout: {duration: 1, success: }}", ["no-effect"]),
-        ("{sequence: [{condition: distance(target) < 1}, {act: }]}", ["no-hysteresis"]),
-        ("{sequence: [{condition: distance(target) < 1 hysteresis 0.1}, {act: }]}", []),
+        ("{reactive_sequence: [{condition: distance(target) < 1}, {act: }]}", ["no-hysteresis"]),
+        ("{reactive_sequence: [{condition: distance(target) < 1 hysteresis 0.1}, {act: }]}", []),
+        ("{reactive_sequence: [{act: }, {reach: {target: target}}]}", ["starts-again"]),
+        ("{reactive_selector: [{act: }, idle]}", ["starts-again"]),
+        ("{sequence: [{act: }, {reach: {target: target}}]}", []),
+        ("{reactive_sequence: [{selector: [{condition: n < 2}, {act: }]}, {reach: {target: target}}]}", []),
         ("{approach: {target: target}}", ["no-time-limit"]),
         ("{timeout: {duration: 9, approach: {target: target}}}", []),
     ],

@@ -90,7 +90,7 @@ def test_cooldown_counts_from_a_halt_and_goes_on(workspace: Workspace) -> None:
     cool.halt()  # at 0.3
     assert cool.ticks(3) == "ffr"
     cooldown = "{cooldown: {duration: 0.35, act: {script: s}}}"
-    left = run(workspace, f"{{selector: [{{act: {{script: fssff}}}}, {cooldown}, running]}}")
+    left = run(workspace, f"{{reactive_selector: [{{act: {{script: fssff}}}}, {cooldown}, running]}}")
     assert left.ticks(5) == "sssrs"  # it ran at 0 and at 0.4; in between it was not ticked but at 0.3
 
 

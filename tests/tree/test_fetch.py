@@ -14,7 +14,7 @@ from humanoid_bt.tree.tree import Tree
 from tests.tree.helpers import Run, seen
 
 FETCH = Path(__file__).parents[2] / "trees" / "fetch.yaml"
-ACT = "fetch/emergency_stop/watchdog/selector/act on target"
+ACT = "fetch/emergency_stop/watchdog/reactive_selector/act on target"
 
 
 @pytest.fixture
@@ -37,24 +37,24 @@ def test_it_says_what_it_is_for(tree: Tree) -> None:
 
 
 def test_the_demo_goes_as_told(tree: Tree) -> None:
-    fetch = Run(tree)
+    fetch, above = Run(tree), "reactive_selector"
     fetch.tick()
     assert running(fetch) == "idle"  # never seen
     fetch.tick(seen(fetch.time, 1.2, 0.5))
-    assert running(fetch) == "selector/idle"  # doubtful
+    assert running(fetch) == f"{above}/idle"  # doubtful
     fetch.tick(seen(fetch.time, 1.2, 0.65))
-    assert running(fetch) == "selector/act on target/get near/approach"
+    assert running(fetch) == f"{above}/act on target/get near/approach"
     fetch.tick(seen(fetch.time, 0.45, 0.55))
-    assert running(fetch) == "selector/act on target/get near/approach"  # it walks all the way, and hysteresis holds
+    assert running(fetch) == f"{above}/act on target/get near/approach"  # it walks all the way, and hysteresis holds
     fetch.tick(seen(fetch.time, 0.39, 0.9))
-    assert running(fetch) == "selector/act on target/reach"
+    assert running(fetch) == f"{above}/act on target/reach"
     fetch.tick(seen(fetch.time, 0.45, 0.9))
     fetch.tick(seen(fetch.time, 0.52, 0.9))
-    assert running(fetch) == "selector/act on target/reach"  # hysteresis again
+    assert running(fetch) == f"{above}/act on target/reach"  # hysteresis again
     fetch.ticks(6)
     assert running(fetch) == "idle"  # lost
     fetch.tick(seen(fetch.time, 0.52, 0.9))
-    assert running(fetch) == "selector/act on target/get near/approach"
+    assert running(fetch) == f"{above}/act on target/get near/approach"
 
 
 def test_parameters_can_be_set(workspace: Workspace) -> None:

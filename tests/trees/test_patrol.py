@@ -10,14 +10,12 @@ from tests.trees.conftest import RunTree, ended, stance
 def test_comes_to_the_places_in_their_order(run_tree: RunTree) -> None:
     run = run_tree("""\
     sequence:
-      memory: true
-      children:
-        - subtree:
-            tree: patrol
-            places: [[30 cm, 0], [0.3, 0.3, 90 deg]]
-            visited: visited
-            task: {wait: 100 ms}
-        - condition: visited == 2
+      - subtree:
+          tree: patrol
+          places: [[30 cm, 0], [0.3, 0.3, 90 deg]]
+          visited: visited
+          task: {wait: 100 ms}
+      - condition: visited == 2
     """)
     assert run.report.outcome == "success", run.report.reason
     assert ended(run, "walk_to") == ended(run, "wait") == ["success", "success"]

@@ -17,10 +17,8 @@ def test_an_action_that_succeeds_at_once_needs_no_motion(run_tree: RunTree) -> N
 def test_takes_the_hands_back_and_steps_back_before_it_tries_again(run_tree: RunTree) -> None:
     run = run_tree("""\
     sequence:
-      memory: true
-      children:
-        - subtree: {tree: recover, distance: 20 cm, needed: needed, action: {stumble: {times: 2}}}
-        - condition: needed == 3
+      - subtree: {tree: recover, distance: 20 cm, needed: needed, action: {stumble: {times: 2}}}
+      - condition: needed == 3
     """)
     assert run.report.outcome == "success"
     assert ended(run, "stumble") == ["failure", "failure", "success"]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -11,7 +10,7 @@ import mujoco
 import numpy as np
 
 from humanoid_bt.control.body.height_limit import HeightLimit
-from humanoid_bt.core.errors import UserError
+from humanoid_bt.control.body.mink_terms import SOLVER, frame_task, planar_se3, se3, view_along, within_soft_limits
 from humanoid_bt.core.geometry import clamp, exp, planar_pose, pose_product
 from humanoid_bt.core.messages import SIDES, Array, Side
 from humanoid_bt.robot.model import BASE_COORDINATES, BASE_DOFS, GAZE_SITE, RobotModel, palm_site, sole_site
@@ -19,8 +18,6 @@ from humanoid_bt.robot.model import BASE_COORDINATES, BASE_DOFS, GAZE_SITE, Robo
 _NO_TWIST = 1e-14  # square of a twist too small to matter
 _ACCELERATION_LIMIT = 100.0  # rad/s^2, of the planned motion, as it goes into the feedforward
 _SMOOTH_TIME = 0.02  # s, low-pass of planned acceleration and momentum rate
-SOLVER = "daqp"
-_STANDING_TOLERANCE = 0.02  # m and rad, of the start posture
 
 
 @dataclass(frozen=True)
@@ -75,18 +72,18 @@ class InverseKinematics:
     def __init__(self, robot: RobotModel, dt: float) -> None:
         config, weights = robot.config, robot.config.whole_body
         self._robot, self._weights, self._dt = robot, weights, dt
-        self._model = _within_soft_limits(robot)
+        self._model = within_soft_limits(robot)
         self.configuration = mink.Configuration(self._model)
         self._com = mink.ComTask(cost=list(weights.com))
         self._soles = {
-            side: _frame(sole_site(side), "site", weights.foot_position, weights.foot_orientation) for side in SIDES
+            side: frame_task(sole_site(side), "site", weights.foot_position, weights.foot_orientation) for side in SIDES
         }
-        self._base = _frame(config.base, "body", 0.0, weights.base_orientation)
-        self._torso = _frame(config.torso, "body", 0.0, weights.torso_orientation)
+        self._base = frame_task(config.base, "body", 0.0, weights.base_orientation)
+        self._torso = frame_task(config.torso, "body", 0.0, weights.torso_orientation)
         self._posture = mink.PostureTask(self._model, cost=weights.posture)
-        self._gaze = _frame(GAZE_SITE, "site", 0.0, weights.gaze) if config.neck else None
+        self._gaze = frame_task(GAZE_SITE, "site", 0.0, weights.gaze) if config.neck else None
         self._hands = {
-            side: _frame(palm_site(side), "site", weights.hand, 0.0, weights.hand_damping)
+            side: frame_task(palm_site(side), "site", weights.hand, 0.0, weights.hand_damping)
             for side in SIDES
             if side in config.hands
         }
@@ -168,17 +165,17 @@ class InverseKinematics:
             pose = planar_pose(x, y, targets.sole_heights[side], yaw)
             twist = targets.sole_twists[side]
             corrected = twist @ twist > _NO_TWIST
-            self._soles[side].set_target(_se3(pose_product(exp(twist), pose) if corrected else pose))
+            self._soles[side].set_target(se3(pose_product(exp(twist), pose) if corrected else pose))
         self._com.set_target(targets.com)
-        self._base.set_target(_pose(targets.heading))
-        self._torso.set_target(_pose(targets.heading + targets.torso_yaw))
+        self._base.set_target(planar_se3(targets.heading))
+        self._torso.set_target(planar_se3(targets.heading + targets.torso_yaw))
         self._posture.set_target(np.concatenate([self.base_pose, targets.posture]))
         if targets.reaching != self._reaching:
             self._give_body_to_hands(targets.reaching)
         tasks = [self._com, self._soles["left"], self._soles["right"], self._base, self._torso, self._posture]
         if self._gaze is not None:
             yaw, pitch = targets.gaze
-            self._gaze.set_target(_view(targets.heading + yaw, pitch))
+            self._gaze.set_target(view_along(targets.heading + yaw, pitch))
             tasks.append(self._gaze)
         for side, position in targets.hands.items():
             self._hands[side].set_target(mink.SE3.from_translation(position))
@@ -204,79 +201,6 @@ class InverseKinematics:
         momentum = data.subtree_angmom[self._root].copy()
         self.momentum_rate += smooth * ((momentum - self._momentum) / self._dt - self.momentum_rate)
         self._momentum = momentum
-
-
-def standing_posture(robot: RobotModel, steps: int = 200) -> Array:
-    """Return the configuration in which the robot starts: feet flat on the ground, the weight over their middle.
-
-    The middle between the feet is the origin, heading along x.
-
-    Returns:
-        shape (7 + nj,).
-
-    Raises:
-        UserError: the home posture and the numbers of the legs do not let it stand like that.
-    """
-    config, weights = robot.config, robot.config.whole_body
-    model = _within_soft_limits(robot)
-    configuration = mink.Configuration(model, robot.home_qpos)
-    lowest = min(configuration.data.site(sole_site(side)).xpos[2] for side in SIDES)
-    lifted = robot.home_qpos.copy()
-    lifted[2] -= lowest
-    configuration.update(lifted)
-    ahead = configuration.data.site(sole_site("left")).xpos[0]
-    height = configuration.data.subtree_com[model.body(config.base).id][2]
-    com = mink.ComTask(cost=[20.0, 20.0, 20.0])
-    com.set_target([ahead, 0.0, height])
-    posture = mink.PostureTask(model, cost=0.1)
-    posture.set_target(lifted)
-    soles = [_frame(sole_site(side), "site", weights.foot_position, weights.foot_orientation) for side in SIDES]
-    for sole, sign in zip(soles, (1.0, -1.0), strict=True):
-        sole.set_target(_pose(0.0, (ahead, sign * config.gait.stance_width / 2, 0.0)))
-    tasks = [com, posture, *soles]
-    for body in (config.base, config.torso):
-        upright = _frame(body, "body", 0.0, 5.0)
-        upright.set_target(_pose(0.0))
-        tasks.append(upright)
-    limits = [mink.ConfigurationLimit(model)]
-    for _ in range(steps):
-        velocity = mink.solve_ik(configuration, tasks, 0.01, solver=SOLVER, damping=1e-3, limits=limits)
-        configuration.integrate_inplace(velocity, 0.01)
-    errors = [com.compute_error(configuration)[:2], *(sole.compute_error(configuration) for sole in soles)]
-    if np.abs(np.concatenate(errors)).max() > _STANDING_TOLERANCE:
-        hint = "look at home, gait.stance_width and the soles' bodies and positions"
-        message = f"{config.name} cannot stand with flat feet in its home posture"
-        raise UserError(message, config.place("home"), hint, code="model")
-    qpos: Array = configuration.q.copy()
-    qpos[0] -= ahead
-    return qpos
-
-
-def _within_soft_limits(robot: RobotModel) -> mujoco.MjModel:
-    """Return a copy of the robot whose joint ranges are the soft limits, so that the solver keeps to them."""
-    model = robot.spec().compile()
-    limited = model.jnt_limited.astype(bool)
-    limited[0] = False
-    model.jnt_range[limited] = np.stack([robot.lower, robot.upper], axis=1)[limited[1:]]
-    return model
-
-
-def _frame(name: str, kind: str, position: float, orientation: float, lm_damping: float = 0.0) -> mink.FrameTask:
-    return mink.FrameTask(name, kind, position_cost=position, orientation_cost=orientation, lm_damping=lm_damping)
-
-
-def _pose(yaw: float, position: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> mink.SE3:
-    return _se3(planar_pose(*position, yaw))
-
-
-def _se3(pose: Array) -> mink.SE3:
-    return mink.SE3(np.concatenate([pose[3:], pose[:3]]))
-
-
-def _view(yaw: float, pitch: float) -> mink.SE3:
-    """Return the pose that looks along a yaw and then a pitch: the product of the two turns' quaternions."""
-    cy, sy, cp, sp = math.cos(yaw / 2), math.sin(yaw / 2), math.cos(pitch / 2), math.sin(pitch / 2)
-    return mink.SE3(np.array([cy * cp, -sy * sp, cy * sp, sy * cp, 0.0, 0.0, 0.0]))
 
 
 def _blend(free: float, reaching: float, share: float) -> float:

@@ -1,14 +1,20 @@
-"""Loading a robot, ready to stand."""
+"""Where a robot begins: loaded, and standing with flat feet."""
 
 from __future__ import annotations
 
 import functools
 from pathlib import Path
 
-from humanoid_bt.control.body.inverse_kinematics import standing_posture
-from humanoid_bt.core.messages import Array
+import mink
+import numpy as np
+
+from humanoid_bt.control.body.mink_terms import SOLVER, frame_task, planar_se3, within_soft_limits
+from humanoid_bt.core.errors import UserError
+from humanoid_bt.core.messages import SIDES, Array
 from humanoid_bt.robot.config import load_robot_config
-from humanoid_bt.robot.model import RobotModel
+from humanoid_bt.robot.model import RobotModel, sole_site
+
+_TOLERANCE = 0.02  # m and rad
 
 
 @functools.lru_cache(maxsize=4)
@@ -23,3 +29,49 @@ def load_robot(path: Path) -> tuple[RobotModel, Array]:
     """
     robot = RobotModel(load_robot_config(path))
     return robot, standing_posture(robot)
+
+
+def standing_posture(robot: RobotModel, steps: int = 200) -> Array:
+    """Return the configuration in which the robot starts: feet flat on the ground, the weight over their middle.
+
+    The middle between the feet is the origin, heading along x.
+
+    Returns:
+        shape (7 + nj,).
+
+    Raises:
+        UserError: the home posture and the numbers of the legs do not let it stand like that.
+    """
+    config, weights = robot.config, robot.config.whole_body
+    model = within_soft_limits(robot)
+    configuration = mink.Configuration(model, robot.home_qpos)
+    lowest = min(configuration.data.site(sole_site(side)).xpos[2] for side in SIDES)
+    lifted = robot.home_qpos.copy()
+    lifted[2] -= lowest
+    configuration.update(lifted)
+    ahead = configuration.data.site(sole_site("left")).xpos[0]
+    height = configuration.data.subtree_com[model.body(config.base).id][2]
+    com = mink.ComTask(cost=[20.0, 20.0, 20.0])
+    com.set_target([ahead, 0.0, height])
+    posture = mink.PostureTask(model, cost=0.1)
+    posture.set_target(lifted)
+    soles = [frame_task(sole_site(side), "site", weights.foot_position, weights.foot_orientation) for side in SIDES]
+    for sole, sign in zip(soles, (1.0, -1.0), strict=True):
+        sole.set_target(planar_se3(0.0, (ahead, sign * config.gait.stance_width / 2, 0.0)))
+    tasks = [com, posture, *soles]
+    for body in (config.base, config.torso):
+        upright = frame_task(body, "body", 0.0, 5.0)
+        upright.set_target(planar_se3(0.0))
+        tasks.append(upright)
+    limits = [mink.ConfigurationLimit(model)]
+    for _ in range(steps):
+        velocity = mink.solve_ik(configuration, tasks, 0.01, solver=SOLVER, damping=1e-3, limits=limits)
+        configuration.integrate_inplace(velocity, 0.01)
+    errors = [com.compute_error(configuration)[:2], *(sole.compute_error(configuration) for sole in soles)]
+    if np.abs(np.concatenate(errors)).max() > _TOLERANCE:
+        hint = "look at home, gait.stance_width and the soles' bodies and positions"
+        message = f"{config.name} cannot stand with flat feet in its home posture"
+        raise UserError(message, config.place("home"), hint, code="model")
+    qpos: Array = configuration.q.copy()
+    qpos[0] -= ahead
+    return qpos

@@ -11,6 +11,7 @@ from collections.abc import Iterator
 from humanoid_bt.core.errors import Place, Problem
 from humanoid_bt.tree.checks.facts import Facts
 from humanoid_bt.tree.checks.reachability import check_reachability
+from humanoid_bt.tree.checks.restarts import check_restarts
 from humanoid_bt.tree.checks.robustness import check_hysteresis, check_time_limits
 from humanoid_bt.tree.checks.safety import check_guards, check_overlaps
 from humanoid_bt.tree.checks.world import World, check_world
@@ -41,5 +42,6 @@ def _all(root: Draft, world: World, alone: bool) -> Iterator[Problem]:
         yield from check_time_limits(root, facts)
     yield from check_overlaps(root, facts)
     yield from check_reachability(root, facts)
+    yield from check_restarts(root, facts)
     yield from check_hysteresis(root, facts)
     yield from check_world(root, facts, world)

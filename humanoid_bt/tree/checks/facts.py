@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import inspect
+from collections.abc import Mapping
 
 from py_trees.common import Status
 
 from humanoid_bt.core.errors import Problem
 from humanoid_bt.tree.draft import Draft
-from humanoid_bt.tree.results import ANYTHING, AT_ONCE, NEVER_ENDS, Below, Results
+from humanoid_bt.tree.results import ANYTHING, AT_ONCE, NEVER_ENDS, NOTHING, Below, Results
 
 
 class Facts:
@@ -24,6 +25,7 @@ class Facts:
     def __init__(self, root: Draft) -> None:
         self.problems: list[Problem] = []
         self._results: dict[int, Results] = {}
+        self._at_once: dict[int, Results] = {}
         self._commands: dict[int, tuple[str, ...]] = {}
         self._commanded: dict[int, frozenset[str]] = {}
         self._bounded: dict[int, bool] = {}
@@ -32,6 +34,10 @@ class Facts:
     def results(self, draft: Draft) -> Results:
         """Return what a node can answer; anything where a mistake leaves that open."""
         return self._results[id(draft)]
+
+    def at_once(self, draft: Draft) -> Results:
+        """Return what a node can answer without starting anything that runs; success and failure if it has mistakes."""
+        return self._at_once[id(draft)]
 
     def may_run(self, draft: Draft) -> bool:
         """Return whether a node can be RUNNING."""
@@ -55,6 +61,7 @@ class Facts:
             self._learn(child)
         key = id(draft)
         self._results[key] = self._results_of(draft)
+        self._at_once[key] = self._at_once_of(draft)
         self._commands[key] = self._commands_of(draft)
         self._commanded[key] = frozenset(self._commands[key]).union(*(self._commanded[id(child)] for child in below))
         self._bounded[key] = self._bounded_of(draft, below)
@@ -63,13 +70,26 @@ class Facts:
         node_type = draft.type
         if not getattr(node_type.cls, "ends", True):
             return NEVER_ENDS
+        if not getattr(node_type.cls, "runs", True):
+            return AT_ONCE
         declared = getattr(node_type.cls, "possible_results", None)
         if not draft.sound or not inspect.ismethod(declared):
             return AT_ONCE if node_type.kind == "condition" else ANYTHING
-        children = tuple(self._results[id(child)] for child in draft.children)
-        branches = {key: self._results[id(child)] for key, child in draft.below() if key}
-        results: Results = declared(node_type.complete(draft.values), Below(children, branches))
+        results: Results = declared(node_type.complete(draft.values), _below(draft, self._results))
         return results
+
+    def _at_once_of(self, draft: Draft) -> Results:
+        cls, results = draft.type.cls, self._results[id(draft)]
+        if Status.RUNNING not in results or not draft.sound:
+            return results & AT_ONCE
+        below = _below(draft, self._at_once)
+        declared = getattr(cls, "results_at_once", None)
+        if declared is None and (below.children or below.branches):
+            declared = getattr(cls, "possible_results", None)
+        if not inspect.ismethod(declared):
+            return NOTHING
+        found: Results = declared(draft.type.complete(draft.values), below)
+        return found & results & AT_ONCE
 
     def _commands_of(self, draft: Draft) -> tuple[str, ...]:
         if not draft.sound:
@@ -92,6 +112,12 @@ class Facts:
             for_ever = -1 in (draft.type.complete(draft.values).get(count) for count in ("attempts", "times"))
             return not for_ever and getattr(cls, "bounded", True) and all(self._bounded[id(child)] for child in below)
         return not waits_for_ever(draft, self)
+
+
+def _below(draft: Draft, results: Mapping[int, Results]) -> Below:
+    """Return what comes from below a node, if these are the results of the drafts there, by their ids."""
+    branches = {key: results[id(child)] for key, child in draft.below() if key}
+    return Below(tuple(results[id(child)] for child in draft.children), branches)
 
 
 def waits_for_ever(leaf: Draft, facts: Facts) -> bool:

@@ -23,8 +23,8 @@ _WIDTHS = {"m": "5 cm", "rad": "5 deg", "s": "100 ms", "m/s": "5 cm/s", "rad/s":
 def check_hysteresis(root: Draft, facts: Facts) -> Iterator[Problem]:
     """Return the thresholds on percepts without hysteresis that are checked again and again while something runs.
 
-    A condition that is checked once (a child of a composite with memory, while another child runs) needs none, nor
-    does ``wait_until``, which is over when it holds.
+    A condition that is asked once (a child of a ``sequence``, while another child runs) needs none, nor does
+    ``wait_until``, which is over when it holds.
     """
     yield from _flapping(root, facts, False)
 
@@ -38,7 +38,7 @@ def _flapping(draft: Draft, facts: Facts, again: bool) -> Iterator[Problem]:
             yield from _unsteady_expressions(draft, values)
         return
     runs = [facts.may_run(child) for _, child in draft.below()]
-    once = bool(values.get("memory")) or getattr(draft.type.cls, "one_way", False)
+    once = getattr(draft.type.cls, "one_way", False)
     if any(runs) and not once and draft.type.kind in ("composite", "decorator"):
         yield from _unsteady_expressions(draft, values)
     for index, (key, child) in enumerate(draft.below()):

@@ -12,8 +12,8 @@ from py_trees.behaviour import Behaviour
 from humanoid_bt.tree.node_type import Kind
 from humanoid_bt.tree.nodes.actions import Failure, Log, RaiseEmergencyStop, Running, Success, Wait, WaitUntil
 from humanoid_bt.tree.nodes.blackboard import ClearBlackboard, SetBlackboard
-from humanoid_bt.tree.nodes.branching import If, Switch
-from humanoid_bt.tree.nodes.composites import Selector, Sequence
+from humanoid_bt.tree.nodes.branching import If, ReactiveIf, ReactiveSwitch, Switch
+from humanoid_bt.tree.nodes.composites import ReactiveSelector, ReactiveSequence, Selector, Sequence
 from humanoid_bt.tree.nodes.conditions import Condition, Confident, Within
 from humanoid_bt.tree.nodes.decorators import Inverter, Repeat, Retry, Timeout
 from humanoid_bt.tree.nodes.guards import EmergencyStop, Watchdog
@@ -35,7 +35,11 @@ from humanoid_bt.tree.nodes.subtree import SubTree
 from humanoid_bt.tree.nodes.timing import Cooldown, Delay, MinDuration
 
 BUILTIN: dict[Kind, tuple[type[Behaviour], ...]] = {
-    "composite": (Sequence, Selector, Parallel, If, Switch),
+    "composite": (
+        *(Sequence, Selector, ReactiveSequence, ReactiveSelector),
+        Parallel,
+        *(If, Switch, ReactiveIf, ReactiveSwitch),
+    ),
     "decorator": (
         *(EmergencyStop, Watchdog),
         *(Inverter, ForceSuccess, ForceFailure),
@@ -79,6 +83,10 @@ __all__ = [
     "Parallel",
     "Precondition",
     "RaiseEmergencyStop",
+    "ReactiveIf",
+    "ReactiveSelector",
+    "ReactiveSequence",
+    "ReactiveSwitch",
     "Repeat",
     "Retry",
     "Running",

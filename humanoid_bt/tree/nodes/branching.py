@@ -1,4 +1,4 @@
-"""Composites that choose what runs: if, switch."""
+"""Composites that choose what runs, once or in every tick: if, switch, reactive_if, reactive_switch."""
 
 from __future__ import annotations
 
@@ -16,6 +16,7 @@ from humanoid_bt.tree.engine.ticking import FAILURE, INVALID, RUNNING, SUCCESS, 
 from humanoid_bt.tree.expressions.expression import Expression
 from humanoid_bt.tree.expressions.linking import Unseen, shown
 from humanoid_bt.tree.expressions.quantities import number, read_quantity, type_of
+from humanoid_bt.tree.nodes import elsewhere
 from humanoid_bt.tree.results import Below, Results
 from humanoid_bt.tree.slots import Slot, Takes
 
@@ -42,6 +43,7 @@ class Choice(Branch, py_trees.composites.Composite):
     ) -> None:
         self._choices = list(branches)
         super().__init__(name, [*([condition] if condition else []), *self._choices])
+        elsewhere.refuse_memory(self, values)
         assign(self, values)
         self.chosen: Behaviour | None = None
 
@@ -68,23 +70,16 @@ class Choice(Branch, py_trees.composites.Composite):
                 halt(branch, reason, seen)
 
 
-class If(Choice):
-    """Run `then` while a condition holds, else `else`; fail if it does not hold and there is no `else`.
-
-    The condition is checked in every tick: if it changes, the branch that runs is halted and the other one starts. If
-    it is a node that is RUNNING, so is the `if`, and neither branch runs. With `memory` the condition is checked up to
-    its first answer, and the branch then runs to its end.
-    """
+class _If(Choice):
+    """Runs the branch that its condition chooses; asks it in every tick."""
 
     branches: ClassVar[dict[str, Slot]] = {
         "condition": Slot("What decides: an expression or a node.", required=True, condition=True),
-        "then": Slot("What runs while it holds.", required=True),
-        "else": Slot("What runs while it does not; without it, fail."),
+        "then": Slot("What runs if it holds.", required=True),
+        "else": Slot("What runs if it does not; without it, fail."),
     }
     needs: ClassVar[dict[str, Status]] = {"then": SUCCESS, "else": FAILURE}
     """The condition's result with which a branch gets its turn."""
-
-    memory: bool = param(False, doc="Check the condition only at the start.")
 
     def __init__(
         self, name: str, condition: Behaviour, then: Behaviour, else_: Behaviour | None = None, **values: Any
@@ -104,8 +99,6 @@ class If(Choice):
 
     def advance(self, seen: Seen) -> Status:
         """Check the condition and tick the branch that it chooses."""
-        if self.chosen is not None and self.memory:
-            return tick(self.chosen, seen)
         status = tick(self.condition, seen)
         self.current_child = self.condition
         if status is RUNNING:
@@ -119,16 +112,34 @@ class If(Choice):
         return self.run(chosen, words, seen)
 
 
-class Switch(Choice):
-    """Run the case that has a value's name, else `default`; fail if there is neither.
+class If(_If):
+    """Run `then` if a condition holds, else `else`, to its end; fail if it does not hold and there is no `else`.
 
-    The value is computed in every tick: if it chooses another branch, the one that runs is halted and the other one
-    starts. With `memory` it is computed once and the branch then runs to its end. If it asks for a percept that was
-    never seen the node fails, and what runs is halted.
-
-    Cases are compared as they are written: `left` with a text, `true` and `false` with a truth value, `2` and `50 cm`
-    with a number, which must be equal.
+    The condition is asked up to its first answer, and no more while the branch runs: if it is a node that is RUNNING,
+    so is the `if`. To change the branch when the condition changes, use `reactive_if`.
     """
+
+    one_way: ClassVar[bool] = True
+    """Whether the condition decides once in a run of the node, so that it cannot flap."""
+
+    def advance(self, seen: Seen) -> Status:
+        """Go on with the branch that was chosen, or choose one."""
+        return super().advance(seen) if self.chosen is None else tick(self.chosen, seen)
+
+
+class ReactiveIf(_If):
+    """Run `then` while a condition holds, `else` while it does not; fail if there is no `else`.
+
+    The condition is asked in every tick: when it changes, the branch that runs is halted and the other one starts. If
+    it is a node that is RUNNING, so is the `reactive_if`, and neither branch runs.
+    """
+
+    goes_on: ClassVar[str] = "if"
+    """The type that goes on with what runs instead of asking again in every tick."""
+
+
+class _Switch(Choice):
+    """Runs the case of a value, which it computes in every tick."""
 
     branches: ClassVar[dict[str, Slot]] = {
         "cases": Slot("What runs, by value.", required=True, many=True),
@@ -136,7 +147,6 @@ class Switch(Choice):
     }
 
     value: Expression = param(doc="What decides.")
-    memory: bool = param(False, doc="Compute the value only at the start.")
 
     def __init__(
         self, name: str, cases: Mapping[str, Behaviour], default: Behaviour | None = None, **values: Any
@@ -156,6 +166,12 @@ class Switch(Choice):
         """Return the results of every branch, and FAILURE: it may find none."""
         return frozenset({FAILURE}).union(*below.branches.values())
 
+    @classmethod
+    def results_at_once(cls, _values: Mapping[str, Any], below: Below) -> Results:
+        """Return what every branch can answer at once, and FAILURE if there may be none."""
+        found = frozenset().union(*below.branches.values())
+        return found if "default" in below.branches else found | {FAILURE}
+
     def setup(self, **kwargs: Any) -> None:
         """Take ``robot``."""
         self.robot: Robot = kwargs["robot"]
@@ -168,8 +184,6 @@ class Switch(Choice):
 
     def advance(self, seen: Seen) -> Status:
         """Compute the value and tick the branch that it chooses."""
-        if self.chosen is not None and self.memory:
-            return tick(self.chosen, seen)
         try:
             value = self.value.evaluate(self.robot)
         except Unseen as unseen:
@@ -211,3 +225,30 @@ class Switch(Choice):
         if wanted.kind != "text" and not wanted.goes_with(kind):  # a text may look like a number
             raise ValueError(f"the case {text!r} is never chosen: {str(self.value)!r} is {wanted}")
         return None if found is None else found[0] if digits == text else -found[0]
+
+
+class Switch(_Switch):
+    """Run the case that has a value's name, else `default`, to its end; fail if there is neither.
+
+    The value is computed once, when the node starts; to change the branch when the value changes, use
+    `reactive_switch`. If it asks for a percept that was never seen the node fails.
+
+    Cases are compared as they are written: `left` with a text, `true` and `false` with a truth value, `2` and `50 cm`
+    with a number, which must be equal.
+    """
+
+    one_way: ClassVar[bool] = True
+
+    def advance(self, seen: Seen) -> Status:
+        """Go on with the branch that was chosen, or choose one."""
+        return super().advance(seen) if self.chosen is None else tick(self.chosen, seen)
+
+
+class ReactiveSwitch(_Switch):
+    """Run the case that has a value's name as long as it has it, else `default`; fail if there is neither.
+
+    The value is computed in every tick: if it chooses another branch, the one that runs is halted and the other one
+    starts. If it asks for a percept that was never seen the node fails, and what runs is halted.
+
+    Cases are compared as those of `switch`.
+    """

@@ -1,4 +1,4 @@
-"""Sequence and selector: reactive by default, with memory where a tree says so."""
+"""Sequence and selector: those that go on with the child that runs, and the reactive ones, which ask again."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ import py_trees
 from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
-from humanoid_bt.core.params import param
 from humanoid_bt.decision.assign import assign
 from humanoid_bt.tree.engine.ticking import FAILURE, INVALID, RUNNING, SUCCESS, Branch, Seen, halt, tick
+from humanoid_bt.tree.nodes import elsewhere
 from humanoid_bt.tree.results import Below, Results
 
 _DID = {SUCCESS: "succeeded", FAILURE: "failed", RUNNING: "runs"}
@@ -24,12 +24,15 @@ class _Ordered(Branch):
 
     passed: ClassVar[Status]
     """The status of a child with which the next one gets its turn."""
+    one_way: ClassVar[bool]
+    """Whether it goes on with the child that runs, and asks those before it no more in this run."""
 
-    memory: bool = param(False, doc="Go on at the RUNNING child instead of beginning with the first again.")
+    memory: bool  # py_trees' name of it, for its tools
 
     def __init__(self, name: str, children: SequenceOf[Behaviour], **values: Any) -> None:
         # py_trees' own composite, which comes next in the order of classes, takes these
-        super().__init__(name, memory=False, children=children)  # type: ignore[call-arg]
+        super().__init__(name, memory=self.one_way, children=children)  # type: ignore[call-arg]
+        elsewhere.refuse_memory(self, values)
         assign(self, values)
 
     @classmethod
@@ -63,12 +66,48 @@ class _Ordered(Branch):
 
 
 class Sequence(_Ordered, py_trees.composites.Sequence):
-    """Run the children in order while they succeed; fail with the first that fails."""
+    """Run the children in order, each to its end, while they succeed; fail with the first that fails.
+
+    A child that has succeeded is not asked again. To check what must go on holding, use `reactive_sequence`.
+    """
 
     passed = SUCCESS
+    one_way = True
 
 
 class Selector(_Ordered, py_trees.composites.Selector):
-    """Try the children in order until one succeeds or runs; fail if all fail."""
+    """Try the children in order, each to its end, until one succeeds; fail if all fail.
+
+    A child that has failed is not asked again. To try the first ones again while a later one runs, use
+    `reactive_selector`.
+    """
 
     passed = FAILURE
+    one_way = True
+
+
+class ReactiveSequence(_Ordered, py_trees.composites.Sequence):
+    """Ask the children in order in every tick, up to the first that does not succeed.
+
+    For conditions and what runs only while they hold: when one of them no longer succeeds, what runs behind it is
+    halted. A child that has run and succeeded starts again in the next tick; to do one thing after the other, use
+    `sequence`.
+    """
+
+    passed = SUCCESS
+    one_way = False
+    goes_on: ClassVar[str] = "sequence"
+    """The type that goes on with what runs instead of asking again in every tick."""
+
+
+class ReactiveSelector(_Ordered, py_trees.composites.Selector):
+    """Ask the children in order in every tick, up to the first that does not fail.
+
+    For what the robot does as soon as it can, and what it does otherwise: when an earlier child no longer fails, what
+    runs behind it is halted. A child that has run and failed starts again in the next tick; to try one thing after the
+    other, use `selector`.
+    """
+
+    passed = FAILURE
+    one_way = False
+    goes_on: ClassVar[str] = "selector"

@@ -65,6 +65,11 @@ class Retry(Decorator):
         """Return the child's results; a failure that is tried again is RUNNING."""
         return _again(below.child, FAILURE, values["attempts"])
 
+    @classmethod
+    def results_at_once(cls, values: Mapping[str, Any], below: Below) -> Results:
+        """Return the child's, but for a failure that is tried again."""
+        return below.child if values["attempts"] == 1 else below.child - {FAILURE}
+
     def initialise(self) -> None:
         """Start to count."""
         self._failures = 0
@@ -95,6 +100,11 @@ class Repeat(Decorator):
     def possible_results(cls, values: Mapping[str, Any], below: Below) -> Results:
         """Return the child's results; a success after which it runs again is RUNNING."""
         return _again(below.child, SUCCESS, values["times"])
+
+    @classmethod
+    def results_at_once(cls, values: Mapping[str, Any], below: Below) -> Results:
+        """Return the child's, but for a success after which it runs again."""
+        return below.child if values["times"] == 1 else below.child - {SUCCESS}
 
     def initialise(self) -> None:
         """Start to count."""

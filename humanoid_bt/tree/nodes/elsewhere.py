@@ -1,11 +1,13 @@
-"""What nodes of py_trees and BehaviorTree.CPP are called here."""
+"""What nodes of py_trees and BehaviorTree.CPP, and py_trees' parameter ``memory``, are called here."""
 
 from __future__ import annotations
 
-from collections.abc import Container
+from collections.abc import Container, Mapping
 from dataclasses import dataclass
 
-from humanoid_bt.decision.skill import snake_case
+from py_trees.behaviour import Behaviour
+
+from humanoid_bt.decision.skill import node_type_name, snake_case
 
 PY_TREES, CPP = "py_trees", "BehaviorTree.CPP"
 
@@ -34,8 +36,8 @@ def _cpp(names: str, here: str) -> Foreign:
 
 
 FOREIGN = (
-    Foreign(f"{PY_TREES} and {CPP}", ("Sequence",), "`sequence`; it is reactive unless it has `memory: true`"),
-    _py_trees("Selector", "`selector`; it is reactive unless it has `memory: true`"),
+    Foreign(f"{PY_TREES} and {CPP}", ("Sequence",), "`sequence`; py_trees' with memory=False is `reactive_sequence`"),
+    _py_trees("Selector", "`selector`; with memory=False it is `reactive_selector`"),
     _py_trees("Parallel", "`parallel`; `success: all` is SuccessOnAll, `success: one` is SuccessOnOne"),
     _py_trees("OneShot", "`once`; its `policy` is `completion` or `success`"),
     _py_trees("EternalGuard", "`guard`; a condition that is RUNNING keeps the child from running"),
@@ -57,21 +59,25 @@ FOREIGN = (
     _py_trees("WaitForBlackboardVariable", "`wait_until: is_set(key)`"),
     _py_trees("WaitForBlackboardVariableValue", "`wait_until: key == 'value'`"),
     _py_trees("BlackboardToStatus", "`switch` on the key, with `success`, `failure` and `running` as cases"),
-    _py_trees("EitherOr", "`if`, or `switch` for more than two"),
+    _py_trees("EitherOr", "`if`, or `switch` for more than two; like it they keep to what they chose"),
     _py_trees("PickUpWhereYouLeftOff", "`sequence` with each child below `once: {policy: success}`"),
-    _cpp("AsyncSequence", "`sequence` with `memory: true`"),
-    _cpp("Fallback AsyncFallback", "`selector` with `memory: true`; `fallback` is another name of it"),
-    _cpp("ReactiveSequence", "`sequence`; it is reactive unless it has `memory: true`"),
-    _cpp("ReactiveFallback", "`selector`; it is reactive unless it has `memory: true`"),
+    _cpp("AsyncSequence", "`sequence`; the next child starts in the same tick"),
+    _cpp("Fallback", "`selector`; `fallback` is another name of it"),
+    _cpp("AsyncFallback", "`selector`; the next child starts in the same tick"),
+    _cpp("ReactiveSequence", "`reactive_sequence`"),
+    _cpp("ReactiveFallback", "`reactive_selector`; `reactive_fallback` is another name of it"),
     _cpp(
         "SequenceWithMemory SequenceStar",
-        "`sequence` with `memory: true`; after a failure it begins with the first child, unless each is below `once`",
+        "`sequence`; after a failure it begins with the first child, unless each is below `once`",
     ),
-    _cpp("FallbackStar", "`selector` with `memory: true`"),
+    _cpp("FallbackStar", "`selector`"),
     _cpp("ParallelAll", "`parallel` with `success: all` and a threshold `failure`; it ends when that is reached"),
-    _cpp("IfThenElse", "`if` with `memory: true`, keys `condition`, `then`, `else`"),
-    _cpp("WhileDoElse", "`if`, keys `condition`, `then`, `else`; the condition is checked in every tick"),
-    _cpp("Switch2 Switch3 Switch4 Switch5 Switch6", "`switch`, keys `value`, `cases` and `default`"),
+    _cpp("IfThenElse", "`if`, keys `condition`, `then`, `else`"),
+    _cpp("WhileDoElse", "`reactive_if`, keys `condition`, `then`, `else`"),
+    _cpp(
+        "Switch2 Switch3 Switch4 Switch5 Switch6",
+        "`reactive_switch`, keys `value`, `cases`, `default`; `switch` chooses once",
+    ),
     _cpp("TryCatch", "`selector`; `on_error` is for exceptions"),
     _cpp("ManualSelector", "nothing; `switch` on a parameter, which `--set` gives"),
     _cpp("Negate", "`inverter`"),
@@ -111,6 +117,40 @@ def hint(name: str, types: Container[str]) -> str:
     if ours in types and not found:
         return f"here it is written {ours!r}"
     return "; ".join(f"{name} ({foreign.library}) is here: {foreign.here.replace('`', '')}" for foreign in found)
+
+
+_REACTIVE = "reactive_"
+_IN_TWO_TYPES = ("sequence", "selector", "if", "switch")
+"""Node types that go on with what runs, each with one beside it that asks again in every tick."""
+
+
+def hint_for_memory(type_name: str, value: object) -> str:
+    """Return what does here what py_trees' parameter ``memory`` does, "" if the node type has nothing to do with it.
+
+    Args:
+        type_name: the node type that was given the parameter.
+        value: its value; what is neither True nor False is not known yet.
+    """
+    plain = type_name.removeprefix(_REACTIVE)
+    reactive = _REACTIVE + plain
+    if plain not in _IN_TWO_TYPES:
+        return ""
+    if not isinstance(value, bool):
+        return f"{plain!r} goes on with what runs, {reactive!r} asks again in every tick"
+    wanted, does = (plain, "goes on with what runs") if value else (reactive, "asks again in every tick")
+    return f"leave it out: {wanted!r} {does}" if wanted == type_name else f"use {wanted!r}, which {does}"
+
+
+def refuse_memory(node: Behaviour, values: Mapping[str, object]) -> None:
+    """Answer py_trees' parameter ``memory`` where a node is made in Python.
+
+    Raises:
+        TypeError: it is among the values.
+    """
+    if "memory" in values:
+        owner = type(node)
+        hint = hint_for_memory(node_type_name(owner), values["memory"])
+        raise TypeError(f"{owner.__name__} has no parameter 'memory': {hint}")
 
 
 def _letters(name: str) -> str:

@@ -13,7 +13,7 @@ from humanoid_bt.core.params import param
 from humanoid_bt.decision.blackboard import Key
 from humanoid_bt.tree.engine.ticking import RUNNING, SUCCESS, Seen, tick
 from humanoid_bt.tree.nodes.decorators import Decorator
-from humanoid_bt.tree.results import Below, Results
+from humanoid_bt.tree.results import SUCCEEDS, Below, Results
 
 
 class ForEach(Decorator):
@@ -37,6 +37,13 @@ class ForEach(Decorator):
     def possible_results(cls, _values: Mapping[str, Any], below: Below) -> Results:
         """Return the child's results, RUNNING between two items, and SUCCESS of an empty list."""
         return below.child | {SUCCESS, RUNNING}
+
+    @classmethod
+    def results_at_once(cls, values: Mapping[str, Any], below: Below) -> Results:
+        """Return the child's, but for a success after which there are more items."""
+        if not values["items"]:
+            return SUCCEEDS
+        return below.child if len(values["items"]) == 1 else below.child - {SUCCESS}
 
     def initialise(self) -> None:
         """Begin with the first item."""

@@ -35,6 +35,11 @@ class OnError(Decorator, Catcher):
         """Return the child's results, and FAILURE: it may raise."""
         return below.child | {FAILURE}
 
+    @classmethod
+    def results_at_once(cls, _values: Mapping[str, Any], below: Below) -> Results:
+        """Return the child's: nothing counts on an exception."""
+        return below.child
+
     def advance(self, seen: Seen) -> Status:
         """Tick the child; fail if anything below raises."""
         try:

@@ -13,7 +13,7 @@ from py_trees.common import ParallelPolicy, Status
 from humanoid_bt.core.params import param
 from humanoid_bt.decision.assign import assign
 from humanoid_bt.tree.engine.ticking import FAILURE, RUNNING, SUCCESS, Branch, Seen, halt, tick
-from humanoid_bt.tree.results import Below, Results
+from humanoid_bt.tree.results import NOTHING, Below, Results
 
 Threshold = Literal["all", "one"] | int
 
@@ -49,6 +49,11 @@ class Parallel(Branch, py_trees.composites.Parallel):
         if sum(FAILURE in child for child in children) >= failures or (all_can_end and too_few):
             found.add(FAILURE)
         return frozenset(found)
+
+    @classmethod
+    def results_at_once(cls, values: Mapping[str, Any], below: Below) -> Results:
+        """Return what the children's add up to, if all can answer at once: it starts every one."""
+        return cls.possible_results(values, below) if all(below.children) else NOTHING
 
     def setup(self, **kwargs: Any) -> None:
         """Nothing to set up: the thresholds were checked when the node was made."""

@@ -97,6 +97,9 @@ class Guard(Conditional):
     its child is halted: nothing runs whose guard is in doubt.
     """
 
+    goes_on: ClassVar[str] = "precondition"
+    """The type that goes on with what runs instead of asking again in every tick."""
+
 
 class While(Conditional):
     """Run the child again and again while a condition holds, then succeed; fail when the child fails.

@@ -21,7 +21,7 @@ from humanoid_bt.tree.node_type import NODE_KEYS, Kind, NodeType
 from humanoid_bt.tree.nodes import BUILTIN, elsewhere
 from humanoid_bt.tree.slots import Takes
 
-ALIASES = {"fallback": "selector"}
+ALIASES = {"fallback": "selector", "reactive_fallback": "reactive_selector"}
 """Other names of built-in node types, for files that come from elsewhere."""
 
 _TAKES: dict[str, Takes] = {"composite": "many", "decorator": "one"}

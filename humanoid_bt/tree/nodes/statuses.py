@@ -12,7 +12,7 @@ from humanoid_bt.core.params import param
 from humanoid_bt.decision.blackboard import Key
 from humanoid_bt.tree.engine.ticking import FAILURE, INVALID, RUNNING, SUCCESS, Seen, tick
 from humanoid_bt.tree.nodes.decorators import Decorator
-from humanoid_bt.tree.results import Below, Results
+from humanoid_bt.tree.results import AT_ONCE, SUCCEEDS, Below, Results
 
 
 class Converter(Decorator):
@@ -99,6 +99,11 @@ class Once(Decorator):
     def possible_results(cls, _values: Mapping[str, Any], below: Below) -> Results:
         """Return the child's results."""
         return below.child
+
+    @classmethod
+    def results_at_once(cls, values: Mapping[str, Any], below: Below) -> Results:
+        """Return what it keeps, and what the child can answer at once."""
+        return AT_ONCE if values["policy"] == "completion" else SUCCEEDS | below.child
 
     def advance(self, seen: Seen) -> Status:
         """Tick the child unless there is a result."""

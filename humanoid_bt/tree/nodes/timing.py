@@ -13,7 +13,7 @@ from humanoid_bt.core.params import param
 from humanoid_bt.decision.robot import Robot
 from humanoid_bt.tree.engine.ticking import FAILURE, INVALID, RUNNING, Seen, tick
 from humanoid_bt.tree.nodes.decorators import TIME_TOLERANCE, Decorator
-from humanoid_bt.tree.results import Below, Results
+from humanoid_bt.tree.results import NOTHING, Below, Results
 
 
 class Timed(Decorator):
@@ -42,6 +42,11 @@ class Delay(Timed):
     def possible_results(cls, _values: Mapping[str, Any], below: Below) -> Results:
         """Return the child's results, and RUNNING while it waits."""
         return below.child | {RUNNING}
+
+    @classmethod
+    def results_at_once(cls, _values: Mapping[str, Any], _below: Below) -> Results:
+        """Return nothing: it takes its time."""
+        return NOTHING
 
     def initialise(self) -> None:
         """Start to measure."""
@@ -110,6 +115,11 @@ class MinDuration(Timed):
     def possible_results(cls, _values: Mapping[str, Any], below: Below) -> Results:
         """Return the child's results, and RUNNING until the time is over."""
         return below.child | {RUNNING}
+
+    @classmethod
+    def results_at_once(cls, _values: Mapping[str, Any], _below: Below) -> Results:
+        """Return nothing: it takes its time."""
+        return NOTHING
 
     def initialise(self) -> None:
         """Start to measure."""

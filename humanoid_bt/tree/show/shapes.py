@@ -4,9 +4,11 @@ from __future__ import annotations
 
 _ARROW = "h10m-4 -4l4 4l-4 4"
 
+_SEQUENCE, _SELECTOR = f"M-5 0{_ARROW}", "M-3 -3a3 3 0 1 1 4.5 2.6q-1.5 .8 -1.5 2.4m0 2.6v1"
+
 SIGNS = {
-    "sequence": f"M-5 0{_ARROW}",
-    "selector": "M-3 -3a3 3 0 1 1 4.5 2.6q-1.5 .8 -1.5 2.4m0 2.6v1",
+    **dict.fromkeys(("sequence", "reactive_sequence"), _SEQUENCE),
+    **dict.fromkeys(("selector", "reactive_selector"), _SELECTOR),
     "parallel": f"M-5 -3{_ARROW.replace('4', '3')}M-5 4{_ARROW.replace('4', '3')}",
 }
 """Node type -> what is drawn around the origin before its name: the field's signs for these types."""

@@ -183,8 +183,7 @@ class Reader:
                 hint = "children stand in a list: - first: ..."
                 self._broken(draft, message, body.key_places[key], hint, "extra-child")
             else:
-                message = f"unknown parameter {key!r} of {name!r}"
-                self._broken(draft, message, body.key_places[key], nearest(key, known), "unknown-parameter")
+                self._values.unknown(draft, body, key, known)
         children = body.value.get("children")
         if children is None or children.value is None or children.value == []:
             place = children.place if children else draft.place

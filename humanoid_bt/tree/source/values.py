@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import typing
+from collections.abc import Sequence
 from typing import Any
 
 from humanoid_bt.core.errors import Problem, UserError, nearest
@@ -14,6 +15,7 @@ from humanoid_bt.tree.draft import Draft
 from humanoid_bt.tree.expressions.expression import Expression
 from humanoid_bt.tree.expressions.quantities import ANYTHING, Type, type_of
 from humanoid_bt.tree.expressions.template import Template, expressions_of
+from humanoid_bt.tree.nodes import elsewhere
 from humanoid_bt.tree.source.file import check_name
 from humanoid_bt.tree.source.parameters import Parameter, reference
 from humanoid_bt.tree.source.scope import Scope
@@ -54,9 +56,7 @@ class ValueReader:
                     if value.place != item.place:
                         draft.given_places[key] = value.place
             elif node_type.takes == "none" and key not in node_type.branches:
-                hint = nearest(key, [*node_type.params, *node_type.branches, "name"])
-                message = f"unknown parameter {key!r} of {node_type.type_name!r}"
-                self._problems.append(Problem(message, body.key_places[key], hint, "unknown-parameter"))
+                self.unknown(draft, body, key, [*node_type.params, *node_type.branches, "name"])
         values, problems = read_values(wanted, Item(given, draft.place), repr(node_type.type_name))
         self._problems += [self._scope.parameters.explain(problem) for problem in problems]
         for key, value in values.items():
@@ -68,6 +68,24 @@ class ValueReader:
                 draft.values[key] = value
                 for expression in expressions_of(value):
                     self._scope.add(expression)
+
+    def unknown(self, draft: Draft, body: Item, key: str, known: Sequence[str]) -> None:
+        """Note that a node has no such parameter.
+
+        Args:
+            draft: the node's.
+            body: what stands behind the node's type, as a mapping.
+            key: what is no parameter.
+            known: what would be valid.
+        """
+        draft.sound = False
+        name, item = draft.type.type_name, body.value[key]
+        hint = nearest(key, known)
+        if key == "memory" and (meant := elsewhere.hint_for_memory(name, item.value)):
+            self._scope.parameters.skim(item)  # a parameter that is given to it is not unused, too
+            hint = meant
+        message = f"unknown parameter {key!r} of {name!r}"
+        self._problems.append(Problem(message, body.key_places[key], hint, "unknown-parameter"))
 
     def _name(self, draft: Draft, item: Item) -> None:
         try:

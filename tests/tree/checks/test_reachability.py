@@ -11,6 +11,8 @@ NEVER = [
     ("selector: [idle, act]", "'act' is never ticked: 'idle' before it never ends"),
     ("sequence: [idle, act]", "'act' is never ticked: 'idle' before it never ends"),
     ("fallback: [act, idle, act, look]", "'act' is never ticked, nor 1 more behind it: 'idle' before it never ends"),
+    ("reactive_selector: [idle, act]", "'act' is never ticked: 'idle' before it never ends"),
+    ("reactive_sequence: [failure, act]", "'act' is never ticked: 'failure' before it always fails"),
     ("selector: [{wait: 1 s}, act]", "'wait' before it never fails"),
     ("selector: [{set_blackboard: {key: k, value: 1}}, act]", "'set_blackboard' before it always succeeds"),
     ("selector: [{condition: 1 < 2}, act]", "'condition' before it always succeeds"),
@@ -23,6 +25,10 @@ NEVER = [
     ("selector: [{if: {condition: state.standing, then: {wait: 1}, else: idle}}, act]", "'if' before it never fails"),
     ("if: {condition: 'true', then: act, else: look}", "'else' of 'if' is never ticked: its condition always succeeds"),
     ("if: {condition: 'false', then: act, else: look}", "'then' of 'if' is never ticked: its condition always fails"),
+    (
+        "reactive_if: {condition: 'true', then: act, else: look}",
+        "'else' of 'reactive_if' is never ticked: its condition always succeeds",
+    ),
     ("if: {condition: {inverter: idle}, then: act}", "'then' of 'if' is never ticked: its condition never ends"),
 ]
 

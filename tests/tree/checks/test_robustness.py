@@ -17,17 +17,19 @@ def below(root: str) -> str:
 @pytest.mark.parametrize(
     "root",
     [
-        f"sequence: [{{{NEAR}}}, act]",
-        f"selector: [{{{NEAR}}}, act]",
-        f"selector: [{{sequence: [{{{NEAR}}}, look]}}, idle]",
-        f"selector: [{{inverter: {{{NEAR}}}}}, idle]",
-        f"sequence: [{{selector: {{memory: true, children: [act, {{{NEAR}}}]}}}}, act]",
-        "if: {condition: distance(p) < 1 m, then: act}",
-        "if: {condition: 1 > distance(p), then: look, else: act}",
-        "sequence: [{condition: state.standing and distance(p) < 1 m}, act]",
-        "sequence: [{confident: {percept: p, above: 0.6, hysteresis: 0}}, act]",
-        "sequence: [{within: {percept: p, distance: 1, hysteresis: 0 cm}}, act]",
-        "sequence: [{within: {percept: p, distance: 1, bearing: 1, bearing_hysteresis: 0}}, act]",
+        f"reactive_sequence: [{{{NEAR}}}, act]",
+        f"reactive_selector: [{{{NEAR}}}, act]",
+        f"reactive_selector: [{{reactive_sequence: [{{{NEAR}}}, look]}}, idle]",
+        f"reactive_selector: [{{sequence: [{{set_blackboard: {{key: k, value: 1}}}}, {{{NEAR}}}]}}, idle]",
+        f"reactive_selector: [{{inverter: {{{NEAR}}}}}, idle]",
+        f"reactive_sequence: [{{selector: [act, {{{NEAR}}}]}}, act]",
+        "reactive_if: {condition: distance(p) < 1 m, then: act}",
+        "reactive_if: {condition: 1 > distance(p), then: look, else: act}",
+        "reactive_switch: {value: distance(p) < 1 m, cases: {'true': act}}",
+        "reactive_sequence: [{condition: state.standing and distance(p) < 1 m}, act]",
+        "reactive_sequence: [{confident: {percept: p, above: 0.6, hysteresis: 0}}, act]",
+        "reactive_sequence: [{within: {percept: p, distance: 1, hysteresis: 0 cm}}, act]",
+        "reactive_sequence: [{within: {percept: p, distance: 1, bearing: 1, bearing_hysteresis: 0}}, act]",
     ],
 )
 def test_a_threshold_that_is_checked_while_something_runs_needs_hysteresis(workspace: Workspace, root: str) -> None:
@@ -38,16 +40,17 @@ def test_a_threshold_that_is_checked_while_something_runs_needs_hysteresis(works
 @pytest.mark.parametrize(
     "root",
     [
-        "sequence: [{condition: distance(p) < 1 m hysteresis 5 cm}, act]",
-        "sequence: [{condition: seen(p)}, act]",
-        "sequence: [{condition: state.time < 5 s}, act]",
-        "sequence: [{confident: {percept: p, above: 0.6}}, {within: {percept: p, distance: 1, bearing: 1}}, act]",
-        "sequence: [{within: {percept: p, distance: 1, bearing_hysteresis: 0}}, act]",
-        f"sequence: {{memory: true, children: [{{{NEAR}}}, act]}}",
-        f"sequence: {{memory: true, children: [{{inverter: {{{NEAR}}}}}, act]}}",
-        "if: {memory: true, condition: distance(p) < 1 m, then: act}",
-        f"sequence: [act, {{{NEAR}}}]",
-        f"sequence: [{{{NEAR}}}, {{set_blackboard: {{key: k, value: 1}}}}]",
+        "reactive_sequence: [{condition: distance(p) < 1 m hysteresis 5 cm}, act]",
+        "reactive_sequence: [{condition: seen(p)}, act]",
+        "reactive_sequence: [{condition: state.time < 5 s}, act]",
+        "reactive_sequence: [{confident: {percept: p, above: 0.6}}, {within: {percept: p, distance: 1}}, act]",
+        "reactive_sequence: [{within: {percept: p, distance: 1, bearing_hysteresis: 0}}, act]",
+        f"sequence: [{{{NEAR}}}, act]",
+        f"selector: [{{inverter: {{{NEAR}}}}}, act]",
+        "if: {condition: distance(p) < 1 m, then: act}",
+        "switch: {value: distance(p) < 1 m, cases: {'true': act}}",
+        f"reactive_sequence: [act, {{{NEAR}}}]",
+        f"reactive_sequence: [{{{NEAR}}}, {{set_blackboard: {{key: k, value: 1}}}}]",
         f"parallel: [{{{NEAR}}}, act]",
         f"retry: {{attempts: -1, {NEAR}}}",
         "timeout: {duration: 9 s, wait_until: distance(p) < 1 m}",
@@ -66,12 +69,14 @@ def test_the_hint_is_the_condition_with_hysteresis(workspace: Workspace) -> None
         "state.standing and 1 m >= p.distance": "1 m >= ... hysteresis 5 cm",
     }
     for text, hint in hints.items():
-        (warning,) = load(workspace, below(f"sequence: [{{condition: '{text}'}}, act]")).warnings
+        (warning,) = load(workspace, below(f"reactive_sequence: [{{condition: '{text}'}}, act]")).warnings
         assert (warning.hint, warning.severity) == (hint, "warning")
-        assert warning.place is not None and (warning.place.line, warning.place.column) == (2, 83)
-    (warning,) = load(workspace, below("sequence: [{confident: {percept: p, above: 1, hysteresis: 0}}, act]")).warnings
+        assert warning.place is not None and (warning.place.line, warning.place.column) == (2, 92)
+    (warning,) = load(
+        workspace, below("reactive_sequence: [{confident: {percept: p, above: 1, hysteresis: 0}}, act]")
+    ).warnings
     assert warning.hint == "hysteresis: 0.1"
-    assert warning.place is not None and (warning.place.line, warning.place.column) == (2, 118)
+    assert warning.place is not None and (warning.place.line, warning.place.column) == (2, 127)
 
 
 WALK = "approach: {target: p}"

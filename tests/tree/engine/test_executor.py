@@ -41,7 +41,7 @@ def test_only_changes_are_told_and_with_the_time_of_the_tick(workspace: Workspac
 def test_the_preempted_owner_of_a_resource_loses_it_within_the_tick(workspace: Workspace) -> None:
     taken = run(
         workspace,
-        "{emergency_stop: {selector: [{sequence: [{inverter: {act: {script: ssf}}}, {idle: {name: new}}]}, "
+        "{emergency_stop: {reactive_selector: [{sequence: [{inverter: {act: {script: ssf}}}, {idle: {name: new}}]}, "
         "{idle: {name: old}}]}}",
     )
     assert taken.tick().sources["gaze"].endswith("/old")
@@ -106,7 +106,7 @@ def test_a_node_that_raises_when_halted_does_not_keep_others_from_being_halted(w
 
 
 def test_a_node_that_raises_when_preempted_is_told_once(workspace: Workspace) -> None:
-    broken = run(workspace, "{selector: [{act: {script: fs}}, {parallel: [bad_end, {act: {name: other}}]}]}")
+    broken = run(workspace, "{reactive_selector: [{act: {script: fs}}, {parallel: [bad_end, {act: {name: other}}]}]}")
     broken.tick()
     with pytest.raises(NodeError) as caught:
         broken.tick()
@@ -159,8 +159,9 @@ def test_the_same_inputs_give_the_same_changes(workspace: Workspace) -> None:
     def trace() -> list[str]:
         under_test = run(
             workspace,
-            "{emergency_stop: {watchdog: {percept: target, max_age: 0.3, on_stale: idle, selector: "
-            "[{sequence: [{confident: {percept: target, above: 0.6}}, {approach: {target: target}}]}, idle]}}}",
+            "{emergency_stop: {watchdog: {percept: target, max_age: 0.3, on_stale: idle, "
+            "reactive_selector: [{reactive_sequence: [{confident: {percept: target, above: 0.6}}, "
+            "{approach: {target: target}}]}, idle]}}}",
         )
         lines: list[str] = []
         for step in range(30):
@@ -173,13 +174,13 @@ def test_the_same_inputs_give_the_same_changes(workspace: Workspace) -> None:
 
 
 def test_children_of_a_branch_that_raises_are_told_before_it(workspace: Workspace) -> None:
-    choice = "{switch: {value: n, cases: {0: running}}}"
+    choice = "{reactive_switch: {value: n, cases: {0: running}}}"
     root = f"{{parallel: {{failure: all, children: [{choice}, {{clear_blackboard: n}}]}}}}"
     under_test = Run(load(workspace, f"blackboard: {{n: 0}}\nroot: {root}\n"))
     under_test.tick()
     with pytest.raises(NodeError, match="'n' is read before anything has written it"):
         under_test.tick()
-    names = ["running", "switch", "clear_blackboard", "parallel"]
+    names = ["running", "reactive_switch", "clear_blackboard", "parallel"]
     assert under_test.told() == [(name, "INVALID") for name in names]
 
 

@@ -58,8 +58,8 @@ def leaf(rng: random.Random, caught: bool) -> str:
 
 def sequence(rng: random.Random, depth: int, caught: bool) -> str:
     """Return a random sequence or selector."""
-    kind, memory = rng.choice(["sequence", "selector"]), rng.choice(["true", "false"])
-    return f"{{{kind}: {{memory: {memory}, children: [{children(rng, depth, caught)}]}}}}"
+    kind = rng.choice(["sequence", "selector", "reactive_sequence", "reactive_selector"])
+    return f"{{{kind}: [{children(rng, depth, caught)}]}}"
 
 
 def parallel(rng: random.Random, depth: int, caught: bool) -> str:
@@ -87,14 +87,14 @@ def condition(rng: random.Random, depth: int, caught: bool) -> str:
 
 
 def choice(rng: random.Random, depth: int, caught: bool) -> str:
-    """Return a random ``if`` or ``switch``."""
-    memory = f"memory: {rng.choice(['true', 'false'])}"
+    """Return a random ``if`` or ``switch``, reactive or not."""
+    reactive = rng.choice(["", "reactive_"])
     one, two = (random_tree(rng, depth, caught) for _ in range(2))
     if rng.random() < 0.5:
         otherwise = f", else: {two}" if rng.random() < 0.7 else ""
-        return f"{{if: {{{memory}, condition: {condition(rng, depth, caught)}, then: {one}{otherwise}}}}}"
+        return f"{{{reactive}if: {{condition: {condition(rng, depth, caught)}, then: {one}{otherwise}}}}}"
     default = f", default: {random_tree(rng, depth, caught)}" if rng.random() < 0.5 else ""
-    return f"{{switch: {{{memory}, value: {KEY}, cases: {{running: {one}, success: {two}}}{default}}}}}"
+    return f"{{{reactive}switch: {{value: {KEY}, cases: {{running: {one}, success: {two}}}{default}}}}}"
 
 
 def children(rng: random.Random, depth: int, caught: bool) -> str:

@@ -10,11 +10,11 @@ from tests.tree.helpers import make_state, run
 
 NESTED = """
 emergency_stop:
-  selector:
+  reactive_selector:
     - inverter: {act: {name: switch, script: ssf}}
     - retry:
         attempts: 3
-        sequence:
+        reactive_sequence:
           - act: {name: done, script: s}
           - parallel: [{act: {name: left}}, {timeout: {duration: 9, act: {name: right}}}]
           - act: {name: never}
@@ -31,7 +31,7 @@ def test_halt_reaches_each_running_node_once_children_first_and_no_other(workspa
     nested.tick()  # the switch fails, so its inverter succeeds and preempts the rest
     assert nested.log == [("start", "switch"), ("FAILURE", "switch"), ("INVALID", "left"), ("INVALID", "right")]
     told = [name for name, status in nested.told() if status == "INVALID"]
-    assert told == ["done", "left", "right", "timeout", "parallel", "sequence", "retry"]
+    assert told == ["done", "left", "right", "timeout", "parallel", "reactive_sequence", "retry"]
 
 
 def test_the_reason_of_a_halt_is_known_to_the_skill_and_told(workspace: Workspace) -> None:

@@ -4,6 +4,7 @@ import pytest
 
 from humanoid_bt.core.errors import UserError
 from humanoid_bt.files.workspace import Workspace
+from humanoid_bt.tree.nodes import If, Success
 from tests.tree.helpers import Run, load, run, seen
 
 THEN_ELSE = "then: {act: {name: a, script: rrrs}}, else: {act: {name: b, script: rrrs}}"
@@ -18,40 +19,40 @@ def unwatched(workspace: Workspace, root: str) -> Run:
 # ---- if ------------------------------------------------------------------------------------------------------------
 
 
-def test_if_halts_the_branch_that_no_longer_holds(workspace: Workspace) -> None:
-    choice = run(workspace, f"{{if: {{condition: state.time < 0.15, {THEN_ELSE}}}}}")
+def test_reactive_if_halts_the_branch_that_no_longer_holds(workspace: Workspace) -> None:
+    choice = run(workspace, f"{{reactive_if: {{condition: state.time < 0.15, {THEN_ELSE}}}}}")
     assert choice.ticks(3) == "rrr"
     assert choice.log == [("start", "a"), ("INVALID", "a"), ("start", "b")]
     assert choice.told() == [("condition", "FAILURE"), ("a", "INVALID"), ("b", "RUNNING")]
 
 
-def test_if_without_else_fails_and_halts(workspace: Workspace) -> None:
-    choice = run(workspace, "{if: {condition: state.time < 0.15, then: act}}")
+def test_reactive_if_without_else_fails_and_halts(workspace: Workspace) -> None:
+    choice = run(workspace, "{reactive_if: {condition: state.time < 0.15, then: act}}")
     assert choice.ticks(3) == "rrf"
     assert choice.log == [("start", "act"), ("INVALID", "act")]
 
 
-def test_if_with_memory_asks_once(workspace: Workspace) -> None:
-    choice = run(workspace, f"{{if: {{memory: true, condition: state.time < 0.15, {THEN_ELSE}}}}}")
+def test_if_asks_once(workspace: Workspace) -> None:
+    choice = run(workspace, f"{{if: {{condition: state.time < 0.15, {THEN_ELSE}}}}}")
     assert choice.ticks(5) == "rrrsr"
     assert choice.log == [("start", "a"), ("SUCCESS", "a"), ("start", "b")]
 
 
-def test_neither_branch_of_an_if_runs_while_its_condition_runs(workspace: Workspace) -> None:
-    choice = run(workspace, f"{{if: {{condition: {{act: {{name: c, script: srrf}}}}, {THEN_ELSE}}}}}")
+def test_neither_branch_runs_while_the_condition_runs(workspace: Workspace) -> None:
+    choice = run(workspace, f"{{reactive_if: {{condition: {{act: {{name: c, script: srrf}}}}, {THEN_ELSE}}}}}")
     assert choice.ticks(4) == "rrrr"
     assert choice.log[:4] == [("start", "c"), ("SUCCESS", "c"), ("start", "a"), ("start", "c")]
     assert choice.log[4:] == [("INVALID", "a"), ("FAILURE", "c"), ("start", "b")]
 
 
-def test_if_with_memory_waits_for_the_answer_of_its_condition(workspace: Workspace) -> None:
-    choice = run(workspace, f"{{if: {{memory: true, condition: {{act: {{name: c, script: rrsf}}}}, {THEN_ELSE}}}}}")
+def test_if_waits_for_the_answer_of_its_condition(workspace: Workspace) -> None:
+    choice = run(workspace, f"{{if: {{condition: {{act: {{name: c, script: rrsf}}}}, {THEN_ELSE}}}}}")
     assert choice.ticks(6) == "rrrrrs"
     assert [name for event, name in choice.log if event == "start"] == ["c", "a"]
 
 
 def test_a_halted_if_halts_the_branch_that_runs_and_chooses_anew(workspace: Workspace) -> None:
-    choice = run(workspace, f"{{if: {{memory: true, condition: state.time < 0.15, {THEN_ELSE}}}}}")
+    choice = run(workspace, f"{{if: {{condition: state.time < 0.15, {THEN_ELSE}}}}}")
     choice.ticks(2)
     choice.halt()
     assert choice.told() == [("condition", "INVALID"), ("a", "INVALID"), ("if", "INVALID")]
@@ -60,9 +61,11 @@ def test_a_halted_if_halts_the_branch_that_runs_and_chooses_anew(workspace: Work
 
 
 def test_an_error_in_a_condition_halts_the_branch_that_runs(workspace: Workspace) -> None:
-    choice = run(workspace, "{on_error: {if: {condition: {act: {name: c, script: sx}}, then: {act: {name: a}}}}}")
+    choice = run(
+        workspace, "{on_error: {reactive_if: {condition: {act: {name: c, script: sx}}, then: {act: {name: a}}}}}"
+    )
     assert choice.ticks(2) == "rf"
-    assert choice.told() == [("c", "INVALID"), ("a", "INVALID"), ("if", "INVALID"), ("on_error", "FAILURE")]
+    assert choice.told() == [("c", "INVALID"), ("a", "INVALID"), ("reactive_if", "INVALID"), ("on_error", "FAILURE")]
 
 
 def test_the_tip_of_a_choice_is_what_decided(workspace: Workspace) -> None:
@@ -73,25 +76,33 @@ def test_the_tip_of_a_choice_is_what_decided(workspace: Workspace) -> None:
     assert choice.tree.root.tip().name == "c"
 
 
+@pytest.mark.parametrize(
+    ("memory", "message"), [(True, "leave it out: 'if' goes on"), (False, "use 'reactive_if', which asks again")]
+)
+def test_memory_is_answered_in_python(memory: bool, message: str) -> None:
+    with pytest.raises(TypeError, match=f"If has no parameter 'memory': {message}"):
+        If("choice", Success("c"), Success("a"), memory=memory)
+
+
 # ---- switch --------------------------------------------------------------------------------------------------------
 
 
-def test_switch_halts_the_case_that_is_no_longer_chosen(workspace: Workspace) -> None:
+def test_reactive_switch_halts_the_case_that_is_no_longer_chosen(workspace: Workspace) -> None:
     cases = "{'true': {act: {name: a}}, 'false': {act: {name: b}}}"
-    switch = run(workspace, f"{{switch: {{value: state.time < 0.15, cases: {cases}}}}}")
+    switch = run(workspace, f"{{reactive_switch: {{value: state.time < 0.15, cases: {cases}}}}}")
     assert switch.ticks(3) == "rrr"
     assert switch.log == [("start", "a"), ("INVALID", "a"), ("start", "b")]
     assert switch.feedback("a") == "halted: state.time < 0.15 is false"
-    assert switch.feedback("switch") == "state.time < 0.15 is false"
+    assert switch.feedback("reactive_switch") == "state.time < 0.15 is false"
 
 
-def test_switch_follows_a_key_within_the_tick(workspace: Workspace) -> None:
+def test_reactive_switch_follows_a_key_within_the_tick(workspace: Workspace) -> None:
     watched = "{failure_is_running: {success_is_running: {status_to_blackboard: {key: k, act: {script: rsf}}}}}"
     cases = "{running: {act: {name: a}}, success: {act: {name: b}}}"
-    switch = run(workspace, f"{{parallel: [{watched}, {{switch: {{value: k, cases: {cases}}}}}]}}")
+    switch = run(workspace, f"{{parallel: [{watched}, {{reactive_switch: {{value: k, cases: {cases}}}}}]}}")
     assert switch.ticks(3) == "rrf"
     assert [name for event, name in switch.log if event == "start" and name != "act"] == ["a", "b"]
-    assert switch.feedback("switch") == "k is failure: no case"
+    assert switch.feedback("reactive_switch") == "k is failure: no case"
 
 
 @pytest.mark.parametrize(
@@ -122,9 +133,9 @@ def test_switch_takes_default_or_fails(workspace: Workspace) -> None:
     assert switch.feedback("switch") == "'x' is x: no case"
 
 
-def test_switch_with_memory_computes_its_value_once(workspace: Workspace) -> None:
+def test_switch_computes_its_value_once(workspace: Workspace) -> None:
     cases = "cases: {'true': {act: {name: a, script: rrrs}}, 'false': {act: {name: b}}}"
-    switch = run(workspace, f"{{switch: {{memory: true, value: state.time < 0.15, {cases}}}}}")
+    switch = run(workspace, f"{{switch: {{value: state.time < 0.15, {cases}}}}}")
     assert switch.ticks(5) == "rrrsr"
     assert switch.log == [("start", "a"), ("SUCCESS", "a"), ("start", "b")]
     assert switch.told()[0] == ("a", "INVALID")  # what it came to the last time

@@ -54,7 +54,7 @@ def test_within_a_bearing_to_either_side(workspace: Workspace) -> None:
 def test_a_branch_that_was_left_starts_with_the_plain_threshold(workspace: Workspace) -> None:
     left = run(
         workspace,
-        "{watchdog: {percept: target, max_age: 99, sequence: [{act: {script: ssfs}}, "
+        "{watchdog: {percept: target, max_age: 99, reactive_sequence: [{act: {script: ssfs}}, "
         "{confident: {percept: target, above: 0.6, hysteresis: 0.1}}]}}",
     )
     assert statuses(left, {"confidence": 0.7}, {"confidence": 0.55}, {"confidence": 0.55}, {"confidence": 0.55}) == (

@@ -7,7 +7,7 @@ import pytest
 from humanoid_bt.core.errors import UserError
 from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.tree.nodes.elsewhere import FOREIGN
-from humanoid_bt.tree.nodes.registry import Registry
+from humanoid_bt.tree.nodes.registry import ALIASES, Registry
 from tests.tree.helpers import run
 
 
@@ -22,14 +22,16 @@ def hint_for(registry: Registry, name: str) -> str:
     [
         (
             "ReactiveSequence",
-            "ReactiveSequence (BehaviorTree.CPP) is here: sequence; it is reactive unless it has memory: true",
+            "ReactiveSequence (BehaviorTree.CPP) is here: reactive_sequence",
         ),
-        ("reactive_sequence", "reactive_sequence (BehaviorTree.CPP) is here: sequence"),
+        ("Sequence", "is here: sequence; py_trees' with memory=False is reactive_sequence"),
+        ("IfThenElse", "is here: if"),
+        ("WhileDoElse", "is here: reactive_if"),
         ("AlwaysFailure", "failure"),
         ("OneShot", "once"),
         ("oneshot", "once"),
         ("Sleep", "is here: wait"),
-        ("Switch3", "switch"),
+        ("Switch3", "is here: reactive_switch"),
         ("ForceSuccess", "here it is written 'force_success'"),
         ("ForEach", "for_each"),
         ("Inverter", "here it is written 'inverter'"),
@@ -53,7 +55,7 @@ def test_what_it_is_called_here_exists(workspace: Workspace) -> None:
     for foreign in FOREIGN:
         first, *others = [re.split(r"[:\s]", code)[0] for code in re.findall(r"`([^`]+)`", foreign.here)] or ["success"]
         assert first in registry
-        assert {*others} <= {*registry, *keys, "fallback", "--set"}
+        assert {*others} <= {*registry, *keys, *ALIASES, "--set"}
 
 
 def test_a_child_from_elsewhere_gets_the_hint_too(workspace: Workspace) -> None:

@@ -14,10 +14,8 @@ on_error:
   parallel:
     - act: {name: before}
     - sequence:
-        memory: true
-        children:
-          - act: {name: done, script: s}
-          - act: {name: bad, script: rx}
+        - act: {name: done, script: s}
+        - act: {name: bad, script: rx}
     - act: {name: after}
 """
 
@@ -47,10 +45,7 @@ def test_it_is_told_as_a_warning_with_path_place_and_line(workspace: Workspace) 
 
 
 def test_what_is_below_starts_afresh_the_next_time(workspace: Workspace) -> None:
-    tree = (
-        "{on_error: {sequence: {memory: true, children: [{act: {name: a, script: s}}, {act: {name: b, script: xrs}}]}}}"
-    )
-    caught = run(workspace, tree)
+    caught = run(workspace, "{on_error: {sequence: [{act: {name: a, script: s}}, {act: {name: b, script: xrs}}]}}")
     assert caught.ticks(3) == "frs"
     assert [name for event, name in caught.log if event == "start"] == ["a", "b", "a", "b"]
 
@@ -69,7 +64,7 @@ def test_what_runs_below_a_branch_that_raises_is_told_too(workspace: Workspace) 
     write = (
         "{if: {condition: state.time < 0.15, then: {set_blackboard: {key: k, value: a}}, else: {clear_blackboard: k}}}"
     )
-    root = f"{{on_error: {{sequence: [{write}, {{switch: {{value: k, cases: {{a: {{act: }}}}}}}}]}}}}"
+    root = f"{{on_error: {{reactive_sequence: [{write}, {{reactive_switch: {{value: k, cases: {{a: {{act: }}}}}}}}]}}}}"
     caught = run(workspace, root)
     assert caught.ticks(3) == "rrf"
     assert ("act", "INVALID") in caught.told()
@@ -134,7 +129,7 @@ BAD_ENDS = "{parallel: [{bad_end: {name: one}}, {act: {name: good}}, {bad_end: {
 
 
 def test_an_error_of_a_preempted_node_is_caught(workspace: Workspace) -> None:
-    root = "{on_error: {selector: [{act: {name: first, script: fr}}, {bad_end: {name: second}}]}}"
+    root = "{on_error: {reactive_selector: [{act: {name: first, script: fr}}, {bad_end: {name: second}}]}}"
     caught = run(workspace, root)
     assert caught.ticks(2) == "rf"
     assert caught.log[-2:] == [("INVALID", "second"), ("INVALID", "first")]

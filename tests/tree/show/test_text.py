@@ -74,6 +74,6 @@ def test_dot_tree_quotes_names(workspace: Workspace) -> None:
 
 
 def test_py_trees_can_draw_it_too(workspace: Workspace) -> None:
-    root = load(workspace, "root: {parallel: [act, {selector: {memory: true, children: [act]}}]}").root
+    root = load(workspace, "root: {parallel: [act, {selector: [act]}]}").root
     assert "/_/ parallel" in py_trees.display.unicode_tree(root)
     assert "parallel" in py_trees.display.dot_tree(root).to_string()

@@ -112,7 +112,7 @@ MISTAKES = [
     ("root: {sequence: []}", "2:18 'sequence' needs at least one child", ""),
     ("root: {sequence: }", "2:8 'sequence' needs at least one child", ""),
     ("root: {sequence: {children: act}}", "2:29 the children of 'sequence' must be a list, not text", "- "),
-    ("root: {sequence: {children: [act], memori: true}}", "2:36 unknown parameter 'memori' of 'sequence'", "'memory'"),
+    ("root: {sequence: {children: [act], nam: a}}", "2:36 unknown parameter 'nam' of 'sequence'", "'name'"),
     ("root: {sequence: {children: [act], act: }}", "2:36 'act' stands beside the children of 'sequence'", "list"),
     ("root: {sequence: [3]}", "2:19 a child of 'sequence' must be a node, not a number", "idle"),
     ("root: [act]", "2:7 the root must be a node, not a list", ""),
@@ -129,6 +129,31 @@ MISTAKES = [
     ("format: 2\nroot: act", "1:9 'format' cannot be a number 2", "valid: 1"),
     ("root: {plain: {count: many}}", "2:23 'count' must be a whole number, not text 'many'", ""),
 ]
+
+
+_GOES_ON, _ASKS = "goes on with what runs", "asks again in every tick"
+MEMORY = [
+    ("sequence", "true", f"leave it out: 'sequence' {_GOES_ON}"),
+    ("sequence", "false", f"use 'reactive_sequence', which {_ASKS}"),
+    ("fallback", "false", f"use 'reactive_selector', which {_ASKS}"),
+    ("reactive_selector", "true", f"use 'selector', which {_GOES_ON}"),
+    ("reactive_sequence", "false", f"leave it out: 'reactive_sequence' {_ASKS}"),
+    ("selector", "$often", f"'selector' {_GOES_ON}, 'reactive_selector' {_ASKS}"),
+    ("if", "true", f"leave it out: 'if' {_GOES_ON}"),
+    ("switch", "false", f"use 'reactive_switch', which {_ASKS}"),
+    ("parallel", "true", "valid: "),
+]
+
+
+@pytest.mark.parametrize(("kind", "value", "hint"), MEMORY)
+def test_memory_is_answered_with_the_type_that_does_it(workspace: Workspace, kind: str, value: str, hint: str) -> None:
+    below = {"if": "condition: 1 < 2, then: act", "switch": "value: state.gait, cases: {stand: act}"}
+    root = f"{{{kind}: {{memory: {value}, {below.get(kind, 'children: [act]')}}}}}"
+    declared = "parameters: {often: true}\n" if "$" in value else ""
+    found, found_hint = one(workspace, f"{declared}root: {root}")
+    name = kind.replace("fallback", "selector")
+    assert found == f"{3 if declared else 2}:{11 + len(kind)} unknown parameter 'memory' of {name!r}"
+    assert found_hint.startswith(hint)
 
 
 @pytest.mark.parametrize(("text", "message", "hint"), MISTAKES)
