@@ -30,6 +30,7 @@ from humanoid_bt.tree.source.load import load_tree
 from humanoid_bt.tree.tree import Tree
 
 ROOT = Path(__file__).resolve().parent.parent
+IMAGES = ROOT / "docs" / "images"
 TIMEOUT = 60  # s for one block
 
 _AROUND = """\

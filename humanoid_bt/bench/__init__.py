@@ -1,1 +1,1 @@
-"""Measurements of the engine: its cost beside baselines, and how punctual and quick it is in realtime mode."""
+"""What the engine costs beside baselines, and how punctual and quick it is in realtime mode."""

@@ -1,1 +1,1 @@
-"""Checking files without running them: codes of findings, comments that allow them."""
+"""Checking files without running them: codes of findings, and comments that allow them."""

@@ -1,4 +1,4 @@
-"""The command line: ``humanoid-bt``."""
+"""The command line, ``humanoid-bt``: its commands, their arguments, and what they print."""
 
 from __future__ import annotations
 

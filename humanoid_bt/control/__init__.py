@@ -1,1 +1,1 @@
-"""What runs at 1 kHz: servo, supervisor, whole-body control, walking."""
+"""What runs at 1 kHz: the supervisor, the servo, and the body that balances and walks."""

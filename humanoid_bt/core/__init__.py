@@ -1,1 +1,1 @@
-"""What every layer shares: messages, the clock, errors with places, declared parameters."""
+"""What every room shares: messages, the clock, errors with places, declared parameters."""

@@ -1,1 +1,1 @@
-"""The robot as skills see it: skills, the blackboard, targets out."""
+"""The robot as a skill sees it: a snapshot in, targets out; skills and the blackboard."""

@@ -1,1 +1,1 @@
-"""Files: YAML with the place of every value, one form for it, workspaces."""
+"""YAML files with the place of every value, one form for them, and workspaces."""

@@ -1,1 +1,1 @@
-"""What the robot sees: sources of percepts, and where they are in the world."""
+"""What the robot sees: sources of percepts, and the tracks they leave in the world."""

@@ -1,1 +1,1 @@
-"""The thing the servo drives: a robot in MuJoCo, its scene, and simulated perception."""
+"""What the servo drives: a robot in a scene, in MuJoCo."""

@@ -1,1 +1,1 @@
-"""Realtime mode: control, decision and perception as processes of their own, joined by shared memory."""
+"""Realtime mode: control, decision and perception in processes that share memory."""

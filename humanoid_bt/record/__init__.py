@@ -1,1 +1,1 @@
-"""The recording of a run and its rerun view."""
+"""The recording of a run, and how the viewer shows it."""

@@ -1,1 +1,1 @@
-"""What a robot is: robot.yaml and the model."""
+"""What a robot is: its robot.yaml, and its model compiled from MJCF."""

@@ -1,4 +1,4 @@
-"""The testing kit: a pytest plugin with a real simulated robot for tests of one skill.
+"""Tests of one skill on a real simulated robot: the rig, and the pytest plugin with it.
 
     def test_reach_touches_what_it_sees(rig):
         result = rig.run("reach", target=(0.4, 0.2, 0.9))

@@ -1,4 +1,4 @@
-"""One form for YAML files, in which every comment, value and key stays where its author put it.
+"""One form for YAML files, in which every comment, value and key stays where it was put.
 
 Only blanks between tokens are rewritten. The tokens are those of PyYAML, which also reads the files, and each is
 written again as it stands in the source: a number, a quote, an anchor or a ``yes`` cannot change. A round trip

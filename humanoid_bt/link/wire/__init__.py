@@ -1,4 +1,4 @@
-"""Messages to bytes and back: compact, exact to the bit for every float64, and never a pickle.
+"""Messages to bytes and back: compact, every float64 exact to the bit, and never a pickle.
 
 Every message begins with the same header (:func:`peek`). Decoding takes bytes from anywhere and answers what is
 malformed with :class:`WireError` only. Decoded arrays are read-only.

@@ -1,1 +1,1 @@
-"""Expressions of trees: their grammar, types and units, what they can ask, and their evaluation."""
+"""Expressions of trees: grammar, types and units, what they can ask, and their evaluation."""

@@ -1,1 +1,1 @@
-"""From the text of a tree file, or Python, to nodes."""
+"""From the text of a tree file, or from Python, to nodes."""

@@ -1,6 +1,6 @@
 """Whatever a tree file holds, checking it answers with findings that have a place, and does not take long.
 
-``HUMANOID_BT_MUTATIONS=20000 pytest tests/tree/test_fuzz.py`` tries more files than usual.
+``HUMANOID_BT_MUTATIONS=20000 pytest tests/tree/source/test_fuzz.py`` tries more files than usual.
 """
 
 from __future__ import annotations

@@ -1,0 +1,35 @@
+"""What people write Python with: the robot as a skill sees it, and the rig of its tests."""
+
+from __future__ import annotations
+
+from humanoid_bt.core.messages import State
+from humanoid_bt.decision.robot import RobotHandle
+from humanoid_bt.perception.track import Track
+from humanoid_bt.testing.rig import Rig, RigResult
+from parts.markdown import attributes, code, members
+
+
+def handle() -> str:
+    """Return what a skill finds in ``self.robot``."""
+    return members(RobotHandle, hidden=("path", "targets", "release"))
+
+
+def track() -> str:
+    """Return what is known of something seen."""
+    return attributes(Track)
+
+
+def state() -> str:
+    """Return what a state holds."""
+    return attributes(State)
+
+
+def rig() -> str:
+    """Return what the rig offers."""
+    return members(Rig)
+
+
+def rig_result() -> str:
+    """Return what the rig answers."""
+    short = [name for name, member in vars(RigResult).items() if isinstance(member, property)]
+    return f"{attributes(RigResult)}\n\nAnd, for short: {code(short)}."
