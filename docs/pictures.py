@@ -27,7 +27,7 @@ from humanoid_bt.plant.scene import Scene
 from humanoid_bt.plant.scene_config import ObjectConfig, SceneConfig
 from humanoid_bt.robot.config import load_robot_config
 from humanoid_bt.robot.model import RobotModel
-from humanoid_bt.session.running import run
+from humanoid_bt.session.run import run
 from humanoid_bt.testing.rig import Rig
 
 IMAGES = Path(__file__).parent / "images"

@@ -88,18 +88,18 @@ if TYPE_CHECKING:
     from humanoid_bt.files.workspace import Workspace as Workspace
     from humanoid_bt.perception.track import Track as Track
     from humanoid_bt.session.report import Report as Report
-    from humanoid_bt.session.running import run as run
+    from humanoid_bt.session.run import run as run
     from humanoid_bt.session.session import Session as Session
     from humanoid_bt.session.teller import Listener as Listener
     from humanoid_bt.testing.rig import Rig as Rig
     from humanoid_bt.testing.rig import RigResult as RigResult
     from humanoid_bt.tree import nodes as nodes
-    from humanoid_bt.tree.engine.executor import NodeChange as NodeChange
-    from humanoid_bt.tree.engine.executor import NodeError as NodeError
     from humanoid_bt.tree.node import Node as Node
     from humanoid_bt.tree.show import svg_tree as svg_tree
     from humanoid_bt.tree.show import unicode_tree as unicode_tree
     from humanoid_bt.tree.source.compose import make_tree as make_tree
+    from humanoid_bt.tree.ticking.executor import NodeChange as NodeChange
+    from humanoid_bt.tree.ticking.executor import NodeError as NodeError
     from humanoid_bt.tree.tree import Tree as Tree
 else:
     _HOMES = {
@@ -112,14 +112,14 @@ else:
         "humanoid_bt.decision.robot": "RobotHandle",
         "humanoid_bt.perception.track": "Track",
         "humanoid_bt.session.report": "Report",
-        "humanoid_bt.session.running": "run",
+        "humanoid_bt.session.run": "run",
         "humanoid_bt.session.session": "Session",
         "humanoid_bt.session.teller": "Listener",
         "humanoid_bt.decision.signals": "Improving Lasting Steady",
         "humanoid_bt.decision.skill": "Skill Status of_hand",
         "humanoid_bt.testing.rig": "Rig RigResult",
         "humanoid_bt.tree.source.compose": "make_tree",
-        "humanoid_bt.tree.engine.executor": "NodeChange NodeError",
+        "humanoid_bt.tree.ticking.executor": "NodeChange NodeError",
         "humanoid_bt.tree.show": "svg_tree unicode_tree",
         "humanoid_bt.tree.node": "Node",
         "humanoid_bt.tree.tree": "Tree",

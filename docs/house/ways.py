@@ -47,7 +47,7 @@ PERCEPT = (
         between=True,
     ),
     Step("session/engine.py", "Engine.sense", "Gives decision the state, and the latest percept of each name."),
-    Step("tree/engine/executor.py", "Executor.tick", "Begins a tick, all of which sees this one snapshot."),
+    Step("tree/ticking/executor.py", "Executor.tick", "Begins a tick, all of which sees this one snapshot."),
     Step(
         "decision/robot.py",
         "Robot.begin_tick",
@@ -80,11 +80,11 @@ COMMAND = (
         "Keeps it until the tick ends, in the node's name; a node that is halted gives it back.",
     ),
     Step(
-        "tree/engine/executor.py",
+        "tree/ticking/executor.py",
         "Executor.tick",
         "Ends the tick: what the living nodes ask for becomes one `Command`, with one owner per resource.",
     ),
-    Step("session/engine.py", "Engine.advance", "Hands it to control; it is also decision's sign of life."),
+    Step("session/engine.py", "Engine.submit", "Hands it to control; it is also decision's sign of life."),
     Step(
         "link/wire/command.py",
         "encode_command",

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from humanoid_bt.bench.baseline import Baseline
-from humanoid_bt.bench.load import load
+from humanoid_bt.bench.busy_cores import load
 from humanoid_bt.bench.punctuality import Punctuality, punctuality
 from humanoid_bt.bench.reactions import Reaction, reactions
 from humanoid_bt.bench.subject import Subject

@@ -18,9 +18,9 @@ from humanoid_bt.cli.wording import printable
 from humanoid_bt.record.events import Level
 from humanoid_bt.session.report import Report
 from humanoid_bt.session.teller import Listener
-from humanoid_bt.tree.engine.executor import NodeChange
 from humanoid_bt.tree.node import Node
 from humanoid_bt.tree.nodes import Log
+from humanoid_bt.tree.ticking.executor import NodeChange
 from humanoid_bt.tree.tree import Tree
 
 _SIGNS = {

@@ -5,8 +5,6 @@ A stop does not wait for the fifth cycle: the whole body is planned anew in the 
 
 from __future__ import annotations
 
-from typing import Protocol
-
 import numpy as np
 
 from humanoid_bt.control.body.whole_body import WholeBody
@@ -20,28 +18,16 @@ from humanoid_bt.core.messages import (
     FootPose,
     Gait,
     HandTarget,
-    JointCommand,
     Measurement,
     Mode,
     Side,
     State,
 )
+from humanoid_bt.plant.interface import Plant
 from humanoid_bt.robot.model import BASE_COORDINATES, BASE_DOFS, RobotModel
 
 _SETTLED_AFTER = 0.2  # s of standing
 _SETTLED_SPEED = 0.03  # m/s of the centre of mass
-
-
-class Plant(Protocol):
-    """What the servo drives: a simulation or a real robot."""
-
-    def measure(self) -> Measurement:
-        """Return what the sensors say now."""
-        ...
-
-    def step(self, command: JointCommand) -> None:
-        """Drive the joints for one servo period."""
-        ...
 
 
 class Controller:

@@ -23,11 +23,11 @@ from humanoid_bt.session.pace import Pace
 from humanoid_bt.session.recording import cut_short, open_recorder
 from humanoid_bt.session.reload import Reloader
 from humanoid_bt.session.report import Report
-from humanoid_bt.session.runner import TreeRunner
 from humanoid_bt.session.teller import Listener, Teller
+from humanoid_bt.session.tree_runner import TreeRunner
 from humanoid_bt.session.watch import Watch
 from humanoid_bt.session.wiring import new_engine
-from humanoid_bt.tree.engine.executor import Executor
+from humanoid_bt.tree.ticking.executor import Executor
 from humanoid_bt.tree.tree import Tree
 
 

@@ -14,7 +14,7 @@ from typing import Protocol
 
 from humanoid_bt.core.errors import Problem, UserError, relative
 from humanoid_bt.session.loader import TreeLoader, used_files
-from humanoid_bt.tree.engine.executor import Executor, NodeError
+from humanoid_bt.tree.ticking.executor import Executor, NodeError
 from humanoid_bt.tree.tree import Tree
 
 _PATIENCE = 5  # looks that a file may be missing or empty: editors and other programs write in many ways

@@ -12,8 +12,8 @@ from humanoid_bt.core.messages import Mode
 from humanoid_bt.session.engine import Engine
 from humanoid_bt.session.outcome import End, failed, internal, where
 from humanoid_bt.session.pace import Pace
-from humanoid_bt.session.runner import SETTLE_TIME, TreeRunner
 from humanoid_bt.session.teller import Teller
+from humanoid_bt.session.tree_runner import SETTLE_TIME, TreeRunner
 
 _log = logging.getLogger(__name__)
 

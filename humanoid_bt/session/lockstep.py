@@ -9,7 +9,6 @@ from __future__ import annotations
 import logging
 from collections import deque
 from collections.abc import Mapping
-from typing import Protocol
 
 import mujoco
 
@@ -20,6 +19,7 @@ from humanoid_bt.core.messages import Array, Command, Percept, State
 from humanoid_bt.link.run_folder import RunInfo
 from humanoid_bt.link.segment import LinkError
 from humanoid_bt.link.wire import Event
+from humanoid_bt.perception.source import PerceptSource
 from humanoid_bt.plant.mujoco_plant import MujocoPlant
 from humanoid_bt.plant.scene import Scene
 from humanoid_bt.realtime.live_tree import TreeTeller
@@ -27,14 +27,6 @@ from humanoid_bt.robot.model import RobotModel
 from humanoid_bt.tree.tree import Tree
 
 _log = logging.getLogger(__name__)
-
-
-class Perception(Protocol):
-    """What sees: called once per perception period."""
-
-    def observe(self, state: State) -> list[Percept]:
-        """Return what is published at the state's time."""
-        ...
 
 
 class Lockstep:
@@ -52,7 +44,7 @@ class Lockstep:
         notices: what happened besides stops: resets.
     """
 
-    def __init__(self, robot: RobotModel, start: Array, scene: Scene, perception: Perception) -> None:
+    def __init__(self, robot: RobotModel, start: Array, scene: Scene, perception: PerceptSource) -> None:
         self.robot, self.scene, self._start = robot, scene, start
         self.clock = CycleClock()
         self.plant = MujocoPlant(robot, scene)
@@ -120,7 +112,7 @@ class Lockstep:
         """
         self.plant.push(body, force, duration)
 
-    def reset(self, perception: Perception) -> None:
+    def reset(self, perception: PerceptSource) -> None:
         """Begin a new run: the robot stands at the start, time is zero, nothing was seen."""
         self.clock.cycle = 0
         self.plant.place(self._start)

@@ -11,8 +11,8 @@ from humanoid_bt.session.engine import Engine
 from humanoid_bt.session.outcome import End, failed
 from humanoid_bt.session.pace import Pace
 from humanoid_bt.session.reload import Reloader
-from humanoid_bt.session.runner import TreeRunner
 from humanoid_bt.session.teller import Teller
+from humanoid_bt.session.tree_runner import TreeRunner
 
 _AFTER_STOP = 2.0  # s after a latched stop until the run ends, if the tree goes on
 

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any, Literal, get_args
 
 from humanoid_bt.core.errors import Problem, UserError, nearest
-from humanoid_bt.realtime.engine import HOLD_TIME
+from humanoid_bt.realtime.decision_side import HOLD_TIME
 from humanoid_bt.record.sinks import Sinks, has_display
 from humanoid_bt.session import limits
 from humanoid_bt.tree.tree import Tree

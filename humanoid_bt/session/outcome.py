@@ -13,7 +13,7 @@ from humanoid_bt.session.engine import Engine
 from humanoid_bt.session.options import RunOptions
 from humanoid_bt.session.report import Report, stops_of, timeline_of, versions
 from humanoid_bt.session.trace import Trace
-from humanoid_bt.tree.engine.executor import NodeError
+from humanoid_bt.tree.ticking.executor import NodeError
 from humanoid_bt.tree.tree import Tree
 
 

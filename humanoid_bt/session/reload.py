@@ -5,9 +5,9 @@ from __future__ import annotations
 from humanoid_bt.core.errors import HumanoidBtError, Problem
 from humanoid_bt.session.edits import Edit, EditSource
 from humanoid_bt.session.report import Reload
-from humanoid_bt.session.runner import TreeRunner
 from humanoid_bt.session.teller import Teller
-from humanoid_bt.tree.engine.executor import Executor
+from humanoid_bt.session.tree_runner import TreeRunner
+from humanoid_bt.tree.ticking.executor import Executor
 
 _REPLACED = "replaced by an edited tree"
 

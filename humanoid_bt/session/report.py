@@ -17,7 +17,7 @@ from humanoid_bt.core.errors import UserError
 
 if TYPE_CHECKING:  # the command line reads the exit codes long before it needs the engine
     from humanoid_bt.control.supervisor import Stop
-    from humanoid_bt.tree.engine.executor import NodeChange
+    from humanoid_bt.tree.ticking.executor import NodeChange
 
 _PACKAGES = ("humanoid-bt", "mujoco", "mink", "py_trees", "numpy", "rerun-sdk")
 

@@ -15,10 +15,10 @@ from humanoid_bt.core.errors import HumanoidBtError, UserError
 from humanoid_bt.core.messages import State
 from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.perception.track import Track
-from humanoid_bt.realtime.engine import HOLD_TIME
+from humanoid_bt.realtime.decision_side import HOLD_TIME
+from humanoid_bt.session.blackboard import Blackboard
 from humanoid_bt.session.drive import Drive
 from humanoid_bt.session.engine import Engine
-from humanoid_bt.session.keys import Blackboard
 from humanoid_bt.session.loader import workspace_of
 from humanoid_bt.session.options import Mode, RunOptions
 from humanoid_bt.session.report import Report

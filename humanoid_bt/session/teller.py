@@ -11,9 +11,9 @@ from humanoid_bt.record.recorder import Recorder
 from humanoid_bt.session.engine import Engine
 from humanoid_bt.session.happenings import Happenings
 from humanoid_bt.session.recording import run_info, tree_view
-from humanoid_bt.session.runner import TreeRunner
 from humanoid_bt.session.trace import Trace
-from humanoid_bt.tree.engine.executor import NodeChange
+from humanoid_bt.session.tree_runner import TreeRunner
+from humanoid_bt.tree.ticking.executor import NodeChange
 from humanoid_bt.tree.tree import Tree
 
 _STATUS_TICKS = 10  # ticks between two reports to whoever looks from outside

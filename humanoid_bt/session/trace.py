@@ -10,7 +10,7 @@ from py_trees.common import Status
 from humanoid_bt.core.messages import SIDES, Command, HandTarget, Side, State
 from humanoid_bt.plant.scene import Scene
 from humanoid_bt.session.report import Reload
-from humanoid_bt.tree.engine.executor import NodeChange
+from humanoid_bt.tree.ticking.executor import NodeChange
 
 
 class Trace:

@@ -7,7 +7,7 @@ from pathlib import Path
 from humanoid_bt.control.body.standing import load_robot
 from humanoid_bt.perception.simulated import SimulatedPerception
 from humanoid_bt.plant.scene import Scene
-from humanoid_bt.realtime.engine import Realtime
+from humanoid_bt.realtime.decision_side import Realtime
 from humanoid_bt.session.engine import Engine
 from humanoid_bt.session.lockstep import Lockstep
 from humanoid_bt.session.options import RunOptions

@@ -26,10 +26,10 @@ from humanoid_bt.decision.robot import Robot
 from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.plant.scene import Scene, load_scene
 from humanoid_bt.session.lockstep import Lockstep
-from humanoid_bt.tree.engine.executor import Executor, NodeChange
 from humanoid_bt.tree.node import Node
 from humanoid_bt.tree.node_type import NodeType
 from humanoid_bt.tree.nodes.registry import Registry
+from humanoid_bt.tree.ticking.executor import Executor, NodeChange
 from humanoid_bt.tree.tree import Tree
 
 _PLACE = Place("rig.run")

@@ -12,9 +12,9 @@ from py_trees.common import Status
 from humanoid_bt.bench.plain import empty_leaves, plain_copy
 from humanoid_bt.core.errors import Place
 from humanoid_bt.files.workspace import Workspace
-from humanoid_bt.tree.engine.ticking import Branch, Seen, tick
 from humanoid_bt.tree.node import Node
 from humanoid_bt.tree.node_type import NodeType
+from humanoid_bt.tree.ticking.tick import Branch, Seen, tick
 from humanoid_bt.tree.tree import Tree
 from tests.tree.helpers import Run, make_workspace, run, seen
 

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from humanoid_bt.bench.baseline import SAME_LOOP, SLEEP_ALONE, Baseline
-from humanoid_bt.bench.load import load
+from humanoid_bt.bench.busy_cores import load
 from humanoid_bt.bench.punctuality import Punctuality
 from humanoid_bt.bench.reactions import ESTOPS_PER_REPETITION, Reaction
 from humanoid_bt.bench.realtime import OURS, measure_realtime

@@ -9,7 +9,7 @@ import pytest
 from humanoid_bt.bench import tree
 from humanoid_bt.core.errors import UserError
 from humanoid_bt.files.workspace import Workspace, builtin_root
-from humanoid_bt.tree.engine.executor import NodeError
+from humanoid_bt.tree.ticking.executor import NodeError
 from tests.projects import make_project
 
 

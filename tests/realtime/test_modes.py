@@ -10,7 +10,7 @@ from py_trees.common import Status
 from humanoid_bt.session.options import Mode
 from humanoid_bt.session.session import Session
 from humanoid_bt.session.teller import Listener
-from humanoid_bt.tree.engine.executor import NodeChange
+from humanoid_bt.tree.ticking.executor import NodeChange
 
 NEAR = """
 format: 1

@@ -14,7 +14,7 @@ from humanoid_bt.files.workspace import Workspace, builtin_root
 from humanoid_bt.link import run_folder
 from humanoid_bt.plant.scene import Scene, load_scene
 from humanoid_bt.realtime import engine
-from humanoid_bt.realtime.engine import Realtime
+from humanoid_bt.realtime.decision_side import Realtime
 
 
 def test_a_control_process_that_does_not_come_up_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

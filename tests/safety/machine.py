@@ -16,8 +16,8 @@ from humanoid_bt.files.workspace import Workspace, builtin_root
 from humanoid_bt.plant.scene import Scene, load_scene
 from humanoid_bt.session.lockstep import Lockstep
 from humanoid_bt.testing.rig import ScriptedPerception
-from humanoid_bt.tree.engine.executor import Executor
 from humanoid_bt.tree.source.load import load_tree
+from humanoid_bt.tree.ticking.executor import Executor
 
 TICK = cycles(DECISION_PERIOD)
 

@@ -9,7 +9,7 @@ from hypothesis import HealthCheck, Phase, settings
 
 from humanoid_bt.core.messages import Command, Mode, Percept, State
 from humanoid_bt.files.workspace import Workspace
-from humanoid_bt.tree.engine.executor import NodeError
+from humanoid_bt.tree.ticking.executor import NodeError
 from tests.semantics.model import Node, Snapshot
 from tests.semantics.random_trees import text_of
 from tests.tree.helpers import Run, load, make_state, seen

@@ -8,7 +8,7 @@ import pytest
 
 from humanoid_bt.core.errors import UserError
 from humanoid_bt.files.workspace import Workspace
-from humanoid_bt.tree.engine.executor import NodeError
+from humanoid_bt.tree.ticking.executor import NodeError
 from tests.semantics.claims import shows
 from tests.tree.helpers import COUNTED, Run, load, run, write
 

@@ -8,7 +8,7 @@ import pytest
 
 from humanoid_bt.core.messages import Mode
 from humanoid_bt.files.workspace import Workspace
-from humanoid_bt.tree.engine.executor import NodeError
+from humanoid_bt.tree.ticking.executor import NodeError
 from tests.semantics.claims import shows
 from tests.session.helpers import after, ran
 from tests.tree.helpers import Run, run, seen

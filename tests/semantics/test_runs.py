@@ -18,7 +18,7 @@ from humanoid_bt.core.messages import Mode
 from humanoid_bt.decision.blackboard import Key
 from humanoid_bt.files.workspace import Workspace, builtin_root
 from humanoid_bt.session.lockstep import Lockstep
-from humanoid_bt.tree.engine.executor import NodeError
+from humanoid_bt.tree.ticking.executor import NodeError
 from tests.semantics.claims import shows
 from tests.session.helpers import Ran, after, ran
 from tests.tree.helpers import Run as Ticked

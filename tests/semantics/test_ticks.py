@@ -10,7 +10,7 @@ from py_trees.common import Status
 
 import humanoid_bt.tree
 from humanoid_bt.files.workspace import Workspace, builtin_root
-from humanoid_bt.tree.engine.executor import NodeError
+from humanoid_bt.tree.ticking.executor import NodeError
 from tests.semantics.claims import shows
 from tests.session.helpers import ran
 from tests.tree.helpers import Run, run, seen

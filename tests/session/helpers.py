@@ -10,7 +10,7 @@ from pathlib import Path
 from humanoid_bt.session.report import Report
 from humanoid_bt.session.session import Session
 from humanoid_bt.session.teller import Listener
-from humanoid_bt.tree.engine.executor import NodeChange
+from humanoid_bt.tree.ticking.executor import NodeChange
 from humanoid_bt.tree.tree import Tree
 
 

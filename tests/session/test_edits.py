@@ -11,7 +11,7 @@ from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.session.edits import Edit, Edits
 from humanoid_bt.session.loader import TreeLoader
 from humanoid_bt.session.options import RunOptions
-from humanoid_bt.tree.engine.executor import Executor
+from humanoid_bt.tree.ticking.executor import Executor
 from humanoid_bt.tree.tree import Tree
 from tests.projects import make_project
 from tests.tree.helpers import make_robot

@@ -9,7 +9,7 @@ from tests.projects import make_project
 
 TESTS = """
 from humanoid_bt.core.errors import UserError
-from humanoid_bt.tree.engine.executor import NodeError
+from humanoid_bt.tree.ticking.executor import NodeError
 import pytest
 
 def test_a_skill_of_this_project(rig):

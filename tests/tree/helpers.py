@@ -15,8 +15,8 @@ from humanoid_bt.core.messages import Command, FootPose, Gait, Level, Mode, Perc
 from humanoid_bt.decision.robot import Robot
 from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.robot.config import LegConfig, RobotConfig, SiteConfig, SoleConfig
-from humanoid_bt.tree.engine.executor import Executor, NodeChange
 from humanoid_bt.tree.source.load import load_tree
+from humanoid_bt.tree.ticking.executor import Executor, NodeChange
 from humanoid_bt.tree.tree import Tree
 
 SKILLS = '''

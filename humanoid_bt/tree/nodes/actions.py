@@ -11,13 +11,13 @@ from py_trees.common import Status
 
 from humanoid_bt.core.messages import Level, Mode
 from humanoid_bt.core.params import param
-from humanoid_bt.tree.engine.ticking import FAILURE, INVALID, RUNNING, SUCCESS
 from humanoid_bt.tree.expressions.expression import Truth
 from humanoid_bt.tree.expressions.linking import Unseen
 from humanoid_bt.tree.expressions.template import Template
 from humanoid_bt.tree.nodes.decorators import TIME_TOLERANCE
 from humanoid_bt.tree.nodes.leaf import Leaf
 from humanoid_bt.tree.results import SUCCEEDS, Below, Results
+from humanoid_bt.tree.ticking.tick import FAILURE, INVALID, RUNNING, SUCCESS
 
 
 class Success(Leaf):

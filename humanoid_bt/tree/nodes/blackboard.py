@@ -9,11 +9,11 @@ from py_trees.common import Status
 
 from humanoid_bt.core.params import param
 from humanoid_bt.decision.blackboard import Key
-from humanoid_bt.tree.engine.ticking import FAILURE, SUCCESS
 from humanoid_bt.tree.expressions.expression import Expression
 from humanoid_bt.tree.expressions.linking import Unseen
 from humanoid_bt.tree.nodes.leaf import Leaf
 from humanoid_bt.tree.results import AT_ONCE, SUCCEEDS, Below, Results
+from humanoid_bt.tree.ticking.tick import FAILURE, SUCCESS
 
 
 class SetBlackboard(Leaf):

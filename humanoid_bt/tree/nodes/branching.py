@@ -12,13 +12,13 @@ from py_trees.common import Status
 from humanoid_bt.core.params import param
 from humanoid_bt.decision.assign import assign
 from humanoid_bt.decision.robot import Robot
-from humanoid_bt.tree.engine.ticking import FAILURE, INVALID, RUNNING, SUCCESS, Branch, Seen, halt, tick
 from humanoid_bt.tree.expressions.expression import Expression
 from humanoid_bt.tree.expressions.linking import Unseen, shown
 from humanoid_bt.tree.expressions.quantities import number, read_quantity, type_of
-from humanoid_bt.tree.nodes import elsewhere
+from humanoid_bt.tree.nodes import other_libraries
 from humanoid_bt.tree.results import Below, Results
 from humanoid_bt.tree.slots import Slot, Takes
+from humanoid_bt.tree.ticking.tick import FAILURE, INVALID, RUNNING, SUCCESS, Branch, Seen, halt, tick
 
 _TRUTHS = {"true": True, "false": False}
 
@@ -43,7 +43,7 @@ class Choice(Branch, py_trees.composites.Composite):
     ) -> None:
         self._choices = list(branches)
         super().__init__(name, [*([condition] if condition else []), *self._choices])
-        elsewhere.refuse_memory(self, values)
+        other_libraries.refuse_memory(self, values)
         assign(self, values)
         self.chosen: Behaviour | None = None
 

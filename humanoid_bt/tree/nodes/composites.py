@@ -12,9 +12,9 @@ from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
 from humanoid_bt.decision.assign import assign
-from humanoid_bt.tree.engine.ticking import FAILURE, INVALID, RUNNING, SUCCESS, Branch, Seen, halt, tick
-from humanoid_bt.tree.nodes import elsewhere
+from humanoid_bt.tree.nodes import other_libraries
 from humanoid_bt.tree.results import Below, Results
+from humanoid_bt.tree.ticking.tick import FAILURE, INVALID, RUNNING, SUCCESS, Branch, Seen, halt, tick
 
 _DID = {SUCCESS: "succeeded", FAILURE: "failed", RUNNING: "runs"}
 
@@ -32,7 +32,7 @@ class _Ordered(Branch):
     def __init__(self, name: str, children: SequenceOf[Behaviour], **values: Any) -> None:
         # py_trees' own composite, which comes next in the order of classes, takes these
         super().__init__(name, memory=self.one_way, children=children)  # type: ignore[call-arg]
-        elsewhere.refuse_memory(self, values)
+        other_libraries.refuse_memory(self, values)
         assign(self, values)
 
     @classmethod

@@ -15,11 +15,11 @@ from py_trees.common import Status
 
 from humanoid_bt.core.params import PerceptName, param
 from humanoid_bt.perception.track import Track
-from humanoid_bt.tree.engine.ticking import FAILURE, INVALID, SUCCESS
 from humanoid_bt.tree.expressions.expression import Truth
 from humanoid_bt.tree.expressions.linking import Unseen
 from humanoid_bt.tree.nodes.leaf import Leaf
 from humanoid_bt.tree.results import AT_ONCE, SUCCEEDS, Below, Results
+from humanoid_bt.tree.ticking.tick import FAILURE, INVALID, SUCCESS
 
 
 class Condition(Leaf):

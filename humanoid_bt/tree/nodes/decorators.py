@@ -13,8 +13,8 @@ from humanoid_bt.core.clock import Clock
 from humanoid_bt.core.params import param
 from humanoid_bt.decision.assign import assign
 from humanoid_bt.decision.robot import Robot
-from humanoid_bt.tree.engine.ticking import FAILURE, INVALID, RUNNING, SUCCESS, Branch, Seen, halt, tick
 from humanoid_bt.tree.results import Below, Results
+from humanoid_bt.tree.ticking.tick import FAILURE, INVALID, RUNNING, SUCCESS, Branch, Seen, halt, tick
 
 TIME_TOLERANCE = 1e-9
 """Times within this of a limit count as at the limit [s]: engine times are sums and differences of floats."""

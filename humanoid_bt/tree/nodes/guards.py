@@ -11,10 +11,10 @@ from py_trees.common import Status
 from humanoid_bt.core.messages import Mode
 from humanoid_bt.core.params import PerceptName, param
 from humanoid_bt.decision.robot import Robot
-from humanoid_bt.tree.engine.ticking import FAILURE, INVALID, RUNNING, Seen, halt, tick
 from humanoid_bt.tree.nodes.decorators import TIME_TOLERANCE, Decorator
 from humanoid_bt.tree.results import Below, Results
 from humanoid_bt.tree.slots import Slot
+from humanoid_bt.tree.ticking.tick import FAILURE, INVALID, RUNNING, Seen, halt, tick
 
 _RUN = Mode.RUN  # reading a member from its class costs more than comparing it
 

@@ -11,9 +11,9 @@ from py_trees.common import Status
 
 from humanoid_bt.core.params import param
 from humanoid_bt.decision.blackboard import Key
-from humanoid_bt.tree.engine.ticking import RUNNING, SUCCESS, Seen, tick
 from humanoid_bt.tree.nodes.decorators import Decorator
 from humanoid_bt.tree.results import SUCCEEDS, Below, Results
+from humanoid_bt.tree.ticking.tick import RUNNING, SUCCESS, Seen, tick
 
 
 class ForEach(Decorator):

@@ -8,10 +8,10 @@ from typing import Any
 from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
-from humanoid_bt.tree.engine.catching import Catcher, halt_all
-from humanoid_bt.tree.engine.ticking import FAILURE, Raised, Seen, tick
 from humanoid_bt.tree.nodes.decorators import Decorator
 from humanoid_bt.tree.results import Below, Results
+from humanoid_bt.tree.ticking.catching import Catcher, halt_all
+from humanoid_bt.tree.ticking.tick import FAILURE, Raised, Seen, tick
 
 
 class OnError(Decorator, Catcher):

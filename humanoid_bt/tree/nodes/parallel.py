@@ -12,8 +12,8 @@ from py_trees.common import ParallelPolicy, Status
 
 from humanoid_bt.core.params import param
 from humanoid_bt.decision.assign import assign
-from humanoid_bt.tree.engine.ticking import FAILURE, RUNNING, SUCCESS, Branch, Seen, halt, tick
 from humanoid_bt.tree.results import NOTHING, Below, Results
+from humanoid_bt.tree.ticking.tick import FAILURE, RUNNING, SUCCESS, Branch, Seen, halt, tick
 
 Threshold = Literal["all", "one"] | int
 

@@ -8,10 +8,10 @@ from typing import Any, ClassVar
 from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
-from humanoid_bt.tree.engine.ticking import FAILURE, INVALID, RUNNING, SUCCESS, Seen, tick
 from humanoid_bt.tree.nodes.decorators import Decorator
 from humanoid_bt.tree.results import Below, Results
 from humanoid_bt.tree.slots import Slot
+from humanoid_bt.tree.ticking.tick import FAILURE, INVALID, RUNNING, SUCCESS, Seen, tick
 
 
 class Conditional(Decorator):

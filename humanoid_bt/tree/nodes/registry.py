@@ -18,7 +18,7 @@ from humanoid_bt.decision.skill import node_type_name
 from humanoid_bt.decision.skill_files import class_place, load_skills
 from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.tree.node_type import NODE_KEYS, Kind, NodeType
-from humanoid_bt.tree.nodes import BUILTIN, elsewhere
+from humanoid_bt.tree.nodes import BUILTIN, other_libraries
 from humanoid_bt.tree.slots import Takes
 
 ALIASES = {"fallback": "selector", "reactive_fallback": "reactive_selector"}
@@ -97,7 +97,7 @@ class Registry(Mapping[str, NodeType]):
             name: the name.
             others: what would be valid besides node types.
         """
-        return elsewhere.hint(name, self) or nearest(name, [*others, *self._types])
+        return other_libraries.hint(name, self) or nearest(name, [*others, *self._types])
 
 
 def _node_type(name: str, kind: Kind, cls: type[Behaviour]) -> NodeType:

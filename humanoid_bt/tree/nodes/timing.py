@@ -11,9 +11,9 @@ from py_trees.common import Status
 from humanoid_bt.core.clock import Clock
 from humanoid_bt.core.params import param
 from humanoid_bt.decision.robot import Robot
-from humanoid_bt.tree.engine.ticking import FAILURE, INVALID, RUNNING, Seen, tick
 from humanoid_bt.tree.nodes.decorators import TIME_TOLERANCE, Decorator
 from humanoid_bt.tree.results import NOTHING, Below, Results
+from humanoid_bt.tree.ticking.tick import FAILURE, INVALID, RUNNING, Seen, tick
 
 
 class Timed(Decorator):

@@ -21,7 +21,6 @@ from humanoid_bt.decision.skill import node_type_name
 from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.tree.checks import World, check
 from humanoid_bt.tree.draft import Draft
-from humanoid_bt.tree.engine.ticking import Branch
 from humanoid_bt.tree.expressions.template import expressions_of
 from humanoid_bt.tree.node_type import NodeType
 from humanoid_bt.tree.nodes.registry import Registry
@@ -33,6 +32,7 @@ from humanoid_bt.tree.source.load import Loader
 from humanoid_bt.tree.source.parameters import Parameters
 from humanoid_bt.tree.source.read import Reader
 from humanoid_bt.tree.source.scope import Scope
+from humanoid_bt.tree.ticking.tick import Branch
 from humanoid_bt.tree.tree import Tree
 
 

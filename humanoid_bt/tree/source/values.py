@@ -16,7 +16,7 @@ from humanoid_bt.tree.expressions.expression import Expression
 from humanoid_bt.tree.expressions.quantities import ANYTHING, Type, type_of
 from humanoid_bt.tree.expressions.template import Template, expressions_of
 from humanoid_bt.tree.node_type import names_percepts
-from humanoid_bt.tree.nodes import elsewhere
+from humanoid_bt.tree.nodes import other_libraries
 from humanoid_bt.tree.source.file import check_name
 from humanoid_bt.tree.source.parameters import Parameter, reference
 from humanoid_bt.tree.source.scope import Scope
@@ -82,7 +82,7 @@ class ValueReader:
         draft.sound = False
         name, item = draft.type.type_name, body.value[key]
         hint = nearest(key, known)
-        if key == "memory" and (meant := elsewhere.hint_for_memory(name, item.value)):
+        if key == "memory" and (meant := other_libraries.hint_for_memory(name, item.value)):
             self._scope.parameters.skim(item)  # a parameter that is given to it is not unused, too
             hint = meant
         message = f"unknown parameter {key!r} of {name!r}"

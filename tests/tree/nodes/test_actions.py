@@ -8,7 +8,7 @@ from humanoid_bt.core.errors import HumanoidBtError, UserError
 from humanoid_bt.core.messages import Mode
 from humanoid_bt.decision.robot import Robot
 from humanoid_bt.files.workspace import Workspace
-from humanoid_bt.tree.engine.executor import NodeError
+from humanoid_bt.tree.ticking.executor import NodeError
 from tests.tree.helpers import Run, load, run, seen
 
 RAISE = "{raise_emergency_stop: {reason: too warm}}"

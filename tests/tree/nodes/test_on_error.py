@@ -4,9 +4,9 @@ import pytest
 
 from humanoid_bt.core.errors import ControlLost, ResourceConflict
 from humanoid_bt.files.workspace import Workspace
-from humanoid_bt.tree.engine.executor import NodeError
-from humanoid_bt.tree.engine.ticking import RUNNING
 from humanoid_bt.tree.nodes.on_error import OnError
+from humanoid_bt.tree.ticking.executor import NodeError
+from humanoid_bt.tree.ticking.tick import RUNNING
 from tests.tree.helpers import run
 
 BROKEN = """

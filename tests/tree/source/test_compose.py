@@ -33,8 +33,8 @@ from humanoid_bt.tree.nodes.registry import Registry
 from humanoid_bt.tree.source.compose import make_tree
 from humanoid_bt.tree.source.load import load_tree
 from humanoid_bt.tree.tree import Tree
-from tests.tree.engine.test_random_trees import KEY, random_tree
 from tests.tree.helpers import Run, load, seen
+from tests.tree.ticking.test_random_trees import KEY, random_tree
 
 
 def plain(value: Any) -> Any:

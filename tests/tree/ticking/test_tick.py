@@ -5,7 +5,7 @@ from __future__ import annotations
 import py_trees
 
 from humanoid_bt.files.workspace import Workspace
-from humanoid_bt.tree.engine.ticking import INVALID, Seen, halt
+from humanoid_bt.tree.ticking.tick import INVALID, Seen, halt
 from tests.tree.helpers import make_state, run
 
 NESTED = """

@@ -23,7 +23,7 @@ from humanoid_bt.realtime import channels
 from humanoid_bt.realtime.channels import RunSpec
 from humanoid_bt.realtime.children import Children
 from humanoid_bt.realtime.live_tree import TreeTeller
-from humanoid_bt.realtime.remote import RemoteSupervisor, StateClock
+from humanoid_bt.realtime.remote_supervisor import RemoteSupervisor, StateClock
 from humanoid_bt.realtime.schedule import Schedule, last_core
 from humanoid_bt.realtime.timing import Timing
 from humanoid_bt.robot.model import RobotModel

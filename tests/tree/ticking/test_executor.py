@@ -5,7 +5,7 @@ from py_trees.common import Status
 
 from humanoid_bt.core.errors import ResourceConflict, UserError
 from humanoid_bt.files.workspace import Workspace
-from humanoid_bt.tree.engine.executor import NodeError
+from humanoid_bt.tree.ticking.executor import NodeError
 from tests.tree.helpers import Run, load, run, seen
 
 

@@ -6,7 +6,7 @@ import pytest
 
 from humanoid_bt.core.errors import UserError
 from humanoid_bt.files.workspace import Workspace
-from humanoid_bt.tree.nodes.elsewhere import FOREIGN
+from humanoid_bt.tree.nodes.other_libraries import FOREIGN
 from humanoid_bt.tree.nodes.registry import ALIASES, Registry
 from tests.tree.helpers import run
 

@@ -10,7 +10,7 @@ from py_trees.behaviour import Behaviour
 
 from humanoid_bt.core.messages import Mode
 from humanoid_bt.files.workspace import Workspace
-from humanoid_bt.tree.engine.ticking import INVALID, RUNNING
+from humanoid_bt.tree.ticking.tick import INVALID, RUNNING
 from tests.tree.helpers import Run, load, seen
 
 KEY = "k"

@@ -13,9 +13,9 @@ from humanoid_bt.core.errors import HumanoidBtError, Place, Problem, ResourceCon
 from humanoid_bt.core.messages import Command, Percept, State
 from humanoid_bt.decision.robot import Robot
 from humanoid_bt.decision.skill_files import class_file, place_in_file
-from humanoid_bt.tree.engine.catching import Catcher, catch
-from humanoid_bt.tree.engine.ticking import INVALID, RUNNING, Raised, Seen, halt_alone, tick
 from humanoid_bt.tree.node import Node
+from humanoid_bt.tree.ticking.catching import Catcher, catch
+from humanoid_bt.tree.ticking.tick import INVALID, RUNNING, Raised, Seen, halt_alone, tick
 from humanoid_bt.tree.tree import Tree
 
 

@@ -11,8 +11,8 @@ from py_trees.common import Status
 from humanoid_bt.core.messages import Command, Percept, State
 from humanoid_bt.decision.robot import Robot
 from humanoid_bt.session.outcome import End
-from humanoid_bt.tree.engine.executor import Executor
 from humanoid_bt.tree.nodes.guards import EmergencyStop
+from humanoid_bt.tree.ticking.executor import Executor
 from humanoid_bt.tree.tree import Tree
 
 SETTLE_TIME = 5.0

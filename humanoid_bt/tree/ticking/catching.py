@@ -8,7 +8,7 @@ from collections.abc import Callable, Sequence
 from py_trees.behaviour import Behaviour
 
 from humanoid_bt.core.errors import ControlLost, ResourceConflict
-from humanoid_bt.tree.engine.ticking import INVALID, Branch, Raised, Seen, halt_alone
+from humanoid_bt.tree.ticking.tick import INVALID, Branch, Raised, Seen, halt_alone
 
 _log = logging.getLogger(__name__)
 

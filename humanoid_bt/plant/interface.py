@@ -1,0 +1,19 @@
+"""What control drives, simulated or real: the boundary that a robot's driver implements."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+from humanoid_bt.core.messages import JointCommand, Measurement
+
+
+class Plant(Protocol):
+    """What the servo drives: a simulation or a real robot."""
+
+    def measure(self) -> Measurement:
+        """Return what the sensors say now."""
+        ...
+
+    def step(self, command: JointCommand) -> None:
+        """Drive the joints for one servo period."""
+        ...
