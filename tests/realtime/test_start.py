@@ -13,7 +13,7 @@ from humanoid_bt.core.errors import ControlLost
 from humanoid_bt.files.workspace import Workspace, builtin_root
 from humanoid_bt.link import run_folder
 from humanoid_bt.plant.scene import Scene, load_scene
-from humanoid_bt.realtime import engine
+from humanoid_bt.realtime import decision_side
 from humanoid_bt.realtime.decision_side import Realtime
 
 
@@ -30,4 +30,4 @@ def test_a_control_process_that_does_not_come_up_is_told(tmp_path: Path, monkeyp
     realtime.close()
     assert [path.name for path in (tmp_path / "runs").iterdir()] == [".lock"]
     assert threading.active_count() == threads
-    assert engine.live_runs(tmp_path / "runs") == []
+    assert decision_side.live_runs(tmp_path / "runs") == []

@@ -38,7 +38,6 @@ class InStep:
 @pytest.fixture
 def root(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("humanoid_bt.session.drive.Watch", InStep)
     return make_project(tmp_path / "project")
 
 
@@ -54,7 +53,9 @@ def watched(
     tree(root, first)()
     told = Told()
     record = recording or False
-    run = Session("mine", workspace=root, duration=duration, watch=True, pace=1e9, record=record, listener=told)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("humanoid_bt.session.drive.Watch", InStep)
+        run = Session("mine", workspace=root, duration=duration, watch=True, pace=1e9, record=record, listener=told)
     actions, tick = script(run), 0
 
     def ask() -> str:
