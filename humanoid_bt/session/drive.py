@@ -5,10 +5,10 @@ from __future__ import annotations
 import time
 from collections.abc import Mapping
 from contextlib import ExitStack, nullcontext
+from typing import TYPE_CHECKING
 
 from humanoid_bt.errors import ControlLost
 from humanoid_bt.plant.scene import Scene, load_scene
-from humanoid_bt.record.recorder import Recorder
 from humanoid_bt.robot import Robot, Track
 from humanoid_bt.session.edits import Edits
 from humanoid_bt.session.ending import Ending
@@ -28,6 +28,9 @@ from humanoid_bt.session.wiring import new_engine
 from humanoid_bt.tree.executor import Executor
 from humanoid_bt.tree.tree import Tree
 from humanoid_bt.workspace import Workspace
+
+if TYPE_CHECKING:  # most runs of a program record nothing
+    from humanoid_bt.record.recorder import Recorder
 
 
 class Drive:
