@@ -15,7 +15,7 @@ from rich.text import Text
 
 from humanoid_bt.cli.output import hanging
 from humanoid_bt.cli.wording import printable
-from humanoid_bt.record.events import Level
+from humanoid_bt.core.messages import Level
 from humanoid_bt.session.report import Report
 from humanoid_bt.session.teller import Listener
 from humanoid_bt.tree.node import Node

@@ -18,8 +18,6 @@ from pathlib import Path
 from typing import IO, Any
 from urllib.parse import quote
 
-import rerun as rr
-
 from humanoid_bt.core.errors import UserError, relative
 
 _log = logging.getLogger(__name__)
@@ -89,7 +87,10 @@ class Outlet:
     """
 
     def __init__(self, sinks: Sinks, name: str, blueprint: Any) -> None:
+        import rerun as rr  # noqa: PLC0415  # it takes half a second, and most runs of a program record nothing
+
         sinks.check()
+        self._rerun = rr
         self.stream = rr.RecordingStream(APPLICATION)
         self.url = ""
         self._viewer: subprocess.Popen[bytes] | None = None
@@ -124,9 +125,9 @@ class Outlet:
     def _open(self, sinks: Sinks) -> list[Any]:
         targets: list[Any] = []
         if sinks.file is not None:
-            targets.append(rr.FileSink(sinks.file))
+            targets.append(self._rerun.FileSink(sinks.file))
         if sinks.serve is not None:
-            server = rr.GrpcServerSink(LOOPBACK, sinks.serve + 1, server_memory_limit=_VIEWER_MEMORY)
+            server = self._rerun.GrpcServerSink(LOOPBACK, sinks.serve + 1, server_memory_limit=_VIEWER_MEMORY)
             targets.append(server)
             source = f"rerun+http://{LOOPBACK}:{sinks.serve + 1}/proxy"
             self._web = _serve_web(sinks.serve, source)
@@ -134,7 +135,7 @@ class Outlet:
         if sinks.view:
             port = _free_port()
             self._viewer = _start_viewer(port)
-            targets.append(rr.GrpcSink(f"rerun+http://{LOOPBACK}:{port}/proxy"))
+            targets.append(self._rerun.GrpcSink(f"rerun+http://{LOOPBACK}:{port}/proxy"))
         return targets
 
     def _set_sinks(self, targets: list[Any], sinks: Sinks, blueprint: Any) -> None:

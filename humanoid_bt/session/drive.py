@@ -5,13 +5,13 @@ from __future__ import annotations
 import time
 from collections.abc import Mapping
 from contextlib import ExitStack, nullcontext
+from typing import TYPE_CHECKING
 
 from humanoid_bt.core.errors import ControlLost
 from humanoid_bt.decision.robot import Robot
 from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.perception.track import Track
 from humanoid_bt.plant.scene import Scene, load_scene
-from humanoid_bt.record.recorder import Recorder
 from humanoid_bt.session.edits import Edits
 from humanoid_bt.session.ending import Ending
 from humanoid_bt.session.interrupt import WholeTick
@@ -29,6 +29,9 @@ from humanoid_bt.session.watch import Watch
 from humanoid_bt.session.wiring import new_engine
 from humanoid_bt.tree.ticking.executor import Executor
 from humanoid_bt.tree.tree import Tree
+
+if TYPE_CHECKING:  # most runs of a program record nothing
+    from humanoid_bt.record.recorder import Recorder
 
 
 class Drive:

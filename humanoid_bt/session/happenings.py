@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import NamedTuple
 
-from humanoid_bt.record.events import Level
+from humanoid_bt.core.messages import Level
 from humanoid_bt.session.engine import Engine
 
 _REPEAT = 1.0  # s between two lines about commands that are refused for the same reason

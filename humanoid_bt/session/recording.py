@@ -6,16 +6,19 @@ import dataclasses
 import shutil
 from collections.abc import Callable
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from humanoid_bt.core.errors import UserError, relative
-from humanoid_bt.record.events import Level
-from humanoid_bt.record.recorder import Recorder
+from humanoid_bt.core.messages import Level
 from humanoid_bt.record.sinks import Sinks
-from humanoid_bt.record.tree_view import TreeView
 from humanoid_bt.session.engine import Engine
 from humanoid_bt.session.options import RunOptions
 from humanoid_bt.session.report import versions
 from humanoid_bt.tree.tree import Tree
+
+if TYPE_CHECKING:
+    from humanoid_bt.record.recorder import Recorder
+    from humanoid_bt.record.tree_view import TreeView
 
 _FULL_DISK = 64 * 1024  # bytes; what cannot be written of a recording is smaller than this
 
@@ -50,6 +53,8 @@ def open_recorder(
 
 def tree_view(tree: Tree) -> TreeView:
     """Return what a recording shows of a tree."""
+    from humanoid_bt.record.tree_view import TreeView
+
     return TreeView(tree.nodes, tree.source, relative(tree.path))
 
 
@@ -73,6 +78,8 @@ def cut_short(recording: Path | None) -> str:
 
 
 def _recorder(sinks: Sinks, tree: Tree, engine: Engine) -> Recorder:
+    from humanoid_bt.record.recorder import Recorder
+
     robot = engine.robot
     view, info = tree_view(tree), run_info(tree, engine)
     return Recorder(engine.model, robot.joint_names, robot.config, tree=view, sinks=sinks, info=info)

@@ -145,7 +145,7 @@ class Report:
     def _repr_html_(self) -> str:
         """Return a table, as notebooks show it."""
         rows = [(self.outcome, self.reason), *self.summary]
-        cells = "".join(f"<tr><th>{escape(name)}</th><td>{escape(text)}</td></tr>" for name, text in rows)
+        cells = "".join(f"<tr><th>{name}</th><td>{escape(text)}</td></tr>" for name, text in rows)
         return f"<table><caption>{escape(self._title)}</caption>{cells}</table>"
 
     def to_dict(self) -> dict[str, Any]:

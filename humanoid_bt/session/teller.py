@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import time
+from typing import TYPE_CHECKING
 
 from humanoid_bt.core.errors import UserError, nearest
-from humanoid_bt.core.messages import State
-from humanoid_bt.record.events import Level
-from humanoid_bt.record.recorder import Recorder
+from humanoid_bt.core.messages import Level, State
 from humanoid_bt.session.engine import Engine
 from humanoid_bt.session.happenings import Happenings
 from humanoid_bt.session.recording import run_info, tree_view
@@ -15,6 +14,9 @@ from humanoid_bt.session.trace import Trace
 from humanoid_bt.session.tree_runner import TreeRunner
 from humanoid_bt.tree.ticking.executor import NodeChange
 from humanoid_bt.tree.tree import Tree
+
+if TYPE_CHECKING:  # most runs of a program record nothing
+    from humanoid_bt.record.recorder import Recorder
 
 _STATUS_TICKS = 10  # ticks between two reports to whoever looks from outside
 

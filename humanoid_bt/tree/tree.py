@@ -74,7 +74,7 @@ class Tree:
             raise UserError(message, hint=f"valid: {', '.join(node.path for node in found)}", code="no-file")
         names = [node.path.rsplit("/", 1)[-1] for node in self.nodes]
         message, hint = f"the tree {self.name!r} has no node {path!r}", nearest(path.rsplit("/", 1)[-1], names)
-        raise UserError(message, hint=hint, code="unknown-reference")
+        raise UserError(message, hint=hint, code="no-file")
 
     def to_yaml(self) -> str:
         """Return the text of a file that loads to the same tree; sub-trees stay in their own files.
