@@ -16,7 +16,7 @@ from humanoid_bt.session.options import RunOptions
 from humanoid_bt.session.report import versions
 from humanoid_bt.tree.tree import Tree
 
-if TYPE_CHECKING:
+if TYPE_CHECKING:  # most runs of a program record nothing, and the viewer's library takes half a second
     from humanoid_bt.record.recorder import Recorder
     from humanoid_bt.record.tree_view import TreeView
 
@@ -53,7 +53,7 @@ def open_recorder(
 
 def tree_view(tree: Tree) -> TreeView:
     """Return what a recording shows of a tree."""
-    from humanoid_bt.record.tree_view import TreeView
+    from humanoid_bt.record.tree_view import TreeView  # noqa: PLC0415
 
     return TreeView(tree.nodes, tree.source, relative(tree.path))
 
@@ -78,7 +78,7 @@ def cut_short(recording: Path | None) -> str:
 
 
 def _recorder(sinks: Sinks, tree: Tree, engine: Engine) -> Recorder:
-    from humanoid_bt.record.recorder import Recorder
+    from humanoid_bt.record.recorder import Recorder  # noqa: PLC0415
 
     robot = engine.robot
     view, info = tree_view(tree), run_info(tree, engine)
