@@ -62,9 +62,6 @@ __all__ = [  # noqa: RUF022 (grouped as a reader looks for them)
 ]
 
 if TYPE_CHECKING:
-    from humanoid_bt.api import check as check
-    from humanoid_bt.api import load as load
-    from humanoid_bt.api import skills as skills
     from humanoid_bt.core.errors import HumanoidBtError as HumanoidBtError
     from humanoid_bt.core.errors import Place as Place
     from humanoid_bt.core.errors import Problem as Problem
@@ -87,6 +84,9 @@ if TYPE_CHECKING:
     from humanoid_bt.decision.skill import of_hand as of_hand
     from humanoid_bt.files.workspace import Workspace as Workspace
     from humanoid_bt.perception.track import Track as Track
+    from humanoid_bt.session.prepare import check as check
+    from humanoid_bt.session.prepare import load as load
+    from humanoid_bt.session.prepare import skills as skills
     from humanoid_bt.session.report import Report as Report
     from humanoid_bt.session.run import run as run
     from humanoid_bt.session.session import Session as Session
@@ -103,7 +103,7 @@ if TYPE_CHECKING:
     from humanoid_bt.tree.tree import Tree as Tree
 else:
     _HOMES = {
-        "humanoid_bt.api": "check load skills",
+        "humanoid_bt.session.prepare": "check load skills",
         "humanoid_bt.decision.blackboard": "Key",
         "humanoid_bt.core.errors": "HumanoidBtError Place Problem UserError",
         "humanoid_bt.core.geometry": "rotation_matrix",

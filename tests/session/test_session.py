@@ -247,6 +247,8 @@ CTRL_C = """
 import os, signal
 import humanoid_bt as hbt
 
+signal.signal(signal.SIGINT, signal.default_int_handler)  # what a shell starts in the background ignores it
+
 class Press(hbt.Listener):
     ticks = 0
     def progress(self, time, running):
@@ -260,7 +262,7 @@ try:
 except KeyboardInterrupt:
     report, state = session.report, session.engine.sense()[0]
     print(report.outcome, report.reason, report.sim_time, state.base_settled, report.stops)
-for seed in range(100):
+for seed in range(3):
     hbt.run("walk", seed=seed, listener=Press())
 """
 
