@@ -9,6 +9,7 @@ What is named here is the public API; everything else may move. Each name is imp
 
 from __future__ import annotations
 
+import sys
 from importlib import import_module
 from typing import TYPE_CHECKING
 
@@ -135,10 +136,11 @@ else:
         else:
             home = next((home for home, names in _HOMES.items() if name in names.split()), None)
             if home is None:
-                raise AttributeError(f"module 'humanoid_bt' has no attribute {name!r}")
+                message = f"module 'humanoid_bt' has no attribute {name!r}"
+                raise AttributeError(message, name=name, obj=sys.modules[__name__])  # Python thinks of a near one
             value = getattr(import_module(home), name)
         globals()[name] = value
         return value
 
     def __dir__():
-        return [*globals(), *__all__]
+        return sorted({*__all__, *(name for name in globals() if name.startswith("__"))})

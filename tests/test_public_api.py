@@ -103,6 +103,12 @@ def test_an_unknown_name_is_an_attribute_error() -> None:
         hbt.Skil  # type: ignore[attr-defined]  # noqa: B018
 
 
+def test_a_near_name_is_thought_of() -> None:
+    script = "import humanoid_bt as hbt\nhbt.Sesion('fetch')"
+    done = subprocess.run([sys.executable, "-c", script], check=False, capture_output=True, text=True)
+    assert "Did you mean: 'Session'?" in done.stderr
+
+
 @pytest.mark.parametrize(
     ("line", "heavy"),
     [

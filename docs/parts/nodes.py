@@ -61,7 +61,7 @@ def _node(node_type: NodeType) -> str:
     parts = [f"### `{node_type.type_name}`", docstring(node_type.cls)]
     if node_type.resources:
         parts.append(f"Commands: {code(node_type.resources)}.")
-    if node_type.kind in ("composite", "decorator"):
+    if node_type.takes != "none":
         parts.append(f"Children: {_CHILDREN[node_type.takes]}")
     if node_type.branches:
         rows = [

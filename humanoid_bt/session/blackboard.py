@@ -1,4 +1,4 @@
-"""The blackboard of a tree, for the program that runs it."""
+"""What a program looks up in a session by name: keys of the tree's blackboard, percepts."""
 
 from __future__ import annotations
 
@@ -7,12 +7,21 @@ from typing import Any
 
 from humanoid_bt.core.errors import UserError, nearest
 from humanoid_bt.decision.blackboard import Key
+from humanoid_bt.perception.track import Track
 
 
 class UnknownKey(UserError, KeyError):  # noqa: N818 (the name says it)
-    """A tree has no key of this name, or the key has no value."""
+    """There is no key or percept of this name, or the key has no value."""
 
     __str__ = Exception.__str__  # a KeyError's is in quotes
+
+
+class Percepts(dict[str, Track]):
+    """What was seen so far, by name; what was not is answered with what was."""
+
+    def __missing__(self, name: str) -> Track:
+        hint = nearest(name, self) or "nothing was seen yet"
+        raise UnknownKey(f"no percept {name!r} was seen so far", hint=hint)
 
 
 class Blackboard(MutableMapping[str, Any]):

@@ -16,7 +16,7 @@ from humanoid_bt.core.messages import State
 from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.perception.track import Track
 from humanoid_bt.realtime.decision_side import HOLD_TIME
-from humanoid_bt.session.blackboard import Blackboard
+from humanoid_bt.session.blackboard import Blackboard, Percepts
 from humanoid_bt.session.drive import Drive
 from humanoid_bt.session.engine import Engine
 from humanoid_bt.session.loader import workspace_of
@@ -258,7 +258,7 @@ class Session:
     @property
     def percepts(self) -> Mapping[str, Track]:
         """What has been seen so far by name, as skills see it: where it is, how old, how sure."""
-        return self._drive.tracks
+        return Percepts(self._drive.tracks)
 
     @property
     def blackboard(self) -> Blackboard:

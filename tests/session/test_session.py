@@ -457,3 +457,11 @@ def test_realtime_is_stepped_in_the_same_way(tmp_path: Path) -> None:
     assert session.report.outcome == "stopped"
     assert [stop["reason"] for stop in session.report.stops] == ["enough"]
     assert last_time(tmp_path / "walk.rrd") > 0.4
+
+
+def test_a_percept_that_was_not_seen_is_answered_with_what_was() -> None:
+    with hbt.Session("fetch") as session:
+        session.run_until(lambda s: "target" in s.percepts, timeout=1.0)
+        with pytest.raises(KeyError, match="no percept 'taget' was seen so far\n    did you mean 'target'"):
+            session.percepts["taget"]
+        assert session.percepts.get("taget") is None

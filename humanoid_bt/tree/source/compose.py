@@ -129,9 +129,15 @@ class _Composer:
         for name, spec in node_type.params.items():
             self._parameter(draft, behaviour, name, spec)
         draft.children = [self.draft(child) for child in _children(node_type, behaviour)]
+        if node_type.takes == "many" and not draft.children:
+            message = f"{node_type.type_name!r} {behaviour.name!r} needs at least one child"
+            self._problem(message, "give it a list of nodes", "missing-child")
         for key, slot in node_type.branches.items():
             branch = getattr(behaviour, key + "_" if hasattr(behaviour, key + "_") else key, None)
-            if slot.many:
+            if slot.many and not branch and slot.required:
+                message = f"{key!r} of {node_type.type_name!r} {behaviour.name!r} is empty"
+                self._problem(message, f"{key}: {slot.doc}", "missing-parameter")
+            elif slot.many:
                 draft.branches[key] = {case: self.draft(child) for case, child in (branch or {}).items()}
             elif branch is not None:
                 draft.branches[key] = self.draft(branch)
@@ -189,8 +195,8 @@ class _Composer:
                 draft.sound = False
         draft.values[name] = value
 
-    def _problem(self, message: str, hint: str) -> None:
-        self._problems.append(Problem(message, self._place, hint, "invalid-node"))
+    def _problem(self, message: str, hint: str, code: str = "invalid-node") -> None:
+        self._problems.append(Problem(message, self._place, hint, code))
 
 
 class _SubTrees:

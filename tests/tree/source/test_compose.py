@@ -25,6 +25,7 @@ from humanoid_bt.tree.nodes import (
     Selector,
     Sequence,
     SetBlackboard,
+    Switch,
     Wait,
     Watchdog,
     Within,
@@ -252,6 +253,14 @@ def test_nodes_that_are_not_ours_are_refused(workspace: Workspace, skills: dict[
         "stands in the tree twice"
         in mistakes(Sequence("s", [Repeat("a", act), Repeat("b", act)]), workspace)[0].message
     )
+
+
+def test_nodes_without_what_must_stand_below_them_are_refused(workspace: Workspace) -> None:
+    empty, without = Sequence("s", []), Switch("w", value="1", cases={})
+    assert [(p.message, p.code) for p in mistakes(Sequence("root", [empty, without]), workspace)] == [
+        ("'sequence' 's' needs at least one child", "missing-child"),
+        ("'cases' of 'switch' 'w' is empty", "missing-parameter"),
+    ]
 
 
 def test_every_built_in_type_is_in_nodes() -> None:
