@@ -53,7 +53,7 @@ def open_recorder(
 
 def tree_view(tree: Tree) -> TreeView:
     """Return what a recording shows of a tree."""
-    from humanoid_bt.record.tree_view import TreeView  # noqa: PLC0415
+    from humanoid_bt.record.tree_view import TreeView  # noqa: PLC0415 (see above)
 
     return TreeView(tree.nodes, tree.source, relative(tree.path))
 
@@ -78,7 +78,7 @@ def cut_short(recording: Path | None) -> str:
 
 
 def _recorder(sinks: Sinks, tree: Tree, engine: Engine) -> Recorder:
-    from humanoid_bt.record.recorder import Recorder  # noqa: PLC0415
+    from humanoid_bt.record.recorder import Recorder  # noqa: PLC0415 (see above)
 
     robot = engine.robot
     view, info = tree_view(tree), run_info(tree, engine)

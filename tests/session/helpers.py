@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
+
+import rerun as rr
 
 from humanoid_bt.session.report import Report
 from humanoid_bt.session.session import Session
@@ -86,3 +90,17 @@ def after(calls: int, reason: str) -> Callable[[], str]:
         return reason if count >= calls else ""
 
     return ask
+
+
+_VERIFY = [str(Path(sys.executable).parent / "rerun"), "rrd", "verify"]
+
+
+def last_time(recording: Path) -> float:
+    """Return the last time [s] in a recording."""
+    assert subprocess.run([*_VERIFY, str(recording)], check=False, capture_output=True).returncode == 0
+    times = [0.0]
+    for chunk in rr.chunk.RrdReader(recording).stream():
+        batch = chunk.to_record_batch()
+        if "sim_time" in batch.schema.names:
+            times += [time.total_seconds() for time in batch.column("sim_time").to_pylist()]
+    return max(times)

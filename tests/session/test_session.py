@@ -3,19 +3,15 @@
 from __future__ import annotations
 
 import math
-import signal
-import subprocess
-import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
-import rerun as rr
 from py_trees.common import Status
 
 import humanoid_bt as hbt
-from humanoid_bt.session.interrupt import WholeTick
+from tests.session.helpers import last_time
 
 COUNT = """\
 format: 1
@@ -143,20 +139,6 @@ def test_a_reset_lets_a_patient_tree_go_on(project: Path) -> None:
 # ---- leaving -------------------------------------------------------------------------------------------------------
 
 
-def last_time(recording: Path) -> float:
-    """Return the last time [s] in a recording."""
-    assert subprocess.run([*VERIFY, str(recording)], check=False, capture_output=True).returncode == 0
-    times = [0.0]
-    for chunk in rr.chunk.RrdReader(recording).stream():
-        batch = chunk.to_record_batch()
-        if "sim_time" in batch.schema.names:
-            times += [time.total_seconds() for time in batch.column("sim_time").to_pylist()]
-    return max(times)
-
-
-VERIFY = [str(Path(sys.executable).parent / "rerun"), "rrd", "verify"]
-
-
 @pytest.mark.parametrize(
     ("error", "reason"), [(None, "the session was left"), (ZeroDivisionError("oh"), "ZeroDivisionError: oh")]
 )
@@ -210,95 +192,6 @@ def test_a_recording_is_made_only_if_asked_for(tmp_path: Path, monkeypatch: pyte
     recording = hbt.run("wait", workspace=project, record=True).recording
     assert recording is not None and recording.startswith("runs/wait-")
     assert Path(recording).is_file()
-
-
-# ---- Ctrl-C --------------------------------------------------------------------------------------------------------
-
-
-def test_ctrl_c_in_a_tick_is_raised_when_the_tick_is_over() -> None:
-    done = []
-    with pytest.raises(KeyboardInterrupt), WholeTick():
-        signal.raise_signal(signal.SIGINT)
-        done.append("the rest")
-    assert done == ["the rest"]
-    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
-
-
-def test_a_second_ctrl_c_does_not_wait() -> None:
-    with pytest.raises(KeyboardInterrupt), WholeTick():
-        signal.raise_signal(signal.SIGINT)
-        signal.raise_signal(signal.SIGINT)
-        raise AssertionError("it waited")
-    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
-
-
-def test_programs_that_handle_ctrl_c_are_left_alone(monkeypatch: pytest.MonkeyPatch) -> None:
-    noted: list[int] = []
-    before = signal.signal(signal.SIGINT, lambda number, _: noted.append(number))
-    try:
-        with WholeTick():
-            signal.raise_signal(signal.SIGINT)
-    finally:
-        signal.signal(signal.SIGINT, before)
-    assert noted == [signal.SIGINT]
-
-
-CTRL_C = """
-import os, signal
-import humanoid_bt as hbt
-
-signal.signal(signal.SIGINT, signal.default_int_handler)  # what a shell starts in the background ignores it
-
-class Press(hbt.Listener):
-    ticks = 0
-    def progress(self, time, running):
-        self.ticks += 1
-        if self.ticks == 30:
-            os.kill(os.getpid(), signal.SIGINT)
-
-session = hbt.Session("walk", record="ctrl-c.rrd", listener=Press())
-try:
-    session.run()
-except KeyboardInterrupt:
-    report, state = session.report, session.engine.sense()[0]
-    print(report.outcome, report.reason, report.sim_time, state.base_settled, report.stops)
-for seed in range(3):
-    hbt.run("walk", seed=seed, listener=Press())
-"""
-
-
-def test_ctrl_c_ends_a_program_with_the_robot_standing(tmp_path: Path, project: Path) -> None:
-    script = tmp_path / "script.py"
-    script.write_text(CTRL_C, encoding="utf-8")
-    done = subprocess.run([sys.executable, str(script)], cwd=project, check=False, capture_output=True, text=True)
-    assert done.stdout == "interrupted Ctrl-C 0.58 True []\n"
-    assert done.returncode in (130, -signal.SIGINT)
-    assert last_time(project / "ctrl-c.rrd") > 0.6
-
-
-def test_ctrl_c_while_the_robot_comes_to_a_stand_waits_for_it(monkeypatch: pytest.MonkeyPatch) -> None:
-    session = hbt.Session("walk", duration=0.5)
-    with pytest.raises(KeyboardInterrupt), session:
-        session.run_until(lambda s: bool(s.outcome))
-        monkeypatch.setattr(session.engine, "clock", Pressing(session.engine.clock))
-    assert session.report.outcome == "unfinished"
-    assert session.engine.sense()[0].base_settled
-
-
-class Pressing:
-    """A clock at whose third reading somebody presses Ctrl-C."""
-
-    def __init__(self, clock: Any) -> None:
-        self._clock, self._asked = clock, 0
-
-    def now(self) -> float:
-        self._asked += 1
-        if self._asked == 3:
-            signal.raise_signal(signal.SIGINT)
-        return float(self._clock.now())
-
-    def __getattr__(self, name: str) -> Any:
-        return getattr(self._clock, name)
 
 
 # ---- mistakes ------------------------------------------------------------------------------------------------------
