@@ -5,14 +5,17 @@ BIN := $(VENV)/bin
 export OMP_NUM_THREADS ?= 1
 export OPENBLAS_NUM_THREADS ?= 1
 
-.PHONY: demo test check docs bench clean
+.PHONY: demo test test-install check docs bench clean
 
 demo: $(VENV)/.installed
 	$(BIN)/humanoid-bt run fetch
 
 test: $(VENV)/.installed-dev
-	$(BIN)/python -m pytest -n auto --dist loadfile -m "not realtime"
+	$(BIN)/python -m pytest -n auto --dist loadfile -m "not realtime and not install"
 	$(BIN)/python -m pytest -m realtime
+
+test-install: $(VENV)/.installed-dev  ## the wheel in an empty environment, with what it declares to need
+	$(BIN)/python -m pytest -m install
 
 check: $(VENV)/.installed-dev  ## lint, format, types, layers
 	$(BIN)/ruff check .
@@ -34,7 +37,7 @@ $(VENV)/bin/python:
 	$(PYTHON) -m venv $(VENV)
 
 $(VENV)/.installed: pyproject.toml constraints.txt | $(VENV)/bin/python
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e .
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[test]'
 	touch $@
 
 $(VENV)/.installed-dev: pyproject.toml constraints.txt | $(VENV)/bin/python

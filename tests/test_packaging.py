@@ -94,6 +94,7 @@ def test_the_metadata_says_what_a_user_needs(wheel: Path) -> None:
     assert "[pytest11]\nhumanoid_bt = humanoid_bt.testing.plugin" in read["entry_points.txt"]
 
 
+@pytest.mark.install
 def test_the_demo_runs_from_a_users_folder(program: Path, tmp_path: Path) -> None:
     project = make_project(tmp_path / "project")
     report = run_in(project, program, "fetch")
@@ -101,6 +102,7 @@ def test_the_demo_runs_from_a_users_folder(program: Path, tmp_path: Path) -> Non
     assert Path(project / str(report["recording"])).stat().st_size > 0
 
 
+@pytest.mark.install
 def test_a_users_skill_runs_beside_the_built_in_ones(program: Path, tmp_path: Path) -> None:
     project = make_project(tmp_path / "project")
     tree = "format: 1\nroot:\n  emergency_stop:\n    parallel:\n      success: one\n      children: [pause, idle]\n"

@@ -12,12 +12,27 @@ from typing import Literal
 from humanoid_bt.core.errors import UserError, nearest, relative
 
 _PACKAGE = Path(__file__).resolve().parents[1]
+_TREES, _SCENES, _ROBOTS, _SKILLS = "trees/*.yaml", "sim/scenes/*.yaml", "sim/*/robot.yaml", "skills/*.py"
 
 
 def builtin_root() -> Path:
     """Return the built-in workspace: inside the installed package, or the repository in a checkout."""
     packaged = _PACKAGE / "builtin"
     return packaged if packaged.is_dir() else _PACKAGE.parent
+
+
+def workspace_above(folder: Path) -> Path | None:
+    """Return the nearest workspace: this folder or one above it; None if none of them is one.
+
+    Test files make no workspace: ``tests/skills/`` with nothing but tests in it holds no skills.
+    """
+    return next((place for place in (folder, *folder.parents) if _is_workspace(place)), None)
+
+
+def _is_workspace(folder: Path) -> bool:
+    if any(any(folder.glob(pattern)) for pattern in (_TREES, _SCENES, _ROBOTS)):
+        return True
+    return any(not path.name.startswith(("_", "test_", "conftest.")) for path in folder.glob(_SKILLS))
 
 
 class Workspace:
@@ -73,17 +88,17 @@ class Workspace:
 
     def trees(self) -> dict[str, Path]:
         """Return every tree file by name."""
-        return self._files("trees", "*.yaml")
+        return self._files(_TREES)
 
     def scenes(self) -> dict[str, Path]:
         """Return every scene file by name."""
-        return self._files("sim/scenes", "*.yaml")
+        return self._files(_SCENES)
 
     def robots(self) -> dict[str, Path]:
         """Return every ``robot.yaml`` by the name of its folder."""
         found: dict[str, Path] = {}
         for layer in reversed(self.layers):
-            found |= {path.parent.name: path for path in sorted(layer.glob("sim/*/robot.yaml"))}
+            found |= {path.parent.name: path for path in sorted(layer.glob(_ROBOTS))}
         return found
 
     def skill_files(self) -> list[Path]:
@@ -91,7 +106,7 @@ class Workspace:
         return [
             path
             for layer in reversed(self.layers)
-            for path in sorted(layer.glob("skills/*.py"))
+            for path in sorted(layer.glob(_SKILLS))
             if not path.name.startswith("_")
         ]
 
@@ -114,10 +129,10 @@ class Workspace:
             return path / "robot.yaml"
         return self._find(name, self.robots(), "robot", "folder or robot.yaml")
 
-    def _files(self, folder: str, pattern: str) -> dict[str, Path]:
+    def _files(self, pattern: str) -> dict[str, Path]:
         found: dict[str, Path] = {}
         for layer in reversed(self.layers):
-            found |= {path.stem: path for path in sorted((layer / folder).glob(pattern))}
+            found |= {path.stem: path for path in sorted(layer.glob(pattern))}
         return found
 
     def _find(self, name: str, known: dict[str, Path], what: Literal["tree", "scene", "robot"], kind: str) -> Path:

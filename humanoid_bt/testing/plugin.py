@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
@@ -13,23 +13,31 @@ if TYPE_CHECKING:
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     """Declare the plugin's options in pytest's configuration file."""
-    parser.addini("humanoid_bt_workspace", "folder with skills/, trees/, sim/ (default: pytest's root folder)")
+    nearest = "the nearest folder above the test that is one, or pytest's root folder"
+    parser.addini("humanoid_bt_workspace", f"folder with skills/, trees/, sim/ (default: {nearest})")
     parser.addini("humanoid_bt_robot", "robot that the rig simulates (default: humanoid)", default="humanoid")
 
 
 @pytest.fixture(scope="session")
-def _rig(pytestconfig: pytest.Config) -> Rig:
-    """Load the robot once for all tests."""
-    from humanoid_bt.files.workspace import Workspace
-    from humanoid_bt.testing.rig import Rig
-
-    folder = pytestconfig.getini("humanoid_bt_workspace")
-    workspace = Workspace(pytestconfig.rootpath / folder if folder else pytestconfig.rootpath)
-    return Rig(workspace, pytestconfig.getini("humanoid_bt_robot"))
+def _rigs() -> dict[Path, Rig]:
+    """Keep the rig of each workspace, so that all its tests load the robot once."""
+    return {}
 
 
 @pytest.fixture
-def rig(_rig: Rig) -> Iterator[Rig]:
+def rig(_rigs: dict[Path, Rig], request: pytest.FixtureRequest) -> Rig:
     """Give a real simulated robot, standing at the origin and looking along x, fresh for each test."""
-    _rig.reset()
-    yield _rig
+    from humanoid_bt.testing.rig import Rig
+
+    folder = _workspace(request)
+    if folder not in _rigs:
+        _rigs[folder] = Rig(folder, request.config.getini("humanoid_bt_robot"))
+    _rigs[folder].reset()
+    return _rigs[folder]
+
+
+def _workspace(request: pytest.FixtureRequest) -> Path:
+    from humanoid_bt.files.workspace import workspace_above
+
+    root, named = request.config.rootpath, request.config.getini("humanoid_bt_workspace")
+    return root / named if named else workspace_above(request.path.parent) or root

@@ -16,7 +16,7 @@ from py_trees.common import Status
 from humanoid_bt.control.body.standing import load_robot
 from humanoid_bt.control.supervisor import Stop
 from humanoid_bt.core.clock import PERCEPTION_PERIOD
-from humanoid_bt.core.errors import Place, UserError, nearest
+from humanoid_bt.core.errors import Place, UserError, nearest, relative
 from humanoid_bt.core.geometry import rotation_matrix
 from humanoid_bt.core.items import item_of
 from humanoid_bt.core.messages import Array, Command, Mode, Percept, Side, State
@@ -236,7 +236,8 @@ class Rig:
         node_type = self._registry.get(skill)
         if node_type is None or node_type.kind != "skill":
             known = [name for name, kind in self._registry.items() if kind.kind == "skill"]
-            raise UserError(f"no skill named {skill!r}", hint=nearest(skill, known))
+            where = f"the workspace {relative(self.workspace.root)!r}, nor among the built-in ones"
+            raise UserError(f"no skill named {skill!r} in {where}", hint=nearest(skill, known))
         converted = self._convert(node_type, values)
         behaviour = node_type.cls(name=skill, **converted)
         behaviour.path = skill  # type: ignore[attr-defined]  # plain behaviours know their path too

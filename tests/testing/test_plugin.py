@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+
 import pytest
 
 import humanoid_bt.testing.rig  # noqa: F401 (the inner pytest forgets what it imports, and numpy loads only once)
@@ -56,6 +58,29 @@ def test_a_project_tests_its_skills_with_the_rig(user: pytest.Pytester) -> None:
     make_project(user.path)
     result = user.runpytest_inprocess("-p", "no:cacheprovider")
     result.assert_outcomes(passed=7)
+
+
+@pytest.mark.parametrize("start", [".", "hello", "hello/tests"])
+def test_the_workspace_is_the_nearest_one_above_the_test(pytester: pytest.Pytester, start: str) -> None:
+    """As in a clone of the engine itself: pytest's root folder is a workspace too, but another one."""
+    make_project(pytester.path / "hello")
+    (pytester.path / "trees").mkdir()
+    (pytester.path / "trees" / "other.yaml").touch()
+    pytester.makepyprojecttoml("[tool.pytest.ini_options]\naddopts = '-q'\n")
+    tests = pytester.path / "hello" / "tests" / "skills"
+    tests.mkdir(parents=True)
+    (tests / "test_pause.py").write_text("def test_it(rig):\n    assert rig.run('pause').succeeded\n")
+    pytester.chdir()
+    os.chdir(start)
+    result = pytester.runpytest_inprocess("-p", "no:cacheprovider")
+    result.assert_outcomes(passed=1)
+
+
+def test_a_skill_that_is_not_there_names_the_workspace(user: pytest.Pytester) -> None:
+    user.makepyfile(test_mine="def test_it(rig):\n    rig.run('hail')\n")
+    result = user.runpytest_inprocess("-p", "no:cacheprovider")
+    result.assert_outcomes(failed=1)
+    result.stdout.fnmatch_lines(["*no skill named 'hail' in the workspace '*"])
 
 
 def test_the_workspace_can_lie_elsewhere(user: pytest.Pytester) -> None:
