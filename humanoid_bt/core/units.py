@@ -1,4 +1,4 @@
-"""Units: what quantities may be written in, and what they are in SI units."""
+"""Units: what quantities may be written in, what they are in SI units, and how people read them."""
 
 from __future__ import annotations
 
@@ -53,3 +53,23 @@ def base_unit(text: str) -> str | None:
     """Return the SI unit of a written quantity ("45 cm" -> "m"), None if it is none."""
     found = quantity(text)
     return found[1] if found else None
+
+
+def readable(value: object, unit: str = "") -> str:
+    """Return a value as people read it: small lengths in cm, angles in degrees, no more digits than help.
+
+    Args:
+        value: in its SI unit, if it is a number.
+        unit: that unit, "" for none.
+    """
+    if isinstance(value, bool):
+        return str(value).lower()
+    if not isinstance(value, (int, float)):
+        return str(value)
+    if unit == "m" and abs(value) < 1:
+        value, unit = 100 * value, "cm"
+    elif unit in ("rad", "rad/s"):
+        value, unit = math.degrees(value), unit.replace("rad", "deg")
+    decimals = 2 if unit not in ("cm", "deg", "deg/s") else 1 if abs(value) < 10 else 0
+    text = f"{value:z.{decimals}f}" if isinstance(value, float) else str(value)
+    return f"{text.rstrip('0').rstrip('.') if '.' in text else text} {unit}".rstrip()

@@ -55,4 +55,4 @@ def test_follows_a_target_that_moves(rig: Rig) -> None:
 def test_fails_when_the_target_was_never_seen(rig: Rig) -> None:
     result = rig.run("approach", target="nothing")
     assert result.failed
-    assert "nothing was never seen" in result.feedback
+    assert "'nothing' was never seen: perception offers no such percept" in result.feedback

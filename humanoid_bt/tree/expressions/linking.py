@@ -171,7 +171,7 @@ class Linker:
         def ask(robot: Robot) -> Any:
             track = robot.track(percept)
             if track is None:
-                raise Unseen(f"{percept!r} was never seen")
+                raise Unseen(robot.why_unseen(percept))
             return of(track)
 
         return PERCEPT[name].type, ask

@@ -84,7 +84,7 @@ class PerceptCondition(Leaf):
         """Check the percept as it was at the start of the tick."""
         track = self.robot.track(self.percept)
         if track is None:
-            self.feedback_message = f"{self.percept!r} was never seen"
+            self.feedback_message = self.robot.why_unseen(self.percept)
             self._held = False
         else:
             self._held = self.holds(track, self._held)

@@ -98,7 +98,7 @@ class Watchdog(Decorator):
                 halt(self.on_stale, f"{self.percept!r} is fresh again", seen)
             return tick(self.decorated, seen)
         if track is None:
-            self.feedback_message = f"{self.percept!r} was never seen"
+            self.feedback_message = self.robot.why_unseen(self.percept)
         else:
             self.feedback_message = f"{self.percept!r} is {track.age:.2f} s old (limit {self.max_age:g} s)"
         if self.decorated.status is not INVALID:
