@@ -20,6 +20,9 @@ _UNITS: dict[str, dict[str, float]] = {  # declared unit -> what may be written,
 UNITS = tuple(_UNITS)
 """SI units that a parameter can declare."""
 
+_SMALL = 0.1
+"""A length below this [m] is given in cm; of other numbers below it the first digits count."""
+
 _EXPONENT = re.compile(r"^[-+]?(?:\d+\.?\d*|\.\d+)[eE][-+]?\d+$")  # YAML 1.1 reads 1e-3 as text
 _QUANTITY = re.compile(r"^\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([A-Za-z/]+)\s*$")
 
@@ -63,13 +66,23 @@ def readable(value: object, unit: str = "") -> str:
         unit: that unit, "" for none.
     """
     if isinstance(value, bool):
-        return str(value).lower()
+        return "true" if value else "false"
+    if isinstance(value, (list, tuple)):
+        return f"[{', '.join(readable(part) for part in value)}]"
     if not isinstance(value, (int, float)):
         return str(value)
-    if unit == "m" and abs(value) < 1:
-        value, unit = 100 * value, "cm"
+    decimals = 2
+    if unit == "m" and abs(value) < _SMALL:
+        value, unit, decimals = 100 * value, "cm", 1
     elif unit in ("rad", "rad/s"):
         value, unit = math.degrees(value), unit.replace("rad", "deg")
-    decimals = 2 if unit not in ("cm", "deg", "deg/s") else 1 if abs(value) < 10 else 0
-    text = f"{value:z.{decimals}f}" if isinstance(value, float) else str(value)
-    return f"{text.rstrip('0').rstrip('.') if '.' in text else text} {unit}".rstrip()
+        decimals = 1 if abs(value) < 10 else 0
+    if isinstance(value, int):
+        text = str(value)
+    elif decimals == 2 and abs(value) < _SMALL:
+        text = f"{value:z.2g}"
+    else:
+        text = f"{value:z.{decimals}f}"
+        if text[-1] == "0" and decimals:
+            text = text.rstrip("0").rstrip(".")
+    return f"{text} {unit}" if unit else text

@@ -88,7 +88,7 @@ def _out_of_sight(position: Array, distance: float, state: State, config: Percep
     ahead, aside, above = float(offset @ forward), float(offset @ left), float(offset @ np.cross(forward, left))
     horizontal, vertical = math.atan2(aside, ahead), math.atan2(above, math.hypot(ahead, aside))
     if abs(horizontal) > config.field_of_view / 2:
-        return _out_of_view(horizontal, "left", "right", config.field_of_view)
+        return _out_of_view(horizontal, "left of", "right of", config.field_of_view)
     if abs(vertical) > config.vertical_field_of_view / 2:
         return _out_of_view(vertical, "above", "below", config.vertical_field_of_view)
     return ""
@@ -97,4 +97,4 @@ def _out_of_sight(position: Array, distance: float, state: State, config: Percep
 def _out_of_view(angle: float, positive: str, negative: str, field_of_view: float) -> str:
     where = positive if angle > 0 else negative
     seen = readable(field_of_view / 2, "rad")
-    return f"out of view: {readable(abs(angle), 'rad')} {where} of the gaze, seen up to {seen}"
+    return f"out of view: {readable(abs(angle), 'rad')} {where} the gaze, seen up to {seen}"
