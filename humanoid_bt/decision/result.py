@@ -72,7 +72,9 @@ class Result:
             raise AttributeError(f"the result {self.name!r} is not set yet", name=self.name, obj=skill) from None
 
     def __set__(self, skill: Any, value: Any) -> None:
-        vars(skill).setdefault(_VALUES, {})[self.name] = self._checked(value)
+        if type(value) is not float or self.type is not float or not math.isfinite(value):  # most are, in every tick
+            value = self._checked(value)
+        vars(skill).setdefault(_VALUES, {})[self.name] = value
 
     def __delete__(self, skill: Any) -> None:
         results_of(skill).pop(self.name, None)
