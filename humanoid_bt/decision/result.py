@@ -33,7 +33,6 @@ _TAKES: dict[Any, Any] = {
     bool: (bool, np.bool_),
     str: str,
 }  # what a result can be declared to be -> what can be assigned to it
-_VALUES = "_results"  # attribute of a skill: its results by name
 
 
 class Reported(NamedTuple):
@@ -67,17 +66,17 @@ class Result:
         if skill is None:
             return self
         try:
-            return results_of(skill)[self.name]
+            return skill._results[self.name]
         except KeyError:
             raise AttributeError(f"the result {self.name!r} is not set yet", name=self.name, obj=skill) from None
 
     def __set__(self, skill: Any, value: Any) -> None:
         if type(value) is not float or self.type is not float or not math.isfinite(value):  # most are, in every tick
             value = self._checked(value)
-        vars(skill).setdefault(_VALUES, {})[self.name] = value
+        skill._results[self.name] = value
 
     def __delete__(self, skill: Any) -> None:
-        results_of(skill).pop(self.name, None)
+        skill._results.pop(self.name, None)
 
     @functools.cached_property
     def type(self) -> Any:
@@ -129,18 +128,12 @@ def declared_results(cls: type) -> dict[str, Result]:
     return {name: value for name, value in found.items() if isinstance(value, Result)}
 
 
-def results_of(skill: Any) -> dict[str, ResultValue]:
-    """Return what a skill has set since it started, by name."""
-    found: dict[str, ResultValue] = vars(skill).get(_VALUES, {})
-    return found
+def results_of(node: Any) -> dict[str, ResultValue]:
+    """Return what a node has set since it started, by name; only skills set something."""
+    return getattr(node, "_results", {})
 
 
-def reported(skill: Any) -> tuple[Reported, ...]:
-    """Return what a skill has set since it started, with units, in the order in which it was set first."""
-    cls = type(skill)
-    return tuple(Reported(name, value, getattr(cls, name).unit) for name, value in results_of(skill).items())
-
-
-def forget_results(skill: Any) -> None:
-    """Forget what a skill has set: it starts anew."""
-    vars(skill).pop(_VALUES, None)
+def reported(node: Any) -> tuple[Reported, ...]:
+    """Return what a node has set since it started, with units, in the order in which it was set first."""
+    cls = type(node)
+    return tuple(Reported(name, value, getattr(cls, name).unit) for name, value in results_of(node).items())

@@ -27,7 +27,7 @@ from py_trees.common import Status
 
 from humanoid_bt.core.params import PerceptName
 from humanoid_bt.decision.assign import assign
-from humanoid_bt.decision.result import ResultValue, declared_results, forget_results, results_of
+from humanoid_bt.decision.result import ResultValue, declared_results
 from humanoid_bt.decision.robot import Robot, RobotHandle
 
 __all__ = ["PerceptName", "Skill", "Status", "node_type_name", "of_gaze", "of_hand"]
@@ -88,13 +88,14 @@ class Skill(py_trees.behaviour.Behaviour):
         assign(self, values)
         self.path = self.name
         self.halt_reason = ""
+        self._results: dict[str, ResultValue] = {}
         if declared_results(type(self)):
             self.initialise = functools.partial(_start_anew, self, self.initialise)  # type: ignore[method-assign]
 
     @property
     def results(self) -> Mapping[str, ResultValue]:
         """The results that it has set since it started, by name."""
-        return results_of(self)
+        return self._results
 
     @classmethod
     def resources_for(cls, values: Mapping[str, Any]) -> Iterable[str]:
@@ -137,5 +138,5 @@ class Skill(py_trees.behaviour.Behaviour):
 
 def _start_anew(skill: Skill, initialise: Callable[[], None]) -> None:
     """Start a skill that has results: those of the last time are forgotten."""
-    forget_results(skill)
+    skill._results = {}
     initialise()
