@@ -38,6 +38,7 @@ __all__ = [  # noqa: RUF022 (grouped as a reader looks for them)
     "Skill",
     "Status",
     "param",
+    "result",
     "PerceptName",
     "RobotHandle",
     "Track",
@@ -47,6 +48,7 @@ __all__ = [  # noqa: RUF022 (grouped as a reader looks for them)
     "Side",
     "SIDES",
     "of_hand",
+    "of_gaze",
     "Steady",
     "Lasting",
     "Improving",
@@ -76,12 +78,14 @@ if TYPE_CHECKING:
     from humanoid_bt.core.params import PerceptName as PerceptName
     from humanoid_bt.core.params import param as param
     from humanoid_bt.decision.blackboard import Key as Key
+    from humanoid_bt.decision.result import result as result
     from humanoid_bt.decision.robot import RobotHandle as RobotHandle
     from humanoid_bt.decision.signals import Improving as Improving
     from humanoid_bt.decision.signals import Lasting as Lasting
     from humanoid_bt.decision.signals import Steady as Steady
     from humanoid_bt.decision.skill import Skill as Skill
     from humanoid_bt.decision.skill import Status as Status
+    from humanoid_bt.decision.skill import of_gaze as of_gaze
     from humanoid_bt.decision.skill import of_hand as of_hand
     from humanoid_bt.files.workspace import Workspace as Workspace
     from humanoid_bt.perception.track import Track as Track
@@ -110,6 +114,7 @@ else:
         "humanoid_bt.core.geometry": "rotation_matrix",
         "humanoid_bt.core.messages": "SIDES Gait Mode Side State",
         "humanoid_bt.core.params": "PerceptName param",
+        "humanoid_bt.decision.result": "result",
         "humanoid_bt.decision.robot": "RobotHandle",
         "humanoid_bt.perception.track": "Track",
         "humanoid_bt.session.report": "Report",
@@ -117,7 +122,7 @@ else:
         "humanoid_bt.session.session": "Session",
         "humanoid_bt.session.teller": "Listener",
         "humanoid_bt.decision.signals": "Improving Lasting Steady",
-        "humanoid_bt.decision.skill": "Skill Status of_hand",
+        "humanoid_bt.decision.skill": "Skill Status of_gaze of_hand",
         "humanoid_bt.testing.rig": "Rig RigResult",
         "humanoid_bt.tree.source.compose": "make_tree",
         "humanoid_bt.tree.ticking.executor": "NodeChange NodeError",

@@ -1,14 +1,16 @@
 """Walk up to something seen."""
 
 import math
+from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 
-from humanoid_bt import PerceptName, Skill, Status, param
+from humanoid_bt import Gait, PerceptName, Skill, Status, of_gaze, param, result
 
 
 class Approach(Skill):
-    """Walk until the target is straight ahead at a distance, looking at it.
+    """Walk until the target is straight ahead at a distance.
 
     Succeeds once the robot stands there; follows a target that moves. Fails if the target was never seen.
     """
@@ -22,6 +24,15 @@ class Approach(Skill):
     )
     tolerance: float = param(0.06, unit="m", above=0, doc="Arrived when this close to the place to stand at.")
     angle_tolerance: float = param(0.12, unit="rad", above=0, doc="Arrived when the target is ahead to this angle.")
+    look: bool = param(True, doc="Look at the target, too.")
+
+    distance_left: float = result(unit="m", doc="To the place to stand at.")
+    bearing_error: float = result(unit="rad", doc="From straight ahead to the target; left is positive.")
+
+    @classmethod
+    def resources_for(cls, values: Mapping[str, Any]) -> tuple[str, ...]:
+        """Return no gaze unless it is to look."""
+        return of_gaze(cls.resources, values["look"])
 
     def initialise(self) -> None:
         """Forget the last goal."""
@@ -31,7 +42,7 @@ class Approach(Skill):
         """Walk toward the place from which the target is straight ahead."""
         track = self.robot.track(self.target)
         if track is None:
-            return self.fail(f"{self.target} was never seen")
+            return self.fail(self.robot.why_unseen(self.target))
         stop_at = self.robot.config.reach_distance if self.distance is None else self.distance
         stance = self.robot.state.stance
         to_target = track.position_world[:2] - stance[:2]
@@ -39,12 +50,16 @@ class Approach(Skill):
         goal = track.position_world[:2] - stop_at * np.array([math.cos(heading), math.sin(heading)])
         self._goal = self._steady(goal, math.dist(goal, stance[:2]))
 
-        to_go = math.dist(self._goal, stance[:2])
+        self.distance_left = to_go = math.dist(self._goal, stance[:2])
+        self.bearing_error = track.bearing
         arrived = to_go < self.tolerance and abs(track.bearing) < self.angle_tolerance
         if arrived and self.robot.state.base_settled:
             return self.succeed(f"{track.distance:.2f} m from {self.target}")
+        if self.look:
+            self.robot.look_at(track.position_world)
+        if arrived and self.robot.state.gait is Gait.STAND:
+            return self.running("coming to rest")
         self.robot.walk_to(self._goal, heading)
-        self.robot.look_at(track.position_world)
         return self.running(f"{to_go:.2f} m to go to {self.target}")
 
     def _steady(self, goal: np.ndarray, to_go: float) -> np.ndarray:

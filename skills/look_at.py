@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from humanoid_bt import Improving, Lasting, PerceptName, Skill, Status, param
+from humanoid_bt import Improving, Lasting, PerceptName, Skill, Status, param, result
 
 
 class LookAt(Skill):
@@ -22,6 +22,8 @@ class LookAt(Skill):
     hold: float = param(0.5, unit="s", minimum=0, doc="How long it must stay there.")
     patience: float = param(2.0, unit="s", above=0, doc="Fails when the view comes no nearer for this long.")
 
+    view_error: float = result(unit="rad", doc="From the middle of the view to the target.")
+
     def initialise(self) -> None:
         """Begin to count anew."""
         self._held = Lasting(self.hold)
@@ -31,11 +33,11 @@ class LookAt(Skill):
         """Look at where the target was last seen."""
         track = self.robot.track(self.target)
         if track is None:
-            return self.fail(f"{self.target} was never seen")
+            return self.fail(self.robot.why_unseen(self.target))
         self.robot.look_at(track.position_world)
 
         now, state = self.robot.clock.now(), self.robot.state
-        error = _angle(state.gaze_direction, track.position_world - state.gaze_position)
+        self.view_error = error = _angle(state.gaze_direction, track.position_world - state.gaze_position)
         there = error < self.tolerance
         if self._held.update(there, now):
             return self.succeed(f"{math.degrees(error):.0f} deg from {self.target}")

@@ -5,7 +5,20 @@ from typing import Any, Literal
 
 import numpy as np
 
-from humanoid_bt import Improving, Lasting, PerceptName, Side, Skill, Status, Steady, Track, of_hand, param
+from humanoid_bt import (
+    Improving,
+    Lasting,
+    PerceptName,
+    Side,
+    Skill,
+    Status,
+    Steady,
+    Track,
+    of_gaze,
+    of_hand,
+    param,
+    result,
+)
 
 _HEIGHT = 0.75  # of the eyes' height: the chest
 
@@ -31,11 +44,15 @@ class Offer(Skill):
     tolerance: float = param(0.03, unit="m", above=0, doc="There when the palm is this close.")
     hold: float = param(2.0, unit="s", minimum=0, doc="How long to hold it there.")
     patience: float = param(2.0, unit="s", above=0, doc="Fails when the palm comes no nearer for this long.")
+    look: bool = param(True, doc="Look at the target, too.")
+
+    hand_error: float = result(unit="m", doc="From the palm to where it is held out.")
+    target_distance: float = result(unit="m", doc="From the middle between the feet to the target, seen from above.")
 
     @classmethod
     def resources_for(cls, values: Mapping[str, Any]) -> tuple[str, ...]:
-        """Return one hand unless the nearest is to be chosen."""
-        return of_hand(cls.resources, values["hand"])
+        """Return one hand unless the nearest is to be chosen, and the gaze if it is to look."""
+        return of_hand(of_gaze(cls.resources, values["look"]), values["hand"])
 
     def initialise(self) -> None:
         """Choose nothing yet: the hand is chosen once the robot stands."""
@@ -49,8 +66,10 @@ class Offer(Skill):
         """Wait for a steady base, then hold the palm out."""
         track, state = self.robot.track(self.target), self.robot.state
         if track is None:
-            return self.fail(f"{self.target} was never seen")
-        self.robot.look_at(track.position_world)
+            return self.fail(self.robot.why_unseen(self.target))
+        self.target_distance = track.distance
+        if self.look:
+            self.robot.look_at(track.position_world)
         if self._hand is None:
             if not state.base_settled:
                 return self.running("waiting for a steady base")
@@ -65,7 +84,8 @@ class Offer(Skill):
 
     def _hold_out(self, hand: Side, aim: np.ndarray) -> Status:
         self.robot.move_hand(hand, aim)
-        now, error = self.robot.clock.now(), float(np.linalg.norm(self.robot.state.hands[hand] - aim))
+        now = self.robot.clock.now()
+        self.hand_error = error = float(np.linalg.norm(self.robot.state.hands[hand] - aim))
         there = error < self.tolerance
         if self._held.update(there, now):
             return self.succeed(f"held the {hand} hand out for {self.hold:g} s")

@@ -5,7 +5,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from humanoid_bt import Improving, Lasting, PerceptName, Side, Skill, Status, Steady, of_hand, param
+from humanoid_bt import Improving, Lasting, PerceptName, Side, Skill, Status, Steady, of_gaze, of_hand, param, result
 
 
 class Reach(Skill):
@@ -24,11 +24,14 @@ class Reach(Skill):
     hold: float = param(0.3, unit="s", minimum=0, doc="How long it must stay there.")
     patience: float = param(2.0, unit="s", above=0, doc="Fails when the palm comes no nearer for this long.")
     smoothing: float = param(0.4, unit="s", minimum=0, doc="Low-pass time of the target's position.")
+    look: bool = param(True, doc="Look at the target, too.")
+
+    hand_error: float = result(unit="m", doc="From the palm to the target.")
 
     @classmethod
     def resources_for(cls, values: Mapping[str, Any]) -> tuple[str, ...]:
-        """Return one hand unless the nearest is to be chosen."""
-        return of_hand(cls.resources, values["hand"])
+        """Return one hand unless the nearest is to be chosen, and the gaze if it is to look."""
+        return of_hand(of_gaze(cls.resources, values["look"]), values["hand"])
 
     def initialise(self) -> None:
         """Choose nothing yet: the hand is chosen once the robot stands."""
@@ -41,8 +44,9 @@ class Reach(Skill):
         """Wait for a steady base, then move the palm to the target."""
         track = self.robot.track(self.target)
         if track is None:
-            return self.fail(f"{self.target} was never seen")
-        self.robot.look_at(track.position_world)
+            return self.fail(self.robot.why_unseen(self.target))
+        if self.look:
+            self.robot.look_at(track.position_world)
         if self._hand is None:
             if not self.robot.state.base_settled:
                 return self.running("waiting for a steady base")
@@ -53,7 +57,7 @@ class Reach(Skill):
         self.robot.move_hand(self._hand, aim)
 
         now = self.robot.clock.now()
-        error = float(np.linalg.norm(self.robot.state.hands[self._hand] - aim))
+        self.hand_error = error = float(np.linalg.norm(self.robot.state.hands[self._hand] - aim))
         there = error <= self.tolerance
         if self._held.update(there, now):
             return self.succeed(f"{self._hand} hand {error * 100:.1f} cm from {self.target}")

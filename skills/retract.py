@@ -5,7 +5,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from humanoid_bt import SIDES, Lasting, Mode, Side, Skill, Status, of_hand, param, rotation_matrix
+from humanoid_bt import SIDES, Lasting, Mode, Side, Skill, Status, of_hand, param, result, rotation_matrix
 
 
 class Retract(Skill):
@@ -23,6 +23,8 @@ class Retract(Skill):
     speed: float = param(0.02, unit="m/s", above=0, doc="At rest when the palm moves more slowly than this.")
     hold: float = param(0.3, unit="s", above=0, doc="How long it must be at rest.")
     patience: float = param(6.0, unit="s", above=0, doc="Fails when it is not at rest after this long.")
+
+    took: float = result(unit="s", doc="How long it took.")
 
     @classmethod
     def resources_for(cls, values: Mapping[str, Any]) -> tuple[str, ...]:
@@ -42,6 +44,7 @@ class Retract(Skill):
         missing = [side for side in sides if side not in state.hands]
         if missing:
             return self.fail(f"the robot has no {missing[0]} hand")
+        self.took = now - self._since
         speed = self._speed(sides)
         free = state.mode is Mode.RUN and not any(f"{side}_hand" in state.targets for side in sides)
         if self._rested.update(free and speed < self.speed, now):

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from humanoid_bt import Improving, Skill, Status, param
+from humanoid_bt import Gait, Improving, Skill, Status, param, result
 
 
 class StepBack(Skill):
@@ -21,6 +21,8 @@ class StepBack(Skill):
     angle_tolerance: float = param(0.12, unit="rad", above=0, doc="Done when it faces as before to this angle.")
     patience: float = param(4.0, unit="s", above=0, doc="Fails when it comes no farther for this long.")
 
+    distance_made: float = result(unit="m", doc="How far back it came.")
+
     def initialise(self) -> None:
         """Count from here."""
         self._start = self.robot.state.stance[:2].copy()
@@ -31,12 +33,15 @@ class StepBack(Skill):
         """Step to a place that is always so near that the robot does not turn round to walk there."""
         state, gait = self.robot.state, self.robot.config.gait
         back = -np.array([math.cos(self._heading), math.sin(self._heading)])
-        made = float(back @ (state.stance[:2] - self._start))
+        self.distance_made = made = float(back @ (state.stance[:2] - self._start))
         goal = self._start + self.distance * back
         to_go = float(np.linalg.norm(goal - state.stance[:2]))
         turned = math.remainder(state.stance[2] - self._heading, math.tau)
-        if to_go < self.tolerance and abs(turned) < self.angle_tolerance and state.base_settled:
-            return self.succeed(f"{made:.2f} m back")
+        there = to_go < self.tolerance and abs(turned) < self.angle_tolerance
+        if there and state.base_settled:
+            return self.succeed(f"{made:z.2f} m back")
+        if there and state.gait is Gait.STAND:
+            return self.running("coming to rest")
         lead = max(gait.near - gait.step_back, gait.step_back)
         self.robot.walk_to(self._start + min(self.distance, made + lead) * back, self._heading)
         if not self._left.update(to_go, self.robot.clock.now()):

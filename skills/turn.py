@@ -2,7 +2,7 @@
 
 import math
 
-from humanoid_bt import Improving, Skill, Status, param
+from humanoid_bt import Gait, Improving, Skill, Status, param, result
 
 _LEAD = math.pi / 2  # rad ahead of the robot; less than half a turn, or it would go round the other way
 
@@ -20,6 +20,8 @@ class Turn(Skill):
     tolerance: float = param(0.08, unit="rad", above=0, doc="Done when turned this close.")
     patience: float = param(4.0, unit="s", above=0, doc="Fails when it turns no farther for this long.")
 
+    turned: float = result(unit="rad", doc="How far it turned; left is positive.")
+
     def initialise(self) -> None:
         """Count from here."""
         self._spot = self.robot.state.stance[:2].copy()
@@ -33,8 +35,12 @@ class Turn(Skill):
         facing = float(state.stance[2])
         self._to_go -= math.remainder(facing - self._facing, math.tau)
         self._facing = facing
-        if abs(self._to_go) < self.tolerance and state.base_settled:
-            return self.succeed(f"turned {math.degrees(self.angle - self._to_go):z.0f} deg")
+        self.turned = self.angle - self._to_go
+        there = abs(self._to_go) < self.tolerance
+        if there and state.base_settled:
+            return self.succeed(f"turned {math.degrees(self.turned):z.0f} deg")
+        if there and state.gait is Gait.STAND:
+            return self.running("coming to rest")
         self.robot.walk_to(self._spot, facing + min(max(self._to_go, -_LEAD), _LEAD))
         if not self._left.update(abs(self._to_go), self.robot.clock.now()):
             return self.fail(f"turns no farther: {math.degrees(self._to_go):z.0f} deg to go")

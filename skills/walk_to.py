@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from humanoid_bt import Improving, Skill, Status, param
+from humanoid_bt import Gait, Improving, Skill, Status, param, result
 
 
 class WalkTo(Skill):
@@ -25,6 +25,9 @@ class WalkTo(Skill):
     angle_tolerance: float = param(0.12, unit="rad", above=0, doc="Arrived when turned this close.")
     patience: float = param(5.0, unit="s", above=0, doc="Fails when it comes no nearer for this long.")
 
+    position_error: float = result(unit="m", doc="From where it stands to the place.")
+    heading_error: float = result(unit="rad", doc="From where it faces to where it is to face; left is positive.")
+
     def initialise(self) -> None:
         """Choose where to face, once, for the direction to a place that is near means little."""
         gait, stance = self.robot.config.gait, self.robot.state.stance
@@ -42,10 +45,13 @@ class WalkTo(Skill):
         """Walk toward the place."""
         state = self.robot.state
         offset = self._goal - state.stance[:2]
-        to_go = float(np.linalg.norm(offset))
-        turn = math.remainder(self._heading - state.stance[2], math.tau)
-        if to_go < self.tolerance and abs(turn) < self.angle_tolerance and state.base_settled:
+        self.position_error = to_go = float(np.linalg.norm(offset))
+        self.heading_error = turn = math.remainder(self._heading - state.stance[2], math.tau)
+        there = to_go < self.tolerance and abs(turn) < self.angle_tolerance
+        if there and state.base_settled:
             return self.succeed(f"{to_go * 100:.0f} cm from ({self.x:g}, {self.y:g})")
+        if there and state.gait is Gait.STAND:
+            return self.running("coming to rest")
         self.robot.walk_to(self._goal, self._heading)
         if not self._steps.update(self._steps_left(offset), self.robot.clock.now()):
             return self.fail(f"comes no nearer: {to_go:.2f} m and {math.degrees(abs(turn)):.0f} deg to go")

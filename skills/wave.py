@@ -6,7 +6,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from humanoid_bt import Improving, PerceptName, Side, Skill, Status, of_hand, param
+from humanoid_bt import Improving, PerceptName, Side, Skill, Status, of_hand, param, result
 
 _AHEAD, _ASIDE = 0.5, 0.8  # shares of the robot's reach; the raised palm is beside the head, the elbow bent
 
@@ -26,6 +26,8 @@ class Wave(Skill):
     times: int = param(3, minimum=1, doc="How often.")
     width: float = param(0.16, unit="m", above=0, maximum=0.3, doc="How far from side to side.")
     patience: float = param(2.0, unit="s", above=0, doc="Fails when the palm comes no nearer for this long.")
+
+    waved: int = result(doc="How often it waved.")
 
     @classmethod
     def resources_for(cls, values: Mapping[str, Any]) -> tuple[str, ...]:
@@ -56,13 +58,14 @@ class Wave(Skill):
         if error < self.width / 4:
             self._strokes += 1
             self._error.restart()
-            if self._strokes == 2 * self.times:
-                return self.succeed(f"waved the {self._hand} hand {self.times} times")
         elif not self._error.update(error, self.robot.clock.now()):
             return self.fail(f"{self._hand} hand comes no nearer than {self._error.best * 100:.0f} cm")
+        self.waved = max(self._strokes, 0) // 2
+        if self.waved == self.times:
+            return self.succeed(f"waved the {self._hand} hand {self.times} times")
         if self._strokes < 0:
             return self.running(f"raising the {self._hand} hand")
-        return self.running(f"waved {self._strokes // 2} of {self.times} times")
+        return self.running(f"waved {self.waved} of {self.times} times")
 
     def _choose(self) -> Side:
         if self.hand != "nearest":

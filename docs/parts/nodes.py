@@ -71,6 +71,9 @@ def _node(node_type: NodeType) -> str:
         parts.append(table(("branch", "holds", "default", "meaning"), rows))
     if node_type.params:
         parts.append(parameter_table("parameter", map(parameter_row, node_type.params.values())))
+    if node_type.results:
+        rows = [(f"`{result.name}`", result.type_name, result.doc) for result in node_type.results.values()]
+        parts.append(table(("result", "type", "meaning"), rows))
     parts.append(f"<!-- tree -->\n```yaml\n{EXAMPLES[node_type.type_name]}```")
     return "\n\n".join(parts)
 

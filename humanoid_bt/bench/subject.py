@@ -239,7 +239,7 @@ class Subject:
     def percept_age(self) -> float:
         """Return how old the newest percept is, as a tree would see it [s]."""
         latest = self._percepts.latest()
-        stamps = [percept.stamp for percept in decode_percepts(latest[1])] if latest else []
+        stamps = [percept.stamp for percept in decode_percepts(latest[1]).percepts] if latest else []
         return self.state.time - max(stamps, default=0.0)
 
     def collect(self, duration: float) -> list[Wake]:

@@ -40,6 +40,7 @@ def _explain(console: Console, skill: NodeType) -> None:
     commands = ", ".join(skill.resources) or "nothing"
     print_lines(hanging("  ", f"commands {commands}" + (f"; from {relative(file)}" if file else "")))
     rows = [(spec.name, spec.type_name, _default(spec), spec.doc) for spec in skill.params.values()]
+    rows += [(result.name, result.type_name, "result", result.doc) for result in skill.results.values()]
     print_lines(columns(rows, indent=2))
 
 

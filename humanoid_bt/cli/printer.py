@@ -16,7 +16,7 @@ from rich.text import Text
 from humanoid_bt.cli.output import hanging
 from humanoid_bt.cli.wording import printable
 from humanoid_bt.core.messages import Level
-from humanoid_bt.session.report import Report
+from humanoid_bt.session.report import Report, aligned
 from humanoid_bt.session.teller import Listener
 from humanoid_bt.tree.node import Node
 from humanoid_bt.tree.nodes import Log
@@ -158,8 +158,8 @@ def print_summary(console: Console, report: Report) -> None:
     rows = report.summary
     if report.recording:
         rows.append(("open it", f"{_viewer_command()} {report.recording}"))
-    for name, value in rows:
-        console.print(f"  {name:<11}{value}", soft_wrap=True, markup=False)
+    for line in aligned(rows):
+        console.print(line, soft_wrap=True, markup=False)
 
 
 def _viewer_command() -> str:

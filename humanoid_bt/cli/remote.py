@@ -154,7 +154,8 @@ def status(arguments: argparse.Namespace) -> int:
     if found.estop is not None and found.mode not in _STOPPED:
         rows.insert(4, ("e-stop", f"raised: {found.estop['reason']} ({found.estop['source']})"))
     rows += _table("leases", [f"{resource}: {node}" for resource, node in found.leases.items()])
-    rows += _table("percepts", [f"{name}: {age:.2f} s old" for name, age in found.percepts.items()])
+    percepts = [f"{name}: {age:.2f} s old" for name, age in found.percepts.items()]
+    rows += _table("percepts", percepts + [f"{name}: never seen, {why}" for name, why in found.unseen.items()])
     lines = [f"{role}: {p['pid']}{'' if p['alive'] else ' (dead)'}" for role, p in found.processes.items()]
     rows += _table("processes", lines)
     for name, text in rows:

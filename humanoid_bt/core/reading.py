@@ -77,7 +77,7 @@ def read_values(
 
 
 def _wrong(item: Item, spec: Param, kind: Any) -> UserError:
-    message = f"{spec.name!r} must be {_article(type_name(kind))}, not {_shown(item)}"
+    message = f"{spec.name!r} must be {with_article(type_name(kind))}, not {_shown(item)}"
     return UserError(message, item.place, spec.doc, code="wrong-type")
 
 
@@ -87,7 +87,8 @@ def _shown(item: Item) -> str:
     return f"{item.kind} {item.value!r}"
 
 
-def _article(noun: str) -> str:
+def with_article(noun: str) -> str:
+    """Return a noun with its article: ``a number``; some take none."""
     if noun.startswith(("text", "true")) or "|" in noun:
         return noun
     return ("an " if noun[0] in "aeiou" else "a ") + noun

@@ -1,4 +1,4 @@
-"""Units: what quantities may be written in, and what they are in SI units."""
+"""Units: what quantities may be written in, what they are in SI units, and how people read them."""
 
 from __future__ import annotations
 
@@ -19,6 +19,9 @@ _UNITS: dict[str, dict[str, float]] = {  # declared unit -> what may be written,
 }
 UNITS = tuple(_UNITS)
 """SI units that a parameter can declare."""
+
+_SMALL = 0.1
+"""A length below this [m] is given in cm; of other numbers below it the first digits count."""
 
 _EXPONENT = re.compile(r"^[-+]?(?:\d+\.?\d*|\.\d+)[eE][-+]?\d+$")  # YAML 1.1 reads 1e-3 as text
 _QUANTITY = re.compile(r"^\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([A-Za-z/]+)\s*$")
@@ -53,3 +56,33 @@ def base_unit(text: str) -> str | None:
     """Return the SI unit of a written quantity ("45 cm" -> "m"), None if it is none."""
     found = quantity(text)
     return found[1] if found else None
+
+
+def readable(value: object, unit: str = "") -> str:
+    """Return a value as people read it: small lengths in cm, angles in degrees, no more digits than help.
+
+    Args:
+        value: in its SI unit, if it is a number.
+        unit: that unit, "" for none.
+    """
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, (list, tuple)):
+        return f"[{', '.join(readable(part) for part in value)}]"
+    if not isinstance(value, (int, float)):
+        return str(value)
+    decimals = 2
+    if unit == "m" and abs(value) < _SMALL:
+        value, unit, decimals = 100 * value, "cm", 1
+    elif unit in ("rad", "rad/s"):
+        value, unit = math.degrees(value), unit.replace("rad", "deg")
+        decimals = 1 if abs(value) < 10 else 0
+    if isinstance(value, int):
+        text = str(value)
+    elif decimals == 2 and abs(value) < _SMALL:
+        text = f"{value:z.2g}"
+    else:
+        text = f"{value:z.{decimals}f}"
+        if text[-1] == "0" and decimals:
+            text = text.rstrip("0").rstrip(".")
+    return f"{text} {unit}" if unit else text

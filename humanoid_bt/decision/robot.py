@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from humanoid_bt.core.clock import Clock
-from humanoid_bt.core.errors import HumanoidBtError, ResourceConflict
+from humanoid_bt.core.errors import HumanoidBtError, ResourceConflict, nearest
 from humanoid_bt.core.geometry import rotation_matrix
 from humanoid_bt.core.messages import (
     RESOURCES,
@@ -49,6 +49,7 @@ class Robot:
         clock: the engine's clock.
         raise_estop: called at once with source and reason when a node raises the emergency stop.
         log: called at once with source, level and text when a node has something to tell; the program's log if None.
+        unseen: answers with the percepts that were never published so far, and why.
     """
 
     def __init__(
@@ -57,8 +58,10 @@ class Robot:
         clock: Clock,
         raise_estop: Callable[[str, str], None] | None = None,
         log: Callable[[str, Level, str], None] | None = None,
+        unseen: Callable[[], Mapping[str, str]] | None = None,
     ) -> None:
         self._raise_estop = raise_estop
+        self._unseen = unseen
         self._tell = log or _to_log
         self.config = config
         self.clock = clock
@@ -93,6 +96,15 @@ class Robot:
             percept, position_world = known
             track = self._tracks[name] = Track(percept, position_world, self._now - percept.stamp, self.state)
         return track
+
+    def why_unseen(self, name: str) -> str:
+        """Return that a percept was never seen and why, for people: ``'cup' was never seen: hidden``."""
+        if self._unseen is None:
+            return f"{name!r} was never seen"
+        unseen = self._unseen()
+        why = unseen.get(name, "perception offers no such percept")
+        hint = nearest(name, {*unseen, *self._percepts}) if name not in unseen else ""
+        return f"{name!r} was never seen: {why}" + (f" ({hint})" if hint else "")
 
     @property
     def tracks(self) -> Mapping[str, Track]:
@@ -210,6 +222,10 @@ class RobotHandle:
     def track(self, name: str) -> Track | None:
         """Return the latest percept of this name, or None if it was never seen."""
         return self._robot.track(name)
+
+    def why_unseen(self, name: str) -> str:
+        """Say why there is no track of this name: ``'cup' was never seen: hidden``."""
+        return self._robot.why_unseen(name)
 
     def walk_to(self, position: Any, heading: float) -> None:
         """Ask the robot to walk until it stands at a place.

@@ -7,6 +7,7 @@ A skill is one file in a workspace's ``skills/`` folder:
 
         resources = ("right_hand",)
         times: int = param(3, minimum=1, doc="How often.")
+        waved: int = result(doc="How often it waved.")
 
         def initialise(self) -> None: ...
         def update(self) -> Status: ...
@@ -16,8 +17,9 @@ Its name in trees is the class name in snake_case.
 
 from __future__ import annotations
 
+import functools
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any, ClassVar
 
 import py_trees
@@ -25,9 +27,10 @@ from py_trees.common import Status
 
 from humanoid_bt.core.params import PerceptName
 from humanoid_bt.decision.assign import assign
+from humanoid_bt.decision.result import ResultValue, declared_results
 from humanoid_bt.decision.robot import Robot, RobotHandle
 
-__all__ = ["PerceptName", "Skill", "Status", "node_type_name", "of_hand"]
+__all__ = ["PerceptName", "Skill", "Status", "node_type_name", "of_gaze", "of_hand"]
 
 
 def node_type_name(cls: type) -> str:
@@ -47,11 +50,17 @@ def of_hand(resources: Iterable[str], hand: str) -> tuple[str, ...]:
     return tuple(resource for resource in resources if resource != others.get(hand))
 
 
+def of_gaze(resources: Iterable[str], look: bool) -> tuple[str, ...]:
+    """Return resources without the gaze, unless it is to look."""
+    return tuple(resource for resource in resources if look or resource != "gaze")
+
+
 class Skill(py_trees.behaviour.Behaviour):
     """A leaf that commands the robot.
 
     Subclasses declare parameters with :func:`~humanoid_bt.core.params.param`; instances have their values as
-    attributes. ``self.robot`` is there from ``setup`` on. Nothing in a skill blocks or sleeps.
+    attributes. What they reach or find out they declare with :func:`~humanoid_bt.decision.result.result`, and set.
+    ``self.robot`` is there from ``setup`` on. Nothing in a skill blocks or sleeps.
 
     Args:
         name: the node's name.
@@ -79,6 +88,14 @@ class Skill(py_trees.behaviour.Behaviour):
         assign(self, values)
         self.path = self.name
         self.halt_reason = ""
+        self._results: dict[str, ResultValue] = {}
+        if declared_results(type(self)):
+            self.initialise = functools.partial(_start_anew, self, self.initialise)  # type: ignore[method-assign]
+
+    @property
+    def results(self) -> Mapping[str, ResultValue]:
+        """The results that it has set since it started, by name."""
+        return self._results
 
     @classmethod
     def resources_for(cls, values: Mapping[str, Any]) -> Iterable[str]:
@@ -117,3 +134,9 @@ class Skill(py_trees.behaviour.Behaviour):
         """Return FAILURE with the reason."""
         self.feedback_message = feedback
         return Status.FAILURE
+
+
+def _start_anew(skill: Skill, initialise: Callable[[], None]) -> None:
+    """Start a skill that has results: those of the last time are forgotten."""
+    skill._results = {}
+    initialise()

@@ -10,6 +10,7 @@ import hashlib
 import inspect
 import sys
 import traceback
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from types import ModuleType
@@ -20,6 +21,7 @@ from py_trees.behaviours import Dummy
 from humanoid_bt.core.errors import Place, Problem, UserError, relative
 from humanoid_bt.core.messages import RESOURCES
 from humanoid_bt.core.params import params_of
+from humanoid_bt.decision.result import declared_results
 from humanoid_bt.decision.skill import Skill, node_type_name
 from humanoid_bt.files.document import read_text
 from humanoid_bt.files.workspace import Workspace
@@ -167,4 +169,21 @@ def _mistakes(name: str, cls: type[Behaviour], place: Place) -> list[Problem]:
             if parameter in _TAKEN:
                 message = f"{name!r} declares the parameter {parameter!r}, which every node has already"
                 problems.append(Problem(message, place, "rename it", code="taken-name"))
+        problems += _wrong_results(name, cls, place, declared)
     return problems
+
+
+def _wrong_results(name: str, cls: type[Behaviour], place: Place, parameters: Iterable[str]) -> Iterator[Problem]:
+    for declared in declared_results(cls).values():
+        if declared.name in _TAKEN or declared.name in parameters:
+            whose = "every node" if declared.name in _TAKEN else "it"
+            what = "already" if declared.name in _TAKEN else "as a parameter, too"
+            message = f"{name!r} declares the result {declared.name!r}, which {whose} has {what}"
+            yield Problem(message, place, "rename it", code="taken-name")
+        try:
+            _ = declared.type
+        except (NameError, TypeError) as error:
+            yield Problem(f"in {name!r}: {error}", place, "annotate it", code="broken-skill")
+    if declared_results(cls) and not issubclass(cls, Skill):
+        message = f"{name!r} declares results and is no Skill"
+        yield Problem(message, place, f"class {cls.__name__}(Skill)", code="broken-skill")

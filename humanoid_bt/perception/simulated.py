@@ -8,6 +8,7 @@ import numpy as np
 
 from humanoid_bt.core.geometry import rotation_matrix
 from humanoid_bt.core.messages import Array, Percept, State
+from humanoid_bt.core.units import readable
 from humanoid_bt.plant.scene import Scene, random_stream
 from humanoid_bt.plant.scene_config import PerceptConfig
 
@@ -29,12 +30,16 @@ class SimulatedPerception:
     Args:
         scene: where things are, and what is published of them.
         seed: of the noise; each percept has its own random numbers.
+
+    Attributes:
+        unseen: percepts that were never published so far, and why.
     """
 
     def __init__(self, scene: Scene, seed: int) -> None:
         self._scene = scene
         self._numbers = {name: random_stream(seed, "percept", name) for name in scene.config.percepts}
         self._last_seen: dict[str, Array] = {}
+        self.unseen: dict[str, str] = dict.fromkeys(scene.config.percepts, "perception has not looked yet")
 
     def observe(self, state: State) -> list[Percept]:
         """Return what is published at the state's time; call it once per perception period.
@@ -52,13 +57,16 @@ class SimulatedPerception:
             position = self._scene.object_position(config.object, state.time)
             distance = float(np.linalg.norm(position - state.gaze_position))
             hidden = self._scene.hidden(config.object, state.time)
-            if not hidden and distance <= config.range and _in_view(position, state, config):
+            why_not = "hidden" if hidden else _out_of_sight(position, distance, state, config)
+            if not why_not:
+                self.unseen.pop(name, None)
                 self._last_seen[name] = position + position_noise * (config.noise + config.noise_per_meter * distance)
                 fall = (distance / config.range) ** _FALL_EXPONENT
                 confidence = _NEAR_CONFIDENCE - (_NEAR_CONFIDENCE - _FAR_CONFIDENCE) * fall
             else:
                 confidence = _LOST_CONFIDENCE
             if name not in self._last_seen:
+                self.unseen[name] = why_not
                 continue
             offset = _CONFIDENCE_NOISE * float(confidence_noise)
             confidence += min(max(offset, -_CONFIDENCE_NOISE_LIMIT), _CONFIDENCE_NOISE_LIMIT)
@@ -67,8 +75,10 @@ class SimulatedPerception:
         return percepts
 
 
-def _in_view(position: Array, state: State, config: PerceptConfig) -> bool:
-    """Return whether a position (world frame [m]) lies within the angles of view around the gaze's direction."""
+def _out_of_sight(position: Array, distance: float, state: State, config: PerceptConfig) -> str:
+    """Return why a position (world frame [m]) is beyond the range or the angles of view, "" if it is not."""
+    if distance > config.range:
+        return f"out of range: {readable(distance, 'm')} away, seen up to {readable(config.range, 'm')}"
     forward = state.gaze_direction
     left = np.cross([0.0, 0.0, 1.0], forward)
     if np.linalg.norm(left) < 1e-6:  # looking straight up or down: the body says where left is
@@ -77,4 +87,14 @@ def _in_view(position: Array, state: State, config: PerceptConfig) -> bool:
     offset = position - state.gaze_position
     ahead, aside, above = float(offset @ forward), float(offset @ left), float(offset @ np.cross(forward, left))
     horizontal, vertical = math.atan2(aside, ahead), math.atan2(above, math.hypot(ahead, aside))
-    return abs(horizontal) <= config.field_of_view / 2 and abs(vertical) <= config.vertical_field_of_view / 2
+    if abs(horizontal) > config.field_of_view / 2:
+        return _out_of_view(horizontal, "left of", "right of", config.field_of_view)
+    if abs(vertical) > config.vertical_field_of_view / 2:
+        return _out_of_view(vertical, "above", "below", config.vertical_field_of_view)
+    return ""
+
+
+def _out_of_view(angle: float, positive: str, negative: str, field_of_view: float) -> str:
+    where = positive if angle > 0 else negative
+    seen = readable(field_of_view / 2, "rad")
+    return f"out of view: {readable(abs(angle), 'rad')} {where} the gaze, seen up to {seen}"

@@ -54,6 +54,7 @@ class Realtime:
         supervisor: what is known of the supervisor.
         notices: what happened in other processes so far: (time [s], level, text).
         external_force_max: largest external force on any body; known after :meth:`close`.
+        unseen: percepts that were never published so far, and why.
     """
 
     def __init__(self, robot: RobotModel, scene: Scene, tree: str, log: Path | None, hold: float = HOLD_TIME) -> None:
@@ -64,6 +65,7 @@ class Realtime:
         self.notices: list[Event] = []
         self.external_force_max = 0.0
         self.timing = Timing()
+        self.unseen: Mapping[str, str] = {}
         self._tree, self._log, self._hold = tree, log, hold
         self._folder: RunFolder | None = None
         self._children: Children | None = None
@@ -168,6 +170,7 @@ class Realtime:
         self.clock.time = self._state.time
         if self._perceives and (how := self._children.how_ended("perception")):
             self._perceives = False
+            self.unseen = dict.fromkeys(self.unseen, f"the perception process ended ({how})")
             self.notices.append(Event(self.clock.now(), "error", f"the perception process ended ({how})"))
         return self._state, dict(self._percepts)
 
@@ -203,8 +206,8 @@ class Realtime:
             self._state_at = time.monotonic()
             self.supervisor.follow(self._state)
         for payload in self._new("percept"):
-            for percept in decode_percepts(payload):
-                self._percepts[percept.name] = percept
+            seen, self.unseen = decode_percepts(payload)
+            self._percepts |= {percept.name: percept for percept in seen}
         self.notices += [decode_event(payload) for payload in self._new("notice")]
         self.supervisor.rejected += [payload.decode(errors="replace") for payload in self._new("refusal")]
         latest = self._readers["timing"].latest()

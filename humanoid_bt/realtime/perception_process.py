@@ -9,7 +9,7 @@ from pathlib import Path
 
 from humanoid_bt.core.clock import PERCEPTION_PERIOD
 from humanoid_bt.link.run_folder import RunFolder
-from humanoid_bt.link.wire import decode_state, encode_percepts
+from humanoid_bt.link.wire import Sight, decode_state, encode_percepts
 from humanoid_bt.perception.simulated import SimulatedPerception
 from humanoid_bt.plant.scene import Scene, load_scene
 from humanoid_bt.realtime import channels
@@ -29,7 +29,8 @@ def run(folder: RunFolder) -> None:
         schedule.wait()
         latest = states.latest()
         if latest is not None:
-            percepts.write(encode_percepts(perception.observe(decode_state(latest[1]))))
+            seen = perception.observe(decode_state(latest[1]))
+            percepts.write(encode_percepts(Sight(seen, perception.unseen)))
 
 
 if __name__ == "__main__":

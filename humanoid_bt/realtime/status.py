@@ -33,6 +33,7 @@ class RunStatus:
         timing: how punctual the servo loop is.
         leases: resource -> path of the node that commands it.
         percepts: name -> age [s].
+        unseen: name -> why it was never seen.
         processes: role -> id and whether it lives.
     """
 
@@ -51,6 +52,7 @@ class RunStatus:
     timing: Mapping[str, Any]
     leases: Mapping[str, str]
     percepts: Mapping[str, float]
+    unseen: Mapping[str, str]
     processes: Mapping[str, Mapping[str, Any]]
 
     def to_dict(self) -> dict[str, Any]:
@@ -83,6 +85,7 @@ def status_of(folder: RunFolder, info: RunInfo) -> RunStatus:
         timing=_json(_latest(folder, "timing")) or asdict(Timing()),
         leases=dict(state.command_sources) if state else {},
         percepts={name: round(age + since_told, 3) for name, age in told.get("percepts", {}).items()},
+        unseen=told.get("unseen", {}),
         processes={
             _ROLES.get(role, role): {"pid": process.pid, "alive": process.alive}
             for role, process in sorted(info.processes.items())

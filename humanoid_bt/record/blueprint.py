@@ -8,7 +8,7 @@ from typing import Any
 import rerun as rr
 import rerun.blueprint as rrb
 
-from humanoid_bt.record import documents, events, overlays, plots, tree_view
+from humanoid_bt.record import documents, events, overlays, plots, results, tree_view
 from humanoid_bt.record.columns import LANES, TIMELINE, entity
 from humanoid_bt.record.scene_view import BASE, WORLD
 
@@ -86,7 +86,8 @@ def _plots(groups: Iterable[str]) -> Any:
         rrb.TimeSeriesView(name="distance of the palms to their targets [m]", origin=plots.HANDS),
         name="base and hands",
     )
-    return rrb.Tabs(overview, base, *(_joints(group) for group in groups), name="plots", active_tab=0)
+    reported = rrb.TimeSeriesView(name="results", origin=results.RESULTS)
+    return rrb.Tabs(overview, base, reported, *(_joints(group) for group in groups), name="plots", active_tab=0)
 
 
 def _joints(group: str) -> Any:

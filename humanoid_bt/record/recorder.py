@@ -5,7 +5,7 @@ Recording is cheap because a sample only keeps references: all encoding happens 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from types import TracebackType
 from typing import Any, Self
 
@@ -14,6 +14,7 @@ import numpy as np
 
 from humanoid_bt.core.errors import HumanoidBtError
 from humanoid_bt.core.messages import Array, State
+from humanoid_bt.decision.result import Reported
 from humanoid_bt.perception.track import Track
 from humanoid_bt.record.blueprint import blueprint
 from humanoid_bt.record.documents import send_info, send_tree_file
@@ -21,6 +22,7 @@ from humanoid_bt.record.events import EventLog, Level
 from humanoid_bt.record.lanes import LANE_COUNT, RobotLanes
 from humanoid_bt.record.overlays import Overlays
 from humanoid_bt.record.plots import Plots
+from humanoid_bt.record.results import ResultSeries
 from humanoid_bt.record.scene_view import SceneView
 from humanoid_bt.record.sinks import Outlet, Sinks
 from humanoid_bt.record.tree_view import TreeStatus, TreeView
@@ -69,6 +71,7 @@ class Recorder:
         self._tree = TreeStatus(tree.nodes, first_lane=LANE_COUNT)
         self._lanes = RobotLanes()
         self._events = EventLog()
+        self._results = ResultSeries()
         self._last_flush = self._last_frame = -np.inf
         self._closed = False
         self._batch = _LIVE_BATCH if sinks.view or sinks.serve is not None else _FILE_BATCH
@@ -122,6 +125,17 @@ class Recorder:
         self._tree.change(time, path, status)
         self._events.node_changed(time, path, status, feedback)
 
+    def results(self, time: float, path: str, results: Sequence[Reported]) -> None:
+        """Record what a skill has reported by now.
+
+        Args:
+            time: engine time [s].
+            path: the node's path.
+            results: what it has set.
+        """
+        self._check_open()
+        self._results.add(time, path, results)
+
     def show_tree(self, time: float, tree: TreeView, info: Mapping[str, str]) -> None:
         """Record that another tree takes the place of the one so far.
 
@@ -153,7 +167,7 @@ class Recorder:
         """Write what was recorded since the last batch; does nothing after :meth:`close`."""
         if self._closed:
             return
-        for part in (self._scene, self._overlays, self._plots, self._tree, self._lanes, self._events):
+        for part in (self._scene, self._overlays, self._plots, self._tree, self._lanes, self._events, self._results):
             part.flush(self._outlet.stream)
 
     def close(self) -> None:

@@ -78,7 +78,8 @@ class Drive:
     def _prepare(self, tree: Tree) -> Executor:
         """Return what ticks a tree, set up. Edited trees are set up in another thread, while the old one runs."""
         engine = self.engine
-        robot = Robot(engine.robot.config, engine.clock, engine.supervisor.raise_estop, self._teller.node_tells)
+        raise_estop, tells = engine.supervisor.raise_estop, self._teller.node_tells
+        robot = Robot(engine.robot.config, engine.clock, raise_estop, tells, lambda: engine.unseen)
         executor = Executor(tree, robot, self._teller.node_changed)
         executor.setup()
         return executor
@@ -157,6 +158,7 @@ class Drive:
             self.runner.tree,
             self.engine,
             trace=self._teller.trace,
+            tracks=self.tracks,
             options=self._options,
             sim_time=now if self._ending.began is None else self._ending.began,
             wall_time=wall_time,

@@ -57,6 +57,10 @@ class Engine(Protocol):
     def timing(self) -> Timing | None:
         """How punctual the servo is; None where there is no wall clock to be late for."""
 
+    @property
+    def unseen(self) -> Mapping[str, str]:
+        """The percepts that were never published so far, and why."""
+
     def start(self) -> None:
         """Begin; the robot stands."""
 

@@ -79,6 +79,11 @@ class Lockstep:
     def timing(self) -> None:
         """None: simulated time has nothing to be late for."""
 
+    @property
+    def unseen(self) -> Mapping[str, str]:
+        """The percepts that were never published so far, and why."""
+        return self.perception.unseen
+
     def start(self) -> None:
         """Begin; there is nothing to start."""
 

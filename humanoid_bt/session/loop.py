@@ -64,18 +64,11 @@ class Loop:
         end = self._end(state)
         if end is None:
             engine.submit(command)
-        elif end is not runner.ended:
-            teller.trace.measure_hand(state)
         return end
 
     def leave(self, outcome: str, reason: str) -> End:
         """Return how the run ends that somebody ends between two ticks."""
-        end = self._runner.ended
-        if end is None:
-            end = End(outcome, reason)
-            if self.state is not None:
-                self._teller.trace.measure_hand(self.state)
-        return end
+        return self._runner.ended or End(outcome, reason)
 
     def _end(self, state: State) -> End | None:
         """Return how the run ends after this tick, None if it goes on."""
@@ -89,15 +82,14 @@ class Loop:
             end = End(outcome, self._teller.trace.why(status, state.time) or f"the tree {otherwise}")
             if self.reloader is None:
                 return end
-            self._rest(end, state)
+            self._rest(end)
         if latched and not runner.waits_for_reset and state.time - self._engine.supervisor.stops[-1].time > _AFTER_STOP:
             return stopped
         if state.time >= self._duration - DECISION_PERIOD / 2:
             return runner.ended or End("unfinished", f"the tree was still running after {self._duration:g} s")
         return None
 
-    def _rest(self, end: End, state: State) -> None:
+    def _rest(self, end: End) -> None:
         """Wait for an edit: the tree has ended, and the run goes on."""
         self._runner.rest(end)
-        self._teller.trace.measure_hand(state)
         self._teller.tree_ended(end.outcome, "; waiting for an edit")

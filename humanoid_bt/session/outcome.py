@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import traceback
+from collections.abc import Mapping
 from dataclasses import asdict
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from humanoid_bt.core.errors import HumanoidBtError, Place
 from humanoid_bt.core.messages import Mode
+from humanoid_bt.core.plain import plain
 from humanoid_bt.decision.skill_files import class_file, place_in_file
+from humanoid_bt.perception.track import Track
 from humanoid_bt.session.engine import Engine
 from humanoid_bt.session.options import RunOptions
-from humanoid_bt.session.report import Report, stops_of, timeline_of, versions
+from humanoid_bt.session.report import Report, events_of, results_of, stops_of, timeline_of, versions
 from humanoid_bt.session.trace import Trace
 from humanoid_bt.tree.ticking.executor import NodeError
 from humanoid_bt.tree.tree import Tree
@@ -59,7 +62,15 @@ def where(error: BaseException, tree: Tree) -> str:
 
 
 def report_of(
-    end: End, tree: Tree, engine: Engine, *, trace: Trace, options: RunOptions, sim_time: float, wall_time: float
+    end: End,
+    tree: Tree,
+    engine: Engine,
+    *,
+    trace: Trace,
+    tracks: Mapping[str, Track],
+    options: RunOptions,
+    sim_time: float,
+    wall_time: float,
 ) -> Report:
     """Return the report of a run that is over.
 
@@ -68,6 +79,7 @@ def report_of(
         tree: the tree that ran last.
         engine: what it ran on, closed.
         trace: what was collected.
+        tracks: what was seen up to the end.
         options: what was asked for.
         sim_time: engine time at which the tree ended [s].
         wall_time: time it took [s].
@@ -78,7 +90,7 @@ def report_of(
         robot=engine.robot.config.name,
         scene=engine.scene.config.name,
         seed=options.seed,
-        parameters=dict(tree.parameters),
+        parameters=plain(tree.parameters),
         outcome=end.outcome,
         reason=end.reason,
         sim_time=round(sim_time, 3),
@@ -86,7 +98,11 @@ def report_of(
         trace_hash=trace.digest,
         timeline=timeline_of(trace.timeline),
         reloads=trace.reloads,
-        hand_error=trace.hand_error,
+        results=results_of(trace.timeline),
+        events=events_of(trace.events),
+        blackboard={key.name: plain(key.value) for key in tree.keys if key.is_set},
+        percepts={name: _seen(track) for name, track in tracks.items()},
+        unseen=dict(engine.unseen),
         fell=any(stop.mode is Mode.DAMP for stop in engine.supervisor.stops),
         stops=stops_of(engine.supervisor.stops),
         external_force_max=engine.external_force_max,
@@ -95,3 +111,8 @@ def report_of(
         versions=versions(),
         traceback=end.traceback,
     )
+
+
+def _seen(track: Track) -> dict[str, Any]:
+    names = ("stamp", "age", "position_world", "distance", "bearing", "confidence")
+    return {name: plain(getattr(track, name)) for name in names}

@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 import importlib.metadata
 import json
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import asdict, dataclass, field
 from enum import IntEnum
 from html import escape
@@ -13,12 +13,16 @@ from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from humanoid_bt.core.errors import UserError
+from humanoid_bt.core.errors import UserError, nearest
+from humanoid_bt.core.units import readable
 
 if TYPE_CHECKING:  # the command line reads the exit codes long before it needs the engine
     from humanoid_bt.control.supervisor import Stop
+    from humanoid_bt.core.messages import Level
     from humanoid_bt.tree.ticking.executor import NodeChange
 
+_REQUIRED: Any = object()
+_MOST_RESULTS = 6  # in the summary
 _PACKAGES = ("humanoid-bt", "mujoco", "mink", "py_trees", "numpy", "rerun-sdk")
 
 
@@ -75,7 +79,12 @@ class Report:
         trace_hash: SHA-256 over all states, commands and node changes.
         timeline: every change of a node's status: time [s], path, status, feedback.
         reloads: every edit of the tree's files, if they were watched.
-        hand_error: distance of the hand that was commanded last to the object it went for, at the end [m].
+        results: what skills reported when they ended or were halted: time [s], path, status, name, value, unit.
+        events: whatever else happened, such as the scene's script, stops, what nodes tell: time [s], level, text.
+        blackboard: the tree's keys that have a value at the end, its outputs among them.
+        percepts: what was seen, as it was known at the end: name -> stamp [s], age [s], position_world, distance [m],
+            bearing [rad], confidence.
+        unseen: what was never seen, and why.
         fell: whether the robot fell.
         stops: every stop the supervisor ordered.
         external_force_max: largest external force or torque on any body [N, Nm].
@@ -97,7 +106,11 @@ class Report:
     trace_hash: str
     timeline: list[dict[str, Any]]
     reloads: list[Reload]
-    hand_error: float | None
+    results: list[dict[str, Any]]
+    events: list[dict[str, Any]]
+    blackboard: dict[str, Any]
+    percepts: dict[str, dict[str, Any]]
+    unseen: dict[str, str]
     fell: bool
     stops: list[dict[str, Any]]
     external_force_max: float
@@ -121,8 +134,7 @@ class Report:
         """What matters most, for people: rows of a name and a text."""
         factor = f"{self.real_time_factor:.1f}x real time"
         rows = [("simulated", f"{self.sim_time:.2f} s in {self.wall_time:.2f} s ({factor})")]
-        if self.hand_error is not None:
-            rows.append(("hand error", f"{self.hand_error * 100:.1f} cm"))
+        rows += self._last_results
         stops = [f"{stop['time']:.2f} s {stop['mode'].replace('_', ' ')}: {stop['reason']}" for stop in self.stops]
         rows += [("stops" if number == 0 else "", text) for number, text in enumerate(stops or ["none"])]
         if self.reloads:
@@ -134,13 +146,45 @@ class Report:
             rows.append(("recording", self.recording))
         return rows
 
+    def result(self, name: str, default: Any = _REQUIRED) -> Any:
+        """Return what a skill reported under this name when it ended, the last time that one did.
+
+        Args:
+            name: the result's, or the end of its node's path and that: "hand_error", "reach/hand_error".
+            default: what to return if there is none.
+
+        Raises:
+            UserError: there is none, and no default was given.
+        """
+        for entry in reversed(self.results):
+            if f"/{entry['path']}/{entry['name']}".endswith(f"/{name}"):
+                return entry["value"]
+        if default is _REQUIRED:
+            hint = nearest(name, [entry["name"] for entry in self.results]) or "no skill reported anything"
+            raise UserError(f"nothing was reported as {name!r}", hint=hint)
+        return default
+
+    @property
+    def _last_results(self) -> list[tuple[str, str]]:
+        """Rows of what was reported in the tick with which the tree ended."""
+        end = self.timeline[-1]["time"] if self.timeline else None
+        last = [entry for entry in self.results if entry["time"] == end]
+        rows = [
+            (
+                entry["name"].replace("_", " "),
+                f"{readable(entry['value'], entry['unit'])}  {entry['path'].rsplit('/', 1)[-1]}",
+            )
+            for entry in last[:_MOST_RESULTS]
+        ]
+        left = len(last) - len(rows)
+        return [*rows, ("", f"{left} more results in the report")] if left else rows
+
     @property
     def _title(self) -> str:
         return f"{self.tree} on {self.robot} in {self.scene}, seed {self.seed}"
 
     def __repr__(self) -> str:
-        lines = [f"{self._title}", f"{self.outcome}: {self.reason}", *(f"  {n:<11}{text}" for n, text in self.summary)]
-        return "\n".join(lines)
+        return "\n".join([self._title, f"{self.outcome}: {self.reason}", *aligned(self.summary)])
 
     def _repr_html_(self) -> str:
         """Return a table, as notebooks show it."""
@@ -162,9 +206,16 @@ class Report:
             UserError: the file cannot be written.
         """
         try:
-            Path(path).write_text(json.dumps(self.to_dict(), indent=2) + "\n", encoding="utf-8")
+            text = json.dumps(self.to_dict(), indent=2, allow_nan=False)
+            Path(path).write_text(text + "\n", encoding="utf-8")
         except OSError as error:
             raise UserError(f"the report cannot be written to {str(path)!r}: {error.strerror}") from error
+
+
+def aligned(rows: Sequence[tuple[str, str]]) -> list[str]:
+    """Return the lines of a summary's rows."""
+    width = max(10, *(len(name) for name, _ in rows)) + 1
+    return [f"  {name:<{width}}{text}" for name, text in rows]
 
 
 def timeline_of(changes: Iterable[NodeChange]) -> list[dict[str, Any]]:
@@ -173,6 +224,20 @@ def timeline_of(changes: Iterable[NodeChange]) -> list[dict[str, Any]]:
         {"time": round(change.time, 3), "path": change.path, "status": change.status.name, "feedback": change.feedback}
         for change in changes
     ]
+
+
+def results_of(changes: Iterable[NodeChange]) -> list[dict[str, Any]]:
+    """Return the results of nodes that ended or were halted as plain data."""
+    return [
+        {"time": round(change.time, 3), "path": change.path, "status": change.status.name, **reported._asdict()}
+        for change in changes
+        for reported in change.results
+    ]
+
+
+def events_of(events: Iterable[tuple[float, Level, str]]) -> list[dict[str, Any]]:
+    """Return events as plain data."""
+    return [{"time": round(time, 3), "level": level, "text": text} for time, level, text in events]
 
 
 def stops_of(stops: Iterable[Stop]) -> list[dict[str, Any]]:

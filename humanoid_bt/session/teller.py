@@ -5,8 +5,11 @@ from __future__ import annotations
 import time
 from typing import TYPE_CHECKING
 
+from py_trees.common import Status
+
 from humanoid_bt.core.errors import UserError, nearest
 from humanoid_bt.core.messages import Level, State
+from humanoid_bt.decision.result import reported
 from humanoid_bt.session.engine import Engine
 from humanoid_bt.session.happenings import Happenings
 from humanoid_bt.session.recording import run_info, tree_view
@@ -65,7 +68,7 @@ class Teller:
     def __init__(self, listener: Listener, engine: Engine) -> None:
         self._listener, self._engine = listener, engine
         self._happenings = Happenings(engine)
-        self.trace = Trace(engine.scene)
+        self.trace = Trace()
         self.recorder: Recorder | None = None
         self._began = time.monotonic()
         self._ticks = 0
@@ -82,6 +85,7 @@ class Teller:
     def event(self, level: Level, text: str, at: float | None = None) -> None:
         """Tell of something that happened, now or at an engine time [s]."""
         now = self.now if at is None else at
+        self.trace.events.append((now, level, text))
         self._listener.event(now, level, text)
         if self.recorder is not None:
             self.recorder.event(now, level, text)
@@ -105,7 +109,9 @@ class Teller:
         self.trace.node_changed(change)
         self._listener.node_changed(change)
         if self.recorder is not None:
-            self.recorder.node_changed(change.time, change.path, change.status.name, change.feedback)
+            said = "; ".join(filter(None, [change.feedback, *map(str, change.results)]))
+            self.recorder.node_changed(change.time, change.path, change.status.name, said)
+            self.recorder.results(change.time, change.path, change.results)
 
     def happened(self, now: float) -> None:
         """Tell what happened besides the tree up to now [s]."""
@@ -134,6 +140,9 @@ class Teller:
             scene = self._engine.scene
             objects = {name: scene.object_position(name, state.time) for name in scene.config.objects}
             self.recorder.sample(state, robot.tracks, objects)
+            for path, skill in runner.reporting:
+                if skill.status is Status.RUNNING:
+                    self.recorder.results(state.time, path, reported(skill))
         resting = "waiting for an edit" if runner.ended else "coming to a stand"
         self._listener.progress(state.time, f"{tip.name}: {tip.feedback_message}" if tip is not None else resting)
         self._ticks += 1
@@ -150,6 +159,7 @@ class Teller:
                 "feedback": tip.feedback_message if tip is not None else "",
                 "tick_rate": self._ticks / max(time.monotonic() - self._began, 1e-9),
                 "percepts": {name: round(track.age, 3) for name, track in robot.tracks.items()},
+                "unseen": dict(self._engine.unseen),
             },
             runner.tree,
         )

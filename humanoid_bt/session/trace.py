@@ -1,37 +1,30 @@
-"""What a run leaves for its report: the timeline, a hash of everything that happened, where the hand ended."""
+"""What a run leaves for its report: the timeline, events, results, and a hash of everything that happened."""
 
 from __future__ import annotations
 
 import hashlib
 
-import numpy as np
 from py_trees.common import Status
 
-from humanoid_bt.core.messages import SIDES, Command, HandTarget, Side, State
-from humanoid_bt.plant.scene import Scene
+from humanoid_bt.core.messages import Command, Level, State
 from humanoid_bt.session.report import Reload
 from humanoid_bt.tree.ticking.executor import NodeChange
 
 
 class Trace:
-    """Collects states, commands and node changes of one run, in the order in which they happen.
-
-    Args:
-        scene: where hands go for objects.
+    """Collects states, commands, node changes and events of one run, in the order in which they happen.
 
     Attributes:
-        timeline: every change of a node's status.
+        timeline: every change of a node's status, with the results of those that ended.
+        events: whatever else happened: time [s], level, text.
         reloads: every edit of the tree's files.
-        hand_error: distance of the hand that was commanded last to the object it went for [m], once measured.
     """
 
-    def __init__(self, scene: Scene) -> None:
-        self._scene = scene
+    def __init__(self) -> None:
         self._hash = hashlib.sha256()
-        self._last_hand: tuple[Side, str] | None = None
         self.timeline: list[NodeChange] = []
+        self.events: list[tuple[float, Level, str]] = []
         self.reloads: list[Reload] = []
-        self.hand_error: float | None = None
 
     @property
     def digest(self) -> str:
@@ -60,23 +53,3 @@ class Trace:
         for values in (state.joint_positions, state.joint_velocities, state.setpoint_positions, state.base_position):
             self._hash.update(values.tobytes())
         self._hash.update(f"{state.cycle} {state.mode.value} {sorted(command.sources.items())}".encode())
-        self._follow_hand(command)
-
-    def measure_hand(self, state: State) -> None:
-        """Measure how far the hand is from what it went for."""
-        if self._last_hand is not None:
-            side, thing = self._last_hand
-            offset = state.hands[side] - self._scene.object_position(thing, state.time)
-            self.hand_error = float(np.linalg.norm(offset))
-
-    def _follow_hand(self, command: Command) -> None:
-        """Remember which hand goes for which object: the one nearest to the hand's target."""
-        for side in SIDES:
-            target = command.targets.get(f"{side}_hand")
-            if isinstance(target, HandTarget) and self._scene.config.objects:
-                aim = target.position
-                distances = {
-                    name: float(np.linalg.norm(self._scene.object_position(name, command.stamp) - aim))
-                    for name in self._scene.config.objects
-                }
-                self._last_hand = (side, min(distances, key=distances.__getitem__))

@@ -33,6 +33,7 @@ class TreeRunner:
 
     Attributes:
         ended: how the tree ended that nothing has replaced yet, if the run goes on after it.
+        reporting: path and node of the skills that have results.
     """
 
     def __init__(self, executor: Executor) -> None:
@@ -99,6 +100,7 @@ class TreeRunner:
 
     def _take(self, executor: Executor) -> None:
         self._executor = executor
+        self.reporting = [(node.path, node.behaviour) for node in executor.tree.nodes if node.type.results]
         self._guards = [node.behaviour for node in executor.tree.nodes if isinstance(node.behaviour, EmergencyStop)]
 
     def _may_start(self, state: State) -> bool:

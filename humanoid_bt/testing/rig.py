@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
+import types
 import typing
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from os import PathLike
 from pathlib import Path
@@ -22,6 +23,7 @@ from humanoid_bt.core.items import item_of
 from humanoid_bt.core.messages import Array, Command, Mode, Percept, Side, State
 from humanoid_bt.core.params import PerceptName
 from humanoid_bt.core.reading import convert
+from humanoid_bt.decision.result import ResultValue, results_of
 from humanoid_bt.decision.robot import Robot
 from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.plant.scene import Scene, load_scene
@@ -43,6 +45,7 @@ class RigResult:
         status: how it ended; RUNNING when the time was up.
         feedback: the last thing it said.
         time: how long it ran [s].
+        results: what it reported by then: name -> value, in SI units.
         states: the state at every tick.
         commands: the command of every tick.
         changes: every change of the skill's status.
@@ -52,6 +55,7 @@ class RigResult:
     status: Status
     feedback: str
     time: float
+    results: Mapping[str, ResultValue]
     states: list[State] = field(repr=False)
     commands: list[Command] = field(repr=False)
     changes: list[NodeChange] = field(repr=False)
@@ -75,6 +79,8 @@ class RigResult:
 
 class ScriptedPerception:
     """Percepts that a test dictates: exact positions, at 10 Hz, from any place in the world."""
+
+    unseen: Mapping[str, str] = types.MappingProxyType({})  # what the test does not show, it does not offer
 
     def __init__(self) -> None:
         self._seen: dict[str, tuple[Array, float]] = {}
@@ -125,7 +131,9 @@ class Rig:
         """Stand at the origin, heading along x, at time zero, with nothing seen."""
         self._perception = ScriptedPerception()
         self._lockstep.reset(self._perception)
-        self._robot = Robot(self._model.config, self._lockstep.clock, self._lockstep.controller.supervisor.raise_estop)
+        lockstep = self._lockstep
+        raise_estop = lockstep.controller.supervisor.raise_estop
+        self._robot = Robot(self._model.config, lockstep.clock, raise_estop, unseen=lambda: lockstep.unseen)
         self._script = []
         self._silent_until = -math.inf
 
@@ -205,7 +213,8 @@ class Rig:
         if status is Status.RUNNING:
             executor.halt("the test's time is up")
         stops = list(self._lockstep.controller.supervisor.stops)
-        return RigResult(status, feedback, self.time - begin, states, commands, changes, stops)
+        results = dict(results_of(behaviour))
+        return RigResult(status, feedback, self.time - begin, results, states, commands, changes, stops)
 
     def settle(self, duration: float = 2.0) -> State:
         """Let the robot come to rest with nothing commanded, for a time [s]; return the state then."""

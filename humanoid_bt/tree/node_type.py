@@ -13,6 +13,7 @@ from py_trees.behaviours import Dummy
 
 from humanoid_bt.core.params import Param, PerceptName
 from humanoid_bt.decision.blackboard import Key, names_key
+from humanoid_bt.decision.result import Result, declared_results
 from humanoid_bt.decision.skill import Skill
 from humanoid_bt.tree.expressions.expression import Expression
 from humanoid_bt.tree.slots import Slot, Takes
@@ -59,6 +60,11 @@ class NodeType:
     def factory(self) -> Callable[..., Behaviour]:
         """What makes a node: called with ``name``, children and parameter values."""
         return self.cls
+
+    @property
+    def results(self) -> Mapping[str, Result]:
+        """Its declared results by name; only skills have some."""
+        return declared_results(self.cls)
 
     @property
     def dynamic(self) -> bool:

@@ -129,18 +129,27 @@ def test_of_several_all_are_stopped_and_one_is_reset(
 
 def test_status_shows_a_robot_in_60_columns(one: Played, capsys: pytest.CaptureFixture[str]) -> None:
     told = {"time": 0.8, "node": "fetch/emergency_stop/approach", "feedback": "1.2 m to go", "tick_rate": 49.96}
-    channels.writer(one.folder, "status").write(json.dumps({**told, "percepts": {"target": 0.05}}).encode())
+    seen = {"percepts": {"target": 0.05}, "unseen": {"cup": "hidden"}}
+    channels.writer(one.folder, "status").write(json.dumps({**told, **seen}).encode())
     channels.writer(one.folder, "timing").write(Timing(cycles=1000, missed=2, late_p99=40.5).to_bytes())
     assert main(["status"]) == 0
     out = capsys.readouterr().out
     assert max(map(len, out.splitlines())) <= 60
     shown = " ".join(out.split())
-    for text in ("mode run", "1.2 m to go", "50.0 Hz", "2 deadlines missed", "target: 0.25 s old", "decision: "):
+    for text in (
+        "mode run",
+        "1.2 m to go",
+        "50.0 Hz",
+        "2 deadlines missed",
+        "target: 0.25 s old",
+        "cup: never seen, hidden",
+    ):
         assert text in shown
     assert main(["status", "--json"]) == 0
     found = json.loads(capsys.readouterr().out)
     assert found["leases"] == {"base": "fetch/emergency_stop/approach"}
     assert found["percepts"] == {"target": 0.25}
+    assert found["unseen"] == {"cup": "hidden"}
     assert found["processes"]["decision"]["alive"]
 
 

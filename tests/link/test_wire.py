@@ -114,8 +114,8 @@ CASES: list[tuple[Callable[[Any], bytes], Callable[[Any], Any], Any]] = [
     (wire.encode_state, wire.decode_state, BARE_STATE),
     (wire.encode_command, wire.decode_command, COMMAND),
     (wire.encode_command, wire.decode_command, Command(0, 0.0)),
-    (wire.encode_percepts, wire.decode_percepts, PERCEPTS),
-    (wire.encode_percepts, wire.decode_percepts, []),
+    (wire.encode_percepts, wire.decode_percepts, wire.Sight(PERCEPTS, {"cup": "hidden", "Ø": ""})),
+    (wire.encode_percepts, wire.decode_percepts, wire.Sight([], {})),
     (wire.encode_event, wire.decode_event, EVENT),
 ]
 NAMES = ["state", "bare state", "command", "empty command", "percepts", "no percepts", "event"]
@@ -191,7 +191,7 @@ def test_a_message_of_another_kind_or_version_is_refused() -> None:
 def test_peek_tells_kind_sequence_and_stamp() -> None:
     assert wire.peek(wire.encode_command(COMMAND)) == (MessageKind.COMMAND, 12, 0.24)
     assert wire.peek(wire.encode_state(STATE)) == (MessageKind.STATE, 12345, 12.345)
-    assert wire.peek(wire.encode_percepts(PERCEPTS)) == (MessageKind.PERCEPTS, 2, 1.1)
+    assert wire.peek(wire.encode_percepts(wire.Sight(PERCEPTS, {}))) == (MessageKind.PERCEPTS, 2, 1.1)
     assert wire.peek(memoryview(wire.encode_event(EVENT))) == (MessageKind.EVENT, 0, 1.5)
 
 
@@ -240,6 +240,6 @@ def test_other_messages_that_have_no_bytes_are_refused() -> None:
         with pytest.raises(WireError):
             wire.encode_state(state)
     with pytest.raises(WireError, match=r"shape \(2,\) where \(3,\)"):
-        wire.encode_percepts([Percept("target", 0.0, np.zeros(2), 1.0)])
+        wire.encode_percepts(wire.Sight([Percept("target", 0.0, np.zeros(2), 1.0)], {}))
     with pytest.raises(WireError, match="there is no level 'fatal'; valid: info, warning, error"):
         wire.encode_event(Event(0.0, "fatal", "x"))  # type: ignore[arg-type]

@@ -156,3 +156,30 @@ def test_looking_straight_down_still_sees_what_is_there(tmp_path: Path) -> None:
     down = replace(state(), gaze_direction=np.array([0.0, 0.0, -1.0]))
     assert SimulatedPerception(scene(tmp_path, "[0.1, 0, 0.3]"), 0).observe(down)
     assert not SimulatedPerception(scene(tmp_path, "[1.5, 0, 1.2]"), 0).observe(down)
+
+
+@pytest.mark.parametrize(
+    ("position", "percept", "why"),
+    [
+        ("[4, 0, 1.2]", "range: 3 m", "out of range: 3.9 m away, seen up to 3 m"),
+        ("[0.1, 1, 1.2]", "field_of_view: 80 deg", "out of view: 90 deg left of the gaze, seen up to 40 deg"),
+        ("[0.1, -1, 1.2]", "field_of_view: 80 deg", "out of view: 90 deg right of the gaze, seen up to 40 deg"),
+        ("[1.1, 0, 0.2]", "vertical_field_of_view: 60 deg", "out of view: 45 deg below the gaze, seen up to 30 deg"),
+    ],
+)
+def test_what_was_never_seen_has_a_reason(tmp_path: Path, position: str, percept: str, why: str) -> None:
+    perception = SimulatedPerception(scene(tmp_path, position, f"{EXACT}, {percept}"), 0)
+    assert perception.unseen == {"target": "perception has not looked yet"}
+    perception.observe(state())
+    assert perception.unseen == {"target": why}
+
+
+def test_what_was_hidden_is_no_longer_unseen_once_it_was_seen(tmp_path: Path) -> None:
+    events = "[{at: 0, hide: ball}, {at: 1, show: ball}, {at: 2, hide: ball}]"
+    perception = SimulatedPerception(scene(tmp_path, "[1, 0, 0.9]", events=events), 0)
+    perception.observe(state(0.5))
+    assert perception.unseen == {"target": "hidden"}
+    perception.observe(state(1.5))
+    assert perception.unseen == {}
+    perception.observe(state(2.5))
+    assert perception.unseen == {}

@@ -47,3 +47,30 @@ def test_the_same_tree_gives_the_same_sequence_of_skills(tmp_path: Path) -> None
         told[mode] = skills.told
     assert told["lockstep"] == told["realtime"]
     assert [name for name, status in told["lockstep"] if status is Status.SUCCESS] == ["approach", "reach"]
+
+
+HIDDEN = """
+format: 1
+name: hidden
+objects: {ball: {shape: ball, size: [8 cm], position: [0.7, 0.05, 0.85]}}
+percepts: {target: {object: ball}}
+events: [{at: 0, hide: ball}]
+"""
+
+WATCHED = """
+format: 1
+scene: hidden
+root: {emergency_stop: {watchdog: {percept: target, max_age: 0.5 s, on_stale: idle, reach: {target: target}}}}
+"""
+
+
+@pytest.mark.realtime
+@pytest.mark.parametrize("mode", ["lockstep", "realtime"])
+def test_a_percept_that_was_never_seen_says_why(tmp_path: Path, mode: Mode) -> None:
+    for folder, name, text in (("sim/scenes", "hidden", HIDDEN), ("trees", "watched", WATCHED)):
+        (tmp_path / folder).mkdir(parents=True)
+        (tmp_path / folder / f"{name}.yaml").write_text(text, encoding="utf-8")
+    with Session("watched", workspace=tmp_path, mode=mode) as session:
+        session.run_until(0.5)
+        assert session.node("watchdog").feedback == "'target' was never seen: hidden"
+    assert session.report.unseen == {"target": "hidden"}

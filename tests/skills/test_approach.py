@@ -55,4 +55,19 @@ def test_follows_a_target_that_moves(rig: Rig) -> None:
 def test_fails_when_the_target_was_never_seen(rig: Rig) -> None:
     result = rig.run("approach", target="nothing")
     assert result.failed
-    assert "nothing was never seen" in result.feedback
+    assert "'nothing' was never seen: perception offers no such percept" in result.feedback
+
+
+def test_takes_no_step_when_it_is_there_already(rig: Rig) -> None:
+    result = rig.run("approach", target=(0.44, 0.0, 0.9), distance=0.4)
+    assert result.succeeded, result.feedback
+    assert result.time <= 0.3
+    assert {state.gait for state in result.states} == {Gait.STAND}
+    assert result.results["distance_left"] == pytest.approx(0.04, abs=0.005)
+    assert result.results["bearing_error"] == pytest.approx(0, abs=0.02)
+
+
+def test_leaves_the_gaze_alone_when_it_is_not_to_look(rig: Rig) -> None:
+    result = rig.run("approach", target=(0.8, 0.0, 0.9), look=False)
+    assert result.succeeded, result.feedback
+    assert not any("gaze" in command.targets for command in result.commands)

@@ -51,4 +51,4 @@ def test_looks_ahead_again_when_halted(rig: Rig) -> None:
 def test_fails_when_the_target_was_never_seen(rig: Rig) -> None:
     result = rig.run("look_at", target="nothing")
     assert result.failed
-    assert "nothing was never seen" in result.feedback
+    assert "'nothing' was never seen: perception offers no such percept" in result.feedback

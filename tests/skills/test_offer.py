@@ -85,4 +85,4 @@ def test_takes_the_hand_back_when_halted(rig: Rig) -> None:
 def test_fails_when_the_target_was_never_seen(rig: Rig) -> None:
     result = rig.run("offer", target="nobody")
     assert result.failed
-    assert "nobody was never seen" in result.feedback
+    assert "'nobody' was never seen: perception offers no such percept" in result.feedback

@@ -84,3 +84,15 @@ def test_stands_up_from_a_failed_reach_and_reaches_again(rig: Rig, target: tuple
     again = rig.run("reach", target=(0.4, 0.1, 0.9))
     assert again.succeeded, again.feedback
     assert not again.stops
+
+
+def test_reports_how_near_the_palm_came(rig: Rig) -> None:
+    result = rig.run("reach", target=(0.40, 0.15, 0.95))
+    assert result.results["hand_error"] == pytest.approx(rig.hand_distance("left", (0.40, 0.15, 0.95)), abs=0.01)
+    assert result.results["hand_error"] < 0.015
+
+
+def test_reports_nothing_before_it_has_begun_to_move(rig: Rig) -> None:
+    result = rig.run("reach", target=(0.40, 0.15, 0.95), timeout=0.1)
+    assert result.feedback == "waiting for a steady base"
+    assert result.results == {}

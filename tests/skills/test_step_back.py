@@ -35,3 +35,11 @@ def test_stops_within_a_step_when_halted(rig: Rig) -> None:
     settled = rig.settle(2.5)
     assert settled.base_settled
     assert where - settled.stance[0] < 0.25
+
+
+def test_takes_no_step_for_less_than_its_tolerance(rig: Rig) -> None:
+    result = rig.run("step_back", distance=0.05)
+    assert result.succeeded, result.feedback
+    assert result.time <= 0.3
+    assert {state.gait for state in result.states} == {Gait.STAND}
+    assert result.feedback == "0.00 m back"

@@ -51,3 +51,12 @@ def test_stops_when_halted(rig: Rig) -> None:
     settled = rig.settle(2.5)
     assert settled.base_settled
     assert settled.stance[2] - facing < 0.6
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.07, -0.07])
+def test_takes_no_step_where_it_faces(rig: Rig, angle: float) -> None:
+    result = rig.run("turn", angle=angle)
+    assert result.succeeded, result.feedback
+    assert result.time <= 0.3
+    assert {state.gait for state in result.states} == {Gait.STAND}
+    assert result.results["turned"] == pytest.approx(0, abs=0.01)

@@ -58,3 +58,15 @@ def test_stops_within_a_step_when_halted(rig: Rig) -> None:
     settled = rig.settle(2.5)
     assert settled.base_settled
     assert settled.stance[0] - where < 0.35
+
+
+@pytest.mark.parametrize("settled", [False, True])
+def test_takes_no_step_where_it_stands(rig: Rig, settled: bool) -> None:
+    if settled:
+        rig.settle(0.5)
+    result = rig.run("walk_to", x=0.04, y=0.02)
+    assert result.succeeded, result.feedback
+    assert result.time <= (0.0 if settled else 0.3)
+    assert {state.gait for state in result.states} == {Gait.STAND}
+    assert result.results["position_error"] == pytest.approx(math.hypot(0.04, 0.02), abs=0.002)
+    assert result.results["heading_error"] == pytest.approx(0, abs=0.01)

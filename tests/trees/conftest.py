@@ -44,6 +44,18 @@ objects: {visitor: {shape: cylinder, size: [35 cm, 1.7 m], position: [0.9, 0.15,
 percepts: {person: {object: visitor}}
 """
 
+TWO_BALLS = """
+format: 1
+name: two_balls
+robot: {position: [0, 0], heading: 0 deg}
+objects:
+  left: {shape: ball, size: [8 cm], position: [0.42, 0.18, 0.95]}
+  right: {shape: ball, size: [8 cm], position: [0.42, -0.18, 0.95]}
+percepts: {left: {object: left}, right: {object: right}}
+"""
+
+SCENES = {"ball_behind": BALL_BEHIND, "visitor_ahead": VISITOR_AHEAD, "two_balls": TWO_BALLS}
+
 RunTree = Callable[..., Ran]
 
 
@@ -53,7 +65,7 @@ def run_tree(tmp_path: Path) -> RunTree:
     for folder in ("trees", "skills", "sim/scenes"):
         (tmp_path / folder).mkdir(parents=True)
     (tmp_path / "skills" / "stumble.py").write_text(SKILLS, encoding="utf-8")
-    for name, text in {"ball_behind": BALL_BEHIND, "visitor_ahead": VISITOR_AHEAD}.items():
+    for name, text in SCENES.items():
         (tmp_path / "sim" / "scenes" / f"{name}.yaml").write_text(text, encoding="utf-8")
 
     def run(text: str, scene: str = "empty", *, seed: int = 0, duration: float = 30.0) -> Ran:

@@ -7,7 +7,7 @@ malformed with :class:`WireError` only. Decoded arrays are read-only.
 from humanoid_bt.link.wire.command import decode_command, encode_command
 from humanoid_bt.link.wire.event import Event, Level, decode_event, encode_event
 from humanoid_bt.link.wire.format import MAX_TEXT, Header, MessageKind, WireError, peek
-from humanoid_bt.link.wire.percepts import decode_percepts, encode_percepts
+from humanoid_bt.link.wire.percepts import Sight, decode_percepts, encode_percepts
 from humanoid_bt.link.wire.state import decode_state, encode_state
 
 __all__ = [
@@ -16,6 +16,7 @@ __all__ = [
     "Header",
     "Level",
     "MessageKind",
+    "Sight",
     "WireError",
     "decode_command",
     "decode_event",

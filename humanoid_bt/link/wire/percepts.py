@@ -3,32 +3,45 @@
 from __future__ import annotations
 
 import struct
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
 
 from humanoid_bt.core.messages import Percept
-from humanoid_bt.link.wire.format import Cursor, MessageKind, guarded, header, pack_floats, pack_text
+from humanoid_bt.link.wire.format import Cursor, MessageKind, guarded, header, pack_cut_text, pack_floats, pack_text
 
 _NUMBERS = struct.Struct("<dd")  # stamp, confidence
+_COUNT = struct.Struct("<H")
+
+
+class Sight(NamedTuple):
+    """What perception says of one look: the percepts, and why others were never published so far."""
+
+    percepts: Sequence[Percept]
+    unseen: Mapping[str, str]
 
 
 @guarded("these percepts cannot be encoded")
-def encode_percepts(percepts: Sequence[Percept]) -> bytes:
-    """Return percepts as bytes.
+def encode_percepts(sight: Sight) -> bytes:
+    """Return what perception says as bytes.
 
     Raises:
         WireError: a position has the wrong shape.
     """
+    percepts, unseen = sight
     parts = [header(MessageKind.PERCEPTS, len(percepts), max((percept.stamp for percept in percepts), default=0.0))]
     for percept in percepts:
         parts.append(pack_text(percept.name))
         parts.append(_NUMBERS.pack(percept.stamp, percept.confidence))
         parts.append(pack_floats(percept.position, 3))
+    parts.append(_COUNT.pack(len(unseen)))
+    for name, why in unseen.items():
+        parts += [pack_text(name), pack_cut_text(why)]
     return b"".join(parts)
 
 
 @guarded("malformed percepts")
-def decode_percepts(data: bytes | memoryview) -> list[Percept]:
-    """Return the percepts that bytes hold.
+def decode_percepts(data: bytes | memoryview) -> Sight:
+    """Return what perception says in bytes.
 
     Raises:
         WireError: they hold none.
@@ -41,5 +54,7 @@ def decode_percepts(data: bytes | memoryview) -> list[Percept]:
         position = cursor.floats(3).copy()  # aligned
         position.flags.writeable = False
         percepts.append(Percept(name, stamp, position, confidence))
+    (count,) = cursor.take(_COUNT)
+    unseen = {cursor.text(): cursor.text() for _ in range(int(count))}
     cursor.end()
-    return percepts
+    return Sight(percepts, unseen)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import inspect
 from collections.abc import Mapping
 
@@ -50,6 +51,21 @@ class Facts:
     def commanded(self, draft: Draft) -> frozenset[str]:
         """Return the resources that a node and those below it may command."""
         return self._commanded[id(draft)]
+
+    def switch_off(self, draft: Draft, resource: str) -> str:
+        """Return how a node, or one below it, would leave a resource alone: "look: false in 'reach'"; "" if none does.
+
+        Asked are parameters that are true or false.
+        """
+        for leaf in draft.iterate():
+            if resource in self._commands[id(leaf)] and leaf.sound:
+                values = leaf.type.complete(leaf.values)
+                for name, spec in leaf.type.params.items():
+                    other = not values.get(name)
+                    with contextlib.suppress(Exception):  # the skill's code is the user's
+                        if spec.type is bool and resource not in leaf.type.commands({**values, name: other}):
+                            return f"{name}: {str(other).lower()} in {leaf.name!r}"
+        return ""
 
     def bounded(self, draft: Draft) -> bool:
         """Return whether a node ends by itself in bounded time, as far as its skills promise."""

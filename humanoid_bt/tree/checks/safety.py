@@ -77,4 +77,8 @@ def check_overlaps(root: Draft, facts: Facts) -> Iterator[Problem]:
                 if id(owner) in shared:
                     what = " and ".join(shared[id(owner)])
                     message = f"{owner.name!r} and {child.name!r} run at once and both command {what}"
-                    yield Problem(message, child.place, f"the first is at {owner.place}", "resource-overlap")
+                    hint = f"the first is at {owner.place}"
+                    for resource in shared[id(owner)]:
+                        off = facts.switch_off(child, resource) or facts.switch_off(owner, resource)
+                        hint += f"; {off} leaves {resource} alone" if off else ""
+                    yield Problem(message, child.place, hint, "resource-overlap")

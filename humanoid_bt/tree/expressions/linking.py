@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from typing import Any, Protocol
 
 from humanoid_bt.core.errors import HumanoidBtError, Place, UserError, nearest
+from humanoid_bt.core.units import readable
 from humanoid_bt.decision.robot import Robot
 from humanoid_bt.tree.expressions import grammar
 from humanoid_bt.tree.expressions.grammar import Syntax
@@ -84,7 +85,8 @@ class Watched:
     @property
     def text(self) -> str:
         """What was compared, in words."""
-        return f"{self.source} {shown(self.left)} {self.operator} {shown(self.right)}"
+        unit = self.type.unit
+        return f"{self.source} {readable(self.left, unit)} {self.operator} {readable(self.right, unit)}"
 
 
 class Linker:
@@ -171,7 +173,7 @@ class Linker:
         def ask(robot: Robot) -> Any:
             track = robot.track(percept)
             if track is None:
-                raise Unseen(f"{percept!r} was never seen")
+                raise Unseen(robot.why_unseen(percept))
             return of(track)
 
         return PERCEPT[name].type, ask
@@ -281,8 +283,3 @@ def within(place: Place, text_at: int | None, index: int) -> Place:
     if text_at is None or not place.line:
         return place
     return replace(place, column=place.column + text_at + index)
-
-
-def shown(value: Any) -> str:
-    """Return a value as people read it."""
-    return f"{value:.4g}" if isinstance(value, float) else str(value).lower() if isinstance(value, bool) else str(value)

@@ -8,10 +8,11 @@ from typing import Any, ClassVar
 
 from humanoid_bt.core.errors import Place, UserError
 from humanoid_bt.core.items import Item
+from humanoid_bt.core.units import readable
 from humanoid_bt.decision.blackboard import KeyNotSet
 from humanoid_bt.decision.robot import Robot
 from humanoid_bt.tree.expressions.expression import Expression
-from humanoid_bt.tree.expressions.linking import CODE, Unseen, shown
+from humanoid_bt.tree.expressions.linking import CODE, Unseen
 
 _PIECE = re.compile(
     r"""(?P<text>[^{}]+) | (?P<brace>\{\{|\}\}) | \{(?P<expression>(?:[^{}'"]|'[^']*'|"[^"]*")*)\}""", re.VERBOSE
@@ -44,7 +45,7 @@ class Template:
         if isinstance(item.value, (dict, list, type(None))):
             hint = "like the target is {distance(target)} away"
             raise UserError(f"{parameter!r} must be text, not {item.kind}", item.place, hint, "wrong-type")
-        text = " ".join(shown(item.value).split())
+        text = " ".join((readable(item.value) if isinstance(item.value, bool) else str(item.value)).split())
         if _REFERENCE.fullmatch(text):
             return cls(text, (Expression.parse(text, item.place),))
         return cls(text, _parts(text, item.place))
@@ -96,5 +97,4 @@ def _value(expression: Expression, robot: Robot) -> str:
         return "(never seen)"
     except KeyNotSet:
         return "(not set)"
-    unit = expression.type.unit if isinstance(value, (int, float)) else ""
-    return f"{shown(value)} {unit}".rstrip()
+    return readable(value, expression.type.unit)

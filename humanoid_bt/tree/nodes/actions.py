@@ -76,7 +76,7 @@ class Wait(Leaf):
     def update(self) -> Status:
         """Succeed when the time is over."""
         left = self.duration - (self.robot.clock.now() - self._started)
-        self.feedback_message = f"{max(left, 0):.1f} s left"
+        self.feedback_message = f"{round(max(left, 0), 1):g} s left"
         return SUCCESS if left <= TIME_TOLERANCE else RUNNING
 
 

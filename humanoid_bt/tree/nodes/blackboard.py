@@ -8,6 +8,7 @@ from typing import Any
 from py_trees.common import Status
 
 from humanoid_bt.core.params import param
+from humanoid_bt.core.units import readable
 from humanoid_bt.decision.blackboard import Key
 from humanoid_bt.tree.expressions.expression import Expression
 from humanoid_bt.tree.expressions.linking import Unseen
@@ -45,7 +46,7 @@ class SetBlackboard(Leaf):
             self.feedback_message = str(unseen)
             return FAILURE
         self.key.set(value)
-        self.feedback_message = f"{self.key.name} = {value}"
+        self.feedback_message = f"{self.key.name} = {readable(value)}"
         return SUCCESS
 
 

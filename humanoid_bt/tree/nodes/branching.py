@@ -10,10 +10,11 @@ from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
 from humanoid_bt.core.params import param
+from humanoid_bt.core.units import readable
 from humanoid_bt.decision.assign import assign
 from humanoid_bt.decision.robot import Robot
 from humanoid_bt.tree.expressions.expression import Expression
-from humanoid_bt.tree.expressions.linking import Unseen, shown
+from humanoid_bt.tree.expressions.linking import Unseen
 from humanoid_bt.tree.expressions.quantities import number, read_quantity, type_of
 from humanoid_bt.tree.nodes import other_libraries
 from humanoid_bt.tree.results import Below, Results
@@ -188,7 +189,7 @@ class _Switch(Choice):
             value = self.value.evaluate(self.robot)
         except Unseen as unseen:
             return self._nothing(str(unseen), seen)
-        words = f"{self.value} is {shown(value)}"
+        words = f"{self.value} is {readable(value)}"
         chosen = self._case(value)
         if chosen is None:
             return self._nothing(f"{words}: no case", seen)

@@ -14,6 +14,7 @@ from typing import Any, ClassVar
 from py_trees.common import Status
 
 from humanoid_bt.core.params import PerceptName, param
+from humanoid_bt.core.units import readable
 from humanoid_bt.perception.track import Track
 from humanoid_bt.tree.expressions.expression import Truth
 from humanoid_bt.tree.expressions.linking import Unseen
@@ -84,7 +85,7 @@ class PerceptCondition(Leaf):
         """Check the percept as it was at the start of the tick."""
         track = self.robot.track(self.percept)
         if track is None:
-            self.feedback_message = f"{self.percept!r} was never seen"
+            self.feedback_message = self.robot.why_unseen(self.percept)
             self._held = False
         else:
             self._held = self.holds(track, self._held)
@@ -134,7 +135,7 @@ class Within(PerceptCondition):
         if self.bearing is not None:
             widest = self.bearing + self.bearing_hysteresis if held else self.bearing
             if not abs(track.bearing) <= widest:
-                self.feedback_message = f"bearing {track.bearing:.2f} rad beyond {widest:g} rad"
+                self.feedback_message = f"bearing {readable(track.bearing, 'rad')} beyond {readable(widest, 'rad')}"
                 return False
         self.feedback_message = f"distance {distance:.2f} m <= {limit:g} m"
         return True

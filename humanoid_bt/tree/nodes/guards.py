@@ -10,6 +10,7 @@ from py_trees.common import Status
 
 from humanoid_bt.core.messages import Mode
 from humanoid_bt.core.params import PerceptName, param
+from humanoid_bt.core.units import readable
 from humanoid_bt.decision.robot import Robot
 from humanoid_bt.tree.nodes.decorators import TIME_TOLERANCE, Decorator
 from humanoid_bt.tree.results import Below, Results
@@ -98,9 +99,9 @@ class Watchdog(Decorator):
                 halt(self.on_stale, f"{self.percept!r} is fresh again", seen)
             return tick(self.decorated, seen)
         if track is None:
-            self.feedback_message = f"{self.percept!r} was never seen"
+            self.feedback_message = self.robot.why_unseen(self.percept)
         else:
-            self.feedback_message = f"{self.percept!r} is {track.age:.2f} s old (limit {self.max_age:g} s)"
+            self.feedback_message = f"{self.percept!r} is {readable(track.age, 's')} old (limit {self.max_age:g} s)"
         if self.decorated.status is not INVALID:
             halt(self.decorated, self.feedback_message, seen)
         return FAILURE if self.on_stale is None else tick(self.on_stale, seen)

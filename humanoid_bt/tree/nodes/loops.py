@@ -10,6 +10,7 @@ from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
 from humanoid_bt.core.params import param
+from humanoid_bt.core.units import readable
 from humanoid_bt.decision.blackboard import Key
 from humanoid_bt.tree.nodes.decorators import Decorator
 from humanoid_bt.tree.results import SUCCEEDS, Below, Results
@@ -57,7 +58,7 @@ class ForEach(Decorator):
             self._hand_out(self.items[self._index])
         status = tick(self.decorated, seen)
         names = self.item.name if isinstance(self.item, Key) else ", ".join(key.name for key in self.item)
-        self.feedback_message = f"{names} {self._index + 1} of {len(self.items)}: {self.items[self._index]}"
+        self.feedback_message = f"{names} {self._index + 1} of {len(self.items)}: {readable(self.items[self._index])}"
         if status is not SUCCESS:
             return status
         self._index += 1

@@ -11,6 +11,7 @@ from py_trees.common import Status
 
 from humanoid_bt.core.errors import HumanoidBtError, Place, Problem, ResourceConflict, UserError
 from humanoid_bt.core.messages import Command, Percept, State
+from humanoid_bt.decision.result import Reported, reported
 from humanoid_bt.decision.robot import Robot
 from humanoid_bt.decision.skill_files import class_file, place_in_file
 from humanoid_bt.tree.node import Node
@@ -28,12 +29,14 @@ class NodeChange:
         path: the node's path.
         status: its new status; INVALID when it was halted, or reset because its branch was left.
         feedback: what the node says about it.
+        results: of a skill that has ended, or was halted: what it had set by then.
     """
 
     time: float
     path: str
     status: Status
     feedback: str
+    results: tuple[Reported, ...] = ()
 
 
 class NodeError(HumanoidBtError):
@@ -171,8 +174,11 @@ class Executor:
         told = self._told
         for behaviour in reversed(dict.fromkeys(reversed(seen))):  # where it stands for the last time
             status = behaviour.status
-            if told[behaviour] is not status:
+            before = told[behaviour]
+            if before is not status:
                 told[behaviour] = status
                 if self._on_change is not None:
-                    path = self._nodes[behaviour].path
-                    self._on_change(NodeChange(time, path, status, behaviour.feedback_message))
+                    path, feedback = self._nodes[behaviour].path, behaviour.feedback_message
+                    left = status is INVALID and before is not None and before is not RUNNING  # it had ended before
+                    results = () if status is RUNNING or left else reported(behaviour)
+                    self._on_change(NodeChange(time, path, status, feedback, results))

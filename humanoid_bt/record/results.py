@@ -1,0 +1,46 @@
+"""What skills report: a time series for each result that is a number, to the value at the skill's end."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import rerun as rr
+
+from humanoid_bt.decision.result import Reported
+from humanoid_bt.record.columns import entity, send
+
+RESULTS = "results"
+
+
+class ResultSeries:
+    """Collects results and writes them in batches."""
+
+    def __init__(self) -> None:
+        self._rows: dict[tuple[str, str, str], list[tuple[float, float]]] = {}  # path, name, unit -> time [s], value
+        self._begun: set[str] = set()  # entities whose series have names in the recording
+
+    def add(self, time: float, path: str, results: Sequence[Reported]) -> None:
+        """Take what a skill has set by now; texts are left aside.
+
+        Args:
+            time: engine time [s].
+            path: the node's path.
+            results: what it has set.
+        """
+        for name, value, unit in results:
+            if not isinstance(value, str):
+                self._rows.setdefault((path, name, unit), []).append((time, float(value)))
+
+    def flush(self, stream: Any) -> None:
+        """Write what was added since the last flush."""
+        for (path, name, unit), rows in self._rows.items():
+            series = entity(RESULTS, path, name)
+            if series not in self._begun:
+                self._begun.add(series)
+                label = f"{path.rsplit('/', 1)[-1]}: {name.replace('_', ' ')}" + (f" [{unit}]" if unit else "")
+                stream.log(series, rr.SeriesLines(names=[label]), static=True)
+            times, values = zip(*rows, strict=True)
+            send(stream, series, times, rr.Scalars.columns(scalars=np.array(values)))
+        self._rows = {}

@@ -1,0 +1,37 @@
+"""How people read numbers."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from humanoid_bt.core.units import readable
+
+
+@pytest.mark.parametrize(
+    ("value", "unit", "text"),
+    [
+        (0.004, "m", "0.4 cm"),
+        (0.0999, "m", "10 cm"),
+        (0.5, "m", "0.5 m"),
+        (2.0, "m", "2 m"),
+        (-1.946, "m", "-1.95 m"),
+        (-0.0, "m", "0 cm"),
+        (math.pi / 3, "rad", "60 deg"),
+        (0.05, "rad", "2.9 deg"),
+        (-math.pi, "rad/s", "-180 deg/s"),
+        (0, "rad", "0 deg"),
+        (1.0000000002, "s", "1 s"),
+        (0.02, "s", "0.02 s"),
+        (0.411, "", "0.41"),
+        (0.0123, "", "0.012"),
+        (100.0, "", "100"),
+        (1200, "", "1200"),
+        (True, "", "true"),
+        ("left", "", "left"),
+        ([1.0, 2.5, "x"], "", "[1, 2.5, x]"),
+    ],
+)
+def test_values_have_the_units_and_digits_that_help(value: object, unit: str, text: str) -> None:
+    assert readable(value, unit) == text
