@@ -215,9 +215,7 @@ timeout:
   approach: {target: target}
 """,
     "emergency_stop": """\
-emergency_stop:
-  wait_for_reset: true
-  idle:
+emergency_stop: idle
 """,
     "watchdog": """\
 watchdog:

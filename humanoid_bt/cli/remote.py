@@ -13,12 +13,17 @@ import os
 import sys
 import textwrap
 import time
+from typing import TYPE_CHECKING
 
-from humanoid_bt.cli.runs import one_robot, robots
-from humanoid_bt.link.run_folder import RunFolder, RunInfo
+from humanoid_bt.cli.runs import FoundRun, found_runs, one_run, titled
+from humanoid_bt.link.estop import EStop, ResetAnswer
+from humanoid_bt.link.run_folder import in_lockstep
 from humanoid_bt.link.segment import LinkError
 from humanoid_bt.realtime import channels
 from humanoid_bt.session.report import ExitCode
+
+if TYPE_CHECKING:
+    from humanoid_bt.realtime.status import RunStatus
 
 _STOP_TIMEOUT = 1.0  # s that the robot gets to show that it is stopped
 _ANSWER_TIMEOUT = 2.0  # s that control gets to answer a reset
@@ -30,28 +35,32 @@ _WIDTH = 60
 
 def estop(arguments: argparse.Namespace) -> int:
     """Stop every running robot, or the one that is named; return the exit code."""
-    runs = robots(arguments.run)
+    runs = found_runs(arguments.run)
     source = _source("estop")
-    pending = []
-    for folder, info in runs:  # all of them first, then see what became of it
+    pending: list[_Watch] = []
+    missed = False
+    for run in runs:  # all of them first, then see what became of it
         try:
-            watch = _Watch(folder, info)
+            watch = _Watch(run)
             watch.raise_estop(source, arguments.reason)
         except LinkError as error:
-            print(f"{info.run_id}: not stopped: {error}", file=sys.stderr)
+            if run[0].folder.exists():  # else it has just ended
+                missed = True
+                print(f"{titled(run)} ({run[1].run_id}): not stopped: {error}", file=sys.stderr)
             continue
         pending.append(watch)
     if len(runs) > 1:
         print(f"{len(runs)} robots are running: all of them are stopped (--run ID stops one)")
     stopped = [watch.report() for watch in pending]
-    return ExitCode.SUCCESS if len(stopped) == len(runs) and all(stopped) else ExitCode.ERROR
+    return ExitCode.SUCCESS if all(stopped) and not missed else ExitCode.ERROR
 
 
 class _Watch:
     """Raises the e-stop of one run and sees when it takes effect."""
 
-    def __init__(self, folder: RunFolder, info: RunInfo) -> None:
-        self._info = info
+    def __init__(self, run: FoundRun) -> None:
+        folder = run[0]
+        self._run = run
         self._estop = channels.estop(folder)
         self._states = channels.reader(folder, "state")
         latest = self._states.latest()
@@ -65,7 +74,7 @@ class _Watch:
 
     def report(self) -> bool:
         """Wait until the robot is stopped; print how long it took, or that it is not."""
-        name = f"{self._info.tree} on {self._info.robot} ({self._info.run_id})"
+        name = f"{titled(self._run)} ({self._run[1].run_id})"
         while time.monotonic() - self._raised_at < _UNDECODED:
             self._collect()
             time.sleep(_POLL)
@@ -86,7 +95,12 @@ class _Watch:
                 break
             time.sleep(_POLL)
             self._collect()
+        if not self._run[0].folder.exists():
+            print(f"{name}: the run has ended")
+            return True
         text = f"{name}: the e-stop is raised, but the robot did not show within {_STOP_TIMEOUT:g} s that it stopped"
+        if in_lockstep(self._run[0]):
+            text += "; in lockstep time stands still while a skill hangs or a program pauses: its next step stops it"
         print(text, file=sys.stderr)
         return False
 
@@ -99,7 +113,7 @@ class _Watch:
 
 def reset(arguments: argparse.Namespace) -> int:
     """Ask for a reset of a latched stop; print the answer; return the exit code."""
-    folder, info = one_robot(arguments.run, "reset")
+    folder, info = one_run(arguments.run, "reset")
     from humanoid_bt.realtime.status import status_of
 
     before = status_of(folder, info)
@@ -112,13 +126,11 @@ def reset(arguments: argparse.Namespace) -> int:
         return ExitCode.SUCCESS
     channel = channels.estop(folder)
     ticket = channel.request_reset(_source("reset"))
-    deadline = time.monotonic() + _ANSWER_TIMEOUT
-    while (answer := channel.answer_to(ticket)) is None:
-        if time.monotonic() > deadline:
-            print(f"error: control did not answer within {_ANSWER_TIMEOUT:g} s", file=sys.stderr)
-            return ExitCode.ERROR
-        channel.poll()
-        time.sleep(_POLL)
+    answer = _answer(channel, ticket)
+    if answer is None:
+        why = f"control did not answer within {_ANSWER_TIMEOUT:g} s" if folder.folder.exists() else "the run has ended"
+        print(f"error: {why}", file=sys.stderr)
+        return ExitCode.ERROR
     if not answer.accepted:
         print(f"refused: {answer.reason}", file=sys.stderr)
         return ExitCode.STOPPED
@@ -129,28 +141,43 @@ def reset(arguments: argparse.Namespace) -> int:
     return ExitCode.SUCCESS
 
 
+def _answer(channel: EStop, ticket: int) -> ResetAnswer | None:
+    """Wait for control's answer to a reset; return None if there is none in time."""
+    deadline = time.monotonic() + _ANSWER_TIMEOUT
+    while (answer := channel.answer_to(ticket)) is None and time.monotonic() < deadline:
+        channel.poll()
+        time.sleep(_POLL)
+    return answer
+
+
 def status(arguments: argparse.Namespace) -> int:
-    """Print how a running robot is doing; return the exit code."""
-    folder, info = one_robot(arguments.run, "status")
+    """Print how every running robot is doing, or the one that is named; return the exit code."""
+    runs = found_runs(arguments.run)
     from humanoid_bt.realtime.status import status_of
 
-    found = status_of(folder, info)
+    found = [status_of(*run) for run in runs]
     if arguments.json:
-        print(json.dumps(found.to_dict(), indent=2))
+        print(json.dumps([one.to_dict() for one in found], indent=2))
         return ExitCode.SUCCESS
+    print("\n\n".join(_described(one) for one in found))
+    return ExitCode.SUCCESS
+
+
+def _described(found: RunStatus) -> str:
+    """Return how a robot is doing, for people."""
     stopped = f": {found.stop_reason} ({found.stop_source})" if found.stop_reason else ""
-    timing = found.timing
     rows = [
         ("run", found.run_id),
-        ("tree", f"{found.tree} on {found.robot}"),
+        ("tree", f"{found.tree} on {found.robot}, {'realtime' if found.timing else 'lockstep'}"),
         ("up", f"{found.uptime:.1f} s"),
         ("mode", found.mode.replace("_", " ") + stopped),
         ("node", found.node or "none"),
         ("", found.feedback),
         ("tree rate", f"{found.tick_rate:.1f} Hz" if found.tick_rate is not None else "no tick yet"),
-        ("servo", f"{timing['cycles']} cycles, {timing['missed']} deadlines missed"),
-        ("", f"late p50 {timing['late_p50']:.0f} us, p99 {timing['late_p99']:.0f} us, max {timing['late_max']:.0f} us"),
     ]
+    if timing := found.timing:
+        late = f"late p50 {timing['late_p50']:.0f} us, p99 {timing['late_p99']:.0f} us, max {timing['late_max']:.0f} us"
+        rows += [("servo", f"{timing['cycles']} cycles, {timing['missed']} deadlines missed"), ("", late)]
     if found.estop is not None and found.mode not in _STOPPED:
         rows.insert(4, ("e-stop", f"raised: {found.estop['reason']} ({found.estop['source']})"))
     rows += _table("leases", [f"{resource}: {node}" for resource, node in found.leases.items()])
@@ -158,10 +185,11 @@ def status(arguments: argparse.Namespace) -> int:
     rows += _table("percepts", percepts + [f"{name}: never seen, {why}" for name, why in found.unseen.items()])
     lines = [f"{role}: {p['pid']}{'' if p['alive'] else ' (dead)'}" for role, p in found.processes.items()]
     rows += _table("processes", lines)
-    for name, text in rows:
-        if text:
-            print("\n".join(textwrap.wrap(text, _WIDTH, initial_indent=f"{name:<11}", subsequent_indent=" " * 11)))
-    return ExitCode.SUCCESS
+    return "\n".join(_row(name, text) for name, text in rows if text)
+
+
+def _row(name: str, text: str) -> str:
+    return "\n".join(textwrap.wrap(text, _WIDTH, initial_indent=f"{name:<11}", subsequent_indent=" " * 11))
 
 
 def _table(name: str, lines: list[str]) -> list[tuple[str, str]]:

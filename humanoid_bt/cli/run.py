@@ -58,6 +58,7 @@ def _session(arguments: argparse.Namespace, printer: Printer) -> Session:
         parameters=_overrides(arguments.overrides),
         seed=arguments.seed,
         duration=arguments.duration,
+        on_estop=arguments.on_estop,
         pace=arguments.pace,
         mode=arguments.mode,
         hold=arguments.hold,

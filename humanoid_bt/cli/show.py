@@ -17,7 +17,7 @@ from rich.live import Live
 from rich.text import Text
 
 from humanoid_bt.cli.output import width
-from humanoid_bt.cli.runs import one_tree
+from humanoid_bt.cli.runs import one_run
 from humanoid_bt.core.errors import HumanoidBtError, UserError
 from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.link.run_folder import RunInfo
@@ -96,7 +96,7 @@ def _deliver(text: str, outline: Outline, output: Path | None) -> None:
 
 
 def _show_live(arguments: argparse.Namespace, drawing: str) -> int:
-    folder, info = one_tree(arguments.run)
+    folder, info = one_run(arguments.run, "show --live")
     with contextlib.closing(TreeWatch(folder)) as watch:
         console = Console(highlight=False)
         if console.is_terminal and drawing == "unicode" and arguments.output is None:

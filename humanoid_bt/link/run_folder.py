@@ -156,9 +156,19 @@ def default_root() -> Path:
 
 
 def lockstep_root() -> Path:
-    """Return where runs in lockstep live: apart from all others, for nothing stops them from outside."""
+    """Return where runs in lockstep live: apart from those whose control competes for a processor."""
     root = default_root()
     return root.with_name(f"{root.name}-lockstep")
+
+
+def in_lockstep(folder: RunFolder) -> bool:
+    """Return whether a run is one in lockstep."""
+    return folder.folder.parent == lockstep_root()
+
+
+def all_runs() -> list[tuple[RunFolder, RunInfo]]:
+    """Return the runs of this user in either mode, as :func:`live_runs`: first those in realtime mode."""
+    return [*live_runs(), *live_runs(lockstep_root())]
 
 
 def live_runs(root: Path | None = None) -> list[tuple[RunFolder, RunInfo]]:

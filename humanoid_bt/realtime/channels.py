@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterable
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Self
@@ -59,15 +60,19 @@ class RunSpec:
 
 def create_channels(folder: RunFolder) -> None:
     """Make every channel of a run, before its processes start."""
-    for name in _SIZES:
-        create_ring(folder, name)
-    EStop.create(folder.path("estop")).close()
+    _create(folder, _SIZES)
     Heartbeat.create(folder.path("quit")).close()
 
 
-def create_ring(folder: RunFolder, name: str) -> None:
-    """Make one ring of a run."""
-    RingWriter.create(folder.path(name), *_SIZES[name]).close()
+def create_lockstep_channels(folder: RunFolder) -> None:
+    """Make the channels of a run in lockstep, whose loops need none: those for other terminals."""
+    _create(folder, ("state", "status"))
+
+
+def _create(folder: RunFolder, rings: Iterable[str]) -> None:
+    for name in rings:
+        RingWriter.create(folder.path(name), *_SIZES[name]).close()
+    EStop.create(folder.path("estop")).close()
 
 
 def writer(folder: RunFolder, name: str) -> RingWriter:

@@ -16,18 +16,16 @@ from types import FrameType
 
 from humanoid_bt.control.body.standing import load_robot
 from humanoid_bt.control.controller import Controller
-from humanoid_bt.control.supervisor import reset_text
 from humanoid_bt.core.clock import DECISION_PERIOD, SERVO_PERIOD, WHOLE_BODY_PERIOD, cycles
 from humanoid_bt.core.errors import UserError
-from humanoid_bt.core.messages import Mode
 from humanoid_bt.link.run_folder import RunFolder
-from humanoid_bt.link.segment import LinkError
 from humanoid_bt.link.wire import Event, WireError, decode_command, decode_event, encode_event, encode_state
 from humanoid_bt.link.wire.event import Level
 from humanoid_bt.plant.mujoco_plant import MujocoPlant
 from humanoid_bt.plant.scene import Scene, load_scene
 from humanoid_bt.realtime import channels
 from humanoid_bt.realtime.channels import RunSpec
+from humanoid_bt.realtime.estop_follower import EStopFollower
 from humanoid_bt.realtime.schedule import Schedule, claim
 from humanoid_bt.realtime.timing import StopRecord, Stopwatch, Wake
 
@@ -58,11 +56,10 @@ class ControlProcess:
         self._refusals = channels.writer(folder, "refusal")
         self._timings = channels.writer(folder, "timing")
         self._wakes, self._stops = channels.writer(folder, "wake"), channels.writer(folder, "stop")
-        self._estop = channels.estop(folder)
+        self._estop = EStopFollower(channels.estop(folder), self._controller.supervisor, self._tell)
         self._quit = channels.quit_flag(folder)
         self._command_sequence = self._request_sequence = 0
         self._told_stops = self._told_refusals = 0
-        self._look_again = False  # at the e-stop: what is raised there is not in force yet
         self._orphaned_at: int | None = None
         self._ends_at: int | None = None
         self._state_phase = cycles(WHOLE_BODY_PERIOD)
@@ -100,8 +97,7 @@ class ControlProcess:
     def _listen(self) -> None:
         """Take what the other processes say: e-stop first, then requests, then commands."""
         supervisor = self._controller.supervisor
-        if self._estop.poll() or self._look_again:
-            self._follow_estop()
+        self._estop.poll()
         if self._requests.sequence != self._request_sequence:
             entries, _ = self._requests.since(self._request_sequence)
             for self._request_sequence, payload in entries:
@@ -114,26 +110,6 @@ class ControlProcess:
                     supervisor.submit(decode_command(payload))
                 except WireError as error:
                     supervisor.rejected.append(f"command: {error}")
-
-    def _follow_estop(self) -> None:
-        supervisor = self._controller.supervisor
-        raised = self._estop.raised
-        if raised is not None:
-            supervisor.raise_estop(raised.source, raised.reason)
-        self._look_again = raised is not None and supervisor.mode not in (Mode.EMERGENCY_STOP, Mode.DAMP)
-        if self._look_again:
-            return  # a reset clears only what has stopped the robot
-        while (request := self._estop.reset_request) is not None:
-            refusal = supervisor.reset()
-            try:
-                self._estop.answer(request.ticket, not refusal, refusal)
-            except LinkError as error:  # not told, so not done: what is raised there is taken up again
-                self._tell("error", str(error))
-                break
-            self._tell("warning", reset_text(request.source, refusal))
-        raised = self._estop.raised
-        if raised is not None:
-            supervisor.raise_estop(raised.source, raised.reason)
 
     def _on_terminate(self, _number: int, _frame: FrameType | None) -> None:
         self._controller.supervisor.request_stop("the control process", "it was told to end (SIGTERM)")

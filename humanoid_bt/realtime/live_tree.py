@@ -6,12 +6,12 @@ import contextlib
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Self
+from typing import Any
 
 from py_trees.common import Status
 
 from humanoid_bt.link.ring import RingReader, RingWriter
-from humanoid_bt.link.run_folder import RunFolder, RunInfo, clean_stale, lockstep_root
+from humanoid_bt.link.run_folder import RunFolder
 from humanoid_bt.link.segment import LinkError
 from humanoid_bt.realtime import channels
 from humanoid_bt.tree.show.outline import Outline
@@ -37,18 +37,6 @@ class TreeTeller:
         self._ring: RingWriter = channels.writer(folder, "status")
         self._outlined: Tree | None = None
         self._number = 0  # of the outline
-
-    @classmethod
-    def in_lockstep(cls, info: RunInfo) -> Self:
-        """Return the teller of a run in lockstep, which has no other channel and so cannot be stopped from outside.
-
-        Raises:
-            LinkError: there is no place for it.
-        """
-        clean_stale(lockstep_root())
-        folder = RunFolder.create(info, lockstep_root())
-        channels.create_ring(folder, "status")
-        return cls(folder)
 
     def tell(self, status: Mapping[str, object], tree: Tree) -> None:
         """Tell what goes on.
@@ -85,11 +73,6 @@ class TreeTeller:
     def close(self) -> None:
         """Let go of the channel."""
         self._ring.close()
-
-    def remove(self) -> None:
-        """Let go of the channel and remove the run's folder. For a run in lockstep."""
-        self.close()
-        self._folder.close()
 
 
 @dataclass(frozen=True)

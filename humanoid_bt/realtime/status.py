@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from humanoid_bt.link.run_folder import RunFolder, RunInfo
+from humanoid_bt.link.run_folder import RunFolder, RunInfo, in_lockstep
 from humanoid_bt.link.segment import LinkError
 from humanoid_bt.link.wire import WireError, decode_state
 from humanoid_bt.realtime import channels
@@ -30,7 +30,7 @@ class RunStatus:
         estop: who raised the e-stop and why, None if it is clear.
         node, feedback: the deepest running node and what it says.
         tick_rate: ticks of the tree per second [Hz]; None before the first.
-        timing: how punctual the servo loop is.
+        timing: how punctual the servo loop is; None in lockstep.
         leases: resource -> path of the node that commands it.
         percepts: name -> age [s].
         unseen: name -> why it was never seen.
@@ -49,7 +49,7 @@ class RunStatus:
     node: str
     feedback: str
     tick_rate: float | None
-    timing: Mapping[str, Any]
+    timing: Mapping[str, Any] | None
     leases: Mapping[str, str]
     percepts: Mapping[str, float]
     unseen: Mapping[str, str]
@@ -82,7 +82,7 @@ def status_of(folder: RunFolder, info: RunInfo) -> RunStatus:
         node=told.get("node", ""),
         feedback=told.get("feedback", ""),
         tick_rate=round(told["tick_rate"], 1) if "tick_rate" in told else None,
-        timing=_json(_latest(folder, "timing")) or asdict(Timing()),
+        timing=None if in_lockstep(folder) else _json(_latest(folder, "timing")) or asdict(Timing()),
         leases=dict(state.command_sources) if state else {},
         percepts={name: round(age + since_told, 3) for name, age in told.get("percepts", {}).items()},
         unseen=told.get("unseen", {}),

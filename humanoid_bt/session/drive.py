@@ -66,11 +66,12 @@ class Drive:
         self._teller = Teller(listener, self.engine)
         self.runner = TreeRunner(self._prepare(loader.first))
         self._pace = Pace(options.pace)
-        self.loop = Loop(self.engine, self.runner, self._teller, self._pace, options.duration)
+        self.loop = Loop(self.engine, self.runner, self._teller, self._pace)
         self._ending = Ending(self.engine, self.runner, self._teller, self._pace)
         self._stack: ExitStack | None = None
         self._began_at = 0.0
         self._tracks: Mapping[str, Track] | None = None
+        self._asked = False  # somebody ends the run
         self.begun = False
         self.end: End | None = None
         self.report: Report | None = None
@@ -103,8 +104,12 @@ class Drive:
         """
         self.begun = True
         with ExitStack() as stack:
+            watched = False
             if self._options.sinks.active:
-                self._teller.recorder = stack.enter_context(self._open_recorder())
+                recorder, watched = self._open_recorder()
+                self._teller.recorder = stack.enter_context(recorder)
+            self.loop.limit = self._options.limit(watched, self.runner.tree)
+            self.loop.waits = self._teller.waits = self._options.waits(watched)
             stack.callback(self.engine.close)
             self.engine.start()
             self._began_at = time.monotonic()
@@ -132,6 +137,7 @@ class Drive:
 
     def leave(self, outcome: str, reason: str) -> None:
         """End the run between two ticks, unless it has ended."""
+        self._asked = self._asked or outcome == "interrupted"
         self.end = self.end or self.loop.leave(outcome, reason)
 
     def close(self) -> None:
@@ -170,14 +176,14 @@ class Drive:
         """Bring the robot to a stand; return whether somebody pressed Ctrl-C meanwhile. A first one waits for it."""
         before = self._ending.interrupted
         try:
-            with nullcontext() if end.outcome == "interrupted" else WholeTick():
+            with nullcontext() if self._asked else WholeTick():
                 self.end = self._ending.bring_to_stand(end, moved)
         except KeyboardInterrupt:
             return True
         return self._ending.interrupted is not before
 
-    def _open_recorder(self) -> Recorder:
+    def _open_recorder(self) -> tuple[Recorder, bool]:
         recorder, live = open_recorder(self._options, self.runner.tree, self.engine, self._listener.event)
         if self._pace.speed is None and live and self._options.mode == "lockstep":
             self._pace.speed = 1.0
-        return recorder
+        return recorder, live

@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import NamedTuple
 
-from humanoid_bt.core.messages import Level
+from humanoid_bt.core.messages import Level, Mode
 from humanoid_bt.session.engine import Engine
 
+_HOW_TO_GO_ON = "; waiting for a reset: key r or 'humanoid-bt reset'; q or Ctrl-C ends the run"
 _REPEAT = 1.0  # s between two lines about commands that are refused for the same reason
 
 
@@ -32,8 +33,13 @@ class Happenings:
         self._until = 0.0
         self._fault, self._fault_told, self._fault_count = "", -_REPEAT, 0
 
-    def until(self, now: float) -> Iterator[Happening]:
-        """Yield what happened up to now [s]."""
+    def until(self, now: float, waits: bool) -> Iterator[Happening]:
+        """Yield what happened up to now [s].
+
+        Args:
+            now: engine time [s].
+            waits: whether the run waits for the reset of an emergency stop.
+        """
         end = now + 1e-9  # the scene's script counts up to and without the end
         for at, text in self._scene.events(self._until, end):
             yield Happening(at, "info", f"scene: {text}")
@@ -43,7 +49,9 @@ class Happenings:
         self._notices = len(self._engine.notices)
         yield from self._refusals(now)
         for stop in self._supervisor.stops[self._stops :]:
-            yield Happening(stop.time, "error", f"{stop.mode.value.replace('_', ' ')}: {stop.reason} ({stop.source})")
+            how = _HOW_TO_GO_ON if waits and stop.mode is Mode.EMERGENCY_STOP else ""
+            text = f"{stop.mode.value.replace('_', ' ')}: {stop.reason} ({stop.source}){how}"
+            yield Happening(stop.time, "error", text)
         self._stops = len(self._supervisor.stops)
 
     def _refusals(self, now: float) -> Iterator[Happening]:

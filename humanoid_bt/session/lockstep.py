@@ -9,20 +9,21 @@ from __future__ import annotations
 import logging
 from collections import deque
 from collections.abc import Mapping
+from contextlib import suppress
 
 import mujoco
 
 from humanoid_bt.control.controller import Controller
 from humanoid_bt.control.supervisor import Supervisor, reset_text
 from humanoid_bt.core.clock import DECISION_PERIOD, PERCEPTION_PERIOD, CycleClock, cycles
-from humanoid_bt.core.messages import Array, Command, Percept, State
+from humanoid_bt.core.messages import Array, Command, Level, Percept, State
 from humanoid_bt.link.run_folder import RunInfo
 from humanoid_bt.link.segment import LinkError
 from humanoid_bt.link.wire import Event
 from humanoid_bt.perception.source import PerceptSource
 from humanoid_bt.plant.mujoco_plant import MujocoPlant
 from humanoid_bt.plant.scene import Scene
-from humanoid_bt.realtime.live_tree import TreeTeller
+from humanoid_bt.realtime.lockstep_link import LockstepLink
 from humanoid_bt.robot.model import RobotModel
 from humanoid_bt.tree.tree import Tree
 
@@ -55,8 +56,9 @@ class Lockstep:
         self._percepts: dict[str, Percept] = {}
         self._command: Command | None = None  # given, and not yet heard of
         self._resets: deque[str] = deque()  # who asks for one, from any thread
-        self._teller: TreeTeller | None = None
-        self._tells = True
+        self._state: State | None = None
+        self._link: LockstepLink | None = None
+        self._links = True
         self._decision = cycles(DECISION_PERIOD)
         self._perceive = cycles(PERCEPTION_PERIOD)
 
@@ -89,21 +91,22 @@ class Lockstep:
 
     def close(self) -> None:
         """End what was told to others."""
-        if self._teller is not None:
-            self._teller.remove()
-            self._teller = None
+        if self._link is not None:
+            self._link.close()
+            self._link = None
 
     def publish(self, status: Mapping[str, object], tree: Tree) -> None:
-        """Tell ``humanoid-bt show --live`` what the tree does. A run for which there is no place in memory goes on."""
-        if not self._tells:
+        """Tell other terminals what the tree does. A run for which there is no place in memory goes on without them."""
+        if not self._links or self._state is None:
             return
         try:
-            if self._teller is None:
-                self._teller = TreeTeller.in_lockstep(RunInfo(tree.name, self.robot.config.name))
-            self._teller.tell(status, tree)
+            if self._link is None:
+                info = RunInfo(tree.name, self.robot.config.name)
+                self._link = LockstepLink(info, self.supervisor, self._note)
+            self._link.tell(status, self._state, tree)
         except (LinkError, OSError) as error:
-            self._tells = False
-            _log.warning("nobody can watch the tree: %s", error)
+            self._links = False
+            _log.warning("other terminals can neither see nor stop this run: %s", error)
 
     def request_reset(self, source: str) -> None:
         """Reset a latched stop before the next tick, if nothing stands against it."""
@@ -132,9 +135,10 @@ class Lockstep:
         """Return the state and the latest percepts, for one tick of decision."""
         self.plant.move_objects()
         while self._resets:
-            text = reset_text(self._resets.popleft(), self.controller.supervisor.reset())
-            self.notices.append(Event(self.clock.now(), "warning", text))
-        state = self.controller.state()
+            self._reset(self._resets.popleft())
+        state = self._state = self.controller.state()
+        if self._link is not None:
+            self._link.sensed(state)
         if self.clock.due(self._perceive):
             for percept in self.perception.observe(state):
                 self._percepts[percept.name] = percept
@@ -146,6 +150,8 @@ class Lockstep:
 
     def advance(self) -> None:
         """Run one decision period of servo cycles; without a command since the last one decision is silent."""
+        if self._link is not None:
+            self._link.obey()
         if self._command is not None:
             self.controller.submit(self._command)
             self._command = None
@@ -153,3 +159,14 @@ class Lockstep:
             self.controller.run_cycle()
             self.clock.advance()
         self.plant.note_external_force()
+
+    def _reset(self, source: str) -> None:
+        """Reset a latched stop, with what other terminals raised."""
+        if self._link is not None:
+            with suppress(LinkError):  # no room in memory: what they raised stays
+                self._link.reset(source)
+                return
+        self._note("warning", reset_text(source, self.supervisor.reset()))
+
+    def _note(self, level: Level, text: str) -> None:
+        self.notices.append(Event(self.clock.now(), level, text))

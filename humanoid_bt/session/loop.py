@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 from py_trees.common import Status
 
 from humanoid_bt.core.clock import DECISION_PERIOD
@@ -14,8 +16,6 @@ from humanoid_bt.session.reload import Reloader
 from humanoid_bt.session.teller import Teller
 from humanoid_bt.session.tree_runner import TreeRunner
 
-_AFTER_STOP = 2.0  # s after a latched stop until the run ends, if the tree goes on
-
 
 class Loop:
     """Ticks the tree until its end.
@@ -25,16 +25,17 @@ class Loop:
         runner: what runs the tree.
         teller: is told what happens.
         pace: how fast simulated time goes.
-        duration: longest simulated time [s].
 
     Attributes:
+        limit: longest simulated time [s].
+        waits: whether an emergency stop is waited for, until its reset; else it ends the run.
         reloader: puts edited trees in the tree's place, if anybody looks for edits.
         state: what the last tick saw, None before the first.
     """
 
-    def __init__(self, engine: Engine, runner: TreeRunner, teller: Teller, pace: Pace, duration: float) -> None:
+    def __init__(self, engine: Engine, runner: TreeRunner, teller: Teller, pace: Pace) -> None:
         self._engine, self._runner, self._teller, self._pace = engine, runner, teller, pace
-        self._duration = duration
+        self.limit, self.waits = math.inf, False
         self.reloader: Reloader | None = None
         self.state: State | None = None
 
@@ -68,26 +69,41 @@ class Loop:
 
     def leave(self, outcome: str, reason: str) -> End:
         """Return how the run ends that somebody ends between two ticks."""
-        return self._runner.ended or End(outcome, reason)
+        return self._stopped(reason) or self._runner.ended or End(outcome, reason)
 
     def _end(self, state: State) -> End | None:
         """Return how the run ends after this tick, None if it goes on."""
-        latched = state.mode in (Mode.EMERGENCY_STOP, Mode.DAMP)
-        stopped = End("stopped", f"{state.stop_reason} ({state.stop_source})")
         runner, status = self._runner, self._runner.status
+        if state.mode is Mode.DAMP or (state.mode is Mode.EMERGENCY_STOP and not self.waits):
+            return self._stopped()
         if status in (Status.SUCCESS, Status.FAILURE) and not runner.ended:
-            if latched and status is Status.FAILURE:
-                return stopped
             outcome, otherwise = ("success", "succeeded") if status is Status.SUCCESS else ("failure", "failed")
             end = End(outcome, self._teller.trace.why(status, state.time) or f"the tree {otherwise}")
             if self.reloader is None:
-                return end
+                return self._stopped("the tree ended") or end
             self._rest(end)
-        if latched and not runner.waits_for_reset and state.time - self._engine.supervisor.stops[-1].time > _AFTER_STOP:
-            return stopped
-        if state.time >= self._duration - DECISION_PERIOD / 2:
-            return runner.ended or End("unfinished", f"the tree was still running after {self._duration:g} s")
+        if state.time >= self.limit - DECISION_PERIOD / 2:
+            return self._stopped("the time was up before a reset") or runner.ended or self._unfinished()
         return None
+
+    def _stopped(self, why: str = "") -> End | None:
+        """Return the end of a run whose robot is stopped for safety now, None if it is not.
+
+        Args:
+            why: why the run ends then, "" if because the robot is stopped.
+        """
+        state = self.state
+        if state is None or state.mode not in (Mode.EMERGENCY_STOP, Mode.DAMP):
+            return None
+        why = why or ("a fall ends the run" if state.mode is Mode.DAMP else "")
+        return End("stopped", f"{state.stop_reason} ({state.stop_source})" + (f"; {why}" if why else ""))
+
+    def _unfinished(self) -> End:
+        """Return the end of a run whose time is up."""
+        tip = self._runner.tip
+        doing = f" at {getattr(tip, 'path', tip.name)!r} ({tip.feedback_message or 'running'})" if tip else ""
+        more = "--duration (in Python duration=) lets it go on longer"
+        return End("unfinished", f"the tree still ran after {self.limit:g} s{doing}; {more}")
 
     def _rest(self, end: End) -> None:
         """Wait for an edit: the tree has ended, and the run goes on."""

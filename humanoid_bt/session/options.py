@@ -21,8 +21,10 @@ Mode = Literal["lockstep", "realtime"]
 RUNS = Path("runs")
 """Folder of recordings below the working directory; made when it is needed."""
 
-RUN_TIME = 120.0
-"""Longest simulated time of a run that says nothing else [s]."""
+OnEStop = Literal["wait", "end"]
+
+RUN_TIME = 600.0
+"""Longest simulated time of a run in lockstep that says nothing else, and that nobody watches [s]."""
 
 
 @dataclass(frozen=True)
@@ -35,7 +37,8 @@ class RunOptions:
         parameters: values for the tree's parameters, or text as after ``--set``.
         arguments: what else can be given beside the parameters, for hints.
         seed: of everything random.
-        duration: longest simulated time [s].
+        duration: longest simulated time [s]; None for what :meth:`limit` says.
+        on_estop: whether the run waits for the reset of an emergency stop; None for what :meth:`waits` says.
         pace: simulated seconds per second; None for 1 with a live view, else as fast as it can.
         sinks: where the recording goes.
         mode: lockstep, or realtime with control and perception as processes of their own.
@@ -50,7 +53,8 @@ class RunOptions:
     parameters: Mapping[str, Any] = field(default_factory=dict)
     arguments: tuple[str, ...] = ()
     seed: int = 0
-    duration: float = RUN_TIME
+    duration: float | None = None
+    on_estop: OnEStop | None = None
     pace: float | None = None
     sinks: Sinks = field(default_factory=Sinks)
     mode: Mode = "lockstep"
@@ -70,6 +74,7 @@ class RunOptions:
         seed: Any,
         mode: Any,
         duration: Any,
+        on_estop: Any,
         pace: Any,
         hold: Any,
         record: Any,
@@ -84,6 +89,7 @@ class RunOptions:
         """
         judge = _Judge()
         judge.choice("mode", mode, get_args(Mode))
+        judge.choice("on_estop", on_estop, (None, *get_args(OnEStop)))
         judge.choice("watch", watch, (False, True))
         judge.choice("view", view, (False, True, "auto"))
         speed = judge.number("pace", pace, limits.POSITIVE)
@@ -92,7 +98,6 @@ class RunOptions:
         named = judge.tree(tree)
         if isinstance(named, Tree):
             judge.loaded(named, parameters, watch)
-        last = judge.number("duration", duration, limits.DURATION)
         port = judge.number("serve", serve, limits.PORT)
         options = cls(
             tree=named,
@@ -101,7 +106,8 @@ class RunOptions:
             parameters=parameters,
             arguments=arguments,
             seed=int(judge.number("seed", seed, limits.SEED, needed=True) or 0),
-            duration=last or (math.inf if watch else RUN_TIME),
+            duration=judge.number("duration", duration, limits.DURATION),
+            on_estop=on_estop,
             pace=1.0 if watch and mode == "lockstep" and not speed else speed,
             sinks=Sinks(
                 file=judge.recording(record, named),
@@ -116,6 +122,34 @@ class RunOptions:
         if judge.problems:
             raise UserError(judge.problems)
         return options
+
+    def waits(self, watched: bool) -> bool:
+        """Return whether the run waits for the reset of an emergency stop, or ends with it.
+
+        Args:
+            watched: whether a live view is open.
+        """
+        return self.on_estop == "wait" if self.on_estop else self._attended(watched)
+
+    def limit(self, watched: bool, tree: Tree) -> float:
+        """Return the longest simulated time [s]: without end where a person is taken to be there.
+
+        Args:
+            watched: whether a live view is open.
+            tree: whose own time limits are not cut short.
+        """
+        if self.duration is not None:
+            return self.duration
+        return math.inf if self._attended(watched) else max(RUN_TIME, _time_limits(tree))
+
+    def _attended(self, watched: bool) -> bool:
+        return watched or self.watch or self.mode == "realtime"
+
+
+def _time_limits(tree: Tree) -> float:
+    """Return how long a tree may run as its time-outs say, one after the other [s]."""
+    durations = [node.values.get("duration") for node in tree.nodes if node.type_name == "timeout"]
+    return sum(duration for duration in durations if isinstance(duration, (int, float)))
 
 
 class _Judge:

@@ -34,13 +34,14 @@ class ExitCode(IntEnum):
     USAGE = 2
     STOPPED = 3
     ERROR = 4
+    UNFINISHED = 5
     INTERRUPTED = 130
 
 
 OUTCOMES: dict[str, ExitCode] = {
     "success": ExitCode.SUCCESS,
     "failure": ExitCode.FAILURE,
-    "unfinished": ExitCode.FAILURE,
+    "unfinished": ExitCode.UNFINISHED,
     "stopped": ExitCode.STOPPED,
     "error": ExitCode.ERROR,
     "interrupted": ExitCode.INTERRUPTED,

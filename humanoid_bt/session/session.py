@@ -20,7 +20,7 @@ from humanoid_bt.session.blackboard import Blackboard, Percepts
 from humanoid_bt.session.drive import Drive
 from humanoid_bt.session.engine import Engine
 from humanoid_bt.session.loader import workspace_of
-from humanoid_bt.session.options import Mode, RunOptions
+from humanoid_bt.session.options import Mode, OnEStop, RunOptions
 from humanoid_bt.session.report import Report
 from humanoid_bt.session.teller import Listener, listening
 from humanoid_bt.tree.node import Node
@@ -43,7 +43,10 @@ class Session:
         seed: of everything random.
         mode: "lockstep": simulated time, all in one process, deterministic. "realtime": the wall clock, with control
             and perception as processes of their own.
-        duration: longest simulated time [s]; 120 if None, without end with ``watch``.
+        duration: longest simulated time [s]; if None without end in realtime mode, with a live view and with
+            ``watch``, else 600, or what the tree's own time-outs allow if that is more.
+        on_estop: what an emergency stop does to the run: "wait" for its reset, or "end". If None it waits where
+            ``duration`` is without end by default, and ends elsewhere. A fall always ends it.
         pace: simulated seconds per second; if None 1 where somebody watches, else as fast as it can.
         hold: in realtime mode, how long control balances the robot when this process has died [s].
         record: the file of the recording; True for ``runs/TREE-DATE-TIME.rrd``, False for none.
@@ -69,6 +72,7 @@ class Session:
         seed: int = 0,
         mode: Mode = "lockstep",
         duration: float | None = None,
+        on_estop: OnEStop | None = None,
         pace: float | None = None,
         hold: float = HOLD_TIME,
         record: bool | str | PathLike[str] = False,
@@ -88,6 +92,7 @@ class Session:
             seed=seed,
             mode=mode,
             duration=duration,
+            on_estop=on_estop,
             pace=pace,
             hold=hold,
             record=record,

@@ -63,6 +63,7 @@ class Teller:
     Attributes:
         trace: what is kept for the report.
         recorder: the recording, if there is one; set to None it is told no more.
+        waits: whether an emergency stop is waited for, until its reset.
     """
 
     def __init__(self, listener: Listener, engine: Engine) -> None:
@@ -70,6 +71,7 @@ class Teller:
         self._happenings = Happenings(engine)
         self.trace = Trace()
         self.recorder: Recorder | None = None
+        self.waits = False
         self._began = time.monotonic()
         self._ticks = 0
 
@@ -115,7 +117,7 @@ class Teller:
 
     def happened(self, now: float) -> None:
         """Tell what happened besides the tree up to now [s]."""
-        for happening in self._happenings.until(now):
+        for happening in self._happenings.until(now, self.waits):
             self.event(happening.level, happening.text, happening.time)
 
     def show(self, tree: Tree) -> None:

@@ -11,7 +11,6 @@ from py_trees.common import Status
 from humanoid_bt.core.messages import Command, Percept, State
 from humanoid_bt.decision.robot import Robot
 from humanoid_bt.session.outcome import End
-from humanoid_bt.tree.nodes.guards import EmergencyStop
 from humanoid_bt.tree.ticking.executor import Executor
 from humanoid_bt.tree.tree import Tree
 
@@ -62,11 +61,6 @@ class TreeRunner:
         """The deepest node that runs, or ran last; None if none does."""
         return None if self.ended else self.tree.root.tip()
 
-    @property
-    def waits_for_reset(self) -> bool:
-        """Whether a latched stop is no reason to end: the tree waits for its reset, or has not yet started."""
-        return self._phase is _Phase.SETTLES or any(guard.waits for guard in self._guards)
-
     def tick(self, state: State, percepts: Mapping[str, Percept]) -> Command:
         """Tick the tree and return what it commands, or hold the robot; raises as :meth:`Executor.tick`."""
         if self._phase is _Phase.SETTLES and self._may_start(state):
@@ -101,7 +95,6 @@ class TreeRunner:
     def _take(self, executor: Executor) -> None:
         self._executor = executor
         self.reporting = [(node.path, node.behaviour) for node in executor.tree.nodes if node.type.results]
-        self._guards = [node.behaviour for node in executor.tree.nodes if isinstance(node.behaviour, EmergencyStop)]
 
     def _may_start(self, state: State) -> bool:
         """Return whether the robot stands, or has had its time; control must have heard that all is released."""

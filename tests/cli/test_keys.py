@@ -93,7 +93,7 @@ RUN = ("--no-record", "--no-view", "--duration", "60")
 
 @pytest.mark.parametrize("key", [" ", "e"])
 def test_a_key_stops_the_robot(key: str, start: Callable[..., Terminal]) -> None:
-    terminal = start("run", "walk", *RUN, "--pace", "1")
+    terminal = start("run", "walk", *RUN, "--pace", "1", "--on-estop", "end")
     terminal.shows("keys: space or e emergency stop, r reset, q quit")
     terminal.shows("▶ walk")
     assert terminal.settings != terminal.before
@@ -106,9 +106,7 @@ def test_a_key_stops_the_robot(key: str, start: Callable[..., Terminal]) -> None
 
 @pytest.mark.realtime
 def test_keys_reset_and_quit_in_realtime_mode(project: Path, start: Callable[..., Terminal]) -> None:
-    tree = project / "trees" / "patient.yaml"
-    tree.write_text("format: 1\nroot:\n  emergency_stop: {wait_for_reset: true, walk: }\n", encoding="utf-8")
-    terminal = start("run", "patient", *RUN, "--mode", "realtime")
+    terminal = start("run", "walk", *RUN, "--mode", "realtime")
     terminal.shows("▶ walk")
     terminal.press("e")
     terminal.shows("emergency stop: a key was pressed (keyboard)")

@@ -120,9 +120,13 @@ def test_of_several_all_are_stopped_and_one_is_reset(
     assert main(["estop"]) == 0
     assert "2 robots are running: all of them are stopped" in capsys.readouterr().out
     assert one.estop.raised and other.estop.raised
-    for command in ("reset", "status"):
-        assert main([command]) == 2
-        assert f"humanoid-bt {command} --run {one.folder.info.run_id}" in capsys.readouterr().err
+    assert main(["reset"]) == 2
+    assert (
+        f"humanoid-bt reset --run {one.folder.info.run_id}   # fetch on humanoid, realtime" in capsys.readouterr().err
+    )
+    assert main(["status"]) == 0
+    shown = capsys.readouterr().out
+    assert all(played.folder.info.run_id in shown for played in (one, other))
     assert main(["reset", "--run", one.folder.info.run_id]) == 0
     assert main(["reset", "--run", "none"]) == 2
 
@@ -146,7 +150,7 @@ def test_status_shows_a_robot_in_60_columns(one: Played, capsys: pytest.CaptureF
     ):
         assert text in shown
     assert main(["status", "--json"]) == 0
-    found = json.loads(capsys.readouterr().out)
+    (found,) = json.loads(capsys.readouterr().out)
     assert found["leases"] == {"base": "fetch/emergency_stop/approach"}
     assert found["percepts"] == {"target": 0.25}
     assert found["unseen"] == {"cup": "hidden"}

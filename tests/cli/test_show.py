@@ -16,7 +16,8 @@ from humanoid_bt.cli import main
 from humanoid_bt.cli import show as show_module
 from humanoid_bt.files.workspace import Workspace, builtin_root
 from humanoid_bt.link import run_folder
-from humanoid_bt.link.run_folder import RunInfo
+from humanoid_bt.link.run_folder import RunFolder, RunInfo, lockstep_root
+from humanoid_bt.realtime import channels
 from humanoid_bt.realtime.live_tree import TreeTeller, TreeWatch
 from humanoid_bt.tree.source.load import load_tree
 from humanoid_bt.tree.tree import Tree
@@ -35,7 +36,9 @@ class Played:
     def __init__(self) -> None:
         workspace = Workspace(builtin_root())
         self.tree: Tree = load_tree(workspace.find_tree("fetch"), workspace)
-        self.teller = TreeTeller.in_lockstep(RunInfo("fetch", "humanoid"))
+        self.folder = RunFolder.create(RunInfo("fetch", "humanoid"), lockstep_root())
+        channels.create_lockstep_channels(self.folder)
+        self.teller = TreeTeller(self.folder)
         for node in self.tree.nodes[:3]:
             node.behaviour.status = Status.RUNNING
         idle = self.tree.nodes[-2].behaviour
@@ -46,17 +49,21 @@ class Played:
 
     @property
     def run_id(self) -> str:
-        return self.teller._folder.info.run_id
+        return self.folder.info.run_id
 
     def watch(self) -> TreeWatch:
-        return TreeWatch(self.teller._folder)
+        return TreeWatch(self.folder)
+
+    def remove(self) -> None:
+        self.teller.close()
+        self.folder.close()
 
 
 @pytest.fixture
 def played() -> Iterator[Played]:
     played = Played()
     yield played
-    played.teller.remove()
+    played.remove()
 
 
 def test_a_file_gets_the_format_of_its_suffix(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -86,7 +93,7 @@ def test_a_format_is_printed(drawing: str, begin: str, capsys: pytest.CaptureFix
         (["fetch", "-o", "fetch.png"], "'fetch.png' does not say in which format\n    end it in .txt, .svg"),
         (["fetch", "-o", "nowhere/fetch.svg"], "'nowhere/fetch.svg' cannot be written: No such file"),
         (["fech"], "did you mean 'fetch'?"),
-        (["--live"], "no tree is running\n    humanoid-bt run TREE starts one"),
+        (["--live"], "no robot is running\n    humanoid-bt run TREE starts one"),
         (["--run", "x"], "no run 'x' is running\n    running: none"),
     ],
 )
@@ -119,7 +126,7 @@ def test_of_several_runs_one_is_chosen(played: Played, capsys: pytest.CaptureFix
     assert f"humanoid-bt show --live --run {other.run_id}   # fetch" in capsys.readouterr().err
     assert main(["show", "--run", other.run_id]) == 0
     assert capsys.readouterr().out.startswith("fetch: on humanoid at 2.0 s")
-    other.teller.remove()
+    other.remove()
 
 
 def test_a_run_that_tells_nothing_is_an_error(
@@ -132,7 +139,7 @@ def test_a_run_that_tells_nothing_is_an_error(
 
 def test_a_terminal_follows_a_run_to_its_end(played: Played, monkeypatch: pytest.MonkeyPatch) -> None:
     """Each wait between two looks is a step of the run."""
-    steps = iter([lambda: played.tell(2.0), lambda: played.tell(3.0), played.teller.remove])
+    steps = iter([lambda: played.tell(2.0), lambda: played.tell(3.0), played.remove])
     monkeypatch.setattr(show_module.time, "sleep", lambda _: next(steps)())
     out = io.StringIO()
     console = Console(file=out, force_terminal=True, width=50, height=40, _environ={"TERM": "xterm"})

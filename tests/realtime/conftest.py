@@ -19,13 +19,6 @@ root:
       on_stale: {pause: {name: blind, duration: 60}}
       approach: {target: target}
 """
-PATIENT = """
-format: 1
-root:
-  emergency_stop:
-    wait_for_reset: true
-    walk: {}
-"""
 
 
 @pytest.fixture(scope="module")
@@ -33,7 +26,6 @@ def project(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A user's project folder."""
     project = make_project(tmp_path_factory.mktemp("user") / "project")
     (project / "trees" / "watched.yaml").write_text(WATCHED, encoding="utf-8")
-    (project / "trees" / "patient.yaml").write_text(PATIENT, encoding="utf-8")
     return project
 
 

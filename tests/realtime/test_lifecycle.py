@@ -61,7 +61,7 @@ def test_a_killed_control_process_ends_the_run(live: Start) -> None:
 
 
 def test_without_perception_the_watchdog_holds_and_an_estop_from_outside_ends_it(live: Start) -> None:
-    run = live("watched")
+    run = live("watched", "--on-estop", "end")
     run.walks()
     run.kill("perception")
     ended = "the perception process ended (killed by signal 9)"
@@ -95,7 +95,7 @@ def test_when_decision_is_killed_control_stops_holds_and_ends_by_itself(live: St
 
 
 def test_a_stopped_decision_and_an_estop_are_waited_for(live: Start) -> None:
-    run = live("patient")
+    run = live("walk")
     run.walks()
     run.process.send_signal(signal.SIGSTOP)
     run.shows("protective_stop")
@@ -107,7 +107,7 @@ def test_a_stopped_decision_and_an_estop_are_waited_for(live: Start) -> None:
     assert "since before: raised by hand" in again.stdout
     until("the node waits", lambda: "waiting for a reset" in run.output)
     drawn = command("show", "--live", "--run", run.run_id).stdout
-    assert "▶ emergency_stop  wait_for_reset: true" in drawn
+    assert "▶ emergency_stop" in drawn
     assert "; waiting for a reset" in drawn
     assert command("reset", "--run", run.run_id).stdout.startswith("reset: raised by hand")
     run.shows("run")

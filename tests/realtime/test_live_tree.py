@@ -12,7 +12,7 @@ from py_trees.common import Status
 
 from humanoid_bt.files.workspace import Workspace, builtin_root
 from humanoid_bt.link import run_folder
-from humanoid_bt.link.run_folder import RunFolder, RunInfo, live_runs, lockstep_root
+from humanoid_bt.link.run_folder import RunFolder, RunInfo
 from humanoid_bt.realtime import channels
 from humanoid_bt.realtime.live_tree import TreeTeller, TreeWatch
 from humanoid_bt.tree.show import outline_of
@@ -117,14 +117,3 @@ def test_a_message_that_is_too_long_leaves_out_what_nodes_say_then_statuses(fold
     assert {"feedback_of", "statuses", "node"} <= told(100).keys()
     assert told(2_000).keys() == {"time", "node", "outline", "statuses"}
     assert told(20_000).keys() == {"time", "node", "outline"}
-
-
-def test_a_run_in_lockstep_is_seen_and_is_no_robot_that_can_be_stopped(tree: Tree) -> None:
-    teller = TreeTeller.in_lockstep(RunInfo("fetch", "humanoid"))
-    teller.tell({"time": 1.0}, tree)
-    assert live_runs() == []
-    ((folder, info),) = live_runs(lockstep_root())
-    assert info.tree == "fetch"
-    assert TreeWatch(folder).latest() is not None
-    teller.remove()
-    assert live_runs(lockstep_root()) == []

@@ -386,11 +386,11 @@ def reactive_switch(m: Model, node: Node) -> str:
 
 
 def emergency_stop(m: Model, node: Node) -> str:
-    """Hold during a protective stop, fail in an emergency stop or wait for a reset; halt the child in both."""
+    """Hold while the robot is stopped, with the child halted."""
     if m.now.mode == "RUN":
         return m.tick(node.child)
     m.halt(node.child)
-    return RUNNING if m.now.mode == "PROTECTIVE_STOP" or node.values["wait_for_reset"] else FAILURE
+    return RUNNING
 
 
 def watchdog(m: Model, node: Node) -> str:

@@ -241,7 +241,7 @@ def long_stories(draw: DrawFn) -> Story:
         for child in decorated
     )
     side_by_side = Node("parallel", values={"success": "all", "failure": "all"}, children=children)
-    tree = Node("emergency_stop", values={"wait_for_reset": True}, children=(side_by_side,))
+    tree = Node("emergency_stop", children=(side_by_side,))
     return Story(numbered(tree), draw(moments(least=16)))
 
 
@@ -256,7 +256,7 @@ class _Rules:
 def _stoppable(draw: DrawFn, rules: _Rules, free: frozenset[str]) -> Node:
     """A tree that may command the robot."""
     child = draw(_node(rules, free, 5))
-    return Node("emergency_stop", values={"wait_for_reset": draw(st.booleans())}, children=(child,))
+    return Node("emergency_stop", children=(child,))
 
 
 @st.composite
@@ -309,8 +309,6 @@ def _decorator(draw: DrawFn, group: str, below: SearchStrategy[Node], kind: str 
     elif kind == "watchdog":
         values = {"percept": "target", "max_age": draw(MS)}
         branches = {"on_stale": draw(below)} if draw(st.booleans()) else {}
-    elif kind == "emergency_stop":
-        values["wait_for_reset"] = draw(st.booleans())
     elif kind == "once":
         values["policy"] = draw(st.sampled_from(["completion", "success"]))
     elif kind == "status_to_blackboard":

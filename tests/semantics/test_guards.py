@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Literal
 
 import pytest
 
@@ -76,19 +77,26 @@ def test_protective_stop(workspace: Workspace) -> None:
     assert stop.log == [("start", "act"), ("INVALID", "act"), ("start", "act"), ("SUCCESS", "act")]
 
 
-@shows("stop-latched")
-@pytest.mark.parametrize("mode", [Mode.EMERGENCY_STOP, Mode.DAMP])
-def test_emergency_stop(workspace: Workspace, mode: Mode) -> None:
+@shows("stop-latched", "stop-reset")
+def test_emergency_stop(workspace: Workspace) -> None:
     stop = run(workspace, STOP)
-    assert statuses(stop, Mode.RUN, mode) == "rf"
-    assert stop.log[-1] == ("INVALID", "act")
-
-
-@shows("stop-reset")
-def test_waiting_for_a_reset(workspace: Workspace) -> None:
-    stop = run(workspace, "{emergency_stop: {wait_for_reset: true, act: {script: rs}}}")
     assert statuses(stop, Mode.RUN, Mode.EMERGENCY_STOP, Mode.DAMP, Mode.RUN) == "rrrs"
     assert stop.log == [("start", "act"), ("INVALID", "act"), ("start", "act"), ("SUCCESS", "act")]
+
+
+@shows("stop-same")
+@pytest.mark.parametrize("on_estop", ["wait", "end"])
+def test_the_run_s_option_does_not_change_the_node(project: Path, on_estop: Literal["wait", "end"]) -> None:
+    (project / "trees" / "smoky.yaml").write_text(
+        "format: 1\nroot: {emergency_stop: {parallel: [pause, {raise_emergency_stop: {reason: smoke}}]}}\n",
+        encoding="utf-8",
+    )
+    smoky = ran("smoky", project, duration=0.1, on_estop=on_estop)
+    changes = [(change.path.removeprefix("smoky/"), change.status.name) for change in smoky.told.changes]
+    below = ["pause", "raise_emergency_stop", ""]
+    names = [f"emergency_stop/parallel/{name}".rstrip("/") for name in below]
+    started = [(name, "RUNNING") for name in [*names, "emergency_stop"]]
+    assert changes == [*started, *((name, "INVALID") for name in [*names, "emergency_stop"])]
 
 
 @shows("stop-raise")

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import math
 import signal
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Literal
 
 import pyarrow as pa
 import pytest
@@ -18,6 +20,8 @@ from humanoid_bt.core.messages import Mode
 from humanoid_bt.decision.blackboard import Key
 from humanoid_bt.files.workspace import Workspace, builtin_root
 from humanoid_bt.session.lockstep import Lockstep
+from humanoid_bt.session.options import RunOptions
+from humanoid_bt.session.session import Session
 from humanoid_bt.tree.ticking.executor import NodeError
 from tests.semantics.claims import shows
 from tests.session.helpers import Ran, after, ran
@@ -137,25 +141,70 @@ def test_the_root_decides(project: Path) -> None:
     ]
 
 
-@shows("exit-stopped", "exit-goes-on")
+SMOKE = "{raise_emergency_stop: {reason: smoke}}"
+
+
+@shows("exit-stopped", "exit-waits", "exit-while-stopped")
 @pytest.mark.parametrize(
-    ("root", "exit_code", "end"),
-    [
-        ("{emergency_stop: {parallel: [pause, {raise_emergency_stop: {reason: smoke}}]}}", 3, 0.02),
-        ("{parallel: [{raise_emergency_stop: {reason: smoke}}, running]}", 3, 2.02),
-        ("{emergency_stop: {wait_for_reset: true, raise_emergency_stop: {reason: smoke}}}", 1, 2.5),
-    ],
+    "root", [f"{{emergency_stop: {{parallel: [pause, {SMOKE}]}}}}", f"{{parallel: [{SMOKE}, running]}}"]
 )
-def test_an_emergency_stop(project: Path, root: str, exit_code: int, end: float) -> None:
-    report = ran(tree(project, "stop", root), project, duration=2.5).report
-    assert report.exit_code == exit_code
-    assert report.sim_time == pytest.approx(end, abs=0.021)
+@pytest.mark.parametrize(("on_estop", "end"), [(None, 0.02), ("end", 0.02), ("wait", 0.5)])
+def test_an_emergency_stop(project: Path, root: str, on_estop: Literal["wait", "end"] | None, end: float) -> None:
+    report = ran(tree(project, "stop", root), project, duration=0.5, on_estop=on_estop).report
+    assert (report.outcome, report.exit_code) == ("stopped", 3)
+    assert report.reason.startswith("smoke (stop/")
+    assert report.sim_time == pytest.approx(end)
+
+
+@shows("exit-while-stopped")
+def test_a_tree_that_ends_while_the_robot_is_stopped(project: Path) -> None:
+    root = f"{{sequence: [{{force_success: {{timeout: {{duration: 200 ms, {SMOKE[1:-1]}}}}}}}]}}"
+    report = ran(tree(project, "past", root), project, on_estop="wait").report
+    assert (report.outcome, report.exit_code) == ("stopped", 3)
+    assert report.reason.endswith("; the tree ended")
+
+
+@shows("exit-while-stopped")
+def test_a_run_that_somebody_ends_while_the_robot_is_stopped(project: Path) -> None:
+    name = tree(project, "stop", f"{{emergency_stop: {SMOKE}}}")
+    report = ran(name, project, on_estop="wait", interrupted=after(20, "Ctrl-C")).report
+    assert (report.exit_code, report.reason) == (3, "smoke (stop/emergency_stop/raise_emergency_stop); Ctrl-C")
+
+
+@shows("exit-fall")
+@pytest.mark.parametrize("on_estop", ["wait", "end"])
+def test_a_fall_ends_the_run(project: Path, on_estop: Literal["wait", "end"]) -> None:
+    with Session("walk", workspace=project, on_estop=on_estop) as session:
+        session.push((600.0, 0.0, 0.0), duration=0.3)
+        session.run_until(5.0)
+    report = session.report
+    assert (report.outcome, report.exit_code, report.fell) == ("stopped", 3, True)
+    assert report.reason.endswith("(supervisor); a fall ends the run")
 
 
 @shows("exit-duration")
 def test_the_duration_is_over(project: Path) -> None:
     report = ran("wait", project, duration=0.1).report
-    assert (report.exit_code, report.sim_time) == (1, 0.1)
+    assert (report.outcome, report.exit_code, report.sim_time) == ("unfinished", 5, 0.1)
+    assert report.reason.startswith("the tree still ran after 0.1 s at 'wait/emergency_stop/pause'"), report.reason
+    assert "--duration" in report.reason
+
+
+@shows("exit-limit")
+def test_the_limit_of_a_run_without_a_duration(workspace: Workspace) -> None:
+    quick = load(workspace, "root: {timeout: {duration: 1 min, act: }}")
+    slow = load(
+        workspace, "root: {sequence: [{timeout: {duration: 9 min, act: }}, {timeout: {duration: 3 min, act: }}]}"
+    )
+    assert [RunOptions(tree).limit(False, tree) for tree in (quick, slow)] == [600.0, 720.0]
+    assert RunOptions(slow, duration=2.0).limit(True, slow) == 2.0
+    for options, watched in (
+        (RunOptions(quick, mode="realtime"), False),
+        (RunOptions(quick, watch=True), False),
+        (RunOptions(quick), True),
+    ):
+        assert options.limit(watched, quick) == math.inf
+        assert options.waits(watched)
 
 
 @shows("exit-control-gone")

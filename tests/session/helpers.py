@@ -8,6 +8,7 @@ from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Literal
 
 import rerun as rr
 
@@ -62,12 +63,15 @@ def ran(
     interrupted: Callable[[], str] = lambda: "",
     *,
     seed: int = 0,
-    duration: float = 30.0,
+    duration: float | None = 30.0,
+    on_estop: Literal["wait", "end"] | None = None,
 ) -> Ran:
     """Run a tree to its end."""
     told = Told()
     record = recording or False
-    session = Session(tree, workspace=project, seed=seed, duration=duration, record=record, listener=told)
+    session = Session(
+        tree, workspace=project, seed=seed, duration=duration, on_estop=on_estop, record=record, listener=told
+    )
     return Ran(session, play(session, interrupted), told, recording)
 
 

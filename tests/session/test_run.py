@@ -11,9 +11,6 @@ import pytest
 import rerun as rr
 
 from humanoid_bt.core.errors import UserError
-from humanoid_bt.link import run_folder
-from humanoid_bt.link.run_folder import live_runs, lockstep_root
-from humanoid_bt.realtime.live_tree import Moment, TreeWatch
 from humanoid_bt.session.session import Session
 from tests.session.helpers import Ran, Told, after, play, ran
 
@@ -115,14 +112,12 @@ def test_a_failing_tree_says_why(project: Path) -> None:
 
 def test_a_tree_that_goes_on_is_unfinished(project: Path) -> None:
     report = ran("wait", project, duration=0.1).report
-    assert (report.outcome, report.exit_code, report.sim_time) == ("unfinished", 1, 0.1)
+    assert (report.outcome, report.exit_code, report.sim_time) == ("unfinished", 5, 0.1)
 
 
-def test_a_tree_that_waits_for_a_reset_goes_on_after_it(project: Path) -> None:
-    tree = project / "trees" / "patient.yaml"
-    tree.write_text("format: 1\nroot:\n  emergency_stop: {wait_for_reset: true, walk: }\n", encoding="utf-8")
+def test_a_run_that_waits_for_a_reset_goes_on_after_it(project: Path) -> None:
     told = Told()
-    session = Session("patient", duration=5.0, workspace=project, listener=told)
+    session = Session("walk", duration=5.0, workspace=project, on_estop="wait", listener=told)
     ticks = 0
 
     def press() -> str:
@@ -130,13 +125,16 @@ def test_a_tree_that_waits_for_a_reset_goes_on_after_it(project: Path) -> None:
         ticks += 1
         if ticks == 20:
             session.raise_estop("pressed by hand", source="button")
-        if ticks == 170:  # long after a run that does not wait would have ended
+        if ticks == 170:
             session.request_reset(source="key")
         return ""
 
     report = play(session, press)
     assert (report.outcome, [stop["source"] for stop in report.stops]) == ("unfinished", ["button"])
-    assert "reset by key: done" in [text for _, _, text in told.events]
+    texts = [text for _, _, text in told.events]
+    how = "waiting for a reset: key r or 'humanoid-bt reset'; q or Ctrl-C ends the run"
+    assert f"emergency stop: pressed by hand (button); {how}" in texts
+    assert "reset by key: done" in texts
     walked = [entry["time"] for entry in report.timeline if entry["path"].endswith("/walk")]
     assert walked == pytest.approx([0.0, 0.4, 3.4, 5.0], abs=0.05)
 
@@ -296,35 +294,3 @@ def test_what_nodes_tell_and_what_on_error_catches_are_events_of_the_run(project
     assert caught[1] == "warning"
     assert f"the node '{above}/sequence/on_error/walk' raised KeyError: 'missing', raised at " in caught[2]
     assert caught[2].endswith(f"({above}/sequence/on_error)")
-
-
-def test_a_run_can_be_watched_while_it_is_on_and_leaves_nothing(
-    project: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(run_folder, "default_root", lambda: tmp_path / "runs")
-    moments: list[Moment | None] = []
-
-    def look() -> str:
-        ((folder, info),) = live_runs(lockstep_root())
-        assert info.tree == "walk"
-        moments.append(TreeWatch(folder).latest())
-        return "seen" if len(moments) == 25 else ""
-
-    ran("walk", project, interrupted=look)
-    seen = moments[-1]
-    assert seen is not None
-    assert seen.time == pytest.approx(0.4)
-    assert {path: status.name for path, status in seen.statuses.items()} == {
-        "walk/emergency_stop": "RUNNING",
-        "walk/emergency_stop/walk": "RUNNING",
-    }
-    assert seen.feedback["walk/emergency_stop/walk"] == "walking"
-    assert live_runs(lockstep_root()) == live_runs() == []
-
-
-def test_a_run_that_nobody_can_watch_goes_on(
-    project: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
-) -> None:
-    monkeypatch.setattr(run_folder, "default_root", lambda: tmp_path / "no folder" / "runs")
-    assert ran("wait", project).report.outcome == "success"
-    assert [record.message for record in caplog.records if "nobody can watch" in record.message]

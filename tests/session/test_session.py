@@ -125,10 +125,10 @@ def test_a_stop_is_raised() -> None:
     assert (stop["time"], stop["reason"], session.outcome) == (pytest.approx(0.5), "too near", "stopped")
 
 
-def test_a_reset_lets_a_patient_tree_go_on(project: Path) -> None:
-    patient = "format: 1\nroot: {emergency_stop: {wait_for_reset: true, pause: }}\n"
-    (project / "trees" / "patient.yaml").write_text(patient, encoding="utf-8")
-    with hbt.Session("patient") as session:
+def test_a_reset_lets_a_run_that_waits_go_on(project: Path) -> None:
+    tree = "format: 1\nroot: {emergency_stop: pause}\n"
+    (project / "trees" / "safe.yaml").write_text(tree, encoding="utf-8")
+    with hbt.Session("safe", on_estop="wait") as session:
         session.raise_estop(source="button")
         assert session.run_until(lambda s: s.state.mode is hbt.Mode.EMERGENCY_STOP)
         session.run_until(session.time + 0.1)

@@ -157,25 +157,25 @@ def test_a_run_that_waits_for_an_edit_ends_with_its_duration_as_its_tree_did(roo
     assert ran.report.sim_time == pytest.approx(1.0)
 
 
-def test_an_emergency_stop_ends_a_run_that_waits(root: Path) -> None:
+def test_a_run_that_waits_for_an_edit_waits_for_a_reset_too(root: Path) -> None:
     def press(run: Session) -> Script:
         return {100: lambda: run.raise_estop("pressed", source="button")}
 
-    ran = watched(root, WAIT, press, duration=20.0)
-    assert (ran.report.outcome, ran.report.exit_code) == ("stopped", 3)
+    ran = watched(root, WAIT, press, duration=4.0)
+    assert (ran.report.outcome, ran.report.exit_code, ran.report.sim_time) == ("stopped", 3, 4.0)
 
 
 def test_a_tree_that_waits_for_a_reset_can_be_replaced(root: Path) -> None:
-    patient = "format: 1\nroot:\n  emergency_stop: {wait_for_reset: true, walk: }\n"
+    walk = "format: 1\nroot:\n  emergency_stop: walk\n"
 
     def press(run: Session) -> Script:
         return {
             20: lambda: run.raise_estop("pressed", source="button"),
-            200: tree(root, patient + "# again\n"),
+            200: tree(root, walk + "# again\n"),
             300: lambda: run.request_reset(source="key"),
         }
 
-    ran = watched(root, patient, press, duration=7.0)
+    ran = watched(root, walk, press, duration=7.0)
     assert ran.report.outcome == "unfinished"
     assert len(started(ran, "walk")) == 2
     assert started(ran, "walk")[1] > 5.9

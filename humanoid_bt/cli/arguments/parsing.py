@@ -13,10 +13,11 @@ from humanoid_bt.session.report import ExitCode
 EXIT_CODES = """\
 exit codes:
   0    the tree succeeded
-  1    the tree failed, or still ran at the end of --duration
+  1    the tree failed
   2    usage, or a mistake in a file
   3    stopped for safety
   4    internal error, or an exception in a skill
+  5    the tree still ran when its time was up
   130  interrupted
 """
 

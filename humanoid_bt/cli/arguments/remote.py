@@ -29,7 +29,8 @@ def add_estop(commands: Commands) -> None:
     estop = commands.add(
         "estop",
         "stop every running robot",
-        "Raise the emergency stop of every running robot, and see\nthat it stops. It stays stopped until a reset.",
+        "Raise the emergency stop of every robot of yours that runs,\nin either mode, and see that it stops. "
+        "It stays stopped until\na reset.",
         _ESTOP_EXAMPLES,
     )
     add_run_id(estop)
@@ -50,6 +51,6 @@ def add_reset(commands: Commands) -> None:
 
 def add_status(commands: Commands) -> None:
     """Declare ``status``."""
-    status = commands.add("status", "show a running robot", "Show a running robot.")
+    status = commands.add("status", "show running robots", "Show every robot of yours that runs, in either mode.")
     add_run_id(status)
-    status.add_argument("--json", action="store_true", help="for programs")
+    status.add_argument("--json", action="store_true", help="for programs: a list of runs")

@@ -37,7 +37,15 @@ def add_run(commands: Commands) -> None:
         "--duration",
         type=number(DURATION),
         metavar="S",
-        help="longest simulated time [s]; default 120, with --watch no end",
+        help="longest simulated time [s]; default: no end in realtime mode, with a live view or --watch; "
+        "else 600, or what the tree's time-outs allow if that is more",
+    )
+    run.add_argument(
+        "--on-estop",
+        choices=["wait", "end"],
+        metavar="W",
+        help="what an emergency stop does to the run: wait (for a reset; default in realtime mode, with a live view "
+        "or --watch) or end (exit code 3; default else); a fall always ends it",
     )
     run.add_argument(
         "--mode",

@@ -44,7 +44,7 @@ class Choice(Branch, py_trees.composites.Composite):
     ) -> None:
         self._choices = list(branches)
         super().__init__(name, [*([condition] if condition else []), *self._choices])
-        other_libraries.refuse_memory(self, values)
+        other_libraries.refuse_parameters(self, values)
         assign(self, values)
         self.chosen: Behaviour | None = None
 

@@ -32,7 +32,7 @@ class _Ordered(Branch):
     def __init__(self, name: str, children: SequenceOf[Behaviour], **values: Any) -> None:
         # py_trees' own composite, which comes next in the order of classes, takes these
         super().__init__(name, memory=self.one_way, children=children)  # type: ignore[call-arg]
-        other_libraries.refuse_memory(self, values)
+        other_libraries.refuse_parameters(self, values)
         assign(self, values)
 
     @classmethod

@@ -12,6 +12,7 @@ from humanoid_bt.core.messages import Mode
 from humanoid_bt.core.params import PerceptName, param
 from humanoid_bt.core.units import readable
 from humanoid_bt.decision.robot import Robot
+from humanoid_bt.tree.nodes import other_libraries
 from humanoid_bt.tree.nodes.decorators import TIME_TOLERANCE, Decorator
 from humanoid_bt.tree.results import Below, Results
 from humanoid_bt.tree.slots import Slot
@@ -21,27 +22,21 @@ _RUN = Mode.RUN  # reading a member from its class costs more than comparing it
 
 
 class EmergencyStop(Decorator):
-    """Halt the child and fail while the robot is in an emergency stop; hold during a protective stop.
+    """Hold while the robot is stopped: the child is halted, and starts afresh when the robot may move again.
 
-    Skills that command the robot stand below one. With `wait_for_reset` the child starts afresh once a person has
-    reset the stop, with `humanoid-bt reset` or the key `r`; until then the node runs, and so does the tree.
+    Skills that command the robot stand below one. In an emergency stop it waits for a person's reset, `humanoid-bt
+    reset` or the key `r`; in a protective stop until its cause is gone. Until then the node runs, and so does the
+    tree; whether the *run* waits too is its option `--on-estop`.
     """
 
-    wait_for_reset: bool = param(False, doc="Wait for a reset instead of failing.")
-
     def __init__(self, name: str, child: Behaviour, **values: Any) -> None:
+        other_libraries.refuse_parameters(self, values)
         super().__init__(name, child, **values)
-        self._latched = False
 
     @classmethod
     def possible_results(cls, _values: Mapping[str, Any], below: Below) -> Results:
-        """Return the child's results, RUNNING and FAILURE: a stop can come at any time."""
-        return below.child | {RUNNING, FAILURE}
-
-    @property
-    def waits(self) -> bool:
-        """Whether it waits for a reset now."""
-        return self._latched and self.status is RUNNING
+        """Return the child's results, and RUNNING: a stop can come at any time."""
+        return below.child | {RUNNING}
 
     def setup(self, **kwargs: Any) -> None:
         """Take ``robot``."""
@@ -52,18 +47,15 @@ class EmergencyStop(Decorator):
         state = self.robot.state
         if state.mode is _RUN:
             self.feedback_message = ""
-            self._latched = False
             return tick(self.decorated, seen)
-        held = state.mode is Mode.PROTECTIVE_STOP
         what = {Mode.PROTECTIVE_STOP: "held", Mode.DAMP: "damped"}.get(state.mode, "emergency stop")
         source = f" (from {state.stop_source})" if state.stop_source else ""
         self.feedback_message = f"{what}: {state.stop_reason or 'no reason given'}{source}"
-        self._latched = not held
-        if self._latched and self.wait_for_reset:
+        if state.mode is Mode.EMERGENCY_STOP:
             self.feedback_message += "; waiting for a reset"
         if self.decorated.status is not INVALID:
             halt(self.decorated, self.feedback_message, seen)
-        return RUNNING if held or self.wait_for_reset else FAILURE
+        return RUNNING
 
 
 class Watchdog(Decorator):

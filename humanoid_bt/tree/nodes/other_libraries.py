@@ -1,4 +1,4 @@
-"""What nodes of py_trees and BehaviorTree.CPP, and py_trees' parameter ``memory``, are called here."""
+"""What nodes and parameters of py_trees and BehaviorTree.CPP, and former ones of this package, are called here."""
 
 from __future__ import annotations
 
@@ -124,13 +124,27 @@ _IN_TWO_TYPES = ("sequence", "selector", "if", "switch")
 """Node types that go on with what runs, each with one beside it that asks again in every tick."""
 
 
-def hint_for_memory(type_name: str, value: object) -> str:
-    """Return what does here what py_trees' parameter ``memory`` does, "" if the node type has nothing to do with it.
+_FORMER = {
+    ("emergency_stop", "wait_for_reset"): (
+        "leave it out: the node always waits for the reset; whether the run does is its option --on-estop wait|end"
+    ),
+}
+
+
+def hint_for_parameter(type_name: str, parameter: str, value: object) -> str:
+    """Return what does here what a parameter does in another library or did before, "" if that is nothing known.
 
     Args:
         type_name: the node type that was given the parameter.
-        value: its value; what is neither True nor False is not known yet.
+        parameter: its name.
+        value: its value; what is not plain is not known yet.
     """
+    if parameter == "memory":
+        return _hint_for_memory(type_name, value)
+    return _FORMER.get((type_name, parameter), "")
+
+
+def _hint_for_memory(type_name: str, value: object) -> str:
     plain = type_name.removeprefix(_REACTIVE)
     reactive = _REACTIVE + plain
     if plain not in _IN_TWO_TYPES:
@@ -141,16 +155,16 @@ def hint_for_memory(type_name: str, value: object) -> str:
     return f"leave it out: {wanted!r} {does}" if wanted == type_name else f"use {wanted!r}, which {does}"
 
 
-def refuse_memory(node: Behaviour, values: Mapping[str, object]) -> None:
-    """Answer py_trees' parameter ``memory`` where a node is made in Python.
+def refuse_parameters(node: Behaviour, values: Mapping[str, object]) -> None:
+    """Answer parameters of another library, and former ones, where a node is made in Python.
 
     Raises:
-        TypeError: it is among the values.
+        TypeError: one is among the values.
     """
-    if "memory" in values:
-        owner = type(node)
-        hint = hint_for_memory(node_type_name(owner), values["memory"])
-        raise TypeError(f"{owner.__name__} has no parameter 'memory': {hint}")
+    owner = type(node)
+    for name, value in values.items():
+        if hint := hint_for_parameter(node_type_name(owner), name, value):
+            raise TypeError(f"{owner.__name__} has no parameter {name!r}: {hint}")
 
 
 def _letters(name: str) -> str:

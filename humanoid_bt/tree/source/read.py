@@ -8,6 +8,7 @@ from humanoid_bt.core.errors import Place, Problem, UserError, nearest
 from humanoid_bt.core.items import Item
 from humanoid_bt.tree.draft import Draft
 from humanoid_bt.tree.node_type import CHILD, NodeType, placeholder
+from humanoid_bt.tree.nodes import other_libraries
 from humanoid_bt.tree.nodes.registry import Registry
 from humanoid_bt.tree.nodes.subtree import SubTree
 from humanoid_bt.tree.slots import Slot
@@ -204,6 +205,8 @@ class Reader:
                 self._append(draft, self.node(body.value[key], f"the child of {name!r}"))
             elif key in self._registry or key.startswith("$"):
                 self._append(draft, self._typed(key, body.value[key], body.key_places[key]))
+            elif other_libraries.hint_for_parameter(name, key, body.value[key].value):
+                self._values.unknown(draft, body, key, [])
             else:
                 hint = self._registry.hint(key, known)
                 message = f"{key!r} is neither a parameter of {name!r} nor a node"

@@ -82,7 +82,7 @@ class ValueReader:
         draft.sound = False
         name, item = draft.type.type_name, body.value[key]
         hint = nearest(key, known)
-        if key == "memory" and (meant := other_libraries.hint_for_memory(name, item.value)):
+        if meant := other_libraries.hint_for_parameter(name, key, item.value):
             self._scope.parameters.skim(item)  # a parameter that is given to it is not unused, too
             hint = meant
         message = f"unknown parameter {key!r} of {name!r}"

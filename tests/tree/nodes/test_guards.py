@@ -9,20 +9,24 @@ DOG = "{emergency_stop: {watchdog: {percept: target, max_age: 0.2, on_stale: {id
 STRICT_DOG = "{watchdog: {percept: target, max_age: 0.2, act: }}"
 
 
-def test_emergency_stop_halts_its_child_and_fails_with_reason_and_source(workspace: Workspace) -> None:
+def test_emergency_stop_halts_its_child_and_waits_for_a_reset(workspace: Workspace) -> None:
     stop = run(workspace, STOP)
     stop.tick()
-    stop.tick(mode=Mode.EMERGENCY_STOP, reason="button pressed", source="operator")
-    assert stop.executor.status.name == "FAILURE"
-    assert stop.told() == [("act", "INVALID"), ("emergency_stop", "FAILURE")]
-    assert stop.feedback("emergency_stop") == "emergency stop: button pressed (from operator)"
+    for _ in range(2):
+        stop.tick(mode=Mode.EMERGENCY_STOP, reason="button pressed", source="operator")
+        assert stop.executor.status.name == "RUNNING"
+    assert stop.feedback("emergency_stop") == "emergency stop: button pressed (from operator); waiting for a reset"
     assert "button pressed" in stop.feedback("act")
+    assert stop.log == [("start", "act"), ("INVALID", "act")]
+    stop.tick()
+    assert stop.log[-1] == ("start", "act")
+    assert stop.feedback("emergency_stop") == ""
 
 
-def test_a_damped_robot_is_stopped_too(workspace: Workspace) -> None:
+def test_a_damped_robot_is_held_too(workspace: Workspace) -> None:
     stop = run(workspace, STOP)
     stop.tick(mode=Mode.DAMP, reason="base tilted")
-    assert stop.executor.status.name == "FAILURE"
+    assert stop.executor.status.name == "RUNNING"
     assert stop.log == []
     assert stop.feedback("emergency_stop") == "damped: base tilted"
 
@@ -83,16 +87,3 @@ def test_a_halt_reaches_on_stale(workspace: Workspace) -> None:
     dog.changes.clear()
     dog.executor.halt("shutdown")
     assert dog.told() == [("wait", "INVALID"), ("watchdog", "INVALID"), ("emergency_stop", "INVALID")]
-
-
-def test_emergency_stop_waits_for_a_reset_if_told_to(workspace: Workspace) -> None:
-    stop = run(workspace, "{emergency_stop: {wait_for_reset: true, act: }}")
-    stop.tick()
-    stop.tick(mode=Mode.EMERGENCY_STOP, reason="button pressed", source="operator")
-    stop.tick(mode=Mode.DAMP, reason="falling", source="supervisor")
-    assert stop.executor.status.name == "RUNNING"
-    assert stop.feedback("emergency_stop") == "damped: falling (from supervisor); waiting for a reset"
-    assert stop.log == [("start", "act"), ("INVALID", "act")]
-    stop.tick()
-    assert stop.log[-1] == ("start", "act")
-    assert stop.feedback("emergency_stop") == ""

@@ -4,6 +4,7 @@ import textwrap
 
 import pytest
 
+from humanoid_bt import nodes
 from humanoid_bt.core.errors import Problem, UserError
 from humanoid_bt.files.workspace import Workspace
 from tests.tree.helpers import load, run
@@ -154,6 +155,16 @@ def test_memory_is_answered_with_the_type_that_does_it(workspace: Workspace, kin
     name = kind.replace("fallback", "selector")
     assert found == f"{3 if declared else 2}:{11 + len(kind)} unknown parameter 'memory' of {name!r}"
     assert found_hint.startswith(hint)
+
+
+def test_a_former_parameter_is_answered_with_what_the_node_does(workspace: Workspace) -> None:
+    hint = "leave it out: the node always waits for the reset"
+    root = "root: {emergency_stop: {wait_for_reset: $patient, act: }}"
+    found, found_hint = one(workspace, f"parameters: {{patient: true}}\n{root}")
+    assert found == "3:25 unknown parameter 'wait_for_reset' of 'emergency_stop'"
+    assert found_hint.startswith(hint)
+    with pytest.raises(TypeError, match=hint):
+        nodes.EmergencyStop("safe", nodes.Success("done"), wait_for_reset=True)
 
 
 @pytest.mark.parametrize(("text", "message", "hint"), MISTAKES)

@@ -28,7 +28,7 @@ TIMEOUT = "timeout: {duration: $x, act: }"
         ("{type: text, default: r}", "act: {script: $x}", "s", "s"),
         ("r", "act: {script: $x}", "f", "f"),
         ("{type: text, default: r}", "act: {script: $x}", "123", "123"),
-        ("true", "emergency_stop: {wait_for_reset: $x, act: }", "false", False),
+        ("true", "emergency_stop: {idle: {look_around: $x}}", "false", False),
         ("ball", "watchdog: {percept: $x, max_age: 1, act: }", "cup", "cup"),
         ("r", "act: {name: $x}", "a name", "a name"),
     ],
