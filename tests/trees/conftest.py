@@ -36,6 +36,13 @@ objects: {ball: {shape: ball, size: [8 cm], position: [-1.2, -0.9, 0.85], stand:
 percepts: {target: {object: ball}}
 """
 
+BALL_STRAIGHT_BEHIND = """
+format: 1
+name: ball_straight_behind
+objects: {ball: {shape: ball, size: [8 cm], position: [-1.0, 0, 0.6], stand: true}}
+percepts: {target: {object: ball}}
+"""
+
 VISITOR_AHEAD = """
 format: 1
 name: visitor_ahead
@@ -53,7 +60,8 @@ def run_tree(tmp_path: Path) -> RunTree:
     for folder in ("trees", "skills", "sim/scenes"):
         (tmp_path / folder).mkdir(parents=True)
     (tmp_path / "skills" / "stumble.py").write_text(SKILLS, encoding="utf-8")
-    for name, text in {"ball_behind": BALL_BEHIND, "visitor_ahead": VISITOR_AHEAD}.items():
+    for text in (BALL_BEHIND, BALL_STRAIGHT_BEHIND, VISITOR_AHEAD):
+        name = text.split("name: ")[1].split("\n")[0]
         (tmp_path / "sim" / "scenes" / f"{name}.yaml").write_text(text, encoding="utf-8")
 
     def run(text: str, scene: str = "empty", *, seed: int = 0, duration: float = 30.0) -> Ran:
