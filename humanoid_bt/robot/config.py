@@ -132,6 +132,14 @@ class WholeBodyConfig:
     hand_nearest: float = param(0.1, unit="m", doc="While it walks, a hand whose target is less far ahead is let go.")
     gaze_speed: float = param(1.5, above=0, unit="rad/s", doc="Speed of the gaze's reference.")
     gaze_yaw: float = param(2.35, above=0, unit="rad", doc="Farthest the gaze turns, with the torso's help.")
+    gaze_below: float = param(
+        0.5,
+        minimum=0,
+        unit="rad",
+        doc="The trunk leans when what it looks at is this far below where the neck can point: out of view soon.",
+    )
+    gaze_lean: float = param(0.8, minimum=0, maximum=1, unit="rad", doc="Farthest the trunk leans for the gaze.")
+    gaze_crouch: float = param(0.1, minimum=0, unit="m", doc="Farthest the body sinks for it when that is not enough.")
     height_speed: float = param(0.05, above=0, unit="m/s", doc="Speed of a posture's height change.")
 
 

@@ -103,7 +103,11 @@ def test_a_run_is_drawn_with_its_statuses(played: Played, tmp_path: Path, capsys
     lines = capsys.readouterr().out.splitlines()
     assert lines[0] == "fetch: on humanoid at 1.2 s"
     assert lines[1] == "└─ ▶ emergency_stop"
-    assert [line.lstrip(" │") for line in lines[-3:]] == ["└─ ▶ idle", "→ looking around", "└─ ○ turn  angle: 2.0944 rad"]
+    assert [line.lstrip(" │") for line in lines[-3:]] == [
+        "└─ ▶ idle",
+        "→ looking around",
+        "└─ ○ turn  angle: 2.0944 rad",
+    ]
     file = tmp_path / "now.svg"
     assert main(["show", "--live", "-o", str(file)]) == 0
     text = file.read_text(encoding="utf-8")

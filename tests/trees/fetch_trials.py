@@ -27,7 +27,7 @@ percepts: {target: {object: ball}}
 """
 SCENES = ("random_target", "behind")
 
-TOUCHES = 0.01  # m between palm and ball
+TOUCHES = 0.015  # m between palm and ball: the tolerance of reach, which sees the ball with noise
 PATIENCE = 90.0  # s
 
 
