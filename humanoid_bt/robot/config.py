@@ -207,12 +207,14 @@ class RobotConfig:
                 return drive
         return None
 
+    def home_key(self, joint: str) -> str | None:
+        """Return the pattern in ``home`` that says a joint's angle, None if none does."""
+        return next((pattern for pattern in self.home if fnmatch.fnmatchcase(joint, pattern)), None)
+
     def home_angle(self, joint: str) -> float:
         """Return a joint's angle in the home posture [rad]."""
-        for pattern, angle in self.home.items():
-            if fnmatch.fnmatchcase(joint, pattern):
-                return angle
-        return 0.0
+        key = self.home_key(joint)
+        return 0.0 if key is None else self.home[key]
 
     def group(self, joint: str) -> str:
         """Return the plot group of a joint, ``other`` if none names it."""
@@ -231,7 +233,12 @@ def load_robot_config(path: Path) -> RobotConfig:
     item = document.load(path)
     config: RobotConfig = read(RobotConfig, item, "the robot")
     problems = [
-        Problem(f"{what!r} must have the keys left and right", item.value[what].place, code="missing-key")
+        Problem(
+            f"{what!r} must have the keys left and right",
+            item.value[what].place,
+            f"{', '.join(side for side in SIDES if side not in sides)} is missing",
+            code="missing-key",
+        )
         for what, sides in (("legs", config.legs), ("hands", config.hands))
         if set(sides) != set(SIDES) and not (what == "hands" and not sides)
     ]
