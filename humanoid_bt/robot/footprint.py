@@ -51,7 +51,7 @@ def footprint(robot: RobotModel, body: str) -> Footprint | None:
 
 def _points(model: mujoco.MjModel, data: mujoco.MjData, geom: int) -> Array:
     """Return points on a geom, among them the lowest ones of a flat one: shape (n, 3), world frame [m]."""
-    kind, size = model.geom_type[geom], model.geom_size[geom]
+    kind, size = mujoco.mjtGeom(int(model.geom_type[geom])), model.geom_size[geom]
     types = mujoco.mjtGeom
     if kind == types.mjGEOM_MESH:
         first = model.mesh_vertadr[model.geom_dataid[geom]]
