@@ -1,1 +1,1 @@
-"""Checking files without running them: codes of findings, and comments that allow them."""
+"""Checking files: whether a robot stands and walks, codes of findings, and comments that allow them."""

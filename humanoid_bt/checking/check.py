@@ -1,4 +1,4 @@
-"""Checking files without running them: what ``humanoid-bt check`` finds, and ``run`` before it starts."""
+"""Checking files: what ``humanoid-bt check`` finds, and ``run`` before it starts."""
 
 from __future__ import annotations
 
@@ -9,12 +9,11 @@ from pathlib import Path
 from typing import Any
 
 from humanoid_bt.checking import allow
+from humanoid_bt.checking.robot import robot_problems
 from humanoid_bt.core.errors import Place, Problem, UserError, nearest, relative
 from humanoid_bt.files.document import read_text
 from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.plant.scene_config import load_scene
-from humanoid_bt.robot.config import load_robot_config
-from humanoid_bt.robot.model import RobotModel
 from humanoid_bt.tree.nodes.registry import Registry
 from humanoid_bt.tree.source.load import load_tree
 from humanoid_bt.tree.tree import Tree
@@ -98,7 +97,7 @@ def _load(path: Path, workspace: Workspace) -> Sequence[Problem]:
     if path.suffix == ".py":
         Registry.of(workspace)
     elif path.name == "robot.yaml":
-        RobotModel(load_robot_config(path))
+        return robot_problems(path)
     elif path.parent.name == "scenes":
         load_scene(path)
     else:

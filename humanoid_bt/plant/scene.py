@@ -9,7 +9,6 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 
-from humanoid_bt.core.errors import UserError
 from humanoid_bt.core.messages import Array
 from humanoid_bt.plant.scene_config import Color, EventConfig, ObjectConfig, SceneConfig, load_scene
 
@@ -102,13 +101,7 @@ class Scene:
 
         An object is a static body ``object_<name>`` with its centre as origin; to move it, write the model's
         ``body_pos``. Its stand, a body ``stand_<name>``, stays.
-
-        Raises:
-            UserError: the model brings a floor of its own.
         """
-        if spec.geom("floor") is not None:
-            hint = "name the robot's own model file, not one that shows it in surroundings"
-            raise UserError(f"the model {spec.modelname!r} already has a floor", hint=hint, code="model")
         _add_surroundings(spec)
         for name, thing in self.config.objects.items():
             position = self.object_position(name, 0.0)

@@ -132,6 +132,14 @@ class WholeBodyConfig:
     hand_nearest: float = param(0.1, unit="m", doc="While it walks, a hand whose target is less far ahead is let go.")
     gaze_speed: float = param(1.5, above=0, unit="rad/s", doc="Speed of the gaze's reference.")
     gaze_yaw: float = param(2.35, above=0, unit="rad", doc="Farthest the gaze turns, with the torso's help.")
+    gaze_below: float = param(
+        0.5,
+        minimum=0,
+        unit="rad",
+        doc="The trunk leans when what it looks at is this far below where the neck can point: out of view soon.",
+    )
+    gaze_lean: float = param(0.8, minimum=0, maximum=1, unit="rad", doc="Farthest the trunk leans for the gaze.")
+    gaze_crouch: float = param(0.1, minimum=0, unit="m", doc="Farthest the body sinks for it when that is not enough.")
     height_speed: float = param(0.05, above=0, unit="m/s", doc="Speed of a posture's height change.")
 
 
@@ -199,12 +207,14 @@ class RobotConfig:
                 return drive
         return None
 
+    def home_key(self, joint: str) -> str | None:
+        """Return the pattern in ``home`` that says a joint's angle, None if none does."""
+        return next((pattern for pattern in self.home if fnmatch.fnmatchcase(joint, pattern)), None)
+
     def home_angle(self, joint: str) -> float:
         """Return a joint's angle in the home posture [rad]."""
-        for pattern, angle in self.home.items():
-            if fnmatch.fnmatchcase(joint, pattern):
-                return angle
-        return 0.0
+        key = self.home_key(joint)
+        return 0.0 if key is None else self.home[key]
 
     def group(self, joint: str) -> str:
         """Return the plot group of a joint, ``other`` if none names it."""
@@ -223,7 +233,12 @@ def load_robot_config(path: Path) -> RobotConfig:
     item = document.load(path)
     config: RobotConfig = read(RobotConfig, item, "the robot")
     problems = [
-        Problem(f"{what!r} must have the keys left and right", item.value[what].place, code="missing-key")
+        Problem(
+            f"{what!r} must have the keys left and right",
+            item.value[what].place,
+            f"{', '.join(side for side in SIDES if side not in sides)} is missing",
+            code="missing-key",
+        )
         for what, sides in (("legs", config.legs), ("hands", config.hands))
         if set(sides) != set(SIDES) and not (what == "hands" and not sides)
     ]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import fnmatch
+import re
 from collections.abc import Iterator
 
 import mujoco
@@ -27,6 +28,14 @@ def palm_site(side: str) -> str:
 
 
 GAZE_SITE = "hbt_gaze"
+
+
+def carriers(model: mujoco.MjModel, body: int) -> list[int]:
+    """Return a body and those that carry it, up to the world."""
+    above = [body]
+    while above[-1] != 0:
+        above.append(int(model.body_parentid[above[-1]]))
+    return above
 
 
 def foot_sensor(side: str) -> str:
@@ -148,6 +157,7 @@ def _check_names(spec: mujoco.MjSpec, config: RobotConfig) -> None:
         hint = "a floating base: <freejoint/> in that body, before every other joint"
         wanted = f"the model must have exactly one free joint, on the base {config.base!r}"
         problems.append(Problem(wanted, config.place("base"), hint, code="model"))
+    problems += _surroundings(spec, config)
     sliding = [joint.name for joint in spec.joints if joint.type not in _ROBOT_JOINTS]
     if sliding:
         message = f"only hinges can be driven; these joints are none: {', '.join(sliding)}"
@@ -165,6 +175,18 @@ def _check_names(spec: mujoco.MjSpec, config: RobotConfig) -> None:
         problems.append(Problem(message, config.place("drives"), hint, code="undriven-joint"))
     if problems:
         raise UserError(problems)
+
+
+def _surroundings(spec: mujoco.MjSpec, config: RobotConfig) -> Iterator[Problem]:
+    """Yield what stands in the world and is no part of the robot: the scene brings the floor."""
+    for geom in spec.worldbody.geoms:
+        if geom.contype or geom.conaffinity:
+            line = re.search(r"line (\d+)", geom.info)
+            place = Place(_model(config).file, int(line[1]), 1) if line else _model(config)
+            hint = "name the robot's own model file, not one that shows it in surroundings"
+            which = repr(geom.name) if geom.name else "without a name"
+            message = f"the model brings surroundings of its own: the geom {which} of the world"
+            yield Problem(message, place, hint, code="own-floor")
 
 
 _ROBOT_JOINTS = (mujoco.mjtJoint.mjJNT_FREE, mujoco.mjtJoint.mjJNT_HINGE)

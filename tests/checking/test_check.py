@@ -51,7 +51,12 @@ def test_every_kind_of_file_is_checked(folder: Path, name: str, text: str, code:
 
 def test_what_is_built_in_has_no_findings() -> None:
     workspace = Workspace(builtin_root())
-    files = [*workspace.trees().values(), *workspace.scenes().values(), *workspace.skill_files()]
+    files = [
+        *workspace.trees().values(),
+        *workspace.scenes().values(),
+        *workspace.robots().values(),
+        *workspace.skill_files(),
+    ]
     assert not [problem for path in files for problem in checked(path, workspace)]
 
 

@@ -17,7 +17,16 @@ from humanoid_bt.core.errors import UserError
 from humanoid_bt.files.workspace import Workspace
 
 PACKAGE = Path(humanoid_bt.__path__[0])
-WHERE = ("core/*.py", "files/*.py", "checking/allow.py", "robot/*.py", "plant/*.py", "decision/*.py", "tree/**/*.py")
+WHERE = (
+    "core/*.py",
+    "files/*.py",
+    "checking/allow.py",
+    "checking/robot*.py",
+    "robot/*.py",
+    "plant/*.py",
+    "decision/*.py",
+    "tree/**/*.py",
+)
 FILES = [file for pattern in WHERE for file in sorted(PACKAGE.glob(pattern))]
 AROUND = """\
 format: 1

@@ -72,7 +72,7 @@ def test_a_file_gets_the_format_of_its_suffix(tmp_path: Path, capsys: pytest.Cap
         file = tmp_path / f"fetch.{suffix}"
         assert main(["show", "fetch", "-o", str(file)]) == 0
         assert file.read_text(encoding="utf-8").startswith(begin)
-        assert capsys.readouterr().out == f"{file}: 11 nodes of fetch\n"
+        assert capsys.readouterr().out == f"{file}: 14 nodes of fetch\n"
     file = tmp_path / "any.name"
     assert main(["show", "fetch", "--output", str(file), "--format", "svg"]) == 0
     assert ElementTree.fromstring(file.read_text(encoding="utf-8")).tag.endswith("svg")
@@ -110,7 +110,11 @@ def test_a_run_is_drawn_with_its_statuses(played: Played, tmp_path: Path, capsys
     lines = capsys.readouterr().out.splitlines()
     assert lines[0] == "fetch: on humanoid at 1.2 s"
     assert lines[1] == "└─ ▶ emergency_stop"
-    assert lines[-3:] == ["      │  └─ ▶ idle", "      │          → looking around", "      └─ ○ on_stale: idle"]
+    assert [line.lstrip(" │") for line in lines[-3:]] == [
+        "└─ ▶ idle",
+        "→ looking around",
+        "└─ ○ turn  angle: 2.0944 rad",
+    ]
     file = tmp_path / "now.svg"
     assert main(["show", "--live", "-o", str(file)]) == 0
     text = file.read_text(encoding="utf-8")

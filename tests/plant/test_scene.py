@@ -201,10 +201,3 @@ def test_a_mistake_is_answered_with_its_place_and_the_fix(tmp_path: Path, body: 
 def test_all_mistakes_are_told_at_once(tmp_path: Path) -> None:
     told = problems(tmp_path, "percepts: {a: {object: x}, b: {object: y}}\nevents: [{at: 1}]\n")
     assert told.count("scene.yaml:") == 3
-
-
-def test_a_model_with_a_floor_of_its_own_is_refused(tmp_path: Path) -> None:
-    spec = mujoco.MjSpec()
-    spec.worldbody.add_geom(name="floor", type=mujoco.mjtGeom.mjGEOM_PLANE, size=[1, 1, 1])
-    with pytest.raises(UserError, match="already has a floor"):
-        scene(tmp_path, "").add_to(spec)

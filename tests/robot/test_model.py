@@ -172,7 +172,10 @@ def test_a_missing_side_is_named(tmp_path: Path, edit: Edit) -> None:
         load(tmp_path)
 
 
-MISSING_MESH = '<asset><mesh name="m" file="gone.stl"/></asset><worldbody><geom type="mesh" mesh="m"/></worldbody>'
+MISSING_MESH = (
+    '<asset><mesh name="m" file="gone.stl"/></asset>'
+    '<worldbody><geom type="mesh" mesh="m" contype="0" conaffinity="0"/></worldbody>'
+)
 
 
 @pytest.mark.parametrize(
@@ -196,6 +199,14 @@ def test_a_model_that_cannot_be_used_is_answered_with_the_models_name(
     assert message in problem.message
     assert "\n" not in problem.message
     assert str(problem.place) == str(tmp_path / "humanoid.xml")
+
+
+def test_a_model_with_a_floor_of_its_own_is_answered_with_the_floors_line(tmp_path: Path, edit: Edit) -> None:
+    edit("humanoid.xml", "<worldbody>", '<worldbody>\n<geom name="ground" type="plane" size="1 1 1"/>')
+    with pytest.raises(UserError, match="surroundings of its own: the geom 'ground'") as error:
+        load(tmp_path)
+    (problem,) = error.value.problems
+    assert str(problem.place) == place_of(tmp_path, "humanoid.xml", '<geom name="ground"')
 
 
 @pytest.mark.parametrize(

@@ -1,11 +1,12 @@
 """Skills on robots that lack hands or a neck."""
 
+import math
 import shutil
 from pathlib import Path
 
 import pytest
 
-from humanoid_bt import Rig, Workspace
+from humanoid_bt import Rig, Workspace, run
 
 BUILTIN = Path(__file__).resolve().parents[2] / "sim" / "humanoid"
 HANDS = """\
@@ -14,6 +15,15 @@ hands:
   right: {body: right_hand, position: [0, 0, -0.10]}
 """
 NECK = "neck: {yaw: neck_yaw, pitch: neck_pitch}\n"
+
+
+LOW = """\
+format: 1
+name: low
+objects: {ball: {shape: ball, size: [8 cm], position: [1.1, 0.15, 0.6], stand: true}}
+percepts: {target: {object: ball}}
+"""
+HALF_VIEW = math.radians(40)  # up and down, of a percept by default
 
 
 def without(what: str, folder: Path) -> Rig:
@@ -51,3 +61,25 @@ def test_a_robot_without_a_neck_looks_with_its_torso(tmp_path: Path) -> None:
     below = rig.run("look_at", target=(1.0, 0.0, 0.3), patience=0.5)
     assert below.failed
     assert "comes no nearer" in below.feedback
+
+
+def test_a_robot_without_a_neck_leans_to_keep_in_view_what_is_near(tmp_path: Path) -> None:
+    rig = without(NECK, tmp_path)
+    target = (0.45, 0.05, 0.65)
+    result = rig.run("look_at", target=target, timeout=4)
+    state = result.states[-1]
+    ahead, _, above = (float(part) for part in target - state.gaze_position)
+    below = -math.atan2(above, ahead) - math.asin(-state.gaze_direction[2])
+    assert below < HALF_VIEW
+    assert not result.stops
+    first = result.states[0]
+    assert math.atan2(first.gaze_position[2] - target[2], target[0] - first.gaze_position[0]) > HALF_VIEW
+
+
+def test_a_robot_without_a_neck_does_not_lose_what_it_walks_up_to(tmp_path: Path) -> None:
+    workspace = without(NECK, tmp_path).workspace
+    (tmp_path / "sim" / "scenes").mkdir()
+    (tmp_path / "sim" / "scenes" / "low.yaml").write_text(LOW)
+    report = run("fetch", workspace=workspace, robot="lesser", scene="low", duration=30, record=False)
+    assert report.outcome == "success", report.reason
+    assert not [entry for entry in report.timeline if entry["path"].endswith("idle") and entry["time"] > 0.2]

@@ -14,7 +14,7 @@ from humanoid_bt.tree.tree import Tree
 from tests.tree.helpers import Run, seen
 
 FETCH = Path(__file__).parents[2] / "trees" / "fetch.yaml"
-ACT = "fetch/emergency_stop/watchdog/reactive_selector/act on target"
+LOOKING = "repeat/look for target/timeout/idle"
 
 
 @pytest.fixture
@@ -25,7 +25,7 @@ def tree(workspace: Workspace) -> Tree:
 def running(under_test: Run) -> str:
     """Return the paths of the skills that run, without what they share."""
     return " ".join(
-        node.path.removeprefix("fetch/emergency_stop/watchdog/")
+        node.path.removeprefix("fetch/emergency_stop/reactive_selector/")
         for node in under_test.tree.nodes
         if node.kind == "skill" and node.behaviour.status.name == "RUNNING"
     )
@@ -37,11 +37,11 @@ def test_it_says_what_it_is_for(tree: Tree) -> None:
 
 
 def test_the_demo_goes_as_told(tree: Tree) -> None:
-    fetch, above = Run(tree), "reactive_selector"
+    fetch, above = Run(tree), "watchdog"
     fetch.tick()
-    assert running(fetch) == "idle"  # never seen
+    assert running(fetch) == LOOKING  # never seen
     fetch.tick(seen(fetch.time, 1.2, 0.5))
-    assert running(fetch) == f"{above}/idle"  # doubtful
+    assert running(fetch) == LOOKING  # doubtful
     fetch.tick(seen(fetch.time, 1.2, 0.65))
     assert running(fetch) == f"{above}/act on target/get near/approach"
     fetch.tick(seen(fetch.time, 0.45, 0.55))
@@ -52,7 +52,7 @@ def test_the_demo_goes_as_told(tree: Tree) -> None:
     fetch.tick(seen(fetch.time, 0.52, 0.9))
     assert running(fetch) == f"{above}/act on target/reach"  # hysteresis again
     fetch.ticks(6)
-    assert running(fetch) == "idle"  # lost
+    assert running(fetch) == LOOKING  # lost
     fetch.tick(seen(fetch.time, 0.52, 0.9))
     assert running(fetch) == f"{above}/act on target/get near/approach"
 
@@ -60,7 +60,7 @@ def test_the_demo_goes_as_told(tree: Tree) -> None:
 def test_parameters_can_be_set(workspace: Workspace) -> None:
     tree = load_tree(FETCH, workspace, {"target": "cup", "stop_distance": "30 cm"})
     assert tree.parameters["stop_distance"] == pytest.approx(0.3)
-    assert tree.nodes[1].values["percept"] == "cup"
+    assert tree.nodes[2].values["percept"] == "cup"
 
 
 def mutated(text: str, rng: random.Random) -> str:

@@ -36,6 +36,13 @@ objects: {ball: {shape: ball, size: [8 cm], position: [-1.2, -0.9, 0.85], stand:
 percepts: {target: {object: ball}}
 """
 
+BALL_STRAIGHT_BEHIND = """
+format: 1
+name: ball_straight_behind
+objects: {ball: {shape: ball, size: [8 cm], position: [-1.0, 0, 0.6], stand: true}}
+percepts: {target: {object: ball}}
+"""
+
 VISITOR_AHEAD = """
 format: 1
 name: visitor_ahead
@@ -54,7 +61,12 @@ objects:
 percepts: {left: {object: left}, right: {object: right}}
 """
 
-SCENES = {"ball_behind": BALL_BEHIND, "visitor_ahead": VISITOR_AHEAD, "two_balls": TWO_BALLS}
+SCENES = {
+    "ball_behind": BALL_BEHIND,
+    "ball_straight_behind": BALL_STRAIGHT_BEHIND,
+    "visitor_ahead": VISITOR_AHEAD,
+    "two_balls": TWO_BALLS,
+}
 
 RunTree = Callable[..., Ran]
 

@@ -22,6 +22,11 @@ def test_turns_until_it_sees_what_is_behind(run_tree: RunTree) -> None:
     assert abs(away) < math.radians(110)  # half the view, and as far as the neck turns
 
 
+def test_finds_what_is_low_and_straight_behind(run_tree: RunTree) -> None:
+    run = run_tree("subtree: {tree: search, target: target}", "ball_straight_behind")
+    assert run.report.outcome == "success", run.report.reason
+
+
 def test_goes_the_other_way_round_with_a_negative_step(run_tree: RunTree) -> None:
     run = run_tree("subtree: {tree: search, target: target, look: 1 s, step: -60 deg}", "ball_behind")
     assert run.report.outcome == "success", run.report.reason

@@ -65,6 +65,11 @@ class RobotDynamics:
         return np.asarray(self.data.qfrc_bias)
 
     @property
+    def base_position(self) -> Array:
+        """Position of the base, shape (3,)."""
+        return np.array(self.data.qpos[:3])
+
+    @property
     def gyro(self) -> Array:
         """Angular velocity of the base, base frame, shape (3,) [rad/s]."""
         return np.asarray(self.data.qvel[3:6])

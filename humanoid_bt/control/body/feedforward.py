@@ -46,13 +46,14 @@ class Feedforward:
         self._linear = np.zeros((3, robot.model.nv))
         self._angular = np.zeros((3, robot.model.nv))
 
-    def torques(self, load: Load, acceleration: Array, position: Array, velocity: Array) -> Array:
+    def torques(self, load: Load, acceleration: Array, position: Array, velocity: Array, lean: float = 0.0) -> Array:
         """Return feedforward torques, shape (nj,) [Nm].
 
         Args:
             load: how the feet shall carry the robot.
             acceleration: planned, shape (nv,).
             position, velocity: setpoint that the drives will get, shape (nj,).
+            lean: of the pelvis ahead, as it is meant to be [rad].
         """
         dynamics = self._dynamics
         forces = dynamics.bias + dynamics.inertia_times(acceleration)
@@ -62,17 +63,17 @@ class Feedforward:
                 dynamics.foot_jacobian(side, point, self._linear)
                 forces -= self._linear.T @ (load.share[side] * load.force)
         torque: Array = forces[BASE_DOFS:].copy()
-        self._resist_tilt(torque, load)
+        self._resist_tilt(torque, load, lean)
         for side in SIDES:
             if load.share[side] >= _ANKLE_LOADED:
                 self._limit_ankle(torque, side, load.share[side] * load.force, position, velocity)
         return torque
 
-    def _resist_tilt(self, torque: Array, load: Load) -> None:
+    def _resist_tilt(self, torque: Array, load: Load, lean: float) -> None:
         gait, dynamics = self._gait, self._dynamics
         gyro = dynamics.gyro
         roll = gait.tilt_stiffness * dynamics.roll + gait.tilt_damping * gyro[0]
-        pitch = gait.tilt_stiffness * dynamics.pitch + gait.tilt_damping * gyro[1]
+        pitch = gait.tilt_stiffness * (dynamics.pitch - lean) + gait.tilt_damping * gyro[1]
         for side in SIDES:
             hip_roll, hip_pitch = self._hips[side]
             torque[hip_roll] += load.share[side] * roll

@@ -10,13 +10,14 @@ import mujoco
 import numpy as np
 
 from humanoid_bt.control.body.height_limit import HeightLimit
-from humanoid_bt.control.body.mink_terms import SOLVER, frame_task, planar_se3, se3, view_along, within_soft_limits
+from humanoid_bt.control.body.mink_terms import SOLVER, frame_task, leaning, se3, view_along, within_soft_limits
 from humanoid_bt.core.geometry import clamp, exp, planar_pose, pose_product
 from humanoid_bt.core.messages import SIDES, Array, Side
 from humanoid_bt.robot.model import BASE_COORDINATES, BASE_DOFS, GAZE_SITE, RobotModel, palm_site, sole_site
 
 _NO_TWIST = 1e-14  # square of a twist too small to matter
 _ACCELERATION_LIMIT = 100.0  # rad/s^2, of the planned motion, as it goes into the feedforward
+_LEANS = 0.3  # rad of lean for the gaze at which a reaching hand does not move the torso any more
 _SMOOTH_TIME = 0.02  # s, low-pass of planned acceleration and momentum rate
 
 
@@ -31,6 +32,7 @@ class BodyTargets:
         sole_twists: correction of each sole's pose, shape (6,).
         heading: of the pelvis [rad].
         torso_yaw: of the torso relative to the heading [rad].
+        lean: of the pelvis and of the torso ahead [rad].
         gaze: (yaw relative to the heading, pitch) of the view [rad].
         hands: palm positions, shape (3,) [m], of the hands that are commanded.
         reaching: how far the body is given to the hands, in [0, 1].
@@ -43,6 +45,7 @@ class BodyTargets:
     sole_twists: Mapping[Side, Array]
     heading: float
     torso_yaw: float
+    lean: tuple[float, float]
     gaze: tuple[float, float]
     hands: Mapping[Side, Array]
     reaching: float
@@ -90,7 +93,7 @@ class InverseKinematics:
         self.height_limit = HeightLimit(self._model.nv)
         self.limits: list[mink.Limit] = [mink.ConfigurationLimit(self._model), self.height_limit]
         self.tasks: list[mink.BaseTask] = []
-        self._reaching = 0.0
+        self._given = (0.0, 0.0)  # to the hands, and how far it leans for the eyes
         self._root = self._model.body(config.base).id
         self._palms = {side: self._model.site(palm_site(side)).id for side in self._hands}
         self.reset(robot.home_qpos)
@@ -167,11 +170,12 @@ class InverseKinematics:
             corrected = twist @ twist > _NO_TWIST
             self._soles[side].set_target(se3(pose_product(exp(twist), pose) if corrected else pose))
         self._com.set_target(targets.com)
-        self._base.set_target(planar_se3(targets.heading))
-        self._torso.set_target(planar_se3(targets.heading + targets.torso_yaw))
+        base_lean, torso_lean = targets.lean
+        self._base.set_target(leaning(targets.heading, base_lean))
+        self._torso.set_target(leaning(targets.heading, torso_lean, targets.torso_yaw))
         self._posture.set_target(np.concatenate([self.base_pose, targets.posture]))
-        if targets.reaching != self._reaching:
-            self._give_body_to_hands(targets.reaching)
+        if (targets.reaching, torso_lean) != self._given:
+            self._give_body_to_hands(targets.reaching, torso_lean)
         tasks = [self._com, self._soles["left"], self._soles["right"], self._base, self._torso, self._posture]
         if self._gaze is not None:
             yaw, pitch = targets.gaze
@@ -182,12 +186,13 @@ class InverseKinematics:
             tasks.append(self._hands[side])
         return tasks
 
-    def _give_body_to_hands(self, reaching: float) -> None:
+    def _give_body_to_hands(self, reaching: float, lean: float) -> None:
         weights = self._weights
-        self._reaching = reaching
+        self._given = (reaching, lean)
+        torso = _blend(weights.reach_torso, weights.torso_orientation, min(1.0, lean / _LEANS))  # the eyes need it
         self._com.set_cost([*weights.com[:2], _blend(weights.com[2], weights.reach_height, reaching)])
         self._base.set_orientation_cost(_blend(weights.base_orientation, weights.reach_base, reaching))
-        self._torso.set_orientation_cost(_blend(weights.torso_orientation, weights.reach_torso, reaching))
+        self._torso.set_orientation_cost(_blend(weights.torso_orientation, torso, reaching))
 
     def _follow_motion(self, velocity: Array) -> None:
         smooth = min(1.0, self._dt / _SMOOTH_TIME)

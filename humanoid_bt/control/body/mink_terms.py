@@ -39,6 +39,13 @@ def se3(pose: Array) -> mink.SE3:
     return mink.SE3(np.concatenate([pose[3:], pose[:3]]))
 
 
+def leaning(heading: float, lean: float, yaw: float = 0.0) -> mink.SE3:
+    """Return the pose of a body that leans ahead along a heading, and is turned by a yaw about its own axis [rad]."""
+    if not lean:
+        return planar_se3(heading + yaw)
+    return view_along(heading, lean) @ planar_se3(yaw)
+
+
 def view_along(yaw: float, pitch: float) -> mink.SE3:
     """Return the pose that looks along a yaw and then a pitch: the product of the two turns' quaternions."""
     cy, sy, cp, sp = math.cos(yaw / 2), math.sin(yaw / 2), math.cos(pitch / 2), math.sin(pitch / 2)

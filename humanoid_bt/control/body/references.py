@@ -116,7 +116,7 @@ class GazeReference:
         self._neck = _NECK_SHARE * neck_range
         self.yaw = self.pitch = 0.0
 
-    def update(self, point: Array | None, hold: bool, eyes: Array, heading: float) -> None:
+    def update(self, point: Array | None, hold: bool, eyes: Array, heading: float, axis: Array | None = None) -> None:
         """Turn toward a point, world frame, shape (3,); ahead if None.
 
         Args:
@@ -124,13 +124,15 @@ class GazeReference:
             hold: stay.
             eyes: position of the gaze site, world frame, shape (3,) [m].
             heading: of the stance [rad].
+            axis: where the view turns to the side, shape (3,): not at the eyes if they are far ahead of it.
         """
         if hold:
             return
         yaw = pitch = 0.0
         if point is not None:
             x, y, z = (point - eyes).tolist()
-            yaw = wrap(math.atan2(y, x) - heading)
+            aside = point - (eyes if axis is None else axis)
+            yaw = wrap(math.atan2(aside[1], aside[0]) - heading)
             pitch = -math.atan2(z, math.hypot(x, y))
             if abs(yaw) > self._limit and yaw * self.yaw < 0:
                 yaw = -yaw  # behind the robot: stay on the side it looks over already

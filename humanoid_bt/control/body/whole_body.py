@@ -14,6 +14,7 @@ import numpy as np
 from humanoid_bt.control.body.dynamics import RobotDynamics
 from humanoid_bt.control.body.feedforward import Feedforward
 from humanoid_bt.control.body.inverse_kinematics import BodyTargets, InverseKinematics
+from humanoid_bt.control.body.lean import LeanReference
 from humanoid_bt.control.body.references import GazeReference, HandReference, PostureReference, approach
 from humanoid_bt.control.body.stabilizer import Stabilizer
 from humanoid_bt.control.body.swing import TiltCompensation
@@ -81,6 +82,7 @@ class WholeBody:
             yaw = robot.joint(config.neck.yaw)
             neck_range = float(min(robot.upper[yaw], -robot.lower[yaw]))
         self._gaze = GazeReference(config.whole_body, dt, neck_range)
+        self._lean = LeanReference(robot, dt)
         self._hands: dict[Side, HandReference] = {}
         self._home_joints: Array = robot.home_qpos[BASE_COORDINATES:]
         self._posture = PostureReference(self._home_joints, dt)
@@ -107,6 +109,7 @@ class WholeBody:
         self.walker.reset(self.dynamics.soles, self._stabilizer.omega)
         self._tilt = TiltCompensation(dt)
         self._gaze.yaw = self._gaze.pitch = 0.0
+        self._lean.reset()
         self._hands = {side: HandReference(config.whole_body, dt) for side in self.dynamics.hands}
         self._posture = PostureReference(self._home_joints, dt)
         self._posture.release_from(self.kinematics.joints)
@@ -149,7 +152,7 @@ class WholeBody:
         self.kinematics.step(self._body_targets(targets, hold or not self.solved))
         position = self.kinematics.joints.copy()
         velocity = self.kinematics.velocity[BASE_DOFS:]
-        torque = self._feedforward.torques(load, self.kinematics.acceleration, position, velocity)
+        torque = self._feedforward.torques(load, self.kinematics.acceleration, position, velocity, self._lean.base)
         return Setpoint(position, velocity, torque)
 
     def _body_targets(self, targets: Mapping[str, Target], hold: bool) -> BodyTargets:
@@ -158,7 +161,9 @@ class WholeBody:
         hands = self._hand_positions(targets, hold)
         gaze = targets.get("gaze")
         point = gaze.point if isinstance(gaze, GazeTarget) else None
-        self._gaze.update(point, hold, self.dynamics.gaze_position, heading)
+        eyes, base = self.dynamics.gaze_position, self.dynamics.base_position
+        self._gaze.update(point, hold, eyes, heading, axis=eyes if self._robot.config.neck else base)
+        self._lean.update(point, hold, eyes, base, heading)
         if not hold:
             self._reaching = _blend(self._reaching, float(bool(hands)), self._dt)
             posture = targets.get("posture")
@@ -167,12 +172,13 @@ class WholeBody:
             self._posture.update()
         x, y = self._stabilizer.com_reference
         return BodyTargets(
-            com=np.array([x, y, self._home_height + self._height]),
+            com=np.array([x, y, self._home_height + self._height - self._lean.crouch]),
             soles=walker.foot_reference,
             sole_heights=walker.foot_height,
             sole_twists=self._tilt.twist,
             heading=heading,
             torso_yaw=self._gaze.torso_yaw,
+            lean=(self._lean.base, self._lean.torso),
             gaze=(self._gaze.yaw, self._gaze.pitch),
             hands=hands,
             reaching=self._reaching,
@@ -193,7 +199,8 @@ class WholeBody:
         if self._commanded - commanded:
             self._posture.release_from(self.kinematics.joints)
         if self._commanded and not commanded:
-            self._height = self.kinematics.com_height - self._home_height  # it rises from there, slowly
+            sunk = self._home_height - self._lean.crouch
+            self._height = self.kinematics.com_height - sunk  # it rises from there, slowly
         self._commanded = commanded
         return positions
 

@@ -35,6 +35,7 @@ def targets(robot: RobotModel, standing: Array, **given: Any) -> BodyTargets:
         "sole_twists": {side: np.zeros(6) for side in SIDES},
         "heading": 0.0,
         "torso_yaw": 0.0,
+        "lean": (0.0, 0.0),
         "gaze": (0.0, 0.0),
         "hands": {},
         "reaching": 0.0,
@@ -68,6 +69,22 @@ def test_a_hand_reaches_its_target_with_the_feet_on_the_ground(
     pose = Pose(robot, configuration(kinematics))
     np.testing.assert_allclose(pose.site(palm_site("left")), goal, atol=2e-3)
     np.testing.assert_allclose(kinematics.palm("left"), goal, atol=2e-3)
+    np.testing.assert_allclose(pose.site(sole_site("left")), [*wanted.soles["left"][:2], 0], atol=1e-3)
+
+
+@pytest.mark.parametrize("lean", [(0.0, 0.4), (0.4, 0.4)])
+def test_the_trunk_leans_over_feet_that_stay(
+    robot: RobotModel, standing: Array, kinematics: InverseKinematics, lean: tuple[float, float]
+) -> None:
+    wanted = targets(robot, standing, lean=lean, torso_yaw=0.5)
+    for _ in range(400):
+        kinematics.step(wanted)
+    pose = Pose(robot, configuration(kinematics))
+    base, torso = (pose.data.body(name).xmat.reshape(3, 3) for name in (robot.config.base, robot.config.torso))
+    assert np.arccos(base[2, 2]) == pytest.approx(lean[0], abs=0.08)
+    assert np.arccos(torso[2, 2]) == pytest.approx(0.4, abs=0.08)
+    assert -torso[2, 0] == pytest.approx(np.sin(0.4) * np.cos(0.5), abs=0.08)  # ahead, not where the torso faces
+    np.testing.assert_allclose(pose.com[:2], wanted.com[:2], atol=2e-3)
     np.testing.assert_allclose(pose.site(sole_site("left")), [*wanted.soles["left"][:2], 0], atol=1e-3)
 
 

@@ -190,6 +190,13 @@ def test_the_torso_helps_only_beyond_what_the_neck_turns() -> None:
     assert without_neck.torso_yaw == 0.5
 
 
+def test_eyes_far_ahead_of_what_turns_them_do_not_swing_it_too_far() -> None:
+    gaze, eyes, point = GazeReference(WEIGHTS, DT, 0.0), np.array([0.3, 0.0, 1.0]), np.array([0.5, 0.1, 0.6])
+    for _ in range(600):
+        gaze.update(point, False, eyes, 0.0, axis=np.zeros(3))
+    assert gaze.yaw == pytest.approx(math.atan2(0.1, 0.5))
+
+
 def test_hold_freezes_the_gaze_and_release_looks_ahead() -> None:
     gaze = GazeReference(WEIGHTS, DT, 1.2)
     look(gaze, np.array([1.0, 1.0, 1.2]))

@@ -1,0 +1,235 @@
+"""Whether a robot.yaml fits its model: what its numbers say of feet, joints, sites and limits."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from pathlib import Path
+
+import mujoco
+import numpy as np
+
+from humanoid_bt.checking.robot_trial import tried
+from humanoid_bt.core.errors import Problem
+from humanoid_bt.core.messages import SIDES, Array
+from humanoid_bt.robot.config import SiteConfig, load_robot_config
+from humanoid_bt.robot.footprint import footprint
+from humanoid_bt.robot.model import GAZE_SITE, RobotModel, carriers, palm_site, sole_site
+
+_SOLE_OFF = 0.01  # m of height, ...
+_SOLE_ASIDE = 0.02  # ...or along the floor: nearer counts as right
+_SOLE_LARGER, _SOLE_OVER = 1.1, 0.002  # than the foot, as a factor and in m: a centre of pressure must get there
+_ALONG = 0.7  # cosine between a joint's axis and that of its role; hips are often a little oblique
+_MIRRORED = 0.01  # m between a point and its mirror image on the other side
+_NEAR_BODY = 0.15  # m of a palm or of eyes from what carries them
+_MASS = (5.0, 200.0)  # kg
+_AXES = {"hip_roll": 0, "hip_pitch": 1, "ankle_pitch": 1, "ankle_roll": 0}
+_FALL_TILT, _FALL_HEIGHT = (0.3, 1.3), (0.3, 0.9)  # rad; share of the height
+
+
+def robot_problems(path: Path) -> list[Problem]:
+    """Return what is wrong with a robot, in its file or as it stands and walks.
+
+    Raises:
+        UserError: it cannot be loaded.
+    """
+    robot = RobotModel(load_robot_config(path))
+    found = list(_implausible(robot))
+    if any(problem.severity == "error" for problem in found):
+        return found  # it would only fall over them
+    return [*found, *tried(robot)]
+
+
+def _implausible(robot: RobotModel) -> Iterator[Problem]:
+    data = mujoco.MjData(robot.model)
+    data.qpos[:] = robot.home_qpos
+    mujoco.mj_kinematics(robot.model, data)
+    roles = list(_wrong_joints(robot, data))
+    yield from roles
+    yield from _soles_off(robot)
+    yield from _home_outside(robot)
+    yield from _wrong_bodies(robot, data)
+    if not roles:
+        yield from _asymmetries(robot, data)
+    yield from _odd_numbers(robot)
+
+
+def _wrong_joints(robot: RobotModel, data: mujoco.MjData) -> Iterator[Problem]:
+    """Yield joints that do not do what their role in a leg or in the neck is."""
+    config, model = robot.config, robot.model
+    upright = data.body(config.base).xmat.reshape(3, 3)
+    for side in SIDES:
+        leg = config.legs[side]
+        chain = _joints_above(model, leg.sole.body)
+        for role, axis in _AXES.items():
+            joint, place = getattr(leg, role), config.place("legs", side, role)
+            turns = upright.T @ data.joint(joint).xaxis
+            hip = role.startswith("hip")
+            others = [getattr(leg, other) for other in _AXES if other.startswith("hip") != hip]
+            if joint not in chain:
+                hint = f"the joints of this leg: {', '.join(chain)}"
+                yield Problem(f"{joint!r} does not move the {side} sole", place, hint, code="joint-role")
+            elif turns[axis] < _ALONG:
+                fits = [name for name in chain if (upright.T @ data.joint(name).xaxis)[axis] >= _ALONG]
+                hint = f"of this leg these turn about {'xyz'[axis]}: {', '.join(fits)}" if fits else "turn its axis"
+                message = f"{joint!r} turns about {_axis(turns)}, a {role} joint about {'xyz'[axis]}"
+                yield Problem(message, place, hint, code="joint-role")
+            elif any(other in chain and (chain.index(joint) < chain.index(other)) != hip for other in others):
+                part = "hip" if hip else "ankle"
+                hint = f"from the {config.base} down: {', '.join(chain)}"
+                yield Problem(f"{joint!r} is no {part} joint", place, hint, code="joint-role")
+    if config.neck:
+        for role, axis in (("yaw", 2), ("pitch", 1)):
+            joint = getattr(config.neck, role)
+            turns, place = upright.T @ data.joint(joint).xaxis, config.place("neck", role)
+            above = _joints_above(model, config.gaze.body)
+            if joint not in above:
+                hint = f"these do: {', '.join(above)}"
+                yield Problem(f"{joint!r} does not move the eyes", place, hint, code="joint-role")
+            elif turns[axis] < _ALONG:
+                message = f"{joint!r} turns about {_axis(turns)}, the neck's {role} about {'xyz'[axis]}"
+                yield Problem(message, place, "x is ahead, y left, z up", code="joint-role")
+
+
+def _soles_off(robot: RobotModel) -> Iterator[Problem]:
+    """Yield soles that are not where the feet touch the floor."""
+    config = robot.config
+    for side in SIDES:
+        sole = config.legs[side].sole
+        place = config.place("legs", side, "sole", "position")
+        foot = footprint(robot, sole.body)
+        if foot is None:
+            message = f"nothing of the body {sole.body!r} can touch the floor"
+            hint = "the sole's body must have collision geoms"
+            yield Problem(message, config.place("legs", side, "sole", "body"), hint, code="sole-off")
+            continue
+        off = np.array(sole.position) - foot.centre
+        height, aside = abs(off[2]), float(np.linalg.norm(off[:2]))
+        hint = f"the foot touches the floor around position: {_numbers(foot.centre)}"
+        if height > _SOLE_OFF:
+            message = (
+                f"the {side} sole is {height * 100:.1f} cm {'above' if off[2] > 0 else 'below'} the foot's lowest point"
+            )
+            yield Problem(message, place, hint, code="sole-off")
+        elif aside > _SOLE_ASIDE:
+            message = f"the {side} sole is {aside * 100:.1f} cm beside the middle of the foot"
+            yield Problem(message, place, hint, code="sole-off")
+        for key, half, most in zip(("half_length", "half_width"), _half(robot), foot.half, strict=True):
+            if half > _SOLE_LARGER * most + _SOLE_OVER and side == SIDES[0]:
+                message = f"the sole is larger than the foot: {key} {half:g} m"
+                yield Problem(message, config.place("sole", key), f"of the foot: {most:.3f} m", code="sole-size")
+
+
+def _half(robot: RobotModel) -> tuple[float, float]:
+    return robot.config.sole.half_length, robot.config.sole.half_width
+
+
+def _home_outside(robot: RobotModel) -> Iterator[Problem]:
+    """Yield angles of the home posture that the joints' soft limits do not allow."""
+    config = robot.config
+    for pattern, angle in config.home.items():
+        for index, name in enumerate(robot.joint_names):
+            low, high = float(robot.lower[index]), float(robot.upper[index])
+            if config.home_key(name) == pattern and not low <= angle <= high:
+                message = f"the home angle of {name!r}, {angle:g} rad, is outside its soft limits"
+                hint = f"valid: {low:.2f} to {high:.2f} rad"
+                yield Problem(message, config.place("home", pattern), hint, code="home-outside")
+                break
+
+
+def _wrong_bodies(robot: RobotModel, data: mujoco.MjData) -> Iterator[Problem]:
+    """Yield a torso that carries no arms, and sites that are far from the bodies that carry them or look back."""
+    config, model = robot.config, robot.model
+    torso = model.body(config.torso).id
+    sites: dict[str, tuple[tuple[str, ...], str, SiteConfig]] = {
+        side: (("hands", side), palm_site(side), hand) for side, hand in config.hands.items()
+    }
+    sites["gaze"] = (("gaze",), GAZE_SITE, config.gaze)
+    for what, (keys, name, site) in sites.items():
+        title = "the eyes are" if what == "gaze" else f"the {what} palm is"
+        if torso not in carriers(model, model.body(site.body).id):
+            message = f"{title} on {site.body!r}, which the torso {config.torso!r} does not carry"
+            yield Problem(message, config.place("torso"), f"or {'.'.join(keys)}.body", code="wrong-torso")
+        away = _away(model, data, site.body, data.site(name).xpos)
+        if away > _NEAR_BODY:
+            message = f"{title} {away * 100:.0f} cm away from the body {site.body!r}"
+            yield Problem(message, config.place(*keys, "position"), "a position in the body's frame", code="site-off")
+    ahead, height = data.site(GAZE_SITE).xmat[[0, 3, 6]], data.site(GAZE_SITE).xpos[2] - data.body(config.base).xpos[2]
+    if ahead @ data.body(config.base).xmat[[0, 3, 6]] < _ALONG:
+        message = f"the eyes do not look ahead: x of {config.gaze.body!r} points along {_axis(ahead)}"
+        yield Problem(message, config.place("gaze", "body"), "x must point ahead, z up", code="site-off")
+    elif height < 0:
+        message = f"the eyes are {-height * 100:.0f} cm below the base"
+        yield Problem(message, config.place("gaze"), "the eyes are in the head", code="site-off")
+
+
+def _asymmetries(robot: RobotModel, data: mujoco.MjData) -> Iterator[Problem]:
+    """Yield sides that are swapped, or that do not mirror each other in the home posture."""
+    config = robot.config
+    base = data.body(config.base)
+    for keys, site in ((("legs",), sole_site), (("hands",), palm_site)):
+        if keys == ("hands",) and set(config.hands) != set(SIDES):
+            continue
+        left, right = (base.xmat.reshape(3, 3).T @ (data.site(site(side)).xpos - base.xpos) for side in SIDES)
+        what = "soles" if keys == ("legs",) else "palms"
+        off = float(np.linalg.norm(left - right * [1, -1, 1]))
+        if left[1] < right[1]:
+            message = f"the left of the {what} is on the right: left and right are swapped"
+            yield Problem(message, config.place(*keys, "left", "sole"), "y points to the left", code="swapped-sides")
+        elif off > _MIRRORED:
+            message = f"the {what} do not mirror each other in the home posture: {off * 100:.0f} cm off"
+            place = config.place("home") if what == "palms" else config.place("legs")
+            hint = "look at the signs of roll and yaw angles in home, and at the sites' positions"
+            yield Problem(message, place, hint, code="asymmetric", severity="warning")
+
+
+def _odd_numbers(robot: RobotModel) -> Iterator[Problem]:
+    """Yield a mass, and limits of a fall, that no humanoid has."""
+    config = robot.config
+    low, high = _MASS
+    if not low < robot.mass < high:
+        message = f"the robot weighs {robot.mass:.1f} kg"
+        hint = f"expected: {low:g} to {high:g} kg; look at the densities and inertials of the model"
+        yield Problem(message, config.place("model"), hint, code="odd-mass", severity="warning")
+    for key, value, (least, most) in (
+        ("tilt", config.fall.tilt, _FALL_TILT),
+        ("height", config.fall.height, _FALL_HEIGHT),
+    ):
+        if not least <= value <= most:
+            why = (
+                "a robot that leans counts as falling"
+                if (value < least) == (key == "tilt")
+                else "a fall is not noticed"
+            )
+            hint = f"expected: {least:g} to {most:g}"
+            message = f"fall.{key} {value:g}: {why}"
+            yield Problem(message, config.place("fall", key), hint, code="fall-limits", severity="warning")
+
+
+def _joints_above(model: mujoco.MjModel, name: str) -> list[str]:
+    """Return the hinges that move a body, from the base to it."""
+    bodies = carriers(model, model.body(name).id)[::-1]
+    return [
+        model.joint(joint).name for body in bodies for joint in range(1, model.njnt) if model.jnt_bodyid[joint] == body
+    ]
+
+
+def _away(model: mujoco.MjModel, data: mujoco.MjData, name: str, point: Array) -> float:
+    """Return how far a point is from what surrounds a body's geoms, or from its origin [m]."""
+    body = model.body(name).id
+    away = [
+        float(np.linalg.norm(point - data.geom_xpos[geom])) - float(model.geom_rbound[geom])
+        for geom in range(model.ngeom)
+        if model.geom_bodyid[geom] == body
+    ]
+    return max(0.0, min([*away, float(np.linalg.norm(point - data.xpos[body]))]))
+
+
+def _axis(direction: Array) -> str:
+    """Return the axis that a direction is nearest to, as ``-y``."""
+    most = int(np.argmax(np.abs(direction)))
+    return ("-" if direction[most] < 0 else "") + "xyz"[most]
+
+
+def _numbers(values: Array) -> str:
+    return "[" + ", ".join(f"{0.0 if math.isclose(value, 0, abs_tol=5e-4) else value:.3f}" for value in values) + "]"

@@ -1,0 +1,230 @@
+"""A robot.yaml that does not fit its model is caught, with the line that is wrong and what would be right."""
+
+from __future__ import annotations
+
+import os
+import shutil
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+
+from humanoid_bt.checking.check import checked
+from humanoid_bt.core.errors import Problem
+from humanoid_bt.files.workspace import Workspace, builtin_root
+
+BUILTIN = builtin_root() / "sim" / "humanoid"
+LEFT_SOLE = "sole: {body: left_foot, position: [0.03, 0, -0.06]}"
+HANDS = """\
+  left: {body: left_hand, position: [0, 0, -0.10]}
+  right: {body: right_hand, position: [0, 0, -0.10]}
+"""
+SWAPPED_HANDS = """\
+  left: {body: right_hand, position: [0, 0, -0.10]}
+  right: {body: left_hand, position: [0, 0, -0.10]}
+"""
+LEFT_KNEE = '{joints: ["*_knee"], stiffness: 500, damping: 20, torque: 150}'
+GAZE = "gaze: {body: head, position: [0.09, 0, 0.08]}"
+
+
+@dataclass(frozen=True)
+class Break:
+    """One way to break the built-in robot.
+
+    Attributes:
+        old, new: text of robot.yaml, or of the model if it begins with a bracket.
+        code: of the finding.
+        says: a part of its message or its hint.
+        at: what stands in the line it points to; by default what was changed.
+    """
+
+    old: str
+    new: str
+    code: str
+    says: str
+    at: str = ""
+
+
+BREAKS = {
+    "sole 13 cm too high": Break(
+        LEFT_SOLE, LEFT_SOLE.replace("-0.06", "0.07"), "sole-off", "13.0 cm above the foot's lowest point"
+    ),
+    "sole beside the foot": Break(
+        LEFT_SOLE, LEFT_SOLE.replace("0.03,", "0.09,"), "sole-off", "around position: [0.030, 0.000, -0.060]"
+    ),
+    "sole too long": Break("half_length: 0.105", "half_length: 0.21", "sole-size", "of the foot: 0.105 m"),
+    "pitch for roll": Break(
+        "ankle_roll: left_ankle_roll",
+        "ankle_roll: left_ankle_pitch",
+        "joint-role",
+        "of this leg these turn about x: left_hip_roll, left_ankle_roll",
+    ),
+    "ankle for hip": Break(
+        "hip_roll: left_hip_roll", "hip_roll: left_ankle_roll", "joint-role", "'left_ankle_roll' is no hip joint"
+    ),
+    "the other leg's joint": Break(
+        "hip_pitch: left_hip_pitch", "hip_pitch: right_hip_pitch", "joint-role", "does not move the left sole"
+    ),
+    "wrong sign": Break(
+        '<joint name="left_hip_pitch" axis="0 1 0"',
+        '<joint name="left_hip_pitch" axis="0 -1 0"',
+        "joint-role",
+        "'left_hip_pitch' turns about -y",
+        "hip_pitch: left_hip_pitch",
+    ),
+    "legs swapped": Break(
+        "  left:\n    hip_roll",
+        "  right:\n    hip_roll",
+        "swapped-sides",
+        "left and right are swapped",
+        "sole: {body: right_foot",
+    ),
+    "hands swapped": Break(HANDS, SWAPPED_HANDS, "swapped-sides", "left and right are swapped", "{body: right_hand"),
+    "a hand is missing": Break(
+        HANDS.splitlines()[0] + "\n", "", "missing-key", "'hands' must have", "{body: right_hand"
+    ),
+    "palm in centimetres": Break(
+        "right_hand, position: [0, 0, -0.10]", "right_hand, position: [0, 0, -10]", "site-off", "right palm is 982"
+    ),
+    "camera in a foot": Break(GAZE, GAZE.replace("head", "left_foot"), "site-off", "below the base"),
+    "camera in centimetres": Break(GAZE, GAZE.replace("0.08", "8"), "site-off", "away from the body 'head'"),
+    "neck's joints swapped": Break(
+        "{yaw: neck_yaw, pitch: neck_pitch}",
+        "{yaw: neck_pitch, pitch: neck_yaw}",
+        "joint-role",
+        "turns about y, the neck's yaw about z",
+    ),
+    "wrong torso": Break("torso: torso", "torso: head", "wrong-torso", "does not carry"),
+    "crouched beyond the limits": Break('"*_knee": 0.70', '"*_knee": 3.0', "home-outside", "valid: "),
+    "an arm's sign": Break(
+        "right_shoulder_roll: -0.15",
+        "right_shoulder_roll: 0.15",
+        "asymmetric",
+        "the palms do not mirror",
+        '"*_hip_pitch": -0.35',
+    ),
+    "soft knees": Break(
+        LEFT_KNEE, LEFT_KNEE.replace("500, damping: 20", "2, damping: 0.1"), "soft-drive", "_knee' is too soft"
+    ),
+    "weak knees": Break(LEFT_KNEE, LEFT_KNEE.replace("150", "15"), "does-not-walk", "raise its torque"),
+    "feet too near": Break("gait: {}", "gait: {stance_width: 0.085}", "self-contact", "touch each other"),
+    "falls at once": Break("gait: {}", "fall: {tilt: 0.01}", "fall-limits", "counts as falling"),
+    "never falls": Break("gait: {}", "fall: {height: 0.05}", "fall-limits", "not noticed"),
+    "a floor of its own": Break(
+        "<worldbody>",
+        '<worldbody>\n<geom name="ground" type="plane" size="1 1 1"/>',
+        "own-floor",
+        "the geom 'ground'",
+    ),
+}
+
+
+def found(folder: Path) -> list[Problem]:
+    return checked(folder / "robot.yaml", Workspace(folder))
+
+
+@pytest.fixture
+def robot(tmp_path: Path) -> Path:
+    """A copy of the built-in robot."""
+    folder = tmp_path / "sim" / "mine"
+    shutil.copytree(BUILTIN, folder)
+    return folder
+
+
+@pytest.mark.parametrize("way", BREAKS)
+def test_what_does_not_fit_is_caught_where_it_is_written(robot: Path, way: str) -> None:
+    broken = BREAKS[way]
+    file = robot / ("humanoid.xml" if broken.old.startswith("<") else "robot.yaml")
+    text = file.read_text()
+    assert broken.old in text
+    changed = text.replace(broken.old, broken.new, 1)
+    if way == "legs swapped":
+        changed = changed.replace("  right:\n    hip_roll: right", "  left:\n    hip_roll: right", 1)
+    file.write_text(changed)
+    problems = found(robot)
+    fitting = [problem for problem in problems if problem.code == broken.code]
+    assert fitting, problems
+    said = [problem for problem in fitting if broken.says in f"{problem.message}\n{problem.hint}"]
+    assert said, fitting
+    assert said[0].hint
+    place = said[0].place
+    assert place is not None and place.line
+    line = Path(place.file).read_text().splitlines()[place.line - 1]
+    assert (broken.at or broken.new.splitlines()[-1].strip()) in line
+
+
+G1 = """\
+format: 1
+name: g1
+model: {model}
+base: pelvis
+torso: torso_link
+legs:
+  left:
+    hip_roll: left_hip_roll_joint
+    hip_pitch: left_hip_pitch_joint
+    ankle_pitch: left_ankle_pitch_joint
+    ankle_roll: left_ankle_roll_joint
+    sole: {{body: left_ankle_roll_link, position: [0.035, 0, -0.031]}}
+  right:
+    hip_roll: right_hip_roll_joint
+    hip_pitch: right_hip_pitch_joint
+    ankle_pitch: right_ankle_pitch_joint
+    ankle_roll: right_ankle_roll_joint
+    sole: {{body: right_ankle_roll_link, position: [0.035, 0, -0.031]}}
+sole: {{half_length: 0.095, half_width: 0.021, margin: 0.008}}
+hands:
+  left: {{body: left_elbow_roll_link, position: [0.18, 0, 0]}}
+  right: {{body: right_elbow_roll_link, position: [0.18, 0, 0]}}
+gaze: {{body: torso_link, position: [0.06, 0, 0.42]}}
+drives:
+  - {{joints: ["*_hip_pitch_joint", "*_hip_roll_joint"], stiffness: 500, damping: 20, torque: 120}}
+  - {{joints: ["*_knee_joint"], stiffness: 500, damping: 20, torque: 150}}
+  - {{joints: ["*_hip_yaw_joint", torso_joint], stiffness: 300, damping: 12, torque: 80}}
+  - {{joints: ["*_ankle_*"], stiffness: 200, damping: 8, torque: 50}}
+  - {{joints: ["*_shoulder_*", "*_elbow_*"], stiffness: 100, damping: 5, torque: 25}}
+  - {{joints: ["*"], stiffness: 5, damping: 0.2, torque: 2}}
+home:
+  "*_hip_pitch_joint": -0.35
+  "*_knee_joint": 0.70
+  "*_ankle_pitch_joint": -0.35
+  "*_shoulder_pitch_joint": 0.3
+  left_shoulder_roll_joint: 0.2
+  right_shoulder_roll_joint: -0.2
+  "*_elbow_pitch_joint": 1.2
+gait: {{stance_width: 0.22, separation_min: 0.17}}
+"""
+
+
+@pytest.fixture
+def published(tmp_path: Path) -> Path:
+    """A robot.yaml for a published model, which is no part of this package."""
+    where = os.environ.get("HUMANOID_BT_ROBOTS", "")
+    model = Path(where) / "unitree_g1" / "g1.xml"
+    if not (where and model.is_file()):
+        pytest.skip("HUMANOID_BT_ROBOTS names no folder with unitree_g1/g1.xml (MuJoCo Menagerie)")
+    (tmp_path / "robot.yaml").write_text(G1.format(model=model))
+    return tmp_path
+
+
+def test_the_built_in_robot_has_no_findings(robot: Path) -> None:
+    assert found(robot) == []
+
+
+def test_a_published_robot_has_no_findings(published: Path) -> None:
+    assert found(published) == []
+
+
+def test_a_published_robot_with_a_floor_is_refused_at_the_floors_line(published: Path) -> None:
+    file = published / "robot.yaml"
+    file.write_text(file.read_text().replace("g1.xml", "scene.xml"))
+    (problem,) = found(published)
+    assert problem.code == "own-floor"
+    assert problem.place is not None
+    assert 'name="floor"' in Path(problem.place.file).read_text().splitlines()[problem.place.line - 1]
+
+
+def test_a_sole_that_is_wider_than_a_published_foot_is_caught(published: Path) -> None:
+    file = published / "robot.yaml"
+    file.write_text(file.read_text().replace("half_width: 0.021", "half_width: 0.025"))
+    assert [problem.code for problem in found(published)] == ["sole-size"]
