@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import re
 import types
 import typing
 from collections.abc import Mapping
@@ -58,33 +59,55 @@ def read_values(
     values: dict[str, Any] = {}
     problems: list[Problem] = []
     of = f" of {what}" if what else ""
+    unknown = [key for key in item.value if key not in params and key not in also]
+    missing = [name for name, spec in params.items() if spec.required and name not in item.value]
     for key, child in item.value.items():
         if key in params:
             try:
                 values[key] = convert(params[key], child)
             except UserError as error:
                 problems += error.problems
-        elif key not in also:
-            hint = nearest(key, [*params, *also])
+        elif key in unknown:
             message, code = f"unknown {noun} {key!r}{of}", f"unknown-{noun}"
+            hint = nearest(key, [*params, *also])
+            if len(missing) == 1 and not hint.startswith("did"):
+                hint = needed(params[missing[0]])
             problems.append(Problem(message, item.key_places.get(key), hint, code=code))
-    for name, spec in params.items():
-        if spec.required and name not in item.value:
-            hint = f"{name}: {spec.type_name}  # {spec.doc}"
-            message = f"the {noun} {name!r}{of} is missing"
-            problems.append(Problem(message, item.place, hint, code=f"missing-{noun}"))
+    for name in missing[len(unknown) :]:  # the unknown ones are most likely the others
+        message = f"the {noun} {name!r}{of} is missing"
+        problems.append(Problem(message, item.place, needed(params[name]), code=f"missing-{noun}"))
     return values, problems
+
+
+def needed(spec: Param) -> str:
+    """Return a hint: how a parameter that is missing is written."""
+    return f"{spec.name}: {spec.type_name}  # {spec.doc}"
 
 
 def _wrong(item: Item, spec: Param, kind: Any) -> UserError:
     message = f"{spec.name!r} must be {_article(type_name(kind))}, not {_shown(item)}"
-    return UserError(message, item.place, spec.doc, code="wrong-type")
+    hint = _number_hint(item.value, spec) if kind in (float, int) and isinstance(item.value, str) else spec.doc
+    return UserError(message, item.place, hint, code="wrong-type")
+
+
+def _number_hint(text: str, spec: Param) -> str:
+    """Return how a text that is no number would be one, else in what the number is."""
+    plain = re.split(r"\s*(?:#|//)", text)[0]
+    pointed = re.sub(r"(?<=\d),(?=\d)", ".", plain)
+    if pointed != text and (written_quantity(pointed) or is_number_text(pointed) or pointed.replace(".", "").isdigit()):
+        return f"write {pointed}" + ("; a comment begins with a blank and #" if plain != text else ", with a point")
+    units = f"a number in {', '.join(factors(spec.unit))}" if factors(spec.unit) else ""
+    return ": ".join(filter(None, [units, spec.doc]))
 
 
 def _shown(item: Item) -> str:
     if isinstance(item.value, (dict, list)) or item.value is None:
         return item.kind
     return f"{item.kind} {item.value!r}"
+
+
+def _choice(item: Item) -> str:
+    return item.kind if isinstance(item.value, (dict, list)) or item.value is None else repr(item.value)
 
 
 def _article(noun: str) -> str:
@@ -102,7 +125,7 @@ def _convert(kind: Any, item: Item, spec: Param) -> Any:  # noqa: PLR0911 (a tab
     if origin is typing.Literal:
         if not any(type(item.value) is type(arg) and item.value == arg for arg in args):
             hint = nearest(str(item.value), [str(a) for a in args])
-            raise UserError(f"{spec.name!r} cannot be {_shown(item)}", item.place, hint, code="wrong-choice")
+            raise UserError(f"{spec.name!r} cannot be {_choice(item)}", item.place, hint, code="wrong-choice")
         return item.value
     if origin in (list, tuple):
         return _convert_sequence(origin, args, item, spec)

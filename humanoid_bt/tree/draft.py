@@ -19,6 +19,7 @@ class Draft:
         type: its type.
         place: where it is written.
         name: its name.
+        word: its type as its file says it, which may be another name of it (``fallback``).
         values: its parameters, converted; those with a mistake are missing.
         value_places: where each given parameter's value is written.
         given_places: where those that a sub-tree's caller gave (``$name``) are written there.
@@ -42,6 +43,10 @@ class Draft:
     branches: dict[str, Draft | dict[str, Draft]] = field(default_factory=dict)
     keys: list[Key] = field(default_factory=list)
     sound: bool = True
+    word: str = ""
+
+    def __post_init__(self) -> None:
+        self.word = self.word or self.type.type_name
 
     def below(self) -> Iterator[tuple[str, Draft]]:
         """Return every sub-tree with the key it stands under, "" for children: ``then``, ``cases left``."""

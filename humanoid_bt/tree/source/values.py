@@ -6,10 +6,10 @@ import typing
 from collections.abc import Sequence
 from typing import Any
 
-from humanoid_bt.core.errors import Problem, UserError, nearest
+from humanoid_bt.core.errors import Problem, UserError, any_of, nearest
 from humanoid_bt.core.items import Item
 from humanoid_bt.core.params import Param
-from humanoid_bt.core.reading import read_values
+from humanoid_bt.core.reading import needed, read_values
 from humanoid_bt.decision.blackboard import Key, are_keys
 from humanoid_bt.tree.draft import Draft
 from humanoid_bt.tree.expressions.expression import Expression
@@ -34,16 +34,18 @@ class ValueReader:
         self._scope = scope
         self._problems = problems
 
-    def read(self, draft: Draft, body: Item) -> None:
+    def read(self, draft: Draft, body: Item, unknown: Sequence[str] = ()) -> None:
         """Read the parameters and the name of a node into its draft.
 
         Args:
             draft: the node's.
             body: what stands behind the node's type, as a mapping.
+            unknown: its keys that mean nothing: most likely they are the parameters that are missing.
         """
         node_type = draft.type
         given: dict[str, Item] = {}
-        wanted = dict(node_type.params)
+        missing = [name for name, spec in node_type.params.items() if spec.required and name not in body.value]
+        wanted = {name: spec for name, spec in node_type.params.items() if name not in missing[: len(unknown)]}
         for key, item in body.value.items():
             if key == "name":
                 self._name(draft, item)
@@ -56,9 +58,9 @@ class ValueReader:
                     given[key] = value
                     if value.place != item.place:
                         draft.given_places[key] = value.place
-            elif node_type.takes == "none" and key not in node_type.branches:
+            elif node_type.takes == "none" and key in unknown:
                 self.unknown(draft, body, key, [*node_type.params, *node_type.branches, "name"])
-        values, problems = read_values(wanted, Item(given, draft.place), repr(node_type.type_name))
+        values, problems = read_values(wanted, Item(given, draft.place), repr(draft.word))
         self._problems += [self._scope.parameters.explain(problem) for problem in problems]
         for key, value in values.items():
             if isinstance(value, Key):
@@ -70,7 +72,7 @@ class ValueReader:
                 for expression in expressions_of(value):
                     self._scope.add(expression)
 
-    def unknown(self, draft: Draft, body: Item, key: str, known: Sequence[str]) -> None:
+    def unknown(self, draft: Draft, body: Item, key: str, known: Sequence[str], owners: Sequence[str] = ()) -> None:
         """Note that a node has no such parameter.
 
         Args:
@@ -78,12 +80,17 @@ class ValueReader:
             body: what stands behind the node's type, as a mapping.
             key: what is no parameter.
             known: what would be valid.
+            owners: the node types that do have such a parameter.
         """
         draft.sound = False
-        name, item = draft.type.type_name, body.value[key]
+        name = draft.word
         hint = nearest(key, known)
-        if key == "memory" and (meant := other_libraries.hint_for_memory(name, item.value)):
-            self._scope.parameters.skim(item)  # a parameter that is given to it is not unused, too
+        missing = [spec for other, spec in draft.type.params.items() if spec.required and other not in body.value]
+        if len(missing) == 1 and not hint.startswith("did"):
+            hint = needed(missing[0])
+        elif owners and not hint.startswith("did"):
+            hint = f"it is a key of {any_of(owners)}: write it there"
+        if key == "memory" and (meant := other_libraries.hint_for_memory(draft.type.type_name, body.value[key].value)):
             hint = meant
         message = f"unknown parameter {key!r} of {name!r}"
         self._problems.append(Problem(message, body.key_places[key], hint, "unknown-parameter"))
@@ -126,7 +133,7 @@ class ValueReader:
             draft.values[spec.name] = self._scope.read(name, item.place, spec) if parameter is None else parameter.value
             return
         draft.sound = False
-        what = f"{spec.name!r} of {draft.type.type_name!r}"
+        what = f"{spec.name!r} of {draft.word!r}"
         message = f"{what} must be known before the run, and {item.value!r} is a key of the blackboard"
         place, hint = item.place, "give it a value or a parameter"
         if parameter is not None and parameter.given is not None:  # the mistake is that of whoever gave it a key
