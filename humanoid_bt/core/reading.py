@@ -7,8 +7,8 @@ import math
 import re
 import types
 import typing
-from collections.abc import Mapping
-from typing import Any, Literal
+from collections.abc import Iterable, Iterator, Mapping
+from typing import Any, Literal, Protocol, runtime_checkable
 
 from humanoid_bt.core.errors import Problem, UserError, nearest
 from humanoid_bt.core.items import Item
@@ -25,6 +25,14 @@ def convert(spec: Param, item: Item) -> Any:
     return _convert(spec.type, item, spec)
 
 
+@runtime_checkable
+class Judged(Protocol):
+    """A dataclass whose values can be wrong together, though each of them is right."""
+
+    def mistakes(self, item: Item) -> Iterator[Problem]:
+        """Return what is wrong; ``item`` is the mapping that the values were read from."""
+
+
 def read(cls: type, item: Item, what: str = "") -> Any:
     """Read a YAML mapping into a dataclass whose fields are declared with :func:`param`.
 
@@ -39,9 +47,12 @@ def read(cls: type, item: Item, what: str = "") -> Any:
     if not isinstance(item.value, dict):
         raise UserError(f"{what or 'this'} must be a mapping, not {item.kind}", item.place, code="wrong-type")
     values, problems = read_values(params_of(cls), item, what)
+    if not problems:
+        made = cls(**values)
+        problems = list(made.mistakes(item)) if isinstance(made, Judged) else []
     if problems:
         raise UserError(problems)
-    return cls(**values)
+    return made
 
 
 def read_values(
@@ -132,7 +143,9 @@ def _convert(kind: Any, item: Item, spec: Param) -> Any:  # noqa: PLR0911 (a tab
     if origin is dict:
         if not isinstance(item.value, dict):
             raise _wrong(item, spec, kind)
-        return {key: _convert(args[1], child, spec) for key, child in item.value.items()}
+        return dict(
+            zip(item.value, _convert_all(((args[1], child) for child in item.value.values()), spec), strict=True)
+        )
     if hasattr(kind, "from_item"):  # a type that reads itself
         return kind.from_item(item, spec.name)
     if dataclasses.is_dataclass(kind):
@@ -172,7 +185,21 @@ def _convert_sequence(origin: Any, args: tuple[Any, ...], item: Item, spec: Para
     if len(kinds) != len(item.value):
         message = f"{spec.name!r} must have {len(kinds)} values, not {len(item.value)}"
         raise UserError(message, item.place, spec.doc, code="wrong-length")
-    return origin(_convert(kind, child, spec) for kind, child in zip(kinds, item.value, strict=True))
+    return origin(_convert_all(zip(kinds, item.value, strict=True), spec))
+
+
+def _convert_all(parts: Iterable[tuple[Any, Item]], spec: Param) -> list[Any]:
+    """Convert the parts of a list or a mapping; what is wrong with them is raised together."""
+    values: list[Any] = []
+    problems: list[Problem] = []
+    for kind, item in parts:
+        try:
+            values.append(_convert(kind, item, spec))
+        except UserError as error:
+            problems += error.problems
+    if problems:
+        raise UserError(problems)
+    return values
 
 
 def _convert_number(kind: Any, item: Item, spec: Param) -> float | int:

@@ -57,6 +57,12 @@ class Draft:
             else:
                 yield key, branch
 
+    def called(self, child: Draft) -> str:
+        """Return what a child is called in messages, as in its path: ``'walk'``, its sibling ``'walk#2'``."""
+        alike = [other for other in self.children if other.name == child.name]
+        number = next((number for number, other in enumerate(alike, 1) if other is child), 1)
+        return repr(child.name if number == 1 else f"{child.name}#{number}")
+
     def iterate(self) -> Iterator[Draft]:
         """Return this draft and all below it, parents first."""
         yield self

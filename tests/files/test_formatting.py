@@ -128,7 +128,9 @@ def test_reads_any_line_breaks_and_a_byte_order_mark() -> None:
 
 
 def test_refuses_line_breaks_that_no_editor_shows() -> None:
-    with pytest.raises(UserError, match=r"x\.yaml:2:7: error: cannot be formatted: the character U\+2028 breaks a line here"):
+    with pytest.raises(
+        UserError, match=r"x\.yaml:2:7: error: cannot be formatted: the character U\+2028 breaks a line here"
+    ):
         formatted('a: 1\nb: "c \u2028 d"\n', "x.yaml")
 
 

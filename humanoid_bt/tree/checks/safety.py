@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+from collections import Counter
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 
@@ -67,17 +68,18 @@ def _guards(draft: Draft, facts: Facts, above: _Above) -> Iterator[Problem]:
 
 
 def _misspelt(watchdog: Draft, watched: Sequence[str], above: Collection[str]) -> str:
-    """Return the percept that a watchdog's misspelt one stands for: one of a like name that is used below instead."""
-    used = {
+    """Return the percept that a watchdog's misspelt one stands for: one of a like name, used below more than once."""
+    used = Counter(
         percept
         for child in watchdog.children
         for draft in child.iterate()
         for percepts in draft.type.percepts(draft.values).values()
         for percept in percepts
-    }
+    )
     if not watched or watched[0] in used:
         return ""
-    near = difflib.get_close_matches(watched[0], used - set(above), n=1)
+    several = [percept for percept, count in used.items() if count > 1 and percept not in above]
+    near = difflib.get_close_matches(watched[0], several, n=1)
     return near[0] if near else ""
 
 
@@ -96,5 +98,5 @@ def check_overlaps(root: Draft, facts: Facts) -> Iterator[Problem]:
             for owner in draft.children:
                 if id(owner) in shared:
                     what = " and ".join(shared[id(owner)])
-                    message = f"{owner.name!r} and {child.name!r} run at once and both command {what}"
+                    message = f"{draft.called(owner)} and {draft.called(child)} run at once and both command {what}"
                     yield Problem(message, child.place, f"the first is at {owner.place}", "resource-overlap")
