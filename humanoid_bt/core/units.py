@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Mapping
+from typing import Any
 
 _UNITS: dict[str, dict[str, float]] = {  # declared unit -> what may be written, and its factor
     "m": {"m": 1.0, "cm": 0.01, "mm": 0.001},
@@ -20,6 +21,7 @@ _UNITS: dict[str, dict[str, float]] = {  # declared unit -> what may be written,
 UNITS = tuple(_UNITS)
 """SI units that a parameter can declare."""
 
+_LARGE = 1e6
 _EXPONENT = re.compile(r"^[-+]?(?:\d+\.?\d*|\.\d+)[eE][-+]?\d+$")  # YAML 1.1 reads 1e-3 as text
 _QUANTITY = re.compile(r"^\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([A-Za-z/]+)\s*$")
 
@@ -42,6 +44,26 @@ def quantity(text: str) -> tuple[float, str] | None:
         if written and written[1] in known:
             return written[0] * known[written[1]], unit
     return None
+
+
+def shown_number(value: float, more: int = 0) -> str:
+    """Return a number as people say it: ``60``, ``0.41``, ``0.004``; with more decimals if that is asked for."""
+    if not math.isfinite(value) or abs(value) >= _LARGE or value == 0:
+        return f"{value:g}"
+    decimals = max(2, 1 - math.floor(math.log10(abs(value)))) + more
+    return f"{value:.{decimals}f}".rstrip("0").rstrip(".")
+
+
+def shown_quantity(value: Any, unit: str = "") -> str:
+    """Return a value in SI units as people read it, an angle also in degrees; a word for what is no number."""
+    if isinstance(value, bool) or value is None:
+        return {True: "true", False: "false", None: "null"}[value]
+    if isinstance(value, (list, tuple)):
+        return f"[{', '.join(shown_quantity(part, unit) for part in value)}]"
+    if not isinstance(value, (int, float)):
+        return str(value)
+    degrees = f" ({shown_number(round(math.degrees(value), 1))} deg)" if unit == "rad" and value else ""
+    return f"{value:g}{degrees}"
 
 
 def factors(unit: str) -> Mapping[str, float]:
