@@ -66,6 +66,14 @@ def shown_quantity(value: Any, unit: str = "") -> str:
     return f"{value:g}{degrees}"
 
 
+def spaced(value: Any) -> Any:
+    """Return a written value with one blank before each unit: "60deg" as "60 deg"."""
+    if isinstance(value, (list, tuple)):
+        return [spaced(part) for part in value]
+    written = written_quantity(value) if isinstance(value, str) else None
+    return f"{written[0]:g} {written[1]}" if written else value
+
+
 def factors(unit: str) -> Mapping[str, float]:
     """Return the units in which a quantity of an SI unit may be written, each with its size in that; none for ""."""
     return _UNITS.get(unit, {})

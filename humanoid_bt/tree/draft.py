@@ -21,6 +21,7 @@ class Draft:
         name: its name.
         word: its type as its file says it, which may be another name of it (``fallback``).
         values: its parameters, converted; those with a mistake are missing.
+        written: those that are written in another unit than the SI's, as they are written ("60 deg").
         value_places: where each given parameter's value is written.
         given_places: where those that a sub-tree's caller gave (``$name``) are written there.
         references: parameter -> name of what it was given as ``$name``.
@@ -35,6 +36,7 @@ class Draft:
     place: Place
     name: str
     values: dict[str, Any] = field(default_factory=dict)
+    written: dict[str, Any] = field(default_factory=dict)
     value_places: dict[str, Place] = field(default_factory=dict)
     given_places: dict[str, Place] = field(default_factory=dict)
     references: dict[str, str] = field(default_factory=dict)

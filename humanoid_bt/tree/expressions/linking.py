@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import math
 import operator
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from typing import Any, Protocol
 
 from humanoid_bt.core.errors import HumanoidBtError, Place, UserError, nearest
-from humanoid_bt.core.units import factors
+from humanoid_bt.core.units import factors, shown_number
 from humanoid_bt.decision.robot import Robot
 from humanoid_bt.tree.expressions import grammar
 from humanoid_bt.tree.expressions.grammar import Syntax
@@ -18,6 +19,7 @@ from humanoid_bt.tree.expressions.vocabulary import PERCEPT, SEEN, STATE
 Evaluate = Callable[[Robot], Any]
 """Returns a value, from what the robot knows at the start of the tick."""
 
+_FINER = 3  # further decimals of two numbers that differ only there
 CODE = "expression"
 """The code of every mistake in an expression."""
 
@@ -85,7 +87,11 @@ class Watched:
     @property
     def text(self) -> str:
         """What was compared, in words."""
-        return f"{self.source} {shown(self.left)} {self.operator} {shown(self.right)}"
+        unit = self.type.unit
+        left, right = shown(self.left, unit), shown(self.right, unit)
+        if left == right and self.left != self.right:
+            left, right = shown(self.left, unit, _FINER), shown(self.right, unit, _FINER)
+        return f"{self.source} {left} {self.operator} {right}"
 
 
 class Linker:
@@ -293,6 +299,18 @@ def within(place: Place, text_at: int | None, index: int) -> Place:
     return replace(place, column=place.column + text_at + index)
 
 
-def shown(value: Any) -> str:
-    """Return a value as people read it."""
-    return f"{value:.4g}" if isinstance(value, float) else str(value).lower() if isinstance(value, bool) else str(value)
+def shown(value: Any, unit: str = "", more: int = 0) -> str:
+    """Return a value as people read it, an angle in degrees.
+
+    Args:
+        value: the value, in SI units.
+        unit: its unit.
+        more: decimals beyond the usual ones.
+    """
+    if isinstance(value, bool):
+        return str(value).lower()
+    if not isinstance(value, (int, float)):
+        return str(value)
+    if unit == "rad":
+        value, unit = math.degrees(value), "deg"
+    return f"{shown_number(value, more)} {unit}".rstrip()

@@ -97,4 +97,4 @@ def _value(expression: Expression, robot: Robot) -> str:
     except KeyNotSet:
         return "(not set)"
     unit = expression.type.unit if isinstance(value, (int, float)) else ""
-    return f"{shown(value)} {unit}".rstrip()
+    return shown(value, unit)

@@ -80,7 +80,7 @@ class TreeFile:
         header["name"] = self.name
         for name, argument in given.items():
             declared, spec = header["parameters"][name], self.parameters[name].spec
-            value = written(argument.value, spec.unit)
+            value = written(argument.value if argument.written is None else argument.written, spec.unit)
             header["parameters"][name] = {**declared, "default": value} if isinstance(declared, dict) else value
         return header
 

@@ -200,7 +200,7 @@ class Loader:
                         Problem(message, draft.place, f"{name}: {declared.spec.doc}", "missing-parameter")
                     )
             elif name in draft.values:
-                found[name] = Argument(draft.values[name], draft.value_places[name])
+                found[name] = Argument(draft.values[name], draft.value_places[name], written=draft.written.get(name))
         return found
 
     def _find(self, item: Item) -> Path:

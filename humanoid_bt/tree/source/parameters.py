@@ -65,11 +65,13 @@ class Argument:
         value: its value, of the parameter's type; a :class:`Key` if it is read while the tree runs.
         place: where it is given.
         reader: for a node, who reads it: names in it are those of the tree that gives it.
+        written: its value as it is written ("60 deg"), None if that is not known.
     """
 
     value: Any
     place: Place
     reader: Any = None
+    written: Any = None
 
 
 @dataclass(frozen=True)
@@ -89,6 +91,13 @@ class Parameter:
     value: Any = None
     known: bool = False
     given: Argument | None = None
+
+    @property
+    def written(self) -> Any:
+        """Its value as it is written ("60 deg"), None if that is not known."""
+        if self.given is not None:
+            return self.given.written
+        return None if self.spec.required else self.spec.default
 
 
 class Parameters:

@@ -44,6 +44,7 @@ class ValueReader:
         """
         node_type = draft.type
         given: dict[str, Item] = {}
+        plainly: dict[str, Any] = {}
         missing = [name for name, spec in node_type.params.items() if spec.required and name not in body.value]
         wanted = {name: spec for name, spec in node_type.params.items() if name not in missing[: len(unknown)]}
         for key, item in body.value.items():
@@ -56,12 +57,14 @@ class ValueReader:
                     del wanted[key]  # it is read while the tree runs, or its mistake is noted
                 else:
                     given[key] = value
+                    plainly[key] = self._plainly(item, value)
                     if value.place != item.place:
                         draft.given_places[key] = value.place
             elif node_type.takes == "none" and key in unknown:
                 self.unknown(draft, body, key, [*node_type.params, *node_type.branches, "name"])
         values, problems = read_values(wanted, Item(given, draft.place), repr(draft.word))
         self._problems += [self._scope.parameters.explain(problem) for problem in problems]
+        draft.written = {key: plain for key, plain in plainly.items() if _in_another_form(values.get(key), plain)}
         for key, value in values.items():
             if isinstance(value, Key):
                 draft.values[key] = self._scope.write(value.name, _written_type(values))
@@ -126,6 +129,12 @@ class ValueReader:
             draft.sound = False
         return resolved
 
+    def _plainly(self, item: Item, resolved: Item) -> Any:
+        """Return a value as it is written, here or where the parameter got it that it refers to."""
+        name = reference(item)
+        parameter = self._scope.parameters.find(name) if name is not None else None
+        return resolved.plain() if parameter is None else parameter.written
+
     def _dynamic(self, draft: Draft, spec: Param, item: Item, parameter: Parameter | None) -> None:
         """Let a parameter be read from the blackboard each time the node starts."""
         name = item.value[1:]
@@ -152,6 +161,13 @@ def _has_names(kind: Any) -> bool:
     """Return whether values of a parameter's type look up names by themselves."""
     inner = (kind, *typing.get_args(kind))
     return any(isinstance(part, type) and issubclass(part, (Expression, Template)) for part in inner)
+
+
+def _in_another_form(value: Any, plain: Any) -> bool:
+    """Return whether a value's written form says more than the value: a unit that is not the SI's."""
+    if isinstance(value, bool) or not isinstance(value, (int, float, list, tuple)) or plain is None:
+        return False
+    return bool(plain != (list(value) if isinstance(value, tuple) else value))
 
 
 def _written_type(values: dict[str, Any]) -> Type:
