@@ -39,7 +39,7 @@ def test_what_runs_deepest_is_always_in_sight(tour: Outline, width: int, height:
     assert len(tour.nodes) > 50
     for leaf in leaves:
         statuses = running(tour, leaf, leaf)
-        said = {path: "a few words on how it goes" for path in statuses}
+        said = dict.fromkeys(statuses, "a few words on how it goes")
         shown, lines = fitted(tour, statuses, said, width, height)
         assert len(lines) <= height
         assert tour.nodes[leaf].path in {shown.nodes[line.node].path for line in lines if line.node >= 0}
@@ -55,7 +55,7 @@ def test_a_tree_that_fits_is_shown_whole(tour: Outline) -> None:
 
 def test_what_is_left_out_is_counted(tour: Outline) -> None:
     statuses = running(tour, len(tour.nodes) - 1, 0)
-    said = {path: "a few words on how it goes" for path in statuses}
+    said = dict.fromkeys(statuses, "a few words on how it goes")
     _, every = fitted(tour, statuses, said, 80, 1000)
     _, lines = fitted(tour, statuses, said, 80, 8)
     assert len(every) > 8
