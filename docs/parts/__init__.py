@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import partial
 
-from parts import api, codes, config_files, house, library, nodes, python, tree_files, units
+from parts import api, codes, config_files, house, library, nodes, promises, python, tree_files, units
 
 PARTS_BY_NAME: dict[str, Callable[[], str]] = {
     maker.__name__: maker
@@ -17,6 +17,7 @@ PARTS_BY_NAME: dict[str, Callable[[], str]] = {
         *(python.handle, python.track, python.state, python.rig, python.rig_result),
         *(api.api, api.session, api.report),
         *(codes.codes, codes.code_examples),
+        *(promises.costs, promises.reactions),
         *(units.units, units.clocks),
         *(house.rooms, house.inner_rooms, house.percept_way, house.command_way),
     )

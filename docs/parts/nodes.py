@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from examples import EXAMPLES
-
 from humanoid_bt.files.workspace import Workspace, builtin_root
 from humanoid_bt.tree.node_type import NODE_KEYS, NodeType
 from humanoid_bt.tree.nodes import BUILTIN
+from humanoid_bt.tree.nodes.examples import EXAMPLES
 from humanoid_bt.tree.nodes.other_libraries import FOREIGN
 from humanoid_bt.tree.nodes.registry import Registry
 from humanoid_bt.tree.slots import Slot

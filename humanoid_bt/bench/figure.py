@@ -8,6 +8,8 @@ from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from typing import Any
 
+from humanoid_bt.bench.promises import Promise, Verdict
+
 Pairs = list[tuple[float, float]]
 """What we took and what the baseline took, once per repetition."""
 
@@ -22,8 +24,7 @@ class Figure:
         ours, theirs: median of the repetitions, in ``unit``.
         ratio: median of ours / theirs, pair by pair.
         low, high: smallest and largest ratio.
-        must, aim: bounds of the ratio, for people; None where there are none.
-        more_is_better: whether the bounds are lower bounds.
+        promise: the bound of the ratio; None where there is none.
     """
 
     name: str
@@ -34,26 +35,16 @@ class Figure:
     ratio: float
     low: float
     high: float
-    must: float | None = None
-    aim: float | None = None
-    more_is_better: bool = False
+    promise: Promise | None = None
 
     @property
-    def must_text(self) -> str:
-        """The bound that has to hold, as text."""
-        return self._bound(self.must)
-
-    @property
-    def aim_text(self) -> str:
-        """The bound that is aimed at, as text."""
-        return self._bound(self.aim)
-
-    def _bound(self, value: float | None) -> str:
-        return "" if value is None else f"{'>=' if self.more_is_better else '<='} {value:g}"
+    def verdict(self) -> Verdict | None:
+        """Whether it keeps its promise, None without one."""
+        return None if self.promise is None else self.promise.verdict(self.ratio)
 
     def to_dict(self) -> dict[str, Any]:
         """Return plain data for JSON."""
-        return asdict(self)
+        return {**asdict(self), "verdict": self.verdict}
 
 
 def cpu(function: Callable[[], object], calls: int = 1) -> float:
@@ -76,9 +67,7 @@ def figure(
     pairs: Pairs,
     *,
     scale: float = 1.0,
-    must: float | None = None,
-    aim: float | None = None,
-    more_is_better: bool = False,
+    promise: Promise | None = None,
 ) -> Figure:
     """Return the figure of some pairs.
 
@@ -88,9 +77,7 @@ def figure(
         unit: of what is shown.
         pairs: at least one.
         scale: from the pairs' unit to ``unit``.
-        must: bound of the ratio that has to hold.
-        aim: bound of the ratio that is aimed at.
-        more_is_better: whether the bounds are lower bounds.
+        promise: the bound of the ratio.
     """
     ratios = [ours / theirs for ours, theirs in pairs]
     return Figure(
@@ -102,7 +89,5 @@ def figure(
         statistics.median(ratios),
         min(ratios),
         max(ratios),
-        must,
-        aim,
-        more_is_better,
+        promise,
     )

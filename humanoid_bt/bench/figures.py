@@ -11,6 +11,7 @@ import mujoco
 import numpy as np
 
 from humanoid_bt.bench.figure import Figure, cpu, figure
+from humanoid_bt.bench.promises import SPEED, STACK
 from humanoid_bt.bench.tree import measure_tree
 from humanoid_bt.control.body.mink_terms import SOLVER
 from humanoid_bt.control.body.standing import load_robot
@@ -78,11 +79,9 @@ def _whole_stack(repetitions: int, recording: Path) -> Iterator[Figure]:
 
     pairs = [(stack(), bare()) for _ in range(repetitions)]
     title = f"whole stack: run {_TREE}, recording on"
-    yield figure(title, "mj_step of the same motion", "ms CPU", pairs, scale=1e3, must=6.0, aim=3.0)
+    yield figure(title, "mj_step of the same motion", "ms CPU", pairs, scale=1e3, promise=STACK)
     wall = [(simulated, ours) for ours, _ in pairs]
-    yield figure(
-        "lockstep: simulated time, recording on", "CPU time it took", "s", wall, must=4, aim=10, more_is_better=True
-    )
+    yield figure("lockstep: simulated time, recording on", "CPU time it took", "s", wall, promise=SPEED)
 
 
 def _new_run(workspace: Workspace, recording: Path) -> Session:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from humanoid_bt.bench.promises import LATENESS, Verdict
 from humanoid_bt.core.clock import SERVO_PERIOD
 
 
@@ -35,6 +36,11 @@ class Punctuality:
     late_max: float
     jitter_p50: float
     jitter_p99: float
+
+    @property
+    def verdict(self) -> Verdict | None:
+        """Whether a servo kept its promise; None without realtime priority, for which nothing is promised."""
+        return LATENESS.verdict(self.late_p99) if self.fifo else None
 
 
 def percentile(values: ArrayLike, share: float) -> float:

@@ -18,8 +18,7 @@ from humanoid_bt.bench.subject import Subject
 from humanoid_bt.realtime.schedule import last_core
 
 OURS = "servo"
-LATENESS_MUST = 100.0
-"""Bound of the servo's p99 lateness with realtime priority, also under load [us]."""
+"""The loop of the real control process."""
 
 
 @dataclass(frozen=True)

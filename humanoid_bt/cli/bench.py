@@ -1,4 +1,4 @@
-"""``humanoid-bt bench``: a table of ratios."""
+"""``humanoid-bt bench``: a table of ratios with verdicts."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from rich.text import Text
 
 from humanoid_bt.bench.figure import Figure
 from humanoid_bt.bench.figures import measure
+from humanoid_bt.bench.promises import Verdict
 from humanoid_bt.bench.tree import measure_tree
 from humanoid_bt.cli.figures import write_figures
 from humanoid_bt.files.workspace import Workspace
@@ -44,18 +45,23 @@ def _measured(arguments: argparse.Namespace) -> Iterator[Figure]:
 
 
 def _table(figures: list[Figure], repetitions: int) -> Table:
-    title = f"ratio to a baseline in the same run: median of {repetitions} pairs (smallest to largest)"
-    table = Table(box=None, pad_edge=False, show_header=False, title=title, title_justify="left", title_style="dim")
-    table.add_column(justify="right", no_wrap=True, style="bold")
-    table.add_column(overflow="fold")
+    title = f"ratios to a baseline in the same run: median of {repetitions} pairs (smallest to largest)"
+    table = Table(box=None, pad_edge=False, title=title, title_justify="left", title_style="dim", header_style="dim")
+    table.add_column("what", overflow="fold")
+    for name in ("measured", "promised"):
+        table.add_column(name, justify="right", no_wrap=True)
+    table.add_column("", no_wrap=True)
     for figure in figures:
-        bounds = "".join(
-            f", {name} {text}" for name, text in (("must", figure.must_text), ("aim", figure.aim_text)) if text
-        )
-        measured = (
-            f"{figure.ours:.3g} to {figure.theirs:.3g} {figure.unit} ({figure.low:.2f}-{figure.high:.2f}){bounds}"
-        )
+        beside = f"{figure.ours:.3g} to {figure.theirs:.3g} {figure.unit} ({figure.low:.2f}-{figure.high:.2f})"
         table.add_row(
-            f"{figure.ratio:.2f}x", Text.assemble(figure.name, (f"\nto {figure.baseline}: {measured}", "dim"))
+            Text.assemble(figure.name, (f"\nto {figure.baseline}: {beside}", "dim")),
+            Text(f"{figure.ratio:.2f}x", "bold"),
+            figure.promise.text if figure.promise else "",
+            judged(figure.verdict),
         )
     return table
+
+
+def judged(verdict: Verdict | None) -> Text:
+    """Return whether a promise was kept, in colour."""
+    return Text(verdict or "", "bold red" if verdict == "missed" else "green")

@@ -14,9 +14,11 @@ from rich.table import Table
 from rich.text import Text
 
 from humanoid_bt.bench.baseline import SAME_LOOP
+from humanoid_bt.bench.promises import LATENESS
 from humanoid_bt.bench.punctuality import Punctuality
 from humanoid_bt.bench.reactions import Reaction
-from humanoid_bt.bench.realtime import LATENESS_MUST, OURS, Note, measure_realtime
+from humanoid_bt.bench.realtime import OURS, Note, measure_realtime
+from humanoid_bt.cli.bench import judged
 from humanoid_bt.cli.figures import write_figures
 from humanoid_bt.realtime.schedule import FIFO_HINT
 from humanoid_bt.session.report import ExitCode
@@ -55,9 +57,15 @@ def bench_realtime(arguments: argparse.Namespace) -> int:
                 "repetitions": arguments.repetitions,
                 "duration": arguments.duration,
                 "cores": os.cpu_count(),
-                "loops": [asdict(loop) for loop in loops],
+                "loops": [{**asdict(loop), "verdict": loop.verdict if loop.loop == OURS else None} for loop in loops],
                 "reactions": [
-                    {**asdict(answer), "p50": answer.p50, "p99": answer.p99, "max": answer.largest}
+                    {
+                        **asdict(answer),
+                        "p50": answer.p50,
+                        "p99": answer.p99,
+                        "max": answer.largest,
+                        "verdict": answer.verdict,
+                    }
                     for answer in answers
                 ],
                 "notes": notes,
@@ -67,10 +75,11 @@ def bench_realtime(arguments: argparse.Namespace) -> int:
 
 
 def _punctuality_table(loops: list[Punctuality], duration: float) -> Table:
-    bound = f"must with FIFO: p99 <= {LATENESS_MUST:g}"
-    table = _table(f"lateness of wake-ups every ms [us], {duration:g} s each; {bound}", "", "loop")
+    bound = f"promised with FIFO: p99 {LATENESS.text}"
+    table = _table(f"lateness of wake-ups [us], {duration:g} s each; {bound}", "", "loop")
     for name in ("p50", "p99", "p99.9", "max", "jitter p99", "missed"):
         table.add_column(name, justify="right", no_wrap=True)
+    table.add_column("", no_wrap=True)
     for loaded in (False, True):
         group = [loop for loop in loops if loop.loaded is loaded]
         for index, loop in enumerate(sorted(group, key=lambda loop: loop.loop != OURS)):
@@ -80,12 +89,13 @@ def _punctuality_table(loops: list[Punctuality], duration: float) -> Table:
                 loop.loop,
                 *values,
                 f"{loop.missed}/{loop.cycles + loop.missed}",
+                judged(loop.verdict) if loop.loop == OURS else "",
                 style="bold" if loop.loop == OURS else "",
             )
         named = {loop.loop: loop for loop in group}
         if OURS in named and SAME_LOOP in named:
             pairs = zip(_values(named[OURS]), _values(named[SAME_LOOP]), strict=True)
-            table.add_row("", "servo to C, same loop", *(_ratio(*pair) for pair in pairs), "", style="dim")
+            table.add_row("", "servo to C", *(_ratio(*pair) for pair in pairs), "", "", style="dim")
     return table
 
 
@@ -107,17 +117,19 @@ def _ratio(ours: float, theirs: float) -> str:
 
 def _reaction_table(answers: list[Reaction]) -> Table:
     table = _table("from the cause to the answer [ms]", "", "cause")
-    for name in ("p50", "p99", "max", "must", "aim", "answered", "standing"):
+    for name in ("p50", "p99", "max", "promised", "answers", "stands"):
         table.add_column(name, justify="right", no_wrap=True)
+    table.add_column("", no_wrap=True)
     for index, answer in enumerate(answers):
         first = index == 0 or answers[index - 1].loaded is not answer.loaded
         table.add_row(
             _load(answer.loaded) if first else "",
             answer.cause,
             *(f"{value:.1f}" if answer.delays else "-" for value in (answer.p50, answer.p99, answer.largest)),
-            *("" if bound is None else f"<={bound:g}" for bound in (answer.must, answer.aim)),
+            answer.promise.text if answer.promise else "",
             f"{len(answer.delays)}/{answer.repetitions}",
             f"{answer.standing}/{answer.repetitions}",
+            judged(answer.verdict),
         )
     return table
 

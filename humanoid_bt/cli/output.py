@@ -12,7 +12,7 @@ from collections.abc import Iterable, Sequence
 from typing import Any, TextIO
 
 _GONE = {errno.EPIPE, errno.EIO}  # the reader has ended: a closed pipe, a closed terminal
-_NARROWEST = 24  # columns that a text needs to be readable beside others
+_NARROWEST = 20  # columns that a text needs to be readable beside others
 
 _PLAIN = str.maketrans(
     {"▶": ">", "→": ">", "✓": "+", "✗": "x", "○": "o", "■": "#", "•": "*", "├": "|", "└": "`", "─": "-", "│": "|"}
@@ -110,8 +110,8 @@ def columns(rows: Iterable[Sequence[str]], *, indent: int = 0, first: int = 0) -
         if room >= _NARROWEST:
             lines += hanging(head, text)
         else:
-            lines.append(head.rstrip())
-            lines += hanging(" " * (indent + 4), text)
+            lines += hanging(f"{'':{indent}}{cells[0]:<{widths[0]}}  ", "  ".join(filter(None, cells[1:])))
+            lines += hanging(" " * (indent + 4), text) if text else []
     return lines
 
 

@@ -6,7 +6,6 @@ import argparse
 import contextlib
 import sys
 import time
-from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -23,8 +22,8 @@ from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.link.run_folder import RunInfo
 from humanoid_bt.realtime.live_tree import Moment, TreeWatch
 from humanoid_bt.session.report import ExitCode
-from humanoid_bt.tree.show import Outline, OutlineNode, dot_tree, mermaid_tree, outline_of, svg_tree, unicode_tree
-from humanoid_bt.tree.show.text import lines_of
+from humanoid_bt.tree.show import Outline, dot_tree, mermaid_tree, outline_of, svg_tree, unicode_tree
+from humanoid_bt.tree.show.fold import fitted, folded_below, without_subtrees
 from humanoid_bt.tree.source.load import load_tree
 
 _SUFFIXES = {
@@ -54,9 +53,16 @@ def show(arguments: argparse.Namespace) -> int:
     if live:
         return _show_live(arguments, drawing)
     workspace = Workspace.of_argument(arguments.tree, arguments.workspace)
-    outline = outline_of(load_tree(workspace.find_tree(arguments.tree), workspace))
+    outline = _closed(outline_of(load_tree(workspace.find_tree(arguments.tree), workspace)), arguments)
     _deliver(_drawn(drawing, outline, None, None), outline, arguments.output)
     return ExitCode.SUCCESS
+
+
+def _closed(outline: Outline, arguments: argparse.Namespace) -> Outline:
+    """Return what is drawn of a tree that is closed as the arguments say."""
+    if arguments.closed:
+        outline = without_subtrees(outline)
+    return outline if arguments.depth is None else folded_below(outline, arguments.depth)
 
 
 def _format(chosen: str | None, output: Path | None) -> str:
@@ -101,19 +107,20 @@ def _show_live(arguments: argparse.Namespace, drawing: str) -> int:
         console = Console(highlight=False)
         if console.is_terminal and drawing == "unicode" and arguments.output is None:
             with contextlib.suppress(KeyboardInterrupt):
-                _follow(watch, info, console)
+                _follow(watch, info, console, arguments)
             return ExitCode.SUCCESS
         moment = next(_moments(watch))
-        outline = _titled(moment, info, watch)
+        outline = _closed(_titled(moment, info, watch), arguments)
         _deliver(_drawn(drawing, outline, moment.statuses, moment.feedback), outline, arguments.output)
     return ExitCode.SUCCESS
 
 
-def _follow(watch: TreeWatch, info: RunInfo, console: Console) -> None:
+def _follow(watch: TreeWatch, info: RunInfo, console: Console, arguments: argparse.Namespace) -> None:
     """Draw the tree again and again, until the run is over."""
     with Live(console=console, auto_refresh=False) as live:
         for moment in _moments(watch):
-            live.update(_colored(moment, _titled(moment, info, watch), console), refresh=True)
+            outline = _closed(_titled(moment, info, watch), arguments)
+            live.update(_colored(moment, outline, console), refresh=True)
     console.print("the run is over", style="dim")
 
 
@@ -146,32 +153,11 @@ def _titled(moment: Moment, info: RunInfo, watch: TreeWatch) -> Outline:
 
 
 def _colored(moment: Moment, outline: Outline, console: Console) -> Text:
-    """Return the drawing with colours; of a tree that is too tall only what is at work."""
-    lines = lines_of(outline, moment.statuses, console.width, moment.feedback)
-    if len(lines) > console.height - 1:
-        outline = _folded(outline, moment.statuses)
-        lines = lines_of(outline, moment.statuses, console.width, moment.feedback)
+    """Return the drawing with colours, as much of it as fits."""
+    outline, lines = fitted(outline, moment.statuses, moment.feedback, console.width, console.height - 1)
     text = Text(no_wrap=True, overflow="ellipsis")
     for line in lines:
         style = "bold" if line.node < 0 else _STYLES[moment.statuses[outline.nodes[line.node].path]]
         text.append(line.guide, "dim").append(line.text + "\n", style)
     text.rstrip()
     return text
-
-
-def _folded(outline: Outline, statuses: Mapping[str, Status]) -> Outline:
-    """Return the tree with what is below idle nodes counted instead of drawn."""
-    kept: list[OutlineNode] = []
-    place: list[int] = []  # of each node in what is kept, or of the node that it is folded into
-    hidden: Counter[int] = Counter()
-    for node in outline.nodes:
-        parent = node.parent
-        if parent >= 0 and (place[parent] in hidden or statuses[outline.nodes[parent].path] is Status.INVALID):
-            hidden[place[parent]] += 1
-            place.append(place[parent])
-        else:
-            place.append(len(kept))
-            kept.append(replace(node, parent=place[parent] if parent >= 0 else -1))
-    for index, count in hidden.items():
-        kept[index] = replace(kept[index], parameters=(*kept[index].parameters, f"{count} below"))
-    return replace(outline, nodes=tuple(kept))

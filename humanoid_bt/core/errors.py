@@ -46,8 +46,9 @@ class Problem:
 
     def __str__(self) -> str:
         where = f"{self.place}: " if self.place else ""
+        code = f" [{self.code}]" if self.code else ""
         hint = f"\n    {self.hint}" if self.hint else ""
-        return f"{where}{self.message}{hint}"
+        return f"{where}{self.severity}: {self.message}{code}{hint}"
 
 
 class HumanoidBtError(Exception):
@@ -84,20 +85,41 @@ class ResourceConflict(HumanoidBtError):  # noqa: N818 (the name says it)
     """Two living nodes commanded one resource in the same tick."""
 
 
-_FEW, _MOST = 12, 50
-"""Most names that a hint lists where one of them is close, and where none is."""
+_FEW, _NEAREST = 12, 5
+"""Most names that a hint lists all, and how many of more."""
 
 
-def nearest(name: str, valid: Iterable[str]) -> str:
-    """Return a hint: the nearest valid name if one is close, and the valid ones if they are few or none is close."""
+def nearest(name: str, valid: Iterable[str], command: str = "") -> str:
+    """Return a hint: the nearest valid name if one is close, and the valid ones if they are few.
+
+    Args:
+        name: what was given.
+        valid: what would be valid.
+        command: what lists all of them.
+    """
     names = sorted(set(valid))
     if not names:
         return ""
     close = difflib.get_close_matches(name, names, n=1, cutoff=0.6)
-    if close and len(names) > _FEW:
+    if len(names) <= _FEW:
+        return (f"did you mean {close[0]!r}? " if close else "") + f"valid: {', '.join(names)}"
+    if close:
         return f"did you mean {close[0]!r}?"
-    shown = ", ".join(names[:_MOST]) + (", ..." if len(names) > _MOST else "")
-    return (f"did you mean {close[0]!r}? " if close else "") + f"valid: {shown}"
+    some = ", ".join(difflib.get_close_matches(name, names, n=_NEAREST, cutoff=0.0))
+    return f"the nearest of {len(names)}: {some}" + (f"; all: {command}" if command else "")
+
+
+def any_of(names: Sequence[str]) -> str:
+    """Return names as a choice: ``'a' or 'b'``, of many the first few."""
+    if len(names) > _NEAREST:
+        return ", ".join(map(repr, names[:_NEAREST])) + f" or {len(names) - _NEAREST} others"
+    return " or ".join(filter(None, [", ".join(map(repr, names[:-1])), *map(repr, names[-1:])]))
+
+
+def also_at(places: Sequence[Place]) -> str:
+    """Return in which further lines a mistake stands, to be put behind a hint; "" for a single place."""
+    lines = sorted({place.line for place in places[1:] if place.file == places[0].file} - {places[0].line})
+    return f"; also in line{'s' * (len(lines) > 1)} {', '.join(map(str, lines))}" if lines else ""
 
 
 def relative(path: Path) -> str:

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import re
 import types
 import typing
-from collections.abc import Mapping
-from typing import Any, Literal
+from collections.abc import Iterable, Iterator, Mapping
+from typing import Any, Literal, Protocol, runtime_checkable
 
 from humanoid_bt.core.errors import Problem, UserError, nearest
 from humanoid_bt.core.items import Item
@@ -24,6 +25,14 @@ def convert(spec: Param, item: Item) -> Any:
     return _convert(spec.type, item, spec)
 
 
+@runtime_checkable
+class Judged(Protocol):
+    """A dataclass whose values can be wrong together, though each of them is right."""
+
+    def mistakes(self, item: Item) -> Iterator[Problem]:
+        """Return what is wrong; ``item`` is the mapping that the values were read from."""
+
+
 def read(cls: type, item: Item, what: str = "") -> Any:
     """Read a YAML mapping into a dataclass whose fields are declared with :func:`param`.
 
@@ -38,9 +47,12 @@ def read(cls: type, item: Item, what: str = "") -> Any:
     if not isinstance(item.value, dict):
         raise UserError(f"{what or 'this'} must be a mapping, not {item.kind}", item.place, code="wrong-type")
     values, problems = read_values(params_of(cls), item, what)
+    if not problems:
+        made = cls(**values)
+        problems = list(made.mistakes(item)) if isinstance(made, Judged) else []
     if problems:
         raise UserError(problems)
-    return cls(**values)
+    return made
 
 
 def read_values(
@@ -58,33 +70,55 @@ def read_values(
     values: dict[str, Any] = {}
     problems: list[Problem] = []
     of = f" of {what}" if what else ""
+    unknown = [key for key in item.value if key not in params and key not in also]
+    missing = [name for name, spec in params.items() if spec.required and name not in item.value]
     for key, child in item.value.items():
         if key in params:
             try:
                 values[key] = convert(params[key], child)
             except UserError as error:
                 problems += error.problems
-        elif key not in also:
-            hint = nearest(key, [*params, *also])
+        elif key in unknown:
             message, code = f"unknown {noun} {key!r}{of}", f"unknown-{noun}"
+            hint = nearest(key, [*params, *also])
+            if len(missing) == 1 and not hint.startswith("did"):
+                hint = needed(params[missing[0]])
             problems.append(Problem(message, item.key_places.get(key), hint, code=code))
-    for name, spec in params.items():
-        if spec.required and name not in item.value:
-            hint = f"{name}: {spec.type_name}  # {spec.doc}"
-            message = f"the {noun} {name!r}{of} is missing"
-            problems.append(Problem(message, item.place, hint, code=f"missing-{noun}"))
+    for name in missing[len(unknown) :]:  # the unknown ones are most likely the others
+        message = f"the {noun} {name!r}{of} is missing"
+        problems.append(Problem(message, item.place, needed(params[name]), code=f"missing-{noun}"))
     return values, problems
+
+
+def needed(spec: Param) -> str:
+    """Return a hint: how a parameter that is missing is written."""
+    return f"{spec.name}: {spec.type_name}  # {spec.doc}"
 
 
 def _wrong(item: Item, spec: Param, kind: Any) -> UserError:
     message = f"{spec.name!r} must be {with_article(type_name(kind))}, not {_shown(item)}"
-    return UserError(message, item.place, spec.doc, code="wrong-type")
+    hint = _number_hint(item.value, spec) if kind in (float, int) and isinstance(item.value, str) else spec.doc
+    return UserError(message, item.place, hint, code="wrong-type")
+
+
+def _number_hint(text: str, spec: Param) -> str:
+    """Return how a text that is no number would be one, else in what the number is."""
+    plain = re.split(r"\s*(?:#|//)", text)[0]
+    pointed = re.sub(r"(?<=\d),(?=\d)", ".", plain)
+    if pointed != text and (written_quantity(pointed) or is_number_text(pointed) or pointed.replace(".", "").isdigit()):
+        return f"write {pointed}" + ("; a comment begins with a blank and #" if plain != text else ", with a point")
+    units = f"a number in {', '.join(factors(spec.unit))}" if factors(spec.unit) else ""
+    return ": ".join(filter(None, [units, spec.doc]))
 
 
 def _shown(item: Item) -> str:
     if isinstance(item.value, (dict, list)) or item.value is None:
         return item.kind
     return f"{item.kind} {item.value!r}"
+
+
+def _choice(item: Item) -> str:
+    return item.kind if isinstance(item.value, (dict, list)) or item.value is None else repr(item.value)
 
 
 def with_article(noun: str) -> str:
@@ -103,14 +137,16 @@ def _convert(kind: Any, item: Item, spec: Param) -> Any:  # noqa: PLR0911 (a tab
     if origin is typing.Literal:
         if not any(type(item.value) is type(arg) and item.value == arg for arg in args):
             hint = nearest(str(item.value), [str(a) for a in args])
-            raise UserError(f"{spec.name!r} cannot be {_shown(item)}", item.place, hint, code="wrong-choice")
+            raise UserError(f"{spec.name!r} cannot be {_choice(item)}", item.place, hint, code="wrong-choice")
         return item.value
     if origin in (list, tuple):
         return _convert_sequence(origin, args, item, spec)
     if origin is dict:
         if not isinstance(item.value, dict):
             raise _wrong(item, spec, kind)
-        return {key: _convert(args[1], child, spec) for key, child in item.value.items()}
+        return dict(
+            zip(item.value, _convert_all(((args[1], child) for child in item.value.values()), spec), strict=True)
+        )
     if hasattr(kind, "from_item"):  # a type that reads itself
         return kind.from_item(item, spec.name)
     if dataclasses.is_dataclass(kind):
@@ -150,7 +186,21 @@ def _convert_sequence(origin: Any, args: tuple[Any, ...], item: Item, spec: Para
     if len(kinds) != len(item.value):
         message = f"{spec.name!r} must have {len(kinds)} values, not {len(item.value)}"
         raise UserError(message, item.place, spec.doc, code="wrong-length")
-    return origin(_convert(kind, child, spec) for kind, child in zip(kinds, item.value, strict=True))
+    return origin(_convert_all(zip(kinds, item.value, strict=True), spec))
+
+
+def _convert_all(parts: Iterable[tuple[Any, Item]], spec: Param) -> list[Any]:
+    """Convert the parts of a list or a mapping; what is wrong with them is raised together."""
+    values: list[Any] = []
+    problems: list[Problem] = []
+    for kind, item in parts:
+        try:
+            values.append(_convert(kind, item, spec))
+        except UserError as error:
+            problems += error.problems
+    if problems:
+        raise UserError(problems)
+    return values
 
 
 def _convert_number(kind: Any, item: Item, spec: Param) -> float | int:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Mapping
+from typing import Any
 
 _UNITS: dict[str, dict[str, float]] = {  # declared unit -> what may be written, and its factor
     "m": {"m": 1.0, "cm": 0.01, "mm": 0.001},
@@ -22,6 +23,9 @@ UNITS = tuple(_UNITS)
 
 _SMALL = 0.1
 """A length below this [m] is given in cm; of other numbers below it the first digits count."""
+
+_LARGE = 1e6
+"""Numbers from here on are given with an exponent."""
 
 _EXPONENT = re.compile(r"^[-+]?(?:\d+\.?\d*|\.\d+)[eE][-+]?\d+$")  # YAML 1.1 reads 1e-3 as text
 _QUANTITY = re.compile(r"^\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([A-Za-z/]+)\s*$")
@@ -47,6 +51,26 @@ def quantity(text: str) -> tuple[float, str] | None:
     return None
 
 
+def shown_quantity(value: Any, unit: str = "") -> str:
+    """Return a value in SI units as people read it, an angle also in degrees; a word for what is no number."""
+    if isinstance(value, bool) or value is None:
+        return {True: "true", False: "false", None: "null"}[value]
+    if isinstance(value, (list, tuple)):
+        return f"[{', '.join(shown_quantity(part, unit) for part in value)}]"
+    if not isinstance(value, (int, float)):
+        return str(value)
+    degrees = f" ({readable(round(math.degrees(value), 1))} deg)" if unit == "rad" and value else ""
+    return f"{value:g}{degrees}"
+
+
+def spaced(value: Any) -> Any:
+    """Return a written value with one blank before each unit: "60deg" as "60 deg"."""
+    if isinstance(value, (list, tuple)):
+        return [spaced(part) for part in value]
+    written = written_quantity(value) if isinstance(value, str) else None
+    return f"{written[0]:g} {written[1]}" if written else value
+
+
 def factors(unit: str) -> Mapping[str, float]:
     """Return the units in which a quantity of an SI unit may be written, each with its size in that; none for ""."""
     return _UNITS.get(unit, {})
@@ -58,12 +82,13 @@ def base_unit(text: str) -> str | None:
     return found[1] if found else None
 
 
-def readable(value: object, unit: str = "") -> str:
+def readable(value: object, unit: str = "", more: int = 0) -> str:
     """Return a value as people read it: small lengths in cm, angles in degrees, no more digits than help.
 
     Args:
         value: in its SI unit, if it is a number.
         unit: that unit, "" for none.
+        more: digits beyond the usual ones.
     """
     if isinstance(value, bool):
         return "true" if value else "false"
@@ -77,12 +102,16 @@ def readable(value: object, unit: str = "") -> str:
     elif unit in ("rad", "rad/s"):
         value, unit = math.degrees(value), unit.replace("rad", "deg")
         decimals = 1 if abs(value) < 10 else 0
-    if isinstance(value, int):
-        text = str(value)
-    elif decimals == 2 and abs(value) < _SMALL:
-        text = f"{value:z.2g}"
-    else:
-        text = f"{value:z.{decimals}f}"
-        if text[-1] == "0" and decimals:
-            text = text.rstrip("0").rstrip(".")
+    text = _digits(value, decimals, more)
     return f"{text} {unit}" if unit else text
+
+
+def _digits(value: float, decimals: int, more: int) -> str:
+    if isinstance(value, int):
+        return str(value)
+    if not abs(value) < _LARGE:  # nor are infinity and NaN
+        return f"{value:g}"
+    if decimals == 2 and abs(value) < _SMALL:
+        return f"{value:z.{2 + more}g}"
+    text = f"{value:z.{decimals + more}f}"
+    return text.rstrip("0").rstrip(".") if "." in text else text

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import hashlib
 import inspect
+import re
 import sys
 import traceback
 from collections.abc import Iterable, Iterator
@@ -18,7 +19,7 @@ from types import ModuleType
 from py_trees.behaviour import Behaviour
 from py_trees.behaviours import Dummy
 
-from humanoid_bt.core.errors import Place, Problem, UserError, relative
+from humanoid_bt.core.errors import Place, Problem, UserError, nearest, relative
 from humanoid_bt.core.messages import RESOURCES
 from humanoid_bt.core.params import params_of
 from humanoid_bt.decision.result import declared_results
@@ -29,6 +30,11 @@ from humanoid_bt.files.workspace import Workspace
 _SOURCE = "__humanoid_bt_source__"
 _TAKEN = frozenset((*dir(Dummy("node")), *dir(Skill), "path", "robot", "halt_reason"))
 """Attributes that a node has already; a parameter of that name would break it."""
+
+
+_IMPORTED_FROM = re.compile(r" \([^()]*\)$")
+"""Where a module that lacks a name is, in the message of an ImportError."""
+_NO_NAME = re.compile(r"cannot import name '(\w+)'")
 
 
 @dataclass(frozen=True)
@@ -116,13 +122,28 @@ def _module(path: Path) -> ModuleType:
             del sys.modules[name]
         else:
             sys.modules[name] = known  # a tree that runs goes on with it
-        message = error.msg if isinstance(error, SyntaxError) else str(error)
+        message = error.msg if isinstance(error, SyntaxError) else _IMPORTED_FROM.sub("", str(error))
         raise UserError(
             f"the skill file cannot be imported: {type(error).__name__}: {message}",
             place_in_file(error, path) or Place(relative(path)),
+            _meant(error),
             code="broken-skill",
         ) from error
     return module
+
+
+def _meant(error: BaseException) -> str:
+    """Return a hint on a name that a module does not have, or that nothing has."""
+    name = _NO_NAME.search(str(error))
+    if isinstance(error, ImportError) and name and error.name in sys.modules:
+        module = sys.modules[error.name]
+        return nearest(name[1], getattr(module, "__all__", dir(module)))
+    if isinstance(error, NameError) and error.name:
+        here = sys.modules[__package__.partition(".")[0]]
+        if error.name in here.__all__:
+            return f"from {here.__name__} import {error.name}"
+        return nearest(error.name, here.__all__)
+    return ""
 
 
 def _behaviours(module: ModuleType) -> list[type[Behaviour]]:

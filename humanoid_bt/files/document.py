@@ -13,6 +13,7 @@ import yaml
 
 from humanoid_bt.core.errors import Place, Problem, UserError, relative
 from humanoid_bt.core.items import Item
+from humanoid_bt.files.slips import slip
 
 MAX_ITEMS = 100_000
 """Most values in one file, aliases expanded."""
@@ -70,11 +71,9 @@ def parse(text: str, name: str, problems: list[Problem] | None = None) -> Item:
         code = ord(text[error.position])
         raise UserError(f"not valid YAML: the character U+{code:04X} is not allowed", place, code="syntax") from error
     except yaml.MarkedYAMLError as error:
-        mark = error.problem_mark or error.context_mark
-        what = " ".join(part for part in (error.context, error.problem) if part)
-        raise UserError(
-            f"not valid YAML: {what}", _place(name, mark) if mark else Place(name), code="syntax"
-        ) from error
+        found_slip = slip(text, error)
+        place = Place(name, found_slip.line, found_slip.column)
+        raise UserError(found_slip.message, place, found_slip.hint, "syntax") from error
     except RecursionError as error:
         raise UserError("nested too deeply", Place(name, 1, 1), code="too-large") from error
     if found and problems is None:
@@ -174,7 +173,8 @@ class _Reader:
 
     def unknown_tag(self, node: yaml.Node, place: Place) -> UserError:
         message = f"the tag {node.tag.replace(_TAG, '!!')!r} is not supported"
-        return UserError(message, place, "write a plain value", code="syntax")
+        hint = "text that begins with ! stands in quotes; in an expression write 'not' instead"
+        return UserError(message, place, hint, code="syntax")
 
     def pairs(self, node: yaml.MappingNode, above: tuple[int, ...]) -> dict[str, tuple[Place, yaml.Node]]:
         """Return a mapping's keys with their places and values; its own keys win over merged ones (``<<``)."""
@@ -186,13 +186,14 @@ class _Reader:
         for key_node, value_node in node.value:
             place = _place(self.name, key_node.start_mark)
             if not isinstance(key_node, yaml.ScalarNode):
-                raise UserError("a key must be text", place, code="syntax")
+                hint = "one pair of brackets too many? {key: value} is a mapping, and $name a parameter"
+                raise UserError("a key must be text", place, hint, code="syntax")
             key = self.text(key_node, place)
             if key_node.tag == _TAG + "merge":
                 for source in self.sources(value_node, above):
                     inherited = self.pairs(source, above) | inherited
             elif key in own:
-                hint = f"first at {own[key][0]}"
+                hint = f"remove one; the first is at {own[key][0]}"
                 message = f"the key {key!r} stands twice in one mapping"
                 self.problems.append(Problem(message, place, hint, code="duplicate-key"))
             else:

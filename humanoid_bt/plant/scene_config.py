@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
@@ -16,6 +16,9 @@ from humanoid_bt.files import document
 
 Shape = Literal["ball", "box", "cylinder"]
 Color = Literal["red", "orange", "yellow", "green", "blue", "purple", "white", "grey", "black"]
+
+ACTIONS = ("hide", "show", "move")
+"""What an event can be."""
 
 _SIZES: dict[Shape, str] = {"ball": "[diameter]", "box": "[length, width, height]", "cylinder": "[diameter, height]"}
 
@@ -36,6 +39,13 @@ class RandomPlaceConfig:
     bearing: tuple[float, float] = param(unit="rad", doc="Direction from the robot's start heading, left positive.")
     height: tuple[float, float] = param(unit="m", doc="Above the floor.")
 
+    def mistakes(self, item: Item) -> Iterator[Problem]:
+        """Return what runs from its high to its low end."""
+        for what, (low, high) in dataclasses.asdict(self).items():
+            if low > high:
+                message = f"{what!r} runs from {low:g} down to {high:g}"
+                yield Problem(message, item.value[what].place, "give the low end first", code="out-of-range")
+
 
 @dataclass(frozen=True, kw_only=True)
 class ObjectConfig:
@@ -50,6 +60,17 @@ class ObjectConfig:
     random: RandomPlaceConfig | None = param(None, doc="Draws its centre from the seed.")
     stand: bool = param(False, doc="A thin pole with a flat base stands under it; both can be bumped into.")
     solid: bool = param(False, doc="Hands and feet bump into it; if false it is a marker that a hand may enter.")
+
+    def mistakes(self, item: Item) -> Iterator[Problem]:
+        """Return what does not go together."""
+        if (self.position is None) == (self.random is None):
+            both = "both a position and a random one" if self.position is not None else "no position"
+            hint = "give it either position: [x, y, z] or random: {distance: ..., bearing: ..., height: ...}"
+            yield Problem(f"this object has {both}", item.place, hint, code="exclusive-keys")
+        wanted = _SIZES[self.shape]
+        if len(self.size) != wanted.count(",") + 1:
+            message, place = f"a {self.shape}'s size is {wanted}", item.value["size"].place
+            yield Problem(message, place, "full lengths [m]", code="wrong-length")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -75,6 +96,18 @@ class EventConfig:
     move: str | None = param(None, doc="The object that moves; its stand stays.")
     to: tuple[float, float, float] | None = param(None, unit="m", doc="Where its centre moves, in the world.")
     over: float = param(0.0, minimum=0, unit="s", doc="How long the move takes; 0 is a jump.")
+
+    def mistakes(self, item: Item) -> Iterator[Problem]:
+        """Return what does not go together."""
+        found = [action for action in ACTIONS if getattr(self, action) is not None]
+        if len(found) != 1:
+            message = f"an event is one of {', '.join(ACTIONS)}, not {' and '.join(found) or 'none of them'}"
+            yield Problem(message, item.place, code="exclusive-keys")
+        if "move" in found and self.to is None:
+            yield Problem("a move needs where it goes", item.place, "to: [x, y, z]  # m, in the world", "missing-key")
+        for key in ("to", "over"):
+            if "move" not in found and key in item.value:
+                yield Problem(f"{key!r} belongs to a move", item.key_places[key], code="misplaced-key")
 
     @property
     def object(self) -> str:
@@ -103,55 +136,35 @@ def load_scene(path: Path) -> SceneConfig:
         UserError: with every problem found, each with its place.
     """
     item = document.load(path)
-    config: SceneConfig = read(SceneConfig, item, "the scene")
-    problems = [*_object_problems(config, item), *_percept_problems(config, item), *_event_problems(config, item)]
-    if problems:
+    problems: list[Problem] = []
+    config: SceneConfig | None = None
+    try:
+        config = read(SceneConfig, item, "the scene")
+    except UserError as error:
+        problems += error.problems
+    problems += _unknown_objects(item)
+    if config is None or problems:
         raise UserError(problems)
     return dataclasses.replace(config, path=path)
 
 
-def _object_problems(config: SceneConfig, item: Item) -> Iterator[Problem]:
-    for name, thing in config.objects.items():
-        written = item.value["objects"].value[name]
-        if (thing.position is None) == (thing.random is None):
-            both = "both a position and a random one" if thing.position is not None else "no position"
-            hint = "give it either position: [x, y, z] or random: {distance: ..., bearing: ..., height: ...}"
-            yield Problem(f"the object {name!r} has {both}", written.place, hint, code="exclusive-keys")
-        wanted = _SIZES[thing.shape]
-        if len(thing.size) != wanted.count(",") + 1:
-            message, place = f"a {thing.shape}'s size is {wanted}", written.value["size"].place
-            yield Problem(message, place, "full lengths [m]", code="wrong-length")
-        for what, (low, high) in dataclasses.asdict(thing.random).items() if thing.random else ():
-            if low > high:
-                place = written.value["random"].value[what].place
-                message = f"{what!r} runs from {low:g} down to {high:g}"
-                yield Problem(message, place, "give the low end first", code="out-of-range")
+def _unknown_objects(item: Item) -> Iterator[Problem]:
+    """Return what names an object that is not there, whatever else is wrong."""
+    parts = item.value if isinstance(item.value, dict) else {}
+    objects = _mapping(parts.get("objects"))
+    for percept in _mapping(parts.get("percepts")).values():
+        yield from _no_object(_mapping(percept).get("object"), objects)
+    events = parts.get("events")
+    for event in events.value if events is not None and isinstance(events.value, list) else ():
+        for action in ACTIONS:
+            yield from _no_object(_mapping(event).get(action), objects)
 
 
-def _percept_problems(config: SceneConfig, item: Item) -> Iterator[Problem]:
-    for name, percept in config.percepts.items():
-        if percept.object not in config.objects:
-            yield _no_object(percept.object, config, item.value["percepts"].value[name].value["object"])
+def _mapping(item: Item | None) -> dict[str, Item]:
+    return item.value if item is not None and isinstance(item.value, dict) else {}
 
 
-def _event_problems(config: SceneConfig, item: Item) -> Iterator[Problem]:
-    for index, event in enumerate(config.events):
-        written = item.value["events"].value[index]
-        actions = [key for key in ("hide", "show", "move") if getattr(event, key) is not None]
-        if len(actions) != 1:
-            found = " and ".join(actions) or "none of them"
-            yield Problem(f"an event is one of hide, show and move, not {found}", written.place, code="exclusive-keys")
-        for key in actions:
-            if getattr(event, key) not in config.objects:
-                yield _no_object(getattr(event, key), config, written.value[key])
-        if "move" in actions and event.to is None:
-            hint = "to: [x, y, z]  # m, in the world"
-            yield Problem("a move needs where it goes", written.place, hint, code="missing-key")
-        for key in ("to", "over"):
-            if "move" not in actions and key in written.value:
-                yield Problem(f"{key!r} belongs to a move", written.key_places[key], code="misplaced-key")
-
-
-def _no_object(name: str, config: SceneConfig, item: Item) -> Problem:
-    hint = nearest(name, config.objects) or "this scene has no objects"
-    return Problem(f"there is no object {name!r} in this scene", item.place, hint, code="unknown-object")
+def _no_object(name: Item | None, objects: Collection[str]) -> Iterator[Problem]:
+    if name is not None and isinstance(name.value, str) and name.value not in objects:
+        hint = nearest(name.value, objects) or "this scene has no objects"
+        yield Problem(f"there is no object {name.value!r} in this scene", name.place, hint, code="unknown-object")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import fnmatch
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -231,21 +232,30 @@ def load_robot_config(path: Path) -> RobotConfig:
         UserError: with every problem found, each with its place.
     """
     item = document.load(path)
-    config: RobotConfig = read(RobotConfig, item, "the robot")
-    problems = [
-        Problem(
-            f"{what!r} must have the keys left and right",
-            item.value[what].place,
-            f"{', '.join(side for side in SIDES if side not in sides)} is missing",
-            code="missing-key",
-        )
-        for what, sides in (("legs", config.legs), ("hands", config.hands))
-        if set(sides) != set(SIDES) and not (what == "hands" and not sides)
-    ]
-    if not (path.parent / config.model).is_file():
-        hint = f"looked for {relative(path.parent / config.model)}"
-        message, place = f"the model file {config.model!r} is missing", item.value["model"].place
-        problems.append(Problem(message, place, hint, code="no-file"))
-    if problems:
+    problems: list[Problem] = []
+    config: RobotConfig | None = None
+    try:
+        config = read(RobotConfig, item, "the robot")
+    except UserError as error:
+        problems += error.problems
+    problems += _mistakes(item, path.parent)
+    if config is None or problems:
         raise UserError(problems)
     return dataclasses.replace(config, path=path, written=item)
+
+
+def _mistakes(item: Item, folder: Path) -> Iterator[Problem]:
+    """Return what is wrong with its sides and its model, whatever else is."""
+    parts = item.value if isinstance(item.value, dict) else {}
+    for what in ("legs", "hands"):
+        sides = parts.get(what)
+        if sides is None or not isinstance(sides.value, dict) or (what == "hands" and not sides.value):
+            continue
+        if set(sides.value) != set(SIDES):
+            missing = [side for side in SIDES if side not in sides.value]
+            hint = f"{', '.join(missing)} is missing" if missing else "left and right, and no other"
+            yield Problem(f"{what!r} must have the keys left and right", sides.place, hint, code="missing-key")
+    model = parts.get("model")
+    if model is not None and isinstance(model.value, str) and not (folder / model.value).is_file():
+        hint = f"looked for {relative(folder / model.value)}"
+        yield Problem(f"the model file {model.value!r} is missing", model.place, hint, code="no-file")

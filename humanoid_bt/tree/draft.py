@@ -19,7 +19,9 @@ class Draft:
         type: its type.
         place: where it is written.
         name: its name.
+        word: its type as its file says it, which may be another name of it (``fallback``).
         values: its parameters, converted; those with a mistake are missing.
+        written: those that are written in another unit than the SI's, as they are written ("60 deg").
         value_places: where each given parameter's value is written.
         given_places: where those that a sub-tree's caller gave (``$name``) are written there.
         references: parameter -> name of what it was given as ``$name``.
@@ -34,6 +36,7 @@ class Draft:
     place: Place
     name: str
     values: dict[str, Any] = field(default_factory=dict)
+    written: dict[str, Any] = field(default_factory=dict)
     value_places: dict[str, Place] = field(default_factory=dict)
     given_places: dict[str, Place] = field(default_factory=dict)
     references: dict[str, str] = field(default_factory=dict)
@@ -42,6 +45,10 @@ class Draft:
     branches: dict[str, Draft | dict[str, Draft]] = field(default_factory=dict)
     keys: list[Key] = field(default_factory=list)
     sound: bool = True
+    word: str = ""
+
+    def __post_init__(self) -> None:
+        self.word = self.word or self.type.type_name
 
     def below(self) -> Iterator[tuple[str, Draft]]:
         """Return every sub-tree with the key it stands under, "" for children: ``then``, ``cases left``."""
@@ -51,6 +58,12 @@ class Draft:
                 yield from ((f"{key} {name}", child) for name, child in branch.items())
             else:
                 yield key, branch
+
+    def called(self, child: Draft) -> str:
+        """Return what a child is called in messages, as in its path: ``'walk'``, its sibling ``'walk#2'``."""
+        alike = [other for other in self.children if other.name == child.name]
+        number = next((number for number, other in enumerate(alike, 1) if other is child), 1)
+        return repr(child.name if number == 1 else f"{child.name}#{number}")
 
     def iterate(self) -> Iterator[Draft]:
         """Return this draft and all below it, parents first."""

@@ -22,6 +22,7 @@ class Node:
         name: as the file calls it, or its type's name.
         type: its type, with the declared parameters.
         values: the parameters that the file gives, converted.
+        written: those of them that are written in another unit than the SI's, as they are written ("60 deg").
         references: parameter -> the name that the file gives for it as ``$name``.
         arguments: of a sub-tree: the nodes it is given, as plain YAML, or the nodes themselves if made in Python.
         place: where it is written.
@@ -40,6 +41,7 @@ class Node:
     branch: str = ""
     references: Mapping[str, str] = field(default_factory=dict)
     arguments: Mapping[str, Any] = field(default_factory=dict)
+    written: Mapping[str, Any] = field(default_factory=dict)
 
     @property
     def type_name(self) -> str:

@@ -118,7 +118,7 @@ def _parameters(node: Node) -> dict[str, Any]:
         if name in node.references:
             body[name] = f"${node.references[name]}"
         elif name in node.values and (spec.required or node.values[name] != spec.default):
-            body[name] = written(node.values[name], spec.unit)
+            body[name] = written(node.written.get(name, node.values[name]), spec.unit)
     return body
 
 

@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from humanoid_bt.bench import tree
+from humanoid_bt.bench.promises import LOAD, TICK
 from humanoid_bt.core.errors import UserError
 from humanoid_bt.files.workspace import Workspace, builtin_root
 from humanoid_bt.tree.ticking.executor import NodeError
@@ -27,7 +28,7 @@ def test_ticks_and_loading_are_measured(monkeypatch: pytest.MonkeyPatch) -> None
     ticks = ["tick of fetch: 14 nodes"] * 2 + ["tick of a 40-node tree"]
     assert names == [*ticks, "load of a 10-node tree with all checks"]
     assert all(0 < figure.low <= figure.ratio <= figure.high for figure in figures)
-    assert [figure.must for figure in figures] == [1.0, None, 1.0, 2.0]
+    assert [figure.promise for figure in figures] == [TICK, None, TICK, LOAD]
 
 
 def test_any_tree_can_be_measured_but_for_one_whose_skill_raises(tmp_path: Path) -> None:

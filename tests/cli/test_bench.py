@@ -9,11 +9,13 @@ from pathlib import Path
 import pytest
 
 from humanoid_bt.bench.figure import Figure
+from humanoid_bt.bench.promises import SPEED as SPEED_PROMISE
+from humanoid_bt.bench.promises import TICK as TICK_PROMISE
 from humanoid_bt.cli import bench, main
 from humanoid_bt.files.workspace import Workspace
 
-TICK = Figure("tick of a tree", "py_trees", "us CPU", 3.0, 12.0, 0.25, 0.2, 0.3, must=1.0, aim=0.2)
-SPEED = Figure("lockstep", "CPU time it took", "s", 12.0, 1.0, 12.0, 11.0, 13.0, must=4, aim=10, more_is_better=True)
+TICK = Figure("tick of a tree", "py_trees", "us CPU", 15.0, 12.0, 1.25, 1.2, 1.3, promise=TICK_PROMISE)
+SPEED = Figure("lockstep", "CPU time it took", "s", 12.0, 1.0, 12.0, 11.0, 13.0, promise=SPEED_PROMISE)
 
 
 @pytest.fixture(autouse=True)
@@ -41,8 +43,9 @@ def test_the_table_fits_a_small_terminal(capsys: pytest.CaptureFixture[str]) -> 
     assert max(map(len, lines)) <= 50
     text = " ".join(" ".join(lines).split())
     assert "median of 3 pairs" in text
-    assert "12.00x lockstep" in text and "must >= 4, aim >= 10" in text
-    assert "0.25x tick of a tree to py_trees: 3 to 12 us CPU (0.20-0.30), must <= 1, aim <= 0.2" in text
+    assert "lockstep 12.00x >= 4x ok" in text
+    assert "tick of a tree 1.25x <= 1x missed" in text
+    assert "to py_trees: 15 to 12 us CPU" in text
 
 
 @pytest.mark.parametrize("arguments, tree", [(["--tree"], "fetch"), (["--tree", "stand"], "stand")])
@@ -74,4 +77,5 @@ def test_the_file_holds_every_figure(tmp_path: Path) -> None:
     data = json.loads(file.read_text(encoding="utf-8"))
     assert {"machine", "versions", "repetitions"} <= data.keys()
     assert [entry["name"] for entry in data["figures"]] == ["lockstep", "tick of a tree"]
-    assert data["figures"][1]["ratio"] == 0.25
+    assert data["figures"][1]["ratio"] == 1.25
+    assert [entry["verdict"] for entry in data["figures"]] == ["ok", "missed"]

@@ -12,6 +12,7 @@ from humanoid_bt.checking.codes import CODES
 from humanoid_bt.cli import main
 from humanoid_bt.cli.reports import as_json, as_sarif
 from humanoid_bt.core.errors import Place, Problem
+from humanoid_bt.session.report import ExitCode
 
 SOUND = "format: 1\nroot: {emergency_stop: idle}\n"
 DOUBTFUL = "format: 1\nroot: {emergency_stop: idle}  # allow no-hysteresis: it is steady\n"
@@ -111,9 +112,9 @@ def test_warnings_fail_only_if_asked_to(folder: Path, capsys: pytest.CaptureFixt
 def test_run_tells_warnings_and_goes_on(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     write("trees/a.yaml", DOUBTFUL)
     arguments = ["run", "trees/a.yaml", "--no-record", "--no-view", "--duration", "0.1"]
-    assert main(arguments) == 1
+    assert main(arguments) == ExitCode.UNFINISHED
     assert capsys.readouterr().err.count("warning: 'no-hysteresis' is allowed here") == 1
-    assert main([*arguments, "--quiet"]) == 1
+    assert main([*arguments, "--quiet"]) == ExitCode.UNFINISHED
     assert capsys.readouterr().err == ""
 
 

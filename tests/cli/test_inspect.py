@@ -7,6 +7,8 @@ from pathlib import Path
 import pytest
 
 from humanoid_bt.cli import main
+from humanoid_bt.files.workspace import Workspace
+from humanoid_bt.tree.nodes.registry import Registry
 
 
 @pytest.fixture(autouse=True)
@@ -77,7 +79,8 @@ def test_robots_are_listed(capsys: pytest.CaptureFixture[str]) -> None:
         (["run", "fetch", "--serve", "99999"], "must be a port from 1 to 65534"),
         (["run", "fetch", "--mode", "fast"], "unknown --mode 'fast': valid: lockstep"),
         (["run", "fetch", "--view", "--no-view"], "not allowed with argument --view"),
-        (["robots", "humanoid"], "unknown argument 'humanoid'"),
+        (["robots", "humanod"], "no robot named 'humanod'"),
+        (["nodes", "wachdog"], "no node named 'wachdog'"),
     ],
 )
 def test_wrong_arguments_get_two_lines(arguments: list[str], says: str, capsys: pytest.CaptureFixture[str]) -> None:
@@ -87,7 +90,44 @@ def test_wrong_arguments_get_two_lines(arguments: list[str], says: str, capsys: 
     assert len(err.splitlines()) == 2
 
 
-@pytest.mark.parametrize("command", ["run", "check", "show", "skills", "robots", "bench"])
+def test_trees_tell_their_parameters(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["trees", "fetch"]) == 0
+    out = capsys.readouterr().out
+    assert out.startswith("fetch  Walk to the target")
+    assert "scene ball_on_stand; from " in out
+    assert "stop_distance   number [m]    = 0.4 m" in out
+
+
+def test_scenes_tell_what_is_in_them(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["scenes", "ball_on_stand"]) == 0
+    lines = [" ".join(line.split()) for line in capsys.readouterr().out.splitlines()]
+    assert "object ball orange ball on a stand at [1.9, 0.5, 0.85] m" in lines
+    assert "percept target of ball" in lines
+    assert "event 3 s hide ball" in lines
+
+
+def test_nodes_are_listed_by_kind_and_explained_by_name(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["nodes"]) == 0
+    listed = [line.split()[0] for line in capsys.readouterr().out.splitlines() if line.startswith("  ")]
+    assert set(Registry.of(Workspace())) <= set(listed)
+    assert main(["nodes", "fallback", "watchdog", "approach"]) == 0
+    out = capsys.readouterr().out
+    assert "another name of selector" in out
+    assert "on_stale  node        optional" in out
+    assert "    approach: {target: target, distance: 0.4 m}" in out
+    assert "= 0.12 (6.9 deg)" in out
+
+
+def test_a_file_with_mistakes_is_told_behind_the_others(project: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (project / "trees").mkdir(exist_ok=True)
+    (project / "trees" / "bad.yaml").write_text("format: 3\nroot: idle\n", encoding="utf-8")
+    assert code_of(["trees"]) == 2
+    told = capsys.readouterr()
+    assert "fetch  Walk" in told.out
+    assert "bad.yaml:1:9: error: 'format' cannot be 3" in told.err
+
+
+@pytest.mark.parametrize("command", ["run", "check", "show", "trees", "nodes", "skills", "scenes", "robots", "bench"])
 def test_every_command_has_help(command: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert code_of([command, "--help"]) == 0
     assert f"usage: humanoid-bt {command}" in capsys.readouterr().out

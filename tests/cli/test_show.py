@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import re
+from argparse import Namespace
 from collections.abc import Iterator
 from pathlib import Path
 from xml.etree import ElementTree
@@ -113,7 +114,7 @@ def test_a_run_is_drawn_with_its_statuses(played: Played, tmp_path: Path, capsys
     assert [line.lstrip(" │") for line in lines[-3:]] == [
         "└─ ▶ idle",
         "→ looking around",
-        "└─ ○ turn  angle: 2.0944 rad",
+        "└─ ○ turn  angle: 120 deg",
     ]
     file = tmp_path / "now.svg"
     assert main(["show", "--live", "-o", str(file)]) == 0
@@ -149,7 +150,7 @@ def test_a_terminal_follows_a_run_to_its_end(played: Played, monkeypatch: pytest
     console = Console(file=out, force_terminal=True, width=50, height=40, _environ={"TERM": "xterm"})
     played.tell(1.0)
     watch = played.watch()
-    show_module._follow(watch, played.teller._folder.info, console)
+    show_module._follow(watch, played.teller._folder.info, console, Namespace(closed=False, depth=None))
     lines = re.sub(r"\x1b\[[\d;?]*[A-Za-z]", "", out.getvalue()).replace("\r", "\n").splitlines()
     titles = [line for line in lines if line.startswith("fetch: ")]
     assert list(dict.fromkeys(titles)) == [f"fetch: on humanoid at {time}.0 s" for time in (1, 2, 3)]

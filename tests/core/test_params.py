@@ -83,7 +83,7 @@ def test_conversion(name: str, text: str, expected: Any) -> None:
         ("angle", "0", "'angle' must be > 0, not 0"),
         ("count", "1.5", "'count' must be a whole number, not a number 1.5"),
         ("count", ".inf", "'count' must be finite"),
-        ("side", "lft", "'side' cannot be text 'lft'\n    did you mean 'left'?"),
+        ("side", "lft", "'side' cannot be 'lft' [wrong-choice]\n    did you mean 'left'?"),
         ("side", "[left]", "'side' cannot be a list"),
         ("much", "al", "'much' must be all | one or whole number, not text 'al'"),
         ("much", "0", "'much' must be >= 1, not 0"),
@@ -97,7 +97,7 @@ def test_conversion(name: str, text: str, expected: Any) -> None:
         ("gains", "[1]", "'gains' must be a mapping of number"),
         ("inner", "{}", "the parameter 'x' of 'inner' is missing"),
         ("inner", "3", "'inner' must be a mapping, not a number"),
-        ("lenght", "1", "unknown parameter 'lenght' of it\n    did you mean 'length'?"),
+        ("lenght", "1", "unknown parameter 'lenght' of it [unknown-parameter]\n    did you mean 'length'?"),
     ],
 )
 def test_mistakes(name: str, text: str, message: str) -> None:

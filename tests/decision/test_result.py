@@ -107,10 +107,10 @@ UPDATE = "\n    def update(self):\n        return Status.SUCCESS\n"
     ("lines", "message"),
     [
         ("mass: float = result(unit='g', doc='')", "weigh.py:8:19: .*a result is in SI units: unit='kg', not 'g'"),
-        ("mass = result(doc='')", "weigh.py:5:1: in 'weigh': the result 'mass' is not annotated; valid: float, int"),
-        ("mass: list[float] = result(doc='')", "weigh.py:5:1: in 'weigh': the result 'mass' cannot be list of numbers"),
-        ("mass: flaot = result(doc='')", "weigh.py:5:1: in 'weigh': name 'flaot' is not defined"),
-        ("status: str = result(doc='')", "weigh.py:5:1: 'weigh' declares the result 'status', which every node has"),
+        ("mass = result(doc='')", ":5:1: error: in 'weigh': the result 'mass' is not annotated; valid: float, int"),
+        ("mass: list[float] = result(doc='')", ":5:1: error: in 'weigh': the result 'mass' cannot be list of numbers"),
+        ("mass: flaot = result(doc='')", ":5:1: error: in 'weigh': name 'flaot' is not defined"),
+        ("status: str = result(doc='')", ":5:1: error: 'weigh' declares the result 'status', which every node has"),
     ],
 )
 def test_a_declaration_with_a_mistake_is_answered_with_its_place(tmp_path: Path, lines: str, message: str) -> None:

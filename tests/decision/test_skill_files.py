@@ -38,7 +38,7 @@ def test_skills_and_plain_behaviours_defined_in_a_file_are_found_by_name(workspa
 
 def test_a_skill_without_update_is_a_mistake(workspace: Workspace) -> None:
     write(workspace, "lazy.py", HEAD + "class Lazy(Skill): pass\n")
-    with pytest.raises(UserError, match=r"lazy.py:3:1: the skill 'lazy' has no update\(\)"):
+    with pytest.raises(UserError, match=r"lazy.py:3:1: error: the skill 'lazy' has no update\(\)"):
         load_skills(workspace)
 
 
@@ -90,26 +90,29 @@ def test_nothing_is_written_beside_the_files(workspace: Workspace) -> None:
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("import nothing_of_this_name\n", r"bad.py:1:1: .*ModuleNotFoundError: No module named 'nothing_of_this_name'"),
-        ("x = 1\ndef f():\n    return 1 / 0\nf()\n", r"bad.py:3:12: .*ZeroDivisionError: division by zero"),
-        ("class A:\n  def f(:\n", r"bad.py:2:9: .*SyntaxError: "),
-        ("import json\njson.loads('{')\n", r"bad.py:2:1: .*JSONDecodeError"),
-        ("raise SystemExit(3)\n", r"bad.py:1:1: .*SystemExit: 3"),
+        (
+            "import nothing_of_this_name\n",
+            r"bad.py:1:1: error: .*ModuleNotFoundError: No module named 'nothing_of_this_name'",
+        ),
+        ("x = 1\ndef f():\n    return 1 / 0\nf()\n", r"bad.py:3:12: error: .*ZeroDivisionError: division by zero"),
+        ("class A:\n  def f(:\n", r"bad.py:2:9: error: .*SyntaxError: "),
+        ("import json\njson.loads('{')\n", r"bad.py:2:1: error: .*JSONDecodeError"),
+        ("raise SystemExit(3)\n", r"bad.py:1:1: error: .*SystemExit: 3"),
         (
             WAVE.replace("    'Wave.'", "    resources = ('tail',)"),
-            r"bad.py:3:1: .*unknown resource 'tail'\n.*valid: base",
+            r"bad.py:3:1: error: .*unknown resource 'tail' \[unknown-resource\]\n.*valid: base",
         ),
         (
             WAVE.replace("    'Wave.'", "    resources = 'base'"),
-            r"bad.py:3:1: the resources of 'wave_hand' must be a tuple",
+            r"bad.py:3:1: error: the resources of 'wave_hand' must be a tuple",
         ),
         (WAVE.replace("    'Wave.'", "    x: Nowhere = param(1, doc='')"), r"bad.py.*NameError: name 'Nowhere'"),
-        (WAVE.replace("    'Wave.'", "    x: 'Nowhere' = param(1, doc='')"), r"bad.py:3:1: .*cannot be read"),
+        (WAVE.replace("    'Wave.'", "    x: 'Nowhere' = param(1, doc='')"), r"bad.py:3:1: error: .*cannot be read"),
         (
             WAVE.replace("    'Wave.'", "    status: int = param(1, doc='')"),
-            r"bad.py:3:1: .*declares the parameter 'status', which every node has",
+            r"bad.py:3:1: error: .*declares the parameter 'status', which every node has",
         ),
-        (WAVE.replace("    'Wave.'", "    x = param(1, doc='')"), r"bad.py:3:1: .*cannot be read"),
+        (WAVE.replace("    'Wave.'", "    x = param(1, doc='')"), r"bad.py:3:1: error: .*cannot be read"),
     ],
 )
 def test_a_bad_file_is_answered_with_its_line(workspace: Workspace, text: str, message: str) -> None:
@@ -130,3 +133,23 @@ def test_all_bad_files_are_answered_at_once(workspace: Workspace) -> None:
         "the skill file cannot be imported",
         "the skill 'wave_hand' is declared twice",
     ]
+
+
+@pytest.mark.parametrize(
+    ("text", "hint"),
+    [
+        ("from humanoid_bt import Skil\n", "did you mean 'Skill'?"),
+        ("class Wave(Skill): pass\n", "from humanoid_bt import Skill"),
+        ("class Wave(Skil): pass\n", "did you mean 'Skill'?"),
+        ("from math import sqr\n", "did you mean 'sqrt'?"),
+    ],
+)
+def test_a_name_that_cannot_be_imported_is_answered_with_the_nearest(
+    workspace: Workspace, text: str, hint: str
+) -> None:
+    write(workspace, "bad.py", text)
+    with pytest.raises(UserError) as caught:
+        load_skills(workspace)
+    [problem] = caught.value.problems
+    assert problem.hint == hint
+    assert "(" not in problem.message  # where the engine lies is of no use

@@ -9,10 +9,10 @@ from pathlib import Path
 import blocks
 import generate
 import pytest
-from examples import EXAMPLES
 
 from humanoid_bt.files.workspace import Workspace, builtin_root
 from humanoid_bt.session.report import ExitCode, Report
+from humanoid_bt.tree.nodes.examples import EXAMPLES
 from humanoid_bt.tree.nodes.registry import Registry
 
 PAGES = blocks.pages()

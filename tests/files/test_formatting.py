@@ -128,7 +128,9 @@ def test_reads_any_line_breaks_and_a_byte_order_mark() -> None:
 
 
 def test_refuses_line_breaks_that_no_editor_shows() -> None:
-    with pytest.raises(UserError, match=r"x\.yaml:2:7: cannot be formatted: the character U\+2028 breaks a line here"):
+    with pytest.raises(
+        UserError, match=r"x\.yaml:2:7: error: cannot be formatted: the character U\+2028 breaks a line here"
+    ):
         formatted('a: 1\nb: "c \u2028 d"\n', "x.yaml")
 
 
@@ -146,7 +148,7 @@ def test_a_mistake_is_told_as_check_tells_it(text: str) -> None:
 )
 def test_refuses_a_result_that_says_something_else(result: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(formatting, "write", lambda text: result)
-    with pytest.raises(UserError, match=r"x\.yaml: it cannot be formatted without changing what it says"):
+    with pytest.raises(UserError, match=r"x\.yaml: error: it cannot be formatted without changing what it says"):
         formatted("a: 1 # c\n", "x.yaml")
 
 

@@ -42,9 +42,9 @@ def test_the_users_skills_come_last_and_private_files_are_left_out(project: Path
 
 def test_an_unknown_name_is_answered_with_the_nearest(project: Path) -> None:
     workspace = Workspace(project)
-    with pytest.raises(UserError, match=r"no tree named 'wlak'\n    did you mean 'walk'\?"):
+    with pytest.raises(UserError, match=r"no tree named 'wlak' \[unknown-tree\]\n    did you mean 'walk'\?"):
         workspace.find_tree("wlak")
-    with pytest.raises(UserError, match=r"no tree file 'trees/wlak.yaml'\n    did you mean 'walk'\?"):
+    with pytest.raises(UserError, match=r"no tree file 'trees/wlak.yaml' \[unknown-tree\]\n    did you mean 'walk'\?"):
         workspace.find_tree("trees/wlak.yaml")
     with pytest.raises(UserError, match="no robot named 'r3'"):
         workspace.find_robot("r3")

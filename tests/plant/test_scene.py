@@ -169,7 +169,7 @@ def test_an_object_moves_with_its_body_and_its_stand_stays(tmp_path: Path) -> No
 @pytest.mark.parametrize(
     ("body", "place", "message"),
     [
-        ("objects: {ball: {shape: ball, size: [0.1]}}", "3:17", "'ball' has no position"),
+        ("objects: {ball: {shape: ball, size: [0.1]}}", "3:17", "this object has no position"),
         (f"objects: {{ball: {{{BALL}, position: [0, 0, 1], random: {{distance: [1, 2], bearing: [0, 1], "
          "height: [0, 1]}}}", "3:17", "both a position and a random one"),
         ("objects: {ball: {shape: bal, size: [0.1], position: [0, 0, 1]}}", "3:25", "did you mean 'ball'"),
@@ -201,3 +201,10 @@ def test_a_mistake_is_answered_with_its_place_and_the_fix(tmp_path: Path, body: 
 def test_all_mistakes_are_told_at_once(tmp_path: Path) -> None:
     told = problems(tmp_path, "percepts: {a: {object: x}, b: {object: y}}\nevents: [{at: 1}]\n")
     assert told.count("scene.yaml:") == 3
+
+
+def test_a_mistake_in_a_value_hides_no_other(tmp_path: Path) -> None:
+    cup = "{shape: ball, size: [8 sm], position: [0, 0, 1]}"
+    body = f"robot: {{heading: 1 m}}\nobjects: {{cup: {cup}, mug: {cup}}}\npercepts: {{target: {{object: cap}}}}\n"
+    told = problems(tmp_path, body + "events: [{at: 1, hide: cop}, {at: 2 m, show: cup}]\n")
+    assert told.count("scene.yaml:") == 6

@@ -319,7 +319,9 @@ class Picky(Skill):
 @shows("before-setup")
 def test_setup_comes_before_anything_moves(workspace: Workspace) -> None:
     (workspace.root / "skills" / "picky.py").write_text(PICKY, encoding="utf-8")
-    with pytest.raises(UserError, match=r"t.yaml:2:19: there is no tail\n.*t.yaml:2:26: there is no tail"):
+    with pytest.raises(
+        UserError, match=r"t.yaml:2:19: error: there is no tail\n.*t.yaml:2:26: error: there is no tail"
+    ):
         run(workspace, "{sequence: [picky, picky]}")
     calls: list[str] = []
     counted = load(workspace, "root: {sequence: [{act: {name: a}}, {timeout: {duration: 1, act: {name: b}}}]}")

@@ -8,7 +8,7 @@ from humanoid_bt import __version__
 from humanoid_bt.cli.arguments.bench import add_bench
 from humanoid_bt.cli.arguments.check import add_check
 from humanoid_bt.cli.arguments.fmt import add_fmt
-from humanoid_bt.cli.arguments.lists import add_robots, add_skills
+from humanoid_bt.cli.arguments.lists import add_lists
 from humanoid_bt.cli.arguments.parsing import EXIT_CODES, Commands, Parser
 from humanoid_bt.cli.arguments.remote import add_estop, add_reset, add_status
 from humanoid_bt.cli.arguments.run import add_run
@@ -17,7 +17,7 @@ from humanoid_bt.cli.arguments.show import add_show
 
 _COMMANDS = (
     *(add_run, add_check, add_fmt, add_show),
-    *(add_skills, add_schema, add_robots),
+    *(add_lists, add_schema),
     *(add_estop, add_reset, add_status),
     add_bench,
 )

@@ -38,11 +38,10 @@ def _children(draft: Draft, facts: Facts) -> Iterator[Problem]:
             return  # what is behind it never gets its turn, which is told already
         halted = next((later for later in draft.children[index + 1 :] if facts.may_run(later)), None)
         if halted is not None and _starts_again(child, passed, facts):
-            effect = f"{child.name!r} starts again when it has {_ENDED[passed]}, and halts {halted.name!r} behind it"
-            repair = (
-                f"put {child.name!r} and what is behind it into a {_goes_on(draft)!r}" if index else _instead(draft)
-            )
-            yield _problem(child, effect, repair, facts)
+            name = draft.called(child)
+            effect = f"{name} starts again when it has {_ENDED[passed]}, and halts {draft.called(halted)} behind it"
+            repair = f"put {name} and what is behind it into a {_goes_on(draft)!r}" if index else _instead(draft)
+            yield _problem(child, name, effect, repair, facts)
 
 
 def _condition(draft: Draft, facts: Facts) -> Iterator[Problem]:
@@ -53,7 +52,7 @@ def _condition(draft: Draft, facts: Facts) -> Iterator[Problem]:
         assert condition is not None
         if key in below and facts.may_run(below[key]) and _starts_again(condition, needed, facts):
             effect = f"{condition.name!r} starts again when it has {_ENDED[needed]}, and halts {below[key].name!r}"
-            yield _problem(condition, effect, _instead(draft), facts)
+            yield _problem(condition, repr(condition.name), effect, _instead(draft), facts)
             return
 
 
@@ -72,8 +71,8 @@ def _instead(draft: Draft) -> str:
     return f"use {_goes_on(draft)!r} instead of {draft.type.type_name!r}"
 
 
-def _problem(node: Draft, message: str, repair: str, facts: Facts) -> Problem:
-    hint = f"{repair}: it goes on with what runs; or put {node.name!r} below 'once' if it is to run only once"
+def _problem(node: Draft, name: str, message: str, repair: str, facts: Facts) -> Problem:
+    hint = f"{repair}: it goes on with what runs; or put {name} below 'once' if it is to run only once"
     if issubclass(node.type.cls, Skill) and not facts.commands(node):
         hint += "; or, in its class, runs = False if it always answers at once"
     return Problem(message, node.place, hint, "starts-again", "warning")

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterator
+from collections import Counter
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 
 from humanoid_bt.core.errors import Problem
@@ -53,12 +54,33 @@ def _guards(draft: Draft, facts: Facts, above: _Above) -> Iterator[Problem]:
     fresh = above
     if is_watchdog:
         watched = reads.get("percept", [])
+        if meant := _misspelt(draft, watched, above.watched):
+            message = f"this watchdog watches {watched[0]!r}, and what is below it uses {meant!r}"
+            place = draft.value_places.get("percept", draft.place)
+            yield Problem(message, place, f"did you mean {meant!r}?", "outside-watchdog")
+            watched = [*watched, meant]
         fresh = replace(above, watched=above.watched.union(watched), all_watched=above.all_watched or not watched)
     for key, child in draft.below():
         inside = above if key else fresh
         if node_type.kind == "subtree" and child.place.file != draft.place.file:
             inside = replace(inside, used_at=f" here, or around the sub-tree at {draft.place}")
         yield from _guards(child, facts, inside)
+
+
+def _misspelt(watchdog: Draft, watched: Sequence[str], above: Collection[str]) -> str:
+    """Return the percept that a watchdog's misspelt one stands for: one of a like name, used below more than once."""
+    used = Counter(
+        percept
+        for child in watchdog.children
+        for draft in child.iterate()
+        for percepts in draft.type.percepts(draft.values).values()
+        for percept in percepts
+    )
+    if not watched or watched[0] in used:
+        return ""
+    several = [percept for percept, count in used.items() if count > 1 and percept not in above]
+    near = difflib.get_close_matches(watched[0], several, n=1)
+    return near[0] if near else ""
 
 
 def check_overlaps(root: Draft, facts: Facts) -> Iterator[Problem]:
@@ -76,7 +98,7 @@ def check_overlaps(root: Draft, facts: Facts) -> Iterator[Problem]:
             for owner in draft.children:
                 if id(owner) in shared:
                     what = " and ".join(shared[id(owner)])
-                    message = f"{owner.name!r} and {child.name!r} run at once and both command {what}"
+                    message = f"{draft.called(owner)} and {draft.called(child)} run at once and both command {what}"
                     hint = f"the first is at {owner.place}"
                     for resource in shared[id(owner)]:
                         off = facts.switch_off(child, resource) or facts.switch_off(owner, resource)

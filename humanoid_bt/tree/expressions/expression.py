@@ -82,7 +82,7 @@ class Expression:
             return cls(text, place or Place(""), grammar.parse(text), text_at)
         except SyntaxMistake as mistake:
             where = within(place, text_at, mistake.at) if place else None
-            raise UserError(f"{text!r} is no expression: {mistake}", where, "", CODE) from mistake
+            raise UserError(f"{text!r} is no expression: {mistake}", where, mistake.hint, CODE) from mistake
 
     def __str__(self) -> str:
         return self.text

@@ -15,8 +15,8 @@ A name may have a ``$`` before it, as in the rest of a tree file.
 
 from __future__ import annotations
 
-import math
 import re
+import sys
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
@@ -34,14 +34,24 @@ _SPACE = re.compile(r"\s*")
 _TEXT = re.compile(r"'[^']*'|\"[^\"]*\"")
 _WORDS = ("and", "or", "not", "true", "false", "hysteresis")
 COMPARISONS = ("<", "<=", ">", ">=", "==", "!=")
+_FOREIGN = re.compile(r"===|=<|=>|<>|&&?|\|\|?|\*\*|[\^%;]|!(?!=)|=(?!=)")
+_MEANT = {"=": "==", "===": "==", "is": "==", "=<": "<=", "=>": ">=", "<>": "!="}
+_MEANT |= {"&&": "and", "&": "and", "AND": "and", "||": "or", "|": "or", "OR": "or", "!": "not", "NOT": "not"}
+_MEANT |= {"True": "true", "TRUE": "true", "False": "false", "FALSE": "false", "**": "x * x", "^": "x * x"}
+"""What other languages say, and how it is said here."""
 
 
 class SyntaxMistake(Exception):  # noqa: N818 (a mistake of a user, made into a problem by whoever knows the place)
-    """Text that is no expression; ``at`` is the index of the character where that shows."""
+    """Text that is no expression.
 
-    def __init__(self, message: str, at: int) -> None:
+    Attributes:
+        at: index of the character where that shows.
+        hint: what would be valid.
+    """
+
+    def __init__(self, message: str, at: int, hint: str = "") -> None:
         super().__init__(message)
-        self.at = at
+        self.at, self.hint = at, hint
 
 
 @dataclass(frozen=True)
@@ -173,7 +183,7 @@ class _Parser:
     def whole(self) -> Syntax:
         syntax = self._or()
         if self._token.kind != "end":
-            raise SyntaxMistake(f"{self._token.text!r} is not expected there", self._token.start)
+            raise _unexpected(self._token.text, self._token.start)
         return syntax
 
     @property
@@ -195,7 +205,8 @@ class _Parser:
 
     def _expect(self, text: str) -> None:
         if not self._take(text):
-            raise SyntaxMistake(f"{text!r} is expected {self._where()}", self._token.start)
+            hint = f"write {text}" + " to close what ( opens" * (text == ")")
+            raise SyntaxMistake(f"{text!r} is expected {self._where()}", self._token.start, hint)
 
     def _where(self) -> str:
         return "at the end" if self._token.kind == "end" else f"before {self._token.text!r}"
@@ -268,6 +279,8 @@ class _Parser:
         if token.kind == "name" and token.text in ("true", "false"):
             self._next += 1
             return Literal(token.text == "true")
+        if token.kind == "name" and token.text in _MEANT:
+            raise _unexpected(token.text, token.start)
         if token.kind != "name" or token.text in _WORDS:
             raise SyntaxMistake(f"a value is expected {self._where()}", token.start)
         self._next += 1
@@ -292,6 +305,11 @@ class _Parser:
         return tuple(found)
 
 
+def _unexpected(text: str, at: int) -> SyntaxMistake:
+    hint = f"write {_MEANT[text]}" if text in _MEANT else ""
+    return SyntaxMistake(f"{text!r} is not expected there", at, hint)
+
+
 def _tokens(text: str) -> list[_Token]:
     if len(text) > MAX_LENGTH:
         raise SyntaxMistake(f"it has more than {MAX_LENGTH} characters", MAX_LENGTH)
@@ -306,12 +324,14 @@ def _tokens(text: str) -> list[_Token]:
         quantity = read_quantity(text, at)
         if quantity is not None:
             value, unit, end = quantity
-            if not math.isfinite(value):
+            if not abs(value) <= sys.float_info.max:
                 raise SyntaxMistake(f"{text[at:end]!r} is not finite", at)
             found.append(_Token("literal", text[at:end], at, value, unit))
         elif match := _TEXT.match(text, at):
             found.append(_Token("literal", match[0], at, match[0][1:-1]))
             end = match.end()
+        elif match := _FOREIGN.match(text, at):
+            raise _unexpected(match[0], at)
         elif match := _TOKEN.match(text, at):
             found.append(_Token("name" if match["name"] else "sign", match[0].strip(), at))
             end = match.end()

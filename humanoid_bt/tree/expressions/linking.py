@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from typing import Any, Protocol
 
 from humanoid_bt.core.errors import HumanoidBtError, Place, UserError, nearest
-from humanoid_bt.core.units import readable
+from humanoid_bt.core.units import factors, readable
 from humanoid_bt.decision.robot import Robot
 from humanoid_bt.tree.expressions import grammar
 from humanoid_bt.tree.expressions.grammar import Syntax
@@ -18,6 +18,7 @@ from humanoid_bt.tree.expressions.vocabulary import PERCEPT, SEEN, STATE
 Evaluate = Callable[[Robot], Any]
 """Returns a value, from what the robot knows at the start of the tick."""
 
+_FINER = 3  # further decimals of two numbers that differ only there
 CODE = "expression"
 """The code of every mistake in an expression."""
 
@@ -86,7 +87,10 @@ class Watched:
     def text(self) -> str:
         """What was compared, in words."""
         unit = self.type.unit
-        return f"{self.source} {readable(self.left, unit)} {self.operator} {readable(self.right, unit)}"
+        left, right = readable(self.left, unit), readable(self.right, unit)
+        if left == right and self.left != self.right:
+            left, right = readable(self.left, unit, _FINER), readable(self.right, unit, _FINER)
+        return f"{self.source} {left} {self.operator} {right}"
 
 
 class Linker:
@@ -234,7 +238,7 @@ class Linker:
         (kind, left), (other, right) = self.link(syntax.left), self.link(syntax.right)
         sign = syntax.operator
         if not kind.goes_with(other):
-            raise self.mistake(f"{kind} and {other} cannot be compared")
+            raise self.mistake(f"{kind} and {other} cannot be compared", _asked(syntax, kind, other))
         ordered = sign not in ("==", "!=")
         if (ordered and TEXT in (kind, other)) or (ordered and TRUTH in (kind, other)):
             raise self.mistake(f"{kind} and {other} have no order: {sign!r} is for numbers")
@@ -254,7 +258,8 @@ class Linker:
             raise self.mistake(f"{sign!r} has no hysteresis")
         width_type, width = self._number(syntax.hysteresis, "hysteresis")
         if not width_type.goes_with(kind):
-            raise self.mistake(f"the hysteresis of {kind} cannot be {width_type}")
+            valid = f"valid: {', '.join(factors(kind.unit))}" if factors(kind.unit) else ""
+            raise self.mistake(f"the hysteresis of {kind} cannot be {width_type}", valid)
         looser = 1 if sign in ("<", "<=") else -1
 
         def with_hysteresis(robot: Robot) -> bool:
@@ -276,6 +281,14 @@ class Linker:
         if kind.kind not in ("number", "anything"):
             raise self.mistake(f"{what!r} needs {NUMBER.kind}s, not {kind}")
         return kind, value
+
+
+def _asked(syntax: grammar.Comparison, left: Type, right: Type) -> str:
+    """Return a hint on a text that is compared with a number: most likely it names a percept."""
+    for part, kind, other in ((syntax.left, left, right), (syntax.right, right, left)):
+        if isinstance(part, grammar.Name) and kind == TEXT and other.kind == "number":
+            return f"of a percept ask distance({part.name}) or the like"
+    return ""
 
 
 def within(place: Place, text_at: int | None, index: int) -> Place:

@@ -5,18 +5,20 @@ Reading, checking, help and documentation of trees all come from this one regist
 
 from __future__ import annotations
 
+import difflib
 import inspect
 import typing
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from typing import Any
 
 from py_trees.behaviour import Behaviour
 
-from humanoid_bt.core.errors import Place, Problem, UserError, nearest
+from humanoid_bt.core.errors import Place, Problem, UserError, any_of, nearest
 from humanoid_bt.core.params import Param, params_of
 from humanoid_bt.decision.skill import node_type_name
 from humanoid_bt.decision.skill_files import class_place, load_skills
 from humanoid_bt.files.workspace import Workspace
+from humanoid_bt.tree.expressions import grammar
 from humanoid_bt.tree.node_type import NODE_KEYS, Kind, NodeType
 from humanoid_bt.tree.nodes import BUILTIN, other_libraries
 from humanoid_bt.tree.slots import Takes
@@ -79,25 +81,50 @@ class Registry(Mapping[str, NodeType]):
     def __len__(self) -> int:
         return len(self._types)
 
-    def find(self, name: str, place: Place | None = None) -> NodeType:
+    def find(self, name: str, place: Place | None = None, trees: Collection[str] = ()) -> NodeType:
         """Return a node type.
+
+        Args:
+            name: as written in trees.
+            place: where it is written.
+            trees: names of trees, for hints.
 
         Raises:
             UserError: there is none of this name.
         """
-        name = ALIASES.get(name, name)
-        if name not in self._types:
-            raise UserError(f"unknown node {name!r}", place, self.hint(name), "unknown-node")
-        return self._types[name]
+        if name not in self:
+            hint = f"a tree is a node as subtree: {{tree: {name}}}" if name in trees else self.hint(name)
+            raise UserError(f"unknown node {name!r}", place, hint, "unknown-node")
+        return self[name]
 
-    def hint(self, name: str, others: Iterable[str] = ()) -> str:
+    def hint(self, name: str, others: Collection[str] = ()) -> str:
         """Return what an unknown name most likely means: what it is called here, or the nearest of what is valid.
 
         Args:
             name: the name.
             others: what would be valid besides node types.
         """
-        return other_libraries.hint(name, self) or nearest(name, [*others, *self._types])
+        if foreign := other_libraries.hint(name, self):
+            return foreign
+        if close := difflib.get_close_matches(name, others, n=1):
+            return f"did you mean {close[0]!r}?"
+        if owners := self.owners(name):
+            return f"it is a key of {any_of(owners)}: write it there"
+        if _is_expression(name):
+            return f"condition: {name}"
+        return nearest(name, [*others, *self._types, *ALIASES], "humanoid-bt nodes")
+
+    def owners(self, key: str) -> list[str]:
+        """Return the node types that have a parameter, or a place for a node, of this name."""
+        return [name for name, kind in self._types.items() if key in kind.params or key in kind.branches]
+
+
+def _is_expression(text: str) -> bool:
+    """Return whether a text asks something, as conditions do."""
+    try:
+        return isinstance(grammar.parse(text), (grammar.Comparison, grammar.Call, grammar.Attribute))
+    except grammar.SyntaxMistake:
+        return False
 
 
 def _node_type(name: str, kind: Kind, cls: type[Behaviour]) -> NodeType:

@@ -6,6 +6,7 @@ import json
 from dataclasses import asdict, dataclass
 from typing import Any, Self
 
+from humanoid_bt.core.units import spaced
 from humanoid_bt.decision.blackboard import Key
 from humanoid_bt.tree.node import Node
 from humanoid_bt.tree.tree import Tree
@@ -116,6 +117,9 @@ def _parameters(node: Node) -> list[str]:
         if spec is None or spec.required or value != spec.default:
             if name in node.references and (isinstance(value, Key) or name not in node.values):
                 shown.append(f"{name}: ${node.references[name]}")
+                continue
+            if name in node.written:
+                shown.append(f"{name}: {printable(_value_text(spaced(node.written[name])))}")
                 continue
             unit = f" {spec.unit}" if spec is not None and spec.unit and _is_number(value) else ""
             shown.append(f"{name}: {printable(_value_text(value))}{unit}")

@@ -121,6 +121,7 @@ def _collect(step: _Step, made: Mapping[int, Behaviour], nodes: list[Node]) -> N
             step.branch,
             draft.references,
             draft.arguments,
+            draft.written,
         )
     )
     taken: Counter[str] = Counter()

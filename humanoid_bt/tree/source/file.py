@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -13,7 +14,7 @@ from humanoid_bt.core.params import param, params_of
 from humanoid_bt.core.reading import read_values
 from humanoid_bt.files import document
 from humanoid_bt.tree.node_type import NODE_KEYS
-from humanoid_bt.tree.source.parameters import Argument, Declaration, declarations
+from humanoid_bt.tree.source.parameters import Argument, Declaration, LongForm, declarations
 from humanoid_bt.tree.write import written
 
 
@@ -63,6 +64,12 @@ class TreeFile:
     outputs: dict[str, Declaration]
 
     @property
+    def root(self) -> Item | None:
+        """The root node, None if the file has none."""
+        root: Item | None = self.item.value.get("root")
+        return root
+
+    @property
     def name(self) -> str:
         """The tree's name."""
         return self.header.get("name") or self.path.stem
@@ -73,7 +80,7 @@ class TreeFile:
         header["name"] = self.name
         for name, argument in given.items():
             declared, spec = header["parameters"][name], self.parameters[name].spec
-            value = written(argument.value, spec.unit)
+            value = written(argument.value if argument.written is None else argument.written, spec.unit)
             header["parameters"][name] = {**declared, "default": value} if isinstance(declared, dict) else value
         return header
 
@@ -98,6 +105,7 @@ def read_file(path: Path, problems: list[Problem]) -> TreeFile:
         message = f"a tree file must be a mapping, not {item.kind}"
         found.append(Problem(message, item.place, "format: 1 ... root: ...", "wrong-type"))
         raise UserError(found)
+    item = _mended(item, found)
     if "root" not in item.value:
         message = "the key 'root' of a tree is missing"
         found.append(Problem(message, item.place, "root: the root node", "missing-key"))
@@ -113,6 +121,35 @@ def read_file(path: Path, problems: list[Problem]) -> TreeFile:
     _check_names(file, found)
     problems += found
     return file
+
+
+def _mended(item: Item, problems: list[Problem]) -> Item:
+    """Return what a file most likely means where its own keys are misspelt or its root is not below ``root``."""
+    known = [*params_of(Header), *PARTS]
+    values, places = dict(item.value), dict(item.key_places)
+    for key in [key for key in values if key not in known]:
+        meant = difflib.get_close_matches(key.lower(), [part for part in PARTS if part not in values], n=1, cutoff=0.75)
+        for part in meant:
+            message, hint = f"unknown key {key!r} of a tree", f"did you mean {part!r}?"
+            problems.append(Problem(message, places[key], hint, "unknown-key"))
+            values[part], places[part] = values.pop(key), places.pop(key)
+    unknown = [key for key in values if key not in known]
+    if "root" in values and values["root"].value is None and len(unknown) == 1:
+        key = unknown[0]
+        message, hint = f"{key!r} is not indented below 'root'", "indent it, and all that belongs to it"
+        problems.append(Problem(message, places[key], hint, "not-a-node"))
+        values["root"] = Item({key: values.pop(key)}, places[key], {key: places[key]})
+    declared = values.get("parameters")
+    if "root" not in values and declared is not None and isinstance(declared.value, dict):
+        for key, value in declared.value.items():
+            if isinstance(value.value, dict) and not value.value.keys() & params_of(LongForm).keys():
+                place = declared.key_places[key]
+                problems.append(Problem(f"the key 'root' above {key!r} is missing", place, "root:", "missing-key"))
+                values["root"] = Item({key: value}, place, {key: place})
+                others = {name: other for name, other in declared.value.items() if name != key}
+                values["parameters"] = Item(others, declared.place, declared.key_places)
+                break
+    return Item(values, item.place, places)
 
 
 def check_name(item: Item) -> None:

@@ -65,7 +65,8 @@ def overrides(
             problems.append(Problem(f"the parameter {name!r} is a node", place, hint, "wrong-type"))
             continue
         try:
-            found[name] = Argument(convert(spec, _item(spec, value, place)), place)
+            item = _item(spec, value, place)
+            found[name] = Argument(convert(spec, item), place, written=item.plain())
         except UserError as error:
             problems += error.problems
     return found

@@ -132,6 +132,11 @@ class Loader:
 
     # ---- sub-trees (see SubTrees) --------------------------------------------------------------------------------
 
+    @property
+    def trees(self) -> Collection[str]:
+        """The names of the workspace's trees."""
+        return self._workspace.trees()
+
     def specialise(self, node_type: NodeType, body: Item) -> NodeType:
         """Return the type of a sub-tree node with the parameters of the tree that its body names."""
         if not isinstance(body.value, dict) or "tree" not in body.value:
@@ -161,7 +166,6 @@ class Loader:
             names = " -> ".join(used.name for used in (*reader.files, file))
             message = f"the tree {file.name!r} would contain itself"
             self.problems.append(Problem(message, item.place, names, "subtree-cycle"))
-            reader.scope.parameters.skim(body)
             draft.sound = False
             return
         if self._nodes > MAX_NODES:
@@ -196,7 +200,7 @@ class Loader:
                         Problem(message, draft.place, f"{name}: {declared.spec.doc}", "missing-parameter")
                     )
             elif name in draft.values:
-                found[name] = Argument(draft.values[name], draft.value_places[name])
+                found[name] = Argument(draft.values[name], draft.value_places[name], written=draft.written.get(name))
         return found
 
     def _find(self, item: Item) -> Path:
@@ -214,12 +218,12 @@ class Loader:
     # ---- files ---------------------------------------------------------------------------------------------------
 
     def _read(self, file: TreeFile, reader: Reader) -> Draft | None:
-        """Read a file's nodes, and judge the names in it."""
-        root = None
-        if "root" in file.item.value:
-            root = reader.node(file.item.value["root"], "the root")
+        """Read a file's nodes, and judge the names in it; what is unused, only if all else in it is right."""
+        root, before = None, len(self.problems)
+        if file.root is not None:
+            root = reader.node(file.root, "the root")
         reader.scope.finish()
-        if root is not None:
+        if root is not None and not any(problem.severity == "error" for problem in self.problems[before:]):
             reader.scope.parameters.report_unused()
         return root
 

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import difflib
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any, Literal, NewType
 
@@ -66,11 +65,13 @@ class Argument:
         value: its value, of the parameter's type; a :class:`Key` if it is read while the tree runs.
         place: where it is given.
         reader: for a node, who reads it: names in it are those of the tree that gives it.
+        written: its value as it is written ("60 deg"), None if that is not known.
     """
 
     value: Any
     place: Place
     reader: Any = None
+    written: Any = None
 
 
 @dataclass(frozen=True)
@@ -90,6 +91,13 @@ class Parameter:
     value: Any = None
     known: bool = False
     given: Argument | None = None
+
+    @property
+    def written(self) -> Any:
+        """Its value as it is written ("60 deg"), None if that is not known."""
+        if self.given is not None:
+            return self.given.written
+        return None if self.spec.required else self.spec.default
 
 
 class Parameters:
@@ -136,10 +144,6 @@ class Parameters:
             self._used.add(name)
         return parameter
 
-    def excuse(self, name: str) -> None:
-        """Take the parameter that a misspelled name most likely means for used: that is one mistake, not two."""
-        self._used.update(difflib.get_close_matches(name, self._known, n=1))
-
     def resolve(self, item: Item) -> Item | None:
         """Return a value with every ``$name`` in it replaced; None if one of them has no value before the run.
 
@@ -159,8 +163,7 @@ class Parameters:
             return unescaped(item)
         parameter = self.find(name)
         if parameter is None:
-            self.excuse(name)
-            hint = nearest(name, self._known) or "the tree declares no parameters"
+            hint = meant(name, self._known)
             raise UserError(f"unknown parameter {item.value!r}", item.place, hint, "unknown-reference")
         if parameter.spec.type is NodeItem:
             raise UserError(f"{item.value!r} is a node", item.place, "use it where a node stands", "wrong-type")
@@ -177,18 +180,6 @@ class Parameters:
             place, origin = use.place, f"{use.value} is declared at {parameter.place}"
         self._origins[place] = origin
         return item_of(parameter.value, place)
-
-    def skim(self, item: Item) -> None:
-        """Mark what an item that cannot be read refers to as used: that is one mistake, not two."""
-        name = reference(item)
-        if name in self._known:
-            self._used.add(name)
-        for key in item.value if isinstance(item.value, dict) else ():
-            if key.startswith("$"):
-                self._used.add(key[1:])
-        children = item.value.values() if isinstance(item.value, dict) else item.value
-        for child in children if isinstance(item.value, (dict, list)) else ():
-            self.skim(child)
 
     def explain(self, problem: Problem) -> Problem:
         """Return a problem with a word on the parameter that the value came from, if it came from one."""
@@ -225,6 +216,13 @@ class Parameters:
             return Parameter(spec, place)
 
 
+def meant(name: str, known: Iterable[str]) -> str:
+    """Return a hint: what a name behind ``$`` that is not known most likely means."""
+    if name.startswith("{") and name.endswith("}"):
+        return f"write ${name[1:-1]}, without braces"
+    return nearest(name, known) or "the tree declares no parameters and writes no keys"
+
+
 def reference(item: Item) -> str | None:
     """Return the name that a value refers to (``$name``), None if it is no reference."""
     text = item.value
@@ -250,8 +248,9 @@ def declarations(item: Item | None, what: str, problems: list[Problem]) -> dict[
         return found
     if not isinstance(item.value, dict):
         message = f"the {what}s must be a mapping, not {item.kind}"
-        problems.append(Problem(message, item.place, "name: default", "wrong-type"))
-        return found
+        parts = item.value if isinstance(item.value, list) else []
+        problems.append(Problem(message, item.place, "name: default" + ", without dashes" * bool(parts), "wrong-type"))
+        return {name: found for part in parts for name, found in _declared_in(part, what).items()}
     for name, value in item.value.items():
         place = item.key_places[name]
         if not KEY_NAME.match(name):
@@ -263,6 +262,11 @@ def declarations(item: Item | None, what: str, problems: list[Problem]) -> dict[
             problems += error.problems
             found[name] = Declaration(Param(name, Any), place, None, broken=True)
     return found
+
+
+def _declared_in(item: Item, what: str) -> dict[str, Declaration]:
+    """Return what an item of a list declares, which should be none."""
+    return declarations(item, what, []) if isinstance(item.value, dict) else {}
 
 
 def _declaration(name: str, item: Item, place: Place, what: str) -> Declaration:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from typing import Protocol
 
 from humanoid_bt.core.errors import Place, Problem, UserError, nearest
@@ -13,6 +14,7 @@ from humanoid_bt.tree.nodes.registry import Registry
 from humanoid_bt.tree.nodes.subtree import SubTree
 from humanoid_bt.tree.slots import Slot
 from humanoid_bt.tree.source.file import TreeFile
+from humanoid_bt.tree.source.mend import Mender
 from humanoid_bt.tree.source.parameters import NodeItem, reference
 from humanoid_bt.tree.source.scope import Scope
 from humanoid_bt.tree.source.values import ValueReader
@@ -20,6 +22,10 @@ from humanoid_bt.tree.source.values import ValueReader
 
 class SubTrees(Protocol):
     """Who reads other tree files."""
+
+    @property
+    def trees(self) -> Collection[str]:
+        """The names of the trees that can be used."""
 
     def specialise(self, node_type: NodeType, body: Item) -> NodeType:
         """Return the type of a sub-tree node with the parameters of the tree that its body names.
@@ -55,6 +61,7 @@ class Reader:
         self._subtrees = subtrees
         self._problems = problems
         self._values = ValueReader(scope, problems)
+        self._mender = Mender(registry, problems)
         self.files = files
         self.scope = scope
 
@@ -75,40 +82,53 @@ class Reader:
             kind = "an empty mapping" if isinstance(item.value, dict) else item.kind
             self._problem(f"{where} must be a node, not {kind}", item.place, "like idle, or idle: {...}", "not-a-node")
             return None
+        return self._of_keys(item, False)[0]
+
+    def _of_keys(self, item: Item, in_list: bool) -> list[Draft | None]:
+        """Read a mapping that should be one node; what it was meant to be if it has several keys."""
         keys = list(item.value)
-        if len(keys) > 1:
-            hint = f"indent the parameters of {keys[0]!r} deeper than it, or write each node as its own list item"
+        if len(keys) == 1:
+            return [self._typed(keys[0], item.value[keys[0]], item.key_places[keys[0]])]
+        meant = self._mender.nodes(item, in_list)
+        if not meant:
+            hint = f"indent what belongs to {keys[0]!r} deeper than it; several nodes stand in a list, below a sequence"
             self._problem(f"a node is one key, here are {len(keys)}", item.key_places[keys[1]], hint, "not-a-node")
-            known = [key for key in keys if key in self._registry]
-            if not known:
-                return None
-            draft = self._typed(known[0], item.value[known[0]], item.key_places[known[0]])
+            return [None]
+        drafts = [self._typed(*node) for node in meant]
+        for draft in drafts:
             if draft:
                 draft.sound = False
-            return draft
-        return self._typed(keys[0], item.value[keys[0]], item.key_places[keys[0]])
+        return drafts
 
     def _typed(self, type_name: str, body: Item, place: Place) -> Draft | None:
         if type_name.startswith("$"):
             return self._given(type_name, body, place)
         try:
-            node_type = self._registry.find(type_name, place)
+            node_type = self._registry.find(type_name, place, self._subtrees.trees)
             if node_type.cls is SubTree:
                 body = self._main(node_type, body)
                 node_type = self._subtrees.specialise(node_type, body if body.value else Item({}, place))
         except UserError as error:
             self._problems += error.problems
-            self.scope.parameters.skim(body)
             return None
-        draft = Draft(node_type, place, node_type.type_name)
+        draft = Draft(node_type, place, node_type.type_name, word=type_name)
         before = len(self._problems)
         own = self._body(draft, body)
         if own is not None:
-            self._values.read(draft, own)
+            self._values.read(draft, own, self._unknown(draft.type, own))
         draft.sound = draft.sound and len(self._problems) == before
         if own is not None:
             self._below(draft, own)
         return draft
+
+    def _unknown(self, node_type: NodeType, body: Item) -> list[str]:
+        """Return the keys of a node that are neither its own nor nodes."""
+        known = {"name", *node_type.params, *node_type.branches}
+        known |= {"many": {"children"}, "one": {CHILD}, "none": set()}[node_type.takes]
+        others = [key for key in body.value if key not in known]
+        if node_type.takes == "one":
+            others = [key for key in others if key not in self._registry and not key.startswith("$")]
+        return others
 
     def _given(self, text: str, body: Item, place: Place) -> Draft | None:
         """Read a node that stands for a parameter: in the names of whoever gave it."""
@@ -116,7 +136,6 @@ class Reader:
         if parameter is None or parameter.spec.type is not NodeItem:
             nodes = [f"${name}" for name in self.scope.parameters if self._is_node(name)]
             hint = nearest(text, nodes) or "the tree declares no parameter of type node"
-            self.scope.parameters.excuse(text[1:])
             self._problem(f"{text!r} is no node", place, hint, "unknown-reference")
             return None
         if body.value is not None:
@@ -141,14 +160,17 @@ class Reader:
 
     def _body(self, draft: Draft, body: Item) -> Item | None:
         """Return the body as a mapping, its short forms written out; None if it is none."""
-        node_type, name = draft.type, draft.type.type_name
+        node_type, name = draft.type, draft.word
         body = self._main(node_type, body)
         if body.value is None:
             return Item({}, draft.place)
         if isinstance(body.value, dict):
-            return body
-        if node_type.takes == "many" and isinstance(body.value, list):
-            return Item({"children": body}, draft.place, {"children": body.place})
+            return self._mender.body(name, node_type, body)
+        if isinstance(body.value, list):
+            if node_type.takes == "many":
+                return Item({"children": body}, draft.place, {"children": body.place})
+            if meant := self._mender.without_dashes(name, body):
+                return self._mender.body(name, node_type, meant)
         text = body.value
         if node_type.takes == "one" and isinstance(text, str):
             return Item({text: Item(None, body.place)}, draft.place, {text: body.place})
@@ -174,7 +196,7 @@ class Reader:
             self._branch(draft, key, slot, body)
 
     def _children(self, draft: Draft, body: Item) -> None:
-        name = draft.type.type_name
+        name = draft.word
         known = [*draft.type.params, *draft.type.branches, "name", "children"]
         for key in body.value:
             if key in known:
@@ -184,7 +206,7 @@ class Reader:
                 hint = "children stand in a list: - first: ..."
                 self._broken(draft, message, body.key_places[key], hint, "extra-child")
             else:
-                self._values.unknown(draft, body, key, known)
+                self._values.unknown(draft, body, key, known, self._registry.owners(key))
         children = body.value.get("children")
         if children is None or children.value is None or children.value == []:
             place = children.place if children else draft.place
@@ -195,22 +217,35 @@ class Reader:
             self._broken(draft, message, children.place, "- first: ...", "wrong-type")
         else:
             for item in children.value:
-                self._append(draft, self.node(item, f"a child of {name!r}"))
+                for child in self._items(item, draft):
+                    self._append(draft, child)
+
+    def _items(self, item: Item, parent: Draft) -> list[Draft | None]:
+        """Read one item of a list of nodes; several nodes where their dashes are missing."""
+        if isinstance(item.value, dict) and len(item.value) > 1:
+            return self._of_keys(item, True)
+        if isinstance(item.value, dict) and (memory := item.value.get("memory")):
+            hint = other_libraries.hint_for_parameter(parent.type.type_name, "memory", memory.value)
+            if hint:
+                self._problem("'memory' is no node", item.key_places["memory"], hint, "unknown-node")
+                return [None]
+        return [self.node(item, f"a child of {parent.word!r}")]
 
     def _child(self, draft: Draft, body: Item) -> None:
-        name, known = draft.type.type_name, {"name", *draft.type.params, *draft.type.branches}
+        name, known = draft.word, {"name", *draft.type.params, *draft.type.branches}
         others = [key for key in body.value if key not in known]
+        unknown = self._unknown(draft.type, body)
         for key in others:
             if key == CHILD:
                 self._append(draft, self.node(body.value[key], f"the child of {name!r}"))
-            elif key in self._registry or key.startswith("$"):
-                self._append(draft, self._typed(key, body.value[key], body.key_places[key]))
-            elif other_libraries.hint_for_parameter(name, key, body.value[key].value):
+            elif other_libraries.hint_for_parameter(draft.type.type_name, key, body.value[key].value):
                 self._values.unknown(draft, body, key, [])
-            else:
+            elif key in unknown:
                 hint = self._registry.hint(key, known)
                 message = f"{key!r} is neither a parameter of {name!r} nor a node"
                 self._broken(draft, message, body.key_places[key], hint, "unknown-node")
+            else:
+                self._append(draft, self._typed(key, body.value[key], body.key_places[key]))
         if not others:
             hint = "a node's key beside its parameters"
             self._broken(draft, f"{name!r} needs a child", draft.place, hint, "missing-child")
@@ -226,7 +261,7 @@ class Reader:
             draft.children.append(child)
 
     def _branch(self, draft: Draft, key: str, slot: Slot, body: Item) -> None:
-        item, where = body.value.get(key), f"{key!r} of {draft.type.type_name!r}"
+        item, where = body.value.get(key), f"{key!r} of {draft.word!r}"
         if item is None:
             if slot.required:
                 self._broken(draft, f"{where} is missing", draft.place, f"{key}: {slot.doc}", "missing-parameter")

@@ -6,14 +6,14 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from humanoid_bt.core.errors import Place, Problem, UserError, nearest
+from humanoid_bt.core.errors import Place, Problem, UserError, also_at
 from humanoid_bt.core.params import Param, PerceptName
 from humanoid_bt.core.reading import convert
 from humanoid_bt.decision.blackboard import Key
 from humanoid_bt.tree.expressions.expression import Expression
 from humanoid_bt.tree.expressions.grammar import names
 from humanoid_bt.tree.expressions.quantities import ANYTHING, TEXT, TRUTH, Type, number
-from humanoid_bt.tree.source.parameters import Declaration, Parameters
+from humanoid_bt.tree.source.parameters import Declaration, Parameters, meant
 
 
 @dataclass
@@ -130,7 +130,6 @@ class Scope:
             return kind, (lambda: value.value) if isinstance(value, Key) else (lambda: value)
         known = self._keys.get(name)
         if known is None or not self._exists(known):
-            self.parameters.excuse(name)
             return None
         key = known.key
         return _of(known), lambda: key.value
@@ -170,14 +169,14 @@ class Scope:
 
     def _judge(self, name: str, known: _Known) -> None:
         if known.read_at and not known.written and not known.key.has_initial:
-            hint = nearest(name, self.known) or "the tree declares no parameters and writes no keys"
+            hint = meant(name, self.known)
             if known.place is None:
-                self.parameters.excuse(name)
                 message, code = f"unknown parameter or key '${name}'", "unknown-reference"
             else:
                 message, code = f"the key {name!r} is read, but nothing writes it", "unwritten-key"
                 hint = "give it a default where it is declared, or a node that writes it"
-            self._problems += [Problem(message, place, hint, code) for place, _ in known.read_at]
+            places = list(dict.fromkeys(place for place, _ in known.read_at))
+            self._problems.append(Problem(message, places[0], hint + also_at(places), code))
             return
         kind = _of(known)
         for place, spec in known.read_at:

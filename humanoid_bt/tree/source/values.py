@@ -6,10 +6,10 @@ import typing
 from collections.abc import Sequence
 from typing import Any
 
-from humanoid_bt.core.errors import Problem, UserError, nearest
+from humanoid_bt.core.errors import Problem, UserError, any_of, nearest
 from humanoid_bt.core.items import Item
 from humanoid_bt.core.params import Param
-from humanoid_bt.core.reading import read_values
+from humanoid_bt.core.reading import needed, read_values
 from humanoid_bt.decision.blackboard import Key, are_keys
 from humanoid_bt.tree.draft import Draft
 from humanoid_bt.tree.expressions.expression import Expression
@@ -34,16 +34,19 @@ class ValueReader:
         self._scope = scope
         self._problems = problems
 
-    def read(self, draft: Draft, body: Item) -> None:
+    def read(self, draft: Draft, body: Item, unknown: Sequence[str] = ()) -> None:
         """Read the parameters and the name of a node into its draft.
 
         Args:
             draft: the node's.
             body: what stands behind the node's type, as a mapping.
+            unknown: its keys that mean nothing: most likely they are the parameters that are missing.
         """
         node_type = draft.type
         given: dict[str, Item] = {}
-        wanted = dict(node_type.params)
+        plainly: dict[str, Any] = {}
+        missing = [name for name, spec in node_type.params.items() if spec.required and name not in body.value]
+        wanted = {name: spec for name, spec in node_type.params.items() if name not in missing[: len(unknown)]}
         for key, item in body.value.items():
             if key == "name":
                 self._name(draft, item)
@@ -54,12 +57,14 @@ class ValueReader:
                     del wanted[key]  # it is read while the tree runs, or its mistake is noted
                 else:
                     given[key] = value
+                    plainly[key] = self._plainly(item, value)
                     if value.place != item.place:
                         draft.given_places[key] = value.place
-            elif node_type.takes == "none" and key not in node_type.branches:
+            elif node_type.takes == "none" and key in unknown:
                 self.unknown(draft, body, key, [*node_type.params, *node_type.branches, "name"])
-        values, problems = read_values(wanted, Item(given, draft.place), repr(node_type.type_name))
+        values, problems = read_values(wanted, Item(given, draft.place), repr(draft.word))
         self._problems += [self._scope.parameters.explain(problem) for problem in problems]
+        draft.written = {key: plain for key, plain in plainly.items() if _in_another_form(values.get(key), plain)}
         for key, value in values.items():
             if isinstance(value, Key):
                 draft.values[key] = self._scope.write(value.name, _written_type(values))
@@ -70,7 +75,7 @@ class ValueReader:
                 for expression in expressions_of(value):
                     self._scope.add(expression)
 
-    def unknown(self, draft: Draft, body: Item, key: str, known: Sequence[str]) -> None:
+    def unknown(self, draft: Draft, body: Item, key: str, known: Sequence[str], owners: Sequence[str] = ()) -> None:
         """Note that a node has no such parameter.
 
         Args:
@@ -78,12 +83,17 @@ class ValueReader:
             body: what stands behind the node's type, as a mapping.
             key: what is no parameter.
             known: what would be valid.
+            owners: the node types that do have such a parameter.
         """
         draft.sound = False
-        name, item = draft.type.type_name, body.value[key]
+        name = draft.word
         hint = nearest(key, known)
-        if meant := other_libraries.hint_for_parameter(name, key, item.value):
-            self._scope.parameters.skim(item)  # a parameter that is given to it is not unused, too
+        missing = [spec for other, spec in draft.type.params.items() if spec.required and other not in body.value]
+        if len(missing) == 1 and not hint.startswith("did"):
+            hint = needed(missing[0])
+        elif owners and not hint.startswith("did"):
+            hint = f"it is a key of {any_of(owners)}: write it there"
+        if meant := other_libraries.hint_for_parameter(draft.type.type_name, key, body.value[key].value):
             hint = meant
         message = f"unknown parameter {key!r} of {name!r}"
         self._problems.append(Problem(message, body.key_places[key], hint, "unknown-parameter"))
@@ -119,6 +129,12 @@ class ValueReader:
             draft.sound = False
         return resolved
 
+    def _plainly(self, item: Item, resolved: Item) -> Any:
+        """Return a value as it is written, here or where the parameter got it that it refers to."""
+        name = reference(item)
+        parameter = self._scope.parameters.find(name) if name is not None else None
+        return resolved.plain() if parameter is None else parameter.written
+
     def _dynamic(self, draft: Draft, spec: Param, item: Item, parameter: Parameter | None) -> None:
         """Let a parameter be read from the blackboard each time the node starts."""
         name = item.value[1:]
@@ -126,7 +142,7 @@ class ValueReader:
             draft.values[spec.name] = self._scope.read(name, item.place, spec) if parameter is None else parameter.value
             return
         draft.sound = False
-        what = f"{spec.name!r} of {draft.type.type_name!r}"
+        what = f"{spec.name!r} of {draft.word!r}"
         message = f"{what} must be known before the run, and {item.value!r} is a key of the blackboard"
         place, hint = item.place, "give it a value or a parameter"
         if parameter is not None and parameter.given is not None:  # the mistake is that of whoever gave it a key
@@ -145,6 +161,13 @@ def _has_names(kind: Any) -> bool:
     """Return whether values of a parameter's type look up names by themselves."""
     inner = (kind, *typing.get_args(kind))
     return any(isinstance(part, type) and issubclass(part, (Expression, Template)) for part in inner)
+
+
+def _in_another_form(value: Any, plain: Any) -> bool:
+    """Return whether a value's written form says more than the value: a unit that is not the SI's."""
+    if isinstance(value, bool) or not isinstance(value, (int, float, list, tuple)) or plain is None:
+        return False
+    return bool(plain != (list(value) if isinstance(value, tuple) else value))
 
 
 def _written_type(values: dict[str, Any]) -> Type:

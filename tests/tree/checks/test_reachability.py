@@ -46,7 +46,7 @@ def test_what_never_gets_its_turn_is_told(workspace: Workspace, root: str, messa
         "selector: [act, {condition: state.standing}, idle]",
         "sequence: [act, {wait: 1 s}, {set_blackboard: {key: k, value: 1}}, {clear_blackboard: k}, look, idle]",
         "selector: [{timeout: {duration: 1 s, idle: }}, act]",
-        "selector: [{emergency_stop: idle}, act]",
+        "selector: [{emergency_stop: act}, act]",
         "selector: [{watchdog: {percept: p, max_age: 1, idle: }}, act]",
         "selector: [{repeat: act}, act]",
         "sequence: [{repeat: {times: 2, act: }}, act]",

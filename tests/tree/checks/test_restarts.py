@@ -245,3 +245,8 @@ def test_a_skill_can_say_that_it_answers_at_once(workspace: Workspace) -> None:
 @pytest.mark.parametrize("child", ["{timeout: {duration: 1 m, act: }}", "{timeout: {duration: 1 s, acd: }}", "acd"])
 def test_what_has_a_mistake_is_told_for_that_alone(workspace: Workspace, child: str) -> None:
     assert found(workspace, f"root: {{reactive_sequence: [{child}, act]}}", "starts-again") == []
+
+
+def test_children_of_one_name_are_told_apart_as_in_their_paths(workspace: Workspace) -> None:
+    message = "'wait' starts again when it has succeeded, and halts 'wait#2' behind it"
+    assert told(workspace, "reactive_sequence: [{wait: 1 s}, {wait: 2 s}]") == [message]

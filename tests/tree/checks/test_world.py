@@ -88,7 +88,9 @@ def test_what_is_run_counts_and_not_what_the_header_names(handless: Workspace) -
     assert not given(handless, text, "humanoid", "ball_on_stand").warnings
     with pytest.raises(UserError, match="the robot 'handless' has none"):
         given(handless, text, "handless", "ball_on_stand")
-    with pytest.raises(UserError, match=r"robot=humanod: no robot named 'humanod'\n.*did you mean 'humanoid'"):
+    with pytest.raises(
+        UserError, match=r"robot=humanod: error: no robot named 'humanod' \[unknown-robot\]\n.*did you mean 'humanoid'"
+    ):
         given(handless, text, "humanod", "ball_on_stand")
 
 
@@ -96,7 +98,7 @@ def test_a_robot_with_mistakes_is_one_mistake_of_its_tree(workspace: Workspace) 
     folder = workspace.root / "sim" / "broken"
     folder.mkdir(parents=True)
     (folder / "robot.yaml").write_text("format: 1\nname: broken\n")
-    with pytest.raises(UserError, match=r"robot.yaml:1:1: the parameter 'model' of the robot is missing"):
+    with pytest.raises(UserError, match=r"robot.yaml:1:1: error: the parameter 'model' of the robot is missing"):
         load(workspace, "robot: broken\nroot: act")
 
 

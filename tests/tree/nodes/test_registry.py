@@ -40,5 +40,5 @@ def test_a_skill_cannot_take_a_name_that_trees_use_otherwise(workspace: Workspac
         "from humanoid_bt.decision.skill import Skill, Status\n\n"
         f"class {name}(Skill):\n    def update(self): return Status.SUCCESS\n"
     )
-    with pytest.raises(UserError, match=r"clash.py:3:1: the skill .* has the name of"):
+    with pytest.raises(UserError, match=r"clash.py:3:1: error: the skill .* has the name of"):
         Registry.of(workspace)

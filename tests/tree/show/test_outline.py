@@ -72,3 +72,30 @@ def test_text_fits_as_well_as_its_words_allow(width: int) -> None:
     said = {node.path: "a long way to go to the target, and more" for node in outline.nodes}
     for line in unicode_tree(outline, random_statuses(outline), width, said).splitlines():
         assert len(line) <= width or "  " not in line.lstrip(" │") or "," not in line.rstrip(",")
+
+
+UNITS = """
+parameters: {step: 60 deg, near: 45cm}
+root:
+  emergency_stop:
+    sequence:
+      - turn: {angle: $step}
+      - step_back: {distance: 20 cm}
+      - walk_to: {x: $near, y: 0.5, heading: 1.5}
+"""
+
+
+def test_what_is_written_in_a_unit_is_shown_and_written_in_it(workspace: Workspace) -> None:
+    tree = load(workspace, UNITS)
+    wanted = [("angle: 60 deg",), ("distance: 20 cm",), ("x: 45 cm", "y: 0.5 m", "heading: 1.5 rad")]
+    assert [node.parameters for node in outline_of(tree).nodes[2:]] == wanted
+    text = tree.to_yaml()
+    assert "step: 60 deg" in text
+    assert "distance: 20 cm" in text
+
+
+def test_what_is_given_from_outside_is_shown_as_it_is_given(workspace: Workspace) -> None:
+    tree = load(workspace, UNITS, step="90 deg", near="0.3")
+    assert outline_of(tree).nodes[2].parameters == ("angle: 90 deg",)
+    assert outline_of(tree).nodes[4].parameters[0] == "x: 0.3 m"
+    assert "step: 90 deg" in tree.to_yaml()

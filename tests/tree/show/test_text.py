@@ -33,7 +33,7 @@ def test_unicode_tree_shows_names_types_and_parameters_that_differ(workspace: Wo
     assert unicode_tree(demo(workspace)) == (
         "demo: Show what a tree looks like.\n"
         "└─ emergency_stop\n"
-        "   └─ watchdog  percept: target, max_age: 0.5 s\n"
+        "   └─ watchdog  percept: target, max_age: 500 ms\n"
         "      ├─ go there (sequence)\n"
         "      │  ├─ within  percept: target, distance: 0.5 m, bearing: 0.4 rad\n"
         "      │  └─ approach  target: target\n"

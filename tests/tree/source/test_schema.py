@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -12,13 +11,11 @@ import pytest
 import yaml
 
 from humanoid_bt.files.workspace import Workspace, builtin_root
+from humanoid_bt.tree.nodes.examples import EXAMPLES
 from humanoid_bt.tree.nodes.registry import Registry
 from humanoid_bt.tree.source.load import subtree_types
 from humanoid_bt.tree.source.schema import tree_schema
 from tests.tree.helpers import make_workspace
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[3] / "docs"))
-from examples import EXAMPLES
 
 BUILTIN = Workspace(builtin_root())
 

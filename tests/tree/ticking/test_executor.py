@@ -144,7 +144,9 @@ def test_what_setup_does_not_find_is_an_error_at_the_node(workspace: Workspace) 
         "    def setup(self, **kwargs):\n"
         "        raise KeyError('tail')\n"
     )
-    with pytest.raises(UserError, match=r"t.yaml:2:19: there is no tail\n.*t.yaml:2:26: there is no tail"):
+    with pytest.raises(
+        UserError, match=r"t.yaml:2:19: error: there is no tail\n.*t.yaml:2:26: error: there is no tail"
+    ):
         run(workspace, "{sequence: [picky, picky]}")
     with pytest.raises(NodeError, match="KeyError"):
         run(workspace, "rude")

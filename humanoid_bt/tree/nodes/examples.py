@@ -1,4 +1,4 @@
-"""The examples of the tree reference."""
+"""An example of every built-in node type and skill: for the tree reference, and for `humanoid-bt nodes`."""
 
 from __future__ import annotations
 

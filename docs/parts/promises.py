@@ -1,0 +1,26 @@
+"""What the engine promises, from the numbers by which ``bench`` judges."""
+
+from __future__ import annotations
+
+from humanoid_bt.bench.promises import PROMISES
+from parts.markdown import table
+
+
+def costs() -> str:
+    """Return the table of what the engine may cost."""
+    return _table("bench")
+
+
+def reactions() -> str:
+    """Return the table of how punctual and how quick realtime mode is."""
+    return _table("bench --realtime")
+
+
+def _table(command: str) -> str:
+    words = {True: "at least", False: "at most"}
+    rows = [
+        (promise.what, f"{words[promise.at_least]} {promise.bound:g}{'' if promise.unit == 'x' else ' '}{promise.unit}")
+        for promise in PROMISES
+        if promise.command == command
+    ]
+    return table(("what", "promised"), rows)

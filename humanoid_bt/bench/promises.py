@@ -1,0 +1,59 @@
+"""The numbers that the docs promise: their tables are made from these, and ``bench`` judges by them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+
+@dataclass(frozen=True)
+class Promise:
+    """A bound that holds for something that is measured.
+
+    Attributes:
+        what: what is measured.
+        bound: the largest value that keeps the promise, or the smallest.
+        unit: of the bound; "x" for a ratio to a baseline.
+        at_least: whether the bound is the smallest value.
+        command: what measures it.
+    """
+
+    what: str
+    bound: float
+    unit: Literal["x", "us", "ms"]
+    at_least: bool = False
+    command: str = "bench"
+
+    @property
+    def text(self) -> str:
+        """The bound in words."""
+        return f"{'>=' if self.at_least else '<='} {self.bound:g}{'' if self.unit == 'x' else ' '}{self.unit}"
+
+    def verdict(self, value: float) -> Verdict:
+        """Return whether a measured value keeps it."""
+        return verdict(value >= self.bound if self.at_least else value <= self.bound)
+
+
+Verdict = Literal["ok", "missed"]
+
+
+def verdict(kept: bool) -> Verdict:
+    """Return the word for a promise that was kept, or was not."""
+    return "ok" if kept else "missed"
+
+
+STACK = Promise("the whole stack, recording on, beside `mj_step` of the same motion", 6.0, "x")
+SPEED = Promise("simulated time of a run, recording on, beside the CPU time it takes", 4.0, "x", at_least=True)
+TICK = Promise("a tick, snapshot and command included, beside plain py_trees with the same leaves", 1.0, "x")
+LOAD = Promise("loading a tree of 500 nodes with all checks, beside `yaml.safe_load` of its text", 2.0, "x")
+
+_REALTIME = "bench --realtime"
+LATENESS = Promise(
+    "lateness of the servo, p99, idle and under load, with realtime priority", 100.0, "us", False, _REALTIME
+)
+E_STOP = Promise("from an e-stop to the emergency stop, p99", 3.0, "ms", False, _REALTIME)
+PROTECTIVE_STOP = Promise(
+    "from a decision that is silent or sends nonsense to the protective stop", 120.0, "ms", False, _REALTIME
+)
+
+PROMISES = (STACK, SPEED, TICK, LOAD, LATENESS, E_STOP, PROTECTIVE_STOP)
