@@ -8,12 +8,10 @@ from typing import Any
 import rerun as rr
 import rerun.blueprint as rrb
 
-from humanoid_bt.record import documents, events, overlays, plots, tree_view
+from humanoid_bt.record import documents, events, eye, overlays, plots, tree_view
 from humanoid_bt.record.columns import LANES, TIMELINE, entity
-from humanoid_bt.record.scene_view import BASE, WORLD
+from humanoid_bt.record.scene_view import WORLD
 
-_EYE = (1.4, -2.2, 1.3)  # camera at the start, in heights of the base: from the front right, at the chest
-_LOOK_AT = (0.4, 0.0, 0.9)
 _BACKGROUND = (126, 139, 156)  # lighter than most robots, darker than labels
 _MARGIN = 12.0  # around the tree, in the graph's units
 
@@ -53,12 +51,8 @@ def _scene(base_height: float) -> Any:
         name="robot",
         origin=WORLD,
         contents=["/**"],
-        eye_controls=rrb.EyeControls3D(
-            position=[base_height * value for value in _EYE],
-            look_target=[base_height * value for value in _LOOK_AT],
-            eye_up=(0, 0, 1),
-            tracking_entity=BASE,
-        ),
+        eye_controls=rrb.EyeControls3D(position=eye.position(base_height), look_target=(0, 0, 0), eye_up=(0, 0, 1)),
+        spatial_information=rrb.SpatialInformation(target_frame=eye.FRAME),
         background=_BACKGROUND,
         line_grid=False,
         overrides={overlays.PATH: all_until_now},

@@ -90,7 +90,7 @@ class Overlays:
             path = entity(WORLD, "percepts", name)
             if name not in self._percepts:
                 self._percepts.add(name)
-                look = rr.Points3D.from_fields(labels=[name], radii=[0.035], show_labels=True)
+                look = rr.Points3D.from_fields(labels=[name], radii=[0.022], show_labels=True)
                 stream.log(path, rr.CoordinateFrame(WORLD), look, static=True)
             seen = [(state.time, tracks[name]) for state, tracks in self._samples if name in tracks]
             columns = rr.Points3D.columns(

@@ -5,7 +5,7 @@ Recording is cheap because a sample only keeps references: all encoding happens 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Container, Mapping
 from types import TracebackType
 from typing import Any, Self
 
@@ -18,11 +18,13 @@ from humanoid_bt.perception.track import Track
 from humanoid_bt.record.blueprint import blueprint
 from humanoid_bt.record.documents import send_info, send_tree_file
 from humanoid_bt.record.events import EventLog, Level
+from humanoid_bt.record.eye import Eye
 from humanoid_bt.record.lanes import LANE_COUNT, RobotLanes
 from humanoid_bt.record.overlays import Overlays
 from humanoid_bt.record.plots import Plots
 from humanoid_bt.record.scene_view import SceneView
 from humanoid_bt.record.sinks import Outlet, Sinks
+from humanoid_bt.record.stop_sign import StopSign
 from humanoid_bt.record.tree_view import TreeStatus, TreeView
 from humanoid_bt.robot.config import RobotConfig
 
@@ -64,17 +66,20 @@ class Recorder:
         info: Mapping[str, str],
     ) -> None:
         self._scene = SceneView(model, len(joint_names), config.base)
+        self._eye = Eye(self._scene.base_height, self._scene.heights)
         self._overlays = Overlays(config.sole)
+        self._stop_sign = StopSign(self._scene.base_height)
         self._plots = Plots(model, joint_names, config)
         self._tree = TreeStatus(tree.nodes, first_lane=LANE_COUNT)
         self._lanes = RobotLanes()
         self._events = EventLog()
+        self._views = (self._scene, self._overlays, self._stop_sign, self._plots, self._tree, self._lanes)
         self._last_flush = self._last_frame = -np.inf
         self._closed = False
         self._batch = _LIVE_BATCH if sinks.view or sinks.serve is not None else _FILE_BATCH
         self._outlet = Outlet(sinks, info.get("tree", tree.file) or "run", self._layout())
         try:
-            for part in (self._scene, self._overlays, self._plots, self._tree, self._lanes):
+            for part in self._views:
                 part.log_static(self._outlet.stream)
             send_info(self._outlet.stream, 0.0, info)
             send_tree_file(self._outlet.stream, 0.0, tree)
@@ -87,13 +92,16 @@ class Recorder:
         """Address of the web viewer, "" if none is served."""
         return self._outlet.url
 
-    def sample(self, state: State, tracks: Mapping[str, Track], objects: Mapping[str, Array]) -> None:
+    def sample(
+        self, state: State, tracks: Mapping[str, Track], objects: Mapping[str, Array], hidden: Container[str] = ()
+    ) -> None:
         """Record one tick.
 
         Args:
             state: what control knows.
             tracks: percepts by name, placed in the world.
             objects: true positions of scene objects by name, world frame, shape (3,) [m].
+            hidden: names of those that perception cannot see now.
         """
         self._check_open()
         seen = dict(tracks)
@@ -101,8 +109,10 @@ class Recorder:
         self._lanes.add(state)
         if state.time - self._last_frame >= _FRAME - _SLACK:
             self._last_frame = state.time
-            self._scene.add(state, objects)
+            self._scene.add(state, objects, hidden)
+            self._eye.add(state, seen, objects)
             self._overlays.add(state, seen)
+            self._stop_sign.add(state)
         if self._last_flush == -np.inf:
             self._last_flush = state.time
         if state.time - self._last_flush >= self._batch - _SLACK:
@@ -153,7 +163,7 @@ class Recorder:
         """Write what was recorded since the last batch; does nothing after :meth:`close`."""
         if self._closed:
             return
-        for part in (self._scene, self._overlays, self._plots, self._tree, self._lanes, self._events):
+        for part in (*self._views, self._eye, self._events):
             part.flush(self._outlet.stream)
 
     def close(self) -> None:

@@ -133,7 +133,8 @@ class Teller:
         if self.recorder is not None:
             scene = self._engine.scene
             objects = {name: scene.object_position(name, state.time) for name in scene.config.objects}
-            self.recorder.sample(state, robot.tracks, objects)
+            hidden = {name for name in objects if scene.hidden(name, state.time)}
+            self.recorder.sample(state, robot.tracks, objects, hidden)
         resting = "waiting for an edit" if runner.ended else "coming to a stand"
         self._listener.progress(state.time, f"{tip.name}: {tip.feedback_message}" if tip is not None else resting)
         self._ticks += 1
