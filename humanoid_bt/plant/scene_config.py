@@ -117,6 +117,12 @@ def load_scene(path: Path) -> SceneConfig:
     return dataclasses.replace(config, path=path)
 
 
+def widest_view(config: SceneConfig) -> tuple[float, float]:
+    """Return the angles of view, horizontal and vertical [rad], in which the robot can see anything of a scene."""
+    percepts = config.percepts.values() or [PerceptConfig(object="")]
+    return max(seen.field_of_view for seen in percepts), max(seen.vertical_field_of_view for seen in percepts)
+
+
 def _object_problems(config: SceneConfig, item: Item) -> Iterator[Problem]:
     for name, thing in config.objects.items():
         written = item.value["objects"].value[name]

@@ -8,7 +8,7 @@ from typing import Any
 import rerun as rr
 import rerun.blueprint as rrb
 
-from humanoid_bt.record import documents, events, eye, overlays, plots, tree_view
+from humanoid_bt.record import camera, documents, events, eye, overlays, plots, tree_view
 from humanoid_bt.record.columns import LANES, TIMELINE, entity
 from humanoid_bt.record.scene_view import WORLD
 
@@ -27,6 +27,9 @@ def blueprint(graph: tuple[float, float], groups: Iterable[str], base_height: fl
     left = rrb.Vertical(_scene(base_height), _lanes(), row_shares=[9, 7])
     texts = rrb.Tabs(
         rrb.TextLogView(name="events", origin=events.EVENTS, columns=_log_columns()),
+        rrb.Spatial2DView(
+            name="head camera", origin=camera.CAMERA, contents=["$origin/**", f"/{overlays.PERCEPTS}/**"]
+        ),
         rrb.TextDocumentView(name="run", origin=documents.RUN),
         rrb.TextDocumentView(name="tree file", origin=documents.TREE),
     )
@@ -50,7 +53,7 @@ def _scene(base_height: float) -> Any:
     return rrb.Spatial3DView(
         name="robot",
         origin=WORLD,
-        contents=["/**"],
+        contents=["/**", f"- /{camera.CAMERA}/**"],
         eye_controls=rrb.EyeControls3D(position=eye.position(base_height), look_target=(0, 0, 0), eye_up=(0, 0, 1)),
         spatial_information=rrb.SpatialInformation(target_frame=eye.FRAME),
         background=_BACKGROUND,

@@ -16,6 +16,7 @@ from humanoid_bt.core.errors import HumanoidBtError
 from humanoid_bt.core.messages import Array, State
 from humanoid_bt.perception.track import Track
 from humanoid_bt.record.blueprint import blueprint
+from humanoid_bt.record.camera import HeadCamera, View, Wanted
 from humanoid_bt.record.documents import send_info, send_tree_file
 from humanoid_bt.record.events import EventLog, Level
 from humanoid_bt.record.eye import Eye
@@ -50,9 +51,11 @@ class Recorder:
         tree: what is shown of the tree.
         sinks: where the recording goes.
         info: about the run: heading -> text, such as tree, robot, seed, versions, parameters.
+        camera: what the head camera has in the picture.
+        pictures: whether there shall be pictures of it.
 
     Raises:
-        UserError: a sink cannot be opened.
+        UserError: a sink cannot be opened, or pictures are insisted on and there is no OpenGL.
     """
 
     def __init__(
@@ -64,6 +67,8 @@ class Recorder:
         tree: TreeView,
         sinks: Sinks,
         info: Mapping[str, str],
+        camera: View,
+        pictures: Wanted = False,
     ) -> None:
         self._scene = SceneView(model, len(joint_names), config.base)
         self._eye = Eye(self._scene.base_height, self._scene.heights)
@@ -79,7 +84,8 @@ class Recorder:
         self._batch = _LIVE_BATCH if sinks.view or sinks.serve is not None else _FILE_BATCH
         self._outlet = Outlet(sinks, info.get("tree", tree.file) or "run", self._layout())
         try:
-            for part in self._views:
+            self._camera = HeadCamera(model, camera, pictures)
+            for part in (*self._views, self._camera):
                 part.log_static(self._outlet.stream)
             send_info(self._outlet.stream, 0.0, info)
             send_tree_file(self._outlet.stream, 0.0, tree)
@@ -110,6 +116,7 @@ class Recorder:
         if state.time - self._last_frame >= _FRAME - _SLACK:
             self._last_frame = state.time
             self._scene.add(state, objects, hidden)
+            self._camera.add(state, objects, hidden)
             self._eye.add(state, seen, objects)
             self._overlays.add(state, seen)
             self._stop_sign.add(state)
@@ -163,14 +170,18 @@ class Recorder:
         """Write what was recorded since the last batch; does nothing after :meth:`close`."""
         if self._closed:
             return
-        for part in (*self._views, self._eye, self._events):
-            part.flush(self._outlet.stream)
+        stream = self._outlet.stream
+        if why := self._camera.take_news():
+            self._events.event(max(self._last_flush, 0.0), "info", f"no picture of the head camera: {why}")
+        for part in (*self._views, self._eye, self._camera, self._events):
+            part.flush(stream)
 
     def close(self) -> None:
         """Write the rest and close the recording; further calls do nothing."""
         if self._closed:
             return
         try:
+            self._camera.finish()
             self.flush()
         finally:
             self._closed = True

@@ -22,7 +22,8 @@ POSES = "poses"
 """The one entity that carries the poses of all moving bodies."""
 
 _BASE_HEIGHTS = (0.4, 1.2)  # believable ones [m]: a model may also leave its base at the origin
-_OBJECT_PREFIX = "object_"
+OBJECT_PREFIX = "object_"
+"""What the names of bodies that are scene objects begin with."""
 
 
 class SceneView:
@@ -47,7 +48,7 @@ class SceneView:
         self.base_height = float(np.clip(model.body(base).pos[2], *_BASE_HEIGHTS))
         names = {body: _body_name(model, body) for body in range(1, model.nbody)}
         self._objects = {
-            name.removeprefix(_OBJECT_PREFIX): body for body, name in names.items() if name.startswith(_OBJECT_PREFIX)
+            name.removeprefix(OBJECT_PREFIX): body for body, name in names.items() if name.startswith(OBJECT_PREFIX)
         }
         self.heights = {name: geoms.height(model, body) for name, body in self._objects.items()}
         roots = {body for body in names if model.body_weldid[body] != 0} | set(self._objects.values())
@@ -81,18 +82,13 @@ class SceneView:
                 position, quaternion = data.geom_xpos[geom], np.zeros(4)
                 mujoco.mju_mat2Quat(quaternion, data.geom_xmat[geom])
             path = f"{self._folder(body)}/{entity(model.geom(geom).name or f'geom_{geom}')}"
-            if isinstance(drawn, geoms.PRIMITIVES):
-                if body in objects:
-                    self._looks[objects[body]].append((path, geom, type(drawn)))
-                else:
-                    stream.log(path, type(drawn).from_fields(**geoms.look(model, geom)), static=True)
-            stream.log(
-                path,
-                drawn,
-                rr.InstancePoses3D(translations=[position], quaternions=[rr.Quaternion(xyzw=xyzw(quaternion))]),
-                rr.CoordinateFrame(_body_name(model, body) if body in moving else WORLD),
-                static=True,
-            )
+            pose = rr.InstancePoses3D(translations=[position], quaternions=[rr.Quaternion(xyzw=xyzw(quaternion))])
+            written = [drawn, pose, rr.CoordinateFrame(_body_name(model, body) if body in moving else WORLD)]
+            if body in objects:
+                self._looks[objects[body]].append((path, geom, type(drawn)))
+            elif isinstance(drawn, geoms.PRIMITIVES):
+                written.append(type(drawn).from_fields(**geoms.look(model, geom)))
+            stream.log(path, *written, static=True)
 
     def add(self, state: State, objects: Mapping[str, Array], hidden: Container[str]) -> None:
         """Compute the bodies' poses in one state.

@@ -67,7 +67,7 @@ class StopSign:
         )
         rims = rr.LineStrips3D.columns(strips=list(floor[:, None] + radius * _CIRCLE), colors=colors)
         reasons = rr.Points3D.columns(
-            positions=floor + [0.0, 0.0, _ABOVE * self._base_height],
+            positions=floor + np.array([0.0, 0.0, _ABOVE * self._base_height]),
             colors=colors,
             labels=[printable(_text(state)) for state in stops],
         )
