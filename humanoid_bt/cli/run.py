@@ -66,6 +66,7 @@ def _session(arguments: argparse.Namespace, printer: Printer) -> Session:
         record=not arguments.no_record and (arguments.record or True),
         view="auto" if implied else bool(view),
         serve=arguments.serve,
+        camera="auto" if arguments.camera == "auto" else arguments.camera == "on",
         listener=printer,
     )
 

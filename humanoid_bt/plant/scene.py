@@ -10,21 +10,11 @@ import mujoco
 import numpy as np
 
 from humanoid_bt.core.messages import Array
-from humanoid_bt.plant.scene_config import Color, EventConfig, ObjectConfig, SceneConfig, load_scene
+from humanoid_bt.plant.scene_config import EventConfig, ObjectConfig, SceneConfig, load_scene
+from humanoid_bt.plant.shapes import parts
 
 __all__ = ["Scene", "SceneConfig", "load_scene", "random_stream"]
 
-_COLORS: dict[Color, tuple[float, float, float]] = {
-    "red": (0.86, 0.16, 0.15),
-    "orange": (0.97, 0.5, 0.08),
-    "yellow": (0.96, 0.8, 0.13),
-    "green": (0.2, 0.66, 0.33),
-    "blue": (0.14, 0.42, 0.86),
-    "purple": (0.52, 0.28, 0.72),
-    "white": (0.93, 0.93, 0.94),
-    "grey": (0.5, 0.52, 0.55),
-    "black": (0.1, 0.1, 0.12),
-}
 _STAND_COLOR = (0.3, 0.32, 0.36, 1.0)
 _POLE_RADIUS = 0.008  # m
 _BASE_RADIUS = 0.09  # m; less than the distance that a robot keeps its toes from what it reaches for
@@ -105,19 +95,27 @@ class Scene:
         _add_surroundings(spec)
         for name, thing in self.config.objects.items():
             position = self.object_position(name, 0.0)
-            body = spec.worldbody.add_body(name=f"object_{name}", pos=position)
-            kind, size = _geom(thing)
-            touches = int(thing.solid)
-            body.add_geom(
-                name=f"object_{name}",
-                type=kind,
-                size=size,
-                rgba=[*_COLORS[thing.color], 1.0],
-                contype=touches,
-                conaffinity=touches,
-            )
+            turn = self._facing_robot(position) if thing.shape == "person" else 0.0
+            turned = [math.cos(turn / 2), 0.0, 0.0, math.sin(turn / 2)]
+            body = spec.worldbody.add_body(name=f"object_{name}", pos=position, quat=turned)
+            for part in parts(thing):
+                body.add_geom(
+                    name=f"object_{name}:{part.name}" if part.name else f"object_{name}",
+                    type=part.kind,
+                    size=part.size,
+                    pos=part.position,
+                    fromto=part.ends or [math.nan] * 6,
+                    rgba=[*part.color, 1.0],
+                    contype=int(thing.solid),
+                    conaffinity=int(thing.solid),
+                )
             if thing.stand:
                 _add_stand(spec, name, thing, position)
+
+    def _facing_robot(self, position: Array) -> float:
+        """Return the heading [rad] of somebody at a position who looks at where the robot starts."""
+        x, y, _ = self.start_pose
+        return math.atan2(y - float(position[1]), x - float(position[0]))
 
     def _first_position(self, name: str, thing: ObjectConfig) -> Array:
         if thing.position is not None:
@@ -141,16 +139,7 @@ def _text(event: EventConfig) -> str:
 
 
 def _height(thing: ObjectConfig) -> float:
-    return thing.size[-1]  # a ball's only number is its diameter; the others end with their height
-
-
-def _geom(thing: ObjectConfig) -> tuple[mujoco.mjtGeom, list[float]]:
-    half = [length / 2 for length in thing.size]
-    if thing.shape == "ball":
-        return mujoco.mjtGeom.mjGEOM_SPHERE, [half[0], 0, 0]
-    if thing.shape == "cylinder":
-        return mujoco.mjtGeom.mjGEOM_CYLINDER, [half[0], half[1], 0]
-    return mujoco.mjtGeom.mjGEOM_BOX, half
+    return thing.size[-1]  # a ball's only number is its diameter, a person's the height; the others end with it
 
 
 def _add_stand(spec: mujoco.MjSpec, name: str, thing: ObjectConfig, position: Array) -> None:

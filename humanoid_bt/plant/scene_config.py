@@ -14,13 +14,18 @@ from humanoid_bt.core.params import param
 from humanoid_bt.core.reading import read
 from humanoid_bt.files import document
 
-Shape = Literal["ball", "box", "cylinder"]
+Shape = Literal["ball", "box", "cylinder", "person"]
 Color = Literal["red", "orange", "yellow", "green", "blue", "purple", "white", "grey", "black"]
 
 ACTIONS = ("hide", "show", "move")
 """What an event can be."""
 
-_SIZES: dict[Shape, str] = {"ball": "[diameter]", "box": "[length, width, height]", "cylinder": "[diameter, height]"}
+_SIZES: dict[Shape, str] = {
+    "ball": "[diameter]",
+    "box": "[length, width, height]",
+    "cylinder": "[diameter, height]",
+    "person": "[height]",
+}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -51,11 +56,13 @@ class RandomPlaceConfig:
 class ObjectConfig:
     """A thing in the scene; it has either a position or a random one."""
 
-    shape: Shape = param(doc="Its shape.")
+    shape: Shape = param(doc="Its shape; a person looks at where the robot starts.")
     size: list[float] = param(
-        above=0, unit="m", doc="Full lengths. Ball: diameter; box: length, width, height; cylinder: diameter, height."
+        above=0,
+        unit="m",
+        doc="Full lengths. Ball: diameter; box: length, width, height; cylinder: diameter, height; person: height.",
     )
-    color: Color = param("orange", doc="Its colour.")
+    color: Color = param("orange", doc="Its colour; a person's clothes.")
     position: tuple[float, float, float] | None = param(None, unit="m", doc="Its centre in the world, x y z.")
     random: RandomPlaceConfig | None = param(None, doc="Draws its centre from the seed.")
     stand: bool = param(False, doc="A thin pole with a flat base stands under it; both can be bumped into.")
@@ -146,6 +153,12 @@ def load_scene(path: Path) -> SceneConfig:
     if config is None or problems:
         raise UserError(problems)
     return dataclasses.replace(config, path=path)
+
+
+def widest_view(config: SceneConfig) -> tuple[float, float]:
+    """Return the angles of view, horizontal and vertical [rad], in which the robot can see anything of a scene."""
+    percepts = config.percepts.values() or [PerceptConfig(object="")]
+    return max(seen.field_of_view for seen in percepts), max(seen.vertical_field_of_view for seen in percepts)
 
 
 def _unknown_objects(item: Item) -> Iterator[Problem]:

@@ -8,12 +8,10 @@ from typing import Any
 import rerun as rr
 import rerun.blueprint as rrb
 
-from humanoid_bt.record import documents, events, overlays, plots, results, tree_view
+from humanoid_bt.record import camera, documents, events, eye, overlays, plots, results, tree_view
 from humanoid_bt.record.columns import LANES, TIMELINE, entity
-from humanoid_bt.record.scene_view import BASE, WORLD
+from humanoid_bt.record.scene_view import WORLD
 
-_EYE = (1.4, -2.2, 1.3)  # camera at the start, in heights of the base: from the front right, at the chest
-_LOOK_AT = (0.4, 0.0, 0.9)
 _BACKGROUND = (126, 139, 156)  # lighter than most robots, darker than labels
 _MARGIN = 12.0  # around the tree, in the graph's units
 
@@ -29,6 +27,9 @@ def blueprint(graph: tuple[float, float], groups: Iterable[str], base_height: fl
     left = rrb.Vertical(_scene(base_height), _lanes(), row_shares=[9, 7])
     texts = rrb.Tabs(
         rrb.TextLogView(name="events", origin=events.EVENTS, columns=_log_columns()),
+        rrb.Spatial2DView(
+            name="head camera", origin=camera.CAMERA, contents=["$origin/**", f"/{overlays.PERCEPTS}/**"]
+        ),
         rrb.TextDocumentView(name="run", origin=documents.RUN),
         rrb.TextDocumentView(name="tree file", origin=documents.TREE),
     )
@@ -52,13 +53,9 @@ def _scene(base_height: float) -> Any:
     return rrb.Spatial3DView(
         name="robot",
         origin=WORLD,
-        contents=["/**"],
-        eye_controls=rrb.EyeControls3D(
-            position=[base_height * value for value in _EYE],
-            look_target=[base_height * value for value in _LOOK_AT],
-            eye_up=(0, 0, 1),
-            tracking_entity=BASE,
-        ),
+        contents=["/**", f"- /{camera.CAMERA}/**"],
+        eye_controls=rrb.EyeControls3D(position=eye.position(base_height), look_target=(0, 0, 0), eye_up=(0, 0, 1)),
+        spatial_information=rrb.SpatialInformation(target_frame=eye.FRAME),
         background=_BACKGROUND,
         line_grid=False,
         overrides={overlays.PATH: all_until_now},

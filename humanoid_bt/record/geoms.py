@@ -9,12 +9,17 @@ import mujoco
 import numpy as np
 import rerun as rr
 
+from humanoid_bt.core.geometry import rotation_matrix
 from humanoid_bt.core.messages import Array
 
 _TILE = 0.5  # side of a floor tile [m]: a step is about a third of it
 _FLOOR_HALF_SIZE = 8.0  # a plane is infinite for contacts; this much of it is drawn [m]
 _FLOOR_COLORS = ((88, 98, 112), (74, 83, 96))
 _DARKEST = 0.16  # the viewer's light is weak: a black robot would vanish against the background
+_HIDDEN_COLOR = (205, 210, 218)
+PRIMITIVES = (rr.Ellipsoids3D, rr.Capsules3D, rr.Cylinders3D, rr.Boxes3D)
+"""Archetypes whose look is their own, see :func:`look`."""
+
 _INVISIBLE = 0.02  # alpha below which a geom is not drawn
 
 
@@ -24,9 +29,31 @@ def is_drawn(model: mujoco.MjModel, geom: int) -> bool:
 
 
 def shape(model: mujoco.MjModel, geom: int) -> Any | None:
-    """Return a geom as a rerun archetype in the geom's own frame, None for a kind that rerun has no shape for."""
+    """Return a geom as a rerun archetype in the geom's own frame, None for a kind that rerun has no shape for.
+
+    Primitives lack their look, see :func:`look`.
+    """
     draw = _SHAPES.get(int(model.geom_type[geom]))
     return draw(model, geom) if draw else None
+
+
+def look(model: mujoco.MjModel, geom: int, *, hidden: bool = False) -> dict[str, Any]:
+    """Return colour and fill of a primitive; hidden it is an outline that can be seen through."""
+    fill = rr.components.FillMode
+    if hidden:
+        return {"colors": [_HIDDEN_COLOR], "fill_mode": [fill.TransparentFillMajorWireframe]}
+    return {"colors": [_color(model, geom)], "fill_mode": [fill.Solid]}
+
+
+def height(model: mujoco.MjModel, body: int) -> tuple[float, float]:
+    """Return how far a body's own geoms reach down and up from its origin [m]."""
+    low = high = 0.0
+    for geom in np.flatnonzero(model.geom_bodyid == body):
+        middle, half = model.geom_aabb[geom].reshape(2, 3)
+        turn = rotation_matrix(model.geom_quat[geom])
+        z, reach = model.geom_pos[geom][2] + (turn @ middle)[2], (np.abs(turn) @ half)[2]
+        low, high = min(low, z - reach), max(high, z + reach)
+    return low, high
 
 
 def _rgba(model: mujoco.MjModel, geom: int) -> Array:
@@ -40,31 +67,27 @@ def _color(model: mujoco.MjModel, geom: int) -> Any:
     return np.round(rgba * 255).astype(np.uint8)
 
 
-def _solid(model: mujoco.MjModel, geom: int) -> dict[str, Any]:
-    return {"colors": [_color(model, geom)], "fill_mode": rr.components.FillMode.Solid}
-
-
 def _sphere(model: mujoco.MjModel, geom: int) -> Any:
-    return rr.Ellipsoids3D(half_sizes=[[model.geom_size[geom][0]] * 3], **_solid(model, geom))
+    return rr.Ellipsoids3D(half_sizes=[[model.geom_size[geom][0]] * 3])
 
 
 def _ellipsoid(model: mujoco.MjModel, geom: int) -> Any:
-    return rr.Ellipsoids3D(half_sizes=[model.geom_size[geom]], **_solid(model, geom))
+    return rr.Ellipsoids3D(half_sizes=[model.geom_size[geom]])
 
 
 def _capsule(model: mujoco.MjModel, geom: int) -> Any:
     radius, half, _ = model.geom_size[geom]
     start = [[0, 0, -half]]  # rerun's capsule starts at its origin, MuJoCo's is centred
-    return rr.Capsules3D(lengths=[2 * half], radii=[radius], translations=start, **_solid(model, geom))
+    return rr.Capsules3D(lengths=[2 * half], radii=[radius], translations=start)
 
 
 def _cylinder(model: mujoco.MjModel, geom: int) -> Any:
     radius, half, _ = model.geom_size[geom]
-    return rr.Cylinders3D(lengths=[2 * half], radii=[radius], **_solid(model, geom))
+    return rr.Cylinders3D(lengths=[2 * half], radii=[radius])
 
 
 def _box(model: mujoco.MjModel, geom: int) -> Any:
-    return rr.Boxes3D(half_sizes=[model.geom_size[geom]], **_solid(model, geom))
+    return rr.Boxes3D(half_sizes=[model.geom_size[geom]])
 
 
 def _mesh(model: mujoco.MjModel, geom: int) -> Any:

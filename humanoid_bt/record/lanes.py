@@ -24,6 +24,9 @@ _LOOKS: dict[str, dict[str, Color]] = {
     },
     "limits": {_FREE: (60, 66, 75), _LIMITED: (240, 160, 40)},
 }
+MODE_COLORS = _LOOKS["mode"]
+"""Colours of the supervisor's modes, by their names."""
+
 LANE_COUNT = len(_LOOKS)
 """Number of lanes written here; the tree's come after them."""
 

@@ -15,6 +15,9 @@ from humanoid_bt.record.columns import Color, entity, send, send_sets
 from humanoid_bt.record.scene_view import WORLD
 from humanoid_bt.robot.config import SoleConfig
 
+PERCEPTS = f"{WORLD}/percepts"
+"""Parent of what is seen, each at its place."""
+
 PATH = f"{WORLD}/path"
 """Entity of the ground path; the view shows all its points up to now."""
 
@@ -87,10 +90,10 @@ class Overlays:
 
     def _flush_percepts(self, stream: Any) -> None:
         for name in sorted({name for _, tracks in self._samples for name in tracks}):
-            path = entity(WORLD, "percepts", name)
+            path = f"{PERCEPTS}/{entity(name)}"
             if name not in self._percepts:
                 self._percepts.add(name)
-                look = rr.Points3D.from_fields(labels=[name], radii=[0.035], show_labels=True)
+                look = rr.Points3D.from_fields(labels=[name], radii=[0.022], show_labels=True)
                 stream.log(path, rr.CoordinateFrame(WORLD), look, static=True)
             seen = [(state.time, tracks[name]) for state, tracks in self._samples if name in tracks]
             columns = rr.Points3D.columns(

@@ -5,7 +5,7 @@ Recording is cheap because a sample only keeps references: all encoding happens 
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Container, Mapping, Sequence
 from types import TracebackType
 from typing import Any, Self
 
@@ -17,14 +17,17 @@ from humanoid_bt.core.messages import Array, State
 from humanoid_bt.decision.result import Reported
 from humanoid_bt.perception.track import Track
 from humanoid_bt.record.blueprint import blueprint
+from humanoid_bt.record.camera import HeadCamera, View, Wanted
 from humanoid_bt.record.documents import send_info, send_tree_file
 from humanoid_bt.record.events import EventLog, Level
+from humanoid_bt.record.eye import Eye
 from humanoid_bt.record.lanes import LANE_COUNT, RobotLanes
 from humanoid_bt.record.overlays import Overlays
 from humanoid_bt.record.plots import Plots
 from humanoid_bt.record.results import ResultSeries
 from humanoid_bt.record.scene_view import SceneView
 from humanoid_bt.record.sinks import Outlet, Sinks
+from humanoid_bt.record.stop_sign import StopSign
 from humanoid_bt.record.tree_view import TreeStatus, TreeView
 from humanoid_bt.robot.config import RobotConfig
 
@@ -50,9 +53,11 @@ class Recorder:
         tree: what is shown of the tree.
         sinks: where the recording goes.
         info: about the run: heading -> text, such as tree, robot, seed, versions, parameters.
+        camera: what the head camera has in the picture.
+        pictures: whether there shall be pictures of it.
 
     Raises:
-        UserError: a sink cannot be opened.
+        UserError: a sink cannot be opened, or pictures are insisted on and there is no OpenGL.
     """
 
     def __init__(
@@ -64,20 +69,26 @@ class Recorder:
         tree: TreeView,
         sinks: Sinks,
         info: Mapping[str, str],
+        camera: View,
+        pictures: Wanted = False,
     ) -> None:
         self._scene = SceneView(model, len(joint_names), config.base)
+        self._eye = Eye(self._scene.base_height, self._scene.heights)
         self._overlays = Overlays(config.sole)
+        self._stop_sign = StopSign(self._scene.base_height)
         self._plots = Plots(model, joint_names, config)
         self._tree = TreeStatus(tree.nodes, first_lane=LANE_COUNT)
         self._lanes = RobotLanes()
         self._events = EventLog()
         self._results = ResultSeries()
+        self._views = (self._scene, self._overlays, self._stop_sign, self._plots, self._tree, self._lanes)
         self._last_flush = self._last_frame = -np.inf
         self._closed = False
         self._batch = _LIVE_BATCH if sinks.view or sinks.serve is not None else _FILE_BATCH
         self._outlet = Outlet(sinks, info.get("tree", tree.file) or "run", self._layout())
         try:
-            for part in (self._scene, self._overlays, self._plots, self._tree, self._lanes):
+            self._camera = HeadCamera(model, camera, pictures)
+            for part in (*self._views, self._camera):
                 part.log_static(self._outlet.stream)
             send_info(self._outlet.stream, 0.0, info)
             send_tree_file(self._outlet.stream, 0.0, tree)
@@ -90,13 +101,16 @@ class Recorder:
         """Address of the web viewer, "" if none is served."""
         return self._outlet.url
 
-    def sample(self, state: State, tracks: Mapping[str, Track], objects: Mapping[str, Array]) -> None:
+    def sample(
+        self, state: State, tracks: Mapping[str, Track], objects: Mapping[str, Array], hidden: Container[str] = ()
+    ) -> None:
         """Record one tick.
 
         Args:
             state: what control knows.
             tracks: percepts by name, placed in the world.
             objects: true positions of scene objects by name, world frame, shape (3,) [m].
+            hidden: names of those that perception cannot see now.
         """
         self._check_open()
         seen = dict(tracks)
@@ -104,8 +118,11 @@ class Recorder:
         self._lanes.add(state)
         if state.time - self._last_frame >= _FRAME - _SLACK:
             self._last_frame = state.time
-            self._scene.add(state, objects)
+            self._scene.add(state, objects, hidden)
+            self._camera.add(state, objects, hidden)
+            self._eye.add(state, seen, objects)
             self._overlays.add(state, seen)
+            self._stop_sign.add(state)
         if self._last_flush == -np.inf:
             self._last_flush = state.time
         if state.time - self._last_flush >= self._batch - _SLACK:
@@ -167,14 +184,18 @@ class Recorder:
         """Write what was recorded since the last batch; does nothing after :meth:`close`."""
         if self._closed:
             return
-        for part in (self._scene, self._overlays, self._plots, self._tree, self._lanes, self._events, self._results):
-            part.flush(self._outlet.stream)
+        stream = self._outlet.stream
+        if why := self._camera.take_news():
+            self._events.event(max(self._last_flush, 0.0), "info", f"no picture of the head camera: {why}")
+        for part in (*self._views, self._results, self._eye, self._camera, self._events):
+            part.flush(stream)
 
     def close(self) -> None:
         """Write the rest and close the recording; further calls do nothing."""
         if self._closed:
             return
         try:
+            self._camera.finish()
             self.flush()
         finally:
             self._closed = True

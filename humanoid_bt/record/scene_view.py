@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import copy
-from collections.abc import Mapping
+from collections.abc import Container, Mapping
 from typing import Any
 
 import mujoco
@@ -18,15 +18,12 @@ from humanoid_bt.record.columns import entity, send, xyzw
 WORLD = "world"
 """Root entity of the 3D view, and the name of its frame."""
 
-BASE = f"{WORLD}/base"
-"""A point ahead of the robot's base that the camera follows."""
-
 POSES = "poses"
 """The one entity that carries the poses of all moving bodies."""
 
-_AHEAD = 0.4  # of that point, as a share of the base's height: what the robot goes for is in the picture too
 _BASE_HEIGHTS = (0.4, 1.2)  # believable ones [m]: a model may also leave its base at the origin
-_OBJECT_PREFIX = "object_"
+OBJECT_PREFIX = "object_"
+"""What the names of bodies that are scene objects begin with."""
 
 
 class SceneView:
@@ -41,33 +38,39 @@ class SceneView:
 
     Attributes:
         base_height: of the standing robot, as far as the model tells [m].
+        heights: object name -> lowest and highest point of it, relative to its position [m].
     """
 
     def __init__(self, model: mujoco.MjModel, joint_count: int, base: str) -> None:
         self._model = copy.copy(model)
         self._data = mujoco.MjData(self._model)
         self._joint_count = joint_count
-        self._base = base
         self.base_height = float(np.clip(model.body(base).pos[2], *_BASE_HEIGHTS))
         names = {body: _body_name(model, body) for body in range(1, model.nbody)}
         self._objects = {
-            name.removeprefix(_OBJECT_PREFIX): body for body, name in names.items() if name.startswith(_OBJECT_PREFIX)
+            name.removeprefix(OBJECT_PREFIX): body for body, name in names.items() if name.startswith(OBJECT_PREFIX)
         }
+        self.heights = {name: geoms.height(model, body) for name, body in self._objects.items()}
         roots = {body for body in names if model.body_weldid[body] != 0} | set(self._objects.values())
         self._moving = np.array([body for body in names if self._hangs_on(body, roots)], dtype=int)
         self._frames = [names[body] for body in self._moving]
         self._times: list[float] = []
         self._positions: list[Array] = []
         self._quaternions: list[Array] = []
+        self._looks: dict[str, list[tuple[str, int, Any]]] = {name: [] for name in self._objects}
+        self._hidden: dict[str, bool] = {}
+        self._hidings: list[tuple[float, str, bool]] = []
 
     def log_static(self, stream: Any) -> None:
-        """Write the geoms: those of moving bodies in their bodies' frames, the others in the world's."""
+        """Write the geoms: those of moving bodies in their bodies' frames, the others in the world's.
+
+        The look of objects comes later: it changes, and what is static can not.
+        """
         model, data = self._model, self._data
         mujoco.mj_kinematics(model, data)
         stream.log(WORLD, rr.ViewCoordinates.RIGHT_HAND_Z_UP, rr.CoordinateFrame(WORLD), static=True)
-        ahead = [[_AHEAD * self.base_height, 0, 0]]
-        stream.log(BASE, rr.CoordinateFrame(self._base), rr.Points3D(ahead, radii=[0.0]), static=True)
         moving = {int(body) for body in self._moving}
+        objects = {body: name for name, body in self._objects.items()}
         for geom in range(model.ngeom):
             drawn = geoms.shape(model, geom) if geoms.is_drawn(model, geom) else None
             if drawn is None:
@@ -78,20 +81,22 @@ class SceneView:
             else:
                 position, quaternion = data.geom_xpos[geom], np.zeros(4)
                 mujoco.mju_mat2Quat(quaternion, data.geom_xmat[geom])
-            stream.log(
-                f"{self._folder(body)}/{entity(model.geom(geom).name or f'geom_{geom}')}",
-                drawn,
-                rr.InstancePoses3D(translations=[position], quaternions=[rr.Quaternion(xyzw=xyzw(quaternion))]),
-                rr.CoordinateFrame(_body_name(model, body) if body in moving else WORLD),
-                static=True,
-            )
+            path = f"{self._folder(body)}/{entity(model.geom(geom).name or f'geom_{geom}')}"
+            pose = rr.InstancePoses3D(translations=[position], quaternions=[rr.Quaternion(xyzw=xyzw(quaternion))])
+            written = [drawn, pose, rr.CoordinateFrame(_body_name(model, body) if body in moving else WORLD)]
+            if body in objects:
+                self._looks[objects[body]].append((path, geom, type(drawn)))
+            elif isinstance(drawn, geoms.PRIMITIVES):
+                written.append(type(drawn).from_fields(**geoms.look(model, geom)))
+            stream.log(path, *written, static=True)
 
-    def add(self, state: State, objects: Mapping[str, Array]) -> None:
+    def add(self, state: State, objects: Mapping[str, Array], hidden: Container[str]) -> None:
         """Compute the bodies' poses in one state.
 
         Args:
             state: base pose and joint positions.
             objects: object name -> position, world frame, shape (3,) [m].
+            hidden: names of those that perception cannot see.
 
         Raises:
             HumanoidBtError: the scene has no object of that name.
@@ -107,12 +112,16 @@ class SceneView:
         data.qpos[3:7] = state.base_quaternion
         data.qpos[7 : 7 + self._joint_count] = state.joint_positions
         mujoco.mj_kinematics(model, data)
+        for name in self._objects:
+            if self._hidden.get(name) is not (now := name in hidden):
+                self._hidden[name] = now
+                self._hidings.append((state.time, name, now))
         self._times.append(state.time)
         self._positions.append(data.xpos[self._moving])
         self._quaternions.append(data.xquat[self._moving])
 
     def flush(self, stream: Any) -> None:
-        """Write the poses added since the last flush."""
+        """Write the poses and looks added since the last flush."""
         rows, bodies = len(self._times), len(self._moving)
         if rows and bodies:
             columns = rr.Transform3D.columns(
@@ -122,7 +131,10 @@ class SceneView:
                 child_frame=self._frames * rows,
             )
             send(stream, POSES, np.repeat(self._times, bodies), columns)
-        self._times, self._positions, self._quaternions = [], [], []
+        for time, name, hidden in self._hidings:
+            for path, geom, kind in self._looks[name]:
+                send(stream, path, [time], kind.columns(**geoms.look(self._model, geom, hidden=hidden)))
+        self._times, self._positions, self._quaternions, self._hidings = [], [], [], []
 
     def _hangs_on(self, body: int, roots: set[int]) -> bool:
         while body:

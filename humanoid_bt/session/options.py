@@ -43,6 +43,7 @@ class RunOptions:
         sinks: where the recording goes.
         mode: lockstep, or realtime with control and perception as processes of their own.
         hold: in realtime mode, how long control balances the robot when decision has died [s].
+        camera: whether the recording has pictures of the head camera; "auto" where they do not hold up the run.
         watch: swap the tree for an edited one whenever its files change; goes on when the tree has ended.
         view_optional: go on without the native viewer if it cannot be opened.
     """
@@ -59,6 +60,7 @@ class RunOptions:
     sinks: Sinks = field(default_factory=Sinks)
     mode: Mode = "lockstep"
     hold: float = HOLD_TIME
+    camera: bool | Literal["auto"] = "auto"
     watch: bool = False
     view_optional: bool = False
 
@@ -80,6 +82,7 @@ class RunOptions:
         record: Any,
         view: Any,
         serve: Any,
+        camera: Any,
         watch: Any,
     ) -> RunOptions:
         """Return the options that the arguments of a :class:`~humanoid_bt.session.session.Session` stand for.
@@ -92,6 +95,7 @@ class RunOptions:
         judge.choice("on_estop", on_estop, (None, *get_args(OnEStop)))
         judge.choice("watch", watch, (False, True))
         judge.choice("view", view, (False, True, "auto"))
+        judge.choice("camera", camera, (False, True, "auto"))
         speed = judge.number("pace", pace, limits.POSITIVE)
         if speed and mode == "realtime":
             judge.note("'pace' does not go with the mode realtime", "realtime runs on the wall clock")
@@ -116,6 +120,7 @@ class RunOptions:
             ),
             mode=mode,
             hold=judge.number("hold", hold, limits.POSITIVE, needed=True) or HOLD_TIME,
+            camera=camera,
             watch=watch,
             view_optional=view == "auto",
         )

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from humanoid_bt.core.errors import UserError, relative
 from humanoid_bt.core.messages import Level
+from humanoid_bt.plant.scene_config import widest_view
 from humanoid_bt.record.sinks import Sinks
 from humanoid_bt.session.engine import Engine
 from humanoid_bt.session.options import RunOptions
@@ -17,6 +18,7 @@ from humanoid_bt.session.report import versions
 from humanoid_bt.tree.tree import Tree
 
 if TYPE_CHECKING:  # most runs of a program record nothing, and the viewer's library takes half a second
+    from humanoid_bt.record.camera import Wanted
     from humanoid_bt.record.recorder import Recorder
     from humanoid_bt.record.tree_view import TreeView
 
@@ -39,13 +41,13 @@ def open_recorder(
     """
     sinks = options.sinks
     try:
-        recorder = _recorder(sinks, tree, engine)
+        recorder = _recorder(sinks, tree, engine, options.camera)
     except UserError as error:
         if not (sinks.view and options.view_optional):
             raise
         tell(0.0, "warning", f"no live view: {error.problems[0].message}")
         sinks = dataclasses.replace(sinks, view=False)
-        recorder = _recorder(sinks, tree, engine)
+        recorder = _recorder(sinks, tree, engine, options.camera)
     if recorder.url:
         tell(0.0, "info", f"live view: {recorder.url}")
     return recorder, sinks.view or sinks.serve is not None
@@ -77,9 +79,19 @@ def cut_short(recording: Path | None) -> str:
     return f"the disk is full: the recording {str(recording)!r} is cut short"
 
 
-def _recorder(sinks: Sinks, tree: Tree, engine: Engine) -> Recorder:
+def _recorder(sinks: Sinks, tree: Tree, engine: Engine, pictures: Wanted) -> Recorder:
+    from humanoid_bt.record.camera import View  # noqa: PLC0415 (see above)
     from humanoid_bt.record.recorder import Recorder  # noqa: PLC0415 (see above)
 
     robot = engine.robot
     view, info = tree_view(tree), run_info(tree, engine)
-    return Recorder(engine.model, robot.joint_names, robot.config, tree=view, sinks=sinks, info=info)
+    return Recorder(
+        engine.model,
+        robot.joint_names,
+        robot.config,
+        tree=view,
+        sinks=sinks,
+        info=info,
+        camera=View(robot.config.gaze.body, *widest_view(engine.scene.config)),
+        pictures=pictures,
+    )

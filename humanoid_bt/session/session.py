@@ -52,6 +52,7 @@ class Session:
         record: the file of the recording; True for ``runs/TREE-DATE-TIME.rrd``, False for none.
         view: open the viewer on this machine's display; "auto" if there is one.
         serve: port of 127.0.0.1 on which a browser finds the viewer.
+        camera: record what the head camera sees; "auto" where that does not hold up the run.
         watch: swap the tree for an edited one whenever its files change; goes on when the tree has ended.
         listener: who is told what happens.
         parameters: values for the tree's parameters, for names that are those of arguments too.
@@ -78,6 +79,7 @@ class Session:
         record: bool | str | PathLike[str] = False,
         view: bool | Literal["auto"] = False,
         serve: int | None = None,
+        camera: bool | Literal["auto"] = "auto",
         watch: bool = False,
         listener: Listener | None = None,
         parameters: Mapping[str, Any] | None = None,
@@ -98,6 +100,7 @@ class Session:
             record=record,
             view=view,
             serve=serve,
+            camera=camera,
             watch=watch,
         )
         who = Listener() if listener is None else listening(listener)

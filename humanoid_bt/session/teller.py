@@ -141,7 +141,8 @@ class Teller:
         if self.recorder is not None:
             scene = self._engine.scene
             objects = {name: scene.object_position(name, state.time) for name in scene.config.objects}
-            self.recorder.sample(state, robot.tracks, objects)
+            hidden = {name for name in objects if scene.hidden(name, state.time)}
+            self.recorder.sample(state, robot.tracks, objects, hidden)
             for path, skill in runner.reporting:
                 if skill.status is Status.RUNNING:
                     self.recorder.results(state.time, path, reported(skill))

@@ -155,6 +155,36 @@ def test_a_stand_is_solid_but_leaves_a_hand_room_below_a_marker(tmp_path: Path) 
     spec.compile()
 
 
+def person(folder: Path, more: str = "") -> tuple[mujoco.MjModel, mujoco.MjData]:
+    text = (
+        f"robot: {{position: [1, 1]}}\nobjects: {{one: {{shape: person, size: [1.6], position: [1, 3, 0.8]{more}}}}}\n"
+    )
+    scene(folder, text).add_to(spec := mujoco.MjSpec())
+    model = spec.compile()
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    return model, data
+
+
+def test_a_person_stands_on_the_floor_as_tall_as_asked_for_and_faces_the_robot(tmp_path: Path) -> None:
+    model, data = person(tmp_path)
+    geoms = np.flatnonzero(model.geom_bodyid == model.body("object_one").id)
+    boxes = model.geom_aabb[geoms]
+    half = np.einsum("nij,nj->ni", np.abs(data.geom_xmat[geoms].reshape(-1, 3, 3)), boxes[:, 3:])
+    assert (data.geom_xpos[geoms] - half)[:, 2].min() == pytest.approx(0, abs=0.01)
+    assert (data.geom_xpos[geoms] + half)[:, 2].max() == pytest.approx(1.6, abs=0.02)
+    hair, eye = data.geom("object_one:hair").xpos, data.geom("object_one:left eye").xpos
+    assert eye[1] < hair[1]  # toward the robot
+    assert eye[0] > hair[0]  # its left is the robot's right
+
+
+@pytest.mark.parametrize(("more", "touches"), [("", 0), (", solid: true", 1)])
+def test_only_a_solid_person_is_bumped_into(tmp_path: Path, more: str, touches: int) -> None:
+    model, _ = person(tmp_path, more)
+    geoms = np.flatnonzero(model.geom_bodyid == model.body("object_one").id)
+    assert set(model.geom_contype[geoms]) == set(model.geom_conaffinity[geoms]) == {touches}
+
+
 def test_an_object_moves_with_its_body_and_its_stand_stays(tmp_path: Path) -> None:
     target = scene(tmp_path, f"objects: {{ball: {{{BALL}, position: [1, 0, 0.8], stand: true}}}}\n")
     target.add_to(spec := mujoco.MjSpec())
@@ -174,6 +204,7 @@ def test_an_object_moves_with_its_body_and_its_stand_stays(tmp_path: Path) -> No
          "height: [0, 1]}}}", "3:17", "both a position and a random one"),
         ("objects: {ball: {shape: bal, size: [0.1], position: [0, 0, 1]}}", "3:25", "did you mean 'ball'"),
         ("objects: {ball: {shape: box, size: [0.1], position: [0, 0, 1]}}", "3:36", "[length, width, height]"),
+        ("objects: {one: {shape: person, size: [0.5, 1.7], position: [0, 0, 1]}}", "3:38", "[height]"),
         (f"objects: {{ball: {{{BALL}, random: {{distance: [3, 1], bearing: [0, 1], height: [0, 1]}}}}}}",
          "3:64", "from 3 down to 1"),
         (f"objects: {{ball: {{{BALL}, position: [0, 0, 1]}}}}\npercepts: {{target: {{object: bal}}}}",

@@ -11,6 +11,7 @@ import mujoco
 import pytest
 
 from humanoid_bt.core.messages import SIDES
+from humanoid_bt.record.camera import View
 from humanoid_bt.record.recorder import Recorder
 from humanoid_bt.record.sinks import Sinks
 from humanoid_bt.record.tree_view import TreeView
@@ -97,6 +98,8 @@ def record(model: mujoco.MjModel, config: RobotConfig, tmp_path: Path) -> Callab
     def make(**changes: Any) -> Recorder:
         sinks = changes.pop("sinks", Sinks(tmp_path / "run.rrd"))
         tree = TreeView(NODES, "root: {selector: []}", "trees/small.yaml")
-        return Recorder(model, JOINTS, config, tree=tree, sinks=sinks, info={"seed": "7", "parameters": "a: 1\nb: 2"})
+        info = {"seed": "7", "parameters": "a: 1\nb: 2"}
+        view = View("head", 1.7, 1.4)
+        return Recorder(model, JOINTS, config, tree=tree, sinks=sinks, info=info, camera=view, **changes)
 
     return make

@@ -88,6 +88,13 @@ def add_run(commands: Commands) -> None:
     record = run.add_mutually_exclusive_group()
     record.add_argument("--record", type=Path, metavar="FILE", help="recording; default: runs/TREE-DATE-TIME.rrd")
     record.add_argument("--no-record", action="store_true", help="write no recording")
+    run.add_argument(
+        "--camera",
+        choices=["on", "off", "auto"],
+        default="auto",
+        metavar="C",
+        help="record what the head camera sees: on, off, or auto (default), where that does not hold up the run",
+    )
     run.add_argument("--report", type=Path, metavar="FILE", help="write a report of the run as JSON")
     run.add_argument("--quiet", action="store_true", help="print only errors and the summary")
     add_workspace(run)

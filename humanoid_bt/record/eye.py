@@ -1,0 +1,128 @@
+"""The eye of the 3D view: it turns with the robot, and has in the picture what the robot sees and goes for."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import rerun as rr
+
+from humanoid_bt.core.messages import Array, BaseTarget, HandTarget, State
+from humanoid_bt.perception.track import Track
+from humanoid_bt.record.columns import send, xyzw
+from humanoid_bt.record.scene_view import WORLD
+
+FRAME = "eye"
+"""Frame that the eye is fixed in, at :func:`position`, looking at the origin; also the entity that carries its pose."""
+
+_SIDE = math.radians(-62)  # where the eye is, seen from the robot: right of ahead, where both hands are seen
+_ABOVE = math.radians(11)  # the eye looks down by this
+_DISTANCE = 3.6  # of the eye from the origin of its frame, which people orbit [base heights]
+_NEAREST = 2.7  # of the eye from the middle of the picture [base heights]
+_HEAD = 2.1  # top of the robot with some air [base heights]
+_WIDTH, _HEIGHT = 0.72, 0.44  # tangents of half the angles used of the picture: it is 55 degrees high, and wider
+_FARTHEST = 3.0  # m; what is farther away from the robot is only partly on the way to it
+_SAME = 0.5  # m; a percept this near an object is one of it
+_SETTLING = 0.6  # s; time constant of each of the two filters in a row that make the motion smooth
+
+
+def position(base_height: float) -> tuple[float, float, float]:
+    """Return where the eye is in its frame [m], for a robot whose base is at this height [m]."""
+    x, y, z = -_DISTANCE * base_height * _forward(0.0)
+    return float(x), float(y), float(z)
+
+
+class Eye:
+    """Follows one robot.
+
+    Args:
+        base_height: of the standing robot [m], the measure of the picture.
+        heights: object name -> lowest and highest point of it, relative to its position [m].
+    """
+
+    def __init__(self, base_height: float, heights: Mapping[str, tuple[float, float]]) -> None:
+        self._base_height, self._heights = base_height, heights
+        self._time = 0.0
+        self._filters: tuple[Array, Array] | None = None  # each: heading, middle of the picture, distance
+        self._rows: list[tuple[float, float, Array]] = []
+
+    def add(self, state: State, tracks: Mapping[str, Track], objects: Mapping[str, Array]) -> None:
+        """Look at one state, the percepts known with it and the objects' positions (world frame [m])."""
+        heading, *middle, distance = self._smoothed(state, self._points(state, tracks, objects))
+        forward = _forward(heading)
+        back = distance - _DISTANCE * self._base_height
+        self._rows.append((state.time, heading, np.array(middle) - back * forward))
+
+    def flush(self, stream: Any) -> None:
+        """Write where the eye was since the last flush."""
+        if not self._rows:
+            return
+        times, headings, origins = zip(*self._rows, strict=True)
+        half = np.array(headings) / 2
+        turns = np.stack([np.cos(half), np.zeros_like(half), np.zeros_like(half), np.sin(half)], axis=-1)
+        columns = rr.Transform3D.columns(
+            translation=np.array(origins),
+            quaternion=xyzw(turns),
+            parent_frame=[WORLD] * len(times),
+            child_frame=[FRAME] * len(times),
+        )
+        send(stream, FRAME, times, columns)
+        self._rows = []
+
+    def _points(self, state: State, tracks: Mapping[str, Track], objects: Mapping[str, Array]) -> Array:
+        """Return what has to be in the picture, shape (n, 3), world frame [m]."""
+        x, y, _ = state.base_position
+        points = [np.array([x, y, 0.0]), np.array([x, y, _HEAD * self._base_height])]
+        for target in state.targets.values():
+            if isinstance(target, BaseTarget):
+                points.append(_near(points[0], np.array([*target.position, 0.0])))
+            elif isinstance(target, HandTarget):
+                points.append(_near(points[0], target.position))
+        for track in tracks.values():
+            seen = track.position_world
+            points += [_near(points[0], seen), _near(points[0], np.array([*seen[:2], 0.0]))]
+            for name, place in objects.items():
+                if math.dist(place, seen) < _SAME:
+                    points += [_near(points[0], place + np.array([0.0, 0.0, end])) for end in self._heights[name]]
+        return np.array(points)
+
+    def _smoothed(self, state: State, points: Array) -> Array:
+        """Return the eye's heading, the middle of its picture and how far it is from there, low-passed."""
+        step, self._time = state.time - self._time, state.time
+        heading = state.stance[2]
+        if self._filters is None:
+            first = np.array([heading, *_framed(points, heading, self._base_height)])
+            self._filters = first, first.copy()
+        share = 1 - math.exp(-step / _SETTLING)
+        near, far = self._filters
+        turn = math.remainder(heading - near[0], math.tau)
+        goal = np.array([near[0] + turn, *_framed(points, far[0], self._base_height)])
+        near += share * (goal - near)
+        far += share * (near - far)
+        return far
+
+
+def _framed(points: Array, heading: float, base_height: float) -> tuple[float, float, float, float]:
+    """Return the middle of the picture that has all points in it (x, y, z), and the eye's distance from there [m]."""
+    forward = _forward(heading)
+    right = np.array([forward[1], -forward[0], 0.0]) / math.hypot(forward[0], forward[1])
+    up = np.cross(right, forward)
+    depth, aside, above = points @ forward, points @ right, points @ up
+    centre = depth[0], (aside.min() + aside.max()) / 2, (above.min() + above.max()) / 2
+    wide = np.maximum(np.abs(aside - centre[1]) / _WIDTH, np.abs(above - centre[2]) / _HEIGHT) - (depth - centre[0])
+    x, y, z = centre[0] * forward + centre[1] * right + centre[2] * up
+    return x, y, z, max(float(wide.max()), _NEAREST * base_height)
+
+
+def _forward(heading: float) -> Array:
+    """Return the direction in which the eye looks, beside a robot of this heading."""
+    side, level = heading + _SIDE, math.cos(_ABOVE)
+    return np.array([-level * math.cos(side), -level * math.sin(side), -math.sin(_ABOVE)])
+
+
+def _near(start: Array, point: Array) -> Array:
+    """Return the point, or the one on the way to it that is not too far."""
+    distance = math.dist(start, point)
+    return point if distance <= _FARTHEST else start + (point - start) * (_FARTHEST / distance)
