@@ -16,7 +16,7 @@ from rich.console import Console
 from rich.live import Live
 from rich.text import Text
 
-from humanoid_bt.cli.output import width
+from humanoid_bt.cli.output import STATUS_STYLES, width
 from humanoid_bt.cli.runs import one_tree
 from humanoid_bt.core.errors import HumanoidBtError, UserError
 from humanoid_bt.files.workspace import Workspace
@@ -36,7 +36,6 @@ _SUFFIXES = {
     ".mermaid": "mermaid",
 }
 _DRAWINGS: Mapping[str, Callable[..., str]] = {"svg": svg_tree, "dot": dot_tree, "mermaid": mermaid_tree}
-_STYLES = {Status.RUNNING: "bold cyan", Status.SUCCESS: "green", Status.FAILURE: "yellow", Status.INVALID: "dim"}
 _UNWRAPPED = 10_000  # columns of a line that goes to a file or another program
 _REFRESH = 0.1  # s between two looks at a tree that runs
 _PATIENCE = 2.0  # s for a run that has just started to say what its tree is
@@ -153,7 +152,8 @@ def _colored(moment: Moment, outline: Outline, console: Console) -> Text:
         lines = lines_of(outline, moment.statuses, console.width, moment.feedback)
     text = Text(no_wrap=True, overflow="ellipsis")
     for line in lines:
-        style = "bold" if line.node < 0 else _STYLES[moment.statuses[outline.nodes[line.node].path]]
+        status = None if line.node < 0 else moment.statuses[outline.nodes[line.node].path]
+        style = "bold" if status is None else STATUS_STYLES[status]
         text.append(line.guide, "dim").append(line.text + "\n", style)
     text.rstrip()
     return text

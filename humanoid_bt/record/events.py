@@ -47,7 +47,7 @@ class EventLog:
         reason = f": {feedback}" if feedback else ""
         name = path.rsplit("/", 1)[-1]
         text = f"{STATUS_GLYPHS[status]} {name} {status}{reason}  ({path})"
-        self._lines["tree"].append((time, _NODE_LEVEL, printable(text), STATUS_COLORS[status]))
+        self._lines["tree"].append((time, _NODE_LEVEL, printable(text), STATUS_COLORS[status].dark))
 
     def flush(self, stream: Any) -> None:
         """Write the lines since the last flush."""
