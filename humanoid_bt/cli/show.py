@@ -6,7 +6,6 @@ import argparse
 import contextlib
 import sys
 import time
-from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -23,8 +22,9 @@ from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.link.run_folder import RunInfo
 from humanoid_bt.realtime.live_tree import Moment, TreeWatch
 from humanoid_bt.session.report import ExitCode
-from humanoid_bt.tree.show import Outline, OutlineNode, dot_tree, mermaid_tree, outline_of, svg_tree, unicode_tree
-from humanoid_bt.tree.show.text import lines_of
+from humanoid_bt.tree.show import Outline, dot_tree, mermaid_tree, outline_of, svg_tree, unicode_tree
+from humanoid_bt.tree.show.fold import folded
+from humanoid_bt.tree.show.text import Line, lines_of
 from humanoid_bt.tree.source.load import load_tree
 
 _SUFFIXES = {
@@ -146,32 +146,15 @@ def _titled(moment: Moment, info: RunInfo, watch: TreeWatch) -> Outline:
 
 def _colored(moment: Moment, outline: Outline, console: Console) -> Text:
     """Return the drawing with colours; of a tree that is too tall only what is at work."""
-    lines = lines_of(outline, moment.statuses, console.width, moment.feedback)
-    if len(lines) > console.height - 1:
-        outline = _folded(outline, moment.statuses)
-        lines = lines_of(outline, moment.statuses, console.width, moment.feedback)
+
+    def lines(of: Outline) -> list[Line]:
+        return lines_of(of, moment.statuses, console.width, moment.feedback)
+
+    outline = folded(outline, moment.statuses, lambda smaller: len(lines(smaller)) < console.height)
     text = Text(no_wrap=True, overflow="ellipsis")
-    for line in lines:
+    for line in lines(outline):
         status = None if line.node < 0 else moment.statuses[outline.nodes[line.node].path]
         style = "bold" if status is None else STATUS_STYLES[status]
         text.append(line.guide, "dim").append(line.text + "\n", style)
     text.rstrip()
     return text
-
-
-def _folded(outline: Outline, statuses: Mapping[str, Status]) -> Outline:
-    """Return the tree with what is below idle nodes counted instead of drawn."""
-    kept: list[OutlineNode] = []
-    place: list[int] = []  # of each node in what is kept, or of the node that it is folded into
-    hidden: Counter[int] = Counter()
-    for node in outline.nodes:
-        parent = node.parent
-        if parent >= 0 and (place[parent] in hidden or statuses[outline.nodes[parent].path] is Status.INVALID):
-            hidden[place[parent]] += 1
-            place.append(place[parent])
-        else:
-            place.append(len(kept))
-            kept.append(replace(node, parent=place[parent] if parent >= 0 else -1))
-    for index, count in hidden.items():
-        kept[index] = replace(kept[index], parameters=(*kept[index].parameters, f"{count} below"))
-    return replace(outline, nodes=tuple(kept))

@@ -17,7 +17,7 @@ from humanoid_bt.core.errors import UserError
 from humanoid_bt.record import sinks
 from humanoid_bt.record.recorder import Recorder
 from humanoid_bt.record.sinks import Sinks
-from tests.record.helpers import rows
+from tests.record.helpers import events
 
 
 def test_a_missing_folder_is_named_with_the_remedy(tmp_path: Path) -> None:
@@ -110,7 +110,7 @@ def test_the_web_viewer_is_served_on_loopback_only_and_ends_with_the_run(
             assert listens("127.0.0.1", used)
             assert not listens("127.0.0.2", used)
     assert not listens("127.0.0.1", port)
-    assert rows(tmp_path / "run.rrd", "/events/run", "TextLog:text") == [(0.0, ["started"])]
+    assert events(tmp_path / "run.rrd") == [(0.0, "INFO", "started")]
 
 
 def test_importing_the_package_does_not_import_the_viewer() -> None:
