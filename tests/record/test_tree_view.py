@@ -138,7 +138,7 @@ def test_sub_trees_are_called_by_their_names_and_roles_are_said(record: Maker, f
         for node in outline.nodes:
             if next(other for other in outline.nodes if other.name == "offer").path.startswith(node.path):
                 recorder.node_changed(1.0, node.path, "RUNNING", "")
-    assert labels(file)[-1][1][0] == "▶ emergency_stop / patrol / repeat / for_each / visit"
+    assert labels(file)[-1][1][0].startswith("▶ emergency_stop / patrol / repeat / for_each / visit")
     watchdog = OutlineNode("w", "watchdog", "watchdog", "decorator", -1)
     idle = OutlineNode("w/idle", "idle", "idle", "skill", 0, branch="on_stale")
     with record() as recorder:
