@@ -13,25 +13,24 @@ from rich.console import Console
 from rich.live import Live
 from rich.text import Text
 
-from humanoid_bt.cli.output import hanging
+from humanoid_bt.cli.output import STATUS_STYLES, hanging
 from humanoid_bt.cli.wording import printable
 from humanoid_bt.core.messages import Level
 from humanoid_bt.session.report import Report, aligned
 from humanoid_bt.session.teller import Listener
 from humanoid_bt.tree.node import Node
 from humanoid_bt.tree.nodes import Log
+from humanoid_bt.tree.show import MARKS
 from humanoid_bt.tree.ticking.executor import NodeChange
 from humanoid_bt.tree.tree import Tree
 
-_SIGNS = {
-    Status.RUNNING: ("▶", "cyan"),
-    Status.SUCCESS: ("✓", "green"),
-    Status.FAILURE: ("✗", "yellow"),
-    Status.INVALID: ("○", "dim"),
+_RAISED = ("■", "bold red")
+_LEVELS: dict[Level, tuple[str, str]] = {"info": ("•", "blue"), "warning": ("!", "yellow"), "error": _RAISED}
+_OUTCOME_STYLES = {
+    "success": f"bold {STATUS_STYLES[Status.SUCCESS]}",
+    "failure": f"bold {STATUS_STYLES[Status.FAILURE]}",
+    "unfinished": "bold yellow",
 }
-_RAISED = ("■", "red")
-_LEVELS: dict[Level, tuple[str, str]] = {"info": ("•", "blue"), "warning": ("!", "yellow"), "error": ("■", "red")}
-_OUTCOME_STYLES = {"success": "bold green", "failure": "bold yellow", "unfinished": "bold yellow"}
 _ORDER = {Status.SUCCESS: 0, Status.FAILURE: 0, Status.INVALID: 1, Status.RUNNING: 2}
 """Within a tick: what ended, what was halted for it, what started instead."""
 
@@ -129,7 +128,7 @@ class Printer(Listener):
     def _print_tick(self) -> None:
         for change, occasion in sorted(self._tick, key=lambda entry: _ORDER[entry[0].status]):
             raised = change.status is Status.INVALID and change.feedback.startswith("raised ")
-            sign, style = _RAISED if raised else _SIGNS[change.status]
+            sign, style = _RAISED if raised else (MARKS[change.status], STATUS_STYLES[change.status])
             self._line(change.time, sign, style, self._nodes[change.path].name, change.feedback + occasion)
         self._tick.clear()
 

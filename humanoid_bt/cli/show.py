@@ -15,7 +15,7 @@ from rich.console import Console
 from rich.live import Live
 from rich.text import Text
 
-from humanoid_bt.cli.output import width
+from humanoid_bt.cli.output import STATUS_STYLES, width
 from humanoid_bt.cli.runs import one_run
 from humanoid_bt.core.errors import HumanoidBtError, UserError
 from humanoid_bt.files.workspace import Workspace
@@ -24,6 +24,7 @@ from humanoid_bt.realtime.live_tree import Moment, TreeWatch
 from humanoid_bt.session.report import ExitCode
 from humanoid_bt.tree.show import Outline, dot_tree, mermaid_tree, outline_of, svg_tree, unicode_tree
 from humanoid_bt.tree.show.fold import fitted, folded_below, without_subtrees
+from humanoid_bt.tree.show.text import Line, lines_of
 from humanoid_bt.tree.source.load import load_tree
 
 _SUFFIXES = {
@@ -35,7 +36,6 @@ _SUFFIXES = {
     ".mermaid": "mermaid",
 }
 _DRAWINGS: Mapping[str, Callable[..., str]] = {"svg": svg_tree, "dot": dot_tree, "mermaid": mermaid_tree}
-_STYLES = {Status.RUNNING: "bold cyan", Status.SUCCESS: "green", Status.FAILURE: "yellow", Status.INVALID: "dim"}
 _UNWRAPPED = 10_000  # columns of a line that goes to a file or another program
 _REFRESH = 0.1  # s between two looks at a tree that runs
 _PATIENCE = 2.0  # s for a run that has just started to say what its tree is
@@ -154,10 +154,15 @@ def _titled(moment: Moment, info: RunInfo, watch: TreeWatch) -> Outline:
 
 def _colored(moment: Moment, outline: Outline, console: Console) -> Text:
     """Return the drawing with colours, as much of it as fits."""
-    outline, lines = fitted(outline, moment.statuses, moment.feedback, console.width, console.height - 1)
+
+    def lines(of: Outline) -> list[Line]:
+        return lines_of(of, moment.statuses, console.width, moment.feedback)
+
+    outline = fitted(outline, moment.statuses, lambda smaller: len(lines(smaller)) < console.height)
     text = Text(no_wrap=True, overflow="ellipsis")
-    for line in lines:
-        style = "bold" if line.node < 0 else _STYLES[moment.statuses[outline.nodes[line.node].path]]
+    for line in lines(outline):
+        status = None if line.node < 0 else moment.statuses[outline.nodes[line.node].path]
+        style = "bold" if status is None else STATUS_STYLES[status]
         text.append(line.guide, "dim").append(line.text + "\n", style)
     text.rstrip()
     return text

@@ -8,32 +8,37 @@ from typing import Any
 import rerun as rr
 import rerun.blueprint as rrb
 
-from humanoid_bt.record import camera, documents, events, eye, overlays, plots, results, tree_view
-from humanoid_bt.record.columns import LANES, TIMELINE, entity
+from humanoid_bt.record import camera, documents, events, eye, lanes, overlays, plots, results, tree_view
+from humanoid_bt.record.columns import TIMELINE, entity
 from humanoid_bt.record.scene_view import WORLD
 
 _BACKGROUND = (126, 139, 156)  # lighter than most robots, darker than labels
-_MARGIN = 12.0  # around the tree, in the graph's units
+_MARGIN = 10.0  # around the tree
+_ONE_TIME = rrb.TimeAxis(link="LinkToGlobal")  # what is moved or zoomed in one view moves in all
 
 
-def blueprint(graph: tuple[float, float], groups: Iterable[str], base_height: float) -> Any:
+def blueprint(groups: Iterable[str], base_height: float) -> Any:
     """Return the layout.
 
     Args:
-        graph: width and height of the tree's graph.
         groups: joint groups that have plots.
         base_height: of the standing robot [m], the measure of the picture.
     """
     left = rrb.Vertical(_scene(base_height), _lanes(), row_shares=[9, 7])
     texts = rrb.Tabs(
-        rrb.TextLogView(name="events", origin=events.EVENTS, columns=_log_columns()),
+        rrb.TextLogView(
+            name="events",
+            origin=events.EVENTS,
+            columns=_log_columns(),
+            rows=rrb.TextLogRows(filter_by_log_level=events.SHOWN),
+        ),
         rrb.Spatial2DView(
             name="head camera", origin=camera.CAMERA, contents=["$origin/**", f"/{overlays.PERCEPTS}/**"]
         ),
         rrb.TextDocumentView(name="run", origin=documents.RUN),
         rrb.TextDocumentView(name="tree file", origin=documents.TREE),
     )
-    right = rrb.Vertical(_graph(graph), _plots(groups), texts, row_shares=[9, 9, 6])
+    right = rrb.Vertical(_tree(), _plots(groups), texts, row_shares=[11, 8, 6])
     return rrb.Blueprint(
         rrb.Horizontal(left, right, column_shares=[1, 1]),
         rrb.TimePanel(state="collapsed", timeline=TIMELINE, play_state="following"),
@@ -53,7 +58,7 @@ def _scene(base_height: float) -> Any:
     return rrb.Spatial3DView(
         name="robot",
         origin=WORLD,
-        contents=["/**", f"- /{camera.CAMERA}/**"],
+        contents=["/**", f"- /{camera.CAMERA}/**", f"- /{tree_view.TREE}/**"],
         eye_controls=rrb.EyeControls3D(position=eye.position(base_height), look_target=(0, 0, 0), eye_up=(0, 0, 1)),
         spatial_information=rrb.SpatialInformation(target_frame=eye.FRAME),
         background=_BACKGROUND,
@@ -63,24 +68,35 @@ def _scene(base_height: float) -> Any:
 
 
 def _lanes() -> Any:
-    return rrb.StateTimelineView(name="nodes over time", origin=LANES)
+    return rrb.StateTimelineView(
+        name="nodes over time",
+        origin="/",
+        contents=[f"+ /{group}/**" for group in lanes.GROUPS],
+        time_view=_ONE_TIME,
+    )
 
 
-def _graph(size: tuple[float, float]) -> Any:
-    width, height = size
+def _tree() -> Any:
+    width, height = tree_view.SIZE
     bounds = rrb.VisualBounds2D(x_range=(-_MARGIN, width + _MARGIN), y_range=(-_MARGIN, height + _MARGIN))
-    return rrb.GraphView(name="tree", origin=tree_view.GRAPH, visual_bounds=bounds)
+    return rrb.Spatial2DView(name="tree", origin=tree_view.TREE, background=tree_view.BACKGROUND, visual_bounds=bounds)
 
 
 def _plots(groups: Iterable[str]) -> Any:
-    overview = rrb.Vertical(
-        rrb.TimeSeriesView(name="percepts", origin=plots.PERCEPTS),
-        rrb.TimeSeriesView(name="foot forces", origin=plots.FEET),
+    overview = rrb.Grid(
+        _plot("distance of what is seen [m]", plots.DISTANCE),
+        _plot("foot force [N]: left blue, right orange", plots.FEET, corner=None),
+        _plot("confidence of what is seen", plots.CONFIDENCE, corner=rrb.Corner2D.RightBottom, range_y=(0.0, 1.0)),
+        _plot("age of what is seen [s]", plots.AGE),
+        grid_columns=2,
         name="overview",
     )
-    base = rrb.Vertical(
-        rrb.TimeSeriesView(name="base", origin=plots.BASE),
-        rrb.TimeSeriesView(name="distance of the palms to their targets [m]", origin=plots.HANDS),
+    base = rrb.Grid(
+        _plot("speed [m/s]", plots.SPEED, corner=None),
+        _plot("tilt [rad]", plots.TILT, corner=None),
+        _plot("turn rate [rad/s]", plots.TURN, corner=None),
+        _plot("palm to target [m]: left blue, right orange", plots.HANDS, corner=None),
+        grid_columns=2,
         name="base and hands",
     )
     reported = rrb.TimeSeriesView(name="results", origin=results.RESULTS)
@@ -88,15 +104,38 @@ def _plots(groups: Iterable[str]) -> Any:
 
 
 def _joints(group: str) -> Any:
-    path = f"/{entity(plots.JOINTS, group)}"
-    return rrb.Vertical(
-        rrb.TimeSeriesView(
-            name=f"{group}: position against setpoint [rad]",
-            contents=[f"{path}/setpoint", f"{path}/position", f"{path}/soft_limit"],
-        ),
-        rrb.TimeSeriesView(name=f"{group}: torque [Nm]", contents=[f"{path}/torque"]),
-        row_shares=[3, 2],
-        name=group,
+    path = entity(plots.JOINTS, group)
+    return rrb.Horizontal(
+        _plot("position [rad]: wide measured, thin setpoint", path, "position", "setpoint", "soft_limit", corner=None),
+        _plot("torque [Nm]", path, "torque", corner=None),
+        _plot("joints", path, plots.LEGEND, corner=rrb.Corner2D.LeftTop),
+        column_shares=[5, 5, 2],
+        name=group.replace("_", " "),
+    )
+
+
+def _plot(
+    name: str,
+    path: str,
+    *parts: str,
+    corner: rrb.Corner2D | None = rrb.Corner2D.RightTop,
+    range_y: tuple[float, float] | None = None,
+) -> Any:
+    """Return a plot.
+
+    Args:
+        name: what it shows, with its unit.
+        path: entity of its curves.
+        parts: those entities below that are shown, if not all are.
+        corner: of the legend, the one that curves leave free most often; the viewer has no other place for it.
+        range_y: where its axis begins and ends, if that is known.
+    """
+    return rrb.TimeSeriesView(
+        name=name,
+        contents=[f"+ /{path}/{part}" for part in parts] or f"+ /{path}/**",
+        axis_x=_ONE_TIME,
+        axis_y=rrb.ScalarAxis(range=range_y) if range_y else None,
+        plot_legend=rrb.PlotLegend(corner, visible=corner is not None),
     )
 
 

@@ -13,20 +13,12 @@ from humanoid_bt.core.messages import Array
 TIMELINE = "sim_time"
 """The one timeline: the engine's time."""
 
-LANES = "lanes"
-"""Parent of all lanes of the state timeline, which shows them sorted by entity."""
-
 Color = tuple[int, int, int]
 
 
 def entity(*parts: str) -> str:
     """Return the entity path of these parts, whose names may hold any characters."""
     return "/".join(rr.escape_entity_path_part(part) for part in parts)
-
-
-def lane(number: int, name: str) -> str:
-    """Return the entity of a lane of the state timeline."""
-    return f"{LANES}/{number:02d}_" + "".join(c if c.isascii() and c.isalnum() else "_" for c in name)
 
 
 def send(stream: Any, path: str, times: Sequence[float] | Array, columns: Any) -> None:

@@ -2,34 +2,50 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import rerun as rr
 
 from humanoid_bt.core.errors import HumanoidBtError, nearest
 from humanoid_bt.core.messages import Level
-from humanoid_bt.record.columns import Color, send
+from humanoid_bt.record.columns import send
+from humanoid_bt.record.names import short_names
 from humanoid_bt.record.tree_view import printable
-from humanoid_bt.tree.show.looks import STATUS_COLORS, STATUS_GLYPHS
+from humanoid_bt.tree.show.looks import STATUS_GLYPHS
+from humanoid_bt.tree.show.outline import Outline
 
-__all__ = ["EVENTS", "EventLog", "Level"]
+__all__ = ["EVENTS", "SHOWN", "EventLog", "Level"]
 
 EVENTS = "events"
+SHOWN = ("CRITICAL", "ERROR", "WARN", "INFO")
+"""The levels that the viewer shows until somebody asks for more."""
 
-_LEVELS: dict[str, tuple[str, Color]] = {
-    "info": ("INFO", (200, 205, 212)),
-    "warning": ("WARN", (240, 160, 40)),
-    "error": ("ERROR", (232, 74, 74)),
-}
-_NODE_LEVEL = "DEBUG"  # the viewer filters by level: node changes can be hidden at a click
-_SOURCES = ("run", "tree")
+_LEVELS = {"info": "INFO", "warning": "WARN", "error": "ERROR"}
+_LEAVES = ("skill", "action", "condition")
+
+
+class _Line(NamedTuple):
+    time: float
+    level: str
+    text: str
+    node: str  # path of the node that it is about
 
 
 class EventLog:
-    """Collects lines and writes them in batches."""
+    """Collects lines and writes them in batches.
 
-    def __init__(self) -> None:
-        self._lines: dict[str, list[tuple[float, str, str, Color]]] = {source: [] for source in _SOURCES}
+    What skills, actions and conditions do has level INFO. DEBUG is what follows from it: what the nodes above them
+    do, and that a branch is left in which nothing ran.
+    """
+
+    def __init__(self, outline: Outline) -> None:
+        self._lines: list[_Line] = []
+        self.show(outline)
+
+    def show(self, outline: Outline) -> None:
+        """Take the tree whose nodes change from now on."""
+        self._names = short_names(outline)
+        self._leaves = {node.path for node in outline.nodes if node.kind in _LEAVES}
 
     def event(self, time: float, level: Level, text: str) -> None:
         """Take something that happened in the run.
@@ -39,21 +55,19 @@ class EventLog:
         """
         if level not in _LEVELS:
             raise HumanoidBtError(f"no event level {level!r}; {nearest(level, _LEVELS)}")
-        name, color = _LEVELS[level]
-        self._lines["run"].append((time, name, printable(text), color))
+        self._lines.append(_Line(time, _LEVELS[level], printable(text), ""))
 
     def node_changed(self, time: float, path: str, status: str, feedback: str) -> None:
         """Take a node's change of status."""
-        reason = f": {feedback}" if feedback else ""
-        name = path.rsplit("/", 1)[-1]
-        text = f"{STATUS_GLYPHS[status]} {name} {status}{reason}  ({path})"
-        self._lines["tree"].append((time, _NODE_LEVEL, printable(text), STATUS_COLORS[status]))
+        told = path in self._leaves and (feedback or status != "INVALID")
+        text = f"{STATUS_GLYPHS[status]} {self._names[path]}" + (f": {feedback}" if feedback else "")
+        self._lines.append(_Line(time, "INFO" if told else "DEBUG", printable(text), path))
 
     def flush(self, stream: Any) -> None:
         """Write the lines since the last flush."""
-        for source, lines in self._lines.items():
-            if lines:
-                times, levels, texts, colors = zip(*lines, strict=True)
-                columns = rr.TextLog.columns(text=texts, level=levels, color=colors)
-                send(stream, f"{EVENTS}/{source}", times, columns)
-                lines.clear()
+        if self._lines:
+            times, levels, texts, paths = zip(*self._lines, strict=True)
+            lines = rr.TextLog.columns(text=texts, level=levels)
+            nodes = rr.AnyValues.columns(node=[printable(path) for path in paths])
+            send(stream, EVENTS, times, [*lines, *nodes])
+            self._lines.clear()

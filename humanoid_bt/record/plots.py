@@ -1,4 +1,4 @@
-"""Numbers over time: joints against setpoints and limits, torques, feet, base, percepts."""
+"""Numbers over time, of one unit each: joints against setpoints and limits, torques, feet, base, percepts."""
 
 from __future__ import annotations
 
@@ -14,15 +14,21 @@ from humanoid_bt.perception.track import Track
 from humanoid_bt.record.columns import Color, entity, send
 from humanoid_bt.record.overlays import SIDE_COLORS
 from humanoid_bt.robot.config import RobotConfig
+from humanoid_bt.tree.show.looks import mix
 
 JOINTS = "joints"
 FEET = "robot/foot_force"
-BASE = "robot/base"
 HANDS = "robot/hand_error"
-PERCEPTS = "percepts"
+SPEED, TURN, TILT = "robot/speed", "robot/turn_rate", "robot/tilt"
+CONFIDENCE, AGE, DISTANCE = "percepts/confidence", "percepts/age", "percepts/distance"
+
+LEGEND = "legend"
+"""Curves of no values, one per joint: the viewer puts legends over curves, but here are none."""
 
 _NEAR_LIMIT = 0.1  # a soft limit is drawn once a joint is this near [rad]; all of them would flatten the plot
-_LIMIT_COLOR = (230, 60, 60)
+_THIN, _WIDE = 1.5, 5.0  # of most curves, and of positions, behind the setpoints that they follow
+_PALE = 0.5  # share of a joint's colour in its position's, on black
+_LIMIT_COLOR = (255, 130, 122)
 _PALETTE: tuple[Color, ...] = (
     (77, 171, 247),
     (255, 169, 77),
@@ -33,7 +39,6 @@ _PALETTE: tuple[Color, ...] = (
     (250, 162, 193),
     (173, 181, 189),
 )
-_PERCEPT_SERIES = ("confidence", "age [s]", "distance [m]")
 
 
 class Plots:
@@ -62,15 +67,19 @@ class Plots:
             names = _short([self._names[joint] for joint in joints])
             colors = [_PALETTE[index % len(_PALETTE)] for index in range(len(names))]
             path = entity(JOINTS, group)
-            pale = [(*color, 90) for color in colors]
-            _style(stream, f"{path}/setpoint", [f"{name} setpoint" for name in names], pale, 4.0)
-            _style(stream, f"{path}/position", names, colors, 1.5)
-            _style(stream, f"{path}/soft_limit", [f"{name} limit" for name in names], [_LIMIT_COLOR] * len(names), 1.0)
-            _style(stream, f"{path}/torque", names, colors, 1.5)
+            pale = [mix(color, (0, 0, 0), _PALE) for color in colors]
+            limits = [_LIMIT_COLOR] * len(names)
+            _style(stream, f"{path}/position", names, pale, _WIDE)
+            _style(stream, f"{path}/setpoint", [f"{name} setpoint" for name in names], colors, _THIN)
+            _style(stream, f"{path}/soft_limit", [f"{name} limit" for name in names], limits, 1.0)
+            _style(stream, f"{path}/torque", names, colors, _THIN)
+            _style(stream, f"{path}/{LEGEND}", names, colors, _THIN)
+            _scalars(stream, f"{path}/{LEGEND}", [0.0], np.full((1, len(names)), np.nan))
         sides = [SIDE_COLORS[side] for side in SIDES]
-        _style(stream, FEET, ["left foot [N]", "right foot [N]"], sides, 1.5)
-        _style(stream, HANDS, ["left hand error [m]", "right hand error [m]"], sides, 1.5)
-        _style(stream, BASE, ["speed [m/s]", "turn rate [rad/s]", "tilt [rad]"], list(_PALETTE[2:5]), 1.5)
+        _style(stream, FEET, ["left", "right"], sides, _THIN)
+        _style(stream, HANDS, ["left", "right"], sides, _THIN)
+        for path, name, color in zip((SPEED, TURN, TILT), ("speed", "turn rate", "tilt"), _PALETTE, strict=False):
+            _style(stream, path, [name], [color], _THIN)
 
     def add(self, state: State, tracks: Mapping[str, Track]) -> None:
         """Take one state and the percepts as they are known with it."""
@@ -86,7 +95,8 @@ class Plots:
         _scalars(stream, FEET, times, np.array([[state.foot_force[side] for side in SIDES] for state in states]))
         errors = np.array([[state.hand_errors.get(side, np.nan) for side in SIDES] for state in states])
         _scalars(stream, HANDS, times, errors)
-        _scalars(stream, BASE, times, _base(states))
+        for path, values in zip((SPEED, TURN, TILT), _base(states), strict=True):
+            _scalars(stream, path, times, values)
         self._flush_percepts(stream)
         self._samples = []
 
@@ -106,13 +116,19 @@ class Plots:
 
     def _flush_percepts(self, stream: Any) -> None:
         for name in sorted({name for _, tracks in self._samples for name in tracks}):
-            path = entity(PERCEPTS, name)
-            if name not in self._percepts:
-                self._percepts.add(name)
-                _style(stream, path, [f"{name} {series}" for series in _PERCEPT_SERIES], list(_PALETTE[2:5]), 1.5)
             seen = [(state.time, tracks[name]) for state, tracks in self._samples if name in tracks]
-            values = np.array([[track.confidence, track.age, track.distance] for _, track in seen])
-            _scalars(stream, path, [time for time, _ in seen], values)
+            times = [time for time, _ in seen]
+            paths = {
+                CONFIDENCE: [track.confidence for _, track in seen],
+                AGE: [track.age for _, track in seen],
+                DISTANCE: [track.distance for _, track in seen],
+            }
+            for path, values in paths.items():
+                if name not in self._percepts:
+                    color = _PALETTE[len(self._percepts) % len(_PALETTE)]
+                    _style(stream, entity(*path.split("/"), name), [name], [color], _THIN)
+                _scalars(stream, entity(*path.split("/"), name), times, np.array(values))
+            self._percepts.add(name)
 
 
 def _scalars(stream: Any, path: str, times: Sequence[float], values: Array) -> None:
@@ -134,11 +150,12 @@ def _limits(model: mujoco.MjModel, joint: str, margin: float) -> tuple[float, fl
     return float(found.range[0] + margin), float(found.range[1] - margin)
 
 
-def _base(states: Sequence[State]) -> Array:
+def _base(states: Sequence[State]) -> tuple[Array, Array, Array]:
+    """Return speed [m/s], turn rate [rad/s] and tilt [rad] of the base."""
     linear = np.array([state.base_linear_velocity[:2] for state in states])
     turn = np.array([state.base_angular_velocity[2] for state in states])
     quaternion = np.array([state.base_quaternion for state in states])
     # Cosine of the tilt: the z axis of the base along the world's, from the rotation matrix's last element.
     upright = 1 - 2 * (quaternion[:, 1] ** 2 + quaternion[:, 2] ** 2)
     tilt = np.arccos(np.clip(upright, -1, 1))
-    return np.stack([np.hypot(linear[:, 0], linear[:, 1]), turn, tilt], axis=1)
+    return np.hypot(linear[:, 0], linear[:, 1]), turn, tilt

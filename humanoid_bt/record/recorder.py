@@ -21,7 +21,7 @@ from humanoid_bt.record.camera import HeadCamera, View, Wanted
 from humanoid_bt.record.documents import send_info, send_tree_file
 from humanoid_bt.record.events import EventLog, Level
 from humanoid_bt.record.eye import Eye
-from humanoid_bt.record.lanes import LANE_COUNT, RobotLanes
+from humanoid_bt.record.lanes import Lanes
 from humanoid_bt.record.overlays import Overlays
 from humanoid_bt.record.plots import Plots
 from humanoid_bt.record.results import ResultSeries
@@ -77,11 +77,11 @@ class Recorder:
         self._overlays = Overlays(config.sole)
         self._stop_sign = StopSign(self._scene.base_height)
         self._plots = Plots(model, joint_names, config)
-        self._tree = TreeStatus(tree.nodes, first_lane=LANE_COUNT)
-        self._lanes = RobotLanes()
-        self._events = EventLog()
+        self._tree = TreeStatus(tree.outline)
+        self._lanes = Lanes(tree.outline)
+        self._events = EventLog(tree.outline)
         self._results = ResultSeries()
-        self._views = (self._scene, self._overlays, self._stop_sign, self._plots, self._tree, self._lanes)
+        self._views = (self._scene, self._overlays, self._stop_sign, self._plots, self._tree)
         self._last_flush = self._last_frame = -np.inf
         self._closed = False
         self._batch = _LIVE_BATCH if sinks.view or sinks.serve is not None else _FILE_BATCH
@@ -139,7 +139,8 @@ class Recorder:
             feedback: what the node says about it.
         """
         self._check_open()
-        self._tree.change(time, path, status)
+        self._tree.change(time, path, status, feedback)
+        self._lanes.change(time, path, status)
         self._events.node_changed(time, path, status, feedback)
 
     def results(self, time: float, path: str, results: Sequence[Reported]) -> None:
@@ -162,12 +163,11 @@ class Recorder:
             info: about the run from now on, as at its start.
         """
         self._check_open()
-        before = self._tree.size
-        self._tree.show(self._outlet.stream, time, tree.nodes)
+        for part in (self._tree, self._lanes):
+            part.show(time, tree.outline)
+        self._events.show(tree.outline)
         send_tree_file(self._outlet.stream, time, tree)
         send_info(self._outlet.stream, time, info)
-        if self._tree.size != before:  # only what "reset" goes back to: people may have arranged the view by now
-            self._outlet.stream.send_blueprint(self._layout(), make_active=False, make_default=True)
 
     def event(self, time: float, level: Level, text: str) -> None:
         """Record something that happened.
@@ -187,7 +187,7 @@ class Recorder:
         stream = self._outlet.stream
         if why := self._camera.take_news():
             self._events.event(max(self._last_flush, 0.0), "info", f"no picture of the head camera: {why}")
-        for part in (*self._views, self._results, self._eye, self._camera, self._events):
+        for part in (*self._views, self._lanes, self._results, self._eye, self._camera, self._events):
             part.flush(stream)
 
     def close(self) -> None:
@@ -210,7 +210,7 @@ class Recorder:
         self.close()
 
     def _layout(self) -> Any:
-        return blueprint(self._tree.size, self._plots.groups, self._scene.base_height)
+        return blueprint(self._plots.groups, self._scene.base_height)
 
     def _check_open(self) -> None:
         if self._closed:

@@ -2,36 +2,26 @@
 
 from __future__ import annotations
 
-import contextlib
 import errno
-import importlib.util
 import logging
 import os
 import socket
 import subprocess
 import sys
-import tempfile
 import threading
-import time
 from dataclasses import dataclass
 from pathlib import Path
-from typing import IO, Any
+from typing import Any
 from urllib.parse import quote
 
 from humanoid_bt.core.errors import UserError, relative
+from humanoid_bt.record.viewers import FLUSH_TIMEOUT, LOOPBACK, free_port, serve_web, start_viewer, wait_until_taken
 
 _log = logging.getLogger(__name__)
 
 APPLICATION = "humanoid_bt"
-LOOPBACK = "127.0.0.1"
 
 _VIEWER_MEMORY = "1GiB"  # of the server that keeps the run for a browser that opens late
-_START_TIMEOUT = 20.0  # a viewer is up in 1 s; a cold disk takes longer [s]
-_WITH_PARENT = 'exec 3<&0; (read -r _ <&3; kill $$) & exec "$@" </dev/null 3<&-'
-"""Shell: run a program, and end it at the end of input, which comes when the parent closes its end or dies."""
-
-_SCREEN_TIME = 0.5  # a viewer without a screen is gone by then [s]
-_FLUSH_TIMEOUT = 5.0  # what a live viewer gets at the end to take the rest [s]
 
 
 @dataclass(frozen=True)
@@ -95,6 +85,7 @@ class Outlet:
         self.url = ""
         self._viewer: subprocess.Popen[bytes] | None = None
         self._web: subprocess.Popen[bytes] | None = None
+        self._data_port = 0
         self._closed = False
         try:
             targets = self._open(sinks)
@@ -111,9 +102,12 @@ class Outlet:
             return
         self._closed = True
         # Closing waits for the viewer to take the rest. One that hangs is ended, or it would keep the run from ending.
-        patience = threading.Timer(_FLUSH_TIMEOUT, self._end_viewer)
+        patience = threading.Timer(FLUSH_TIMEOUT, self._end_viewer)
         patience.start()
         try:
+            if self._web is not None:
+                self.stream.flush()
+                wait_until_taken(self._data_port)
             self.stream.disconnect()
         finally:
             patience.cancel()
@@ -130,11 +124,11 @@ class Outlet:
             server = self._rerun.GrpcServerSink(LOOPBACK, sinks.serve + 1, server_memory_limit=_VIEWER_MEMORY)
             targets.append(server)
             source = f"rerun+http://{LOOPBACK}:{sinks.serve + 1}/proxy"
-            self._web = _serve_web(sinks.serve, source)
+            self._web, self._data_port = serve_web(sinks.serve, source), sinks.serve + 1
             self.url = f"http://{LOOPBACK}:{sinks.serve}?url={quote(source, safe='')}"
         if sinks.view:
-            port = _free_port()
-            self._viewer = _start_viewer(port)
+            port = free_port()
+            self._viewer = start_viewer(port)
             targets.append(self._rerun.GrpcSink(f"rerun+http://{LOOPBACK}:{port}/proxy"))
         return targets
 
@@ -146,7 +140,7 @@ class Outlet:
 
     def _end_viewer(self) -> None:
         if self._viewer is not None and self._viewer.poll() is None:
-            _log.warning("the viewer did not take the recording's end within %g s and was ended", _FLUSH_TIMEOUT)
+            _log.warning("the viewer did not take the recording's end within %g s and was ended", FLUSH_TIMEOUT)
             self._viewer.kill()
 
 
@@ -196,77 +190,3 @@ def _check_port(port: int) -> None:
                     hint="the web viewer needs a free port and the one after it: choose another, such as --serve 9190",
                 ) from error
             raise UserError(f"port {port} cannot be used: {error.strerror}", hint="valid: 1024 to 65534") from error
-
-
-def _free_port() -> int:
-    with socket.socket() as probe:
-        probe.bind((LOOPBACK, 0))
-        return int(probe.getsockname()[1])
-
-
-def _rerun_program() -> str:
-    """Return the viewer's program, which the rerun package brings along."""
-    package = importlib.util.find_spec("rerun_cli")
-    if package is None or not package.submodule_search_locations:
-        raise UserError("the viewer's program is missing", hint="pip install rerun-sdk brings it along")
-    return str(Path(package.submodule_search_locations[0]) / "rerun")
-
-
-def _start_viewer(port: int) -> subprocess.Popen[bytes]:
-    """Open the native viewer; it listens on loopback only and outlives this program."""
-    options = ["--bind", LOOPBACK, "--port", str(port), "--hide-welcome-screen", "--expect-data-soon"]
-    with tempfile.TemporaryFile() as messages:
-        viewer = subprocess.Popen(
-            [_rerun_program(), *options],
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.DEVNULL,
-            stderr=messages,
-            start_new_session=True,  # Ctrl-C ends the run, not the viewer
-        )
-        _wait_until_open(viewer, port, "the viewer", messages)
-        with contextlib.suppress(subprocess.TimeoutExpired):  # it listens before it finds that it has no screen
-            viewer.wait(_SCREEN_TIME)
-            raise _not_started("the viewer", messages)
-    return viewer
-
-
-def _serve_web(port: int, source: str) -> subprocess.Popen[bytes]:
-    """Serve the web viewer on loopback (rerun's own function for it listens on every interface).
-
-    It ends with this program, also when this program is killed.
-    """
-    options = ["--serve-web", "--bind", LOOPBACK, "--web-viewer-port", str(port), source]
-    with tempfile.TemporaryFile() as messages:
-        web = subprocess.Popen(
-            ["/bin/sh", "-c", _WITH_PARENT, "sh", _rerun_program(), *options],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.DEVNULL,
-            stderr=messages,
-            start_new_session=True,
-        )
-        try:
-            _wait_until_open(web, port, "the web viewer", messages)
-        except BaseException:
-            web.communicate()
-            raise
-    return web
-
-
-def _wait_until_open(process: subprocess.Popen[bytes], port: int, what: str, messages: IO[bytes]) -> None:
-    deadline = time.monotonic() + _START_TIMEOUT
-    while time.monotonic() < deadline:
-        with contextlib.suppress(OSError), socket.create_connection((LOOPBACK, port), timeout=0.2):
-            return
-        if process.poll() is not None:
-            break
-        time.sleep(0.05)
-    if process.stdin is None:
-        process.kill()
-    raise _not_started(what, messages)
-
-
-def _not_started(what: str, messages: IO[bytes]) -> UserError:
-    messages.seek(0)
-    lines = messages.read().decode(errors="replace").strip().splitlines()
-    reason = lines[-1] if lines else "it said nothing"
-    return UserError(f"{what} did not start: {reason}", hint="without it: --record FILE, and open it with: rerun FILE")

@@ -1,48 +1,39 @@
-"""The tree: a graph with live colours, and one lane per node in a state timeline."""
+"""The tree as it runs: a line per node, as ``humanoid-bt show`` draws it, in the colours of their statuses."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Any, Protocol
+from dataclasses import dataclass, field
+from typing import Any
 
 import rerun as rr
+from py_trees.common import Status
 
 from humanoid_bt.core.errors import HumanoidBtError, nearest
-from humanoid_bt.record.columns import lane, send, send_sets
-from humanoid_bt.tree.show.layout import fan
-from humanoid_bt.tree.show.looks import STATUS_COLORS, STATUS_GLYPHS
+from humanoid_bt.record.columns import Color, send_sets
+from humanoid_bt.record.names import with_subtree_names
+from humanoid_bt.tree.show.fold import fitted
+from humanoid_bt.tree.show.looks import MARKS, STATUS_COLORS
+from humanoid_bt.tree.show.metrics import text_width
+from humanoid_bt.tree.show.outline import Outline
 
-GRAPH = "tree/graph"
+TREE = "tree"
+EDGES, BOXES, LABELS = f"{TREE}/edges", f"{TREE}/boxes", f"{TREE}/labels"
+
+# One unit is one pixel in a window of 1920x1080. There the drawing fills its view, and it never grows: the viewer's
+# labels have one size on the screen, and neither they nor a drawing that is larger than the view can be read.
+SIZE = (940.0, 400.0)
+BACKGROUND: Color = (0, 0, 0)
+
+_ROW, _HEIGHT = 28.0, 24.0  # distance of lines below each other; height of a box
+_INDENT = 24.0  # of a child to its parent
+_PAD = 9.0  # between a box and its text
+_LETTERS = 13.2  # size at which text of this package's metrics is as wide as the viewer's labels
+_DROP = 13.0  # from where the viewer is told to put a label down to the label's middle
+_ROOM = int((SIZE[1] + _ROW - _HEIGHT) // _ROW)  # lines
+_INK: Color = (255, 255, 255)
 
 _GLYPHS = frozenset("✓✗▶●○→")  # beyond ASCII the viewer's font has few glyphs, and some missing ones crash it
-_CHARACTER = 7.2  # width of a label's character in the graph's units
-_ROW = 44.0  # distance of labels below each other
-_GAP = 46.0  # free space between a label and its children
-
-
-class NodeView(Protocol):
-    """What is shown of a tree's node; the nodes come parents first."""
-
-    @property
-    def path(self) -> str:
-        """Unique in the tree."""
-
-    @property
-    def name(self) -> str:
-        """As its author called it."""
-
-    @property
-    def type_name(self) -> str:
-        """As tree files call its type."""
-
-    @property
-    def kind(self) -> str:
-        """One of composite, decorator, condition, action, skill."""
-
-    @property
-    def parent(self) -> int | None:
-        """Index of its parent, None or negative for the root."""
 
 
 @dataclass(frozen=True)
@@ -50,12 +41,12 @@ class TreeView:
     """What is shown of a tree.
 
     Attributes:
-        nodes: all nodes, each after its parent, children in their order.
+        outline: what is drawn of it.
         source: text of the tree file.
         file: its name.
     """
 
-    nodes: Sequence[NodeView]
+    outline: Outline
     source: str = ""
     file: str = ""
 
@@ -65,132 +56,148 @@ def printable(text: str) -> str:
     return "".join(c if c in _GLYPHS or " " <= c <= "~" or c == "\n" else "?" for c in text)
 
 
+@dataclass
+class _Picture:
+    """What is drawn from a time on."""
+
+    time: float
+    boxes: list[tuple[float, float, float]] = field(default_factory=list)  # left, middle line, width
+    box_colors: list[Color] = field(default_factory=list)
+    edges: list[list[tuple[float, float]]] = field(default_factory=list)
+    edge_colors: list[Color] = field(default_factory=list)
+    labels: list[str] = field(default_factory=list)
+    places: list[tuple[float, float]] = field(default_factory=list)
+
+    def write(self, left: float, middle: float, text: str) -> float:
+        """Add a label that begins at a place, cut to the drawing's width; return where it ends."""
+        if left + text_width(text, _LETTERS) > SIZE[0]:
+            while text and left + text_width(text + "...", _LETTERS) > SIZE[0]:
+                text = text[:-1]
+            text += "..."
+        width = text_width(text, _LETTERS)
+        self.labels.append(text)
+        self.places.append((left + width / 2, middle - _DROP))
+        return left + width
+
+
 class TreeStatus:
-    """Draws a tree and its nodes' status; another tree may take its place.
+    """Draws a tree and its nodes' status, folded to fit; another tree may take its place."""
 
-    Args:
-        nodes: all nodes, each after its parent.
-        first_lane: number of the first node's lane in the state timeline.
+    def __init__(self, outline: Outline) -> None:
+        self._pictures: list[_Picture] = []
+        self._take(outline)
 
-    Attributes:
-        size: width and height of the largest graph so far, whose corner is at the origin.
-    """
-
-    def __init__(self, nodes: Sequence[NodeView], first_lane: int = 0) -> None:
-        self._first_lane = first_lane
-        self._lanes: dict[str, str] = {}  # node path -> entity, of all trees so far
-        self.size = (0.0, 0.0)
-        self._take(nodes)
-
-    def _take(self, nodes: Sequence[NodeView]) -> None:
-        self._index = {node.path: index for index, node in enumerate(nodes)}
-        self._parents = [_parent(node) for node in nodes]
-        self._labels = [_label(node) for node in nodes]
-        sizes = [(_CHARACTER * (2 + max(map(len, label.split("\n")))), _ROW) for label in self._labels]
-        boxes = fan([-1 if parent is None else parent for parent in self._parents], sizes, (_GAP, 0.0))
-        self._positions = [(box.x + box.width / 2, box.y + box.height / 2) for box in boxes]
-        self.size = (
-            max(self.size[0], *(box.right for box in boxes)),
-            max(self.size[1], *(box.bottom for box in boxes)),
-        )
-        for node in _lane_order(nodes, self._parents):
-            self._lanes.setdefault(node.path, lane(self._first_lane + len(self._lanes), node.name))
-        self._paths = [node.path for node in nodes]
-        self._status = ["INVALID"] * len(nodes)
-        self._changes: list[tuple[float, int, str]] = []
+    def _take(self, outline: Outline) -> None:
+        self._outline = with_subtree_names(outline)
+        self._status = {node.path: Status.INVALID for node in outline.nodes}
+        self._said: dict[str, str] = {}
+        self._changed: float | None = None  # time of changes that are in no picture yet
 
     def log_static(self, stream: Any) -> None:
-        """Write the graph as it is at the start, and the looks of the states."""
-        self._send_tree(stream, 0.0, self._paths)
-
-    def show(self, stream: Any, time: float, nodes: Sequence[NodeView]) -> None:
-        """Write that other nodes take the place of those so far; nodes of the same path keep their lanes.
-
-        Args:
-            stream: the rerun recording stream.
-            time: engine time [s].
-            nodes: all nodes of the tree, each after its parent.
-        """
+        """Write the tree as it is at the start, and what does not change in its looks."""
+        stream.log(EDGES, rr.LineStrips2D.from_fields(radii=-1.0), static=True)
+        stream.log(BOXES, rr.Boxes2D.from_fields(radii=-1.0, show_labels=False), static=True)
+        stream.log(LABELS, rr.Points2D.from_fields(radii=0.0, colors=_INK, show_labels=True), static=True)
+        self._changed = 0.0
         self.flush(stream)
-        for path, status in zip(self._paths, self._status, strict=True):
-            if status != "INVALID":
-                self.change(time, path, "INVALID")
-        self.flush(stream)
-        known = set(self._lanes)
-        self._take(nodes)
-        self._send_tree(stream, time, [path for path in self._paths if path not in known])
 
-    def _send_tree(self, stream: Any, time: float, new: Sequence[str]) -> None:
-        """Write the graph's shape from a time on, and begin the lanes of nodes that are new."""
-        count = [len(self._labels)]
-        edges = [(str(parent), str(index)) for index, parent in enumerate(self._parents) if parent is not None]
-        ids = [str(index) for index in range(len(self._labels))]
-        shape = rr.GraphNodes.columns(node_ids=ids, positions=self._positions)
-        send_sets(stream, GRAPH, [time], shape, count)
-        send_sets(stream, GRAPH, [time], rr.GraphEdges.columns(edges=edges), [len(edges)])
-        self._send_graph(stream, [time], [list(self._status)])
-        stream.log(GRAPH, rr.GraphNodes.from_fields(show_labels=True), static=True)
-        stream.log(GRAPH, rr.GraphEdges.from_fields(graph_type="directed"), static=True)
-        states = list(STATUS_COLORS)
-        look = rr.StateConfiguration(
-            values=states,
-            labels=[state.lower() for state in states],
-            colors=list(STATUS_COLORS.values()),
-            visible=[state != "INVALID" for state in states],
-        )
-        for path in new:
-            stream.log(self._lanes[path], look, static=True)
-            send(stream, self._lanes[path], [time], rr.StateChange.columns(state=["INVALID"]))
+    def show(self, time: float, outline: Outline) -> None:
+        """Take another tree, which takes the place of the one so far from a time on [s]."""
+        self._draw()
+        self._take(outline)
+        self._changed = time
 
-    def change(self, time: float, path: str, status: str) -> None:
-        """Take a node's change of status.
+    def change(self, time: float, path: str, status: str, feedback: str) -> None:
+        """Take a node's change of status, in the order of time.
 
         Raises:
             HumanoidBtError: there is no such node or status.
         """
-        if path not in self._index:
-            raise HumanoidBtError(f"the tree has no node {path!r}; {nearest(path, self._index)}")
-        if status not in STATUS_COLORS:
-            raise HumanoidBtError(f"no status {status!r}; {nearest(status, STATUS_COLORS)}")
-        self._changes.append((time, self._index[path], status))
+        if path not in self._status:
+            raise HumanoidBtError(f"the tree has no node {path!r}; {nearest(path, self._status)}")
+        if status not in Status.__members__:
+            raise HumanoidBtError(f"no status {status!r}; {nearest(status, Status.__members__)}")
+        if self._changed != time:
+            self._draw()
+        self._status[path], self._said[path] = Status[status], feedback
+        self._changed = time
 
     def flush(self, stream: Any) -> None:
         """Write the changes since the last flush."""
-        frames: dict[float, list[str]] = {}
-        lanes: dict[int, list[tuple[float, str]]] = {}
-        for time, index, status in self._changes:
-            self._status[index] = status
-            frames[time] = list(self._status)
-            lanes.setdefault(index, []).append((time, status))
-        if frames:
-            self._send_graph(stream, list(frames), list(frames.values()))
-        for index, changes in lanes.items():
-            columns = rr.StateChange.columns(state=[status for _, status in changes])
-            send(stream, self._lanes[self._paths[index]], [time for time, _ in changes], columns)
-        self._changes = []
+        self._draw()
+        if self._pictures:
+            _send(stream, self._pictures)
+            self._pictures = []
 
-    def _send_graph(self, stream: Any, times: Sequence[float], frames: Sequence[Sequence[str]]) -> None:
-        columns = rr.GraphNodes.columns(
-            colors=[STATUS_COLORS[status] for frame in frames for status in frame],
-            labels=[
-                f"{STATUS_GLYPHS[status]} {label}"
-                for frame in frames
-                for status, label in zip(frame, self._labels, strict=True)
-            ],
-        )
-        send_sets(stream, GRAPH, times, columns, [len(frame) for frame in frames])
+    def _draw(self) -> None:
+        """Draw the tree as it is, if it has changed."""
+        if self._changed is None:
+            return
+        picture = _Picture(self._changed)
+        self._changed = None
+        outline = fitted(self._outline, self._status, lambda tree: len(tree.nodes) <= _ROOM)
+        places: dict[int, tuple[float, float]] = {}
+        edges: list[tuple[bool, list[tuple[float, float]], Color]] = []
+        for row, index in enumerate(outline.in_order()):
+            node = outline.nodes[index]
+            status = self._status[node.path]
+            color = STATUS_COLORS[status.name].dark
+            middle = row * _ROW + _HEIGHT / 2
+            left = places[node.parent][0] + _INDENT if node.parent >= 0 else 0.0
+            places[index] = (left, middle)
+            text = " ".join(filter(None, (MARKS[status], node.title, node.type_label)))
+            end = picture.write(left + _PAD, middle, printable(text)) + _PAD
+            picture.boxes.append((left, middle, end - left))
+            picture.box_colors.append(color)
+            if node.parent >= 0:
+                start, above = places[node.parent]
+                start += _INDENT / 2
+                line = [(start, above + _HEIGHT / 2), (start, middle), (left, middle)]
+                edges.append((status is Status.RUNNING, line, color))
+            if aside := self._aside(node.path, status, node.parameters):
+                picture.write(end + _PAD, middle, printable(aside))
+        for _, line, color in sorted(edges, key=lambda edge: edge[0]):  # what runs on top
+            picture.edges.append(line)
+            picture.edge_colors.append(color)
+        self._pictures.append(picture)
+
+    def _aside(self, path: str, status: Status, parameters: Sequence[str]) -> str:
+        """Return what stands beside a node: why it ended, or else what it was given."""
+        ended = status in (Status.SUCCESS, Status.FAILURE)
+        return (self._said.get(path, "") if ended else "") or ", ".join(parameters)
 
 
-def _parent(node: NodeView) -> int | None:
-    return None if node.parent is None or node.parent < 0 else node.parent
-
-
-def _label(node: NodeView) -> str:
-    name = node.name if node.name == node.type_name else f"{node.name}\n({node.type_name})"
-    return printable(name)
-
-
-def _lane_order(nodes: Sequence[NodeView], parents: Sequence[int | None]) -> list[NodeView]:
-    """Return the nodes in the order of their lanes: leaves first, for what they do is the story of a run."""
-    inner = set(parents)
-    return [nodes[index] for index in sorted(range(len(nodes)), key=lambda index: (index in inner, index))]
+def _send(stream: Any, pictures: Sequence[_Picture]) -> None:
+    times = [picture.time for picture in pictures]
+    boxes = [box for picture in pictures for box in picture.boxes]
+    send_sets(
+        stream,
+        BOXES,
+        times,
+        rr.Boxes2D.columns(
+            centers=[(left + width / 2, middle) for left, middle, width in boxes],
+            half_sizes=[(width / 2, _HEIGHT / 2) for _, _, width in boxes],
+            colors=[color for picture in pictures for color in picture.box_colors],
+        ),
+        [len(picture.boxes) for picture in pictures],
+    )
+    send_sets(
+        stream,
+        LABELS,
+        times,
+        rr.Points2D.columns(
+            positions=[place for picture in pictures for place in picture.places],
+            labels=[label for picture in pictures for label in picture.labels],
+        ),
+        [len(picture.labels) for picture in pictures],
+    )
+    send_sets(
+        stream,
+        EDGES,
+        times,
+        rr.LineStrips2D.columns(
+            strips=[line for picture in pictures for line in picture.edges],
+            colors=[color for picture in pictures for color in picture.edge_colors],
+        ),
+        [len(picture.edges) for picture in pictures],
+    )

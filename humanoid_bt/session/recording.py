@@ -15,6 +15,7 @@ from humanoid_bt.record.sinks import Sinks
 from humanoid_bt.session.engine import Engine
 from humanoid_bt.session.options import RunOptions
 from humanoid_bt.session.report import versions
+from humanoid_bt.tree.show import outline_of
 from humanoid_bt.tree.tree import Tree
 
 if TYPE_CHECKING:  # most runs of a program record nothing, and the viewer's library takes half a second
@@ -57,7 +58,7 @@ def tree_view(tree: Tree) -> TreeView:
     """Return what a recording shows of a tree."""
     from humanoid_bt.record.tree_view import TreeView  # noqa: PLC0415 (see above)
 
-    return TreeView(tree.nodes, tree.source, relative(tree.path))
+    return TreeView(outline_of(tree), tree.source, relative(tree.path))
 
 
 def run_info(tree: Tree, engine: Engine) -> dict[str, str]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +15,7 @@ from humanoid_bt.record.recorder import Recorder
 from humanoid_bt.record.sinks import Sinks
 from humanoid_bt.record.tree_view import TreeView
 from humanoid_bt.robot.config import DriveConfig, LegConfig, RobotConfig, SiteConfig, SoleConfig
+from humanoid_bt.tree.show import Outline, OutlineNode
 
 JOINTS = ("left_hip", "right_hip", "neck")
 
@@ -44,19 +44,14 @@ _MJCF = """
 """
 
 
-@dataclass(frozen=True)
-class Node:
-    path: str
-    name: str
-    type_name: str
-    kind: str
-    parent: int | None
-
-
-NODES = (
-    Node("root", "root", "selector", "composite", None),
-    Node("root/reach", "reach", "reach", "skill", 0),
-    Node("root/ruhig ä", "ruhig ä", "idle", "skill", 0),
+OUTLINE = Outline(
+    "small",
+    "",
+    (
+        OutlineNode("root", "root", "selector", "composite", -1),
+        OutlineNode("root/reach", "reach", "reach", "skill", 0, parameters=("target: ball",)),
+        OutlineNode("root/ruhig ä", "ruhig ä", "idle", "skill", 0),
+    ),
 )
 
 
@@ -97,7 +92,7 @@ def record(model: mujoco.MjModel, config: RobotConfig, tmp_path: Path) -> Callab
 
     def make(**changes: Any) -> Recorder:
         sinks = changes.pop("sinks", Sinks(tmp_path / "run.rrd"))
-        tree = TreeView(NODES, "root: {selector: []}", "trees/small.yaml")
+        tree = TreeView(OUTLINE, "root: {selector: []}", "trees/small.yaml")
         info = {"seed": "7", "parameters": "a: 1\nb: 2"}
         view = View("head", 1.7, 1.4)
         return Recorder(model, JOINTS, config, tree=tree, sinks=sinks, info=info, camera=view, **changes)

@@ -85,3 +85,10 @@ def rows(path: Path, entity: str, component: str) -> list[tuple[float, Any]]:
 def entities(path: Path) -> set[str]:
     """Return all entities of a recording."""
     return {chunk.entity_path for chunk in rr.chunk.RrdReader(path).stream()}
+
+
+def events(path: Path) -> list[tuple[float, str, str]]:
+    """Return the lines of the event log as (time [s], level, text), in their order."""
+    levels = rows(path, "/events", "TextLog:level")
+    texts = rows(path, "/events", "TextLog:text")
+    return [(time, level, text) for (time, (level,)), (_, (text,)) in zip(levels, texts, strict=True)]

@@ -98,7 +98,7 @@ def test_without_opengl_there_is_a_reason_and_the_run_goes_on(
             sample(recorder, tick * 0.02)
     assert pictures(file) == []
     assert "there is no OpenGL to render with (" in why(file)[0]
-    ((_, (event,)),) = rows(file, "/events/run", "TextLog:text")
+    ((_, (event,)),) = rows(file, "/events", "TextLog:text")
     assert "no picture of the head camera: there is no OpenGL" in event
     assert len(rows(file, "/camera", "Transform3D:translation")) == 6  # percepts are drawn all the same
     with pytest.raises(UserError, match="there is no OpenGL"):
@@ -115,7 +115,7 @@ def test_one_core_is_the_runs(record: Maker, file: Path, monkeypatch: pytest.Mon
 def test_nothing_is_said_of_pictures_that_nobody_wants(record: Maker, file: Path) -> None:
     with record(pictures=False) as recorder:
         sample(recorder, 0.0)
-    assert rows(file, "/events/run", "TextLog:text") == []
+    assert rows(file, "/events", "TextLog:text") == []
     assert why(file) == ["no picture: it is switched off"]
 
 

@@ -10,26 +10,18 @@ import numpy as np
 import pytest
 
 from humanoid_bt.core.errors import HumanoidBtError
-from humanoid_bt.core.messages import FootPose, HandTarget, Mode
+from humanoid_bt.core.messages import FootPose, HandTarget
 from humanoid_bt.record.recorder import Recorder
-from humanoid_bt.record.tree_view import TreeView
-from tests.record.conftest import NODES, Node
-from tests.record.helpers import entities, make_state, make_track, rows
+from tests.record.helpers import entities, events, make_state, make_track, rows
 
 Maker = Callable[..., Recorder]
+
+PERCEPT_PLOTS = {"confidence": 1.0, "age": 0.1, "distance": math.hypot(1, 2)}
 
 
 @pytest.fixture
 def file(tmp_path: Path) -> Path:
     return tmp_path / "run.rrd"
-
-
-def graph_labels(file: Path) -> list[tuple[float, list[str]]]:
-    return rows(file, "/tree/graph", "GraphNodes:labels")
-
-
-def lane_states(file: Path, entity: str) -> list[tuple[float, str]]:
-    return [(time, state) for time, (state,) in rows(file, entity, "StateChange:state")]
 
 
 def poses(file: Path, frame: str) -> list[tuple[float, list[float]]]:
@@ -106,61 +98,6 @@ def test_a_soft_limit_is_drawn_only_near_it(record: Maker, file: Path) -> None:
     assert all(np.isnan(value).all() for _, value in rows(file, "/joints/other/soft_limit", "Scalars:scalars"))
 
 
-def test_node_changes_colour_the_graph_fill_lanes_and_are_logged(record: Maker, file: Path) -> None:
-    with record() as recorder:
-        recorder.node_changed(0.0, "root", "RUNNING", "")
-        recorder.node_changed(0.0, "root/reach", "RUNNING", "0.3 m to go")
-        recorder.node_changed(0.5, "root/reach", "FAILURE", "out of reach")
-    labels = [[label.split("\n")[0] for label in value] for _, value in rows(file, "/tree/graph", "GraphNodes:labels")]
-    assert labels[-2:] == [["▶ root", "▶ reach", "○ ruhig ?"], ["▶ root", "✗ reach", "○ ruhig ?"]]
-    lane = rows(file, "/lanes/03_reach", "StateChange:state")
-    assert [(time, state) for time, (state,) in lane][-2:] == [(0.0, "RUNNING"), (0.5, "FAILURE")]
-    texts = [(time, text[0]) for time, text in rows(file, "/events/tree", "TextLog:text")]
-    assert texts[-1] == (0.5, "✗ reach FAILURE: out of reach  (root/reach)")
-
-
-def test_graph_edges_and_positions_follow_the_tree(record: Maker, file: Path) -> None:
-    record().close()
-    ((_, edges),) = rows(file, "/tree/graph", "GraphEdges:edges")
-    ((_, places),) = rows(file, "/tree/graph", "GraphNodes:positions")
-    assert [tuple(edge.values()) for edge in edges] == [("0", "1"), ("0", "2")]
-    root, first, second = places
-    assert root[0] < first[0]
-    assert first[1] < root[1] < second[1]
-
-
-def test_another_tree_has_its_own_graph_and_keeps_the_lanes_it_shares(record: Maker, file: Path) -> None:
-    new = ("root/walk", "root/reach")
-    nodes = (NODES[0], *(Node(path, path[5:], path[5:], "skill", 0) for path in new))
-    with record() as recorder:
-        recorder.node_changed(0.1, "root/ruhig ä", "RUNNING", "")
-        recorder.show_tree(1.0, TreeView(nodes, "root: {sequence: []}", "trees/small.yaml"), {"parameters": "a = 2"})
-        recorder.node_changed(1.5, "root/reach", "RUNNING", "")
-        with pytest.raises(HumanoidBtError, match="no node"):
-            recorder.node_changed(1.6, "root/ruhig ä", "RUNNING", "")
-    labels = [(time, [label.split("\n")[0] for label in value]) for time, value in graph_labels(file)]
-    assert labels[-3:] == [
-        (1.0, ["○ root", "○ reach", "○ ruhig ?"]),
-        (1.0, ["○ root", "○ walk", "○ reach"]),
-        (1.5, ["○ root", "○ walk", "▶ reach"]),
-    ]
-    assert [time for time, _ in rows(file, "/tree/graph", "GraphEdges:edges")] == [0.0, 1.0]
-    lanes = {entity: lane_states(file, entity) for entity in entities(file) if entity.startswith("/lanes/0")}
-    assert lanes["/lanes/04_ruhig__"] == [(0.0, "INVALID"), (0.1, "RUNNING"), (1.0, "INVALID")]
-    assert lanes["/lanes/03_reach"] == [(0.0, "INVALID"), (1.5, "RUNNING")]
-    assert lanes["/lanes/06_walk"] == [(1.0, "INVALID")]
-    documents = rows(file, "/documents/tree", "TextDocument:text")
-    assert [(time, "sequence" in text) for time, (text,) in documents] == [(0.0, False), (1.0, True)]
-    run = rows(file, "/documents/run", "TextDocument:text")
-    assert [(time, "| parameters | a = 2 |" in text) for time, (text,) in run] == [(0.0, False), (1.0, True)]
-
-
-def test_a_tree_of_one_node_takes_the_edges_away(record: Maker, file: Path) -> None:
-    with record() as recorder:
-        recorder.show_tree(1.0, TreeView(NODES[:1]), {})
-    assert [(time, len(edges)) for time, edges in rows(file, "/tree/graph", "GraphEdges:edges")] == [(0.0, 2), (1.0, 0)]
-
-
 @pytest.mark.parametrize(("path", "status"), [("root/reech", "RUNNING"), ("root", "DONE")])
 def test_unknown_nodes_and_statuses_are_refused(record: Maker, path: str, status: str) -> None:
     with record() as recorder, pytest.raises(HumanoidBtError, match=r"did you mean|valid"):
@@ -173,15 +110,7 @@ def test_events_have_levels(record: Maker, file: Path) -> None:
         recorder.event(0.2, "error", "fell → ✗ \U0001f600")
         with pytest.raises(HumanoidBtError, match="warning"):
             recorder.event(0.3, "warn", "")  # type: ignore[arg-type]
-    assert rows(file, "/events/run", "TextLog:text") == [(0.1, ["started"]), (0.2, ["fell → ✗ ?"])]
-    assert [level for _, (level,) in rows(file, "/events/run", "TextLog:level")] == ["INFO", "ERROR"]
-
-
-def test_mode_changes_have_a_lane(record: Maker, file: Path) -> None:
-    with record() as recorder:
-        for tick in range(4):
-            recorder.sample(make_state(tick * 0.02, mode=Mode.RUN if tick < 2 else Mode.DAMP), {}, {})
-    assert rows(file, "/lanes/00_mode", "StateChange:state") == [(0.0, ["run"]), (0.04, ["damp"])]
+    assert events(file) == [(0.1, "INFO", "started"), (0.2, "ERROR", "fell → ✗ ?")]
 
 
 def test_percepts_have_a_place_a_colour_and_numbers(record: Maker, file: Path) -> None:
@@ -193,7 +122,8 @@ def test_percepts_have_a_place_a_colour_and_numbers(record: Maker, file: Path) -
     assert places == [(0.04, [[1, 2, 3]]), (0.08, [[1, 2, 3]])]
     fresh, old = (color for _, (color,) in rows(file, "/world/percepts/target", "Points3D:colors"))
     assert fresh != old
-    assert rows(file, "/percepts/target", "Scalars:scalars")[0][1] == pytest.approx([1.0, 0.1, math.hypot(1, 2)])
+    first = {name: rows(file, f"/percepts/{name}/target", "Scalars:scalars")[0] for name in PERCEPT_PLOTS}
+    assert first == {name: (0.04, [pytest.approx(value)]) for name, value in PERCEPT_PLOTS.items()}
 
 
 def test_targets_and_footsteps_come_and_go(record: Maker, file: Path) -> None:
@@ -235,7 +165,7 @@ def test_it_writes_as_it_goes_and_flush_writes_the_rest(record: Maker, file: Pat
     recorder.flush()
     recorder.flush()
     recorder.close()
-    assert rows(file, "/events/run", "TextLog:text") == [(0.0, ["first"])]
+    assert events(file) == [(0.0, "INFO", "first")]
 
 
 def test_the_file_is_whole_after_an_exception(record: Maker, file: Path) -> None:

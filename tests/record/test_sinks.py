@@ -9,15 +9,17 @@ import sys
 import urllib.request
 from collections.abc import Callable
 from pathlib import Path
+from subprocess import PIPE
 from typing import NoReturn
 
 import pytest
 
 from humanoid_bt.core.errors import UserError
-from humanoid_bt.record import sinks
+from humanoid_bt.record import sinks, viewers
 from humanoid_bt.record.recorder import Recorder
 from humanoid_bt.record.sinks import Sinks
-from tests.record.helpers import rows
+from tests.record.helpers import events
+from tests.record.relay import Relay
 
 
 def test_a_missing_folder_is_named_with_the_remedy(tmp_path: Path) -> None:
@@ -110,7 +112,55 @@ def test_the_web_viewer_is_served_on_loopback_only_and_ends_with_the_run(
             assert listens("127.0.0.1", used)
             assert not listens("127.0.0.2", used)
     assert not listens("127.0.0.1", port)
-    assert rows(tmp_path / "run.rrd", "/events/run", "TextLog:text") == [(0.0, ["started"])]
+    assert events(tmp_path / "run.rrd") == [(0.0, "INFO", "started")]
+
+
+_RUN = """
+import random, sys
+import rerun as rr
+from humanoid_bt.record import viewers
+from humanoid_bt.record.sinks import Outlet, Sinks
+
+outlet = Outlet(Sinks(serve=int(sys.argv[1])), "run", None)
+letters = random.Random(0)
+for _ in range(100):
+    outlet.stream.log("events", rr.TextLog(letters.randbytes(100_000).hex(), level="INFO"))
+outlet.stream.flush()
+print("recorded", flush=True)
+sys.stdin.readline()
+outlet.stream.log("events", rr.TextLog("the tree ended", level="INFO"))
+
+look = viewers._on_the_way
+viewers._on_the_way = lambda port: print("waits", flush=True) or look(port)
+outlet.close()
+"""
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="other systems do not say what is on the way to a browser")
+def test_who_is_slow_gets_the_end_of_the_run_too(tmp_path: Path, request: pytest.FixtureRequest) -> None:
+    """Nothing moves before the run waits for it, or is over."""
+    port, received = free_pair(), tmp_path / "received.rrd"
+    with subprocess.Popen([sys.executable, "-c", _RUN, str(port)], stdin=PIPE, stdout=PIPE, text=True) as run:
+        request.addfinalizer(run.kill)
+        assert run.stdin is not None
+        assert run.stdout is not None
+        assert run.stdout.readline() == "recorded\n"
+        with Relay(port + 1, first=1 << 16) as relay:
+            source = f"rerun+http://127.0.0.1:{relay.port}/proxy"
+            options = ["--save", str(received), "--bind", "127.0.0.1", "--port", str(viewers.free_port())]
+            browser = subprocess.Popen([viewers._rerun_program(), *options, source], stderr=subprocess.DEVNULL)
+            request.addfinalizer(browser.kill)
+            assert relay.reached.wait(30)
+            print(file=run.stdin, flush=True)
+            run.stdout.readline()
+            relay.opened.set()
+            assert browser.wait(30) == 0
+    found = [text for _, _, text in events(received)]
+    assert (len(found), found[-1]) == (101, "the tree ended")
+
+
+def test_nobody_is_waited_for_who_is_not_there() -> None:
+    assert viewers._on_the_way(viewers.free_port()) is None
 
 
 def test_importing_the_package_does_not_import_the_viewer() -> None:

@@ -263,7 +263,7 @@ def test_a_view_that_cannot_be_opened_is_a_mistake_only_if_asked_for(
         raise UserError("the viewer did not start: no screen")
 
     monkeypatch.setenv("DISPLAY", ":77")
-    monkeypatch.setattr("humanoid_bt.record.sinks._start_viewer", refuse)
+    monkeypatch.setattr("humanoid_bt.record.sinks.start_viewer", refuse)
     with pytest.raises(UserError, match="did not start"):
         Session("give_up", view=True, workspace=project).run()
     told = Told()

@@ -50,7 +50,7 @@ def dot_tree(
 
 def _attributes(node: OutlineNode, status: Status | None, feedback: str) -> str:
     look = look_of(node.kind)
-    color = look.color if status is None else STATUS_COLORS[status.name]
+    color = look.color if status is None else STATUS_COLORS[status.name].light
     name = node.name if status is None else f"{MARKS[status]} {node.name}"
     text = "\n".join(filter(None, [name, node.type_label, ", ".join(node.parameters), printable(feedback)]))
     colors = f'color="{hexadecimal(color)}", fillcolor="{hexadecimal(tint(color))}"'

@@ -32,7 +32,7 @@ def tidy(
     room: Sequence[float] | None = None,
     apart: float = 0.0,
 ) -> list[Box]:
-    """Return a box per node, none of which overlap, as close together as their order allows. For lines that bend.
+    """Return a box per node, none of which overlap, as close together as their order allows.
 
     Nodes of one depth start at one x, in the tree's order from top to bottom. A first child stands at its parent's
     height, so that the root is where a reader begins, and a lower child below all that came before at its depth.
@@ -58,37 +58,6 @@ def tidy(
             y[index] = top
             free[depths[index]], owner[depths[index]] = top + sizes[index][1] + gap[1], parents[index]
     return [Box(starts[depths[index]], y[index], *size) for index, size in enumerate(sizes)]
-
-
-def fan(parents: Sequence[int], sizes: Sequence[tuple[float, float]], gap: tuple[float, float]) -> list[Box]:
-    """Return a box per node, none of which overlap, each beside the middle of its children. For straight lines.
-
-    Nodes of one depth start at one x; leaves stand in rows of one height, in the tree's order.
-
-    Args:
-        parents: each node's parent, -1 for the root; nodes come in the order in which a tree is read.
-        sizes: each node's width and height.
-        gap: least free space between a node and its children, and between two nodes below each other.
-    """
-    depths = _depths(parents)
-    starts = _starts(depths, [width for width, _ in sizes], gap[0], [0.0] * len(parents))
-    inner = set(parents)
-    row = max((height for _, height in sizes), default=0.0)
-    below: list[list[float]] = [[] for _ in parents]  # middles of each node's children
-    middles = [0.0] * len(parents)
-    leaves = sum(index not in inner for index in range(len(parents)))
-    for index in reversed(range(len(parents))):
-        if below[index]:
-            middles[index] = (below[index][0] + below[index][-1]) / 2
-        else:
-            leaves -= 1
-            middles[index] = leaves * (row + gap[1]) + row / 2
-        if parents[index] >= 0:
-            below[parents[index]].append(middles[index])
-    return [
-        Box(starts[depths[index]], middles[index] - height / 2, width, height)
-        for index, (width, height) in enumerate(sizes)
-    ]
 
 
 def _lines(parents: Sequence[int]) -> list[list[int]]:

@@ -10,12 +10,29 @@ from py_trees.common import Status
 Color = tuple[int, int, int]
 """Red, green, blue, 0 to 255."""
 
-STATUS_COLORS: dict[str, Color] = {
-    "INVALID": (92, 99, 110),
-    "RUNNING": (66, 153, 245),
-    "SUCCESS": (64, 180, 90),
-    "FAILURE": (232, 74, 74),
+
+class Shades(NamedTuple):
+    """A colour for each background it is read on, where it has a contrast of at least 4.5 to 1.
+
+    Attributes:
+        light: on white paper, and on its own tint there.
+        dark: on dark paper and on black, and on its own tint there; black is readable on it.
+        any: where nobody knows: on white and on black.
+    """
+
+    light: Color
+    dark: Color
+    any: Color
+
+
+STATUS_COLORS: Mapping[str, Shades] = {
+    "INVALID": Shades(light=(99, 107, 117), dark=(160, 168, 180), any=(110, 117, 129)),
+    "RUNNING": Shades(light=(10, 104, 198), dark=(92, 176, 255), any=(12, 116, 219)),
+    "SUCCESS": Shades(light=(26, 121, 50), dark=(92, 206, 120), any=(29, 135, 55)),
+    "FAILURE": Shades(light=(201, 37, 29), dark=(255, 130, 122), any=(223, 44, 34)),
 }
+"""The colours of the statuses in every drawing, in the viewer and on terminals."""
+
 STATUS_GLYPHS = {"INVALID": "○", "RUNNING": "▶", "SUCCESS": "✓", "FAILURE": "✗"}
 MARKS = {status: STATUS_GLYPHS[status.name] for status in Status}
 """How a status is shown."""

@@ -55,7 +55,7 @@ def mermaid_tree(
 
 def _style(node: OutlineNode, status: Status | None) -> tuple[str, Color]:
     if status is not None:
-        return status.name.lower(), STATUS_COLORS[status.name]
+        return status.name.lower(), STATUS_COLORS[status.name].light
     return (node.kind, LOOKS[node.kind].color) if node.kind in LOOKS else ("other", NEUTRAL.color)
 
 

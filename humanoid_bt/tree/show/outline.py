@@ -32,6 +32,11 @@ class OutlineNode:
     doc: str = ""
 
     @property
+    def title(self) -> str:
+        """Its name, behind what it is to its parent if that says it: ``on_stale: idle``."""
+        return f"{self.branch}: {self.name}" if self.branch else self.name
+
+    @property
     def type_label(self) -> str:
         """Its type in parentheses, "" if its name says it."""
         return f"({self.type_name})" if self.name != self.type_name else ""
@@ -85,6 +90,16 @@ class Outline:
             if node.parent >= 0:
                 found[node.parent].append(index)
         return found
+
+    def in_order(self) -> list[int]:
+        """Return the nodes as a reader meets them: a node, then what is below it, then its next sibling."""
+        children = self.children()
+        order: list[int] = []
+        stack = [0] if children else []
+        while stack:
+            order.append(stack.pop())
+            stack += reversed(children[order[-1]])
+        return order
 
 
 def outline_of(tree: Tree | Outline) -> Outline:

@@ -21,15 +21,15 @@ def _rules(paper: Color, ink: Color, muted: Color, line: Color) -> list[str]:
         f".sign {{ stroke: {hexadecimal(muted)} }}",
     ]
     colors = {kind: look.color for kind, look in LOOKS.items()} | {"other": NEUTRAL.color}
-    colors |= {status.lower(): color for status, color in STATUS_COLORS.items()}
     for name, color in colors.items():
         shown = mix(color, (255, 255, 255), 0.75) if dark else color
         rules.append(f".{name} .box {{ fill: {hexadecimal(tint(color, paper))}; stroke: {hexadecimal(shown)} }}")
-        if name.upper() in STATUS_COLORS:
-            rules.append(f".{name} .mark {{ color: {hexadecimal(shown)}; stroke: currentColor }}")
-    running = hexadecimal(STATUS_COLORS["RUNNING"])
-    rules += [f".inner {{ stroke: {hexadecimal(line)} }}", f".edge.running {{ stroke: {running} }}"]
-    return rules
+    statuses = {name.lower(): shades.dark if dark else shades.light for name, shades in STATUS_COLORS.items()}
+    for name, color in statuses.items():
+        rules.append(f".{name} .box {{ fill: {hexadecimal(tint(color, paper))}; stroke: {hexadecimal(color)} }}")
+        rules.append(f".{name} .mark {{ color: {hexadecimal(color)}; stroke: currentColor }}")
+    running = hexadecimal(statuses["running"])
+    return [*rules, f".inner {{ stroke: {hexadecimal(line)} }}", f".edge.running {{ stroke: {running} }}"]
 
 
 def _style() -> str:
@@ -44,7 +44,6 @@ def _style() -> str:
         ".aside { stroke-dasharray: 5 4 }",
         ".running .mark { fill: currentColor }",
         ".edge.running { stroke-width: 2.5 }",
-        ".node.invalid { opacity: 0.7 }",
         *_rules(PAPER, _INK, _MUTED, _LINE),
         "@media (prefers-color-scheme: dark) {",
         *_rules(DARK_PAPER, _DARK_INK, _DARK_MUTED, _DARK_LINE),

@@ -57,7 +57,7 @@ def lines_of(
     lines = [Line(-1, "", text) for text in textwrap.wrap(title, width)]
     children = outline.children()
     guides = [""] * len(outline.nodes)  # what stands before each node's children
-    for index in _in_order(children):
+    for index in outline.in_order():
         node = outline.nodes[index]
         before = guides[node.parent] if node.parent >= 0 else ""
         last = node.parent < 0 or index == children[node.parent][-1]
@@ -65,7 +65,7 @@ def lines_of(
         mark = f"{MARKS[statuses.get(node.path, Status.INVALID)]} " if statuses is not None else ""
         first = before + ("└─ " if last else "├─ ")
         further = guides[index] + ("│" if children[index] else " ")
-        label = " ".join(filter(None, [f"{node.branch}: {node.name}" if node.branch else node.name, node.type_label]))
+        label = " ".join(filter(None, [node.title, node.type_label]))
         pieces = [f"{label} " if node.parameters else label, *(f"{text}," for text in node.parameters[:-1])]
         pieces += node.parameters[-1:]
         room = width - len(further)
@@ -78,16 +78,6 @@ def lines_of(
             said_lines = textwrap.wrap(said, max(room, len(head) + 8), initial_indent=head, subsequent_indent=indent)
             lines += [Line(index, further, text) for text in said_lines]
     return lines
-
-
-def _in_order(children: list[list[int]]) -> list[int]:
-    """Return the nodes as a reader meets them: a node, then what is below it, then its next sibling."""
-    order: list[int] = []
-    stack = [0] if children else []
-    while stack:
-        order.append(stack.pop())
-        stack += reversed(children[order[-1]])
-    return order
 
 
 def _wrapped(pieces: list[str], first: int, others: int) -> list[str]:

@@ -7,7 +7,7 @@ import random
 
 import pytest
 
-from humanoid_bt.tree.show.layout import Box, fan, tidy
+from humanoid_bt.tree.show.layout import Box, tidy
 from tests.tree.drawings import random_outline
 
 GAP = (30.0, 10.0)
@@ -69,21 +69,5 @@ def test_room_for_labels_and_between_strangers_is_kept() -> None:
     assert boxes[4].y == boxes[3].y == 10 + 10 + 5
 
 
-@pytest.mark.parametrize("seed", range(30))
-def test_a_fan_has_parents_beside_the_middle_of_their_children(seed: int) -> None:
-    parents = [node.parent for node in random_outline(seed).nodes]
-    choose = random.Random(seed)
-    sizes = [(choose.uniform(10, 300), choose.uniform(10, 40)) for _ in parents]
-    boxes = fan(parents, sizes, GAP)
-    middles = [box.y + box.height / 2 for box in boxes]
-    for one, other in itertools.combinations(boxes, 2):
-        beside = one.right + GAP[0] <= other.x or other.right + GAP[0] <= one.x
-        assert beside or one.bottom + GAP[1] <= other.y + 1e-9 or other.bottom + GAP[1] <= one.y + 1e-9
-    for index in set(parents) - {-1}:
-        children = [child for child, parent in enumerate(parents) if parent == index]
-        assert middles[index] == pytest.approx((middles[children[0]] + middles[children[-1]]) / 2)
-        assert [middles[child] for child in children] == sorted(middles[child] for child in children)
-
-
 def test_a_tree_of_nothing_has_no_boxes() -> None:
-    assert tidy([], [], GAP) == fan([], [], GAP) == []
+    assert tidy([], [], GAP) == []
