@@ -1,1 +1,1 @@
-"""Checking files: whether a robot stands and walks, codes of findings, and comments that allow them."""
+"""Checking files: codes of findings, comments that allow them, robots that are tried."""
