@@ -1,1 +1,1 @@
-"""Checking files: codes of findings, comments that allow them, robots that stand and walk."""
+"""Checking files: codes of findings, comments that allow them, robots that are tried."""

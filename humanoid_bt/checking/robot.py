@@ -46,6 +46,7 @@ def _implausible(robot: RobotModel) -> Iterator[Problem]:
     mujoco.mj_kinematics(robot.model, data)
     roles = list(_wrong_joints(robot, data))
     yield from roles
+    yield from _wrong_neck(robot, data)
     yield from _soles_off(robot)
     yield from _home_outside(robot)
     yield from _wrong_bodies(robot, data)
@@ -55,7 +56,7 @@ def _implausible(robot: RobotModel) -> Iterator[Problem]:
 
 
 def _wrong_joints(robot: RobotModel, data: mujoco.MjData) -> Iterator[Problem]:
-    """Yield joints that do not do what their role in a leg or in the neck is."""
+    """Yield joints that do not do what their role in a leg is."""
     config, model = robot.config, robot.model
     upright = data.body(config.base).xmat.reshape(3, 3)
     for side in SIDES:
@@ -78,17 +79,24 @@ def _wrong_joints(robot: RobotModel, data: mujoco.MjData) -> Iterator[Problem]:
                 part = "hip" if hip else "ankle"
                 hint = f"from the {config.base} down: {', '.join(chain)}"
                 yield Problem(f"{joint!r} is no {part} joint", place, hint, code="joint-role")
-    if config.neck:
-        for role, axis in (("yaw", 2), ("pitch", 1)):
-            joint = getattr(config.neck, role)
-            turns, place = upright.T @ data.joint(joint).xaxis, config.place("neck", role)
-            above = _joints_above(model, config.gaze.body)
-            if joint not in above:
-                hint = f"these do: {', '.join(above)}"
-                yield Problem(f"{joint!r} does not move the eyes", place, hint, code="joint-role")
-            elif turns[axis] < _ALONG:
-                message = f"{joint!r} turns about {_axis(turns)}, the neck's {role} about {'xyz'[axis]}"
-                yield Problem(message, place, "x is ahead, y left, z up", code="joint-role")
+
+
+def _wrong_neck(robot: RobotModel, data: mujoco.MjData) -> Iterator[Problem]:
+    """Yield joints of the neck that do not turn the head as they shall."""
+    config = robot.config
+    if config.neck is None:
+        return
+    upright = data.body(config.base).xmat.reshape(3, 3)
+    above = _joints_above(robot.model, config.gaze.body)
+    for role, axis in (("yaw", 2), ("pitch", 1)):
+        joint, place = getattr(config.neck, role), config.place("neck", role)
+        turns = upright.T @ data.joint(joint).xaxis
+        if joint not in above:
+            hint = f"these do: {', '.join(above)}"
+            yield Problem(f"{joint!r} does not move the eyes", place, hint, code="joint-role")
+        elif turns[axis] < _ALONG:
+            message = f"{joint!r} turns about {_axis(turns)}, the neck's {role} about {'xyz'[axis]}"
+            yield Problem(message, place, "x is ahead, y left, z up", code="joint-role")
 
 
 def _soles_off(robot: RobotModel) -> Iterator[Problem]:
@@ -114,14 +122,11 @@ def _soles_off(robot: RobotModel) -> Iterator[Problem]:
         elif aside > _SOLE_ASIDE:
             message = f"the {side} sole is {aside * 100:.1f} cm beside the middle of the foot"
             yield Problem(message, place, hint, code="sole-off")
-        for key, half, most in zip(("half_length", "half_width"), _half(robot), foot.half, strict=True):
+        for key, most in zip(("half_length", "half_width"), foot.half, strict=True):
+            half = getattr(config.sole, key)
             if half > _SOLE_LARGER * most + _SOLE_OVER and side == SIDES[0]:
                 message = f"the sole is larger than the foot: {key} {half:g} m"
                 yield Problem(message, config.place("sole", key), f"of the foot: {most:.3f} m", code="sole-size")
-
-
-def _half(robot: RobotModel) -> tuple[float, float]:
-    return robot.config.sole.half_length, robot.config.sole.half_width
 
 
 def _home_outside(robot: RobotModel) -> Iterator[Problem]:
@@ -196,11 +201,8 @@ def _odd_numbers(robot: RobotModel) -> Iterator[Problem]:
         ("height", config.fall.height, _FALL_HEIGHT),
     ):
         if not least <= value <= most:
-            why = (
-                "a robot that leans counts as falling"
-                if (value < least) == (key == "tilt")
-                else "a fall is not noticed"
-            )
+            early = (value < least) == (key == "tilt")
+            why = "a robot that leans counts as falling" if early else "a fall is not noticed"
             hint = f"expected: {least:g} to {most:g}"
             message = f"fall.{key} {value:g}: {why}"
             yield Problem(message, config.place("fall", key), hint, code="fall-limits", severity="warning")

@@ -25,6 +25,7 @@ _DRIFT = 0.02  # m while it stands
 _ASTRAY = 0.1  # m to the side, or rad, while it walks
 _LAGS = 0.15  # rad of a standing joint from its setpoint
 _SAGS = 0.25  # rad that the load of standing would bend a joint whose feedforward does not know the load
+_STRAINED = 0.5  # share of the time in which a drive may give all it has, even if the robot does not fall
 _SATURATED = 0.1  # share of the time at its torque limit from which a drive counts as too weak
 
 
@@ -160,6 +161,13 @@ def _body_problems(trial: _Trial) -> Iterator[Problem]:
             )
             hint = f"at least {needed:.0f} Nm/rad are needed" if needed > robot.stiffness[i] else "raise its torque"
             yield Problem(message, place, hint, code="soft-drive")
+            told.add(place)
+    for i in np.flatnonzero(seen.saturated > _STRAINED * seen.ticks):
+        name, limit = robot.joint_names[i], robot.torque_limit[i]
+        place = _drive_place(robot, name, "torque")
+        if place not in told:
+            message = f"the drive of {name!r} gives all it has, {limit:g} Nm, most of the time"
+            yield Problem(message, place, "raise its torque", code="weak-drive")
             told.add(place)
     for one, other in sorted(seen.touching):
         legs = {one, other} <= _legs(robot)

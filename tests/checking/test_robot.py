@@ -107,6 +107,12 @@ BREAKS = {
         LEFT_KNEE, LEFT_KNEE.replace("500, damping: 20", "2, damping: 0.1"), "soft-drive", "_knee' is too soft"
     ),
     "weak knees": Break(LEFT_KNEE, LEFT_KNEE.replace("150", "15"), "does-not-walk", "raise its torque"),
+    "weak shoulders": Break(
+        "stiffness: 120, damping: 6, torque: 40",
+        "stiffness: 120, damping: 6, torque: 0.2",
+        "weak-drive",
+        "raise its torque",
+    ),
     "feet too near": Break("gait: {}", "gait: {stance_width: 0.085}", "self-contact", "touch each other"),
     "falls at once": Break("gait: {}", "fall: {tilt: 0.01}", "fall-limits", "counts as falling"),
     "never falls": Break("gait: {}", "fall: {height: 0.05}", "fall-limits", "not noticed"),
