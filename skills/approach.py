@@ -26,7 +26,7 @@ class Approach(Skill):
     angle_tolerance: float = param(0.12, unit="rad", above=0, doc="Arrived when the target is ahead to this angle.")
     look: bool = param(True, doc="Look at the target, too.")
 
-    distance_left: float = result(unit="m", doc="To the place to stand at.")
+    target_distance: float = result(unit="m", doc="From the middle between the feet to the target, seen from above.")
     bearing_error: float = result(unit="rad", doc="From straight ahead to the target; left is positive.")
 
     @classmethod
@@ -50,8 +50,8 @@ class Approach(Skill):
         goal = track.position_world[:2] - stop_at * np.array([math.cos(heading), math.sin(heading)])
         self._goal = self._steady(goal, math.dist(goal, stance[:2]))
 
-        self.distance_left = to_go = math.dist(self._goal, stance[:2])
-        self.bearing_error = track.bearing
+        self.target_distance, self.bearing_error = track.distance, track.bearing
+        to_go = math.dist(self._goal, stance[:2])
         arrived = to_go < self.tolerance and abs(track.bearing) < self.angle_tolerance
         if arrived and self.robot.state.base_settled:
             return self.succeed(f"{track.distance:.2f} m from {self.target}")

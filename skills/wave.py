@@ -62,10 +62,10 @@ class Wave(Skill):
             return self.fail(f"{self._hand} hand comes no nearer than {self._error.best * 100:.0f} cm")
         self.waved = max(self._strokes, 0) // 2
         if self.waved == self.times:
-            return self.succeed(f"waved the {self._hand} hand {self.times} times")
+            return self.succeed(f"waved the {self._hand} hand {_times(self.times)}")
         if self._strokes < 0:
             return self.running(f"raising the {self._hand} hand")
-        return self.running(f"waved {self.waved} of {self.times} times")
+        return self.running(f"waved {self.waved} of {_times(self.times)}")
 
     def _choose(self) -> Side:
         if self.hand != "nearest":
@@ -81,3 +81,7 @@ class Wave(Skill):
         ahead, left = _AHEAD * reach, outward * (_ASIDE * reach + swing)
         cos, sin = math.cos(heading), math.sin(heading)
         return np.array([x + cos * ahead - sin * left, y + sin * ahead + cos * left, self._height])
+
+
+def _times(number: int) -> str:
+    return f"{number} time{'s' if number > 1 else ''}"

@@ -21,7 +21,6 @@ if TYPE_CHECKING:  # the command line reads the exit codes long before it needs 
     from humanoid_bt.core.messages import Level
     from humanoid_bt.tree.ticking.executor import NodeChange
 
-_REQUIRED: Any = object()
 _MOST_RESULTS = 6  # in the summary
 _PACKAGES = ("humanoid-bt", "mujoco", "mink", "py_trees", "numpy", "rerun-sdk")
 
@@ -147,12 +146,12 @@ class Report:
             rows.append(("recording", self.recording))
         return rows
 
-    def result(self, name: str, default: Any = _REQUIRED) -> Any:
+    def result(self, name: str, default: Any = ...) -> Any:
         """Return what a skill reported under this name when it ended, the last time that one did.
 
         Args:
             name: the result's, or the end of its node's path and that: "hand_error", "reach/hand_error".
-            default: what to return if there is none.
+            default: what to return if there is none; without it, that is an error.
 
         Raises:
             UserError: there is none, and no default was given.
@@ -160,7 +159,7 @@ class Report:
         for entry in reversed(self.results):
             if f"/{entry['path']}/{entry['name']}".endswith(f"/{name}"):
                 return entry["value"]
-        if default is _REQUIRED:
+        if default is ...:
             hint = nearest(name, [entry["name"] for entry in self.results]) or "no skill reported anything"
             raise UserError(f"nothing was reported as {name!r}", hint=hint)
         return default

@@ -10,6 +10,7 @@ from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
 from humanoid_bt.core.errors import Place
+from humanoid_bt.decision.result import ResultValue, results_of
 from humanoid_bt.tree.node_type import Kind, NodeType
 
 
@@ -57,6 +58,11 @@ class Node:
     def feedback(self) -> str:
         """What it said last."""
         return self.behaviour.feedback_message
+
+    @property
+    def results(self) -> Mapping[str, ResultValue]:
+        """What it has reported since it started, by name; only skills report something."""
+        return results_of(self.behaviour)
 
     @property
     def kind(self) -> Kind:

@@ -116,6 +116,14 @@ def test_a_halted_skill_reports_how_far_it_came(project: Path) -> None:
     assert [entry["status"] for entry in report.results if entry["time"] > 0.1] == []
 
 
+def test_a_session_shows_what_a_skill_has_reported_so_far(project: Path) -> None:
+    (project / "trees" / "t.yaml").write_text("format: 1\nroot: {count: {ticks: 9}}\n", encoding="utf-8")
+    with Session("t", workspace=project) as session:
+        session.step()
+        session.step()
+        assert session.node("count").results == {"counted": 2, "gap": pytest.approx(0.7)}
+
+
 def test_the_summary_has_the_results_of_what_ended_last(project: Path) -> None:
     report = run(project, "{sequence: [{count: {name: one}}, {count: {name: two, ticks: 2}}]}")
     assert [row for row in report.summary if row[0] in ("counted", "gap", "word")] == [

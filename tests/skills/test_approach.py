@@ -63,7 +63,7 @@ def test_takes_no_step_when_it_is_there_already(rig: Rig) -> None:
     assert result.succeeded, result.feedback
     assert result.time <= 0.3
     assert {state.gait for state in result.states} == {Gait.STAND}
-    assert result.results["distance_left"] == pytest.approx(0.04, abs=0.005)
+    assert result.results["target_distance"] == pytest.approx(0.44, abs=0.005)
     assert result.results["bearing_error"] == pytest.approx(0, abs=0.02)
 
 

@@ -86,3 +86,11 @@ def test_fails_when_the_target_was_never_seen(rig: Rig) -> None:
     result = rig.run("offer", target="nobody")
     assert result.failed
     assert "'nobody' was never seen: perception offers no such percept" in result.feedback
+
+
+def test_leaves_the_gaze_alone_when_it_is_not_to_look(rig: Rig) -> None:
+    result = rig.run("offer", target=(1.0, 0.2, 1.2), hold=0.2, look=False)
+    assert result.succeeded, result.feedback
+    assert not any("gaze" in command.targets for command in result.commands)
+    assert result.results["hand_error"] < 0.03
+    assert result.results["target_distance"] == pytest.approx(1.02, abs=0.03)
