@@ -65,20 +65,21 @@ class HeadCamera:
         model: the whole scene.
         view: what is in the picture.
         wanted: True to insist: on every picture, however long it takes, or to say why there is none.
+        busy_cores: how many cores the run itself needs.
 
     Raises:
         UserError: it is insisted on, and there is no OpenGL.
     """
 
-    def __init__(self, model: mujoco.MjModel, view: View, wanted: Wanted) -> None:
+    def __init__(self, model: mujoco.MjModel, view: View, wanted: Wanted, busy_cores: int) -> None:
         self._view = view
         self._last = -math.inf
         self._without: list[tuple[Shot, bytes]] = []
         self._photographer: Photographer | None = None
         self._told = wanted is False  # nobody wonders
         self._why, self._written = "" if wanted else "it is switched off", ""
-        if wanted == "auto" and _cores() < 2:
-            self._why = "this machine has one core, and the run needs it"
+        if wanted == "auto" and (cores := _cores()) <= busy_cores:
+            self._why = f"the run needs all cores that it has here ({cores})"
         elif wanted:
             setup = Setup(model, view.body, view.size, view.angle)
             self._photographer = Photographer(setup, math.inf if wanted is True else _SLOWEST)

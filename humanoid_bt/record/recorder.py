@@ -55,6 +55,7 @@ class Recorder:
         info: about the run: heading -> text, such as tree, robot, seed, versions, parameters.
         camera: what the head camera has in the picture.
         pictures: whether there shall be pictures of it.
+        busy_cores: how many cores the run itself needs; pictures need another.
 
     Raises:
         UserError: a sink cannot be opened, or pictures are insisted on and there is no OpenGL.
@@ -71,6 +72,7 @@ class Recorder:
         info: Mapping[str, str],
         camera: View,
         pictures: Wanted = False,
+        busy_cores: int = 1,
     ) -> None:
         self._scene = SceneView(model, len(joint_names), config.base)
         self._eye = Eye(self._scene.base_height, self._scene.heights)
@@ -87,7 +89,7 @@ class Recorder:
         self._batch = _LIVE_BATCH if sinks.view or sinks.serve is not None else _FILE_BATCH
         self._outlet = Outlet(sinks, info.get("tree", tree.file) or "run", self._layout())
         try:
-            self._camera = HeadCamera(model, camera, pictures)
+            self._camera = HeadCamera(model, camera, pictures, busy_cores)
             for part in (*self._views, self._camera):
                 part.log_static(self._outlet.stream)
             send_info(self._outlet.stream, 0.0, info)

@@ -19,10 +19,10 @@ from humanoid_bt.tree.show import outline_of
 from humanoid_bt.tree.tree import Tree
 
 if TYPE_CHECKING:  # most runs of a program record nothing, and the viewer's library takes half a second
-    from humanoid_bt.record.camera import Wanted
     from humanoid_bt.record.recorder import Recorder
     from humanoid_bt.record.tree_view import TreeView
 
+_BUSY_CORES = {"lockstep": 1, "realtime": 2}  # in realtime mode one is control's, and decision must not wait either
 _FULL_DISK = 64 * 1024  # bytes; what cannot be written of a recording is smaller than this
 
 
@@ -42,13 +42,13 @@ def open_recorder(
     """
     sinks = options.sinks
     try:
-        recorder = _recorder(sinks, tree, engine, options.camera)
+        recorder = _recorder(sinks, tree, engine, options)
     except UserError as error:
         if not (sinks.view and options.view_optional):
             raise
         tell(0.0, "warning", f"no live view: {error.problems[0].message}")
         sinks = dataclasses.replace(sinks, view=False)
-        recorder = _recorder(sinks, tree, engine, options.camera)
+        recorder = _recorder(sinks, tree, engine, options)
     if recorder.url:
         tell(0.0, "info", f"live view: {recorder.url}")
     return recorder, sinks.view or sinks.serve is not None
@@ -80,7 +80,7 @@ def cut_short(recording: Path | None) -> str:
     return f"the disk is full: the recording {str(recording)!r} is cut short"
 
 
-def _recorder(sinks: Sinks, tree: Tree, engine: Engine, pictures: Wanted) -> Recorder:
+def _recorder(sinks: Sinks, tree: Tree, engine: Engine, options: RunOptions) -> Recorder:
     from humanoid_bt.record.camera import View  # noqa: PLC0415 (see above)
     from humanoid_bt.record.recorder import Recorder  # noqa: PLC0415 (see above)
 
@@ -94,5 +94,6 @@ def _recorder(sinks: Sinks, tree: Tree, engine: Engine, pictures: Wanted) -> Rec
         sinks=sinks,
         info=info,
         camera=View(robot.config.gaze.body, *widest_view(engine.scene.config)),
-        pictures=pictures,
+        pictures=options.camera,
+        busy_cores=_BUSY_CORES[options.mode],
     )

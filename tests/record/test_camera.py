@@ -105,11 +105,12 @@ def test_without_opengl_there_is_a_reason_and_the_run_goes_on(
         record(pictures=True)
 
 
-def test_one_core_is_the_runs(record: Maker, file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(camera, "_cores", lambda: 1)
-    with record(pictures="auto") as recorder:
+@pytest.mark.parametrize("busy", [1, 2])
+def test_no_core_is_taken_from_the_run(record: Maker, file: Path, monkeypatch: pytest.MonkeyPatch, busy: int) -> None:
+    monkeypatch.setattr(camera, "_cores", lambda: busy)
+    with record(pictures="auto", busy_cores=busy) as recorder:
         sample(recorder, 0.0)
-    assert why(file) == ["no picture: this machine has one core, and the run needs it"]
+    assert why(file) == [f"no picture: the run needs all cores that it has here ({busy})"]
 
 
 def test_nothing_is_said_of_pictures_that_nobody_wants(record: Maker, file: Path) -> None:
