@@ -24,7 +24,11 @@ def print_with_excerpts(problems: Iterable[Problem], *, stderr: bool) -> None:
     for problem in problems:
         color = _COLORS[problem.severity]
         place, severity, message, code = headline(problem)
-        console.print(Text.assemble((place, "bold"), (severity, color), message, (code, "dim")))
+        head = Text.assemble((place, "bold"), (severity, color), message, (code, "dim"))
+        first, *others = head.wrap(console, max(width() - len(INDENT), _LEAST), overflow="fold")
+        for line in (first, *(Text(INDENT).append_text(other) for other in others)):
+            line.rstrip()
+            console.print(line)
         if problem.place and (lines := excerpt(problem.place, width())):
             line, mark = lines
             console.print(Text(line, "dim"))
