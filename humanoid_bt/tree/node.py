@@ -13,7 +13,7 @@ from humanoid_bt.core.errors import Place
 from humanoid_bt.tree.node_type import Kind, NodeType
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Node:
     """One node of a tree.
 
@@ -42,6 +42,9 @@ class Node:
     references: Mapping[str, str] = field(default_factory=dict)
     arguments: Mapping[str, Any] = field(default_factory=dict)
     written: Mapping[str, Any] = field(default_factory=dict)
+
+    def __repr__(self) -> str:
+        return f"<Node {self.path!r}: {self.type_name}, {self.status.name}>"
 
     @property
     def type_name(self) -> str:
