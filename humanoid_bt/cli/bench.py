@@ -11,9 +11,8 @@ from rich.text import Text
 
 from humanoid_bt.bench.figure import Figure
 from humanoid_bt.bench.figures import measure
-from humanoid_bt.bench.promises import Verdict
 from humanoid_bt.bench.tree import measure_tree
-from humanoid_bt.cli.figures import write_figures
+from humanoid_bt.cli.figures import judged, write_figures
 from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.session.report import ExitCode
 
@@ -60,8 +59,3 @@ def _table(figures: list[Figure], repetitions: int) -> Table:
             judged(figure.verdict),
         )
     return table
-
-
-def judged(verdict: Verdict | None) -> Text:
-    """Return whether a promise was kept, in colour."""
-    return Text(verdict or "", "bold red" if verdict == "missed" else "green")

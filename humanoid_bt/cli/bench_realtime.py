@@ -18,8 +18,7 @@ from humanoid_bt.bench.promises import LATENESS
 from humanoid_bt.bench.punctuality import Punctuality
 from humanoid_bt.bench.reactions import Reaction
 from humanoid_bt.bench.realtime import OURS, Note, measure_realtime
-from humanoid_bt.cli.bench import judged
-from humanoid_bt.cli.figures import write_figures
+from humanoid_bt.cli.figures import judged, write_figures
 from humanoid_bt.realtime.schedule import FIFO_HINT
 from humanoid_bt.session.report import ExitCode
 

@@ -24,14 +24,18 @@ def print_with_excerpts(problems: Iterable[Problem], *, stderr: bool) -> None:
     for problem in problems:
         color = _COLORS[problem.severity]
         place, severity, message, code = headline(problem)
-        console.print(Text.assemble((place, "bold"), (severity, color), message, (code, "dim")))
+        head = Text.assemble((place, "bold"), (severity, color), message, (code, "dim"))
+        first, *others = head.wrap(console, max(width() - len(INDENT), _LEAST), overflow="fold")
+        for part in (first, *(Text(INDENT).append_text(other) for other in others)):
+            part.rstrip()
+            console.print(part)
         if problem.place and (lines := excerpt(problem.place, width())):
             line, mark = lines
             console.print(Text(line, "dim"))
             console.print(Text.assemble((mark[:-1], "dim"), (mark[-1], color)))
         for line in printable(problem.hint).splitlines():
-            for part in hanging(INDENT, line):
-                console.print(Text(part))
+            for words in hanging(INDENT, line):
+                console.print(Text(words))
 
 
 def excerpt(place: Place, columns: int) -> tuple[str, str] | None:

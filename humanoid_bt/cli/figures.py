@@ -1,4 +1,4 @@
-"""The figures of ``humanoid-bt bench`` as a file for other programs."""
+"""The figures of ``humanoid-bt bench``: whether they keep what is promised, and as a file for other programs."""
 
 from __future__ import annotations
 
@@ -8,8 +8,16 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from rich.text import Text
+
+from humanoid_bt.bench.promises import Verdict
 from humanoid_bt.core.errors import UserError
 from humanoid_bt.session.report import versions
+
+
+def judged(verdict: Verdict | None) -> Text:
+    """Return whether a promise was kept, in colour."""
+    return Text(verdict or "", "bold red" if verdict == "missed" else "green")
 
 
 def write_figures(path: Path, figures: Mapping[str, Any]) -> None:

@@ -8,7 +8,7 @@ import typing
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from humanoid_bt.core.errors import Place
+from humanoid_bt.core.errors import Place, nearest
 from humanoid_bt.core.items import Item, item_of
 from humanoid_bt.core.params import Param, params_of
 from humanoid_bt.core.reading import convert
@@ -28,7 +28,8 @@ def assign(target: Any, values: Mapping[str, Any]) -> None:
     declared, owner = params_of(type(target)), type(target).__name__
     read_at_start: dict[str, Key] = {}
     if unknown := [name for name in values if name not in declared]:
-        raise TypeError(f"{owner} has no parameter {', '.join(map(repr, unknown))}")
+        valid = nearest(unknown[0], declared) or "it takes none"
+        raise TypeError(f"{owner} has no parameter {', '.join(map(repr, unknown))}: {valid}")
     for name, spec in declared.items():
         if name not in values and spec.required:
             raise TypeError(f"{owner} needs the parameter {name!r}")

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from humanoid_bt.core.errors import UserError
+from humanoid_bt.core.units import quantity
 
 
 @dataclass(frozen=True)
@@ -19,11 +20,13 @@ class Limit:
         kind: whole numbers or any.
         valid: the same in words.
         holds: whether a number is one of them.
+        unit: the SI unit that it is in; as text it may be written in others ("2 min").
     """
 
     kind: type[int] | type[float]
     valid: str
     holds: Callable[[float], bool]
+    unit: str = ""
 
     def take(self, value: Any, name: str) -> float:
         """Return a value as a number.
@@ -46,6 +49,9 @@ class Limit:
         Raises:
             ValueError: it holds none that is valid.
         """
+        written = quantity(text)
+        if written is not None and written[1] == self.unit:
+            return self.take(written[0], "it")
         return self.take(self.kind(text), "it")
 
     def _number(self, value: Any) -> float | None:
@@ -57,7 +63,8 @@ class Limit:
             return None
 
 
-DURATION = Limit(float, "a number above 0", lambda value: value > 0)
+DURATION = Limit(float, "a number above 0", lambda value: value > 0, "s")
+HOLD = Limit(float, "a number above 0", lambda value: 0 < value < math.inf, "s")
 POSITIVE = Limit(float, "a number above 0", lambda value: 0 < value < math.inf)
 SEED = Limit(int, "a whole number, 0 or more", lambda value: value >= 0)
 PORT = Limit(int, "a port from 1 to 65534", lambda value: 1 <= value <= 65534)

@@ -64,6 +64,10 @@ def check(*paths: str | PathLike[str], workspace: str | PathLike[str] | Workspac
     Raises:
         UserError: there is nothing to check.
     """
+    for path in paths:
+        if not isinstance(path, (str, PathLike)):
+            hint = "valid: a name, a file or a folder, as text or a Path"
+            raise UserError(f"{path!r} cannot be checked", hint=hint, code="wrong-type")
     files, missing = collect([os.fspath(path) for path in paths], workspace)
     return [*missing, *settled({path: findings(path, where) for path, where in files.items()})]
 

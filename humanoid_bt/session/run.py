@@ -6,6 +6,7 @@ import inspect
 from collections.abc import Callable
 from typing import ParamSpec
 
+from humanoid_bt.core.errors import UserError
 from humanoid_bt.session.report import Report
 from humanoid_bt.session.session import Session
 
@@ -26,6 +27,8 @@ def _runs(session: Callable[_P, Session]) -> Callable[_P, Report]:
             NodeError: a skill raised an exception in ``setup``.
             KeyboardInterrupt: somebody ended it with Ctrl-C; the robot was brought to a stand first.
         """
+        if not arguments and "tree" not in named:
+            raise UserError("which tree? It is the first argument", hint='hbt.run("fetch")')
         return session(*arguments, **named).run()
 
     signature = inspect.signature(session).replace(return_annotation="Report")

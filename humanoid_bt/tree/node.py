@@ -14,7 +14,7 @@ from humanoid_bt.decision.result import ResultValue, results_of
 from humanoid_bt.tree.node_type import Kind, NodeType
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Node:
     """One node of a tree.
 
@@ -43,6 +43,9 @@ class Node:
     references: Mapping[str, str] = field(default_factory=dict)
     arguments: Mapping[str, Any] = field(default_factory=dict)
     written: Mapping[str, Any] = field(default_factory=dict)
+
+    def __repr__(self) -> str:
+        return f"<Node {self.path!r}: {self.type_name}, {self.status.name}>"
 
     @property
     def type_name(self) -> str:

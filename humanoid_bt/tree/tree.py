@@ -65,6 +65,9 @@ class Tree:
         Raises:
             UserError: there is none, or more than one.
         """
+        if not isinstance(path, str):
+            hint = "its path, or the end of it, as text"
+            raise UserError(f"a node is named by its path, not by {path!r}", hint=hint, code="wrong-type")
         found = [node for node in self.nodes if node.path == path or node.path.endswith(f"/{path}")]
         exact = [node for node in found if node.path == path]
         if len(found) == 1 or exact:

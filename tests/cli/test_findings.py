@@ -39,7 +39,7 @@ def test_one_line_then_what_would_be_valid(file: Path, capsys: pytest.CaptureFix
     ]
 
 
-def test_a_terminal_shows_the_line_and_wraps_hints(file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_terminal_shows_the_line_and_breaks_between_words(file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     terminal = Terminal()
     monkeypatch.setattr(sys, "stdout", terminal)
     monkeypatch.setenv("COLUMNS", "50")
@@ -48,7 +48,8 @@ def test_a_terminal_shows_the_line_and_wraps_hints(file: Path, monkeypatch: pyte
     hint = "did you mean 'reach'? valid: approach, confident, reach, watchdog"
     print_findings([Problem("unknown node 'reech'", Place("a.yaml", 2, 8), hint, "unknown-node")])
     assert terminal.getvalue().splitlines() == [
-        "a.yaml:2:8: error: unknown node 'reech' [unknown-node]",
+        "a.yaml:2:8: error: unknown node 'reech'",
+        "    [unknown-node]",
         "    2 | root: {reech: {target: target}}",
         "      |        ^",
         "    did you mean 'reach'? valid: approach,",

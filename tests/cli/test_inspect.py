@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from humanoid_bt.cli import main
+from humanoid_bt.cli.arguments import parser
 from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.tree.nodes.registry import Registry
 
@@ -88,6 +89,11 @@ def test_wrong_arguments_get_two_lines(arguments: list[str], says: str, capsys: 
     err = capsys.readouterr().err
     assert says in err
     assert len(err.splitlines()) == 2
+
+
+@pytest.mark.parametrize("written", ["90", "90s", "1.5 min", "90000 ms"])
+def test_durations_may_have_a_unit(written: str) -> None:
+    assert parser().parse_args(["run", "fetch", "--duration", written]).duration == pytest.approx(90.0)
 
 
 def test_trees_tell_their_parameters(capsys: pytest.CaptureFixture[str]) -> None:

@@ -89,7 +89,9 @@ def test_names_are_short_and_no_two_are_alike(tree: str) -> None:
 def test_a_name_says_role_or_place_where_it_must(tmp_path: Path) -> None:
     workspace = Workspace(builtin_root())
     file = tmp_path / "watch.yaml"
-    file.write_text("format: 1\nroot: {emergency_stop: {watchdog: {percept: p, max_age: 1, on_stale: idle, idle: {}}}}\n")
+    file.write_text(
+        "format: 1\nroot: {emergency_stop: {watchdog: {percept: p, max_age: 1, on_stale: idle, idle: {}}}}\n"
+    )
     watch = short_names(outline_of(load_tree(file, workspace)))
     assert {"idle", "on_stale: idle", "watchdog"} <= set(watch.values())
     tour = set(short_names(outline_of(load_tree(workspace.find_tree("tour"), workspace))).values())

@@ -175,7 +175,7 @@ def test_an_edited_skill_of_the_tree_is_an_edit(files: Files) -> None:
     assert edit.files == ("project/skills/mine.py",)
     assert leaf(edit) == "walk"
     files.skill.write_text("1/0\n", encoding="utf-8")
-    assert "skills/mine.py:1:1: the skill file cannot be imported: ZeroDivisionError" in messages(files.edit())
+    assert "skills/mine.py:1:1: error: the skill file cannot be imported: ZeroDivisionError" in messages(files.edit())
 
 
 def test_a_skill_that_comes_to_stand_before_one_of_the_tree_is_an_edit(files: Files) -> None:
@@ -205,8 +205,8 @@ def test_what_the_tree_does_not_use_is_no_edit(files: Files) -> None:
 @pytest.mark.parametrize(
     ("header", "says"),
     [
-        ("robot: other\n", "mine.yaml:1:8: no robot named 'other'"),
-        ("scene: ball_on_stand\n", "mine.yaml:1:8: the scene cannot change during a run"),
+        ("robot: other\n", "mine.yaml:1:8: error: no robot named 'other'"),
+        ("scene: ball_on_stand\n", "mine.yaml:1:8: error: the scene cannot change during a run"),
     ],
 )
 def test_another_robot_or_scene_is_refused(files: Files, header: str, says: str) -> None:

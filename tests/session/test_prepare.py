@@ -52,11 +52,22 @@ def test_a_value_is_plain_or_text(folder: Path, value: object) -> None:
 @pytest.mark.parametrize(
     ("values", "message"),
     [
-        ({"oftn": 3}, "oftn=3: the tree has no parameter 'oftn'\n    did you mean 'often'? valid: often"),
-        ({"scen": 3}, "scen=3: the tree has no parameter 'scen'\n    did you mean the argument 'scene'?"),
-        ({"often": 2.5}, "often=2.5: 'often' must be a whole number, not a number 2.5"),
-        ({"often": None}, "often=None: 'often' must be a whole number, not nothing"),
-        ({"robot": "humanod"}, "robot=humanod: no robot named 'humanod'\n    did you mean 'humanoid'?"),
+        (
+            {"oftn": 3},
+            "oftn=3: error: the tree has no parameter 'oftn' [unknown-parameter]\n"
+            "    did you mean 'often'? valid: often",
+        ),
+        (
+            {"scen": 3},
+            "scen=3: error: the tree has no parameter 'scen' [unknown-parameter]\n"
+            "    did you mean the argument 'scene'?",
+        ),
+        ({"often": 2.5}, "often=2.5: error: 'often' must be a whole number, not a number 2.5"),
+        ({"often": None}, "often=None: error: 'often' must be a whole number, not nothing"),
+        (
+            {"robot": "humanod"},
+            "robot=humanod: error: no robot named 'humanod' [unknown-robot]\n    did you mean 'humanoid'?",
+        ),
     ],
 )
 def test_a_mistake_is_one_clear_message(folder: Path, values: dict[str, object], message: str) -> None:

@@ -218,8 +218,16 @@ def test_a_recording_is_made_only_if_asked_for(tmp_path: Path, monkeypatch: pyte
         ({"workspace": 3}, "a workspace is a folder, not 3"),
         ({"listener": print}, "'listener' has no node_changed(), event(), progress(), show()"),
         ({"parameters": ["x"]}, "'parameters' must be a mapping of names to values"),
-        ({"sede": 3}, "sede=3: the tree has no parameter 'sede'\n    did you mean the argument 'seed'?"),
-        ({"near": 0.42}, "near=0.42: the tree has no parameter 'near'\n    the tree declares no parameters"),
+        (
+            {"sede": 3},
+            "sede=3: error: the tree has no parameter 'sede' [unknown-parameter]\n"
+            "    did you mean the argument 'seed'?",
+        ),
+        (
+            {"near": 0.42},
+            "near=0.42: error: the tree has no parameter 'near' [unknown-parameter]\n"
+            "    the tree declares no parameters",
+        ),
     ],
 )
 def test_a_wrong_argument_is_one_clear_message(arguments: dict[str, Any], message: str) -> None:
@@ -240,7 +248,7 @@ def test_values_are_plain_or_text_and_may_be_called_like_arguments() -> None:
     assert (report.outcome, report.seed, report.parameters) == ("success", 3, {"seed": 5.0, "duration": 0.04})
     with pytest.raises(hbt.UserError, match="is given twice"):
         hbt.run("fetch", parameters={"target": "a"}, target="b")
-    with pytest.raises(hbt.UserError, match=r"duration=\[1\]: 'duration' must be a number, not a list"):
+    with pytest.raises(hbt.UserError, match=r"duration=\[1\]: error: 'duration' must be a number, not a list"):
         hbt.run("set", parameters={"duration": [1]})
     with pytest.raises(hbt.UserError, match="'duration' cannot be <object"):
         hbt.run("set", parameters={"duration": object()})
@@ -263,7 +271,7 @@ def use(*calls: Callable[[hbt.Session], object]) -> Callable[[hbt.Session], obje
         (lambda s: s.run_until("soon"), "'condition' must be a time [s] or a function of the session, not 'soon'"),
         (lambda s: s.run_until(True), "'condition' must be a time"),
         (lambda s: s.run_until(1.0, timeout=-1), "'timeout' must be a number of seconds, 0 or more, not -1"),
-        (lambda s: s.node("paus"), "has no node 'paus'\n    did you mean 'pause'?"),
+        (lambda s: s.node("paus"), "has no node 'paus' [no-file]\n    did you mean 'pause'?"),
         (lambda s: s.blackboard["n"], "the tree has no key 'n'\n    the tree has no keys"),
         (lambda s: s.push("hard"), "'force' must be three numbers [N], not 'hard'"),
         (lambda s: s.push((0, 1, 0), body="arm"), "there is no body 'arm' to push"),

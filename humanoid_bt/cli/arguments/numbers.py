@@ -8,7 +8,7 @@ from typing import Any
 
 from humanoid_bt.session.limits import Limit
 
-PHASE = Limit(float, "a number from 0.1 to 3600", lambda value: 0.1 <= value <= 3600)
+PHASE = Limit(float, "a number from 0.1 to 3600", lambda value: 0.1 <= value <= 3600, "s")
 COUNT = Limit(int, "a whole number above 0", lambda value: value > 0)
 
 

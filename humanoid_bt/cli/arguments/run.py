@@ -6,7 +6,7 @@ from pathlib import Path
 
 from humanoid_bt.cli.arguments.numbers import number
 from humanoid_bt.cli.arguments.parsing import EXIT_CODES, Commands, add_workspace
-from humanoid_bt.session.limits import DURATION, PORT, POSITIVE, SEED
+from humanoid_bt.session.limits import DURATION, HOLD, PORT, POSITIVE, SEED
 
 _EXAMPLES = """\
 examples:
@@ -37,8 +37,8 @@ def add_run(commands: Commands) -> None:
         "--duration",
         type=number(DURATION),
         metavar="S",
-        help="longest simulated time [s]; default: no end in realtime mode, with a live view or --watch; "
-        "else 600, or what the tree's time-outs allow if that is more",
+        help="longest simulated time, in s or as 2min; default: no end in realtime mode, with a live view or --watch; "
+        "else 600 s, or what the tree's time-outs allow if that is more",
     )
     run.add_argument(
         "--on-estop",
@@ -69,7 +69,7 @@ def add_run(commands: Commands) -> None:
     )
     run.add_argument(
         "--hold",
-        type=number(POSITIVE),
+        type=number(HOLD),
         default=10.0,
         metavar="S",
         help="realtime: how long control balances the robot when decision has died [s]; default 10",

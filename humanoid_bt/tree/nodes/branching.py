@@ -17,6 +17,7 @@ from humanoid_bt.tree.expressions.expression import Expression
 from humanoid_bt.tree.expressions.linking import Unseen
 from humanoid_bt.tree.expressions.quantities import number, read_quantity, type_of
 from humanoid_bt.tree.nodes import other_libraries
+from humanoid_bt.tree.nodes.family import children_of
 from humanoid_bt.tree.results import Below, Results
 from humanoid_bt.tree.slots import Slot, Takes
 from humanoid_bt.tree.ticking.tick import FAILURE, INVALID, RUNNING, SUCCESS, Branch, Seen, halt, tick
@@ -43,7 +44,7 @@ class Choice(Branch, py_trees.composites.Composite):
         self, name: str, branches: Iterable[Behaviour], condition: Behaviour | None = None, **values: Any
     ) -> None:
         self._choices = list(branches)
-        super().__init__(name, [*([condition] if condition else []), *self._choices])
+        super().__init__(name, children_of(type(self), name, [*([condition] if condition else []), *self._choices]))
         other_libraries.refuse_parameters(self, values)
         assign(self, values)
         self.chosen: Behaviour | None = None

@@ -13,6 +13,7 @@ from py_trees.common import Status
 
 from humanoid_bt.decision.assign import assign
 from humanoid_bt.tree.nodes import other_libraries
+from humanoid_bt.tree.nodes.family import children_of
 from humanoid_bt.tree.results import Below, Results
 from humanoid_bt.tree.ticking.tick import FAILURE, INVALID, RUNNING, SUCCESS, Branch, Seen, halt, tick
 
@@ -30,6 +31,7 @@ class _Ordered(Branch):
     memory: bool  # py_trees' name of it, for its tools
 
     def __init__(self, name: str, children: SequenceOf[Behaviour], **values: Any) -> None:
+        children = children_of(type(self), name, children)
         # py_trees' own composite, which comes next in the order of classes, takes these
         super().__init__(name, memory=self.one_way, children=children)  # type: ignore[call-arg]
         other_libraries.refuse_parameters(self, values)

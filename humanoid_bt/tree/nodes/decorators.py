@@ -14,6 +14,7 @@ from humanoid_bt.core.params import param
 from humanoid_bt.core.units import readable
 from humanoid_bt.decision.assign import assign
 from humanoid_bt.decision.robot import Robot
+from humanoid_bt.tree.nodes.family import child_of
 from humanoid_bt.tree.results import Below, Results
 from humanoid_bt.tree.ticking.tick import FAILURE, INVALID, RUNNING, SUCCESS, Branch, Seen, halt, tick
 
@@ -25,7 +26,7 @@ class Decorator(Branch, py_trees.decorators.Decorator):
     """Base of the nodes with one child."""
 
     def __init__(self, name: str, child: Behaviour, **values: Any) -> None:
-        super().__init__(name, child)
+        super().__init__(name, child_of(type(self), name, child))
         assign(self, values)
 
     def reset_child(self, reason: str, seen: Seen) -> None:

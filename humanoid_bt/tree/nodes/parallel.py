@@ -12,6 +12,7 @@ from py_trees.common import ParallelPolicy, Status
 
 from humanoid_bt.core.params import param
 from humanoid_bt.decision.assign import assign
+from humanoid_bt.tree.nodes.family import children_of
 from humanoid_bt.tree.results import NOTHING, Below, Results
 from humanoid_bt.tree.ticking.tick import FAILURE, RUNNING, SUCCESS, Branch, Seen, halt, tick
 
@@ -29,6 +30,7 @@ class Parallel(Branch, py_trees.composites.Parallel):
     failure: Threshold = param("one", minimum=1, doc="How many children must fail: all, one or a number.")
 
     def __init__(self, name: str, children: SequenceOf[Behaviour], **values: Any) -> None:
+        children = children_of(type(self), name, children)
         super().__init__(name, policy=ParallelPolicy.SuccessOnAll(synchronise=True), children=children)
         assign(self, values)
         self._successes_needed = self._checked("success", self.success)

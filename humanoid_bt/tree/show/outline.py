@@ -6,6 +6,7 @@ import json
 from dataclasses import asdict, dataclass
 from typing import Any, Self
 
+from humanoid_bt.core.errors import UserError
 from humanoid_bt.core.units import spaced
 from humanoid_bt.decision.blackboard import Key
 from humanoid_bt.tree.node import Node
@@ -103,8 +104,17 @@ class Outline:
 
 
 def outline_of(tree: Tree | Outline) -> Outline:
-    """Return what is drawn of a tree."""
-    return tree if isinstance(tree, Outline) else Outline.of(tree)
+    """Return what is drawn of a tree.
+
+    Raises:
+        UserError: it is none.
+    """
+    if isinstance(tree, Outline):
+        return tree
+    if not isinstance(tree, Tree):
+        hint = "hbt.load(NAME) gives the tree of a file"
+        raise UserError(f"only a tree can be drawn, not {tree!r}", hint=hint, code="wrong-type")
+    return Outline.of(tree)
 
 
 def printable(text: str) -> str:

@@ -13,6 +13,7 @@ from humanoid_bt.tree.show.outline import Outline, outline_of, printable
 from humanoid_bt.tree.tree import Tree
 
 _FEEDBACK = "→ "
+_NARROWEST = 16  # columns that a piece is not broken for
 
 
 class Line(NamedTuple):
@@ -81,9 +82,10 @@ def lines_of(
 
 
 def _wrapped(pieces: list[str], first: int, others: int) -> list[str]:
-    """Break a line between pieces where it is too long, into one of a width and others of another."""
+    """Break a line between pieces, and long ones between words, into one line of a width and others of another."""
     lines = [""]
-    for piece in pieces:
+    fits = [[piece] if len(piece) <= max(others, _NARROWEST) else piece.split() for piece in pieces]
+    for piece in (part for parts in fits for part in parts):
         room = first if len(lines) == 1 else others
         joined = f"{lines[-1]} {piece}" if lines[-1] else piece
         if len(joined) <= room or not lines[-1]:

@@ -63,6 +63,10 @@ def make_tree(
     caller = sys._getframe(1)
     place = Place(relative(Path(caller.f_code.co_filename)), caller.f_lineno, 1)
     problems: list[Problem] = []
+    if not isinstance(root, Behaviour):
+        given = f"the class {root.__name__}" if isinstance(root, type) else repr(root)
+        hint = 'like Sequence("name", [...]), of humanoid_bt.tree.nodes'
+        raise UserError(f"the root of a tree must be a node, not {given}", place, hint, "invalid-node")
     _check_name(name, place, problems)
     workspace = workspace if isinstance(workspace, Workspace) else Workspace(workspace)
     registry = Registry.of(workspace)

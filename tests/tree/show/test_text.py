@@ -77,3 +77,11 @@ def test_py_trees_can_draw_it_too(workspace: Workspace) -> None:
     root = load(workspace, "root: {parallel: [act, {selector: [act]}]}").root
     assert "/_/ parallel" in py_trees.display.unicode_tree(root)
     assert "parallel" in py_trees.display.dot_tree(root).to_string()
+
+
+def test_a_long_value_is_broken_between_its_words(workspace: Workspace) -> None:
+    text = "root: {for_each: {item: k, items: [first place, second place, third place, fourth place], act: }}"
+    lines = unicode_tree(load(workspace, text), width=40).splitlines()
+    assert max(map(len, lines)) <= 40
+    joined = " ".join(" ".join(lines).replace("│", " ").split())
+    assert "items: [first place, second place, third place, fourth place]" in joined
