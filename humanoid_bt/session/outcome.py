@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import traceback
 from dataclasses import asdict
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from humanoid_bt.core.errors import HumanoidBtError, Place
 from humanoid_bt.core.messages import Mode
@@ -59,7 +59,15 @@ def where(error: BaseException, tree: Tree) -> str:
 
 
 def report_of(
-    end: End, tree: Tree, engine: Engine, *, trace: Trace, options: RunOptions, sim_time: float, wall_time: float
+    end: End,
+    tree: Tree,
+    engine: Engine,
+    *,
+    trace: Trace,
+    options: RunOptions,
+    sim_time: float,
+    wall_time: float,
+    slow_ticks: dict[str, Any],
 ) -> Report:
     """Return the report of a run that is over.
 
@@ -71,6 +79,7 @@ def report_of(
         options: what was asked for.
         sim_time: engine time at which the tree ended [s].
         wall_time: time it took [s].
+        slow_ticks: ticks that took longer than their period.
     """
     file = options.sinks.file
     return Report(
@@ -94,4 +103,5 @@ def report_of(
         recording=str(file) if file else None,
         versions=versions(),
         traceback=end.traceback,
+        slow_ticks=slow_ticks,
     )

@@ -191,6 +191,7 @@ class Session:
     def interrupt(self, reason: str) -> None:
         """End the run instead of the next step, with the outcome "interrupted". From any thread."""
         self._interruption = self._interruption or reason or "no reason was given"
+        self._drive.ticks.interrupted(self._interruption)
 
     def close(self) -> None:
         """Bring the robot to a stand and close the recording; leaving the session does it. Twice is once."""
