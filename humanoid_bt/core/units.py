@@ -53,3 +53,26 @@ def base_unit(text: str) -> str | None:
     """Return the SI unit of a written quantity ("45 cm" -> "m"), None if it is none."""
     found = quantity(text)
     return found[1] if found else None
+
+
+def in_words(value: float, unit: str, digits: int = 2) -> str:
+    """Return a quantity as people say it: 0.41, 1 s, 60 deg.
+
+    Args:
+        value: in its SI unit.
+        unit: the SI unit, "" for none.
+        digits: most digits behind the point; two fewer of an angle.
+    """
+    if unit.startswith("rad"):
+        value, unit, digits = math.degrees(value), f"deg{unit[3:]}", max(digits - 2, 0)
+    number = f"{value:z.{digits}f}"
+    return f"{number.rstrip('0').rstrip('.') if digits else number} {unit}".rstrip()
+
+
+def both_in_words(one: float, other: float, unit: str) -> tuple[str, str]:
+    """Return two quantities as people say them, with as many digits as it takes to tell them apart."""
+    for digits in range(2, 8):
+        words = in_words(one, unit, digits), in_words(other, unit, digits)
+        if words[0] != words[1] or one == other:
+            break
+    return words

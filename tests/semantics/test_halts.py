@@ -72,7 +72,7 @@ def why(under_test: Run) -> str:
         ("{reactive_sequence: [{act: {script: sf}}, {act: {name: low}}]}", "preempted by 'act', which failed"),
         ("{parallel: [{act: {script: rf}}, {act: {name: low}}]}", "'parallel' failed"),
         ("{parallel: {success: one, children: [{act: {script: rs}}, {act: {name: low}}]}}", "'parallel' succeeded"),
-        ("{timeout: {duration: 100 ms, act: {name: low}}}", "timed out after 0.10 s"),
+        ("{timeout: {duration: 100 ms, act: {name: low}}}", "timed out after 0.1 s"),
         (
             "{on_error: {parallel: [{act: {script: rx}}, {act: {name: low}}]}}",
             "'act' raised RuntimeError: out of order",
@@ -101,7 +101,7 @@ def test_the_reason_of_a_watchdog(workspace: Workspace) -> None:
     dog = run(workspace, "{watchdog: {percept: target, max_age: 0.05, act: {name: low}}}")
     dog.tick(seen(0.0))
     dog.tick()
-    assert why(dog) == "'target' is 0.10 s old (limit 0.05 s)"
+    assert why(dog) == "'target' is 0.1 s old (limit 0.05 s)"
 
 
 @shows("reason-stop")

@@ -59,7 +59,7 @@ def test_a_success_at_the_limit_comes_too_late(workspace: Workspace) -> None:
 def test_a_timeout_measures_anew(workspace: Workspace) -> None:
     late = run(workspace, "{retry: {attempts: 2, timeout: {duration: 0.2, act: }}}")
     assert late.ticks(6) == "rrrrrf"
-    assert late.feedback("timeout") == "timed out after 0.20 s (limit 0.2 s)"
+    assert late.feedback("timeout") == "timed out after 0.2 s (limit 0.2 s)"
 
 
 @shows("wait-limit")

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from typing import Any, Protocol
 
 from humanoid_bt.core.errors import HumanoidBtError, Place, UserError, nearest
+from humanoid_bt.core.units import both_in_words
 from humanoid_bt.decision.robot import Robot
 from humanoid_bt.tree.expressions import grammar
 from humanoid_bt.tree.expressions.grammar import Syntax
@@ -84,7 +85,10 @@ class Watched:
     @property
     def text(self) -> str:
         """What was compared, in words."""
-        return f"{self.source} {shown(self.left)} {self.operator} {shown(self.right)}"
+        left, right = self.left, self.right
+        numbers = not {type(left), type(right)} - {int, float}
+        words = both_in_words(left, right, self.type.unit) if numbers else (shown(left), shown(right))
+        return f"{self.source} {words[0]} {self.operator} {words[1]}"
 
 
 class Linker:

@@ -11,6 +11,7 @@ from py_trees.common import Status
 
 from humanoid_bt.core.clock import Clock
 from humanoid_bt.core.params import param
+from humanoid_bt.core.units import in_words
 from humanoid_bt.decision.assign import assign
 from humanoid_bt.decision.robot import Robot
 from humanoid_bt.tree.results import Below, Results
@@ -153,8 +154,9 @@ class Timeout(Decorator):
         elapsed = self._clock.now() - self._started
         if elapsed < self.duration - TIME_TOLERANCE:
             return tick(self.decorated, seen)
-        self.feedback_message = f"timed out after {elapsed:.2f} s (limit {self.duration:g} s)"
-        self.reset_child(f"timed out after {elapsed:.2f} s", seen)
+        timed_out = f"timed out after {in_words(elapsed, 's')}"
+        self.feedback_message = f"{timed_out} (limit {in_words(self.duration, 's')})"
+        self.reset_child(timed_out, seen)
         return FAILURE
 
 

@@ -48,7 +48,7 @@ def test_within_a_bearing_to_either_side(workspace: Workspace) -> None:
     sides = (1.01, 0.99, 1.42, 1.44, -0.99, -1.01)  # beside a target 1 m ahead: tan of the bearing
     assert statuses(within, *({"sideways": side} for side in sides)) == "fssfss"
     statuses(within, {"sideways": 1.5, "distance": 0.01}, {"sideways": 1.5, "distance": 0.01})
-    assert within.feedback("within") == "bearing 1.56 rad beyond 0.785398 rad"
+    assert within.feedback("within") == "bearing 90 deg beyond 45 deg"
 
 
 def test_a_branch_that_was_left_starts_with_the_plain_threshold(workspace: Workspace) -> None:

@@ -46,8 +46,8 @@ def test_timeout_halts_at_the_deadline_before_the_child_is_ticked(workspace: Wor
     timeout = run(workspace, "{timeout: {duration: 0.3 s, act: {script: rrrs}}}")
     assert timeout.ticks(4) == "rrrf"  # the success of the deadline's own tick does not count
     assert timeout.log == [("start", "act"), ("INVALID", "act")]
-    assert timeout.feedback("timeout") == "timed out after 0.30 s (limit 0.3 s)"
-    assert timeout.feedback("act") == "halted: timed out after 0.30 s"
+    assert timeout.feedback("timeout") == "timed out after 0.3 s (limit 0.3 s)"
+    assert timeout.feedback("act") == "halted: timed out after 0.3 s"
 
 
 def test_timeout_measures_each_run_from_its_start(workspace: Workspace) -> None:

@@ -52,7 +52,7 @@ def test_watchdog_runs_on_stale_until_the_percept_is_fresh_again(workspace: Work
     assert dog.log == [("start", "act")]
     command = dog.tick()
     assert dog.told() == [("act", "INVALID"), ("wait", "RUNNING")]
-    assert dog.feedback("watchdog") == "'target' is 0.30 s old (limit 0.2 s)"
+    assert dog.feedback("watchdog") == "'target' is 0.3 s old (limit 0.2 s)"
     assert set(command.targets) == {"gaze"}
     command = dog.tick(seen(dog.time))
     assert dog.told() == [("wait", "INVALID"), ("act", "RUNNING")]

@@ -39,8 +39,8 @@ def test_the_child_is_halted_when_the_condition_no_longer_holds(workspace: Works
     held.ticks(3)
     assert held.told() == [("condition", "FAILURE"), ("act", "INVALID"), (kind, end)]
     assert held.log == [("start", "act"), ("INVALID", "act")]
-    assert held.feedback(kind) == "its condition does not hold: state.time 0.2 < 0.15"
-    assert held.feedback("act") == "halted: its condition does not hold: state.time 0.2 < 0.15"
+    assert held.feedback(kind) == "its condition does not hold: state.time 0.2 s < 0.15 s"
+    assert held.feedback("act") == "halted: its condition does not hold: state.time 0.2 s < 0.15 s"
 
 
 @pytest.mark.parametrize("kind", ["while", "guard"])
