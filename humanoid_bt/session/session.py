@@ -191,7 +191,10 @@ class Session:
         return self.report
 
     def interrupt(self, reason: str) -> None:
-        """End the run instead of the next step, with the outcome "interrupted". From any thread."""
+        """End the run instead of the next step: the outcome is "interrupted", or "stopped" in an emergency stop.
+
+        From any thread.
+        """
         self._interruption = self._interruption or reason or "no reason was given"
         self._drive.ticks.interrupted(self._interruption)
 
