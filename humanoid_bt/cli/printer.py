@@ -129,7 +129,8 @@ class Printer(Listener):
         for change, occasion in sorted(self._tick, key=lambda entry: _ORDER[entry[0].status]):
             raised = change.status is Status.INVALID and change.feedback.startswith("raised ")
             sign, style = _RAISED if raised else (MARKS[change.status], STATUS_STYLES[change.status])
-            self._line(change.time, sign, style, self._nodes[change.path].name, change.feedback + occasion)
+            text = "raised an exception" if raised else change.feedback + occasion  # which one is told elsewhere
+            self._line(change.time, sign, style, self._nodes[change.path].name, text)
         self._tick.clear()
 
     def _line(self, at: float, sign: str, style: str, name: str, text: str) -> None:

@@ -27,6 +27,8 @@ _SMALL = 0.1
 _LARGE = 1e6
 """Numbers from here on are given with an exponent."""
 
+_FINEST = 6  # further digits at most
+
 _EXPONENT = re.compile(r"^[-+]?(?:\d+\.?\d*|\.\d+)[eE][-+]?\d+$")  # YAML 1.1 reads 1e-3 as text
 _QUANTITY = re.compile(r"^\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([A-Za-z/]+)\s*$")
 
@@ -104,6 +106,15 @@ def readable(value: object, unit: str = "", more: int = 0) -> str:
         decimals = 1 if abs(value) < 10 else 0
     text = _digits(value, decimals, more)
     return f"{text} {unit}" if unit else text
+
+
+def readable_pair(one: object, other: object, unit: str = "") -> tuple[str, str]:
+    """Return two values as people read them, with as many digits as it takes to tell them apart."""
+    for more in range(_FINEST):
+        texts = readable(one, unit, more), readable(other, unit, more)
+        if texts[0] != texts[1] or one == other:
+            break
+    return texts
 
 
 def _digits(value: float, decimals: int, more: int) -> str:

@@ -12,6 +12,7 @@ from typing import Any, ClassVar
 
 from humanoid_bt.core.errors import HumanoidBtError, UserError
 from humanoid_bt.core.items import Item
+from humanoid_bt.core.params import Param
 
 KEY_NAME = re.compile(r"^[A-Za-z_]\w*$")
 """How keys and parameters of trees are called."""
@@ -38,14 +39,18 @@ class Key:
     Args:
         name: how trees call it.
         initial: its value when its tree starts; none if not given.
+
+    Attributes:
+        spec: how the tree's file declares it, None if it does not.
     """
 
-    __slots__ = ("_value", "initial", "name")
+    __slots__ = ("_value", "initial", "name", "spec")
     described: ClassVar[str] = "key"
 
     def __init__(self, name: str, initial: Any = _UNSET) -> None:
         self.name = name
         self.initial = initial
+        self.spec: Param | None = None
         self._value = initial
 
     @property

@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, MutableMapping
 from typing import Any
 
-from humanoid_bt.core.errors import UserError, nearest
+from humanoid_bt.core.errors import HumanoidBtError, Place, UserError, nearest
+from humanoid_bt.core.items import item_of
+from humanoid_bt.core.reading import convert
 from humanoid_bt.decision.blackboard import Key
 from humanoid_bt.perception.track import Track
 
@@ -27,16 +29,18 @@ class Percepts(dict[str, Track]):
 class Blackboard(MutableMapping[str, Any]):
     """The keys of a tree by name, those of its sub-trees left aside.
 
-    It holds what has a value. A key that the tree does not have cannot be set.
+    It holds what has a value. A key that the tree does not have cannot be set, and one that its file declares takes
+    what its type takes: 0.45, or text as in the file, "45 cm".
 
     Args:
         keys: the tree's.
         begun: whether the tree has been ticked; before it, what is set is the value that a key begins with.
+        over: whether the run has ended; nothing can be set then.
     """
 
-    def __init__(self, keys: Iterable[Key], begun: bool) -> None:
+    def __init__(self, keys: Iterable[Key], begun: bool, over: bool) -> None:
         self._keys = {key.name: key for key in keys}
-        self._begun = begun
+        self._begun, self._over = begun, over
 
     def __getitem__(self, name: str) -> Any:
         key = self._key(name)
@@ -46,13 +50,15 @@ class Blackboard(MutableMapping[str, Any]):
         return key.value
 
     def __setitem__(self, name: str, value: Any) -> None:
-        key = self._key(name)
+        key = self._open(name)
+        if key.spec is not None:
+            value = convert(key.spec, item_of(value, Place(f"the blackboard's {name!r}")))
         key.set(value)
         if not self._begun:
             key.initial = value
 
     def __delitem__(self, name: str) -> None:
-        self._key(name).clear()
+        self._open(name).clear()
 
     def __iter__(self) -> Iterator[str]:
         return (name for name, key in self._keys.items() if key.is_set)
@@ -63,6 +69,12 @@ class Blackboard(MutableMapping[str, Any]):
     def __repr__(self) -> str:
         values = [f"{name}: {key.value!r}" if key.is_set else f"{name}: (not set)" for name, key in self._keys.items()]
         return f"{{{', '.join(values)}}}"
+
+    def _open(self, name: str) -> Key:
+        """Return a key that may be set."""
+        if self._over:
+            raise HumanoidBtError(f"the run has ended: the key {name!r} cannot be set any more")
+        return self._key(name)
 
     def _key(self, name: str) -> Key:
         if name not in self._keys:

@@ -24,6 +24,7 @@ from humanoid_bt.session.recording import cut_short, open_recorder
 from humanoid_bt.session.reload import Reloader
 from humanoid_bt.session.report import Report
 from humanoid_bt.session.teller import Listener, Teller
+from humanoid_bt.session.tick_watch import TickWatch
 from humanoid_bt.session.tree_runner import TreeRunner
 from humanoid_bt.session.watch import Watch
 from humanoid_bt.session.wiring import new_engine
@@ -45,6 +46,7 @@ class Drive:
     Attributes:
         engine: control, plant and perception.
         runner: what runs the tree.
+        ticks: how long its ticks take.
         end: how the run ends, None while it goes on.
         report: what happened, None until it is closed.
         begun: whether it was ever begun.
@@ -66,8 +68,9 @@ class Drive:
         self._teller = Teller(listener, self.engine)
         self.runner = TreeRunner(self._prepare(loader.first))
         self._pace = Pace(options.pace)
-        self.loop = Loop(self.engine, self.runner, self._teller, self._pace)
-        self._ending = Ending(self.engine, self.runner, self._teller, self._pace)
+        self.ticks = TickWatch()
+        self.loop = Loop(self.engine, self.runner, self._teller, self._pace, self.ticks)
+        self._ending = Ending(self.engine, self.runner, self._teller, self._pace, self.ticks)
         self._stack: ExitStack | None = None
         self._began_at = 0.0
         self._tracks: Mapping[str, Track] | None = None
@@ -110,6 +113,7 @@ class Drive:
                 self._teller.recorder = stack.enter_context(recorder)
             self.loop.limit = self._options.limit(watched, self.runner.tree)
             self.loop.waits = self._teller.waits = self._options.waits(watched)
+            stack.enter_context(self.ticks)
             stack.callback(self.engine.close)
             self.engine.start()
             self._began_at = time.monotonic()
@@ -124,7 +128,7 @@ class Drive:
         Raises:
             KeyboardInterrupt: Ctrl-C; a first one when the tick is over, a second one at once.
         """
-        with WholeTick():
+        with WholeTick(self.ticks.interrupted):
             try:
                 self.end = self.loop.tick()
             except KeyboardInterrupt as interrupt:
@@ -168,6 +172,7 @@ class Drive:
             options=self._options,
             sim_time=now if self._ending.began is None else self._ending.began,
             wall_time=wall_time,
+            slow_ticks=self.ticks.to_dict(),
         )
         if insists:
             raise KeyboardInterrupt
@@ -176,7 +181,7 @@ class Drive:
         """Bring the robot to a stand; return whether somebody pressed Ctrl-C meanwhile. A first one waits for it."""
         before = self._ending.interrupted
         try:
-            with nullcontext() if self._asked else WholeTick():
+            with nullcontext() if self._asked else WholeTick(self.ticks.interrupted):
                 self.end = self._ending.bring_to_stand(end, moved)
         except KeyboardInterrupt:
             return True

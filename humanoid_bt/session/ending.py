@@ -13,6 +13,7 @@ from humanoid_bt.session.engine import Engine
 from humanoid_bt.session.outcome import End, failed, internal, where
 from humanoid_bt.session.pace import Pace
 from humanoid_bt.session.teller import Teller
+from humanoid_bt.session.tick_watch import TickWatch
 from humanoid_bt.session.tree_runner import SETTLE_TIME, TreeRunner
 
 _log = logging.getLogger(__name__)
@@ -26,14 +27,16 @@ class Ending:
         runner: what runs the tree.
         teller: is told what happens.
         pace: how fast simulated time goes.
+        ticks: watches how long it takes to halt the tree.
 
     Attributes:
         began: engine time at which the tree ended [s], None before it.
         interrupted: what ended it at once, if anybody insisted.
     """
 
-    def __init__(self, engine: Engine, runner: TreeRunner, teller: Teller, pace: Pace) -> None:
+    def __init__(self, engine: Engine, runner: TreeRunner, teller: Teller, pace: Pace, ticks: TickWatch) -> None:
         self._engine, self._runner, self._teller, self._pace = engine, runner, teller, pace
+        self._ticks = ticks
         self.began: float | None = None
         self.interrupted: KeyboardInterrupt | None = None
         self._final = self._bug = False
@@ -114,10 +117,15 @@ class Ending:
         """Halt the tree if it still runs; one that has ended keeps its result, for those who look at it."""
         if self._runner.status is not Status.RUNNING:
             return end
+        self._ticks.begin()
         try:
             self._runner.halt("the run ended")
         except HumanoidBtError as error:
             if end.outcome == "unfinished":
                 return failed(error)
             self._teller.event("error", str(error))
+        finally:
+            slow = self._ticks.finish(self._teller.now)
+        if slow:
+            self._teller.event("warning", slow)
         return end

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import signal
 import threading
+from collections.abc import Callable
 from types import FrameType
 
 
@@ -14,7 +15,13 @@ class WholeTick:
 
     Programs that handle the signal themselves, and threads that do not get it, are left alone. Use it as a context
     manager.
+
+    Args:
+        on_hold: told that one is held back, in the signal's handler.
     """
+
+    def __init__(self, on_hold: Callable[[str], None] | None = None) -> None:
+        self._on_hold = on_hold
 
     def __enter__(self) -> None:
         self._noted = False
@@ -35,3 +42,5 @@ class WholeTick:
         if self._noted:
             raise KeyboardInterrupt
         self._noted = True
+        if self._on_hold is not None:
+            self._on_hold("Ctrl-C")

@@ -66,5 +66,6 @@ class Limit:
 DURATION = Limit(float, "a number above 0", lambda value: value > 0, "s")
 HOLD = Limit(float, "a number above 0", lambda value: 0 < value < math.inf, "s")
 POSITIVE = Limit(float, "a number above 0", lambda value: 0 < value < math.inf)
+FORCE = Limit(float, "at most 10000 N in each direction", lambda value: abs(value) <= 10_000)
 SEED = Limit(int, "a whole number, 0 or more", lambda value: value >= 0)
 PORT = Limit(int, "a port from 1 to 65534", lambda value: 1 <= value <= 65534)

@@ -14,6 +14,7 @@ from humanoid_bt.session.outcome import End, failed
 from humanoid_bt.session.pace import Pace
 from humanoid_bt.session.reload import Reloader
 from humanoid_bt.session.teller import Teller
+from humanoid_bt.session.tick_watch import TickWatch
 from humanoid_bt.session.tree_runner import TreeRunner
 
 
@@ -25,6 +26,7 @@ class Loop:
         runner: what runs the tree.
         teller: is told what happens.
         pace: how fast simulated time goes.
+        ticks: watches how long ticks take.
 
     Attributes:
         limit: longest simulated time [s].
@@ -33,8 +35,9 @@ class Loop:
         state: what the last tick saw, None before the first.
     """
 
-    def __init__(self, engine: Engine, runner: TreeRunner, teller: Teller, pace: Pace) -> None:
+    def __init__(self, engine: Engine, runner: TreeRunner, teller: Teller, pace: Pace, ticks: TickWatch) -> None:
         self._engine, self._runner, self._teller, self._pace = engine, runner, teller, pace
+        self._ticks = ticks
         self.limit, self.waits = math.inf, False
         self.reloader: Reloader | None = None
         self.state: State | None = None
@@ -56,10 +59,15 @@ class Loop:
         state, percepts = engine.sense()
         self.state = state
         teller.happened(state.time)
+        self._ticks.begin()
         try:
             command = runner.tick(state, percepts)
         except HumanoidBtError as error:
             return failed(error)
+        finally:
+            slow = self._ticks.finish(state.time)
+        if slow:
+            teller.event("warning", slow)
         teller.trace.tick(state, command)
         teller.ticked(state, runner)
         end = self._end(state)

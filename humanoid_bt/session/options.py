@@ -197,7 +197,10 @@ class _Judge:
     def recording(self, value: Any, tree: str | Tree) -> Path | None:
         if isinstance(value, bool):
             return default_recording(tree) if value else None
-        return Path(self._path("record", value, "a file, True or False"))
+        path = Path(self._path("record", value, "a file, True or False"))
+        if path.name and path.suffix != ".rrd" and not path.is_dir():
+            self.note(f"'record' must be a file that ends in .rrd, not {str(path)!r}", f"{path.with_suffix('.rrd')}")
+        return path
 
     def _path(self, argument: str, value: Any, valid: str) -> str:
         path = os.fspath(value) if isinstance(value, (str, os.PathLike)) else ""

@@ -26,7 +26,7 @@ class End(NamedTuple):
     Attributes:
         outcome: of :data:`~humanoid_bt.session.report.OUTCOMES`.
         reason: why, in words.
-        failure: what went wrong in a few words, "" if nothing did.
+        failure: what went wrong in a few words, as the reason of a stop; "" if nothing did.
         traceback: of the exception that ended the run.
     """
 
@@ -39,16 +39,14 @@ class End(NamedTuple):
 def failed(error: HumanoidBtError) -> End:
     """Return the end of a run whose tree raised an error."""
     if not isinstance(error, NodeError):
-        return End("error", str(error), str(error).splitlines()[0])
-    name, cause = error.path.rsplit("/", 1)[-1], error.error
-    failure = f"{name!r} raised {type(cause).__name__}: {cause}".splitlines()[0]
-    return End("error", str(error), failure, "".join(traceback.format_exception(cause)))
+        return End("error", str(error), "two nodes command one resource")
+    return End("error", str(error), "a node raised an exception", "".join(traceback.format_exception(error.error)))
 
 
 def internal(error: Exception) -> End:
     """Return the end of a run in which something raised an exception that is no skill's."""
-    failure = f"internal error: {type(error).__name__}: {error}"
-    return End("error", failure, failure, "".join(traceback.format_exception(error)))
+    reason = f"internal error: {type(error).__name__}: {error}"
+    return End("error", reason, "internal error", "".join(traceback.format_exception(error)))
 
 
 def where(error: BaseException, tree: Tree) -> str:
@@ -71,6 +69,7 @@ def report_of(
     options: RunOptions,
     sim_time: float,
     wall_time: float,
+    slow_ticks: dict[str, Any],
 ) -> Report:
     """Return the report of a run that is over.
 
@@ -83,6 +82,7 @@ def report_of(
         options: what was asked for.
         sim_time: engine time at which the tree ended [s].
         wall_time: time it took [s].
+        slow_ticks: ticks that took longer than their period.
     """
     file = options.sinks.file
     return Report(
@@ -110,6 +110,7 @@ def report_of(
         recording=str(file) if file else None,
         versions=versions(),
         traceback=end.traceback,
+        slow_ticks=slow_ticks,
     )
 
 

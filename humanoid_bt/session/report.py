@@ -92,6 +92,8 @@ class Report:
         recording: path of the recording.
         versions: of the packages that a run depends on.
         traceback: of the exception that ended the run, for its author.
+        slow_ticks: ticks of the tree that took longer than their period on the wall clock: count, and the worst with
+            time [s], node and duration [s]; None if there is none.
     """
 
     tree: str
@@ -118,6 +120,7 @@ class Report:
     recording: str | None
     versions: dict[str, str] = field(default_factory=dict)
     traceback: str = ""
+    slow_ticks: dict[str, Any] = field(default_factory=dict)
 
     @property
     def exit_code(self) -> ExitCode:

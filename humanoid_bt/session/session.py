@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+import math
 from collections.abc import Callable, Mapping
 from contextlib import ExitStack
 from os import PathLike
@@ -16,6 +17,7 @@ from humanoid_bt.core.messages import State
 from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.perception.track import Track
 from humanoid_bt.realtime.decision_side import HOLD_TIME
+from humanoid_bt.session import limits
 from humanoid_bt.session.blackboard import Blackboard, Percepts
 from humanoid_bt.session.drive import Drive
 from humanoid_bt.session.engine import Engine
@@ -169,7 +171,7 @@ class Session:
     def _condition(self, condition: float | Callable[[Session], object]) -> Callable[[], bool]:
         if callable(condition):
             return lambda: bool(condition(self))
-        if isinstance(condition, (int, float)) and not isinstance(condition, bool):
+        if isinstance(condition, (int, float)) and not isinstance(condition, bool) and not math.isnan(condition):
             return lambda: self.time >= condition - _AT
         raise UserError(f"'condition' must be a time [s] or a function of the session, not {condition!r}")
 
@@ -192,8 +194,12 @@ class Session:
         return self.report
 
     def interrupt(self, reason: str) -> None:
-        """End the run instead of the next step, with the outcome "interrupted". From any thread."""
+        """End the run instead of the next step: the outcome is "interrupted", or "stopped" in an emergency stop.
+
+        From any thread.
+        """
         self._interruption = self._interruption or reason or "no reason was given"
+        self._drive.ticks.interrupted(self._interruption)
 
     def close(self) -> None:
         """Bring the robot to a stand and close the recording; leaving the session does it. Twice is once."""
@@ -214,31 +220,46 @@ class Session:
     # ---- stopping and disturbing ------------------------------------------------------------------------------------
 
     def raise_estop(self, reason: str = "raised by the program", *, source: str = "program") -> None:
-        """Raise the emergency stop. From any thread, at any time."""
+        """Raise the emergency stop. From any thread, at any time until the session has been left.
+
+        Raises:
+            HumanoidBtError: it has been left.
+        """
+        self._not_left("stopped")
         self._drive.engine.supervisor.raise_estop(source, reason)
 
     def request_reset(self, *, source: str = "program") -> None:
-        """Ask for a reset of a latched stop before the next step; the answer comes as an event. From any thread."""
+        """Ask for a reset of a latched stop before the next step; the answer comes as an event. From any thread.
+
+        Raises:
+            HumanoidBtError: the session has been left.
+        """
+        self._not_left("reset")
         self._drive.engine.request_reset(source)
 
     def push(self, force: Any, duration: float = 0.1, body: str = "") -> None:
         """Push the simulated robot from now on, in lockstep.
 
         Args:
-            force: shape (3,), world frame [N].
+            force: shape (3,), world frame [N], at most 10 kN in each direction.
             duration: how long [s].
             body: the body's name in the robot's model; the torso if "".
 
         Raises:
-            UserError: there is no such body, the force is none, or the mode is realtime.
+            UserError: there is no such body, the force or the duration is none, or the mode is realtime.
+            HumanoidBtError: the session has been left.
         """
+        self._not_left("pushed")
         try:
             vector = np.array(force, dtype=float)
         except (TypeError, ValueError):
             vector = np.zeros(0)
         if vector.shape != (3,) or not np.isfinite(vector).all():
             raise UserError(f"'force' must be three numbers [N], not {force!r}")
-        self._drive.engine.push(body or self._drive.engine.robot.config.torso, vector, float(duration))
+        for value in vector:
+            limits.FORCE.take(float(value), "force")
+        lasting = limits.POSITIVE.take(duration, "duration")
+        self._drive.engine.push(body or self._drive.engine.robot.config.torso, vector, lasting)
 
     # ---- looking ----------------------------------------------------------------------------------------------------
 
@@ -270,8 +291,8 @@ class Session:
 
     @property
     def blackboard(self) -> Blackboard:
-        """The tree's keys, to be read and set."""
-        return Blackboard(self.tree.keys, self._ticked)
+        """The tree's keys, to be read, and set until the run has ended."""
+        return Blackboard(self.tree.keys, self._ticked, bool(self.outcome))
 
     def node(self, path: str) -> Node:
         """Return a node of the tree, with its status and feedback, by its path or the end of it."""
@@ -284,13 +305,14 @@ class Session:
 
     @property
     def report(self) -> Report:
-        """What happened.
+        """What happened: there when :meth:`run` has returned, and after the ``with`` block or :meth:`close`.
 
         Raises:
             HumanoidBtError: the session has not been left yet.
         """
         if self._drive.report is None:
-            raise HumanoidBtError("the report is there after run(), or when the session has been left")
+            now = f"the run has ended ({self.outcome}), and the" if self.outcome else "the"
+            raise HumanoidBtError(f"{now} report is there after run(), after the 'with' block or after close()")
         return self._drive.report
 
     @property
@@ -315,6 +337,10 @@ class Session:
     def __repr__(self) -> str:
         now = self.outcome or ("running" if self._drive.running else "not begun")
         return f"<Session of {self.tree.name!r}: {now}, {self.time:.2f} s>"
+
+    def _not_left(self, what: str) -> None:
+        if self._drive.report is not None:
+            raise HumanoidBtError(f"the session of {self.tree.name!r} has been left: nothing can be {what} any more")
 
     def _why_no_step(self) -> str:
         if self.outcome:

@@ -70,12 +70,23 @@ def test_what_was_not_running_is_not_halted(fetched: tuple[int, list[str], dict[
     [
         ("wait", 0, "success: pause: waited"),
         ("give_up", 1, "failure: give_up: the thing is not there"),
-        ("exit", 4, "■ exit raised SystemExit: 7"),
+        ("exit", 4, "the node 'exit/emergency_stop/exit' raised SystemExit: 7"),
+        ("raise", 4, "the node 'raise/emergency_stop/walk' raised KeyError: 'missing'\n    raised at skills/mine.py:"),
     ],
 )
 def test_the_exit_code_tells_the_outcome(tree: str, code: int, says: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["run", tree, "--no-record"]) == code
-    assert says in capsys.readouterr().out
+    assert capsys.readouterr().out.count(says) == 1
+
+
+def test_an_exception_is_told_once(project: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["run", "raise", "--no-record", "--report", "raised.json"]) == 4
+    out, err = capsys.readouterr()
+    assert (out + err).count("KeyError") == 1
+    assert "■ walk raised an exception" in out
+    report = json.loads((project / "raised.json").read_text(encoding="utf-8"))
+    assert report["traceback"].startswith("Traceback")
+    assert report["stops"][0]["reason"] == "a node raised an exception"
 
 
 @pytest.mark.parametrize(

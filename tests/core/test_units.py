@@ -6,7 +6,7 @@ import math
 
 import pytest
 
-from humanoid_bt.core.units import readable
+from humanoid_bt.core.units import readable, readable_pair
 
 
 @pytest.mark.parametrize(
@@ -35,3 +35,10 @@ from humanoid_bt.core.units import readable
 )
 def test_values_have_the_units_and_digits_that_help(value: object, unit: str, text: str) -> None:
     assert readable(value, unit) == text
+
+
+def test_two_that_are_nearly_the_same_can_be_told_apart() -> None:
+    assert readable_pair(0.9006, 0.9) == ("0.901", "0.9")
+    assert readable_pair(0.5, 0.5, "m") == ("0.5 m", "0.5 m")
+    assert readable_pair(math.radians(60.2), math.radians(60), "rad") == ("60.2 deg", "60 deg")
+    assert readable_pair("left", "left") == ("left", "left")

@@ -121,7 +121,8 @@ def test_a_stopped_decision_and_an_estop_are_waited_for(live: Start) -> None:
 def test_a_crash_in_a_skill_stops_the_robot(live: Start) -> None:
     run = live("raise")
     assert run.ends() == 4
-    assert "'walk' raised KeyError" in run.report["stops"][0]["reason"]
+    assert run.report["stops"][0]["reason"] == "a node raised an exception"
+    assert run.output.count("KeyError") == 1
     assert stands(run)
 
 

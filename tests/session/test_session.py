@@ -264,16 +264,23 @@ def use(*calls: Callable[[hbt.Session], object]) -> Callable[[hbt.Session], obje
         (lambda s: s.step(), "the session has not begun: use it as 'with session:', or call start()"),
         (lambda s: s.run_until(1.0), "the session has not begun"),
         (lambda s: s.state, "the robot's state is there after the first step()"),
-        (lambda s: s.report, "the report is there after run()"),
+        (lambda s: s.report, "the report is there after run(), after the 'with' block or after close()"),
+        (use(lambda s: s.start(), lambda s: s.run_until(9.0), lambda s: s.report), "the run has ended (success), and"),
+        (use(lambda s: s.run(), lambda s: s.raise_estop()), "of 'wait' has been left: nothing can be stopped any more"),
+        (use(lambda s: s.run(), lambda s: s.request_reset()), "nothing can be reset any more"),
+        (use(lambda s: s.run(), lambda s: s.push((0, 1, 0))), "nothing can be pushed any more"),
         (use(lambda s: s.run(), lambda s: s.step()), "has ended (success): a new Session runs it again"),
         (use(lambda s: s.run(), lambda s: s.run()), "has begun before: it runs once, make a new one"),
         (use(lambda s: s.start(), lambda s: s.__enter__()), "has begun before"),
         (lambda s: s.run_until("soon"), "'condition' must be a time [s] or a function of the session, not 'soon'"),
         (lambda s: s.run_until(True), "'condition' must be a time"),
+        (lambda s: s.run_until(math.nan), "'condition' must be a time"),
         (lambda s: s.run_until(1.0, timeout=-1), "'timeout' must be a number of seconds, 0 or more, not -1"),
         (lambda s: s.node("paus"), "has no node 'paus' [no-file]\n    did you mean 'pause'?"),
         (lambda s: s.blackboard["n"], "the tree has no key 'n'\n    the tree has no keys"),
         (lambda s: s.push("hard"), "'force' must be three numbers [N], not 'hard'"),
+        (lambda s: s.push((0, 1e6, 0)), "'force' must be at most 10000 N in each direction, not 1000000.0"),
+        (lambda s: s.push((0, 1, 0), duration=-1), "'duration' must be a number above 0, not -1"),
         (lambda s: s.push((0, 1, 0), body="arm"), "there is no body 'arm' to push"),
     ],
 )
@@ -285,6 +292,21 @@ def test_misuse_is_one_clear_message(misuse: Callable[[hbt.Session], object], me
         assert message in str(raised.value)
     finally:
         session.close()
+
+
+def test_a_key_takes_what_its_type_takes_until_the_run_has_ended() -> None:
+    with hbt.Session("count", duration=0.1) as session:
+        with pytest.raises(hbt.UserError, match=r"the blackboard's 'last': 'last' must be a number, not text"):
+            session.blackboard["last"] = "soon"
+        assert session.blackboard["last"] == 100
+        session.run_until(1.0)
+        with pytest.raises(hbt.HumanoidBtError, match="the run has ended: the key 'last' cannot be set"):
+            session.blackboard["last"] = 1
+
+
+def test_a_recording_that_no_viewer_would_open_is_refused() -> None:
+    with pytest.raises(hbt.UserError, match=r"'record' must be a file that ends in .rrd, not 'a.txt'\n    a.rrd"):
+        hbt.Session("wait", record="a.txt")
 
 
 def test_an_unknown_key_is_told_with_the_nearest() -> None:

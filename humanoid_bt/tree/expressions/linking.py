@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from typing import Any, Protocol
 
 from humanoid_bt.core.errors import HumanoidBtError, Place, UserError, nearest
-from humanoid_bt.core.units import factors, readable
+from humanoid_bt.core.units import factors, readable_pair
 from humanoid_bt.decision.robot import Robot
 from humanoid_bt.tree.expressions import grammar
 from humanoid_bt.tree.expressions.grammar import Syntax
@@ -18,7 +18,6 @@ from humanoid_bt.tree.expressions.vocabulary import PERCEPT, SEEN, STATE
 Evaluate = Callable[[Robot], Any]
 """Returns a value, from what the robot knows at the start of the tick."""
 
-_FINER = 3  # further decimals of two numbers that differ only there
 CODE = "expression"
 """The code of every mistake in an expression."""
 
@@ -86,10 +85,7 @@ class Watched:
     @property
     def text(self) -> str:
         """What was compared, in words."""
-        unit = self.type.unit
-        left, right = readable(self.left, unit), readable(self.right, unit)
-        if left == right and self.left != self.right:
-            left, right = readable(self.left, unit, _FINER), readable(self.right, unit, _FINER)
+        left, right = readable_pair(self.left, self.right, self.type.unit)
         return f"{self.source} {left} {self.operator} {right}"
 
 

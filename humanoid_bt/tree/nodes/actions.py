@@ -11,6 +11,7 @@ from py_trees.common import Status
 
 from humanoid_bt.core.messages import Level, Mode
 from humanoid_bt.core.params import param
+from humanoid_bt.core.units import readable
 from humanoid_bt.tree.expressions.expression import Truth
 from humanoid_bt.tree.expressions.linking import Unseen
 from humanoid_bt.tree.expressions.template import Template
@@ -76,8 +77,11 @@ class Wait(Leaf):
     def update(self) -> Status:
         """Succeed when the time is over."""
         left = self.duration - (self.robot.clock.now() - self._started)
-        self.feedback_message = f"{round(max(left, 0), 1):g} s left"
-        return SUCCESS if left <= TIME_TOLERANCE else RUNNING
+        if left <= TIME_TOLERANCE:
+            self.feedback_message = f"waited {readable(self.duration, 's')}"
+            return SUCCESS
+        self.feedback_message = f"{readable(round(left, 1), 's')} left"
+        return RUNNING
 
 
 class WaitUntil(Leaf):

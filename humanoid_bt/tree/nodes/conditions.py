@@ -14,7 +14,7 @@ from typing import Any, ClassVar
 from py_trees.common import Status
 
 from humanoid_bt.core.params import PerceptName, param
-from humanoid_bt.core.units import readable
+from humanoid_bt.core.units import readable_pair
 from humanoid_bt.perception.track import Track
 from humanoid_bt.tree.expressions.expression import Truth
 from humanoid_bt.tree.expressions.linking import Unseen
@@ -135,7 +135,8 @@ class Within(PerceptCondition):
         if self.bearing is not None:
             widest = self.bearing + self.bearing_hysteresis if held else self.bearing
             if not abs(track.bearing) <= widest:
-                self.feedback_message = f"bearing {readable(track.bearing, 'rad')} beyond {readable(widest, 'rad')}"
+                bearing, limit_in_words = readable_pair(track.bearing, widest, "rad")
+                self.feedback_message = f"bearing {bearing} beyond {limit_in_words}"
                 return False
         self.feedback_message = f"distance {distance:.2f} m <= {limit:g} m"
         return True

@@ -155,9 +155,9 @@ class Timeout(Decorator):
         elapsed = self._clock.now() - self._started
         if elapsed < self.duration - TIME_TOLERANCE:
             return tick(self.decorated, seen)
-        what = f"timed out after {readable(elapsed, 's')}"
-        self.feedback_message = f"{what} (limit {self.duration:g} s)"
-        self.reset_child(what, seen)
+        timed_out = f"timed out after {readable(elapsed, 's')}"
+        self.feedback_message = f"{timed_out} (limit {readable(self.duration, 's')})"
+        self.reset_child(timed_out, seen)
         return FAILURE
 
 

@@ -10,7 +10,7 @@ from py_trees.common import Status
 
 from humanoid_bt.core.messages import Mode
 from humanoid_bt.core.params import PerceptName, param
-from humanoid_bt.core.units import readable
+from humanoid_bt.core.units import readable_pair
 from humanoid_bt.decision.robot import Robot
 from humanoid_bt.tree.nodes import other_libraries
 from humanoid_bt.tree.nodes.decorators import TIME_TOLERANCE, Decorator
@@ -51,10 +51,10 @@ class EmergencyStop(Decorator):
         what = {Mode.PROTECTIVE_STOP: "held", Mode.DAMP: "damped"}.get(state.mode, "emergency stop")
         source = f" (from {state.stop_source})" if state.stop_source else ""
         self.feedback_message = f"{what}: {state.stop_reason or 'no reason given'}{source}"
-        if state.mode is Mode.EMERGENCY_STOP:
-            self.feedback_message += "; waiting for a reset"
         if self.decorated.status is not INVALID:
             halt(self.decorated, self.feedback_message, seen)
+        if state.mode is Mode.EMERGENCY_STOP:
+            self.feedback_message += "; waiting for a reset"
         return RUNNING
 
 
@@ -93,7 +93,8 @@ class Watchdog(Decorator):
         if track is None:
             self.feedback_message = self.robot.why_unseen(self.percept)
         else:
-            self.feedback_message = f"{self.percept!r} is {readable(track.age, 's')} old (limit {self.max_age:g} s)"
+            age, limit = readable_pair(track.age, self.max_age, "s")
+            self.feedback_message = f"{self.percept!r} is {age} old (limit {limit})"
         if self.decorated.status is not INVALID:
             halt(self.decorated, self.feedback_message, seen)
         return FAILURE if self.on_stale is None else tick(self.on_stale, seen)

@@ -10,6 +10,7 @@ from py_trees.common import Status
 
 from humanoid_bt.core.clock import Clock
 from humanoid_bt.core.params import param
+from humanoid_bt.core.units import readable
 from humanoid_bt.decision.robot import Robot
 from humanoid_bt.tree.nodes.decorators import TIME_TOLERANCE, Decorator
 from humanoid_bt.tree.results import NOTHING, Below, Results
@@ -58,7 +59,7 @@ class Delay(Timed):
         if not self._over:
             left = self.left(self.duration, self._started)
             self._over = not left
-            self.feedback_message = f"starts in {round(left, 1):g} s" if left else ""
+            self.feedback_message = f"starts in {readable(round(left, 1), 's')}" if left else ""
             if left:
                 self.reset_child("waiting to start", seen)
                 return RUNNING
@@ -88,7 +89,7 @@ class Cooldown(Timed):
         if self.decorated.status is not RUNNING and self._last is not None:
             left = self.left(self.duration, self._last)
             if left:
-                self.feedback_message = f"cools down for {round(left, 1):g} s more"
+                self.feedback_message = f"cools down for {readable(round(left, 1), 's')} more"
                 self.reset_child(self.feedback_message, seen)
                 return FAILURE
         self.feedback_message = ""
@@ -135,5 +136,5 @@ class MinDuration(Timed):
             self._result = status
         left = self.left(self.duration, self._started)
         what = self._result.name.lower()
-        self.feedback_message = f"{what}, in {round(left, 1):g} s" if left else ""
+        self.feedback_message = f"{what}, in {readable(round(left, 1), 's')}" if left else ""
         return RUNNING if left else self._result

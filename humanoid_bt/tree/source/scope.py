@@ -161,6 +161,7 @@ class Scope:
                 key = Key(name, convert(declaration.spec, initial))
             except UserError as error:
                 self._problems += error.problems
+        key.spec = declaration.spec
         if name in self._keys or name in set(self.parameters):
             message = f"the name {name!r} is declared twice in one tree"
             self._problems.append(Problem(message, declaration.place, "rename one of them", "taken-name"))
