@@ -20,6 +20,9 @@ _UNITS: dict[str, dict[str, float]] = {  # declared unit -> what may be written,
 UNITS = tuple(_UNITS)
 """SI units that a parameter can declare."""
 
+_DUST = 1e-6
+"""What is smaller is said as 0: sums and differences of floats leave such."""
+
 _EXPONENT = re.compile(r"^[-+]?(?:\d+\.?\d*|\.\d+)[eE][-+]?\d+$")  # YAML 1.1 reads 1e-3 as text
 _QUANTITY = re.compile(r"^\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([A-Za-z/]+)\s*$")
 
@@ -66,6 +69,8 @@ def in_words(value: float, unit: str, digits: int = 2) -> str:
     if unit.startswith("rad"):
         value, unit, digits = math.degrees(value), f"deg{unit[3:]}", max(digits - 2, 0)
     number = f"{value:z.{digits}f}"
+    if not float(number) and abs(value) > _DUST:
+        return f"{value:.1g} {unit}".rstrip()
     return f"{number.rstrip('0').rstrip('.') if digits else number} {unit}".rstrip()
 
 

@@ -79,11 +79,10 @@ class Loop:
 
     def leave(self, outcome: str, reason: str) -> End:
         """Return how the run ends that somebody ends between two ticks."""
-        end = self._stopped(reason) or self._runner.ended
-        if end is None:
-            end = End(outcome, reason)
-            if self.state is not None:
-                self._teller.trace.measure_hand(self.state)
+        ended = self._runner.ended
+        end = self._stopped(reason) or ended or End(outcome, reason)
+        if end is not ended and self.state is not None:
+            self._teller.trace.measure_hand(self.state)
         return end
 
     def _end(self, state: State) -> End | None:
