@@ -141,7 +141,7 @@ def _interruptions(session: Session) -> Iterator[None]:
 
     def note(number: int, _frame: FrameType | None) -> None:
         nonlocal noted
-        if noted:
+        if noted or session.outcome == "interrupted":
             raise KeyboardInterrupt
         noted = True
         session.interrupt(_SIGNALS[signal.Signals(number)])

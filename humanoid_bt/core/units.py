@@ -27,6 +27,9 @@ _SMALL = 0.1
 _LARGE = 1e6
 """Numbers from here on are given with an exponent."""
 
+_DUST = 1e-6
+"""What is smaller is 0: sums and differences of floats leave such."""
+
 _FINEST = 6  # further digits at most
 
 _EXPONENT = re.compile(r"^[-+]?(?:\d+\.?\d*|\.\d+)[eE][-+]?\d+$")  # YAML 1.1 reads 1e-3 as text
@@ -122,6 +125,8 @@ def _digits(value: float, decimals: int, more: int) -> str:
         return str(value)
     if not abs(value) < _LARGE:  # nor are infinity and NaN
         return f"{value:g}"
+    if abs(value) < _DUST:
+        return "0"
     if decimals == 2 and abs(value) < _SMALL:
         return f"{value:z.{2 + more}g}"
     text = f"{value:z.{decimals + more}f}"

@@ -16,6 +16,7 @@ from humanoid_bt.session.teller import Teller
 from humanoid_bt.session.tick_watch import TickWatch
 from humanoid_bt.session.tree_runner import SETTLE_TIME, TreeRunner
 
+_HOW_TO_HURRY = "; the robot comes to a stand, and another Ctrl-C does not wait for it"
 _log = logging.getLogger(__name__)
 
 
@@ -93,7 +94,7 @@ class Ending:
             engine.supervisor.request_stop("the tree", end.failure)
         end = self._halt(end)
         if end is not runner.ended:
-            self._teller.tree_ended(end.outcome)
+            self._teller.tree_ended(end.outcome, _HOW_TO_HURRY if end.outcome == "interrupted" else "")
         command = runner.robot.release_all() if moved else None
         until = now + SETTLE_TIME
         while command is not None and engine.clock.now() < until:

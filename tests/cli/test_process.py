@@ -53,6 +53,7 @@ def test_a_signal_brings_the_robot_to_a_stand(number: signal.Signals, project: P
     rest = process.stdout.read()
     assert process.wait() == 130
     assert "○ walk halted: the run ended" in rest
+    assert "the tree ended: interrupted; the robot comes to a stand, and another Ctrl-C does not wait for it" in rest
     assert "interrupted: " in rest
     assert json.loads(report.read_text(encoding="utf-8"))["outcome"] == "interrupted"
     assert recording.stat().st_size > 0

@@ -31,6 +31,10 @@ from humanoid_bt.core.units import readable, readable_pair
         (True, "", "true"),
         ("left", "", "left"),
         ([1.0, 2.5, "x"], "", "[1, 2.5, x]"),
+        (-1e-17, "m", "0 cm"),
+        (0.0042, "s", "0.0042 s"),
+        (0.001, "rad", "0.1 deg"),
+        (math.inf, "s", "inf s"),
     ],
 )
 def test_values_have_the_units_and_digits_that_help(value: object, unit: str, text: str) -> None:

@@ -16,6 +16,7 @@ NEVER = [
     ("selector: [{wait: 1 s}, act]", "'wait' before it never fails"),
     ("selector: [{set_blackboard: {key: k, value: 1}}, act]", "'set_blackboard' before it always succeeds"),
     ("selector: [{condition: 1 < 2}, act]", "'condition' before it always succeeds"),
+    ("selector: [{emergency_stop: idle}, act]", "'emergency_stop' before it never ends"),
     ("sequence: [{condition: not true}, act]", "'condition' before it always fails"),
     ("sequence: [{inverter: {wait: 1 s}}, act]", "'inverter' before it never succeeds"),
     ("sequence: [{repeat: act}, act]", "'repeat' before it never succeeds"),
