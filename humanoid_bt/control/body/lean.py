@@ -58,7 +58,7 @@ class LeanReference:
         goal = 0.0
         if point is not None:
             x, y, z = (point - eyes).tolist()
-            below = math.atan2(-z, math.hypot(x, y)) - self._unaided
+            below = max(0.0, math.atan2(-z, math.hypot(x, y)) - self._unaided)
             x, y, _ = (point - base).tolist()
             goal = below * math.cos(math.atan2(y, x) - heading)  # what is aside does not come into view by leaning
         lacking = min(max(_SINK * (goal - self._farthest), 0.0), self._deepest)
