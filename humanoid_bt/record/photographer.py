@@ -14,7 +14,7 @@ from typing import Any
 from humanoid_bt.record.rendering import Setup, Shot
 
 _MOST = 32  # waiting pictures above which every second is left out
-_PATIENCE = 0.05  # share of the time so far that it waits at the end for what is not there yet
+_PATIENCE = 0.02  # share of the time so far that it waits at the end for what is not there yet
 _LONG_PATIENCE = 60.0  # s that it waits where every picture is wanted
 
 
