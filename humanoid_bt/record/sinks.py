@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import errno
 import logging
 import os
@@ -9,6 +10,7 @@ import socket
 import subprocess
 import sys
 import threading
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -101,20 +103,26 @@ class Outlet:
         if self._closed:
             return
         self._closed = True
-        # Closing waits for the viewer to take the rest. One that hangs is ended, or it would keep the run from ending.
-        patience = threading.Timer(FLUSH_TIMEOUT, self._end_viewer)
-        patience.start()
-        try:
-            if self._web is not None:
-                self.stream.flush()
-                wait_until_taken(self._data_port)
+        with self._patience():
+            self.stream.flush()
+        if self._web is not None:
+            wait_until_taken(self._data_port)
+        with self._patience():
             self.stream.disconnect()
-        finally:
-            patience.cancel()
         if self._web is not None:
             if self._web.stdin is not None:
                 self._web.stdin.close()
             self._web.wait()
+
+    @contextlib.contextmanager
+    def _patience(self) -> Iterator[None]:
+        """Wait for the native viewer, but not for ever: one that hangs is ended, or the run would not end either."""
+        timer = threading.Timer(FLUSH_TIMEOUT, self._end_viewer)
+        timer.start()
+        try:
+            yield
+        finally:
+            timer.cancel()
 
     def _open(self, sinks: Sinks) -> list[Any]:
         targets: list[Any] = []

@@ -18,11 +18,12 @@ _log = logging.getLogger(__name__)
 
 LOOPBACK = "127.0.0.1"
 FLUSH_TIMEOUT = 5.0
-"""What a live viewer gets at the end to take the rest [s]."""
+"""What a live viewer gets at the end to take the rest, or a browser to take anything [s]."""
 
 _START_TIMEOUT = 20.0  # a viewer is up in 1 s; a cold disk takes longer [s]
 _SCREEN_TIME = 0.5  # a viewer without a screen is gone by then [s]
 _QUIET = 0.3  # a browser for which nothing has been on the way for this long has everything [s]
+_LONGEST = 30.0  # what a slow browser gets at most, as long as it goes on taking something [s]
 _POLL = 0.05  # time between two looks at what is on the way [s]
 _ESTABLISHED = "01"
 
@@ -90,17 +91,20 @@ def wait_until_taken(port: int) -> None:
 
     The server says nothing about that, but the system knows what is on the way on this machine's connections.
     """
-    deadline = time.monotonic() + FLUSH_TIMEOUT
-    quiet = time.monotonic() + _QUIET
-    while time.monotonic() < min(deadline, quiet):
-        waiting = _on_the_way(port)
-        if waiting is None:
+    begun = quiet = moved = time.monotonic()
+    before = 0
+    while (held := _on_the_way(port)) is not None:
+        now = time.monotonic()
+        if held:
+            quiet = now
+        if held != before:
+            moved, before = now, held
+        if now - quiet >= _QUIET:
             return
-        if waiting:
-            quiet = time.monotonic() + _QUIET
+        if now - moved >= FLUSH_TIMEOUT or now - begun >= _LONGEST:
+            _log.warning("a browser did not take the recording's end within %.0f s", now - begun)
+            return
         time.sleep(_POLL)
-    if time.monotonic() >= deadline:
-        _log.warning("a browser did not take the recording's end within %g s", FLUSH_TIMEOUT)
 
 
 def _on_the_way(port: int) -> int | None:

@@ -64,7 +64,7 @@ def test_a_child_stands_below_its_parent_and_further_right(record: Maker, file: 
     ((_, centers),) = rows(file, "/tree/boxes", "Boxes2D:centers")
     ((_, sizes),) = rows(file, "/tree/boxes", "Boxes2D:half_sizes")
     left = [x - width for (x, _), (width, _) in zip(centers, sizes, strict=True)]
-    assert left[0] < left[1] == left[2]
+    assert left[0] < left[1] == pytest.approx(left[2])
     assert centers[0][1] < centers[1][1] < centers[2][1]
 
 

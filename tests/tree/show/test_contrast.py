@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -59,7 +60,7 @@ def test_no_two_statuses_look_alike() -> None:
 
 
 @pytest.mark.parametrize("draw", [dot_tree, mermaid_tree])
-def test_a_drawing_without_a_theme_has_the_colours_of_light_paper(draw) -> None:
+def test_a_drawing_without_a_theme_has_the_colours_of_light_paper(draw: Callable[..., str]) -> None:
     used = set(re.findall(r"(?<![\w&])#[0-9a-f]{6}\b", draw(OUTLINE, STATUSES)))
     light = [shades.light for shades in STATUS_COLORS.values()]
     assert used - {"#1f2328"} == {hexadecimal(color) for shade in light for color in (shade, tint(shade))}
