@@ -84,6 +84,8 @@ class Mender:
 
     def _separated(self, node_type: NodeType, body: Item) -> Item:
         """Tell keys from values where a blank is missing, or a comma stands for a colon."""
+        if all(item.value is not None for item in body.value.values()):
+            return body
         own = _own_keys(node_type)
         found: list[Keyed] = []
         for key, item, place in _keyed(body):

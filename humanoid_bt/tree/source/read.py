@@ -104,7 +104,8 @@ class Reader:
         if type_name.startswith("$"):
             return self._given(type_name, body, place)
         try:
-            node_type = self._registry.find(type_name, place, self._subtrees.trees)
+            trees = () if type_name in self._registry else self._subtrees.trees  # looking for them takes time
+            node_type = self._registry.find(type_name, place, trees)
             if node_type.cls is SubTree:
                 body = self._main(node_type, body)
                 node_type = self._subtrees.specialise(node_type, body if body.value else Item({}, place))
