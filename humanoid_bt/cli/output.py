@@ -11,10 +11,6 @@ import textwrap
 from collections.abc import Iterable, Sequence
 from typing import Any, TextIO
 
-from py_trees.common import Status
-
-from humanoid_bt.tree.show.looks import STATUS_COLORS, hexadecimal
-
 _GONE = {errno.EPIPE, errno.EIO}  # the reader has ended: a closed pipe, a closed terminal
 _NARROWEST = 20  # columns that a text needs to be readable beside others
 
@@ -22,9 +18,6 @@ _PLAIN = str.maketrans(
     {"▶": ">", "→": ">", "✓": "+", "✗": "x", "○": "o", "■": "#", "•": "*", "├": "|", "└": "`", "─": "-", "│": "|"}
 )
 """Signs for terminals that have only ASCII."""
-
-STATUS_STYLES = {status: hexadecimal(STATUS_COLORS[status.name].any) for status in Status}
-"""The colours of the statuses on a terminal, whose own background nobody knows."""
 
 
 class Lasting(io.TextIOBase):

@@ -13,7 +13,8 @@ from rich.console import Console
 from rich.live import Live
 from rich.text import Text
 
-from humanoid_bt.cli.output import STATUS_STYLES, hanging
+from humanoid_bt.cli.output import hanging
+from humanoid_bt.cli.styles import STATUS_STYLES
 from humanoid_bt.cli.wording import printable
 from humanoid_bt.core.messages import Level
 from humanoid_bt.session.report import Report, aligned

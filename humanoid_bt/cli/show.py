@@ -15,8 +15,9 @@ from rich.console import Console
 from rich.live import Live
 from rich.text import Text
 
-from humanoid_bt.cli.output import STATUS_STYLES, width
+from humanoid_bt.cli.output import width
 from humanoid_bt.cli.runs import one_run
+from humanoid_bt.cli.styles import STATUS_STYLES
 from humanoid_bt.core.errors import HumanoidBtError, UserError
 from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.link.run_folder import RunInfo

@@ -165,8 +165,8 @@ def test_the_recording_has_a_series_for_each_result_to_its_end(project: Path, tm
         (0.02, [0.1]),
         (0.04, [0.0]),
     ]
-    texts = [text for _, (text,) in rows(file, "/events/tree", "TextLog:text")]
-    assert any("count SUCCESS: counted; counted 3; gap 0 cm; word done" in text for text in texts)
+    texts = [text for _, (text,) in rows(file, "/events", "TextLog:text")]
+    assert any("✓ count: counted; counted 3; gap 0 cm; word done" in text for text in texts)
 
 
 def test_the_report_has_events_blackboard_and_percepts_at_the_end_as_json(project: Path, tmp_path: Path) -> None:

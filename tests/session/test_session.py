@@ -296,7 +296,7 @@ def test_misuse_is_one_clear_message(misuse: Callable[[hbt.Session], object], me
 
 def test_a_key_takes_what_its_type_takes_until_the_run_has_ended() -> None:
     with hbt.Session("count", duration=0.1) as session:
-        with pytest.raises(hbt.UserError, match=r"the blackboard's 'last': 'last' must be a number, not text"):
+        with pytest.raises(hbt.UserError, match=r"the blackboard's 'last': error: 'last' must be a number, not text"):
             session.blackboard["last"] = "soon"
         assert session.blackboard["last"] == 100
         session.run_until(1.0)

@@ -41,7 +41,7 @@ def trial(folder: Path, scene: str, seed: int) -> Report:
 
 def fault(report: Report) -> str:
     """Return why the robot has not touched the ball as it should, "" if it has."""
-    error = report.hand_error
+    error = report.result("hand_error", None)
     if report.fell or report.outcome != "success":
         return f"{report.outcome}: {report.reason}"
     return "" if error is not None and error <= TOUCHES else f"the palm is {error} m off"
@@ -61,7 +61,7 @@ def main(arguments: list[str] | None = None) -> int:
             for seed in range(options.first, options.first + options.seeds):
                 report = trial(Path(folder), scene, seed)
                 faults |= {seed: why} if (why := fault(report)) else {}
-                errors.append(report.hand_error or 0.0)
+                errors.append(report.result("hand_error", 0.0))
                 times.append(report.sim_time)
             touched = options.seeds - len(faults)
             sys.stdout.write(f"{scene}: touched {touched} of {options.seeds}, ")

@@ -128,6 +128,7 @@ def _is_expression(text: str) -> bool:
 
 
 def _node_type(name: str, kind: Kind, cls: type[Behaviour]) -> NodeType:
+    own: type = object if kind == "skill" else cls  # in a skill these may be names of parameters
     return NodeType(
         type_name=name,
         kind=kind,
@@ -135,9 +136,9 @@ def _node_type(name: str, kind: Kind, cls: type[Behaviour]) -> NodeType:
         doc=(vars(cls).get("__doc__") or "").strip().split("\n")[0],
         params=params_of(cls) or (_signature(cls) if kind == "skill" else {}),
         resources=tuple(getattr(cls, "resources", ())),
-        takes=getattr(cls, "takes", _TAKES.get(kind, "none")),
-        branches=getattr(cls, "branches", {}),
-        main=getattr(cls, "main", ""),
+        takes=getattr(own, "takes", _TAKES.get(kind, "none")),
+        branches=getattr(own, "branches", {}),
+        main=getattr(own, "main", ""),
     )
 
 

@@ -10,7 +10,7 @@ import pytest
 from py_trees.common import Status
 
 import humanoid_bt
-from humanoid_bt.cli.output import STATUS_STYLES
+from humanoid_bt.cli.styles import STATUS_STYLES
 from humanoid_bt.tree.show import Outline, OutlineNode, dot_tree, mermaid_tree, svg_tree
 from humanoid_bt.tree.show.looks import DARK_PAPER, PAPER, STATUS_COLORS, Color, hexadecimal, tint
 
