@@ -10,6 +10,7 @@ from __future__ import annotations
 import argparse
 import io
 import os
+import signal
 import subprocess
 import sys
 import tempfile
@@ -43,8 +44,8 @@ IMAGES = Path(__file__).parent / "images"
 
 VIEW_TIME = 11.8  # s into the demo: the hand is on its way to the ball
 VIEW_PORT = 9911
-VIEW_SIZE = (1120, 760)  # of the viewer's window: a page is about 880 wide, and what is written has to be read there
-MENU = 36  # pixels of the viewer's own menu, which is cut off
+VIEW_SIZE = (1920, 1080)  # of the viewer's window
+VIEW_PART = (960, 36, 1920, 1050)  # of it: a page is about 880 wide, and what is written has to be read there
 
 DEMO_SIZE = (880, 495)
 DEMO_FRAME = 4  # ticks from one frame to the next
@@ -73,7 +74,7 @@ def view(path: Path) -> None:
             viewer.set_time("sim_time", duration=VIEW_TIME, play_state="paused")
             time.sleep(2)
             shot = Image.open(io.BytesIO(viewer.take_screenshot()))
-    shot.convert("RGB").crop((0, MENU, *shot.size)).save(path, optimize=True)
+    shot.convert("RGB").crop(VIEW_PART).save(path, optimize=True)
 
 
 @contextmanager
@@ -91,12 +92,12 @@ def _viewer() -> Iterator[ViewerClient]:
         "--window-size",
         size,
     ]
-    process = subprocess.Popen([program, *options])
+    process = subprocess.Popen([program, *options], start_new_session=True)  # it starts the viewer as a child
     try:
         time.sleep(3)
         yield ViewerClient.connect(f"rerun+http://{LOOPBACK}:{VIEW_PORT}/proxy")
     finally:
-        process.kill()
+        os.killpg(process.pid, signal.SIGKILL)
         process.wait()
 
 

@@ -30,6 +30,7 @@ _INDENT = 24.0  # of a child to its parent
 _PAD = 9.0  # between a box and its text
 _LETTERS = 13.6  # size at which text of this package's metrics is as wide as the viewer's labels
 _DROP = 13.0  # from where the viewer is told to put a label down to the label's middle
+_GAP = " " * 6  # between the name of a node and what stands beside it
 _ROOM = int((SIZE[1] + _ROW - _HEIGHT) // _ROW)  # lines
 _INK: Color = (255, 255, 255)
 
@@ -68,8 +69,8 @@ class _Picture:
     labels: list[str] = field(default_factory=list)
     places: list[tuple[float, float]] = field(default_factory=list)
 
-    def write(self, left: float, middle: float, text: str) -> float:
-        """Add a label that begins at a place, cut to the drawing's width; return where it ends."""
+    def write(self, left: float, middle: float, text: str) -> None:
+        """Add a label that begins at a place, cut to the drawing's width."""
         if left + text_width(text, _LETTERS) > SIZE[0]:
             while text and left + text_width(text + "...", _LETTERS) > SIZE[0]:
                 text = text[:-1]
@@ -77,7 +78,6 @@ class _Picture:
         width = text_width(text, _LETTERS)
         self.labels.append(text)
         self.places.append((left + width / 2, middle - _DROP))
-        return left + width
 
 
 class TreeStatus:
@@ -145,17 +145,17 @@ class TreeStatus:
             middle = row * _ROW + _HEIGHT / 2
             left = places[node.parent][0] + _INDENT if node.parent >= 0 else 0.0
             places[index] = (left, middle)
-            text = " ".join(filter(None, (MARKS[status], node.title, node.type_label)))
-            end = picture.write(left + _PAD, middle, printable(text)) + _PAD
-            picture.boxes.append((left, middle, end - left))
+            name = printable(" ".join(filter(None, (MARKS[status], node.title, node.type_label))))
+            aside = printable(self._aside(node.path, status, node.parameters))
+            # One label a line: in a smaller window, where labels keep their size, two of them would meet.
+            picture.write(left + _PAD, middle, name + (_GAP + aside if aside else ""))
+            picture.boxes.append((left, middle, text_width(name, _LETTERS) + 2 * _PAD))
             picture.box_colors.append(color)
             if node.parent >= 0:
                 start, above = places[node.parent]
                 start += _INDENT / 2
                 line = [(start, above + _HEIGHT / 2), (start, middle), (left, middle)]
                 edges.append((status is Status.RUNNING, line, color))
-            if aside := self._aside(node.path, status, node.parameters):
-                picture.write(end + _PAD, middle, printable(aside))
         for _, line, color in sorted(edges, key=lambda edge: edge[0]):  # what runs on top
             picture.edges.append(line)
             picture.edge_colors.append(color)

@@ -44,9 +44,9 @@ def test_a_change_is_drawn_with_status_parameters_and_reason(record: Maker, file
         recorder.node_changed(0.5, "root/reach", "RUNNING", "0.3 m to go")
         recorder.node_changed(0.7, "root/reach", "FAILURE", "out of reach")
     assert labels(file) == [
-        (0.0, ["○ root (selector)", "○ reach", "target: ball", "○ ruhig ? (idle)"]),
-        (0.5, ["▶ root (selector)", "▶ reach", "target: ball", "○ ruhig ? (idle)"]),
-        (0.7, ["▶ root (selector)", "✗ reach", "out of reach", "○ ruhig ? (idle)"]),
+        (0.0, ["○ root (selector)", "○ reach      target: ball", "○ ruhig ? (idle)"]),
+        (0.5, ["▶ root (selector)", "▶ reach      target: ball", "○ ruhig ? (idle)"]),
+        (0.7, ["▶ root (selector)", "✗ reach      out of reach", "○ ruhig ? (idle)"]),
     ]
 
 
@@ -150,7 +150,7 @@ def test_a_long_label_is_cut(record: Maker, file: Path) -> None:
     node = OutlineNode("t", "act", "act", "skill", -1, parameters=("text: " + "long " * 80,))
     with record() as recorder:
         recorder.show_tree(1.0, TreeView(Outline("t", "", (node,))), {})
-    assert labels(file)[-1][1][1].endswith("...")
+    assert labels(file)[-1][1][0].endswith("...")
 
 
 @pytest.mark.parametrize(("path", "status"), [("root/reech", "RUNNING"), ("root", "DONE")])
