@@ -11,10 +11,10 @@ import getpass
 import json
 import os
 import sys
-import textwrap
 import time
 from typing import TYPE_CHECKING
 
+from humanoid_bt.cli.output import hanging
 from humanoid_bt.cli.runs import FoundRun, found_runs, one_run, titled
 from humanoid_bt.link.estop import EStop, ResetAnswer
 from humanoid_bt.link.run_folder import in_lockstep
@@ -30,7 +30,6 @@ _ANSWER_TIMEOUT = 2.0  # s that control gets to answer a reset
 _POLL = 0.0005  # s
 _UNDECODED = 0.05  # s in which states are only collected: what decodes them takes longer to import
 _STOPPED = ("emergency_stop", "damp")
-_WIDTH = 60
 
 
 def estop(arguments: argparse.Namespace) -> int:
@@ -189,7 +188,7 @@ def _described(found: RunStatus) -> str:
 
 
 def _row(name: str, text: str) -> str:
-    return "\n".join(textwrap.wrap(text, _WIDTH, initial_indent=f"{name:<11}", subsequent_indent=" " * 11))
+    return "\n".join(hanging(f"{name:<11}", text))
 
 
 def _table(name: str, lines: list[str]) -> list[tuple[str, str]]:
