@@ -161,14 +161,15 @@ def _workspace(file: Path, text: str, root: Workspace | None) -> Workspace:
 
 
 def _named(text: str, workspace: Workspace) -> Path:
-    """Return the file of a name: a tree's, else a scene's or a robot's."""
-    known = {**workspace.robots(), **workspace.scenes(), **workspace.trees()}
+    """Return the file of a name: a tree's, else a scene's, a robot's or that of skills."""
+    skills = {file.stem: file for file in workspace.skill_files()}
+    known = {**skills, **workspace.robots(), **workspace.scenes(), **workspace.trees()}
     if text in known:
         return known[text]
     if Path(text).is_file():
         return Path(text)
     hint = nearest(Path(text).stem, known)
-    raise UserError(f"no file and no tree, scene or robot named {text!r}", Place(text), hint, code="no-file")
+    raise UserError(f"no file and no tree, scene, robot or skill named {text!r}", Place(text), hint, code="no-file")
 
 
 def _files_in(folder: Path) -> list[Path]:

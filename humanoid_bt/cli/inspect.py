@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import argparse
 import inspect
+import math
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TypeVar
 
+import yaml
 from rich.console import Console
 from rich.text import Text
 
@@ -124,7 +126,10 @@ def _tree(name: str, file: TreeFile) -> None:
     made_for = [f"{key} {header[key]}" for key in ("robot", "scene") if header.get(key)]
     what = ["a sub-tree, for other trees"] if header.get("subtree") else made_for
     print_lines(hanging("  ", "; ".join(filter(None, [", ".join(what), f"from {relative(file.path)}"]))))
-    print_lines(columns([_row(declared.spec) for declared in file.parameters.values()], indent=2))
+    rows = [_row(declared.spec) for declared in file.parameters.values()]
+    outputs = [declared.spec for declared in file.outputs.values()]
+    rows += [(spec.name, spec.type_name, "output", spec.doc) for spec in outputs]
+    print_lines(columns(rows, indent=2))
 
 
 def _scene(name: str, scene: SceneConfig) -> None:
@@ -215,4 +220,7 @@ def _default(spec: Param) -> str:
         return "required"
     if spec.default is None:
         return "optional"
-    return f"= {shown_quantity(spec.default, spec.unit)}"
+    default = spec.default
+    if isinstance(default, dict):  # a node
+        return f"= {yaml.safe_dump(default, default_flow_style=True, width=math.inf, sort_keys=False).strip()}"
+    return f"= {shown_quantity(default, spec.unit)}"

@@ -155,7 +155,13 @@ def _continued(line: str, wraps: bool) -> str:
 def print_summary(console: Console, report: Report) -> None:
     """Print how a run ended."""
     style = _OUTCOME_STYLES.get(report.outcome, "bold red")
-    console.print(Text.assemble("\n", (report.outcome, style), f": {report.reason}"), soft_wrap=True)
+    first, *others = report.reason.splitlines() or [""]
+    lines = hanging(f"{report.outcome}: ", first)
+    for line in others:
+        lines += hanging(line[: len(line) - len(line.lstrip())], line.lstrip())
+    text = Text("\n".join(["", *lines]))
+    text.stylize(style, 0, len(report.outcome) + 1)
+    console.print(text, soft_wrap=True)
     rows = report.summary
     if report.recording:
         rows.append(("open it", f"{_viewer_command()} {report.recording}"))

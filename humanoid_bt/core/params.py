@@ -19,6 +19,8 @@ import typing
 from collections.abc import Mapping
 from typing import Any, NewType
 
+from humanoid_bt.core.units import UNITS, base_unit
+
 PerceptName = NewType("PerceptName", str)
 """The type of a parameter that names a percept; checks use it to see who reads what."""
 
@@ -67,7 +69,21 @@ def param(
     above: float | None = None,
     maximum: float | None = None,
 ) -> Any:
-    """Declare a parameter: the value of an annotated attribute of a dataclass, a skill or a tree node."""
+    """Declare a parameter: the value of an annotated attribute of a dataclass, a skill or a tree node.
+
+    Args:
+        default: its value if none is given; without one it must be given.
+        doc: one line.
+        unit: SI unit of a number, of :data:`~humanoid_bt.core.units.UNITS`; it may be written in others of its kind.
+        minimum, above, maximum: bounds of a number; it may not be equal to ``above``.
+
+    Raises:
+        ValueError: there is no such unit.
+    """
+    if unit and unit not in UNITS:
+        instead = base_unit(f"1 {unit}")
+        hint = f"unit={instead!r}, and a value may be written in {unit}" if instead else f"valid: {', '.join(UNITS)}"
+        raise ValueError(f"a parameter has no unit {unit!r}; {hint}")
     declared = Param("", None, default, doc, unit, minimum, above, maximum)
     if default is _REQUIRED:
         return dataclasses.field(metadata={"param": declared})
@@ -125,6 +141,8 @@ def type_name(kind: Any) -> str:  # noqa: PLR0911 (a table of cases)
         return f"mapping of {type_name(args[1])}"
     if kind is PerceptName:
         return "percept"
+    if isinstance(kind, typing.NewType):
+        return str(kind.__name__).removesuffix("Item").lower()
     if hasattr(kind, "described"):
         return str(kind.described)
     return {float: "number", int: "whole number", str: "text", bool: "true or false"}.get(kind) or str(

@@ -262,11 +262,8 @@ class RobotHandle:
 
     def _set(self, resource: str, target: Target) -> None:
         if resource not in self._resources:
-            declared = ", ".join(self._resources) or "none"
-            raise HumanoidBtError(
-                f"{self.path!r} commands {resource!r} without declaring it (declared: {declared}; "
-                f"valid: {', '.join(RESOURCES)})"
-            )
+            wanted = tuple(name for name in RESOURCES if name in (*self._resources, resource))
+            raise HumanoidBtError(f"commands {resource!r} without declaring it; its class needs resources = {wanted}")
         self.targets[resource] = target
         self._robot.note(self)
 

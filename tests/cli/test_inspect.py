@@ -155,3 +155,10 @@ def test_check_and_run_name_the_same_skills_for_a_built_in_tree(
     for command in (["check", "fetch"], ["show", "fetch"], ["run", "fetch", "--no-record", "--no-view"]):
         assert code_of(command) == 2
         assert "unknown parameter 'look_around' of 'idle'" in "".join(capsys.readouterr())
+
+
+def test_a_sub_tree_says_what_it_gives_and_which_nodes_it_takes(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["trees", "handover", "search", "patrol"]) == 0
+    out = " ".join(capsys.readouterr().out.split())
+    assert "taken node = {wait: 5 s} What succeeds when it is done" in out
+    assert "visited whole number output How many places it came to" in out

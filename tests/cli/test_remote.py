@@ -85,6 +85,11 @@ def test_without_a_robot_they_say_so(command: str, capsys: pytest.CaptureFixture
     assert capsys.readouterr().err.startswith("error: no robot is running")
 
 
+def test_for_programs_no_run_is_an_empty_list(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["status", "--json"]) == 0
+    assert json.loads(capsys.readouterr().out) == []
+
+
 def test_estop_stops_and_reset_lets_go(one: Played, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["estop", "--reason", "in the way"]) == 0
     assert "fetch on humanoid" in (out := capsys.readouterr().out)

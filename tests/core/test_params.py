@@ -145,3 +145,11 @@ def test_base_unit() -> None:
     assert [base_unit(text) for text in ("45 cm", "10 deg/s", "3", "left hand", "3 apples")] == [
         "m", "rad/s", None, None, None,
     ]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("unit", "hint"), [("cm", "unit='m', and a value may be written in cm"), ("furlong", "valid: m, s")]
+)
+def test_a_unit_is_one_of_si(unit: str, hint: str) -> None:
+    with pytest.raises(ValueError, match=f"a parameter has no unit '{unit}'; {hint}"):
+        param(1.0, unit=unit, doc="How far.")

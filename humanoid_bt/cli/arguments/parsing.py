@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import sys
+import textwrap
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -20,6 +21,17 @@ exit codes:
   5    the tree still ran when its time was up
   130  interrupted
 """
+
+
+class _Help(argparse.RawDescriptionHelpFormatter):
+    """Wraps paragraphs, and keeps the lines of tables and examples, which are indented."""
+
+    def _fill_text(self, text: str, width: int, indent: str) -> str:
+        paragraphs = text.split("\n\n")
+        return "\n\n".join(
+            textwrap.indent(part, indent) if "\n " in part else textwrap.fill(part, width, initial_indent=indent)
+            for part in paragraphs
+        )
 
 
 class Parser(argparse.ArgumentParser):
@@ -77,7 +89,7 @@ class Commands:
             help=text,
             description=description,
             epilog=epilog,
-            formatter_class=argparse.RawDescriptionHelpFormatter,
+            formatter_class=_Help,
         )
         return added
 

@@ -10,11 +10,11 @@ from humanoid_bt.session.limits import DURATION, HOLD, PORT, POSITIVE, SEED
 
 _EXAMPLES = """\
 examples:
-  humanoid-bt run fetch                   the built-in demo
+  humanoid-bt run fetch                     the built-in demo
   humanoid-bt run fetch --set stop_distance=0.35
   humanoid-bt run fetch --scene random_target --seed 7
-  humanoid-bt run trees/mine.yaml --serve in a browser
-  humanoid-bt run trees/mine.yaml --watch and edit it meanwhile
+  humanoid-bt run trees/mine.yaml --serve   watch it in a browser
+  humanoid-bt run trees/mine.yaml --watch   edit it while it runs
 """
 
 
