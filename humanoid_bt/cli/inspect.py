@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import inspect
 import math
+import re
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TypeVar
@@ -54,7 +55,7 @@ def nodes(arguments: argparse.Namespace) -> int:
         if number:
             print()
         console.print(kind + "s", style="bold")
-        rows = [(name, node.doc.replace("`", "")) for name, node in registry.items() if node.kind == kind]
+        rows = [(name, _plain(node.doc)) for name, node in registry.items() if node.kind == kind]
         print_lines(columns(rows, indent=2, first=width))
     print()
     print_lines(hanging("", "humanoid-bt nodes NAME explains one, with an example."))
@@ -98,10 +99,11 @@ def _node(name: str, node: NodeType) -> None:
     else:
         _headline(name, node.doc)
         also = f"another name of {node.type_name}; " if name != node.type_name else ""
-        takes = {"many": "a list of children", "one": "one child, beside its parameters", "none": "no children"}
+        none = "nodes at keys of its own" if node.branches else "no children"
+        takes = {"many": "a list of children", "one": "one child, beside its parameters", "none": none}
         print_lines(hanging("  ", f"{also}{node.kind} with {takes[node.takes]}"))
         more = inspect.cleandoc(vars(node.cls).get("__doc__") or "").partition("\n\n")[2]
-        for paragraph in filter(None, more.replace("`", "").split("\n\n")):
+        for paragraph in filter(None, _plain(more).split("\n\n")):
             print_lines(hanging("  ", " ".join(paragraph.split())))
         branches = [
             (key, "nodes" if slot.many else "node", "required" if slot.required else "optional", slot.doc)
@@ -206,9 +208,14 @@ def _refuse_unknown(names: Iterable[str], known: Collection[str], what: str) -> 
 
 def _headline(name: str, doc: str) -> None:
     """Print a name in bold and what it is."""
-    text = Text("\n".join(hanging(f"{name}  ", doc.replace("`", ""))))
+    text = Text("\n".join(hanging(f"{name}  ", _plain(doc))))
     text.stylize("bold", 0, len(name))
     Console(highlight=False).print(text, soft_wrap=True)
+
+
+def _plain(doc: str) -> str:
+    """Return a docstring as a terminal shows it: names in quotes, and no other marks."""
+    return re.sub(r"`+", "'", doc).replace("*", "")
 
 
 def _row(spec: Param) -> Row:
