@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
 from humanoid_bt.core.errors import Place, Problem, UserError, also_at
+from humanoid_bt.core.items import Item
 from humanoid_bt.core.params import Param, PerceptName
 from humanoid_bt.core.reading import convert
-from humanoid_bt.decision.blackboard import Key
+from humanoid_bt.decision.blackboard import KEY_NAME, Key
 from humanoid_bt.tree.expressions.expression import Expression
 from humanoid_bt.tree.expressions.grammar import names
 from humanoid_bt.tree.expressions.quantities import ANYTHING, TEXT, TRUTH, Type, number
@@ -72,6 +73,16 @@ class Scope:
         known = self._keys.setdefault(name, _Known(Key(name)))
         known.written.append(kind)
         return known.key
+
+    def suppose(self, item: Item) -> None:
+        """Take every name in what cannot be read for a key that would be written, so that its uses are no mistakes."""
+        parts = item.value.values() if isinstance(item.value, dict) else item.value
+        if isinstance(parts, str):
+            if KEY_NAME.match(parts):
+                self.write(parts)
+        elif isinstance(parts, Iterable):
+            for part in parts:
+                self.suppose(part)
 
     def read(self, name: str, place: Place, spec: Param | None = None) -> Key:
         """Return the key of a name for a node that reads it; whether that can be right is judged at the end.

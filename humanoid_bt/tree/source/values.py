@@ -86,6 +86,7 @@ class ValueReader:
             owners: the node types that do have such a parameter.
         """
         draft.sound = False
+        self._scope.suppose(body.value[key])
         name = draft.word
         hint = nearest(key, known)
         missing = [spec for other, spec in draft.type.params.items() if spec.required and other not in body.value]
