@@ -53,5 +53,7 @@ def find(name: str) -> Code:
         UserError: there is none of this name.
     """
     if name not in CODES:
-        raise UserError(f"no code {name!r}", hint=nearest(name, CODES))
+        everything = "all: humanoid-bt check --explain"
+        hint = nearest(name, CODES, everything.removeprefix("all: "))
+        raise UserError(f"no code {name!r}", hint=hint if everything in hint else f"{hint} {everything}")
     return CODES[name]

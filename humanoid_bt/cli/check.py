@@ -43,7 +43,7 @@ def _print(problems: Sequence[Problem], found: Mapping[Path, Sequence[Problem]])
             print(f"{name}: ok")
     print_findings(problems)
     if problems:
-        print(f"{counted(problems)} in {several(len(found), 'file')}")
+        print(counted(problems) + (f" in {several(len(found), 'file')}" if found else ""))
 
 
 def _explain(name: str) -> None:

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import dataclasses
+import difflib
 import math
 import re
 import types
 import typing
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from typing import Any, Literal, Protocol, runtime_checkable
 
 from humanoid_bt.core.errors import Problem, UserError, nearest
@@ -29,8 +30,14 @@ def convert(spec: Param, item: Item) -> Any:
 class Judged(Protocol):
     """A dataclass whose values can be wrong together, though each of them is right."""
 
-    def mistakes(self, item: Item) -> Iterator[Problem]:
-        """Return what is wrong; ``item`` is the mapping that the values were read from."""
+    @staticmethod
+    def mistakes(item: Item, values: Mapping[str, Any]) -> Iterator[Problem]:
+        """Return what is wrong, whatever else is.
+
+        Args:
+            item: the mapping as it is written.
+            values: those of its values that could be read.
+        """
 
 
 def read(cls: type, item: Item, what: str = "") -> Any:
@@ -46,13 +53,12 @@ def read(cls: type, item: Item, what: str = "") -> Any:
     """
     if not isinstance(item.value, dict):
         raise UserError(f"{what or 'this'} must be a mapping, not {item.kind}", item.place, code="wrong-type")
-    values, problems = read_values(params_of(cls), item, what)
-    if not problems:
-        made = cls(**values)
-        problems = list(made.mistakes(item)) if isinstance(made, Judged) else []
+    values, problems = read_values(params_of(cls), item, what, noun="key")
+    if isinstance(cls, Judged):
+        problems += cls.mistakes(item, values)
     if problems:
         raise UserError(problems)
-    return made
+    return cls(**values)
 
 
 def read_values(
@@ -84,10 +90,16 @@ def read_values(
             if len(missing) == 1 and not hint.startswith("did"):
                 hint = needed(params[missing[0]])
             problems.append(Problem(message, item.key_places.get(key), hint, code=code))
-    for name in missing[len(unknown) :]:  # the unknown ones are most likely the others
+    for name in missing[len(unexplained(unknown, [*params, *also], missing)) :]:
         message = f"the {noun} {name!r}{of} is missing"
         problems.append(Problem(message, item.place, needed(params[name]), code=f"missing-{noun}"))
     return values, problems
+
+
+def unexplained(unknown: Collection[str], known: Collection[str], missing: Collection[str]) -> list[str]:
+    """Return the unknown keys that are most likely misspelt for one of the missing: those like no other known one."""
+    others = [name for name in known if name not in missing]
+    return [key for key in unknown if not difflib.get_close_matches(key, others, n=1)]
 
 
 def needed(spec: Param) -> str:
@@ -128,7 +140,7 @@ def with_article(noun: str) -> str:
     return ("an " if noun[0] in "aeiou" else "a ") + noun
 
 
-def _convert(kind: Any, item: Item, spec: Param) -> Any:  # noqa: PLR0911 (a table of cases)
+def _convert(kind: Any, item: Item, spec: Param, what: str = "") -> Any:  # noqa: PLR0911 (a table of cases)
     origin, args = typing.get_origin(kind), typing.get_args(kind)
     if kind is Any:
         return item.plain()
@@ -144,14 +156,13 @@ def _convert(kind: Any, item: Item, spec: Param) -> Any:  # noqa: PLR0911 (a tab
     if origin is dict:
         if not isinstance(item.value, dict):
             raise _wrong(item, spec, kind)
-        return dict(
-            zip(item.value, _convert_all(((args[1], child) for child in item.value.values()), spec), strict=True)
-        )
+        parts = [(args[1], child, f"the {spec.name.removesuffix('s')} {key!r}") for key, child in item.value.items()]
+        return dict(zip(item.value, _convert_all(parts, spec), strict=True))
     if hasattr(kind, "from_item"):  # a type that reads itself
         return kind.from_item(item, spec.name)
     if dataclasses.is_dataclass(kind):
         assert isinstance(kind, type)
-        return read(kind, item, repr(spec.name))
+        return read(kind, item, what or repr(spec.name))
     if kind in (float, int):
         return _convert_number(kind, item, spec)
     python_type = getattr(kind, "__supertype__", kind)
@@ -186,16 +197,17 @@ def _convert_sequence(origin: Any, args: tuple[Any, ...], item: Item, spec: Para
     if len(kinds) != len(item.value):
         message = f"{spec.name!r} must have {len(kinds)} values, not {len(item.value)}"
         raise UserError(message, item.place, spec.doc, code="wrong-length")
-    return origin(_convert_all(zip(kinds, item.value, strict=True), spec))
+    what = with_article(spec.name.removesuffix("s"))
+    return origin(_convert_all(((kind, part, what) for kind, part in zip(kinds, item.value, strict=True)), spec))
 
 
-def _convert_all(parts: Iterable[tuple[Any, Item]], spec: Param) -> list[Any]:
-    """Convert the parts of a list or a mapping; what is wrong with them is raised together."""
+def _convert_all(parts: Iterable[tuple[Any, Item, str]], spec: Param) -> list[Any]:
+    """Convert the parts of a list or a mapping, each with what it is; what is wrong with them is raised together."""
     values: list[Any] = []
     problems: list[Problem] = []
-    for kind, item in parts:
+    for kind, item, what in parts:
         try:
-            values.append(_convert(kind, item, spec))
+            values.append(_convert(kind, item, spec, what))
         except UserError as error:
             problems += error.problems
     if problems:
@@ -232,6 +244,16 @@ def _convert_number(kind: Any, item: Item, spec: Param) -> float | int:
         bounds.append(f"<= {high:g}" if high is not None else "")
         wanted = " and ".join(bound for bound in bounds if bound)
         message = f"{spec.name!r} must be {wanted}, not {item.value!r}"
-        raise UserError(message, item.place, spec.doc, code="out-of-range")
+        raise UserError(message, item.place, _within(kind, spec), code="out-of-range")
     converted: float | int = kind(value)
     return converted
+
+
+def _within(kind: Any, spec: Param) -> str:
+    """Return a hint: which numbers a parameter takes, and in what."""
+    low, above, high = spec.minimum, spec.above, spec.maximum
+    if low is not None and low == high:
+        return f"write {low:g}"
+    bounds = [f"above {above:g}" if above is not None else "", f"from {low:g}" if low is not None else ""]
+    bounds.append(f"{'to' if low is not None else 'up to'} {high:g}" if high is not None else "")
+    return " ".join(filter(None, [with_article(type_name(kind)), *bounds])) + (f", in {spec.unit}" if spec.unit else "")

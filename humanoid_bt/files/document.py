@@ -6,6 +6,7 @@ cannot exhaust memory or the stack: its size after expanding aliases and its dep
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +22,7 @@ MAX_ITEMS = 100_000
 MAX_DEPTH = 100
 """Deepest nesting of mappings and lists in one file."""
 
+_WHOLE, _FRACTION = re.compile(r"[-+]?\d+"), re.compile(r"\d+( *[A-Za-z/]+)?")
 _TAG = "tag:yaml.org,2002:"
 _CONSTRUCTED = {_TAG + name for name in ("null", "bool", "int", "float")}
 _TEXT = {_TAG + name for name in ("str", "timestamp", "value", "merge")}  # a date or a lone "=" is text here
@@ -183,7 +185,7 @@ class _Reader:
         above = (*above, id(node))
         own: dict[str, tuple[Place, yaml.Node]] = {}
         inherited: dict[str, tuple[Place, yaml.Node]] = {}
-        for key_node, value_node in node.value:
+        for key_node, value_node in self.with_points(node.value):
             place = _place(self.name, key_node.start_mark)
             if not isinstance(key_node, yaml.ScalarNode):
                 hint = "one pair of brackets too many? {key: value} is a mapping, and $name a parameter"
@@ -201,6 +203,20 @@ class _Reader:
         self.merged[id(node)] = inherited | own
         return self.merged[id(node)]
 
+    def with_points(self, pairs: list[tuple[yaml.Node, yaml.Node]]) -> list[tuple[yaml.Node, yaml.Node]]:
+        """Return keys with their values, those that a decimal comma tore apart (``{a: 0,5 s}``) in one again."""
+        whole: list[tuple[yaml.Node, yaml.Node]] = []
+        for key, value in pairs:
+            if whole and _is_fraction(whole[-1][1], key, value):
+                name, number = whole.pop()
+                text, place = f"{number.value}.{key.value}", _place(self.name, number.start_mark)
+                self.problems.append(Problem("a number with a comma", place, f"write {text}, with a point", "syntax"))
+                tag = _TAG + ("float" if key.value.isdigit() else "str")
+                whole.append((name, yaml.ScalarNode(tag, text, number.start_mark, key.end_mark)))
+            else:
+                whole.append((key, value))
+        return whole
+
     def sources(self, node: yaml.Node, above: tuple[int, ...]) -> list[yaml.MappingNode]:
         nodes = node.value if isinstance(node, yaml.SequenceNode) else [node]
         for source in nodes:
@@ -210,3 +226,11 @@ class _Reader:
             if id(source) in above:
                 raise UserError("an alias refers to a value that contains it", place, code="syntax")
         return list(nodes)
+
+
+def _is_fraction(number: yaml.Node, key: yaml.Node, value: yaml.Node) -> bool:
+    """Return whether a key without a value is what stands behind the comma of a number."""
+    if not all(isinstance(node, yaml.ScalarNode) and node.style is None for node in (number, key, value)):
+        return False
+    near = key.start_mark.index == number.end_mark.index + 1
+    return near and not value.value and bool(_WHOLE.fullmatch(number.value) and _FRACTION.fullmatch(key.value))

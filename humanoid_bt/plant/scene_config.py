@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 from humanoid_bt.core.errors import Problem, UserError, nearest
 from humanoid_bt.core.items import Item
-from humanoid_bt.core.params import param
-from humanoid_bt.core.reading import read
+from humanoid_bt.core.params import param, params_of
+from humanoid_bt.core.reading import read, unexplained
 from humanoid_bt.files import document
 
 Shape = Literal["ball", "box", "cylinder", "person"]
@@ -44,9 +44,10 @@ class RandomPlaceConfig:
     bearing: tuple[float, float] = param(unit="rad", doc="Direction from the robot's start heading, left positive.")
     height: tuple[float, float] = param(unit="m", doc="Above the floor.")
 
-    def mistakes(self, item: Item) -> Iterator[Problem]:
+    @staticmethod
+    def mistakes(item: Item, values: Mapping[str, Any]) -> Iterator[Problem]:
         """Return what runs from its high to its low end."""
-        for what, (low, high) in dataclasses.asdict(self).items():
+        for what, (low, high) in values.items():
             if low > high:
                 message = f"{what!r} runs from {low:g} down to {high:g}"
                 yield Problem(message, item.value[what].place, "give the low end first", code="out-of-range")
@@ -68,16 +69,19 @@ class ObjectConfig:
     stand: bool = param(False, doc="A thin pole with a flat base stands under it; both can be bumped into.")
     solid: bool = param(False, doc="Hands and feet bump into it; if false it is a marker that a hand may enter.")
 
-    def mistakes(self, item: Item) -> Iterator[Problem]:
+    @staticmethod
+    def mistakes(item: Item, values: Mapping[str, Any]) -> Iterator[Problem]:
         """Return what does not go together."""
-        if (self.position is None) == (self.random is None):
-            both = "both a position and a random one" if self.position is not None else "no position"
+        places = _written(item, ("position", "random"))
+        if len(places) == 2 or not (places or _misspelt(ObjectConfig, item, ("position", "random"))):
+            both = "both a position and a random one" if places else "no position"
             hint = "give it either position: [x, y, z] or random: {distance: ..., bearing: ..., height: ...}"
             yield Problem(f"this object has {both}", item.place, hint, code="exclusive-keys")
-        wanted = _SIZES[self.shape]
-        if len(self.size) != wanted.count(",") + 1:
-            message, place = f"a {self.shape}'s size is {wanted}", item.value["size"].place
-            yield Problem(message, place, "full lengths [m]", code="wrong-length")
+        shape, size = values.get("shape"), item.value.get("size")
+        if shape and size is not None and isinstance(size.value, list):
+            wanted = _SIZES[shape]
+            if len(size.value) != wanted.count(",") + 1:
+                yield Problem(f"a {shape}'s size is {wanted}", size.place, "full lengths [m]", code="wrong-length")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -104,16 +108,20 @@ class EventConfig:
     to: tuple[float, float, float] | None = param(None, unit="m", doc="Where its centre moves, in the world.")
     over: float = param(0.0, minimum=0, unit="s", doc="How long the move takes; 0 is a jump.")
 
-    def mistakes(self, item: Item) -> Iterator[Problem]:
+    @staticmethod
+    def mistakes(item: Item, _values: Mapping[str, Any]) -> Iterator[Problem]:
         """Return what does not go together."""
-        found = [action for action in ACTIONS if getattr(self, action) is not None]
-        if len(found) != 1:
-            message = f"an event is one of {', '.join(ACTIONS)}, not {' and '.join(found) or 'none of them'}"
-            yield Problem(message, item.place, code="exclusive-keys")
-        if "move" in found and self.to is None:
+        found = _written(item, ACTIONS)
+        if len(found) > 1:
+            message = f"an event is one of {', '.join(ACTIONS)}, not {' and '.join(found)}"
+            yield Problem(message, item.place, "make an event of each, with its own at", code="exclusive-keys")
+        elif not found and not _misspelt(EventConfig, item, ACTIONS):
+            hint = "write hide: OBJECT, show: OBJECT, or move: OBJECT with to: [x, y, z]"
+            yield Problem("this event does nothing", item.place, hint, code="exclusive-keys")
+        if "move" in found and not _written(item, ("to",)) and not _misspelt(EventConfig, item, ("to",)):
             yield Problem("a move needs where it goes", item.place, "to: [x, y, z]  # m, in the world", "missing-key")
         for key in ("to", "over"):
-            if "move" not in found and key in item.value:
+            if found and "move" not in found and key in item.value:
                 yield Problem(f"{key!r} belongs to a move", item.key_places[key], code="misplaced-key")
 
     @property
@@ -171,6 +179,17 @@ def _unknown_objects(item: Item) -> Iterator[Problem]:
     for event in events.value if events is not None and isinstance(events.value, list) else ():
         for action in ACTIONS:
             yield from _no_object(_mapping(event).get(action), objects)
+
+
+def _written(item: Item, keys: Iterable[str]) -> list[str]:
+    """Return those of some keys that have a value."""
+    return [key for key in keys if key in item.value and item.value[key].value is not None]
+
+
+def _misspelt(cls: type, item: Item, keys: Collection[str]) -> bool:
+    """Return whether one of some keys, none of which is there, is most likely there but misspelt."""
+    known = params_of(cls)
+    return bool(unexplained([key for key in item.value if key not in known], known, keys))
 
 
 def _mapping(item: Item | None) -> dict[str, Item]:

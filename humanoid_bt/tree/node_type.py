@@ -44,6 +44,7 @@ class NodeType:
         takes: how many children it has.
         branches: places for nodes besides the children (a watchdog's ``on_stale``).
         main: the parameter that a body without a mapping gives (``wait: 2 s``), "" for none.
+        outputs: of a sub-tree, how its file declares what the keys get that its parameters name.
     """
 
     type_name: str
@@ -55,6 +56,7 @@ class NodeType:
     takes: Takes = "none"
     branches: Mapping[str, Slot] = field(default_factory=dict)
     main: str = ""
+    outputs: Mapping[str, Param] = field(default_factory=dict)
 
     @property
     def factory(self) -> Callable[..., Behaviour]:

@@ -38,7 +38,7 @@ def told(problems: list[Problem]) -> list[str]:
     [
         ("trees/a.yaml", "format: 1\nroot: idle", "outside-emergency-stop"),
         ("sim/scenes/a.yaml", "format: 1\nname: a\nevents: [{at: 1}]", "exclusive-keys"),
-        ("sim/tin/robot.yaml", "format: 1", "missing-parameter"),
+        ("sim/tin/robot.yaml", "format: 1", "missing-key"),
         ("skills/a.py", "import nothing_of_this_name", "broken-skill"),
         ("trees/b.yaml", "format: [", "syntax"),
     ],

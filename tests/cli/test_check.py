@@ -219,4 +219,11 @@ def test_all_codes_are_listed_within_the_terminal(
 
 def test_an_unknown_code_gets_the_nearest(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["check", "--explain", "no-hystersis"]) == 2
-    assert "did you mean 'no-hysteresis'?" in capsys.readouterr().err
+    assert "did you mean 'no-hysteresis'? all: humanoid-bt check --explain\n" in capsys.readouterr().err
+    assert main(["check", "--explain", "zz"]) == 2
+    assert capsys.readouterr().err.endswith("; all: humanoid-bt check --explain\n")
+
+
+def test_where_no_file_is_found_none_are_counted(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["check", "nosuch"]) == 2
+    assert capsys.readouterr().out.endswith("\n1 error\n")

@@ -95,9 +95,9 @@ def test_conversion(name: str, text: str, expected: Any) -> None:
         ("point", "1", "'point' must be a list of 2 numbers"),
         ("names", "[1]", "'names' must be text, not a number 1"),
         ("gains", "[1]", "'gains' must be a mapping of number"),
-        ("inner", "{}", "the parameter 'x' of 'inner' is missing"),
+        ("inner", "{}", "the key 'x' of 'inner' is missing"),
         ("inner", "3", "'inner' must be a mapping, not a number"),
-        ("lenght", "1", "unknown parameter 'lenght' of it [unknown-parameter]\n    did you mean 'length'?"),
+        ("lenght", "1", "unknown key 'lenght' of it [unknown-key]\n    did you mean 'length'?"),
     ],
 )
 def test_mistakes(name: str, text: str, message: str) -> None:

@@ -213,7 +213,7 @@ def test_an_object_moves_with_its_body_and_its_stand_stays(tmp_path: Path) -> No
          "5:19", "did you mean 'ball'"),
         (f"objects: {{ball: {{{BALL}, position: [0, 0, 1]}}}}\nevents:\n  - {{at: 1, hide: ball, show: ball}}",
          "5:5", "not hide and show"),
-        ("events:\n  - {at: 1}", "4:5", "not none of them"),
+        ("events:\n  - {at: 1}", "4:5", "write hide: OBJECT"),
         (f"objects: {{ball: {{{BALL}, position: [0, 0, 1]}}}}\nevents:\n  - {{at: 1, move: ball}}",
          "5:5", "to: [x, y, z]"),
         (f"objects: {{ball: {{{BALL}, position: [0, 0, 1]}}}}\nevents:\n  - {{at: 1, hide: ball, over: 2}}",
@@ -239,3 +239,49 @@ def test_a_mistake_in_a_value_hides_no_other(tmp_path: Path) -> None:
     body = f"robot: {{heading: 1 m}}\nobjects: {{cup: {cup}, mug: {cup}}}\npercepts: {{target: {{object: cap}}}}\n"
     told = problems(tmp_path, body + "events: [{at: 1, hide: cop}, {at: 2 m, show: cup}]\n")
     assert told.count("scene.yaml:") == 6
+
+
+def test_what_does_not_go_together_is_told_whatever_else_is_wrong(tmp_path: Path) -> None:
+    told = problems(
+        tmp_path,
+        """\
+objects:
+  cup: {shape: box, size: [0.4, 0.4], colour: red, position: [0, 0, 1], random: {distance: [2, 1], baring: [0, 1]}}
+  mug: {shape: ball, size: [0], solid: 1}
+percepts:
+  cup: {object: cup, nois: 0.1, drop_out: 2}
+events:
+  - {at: -1 s, show: cup, hide: box}
+  - {at: 1 s, ovr: 2 s}
+  - {at: 1 s, move: cup, ovr: 2 s}
+  - {att: 1 s, hide: cup, to: [0, 0, 1]}
+""",
+    )
+    expected = [
+        ("4:8", "this object has both a position and a random one"),
+        ("4:27", "a box's size is [length, width, height]"),
+        ("4:39", "unknown key 'colour' of the object 'cup'"),
+        ("4:92", "'distance' runs from 2 down to 1"),
+        ("4:100", "unknown key 'baring' of 'random'"),
+        ("4:81", "the key 'height' of 'random' is missing"),
+        ("5:8", "this object has no position"),
+        ("5:29", "'size' must be > 0, not 0"),
+        ("5:40", "'solid' must be true or false"),
+        ("7:22", "unknown key 'nois' of the percept 'cup'"),
+        ("7:43", "'drop_out' must be >= 0 and <= 1, not 2"),
+        ("9:5", "an event is one of hide, show, move, not hide and show"),
+        ("9:10", "'at' must be >= 0, not '-1 s'"),
+        ("9:33", "there is no object 'box'"),
+        ("10:5", "this event does nothing"),
+        ("10:15", "unknown key 'ovr' of an event"),
+        ("11:5", "a move needs where it goes"),
+        ("11:26", "unknown key 'ovr' of an event"),
+        ("12:6", "unknown key 'att' of an event"),
+        ("12:27", "'to' belongs to a move"),
+    ]
+    for place, message in expected:
+        assert f"scene.yaml:{place}: error: {message}" in told
+    assert told.count("scene.yaml:") == len(expected)
+    assert "\n    a number from 0 to 1" in told
+    assert "\n    a number from 0, in s" in told
+    assert "\n    a number above 0, in m" in told

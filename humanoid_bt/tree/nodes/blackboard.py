@@ -46,8 +46,15 @@ class SetBlackboard(Leaf):
             self.feedback_message = str(unseen)
             return FAILURE
         self.key.set(value)
-        self.feedback_message = f"{self.key.name} = {readable(value)}"
+        self.feedback_message = f"{self.key.name} = {readable(value, self._unit)}"
         return SUCCESS
+
+    @property
+    def _unit(self) -> str:
+        """The SI unit of a number that the key gets: as declared, else as computed."""
+        if self.key.spec is not None:
+            return self.key.spec.unit
+        return self.expression.type.unit if self.expression is not None else ""
 
 
 class ClearBlackboard(Leaf):

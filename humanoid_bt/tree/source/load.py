@@ -153,8 +153,9 @@ class Loader:
             for name, declared in file.parameters.items()
             if declared.spec.type is NodeItem
         }
-        outputs = {name: Param(name, Key | None, None, declared.spec.doc) for name, declared in file.outputs.items()}
-        return replace(node_type, params={**node_type.params, **params, **outputs}, branches=nodes)
+        outputs = {name: declared.spec for name, declared in file.outputs.items()}
+        keys = {name: Param(name, Key | None, None, spec.doc) for name, spec in outputs.items()}
+        return replace(node_type, params={**node_type.params, **params, **keys}, branches=nodes, outputs=outputs)
 
     def expand(self, draft: Draft, body: Item, reader: Reader) -> None:
         """Read the nodes of a sub-tree into the draft of the node that uses it."""

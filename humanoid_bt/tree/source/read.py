@@ -111,6 +111,7 @@ class Reader:
                 node_type = self._subtrees.specialise(node_type, body if body.value else Item({}, place))
         except UserError as error:
             self._problems += error.problems
+            self.scope.suppose(body)
             return None
         draft = Draft(node_type, place, node_type.type_name, word=type_name)
         before = len(self._problems)

@@ -2,18 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field
-from typing import Any
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any, NamedTuple
 
 from humanoid_bt.core.errors import Place, Problem, UserError, also_at
+from humanoid_bt.core.items import Item
 from humanoid_bt.core.params import Param, PerceptName
 from humanoid_bt.core.reading import convert
-from humanoid_bt.decision.blackboard import Key
+from humanoid_bt.decision.blackboard import KEY_NAME, Key
 from humanoid_bt.tree.expressions.expression import Expression
 from humanoid_bt.tree.expressions.grammar import names
-from humanoid_bt.tree.expressions.quantities import ANYTHING, TEXT, TRUTH, Type, number
+from humanoid_bt.tree.expressions.quantities import ANYTHING, NUMBER, TEXT, TRUTH, Type, number
 from humanoid_bt.tree.source.parameters import Declaration, Parameters, meant
+
+
+class _Written(NamedTuple):
+    """What a node writes, where it names the key, and what that is for messages."""
+
+    kind: Type
+    place: Place | None
+    what: str
 
 
 @dataclass
@@ -23,7 +32,7 @@ class _Known:
     key: Key
     place: Place | None = None  # where it is declared
     type: Type | None = None
-    written: list[Type] = field(default_factory=list)
+    written: list[_Written] = field(default_factory=list)
     read_at: list[tuple[Place, Param | None]] = field(default_factory=list)  # where, and for which parameter
     own: bool = True  # False: the caller's, handed in
 
@@ -58,7 +67,12 @@ class Scope:
         self._keys: dict[str, _Known] = {}
         for name, declaration in outputs.items():
             key = bound.get(name)
-            self._keys[name] = _Known(key or Key(name), declaration.place, _type(declaration.spec), own=key is None)
+            self._keys[name] = _Known(
+                key or _declared(name, declaration.spec),
+                declaration.place,
+                declared_type(declaration.spec),
+                own=key is None,
+            )
         for name, declaration in blackboard.items():
             self._declare(name, declaration)
 
@@ -67,11 +81,30 @@ class Scope:
         """The keys that belong to this use of the file, and begin anew whenever it starts."""
         return [known.key for known in self._keys.values() if known.own]
 
-    def write(self, name: str, kind: Type = ANYTHING) -> Key:
-        """Return the key of a name for a node that writes it."""
+    def write(self, name: str, kind: Type = ANYTHING, place: Place | None = None, output: Param | None = None) -> Key:
+        """Return the key of a name for a node that writes it.
+
+        Args:
+            name: the key's.
+            kind: what is written.
+            place: where the node names it.
+            output: how a sub-tree declares what is written.
+        """
         known = self._keys.setdefault(name, _Known(Key(name)))
-        known.written.append(kind)
+        known.written.append(_Written(kind, place, f"the output {output.name!r}" if output else "what is written"))
+        if known.key.spec is None and output is not None:
+            known.key.spec = replace(output, name=name)
         return known.key
+
+    def suppose(self, item: Item) -> None:
+        """Take every name in what cannot be read for a key that would be written, so that its uses are no mistakes."""
+        parts = item.value.values() if isinstance(item.value, dict) else item.value
+        if isinstance(parts, str):
+            if KEY_NAME.match(parts):
+                self.write(parts)
+        elif isinstance(parts, Iterable):
+            for part in parts:
+                self.suppose(part)
 
     def read(self, name: str, place: Place, spec: Param | None = None) -> Key:
         """Return the key of a name for a node that reads it; whether that can be right is judged at the end.
@@ -126,7 +159,7 @@ class Scope:
         """Return type and value of a parameter or a key, None if there is none of this name."""
         parameter = self.parameters.find(name)
         if parameter is not None:
-            kind, value = _type(parameter.spec), parameter.value
+            kind, value = declared_type(parameter.spec), parameter.value
             return kind, (lambda: value.value) if isinstance(value, Key) else (lambda: value)
         known = self._keys.get(name)
         if known is None or not self._exists(known):
@@ -166,7 +199,7 @@ class Scope:
             message = f"the name {name!r} is declared twice in one tree"
             self._problems.append(Problem(message, declaration.place, "rename one of them", "taken-name"))
             return
-        self._keys[name] = _Known(key, declaration.place, _type(declaration.spec))
+        self._keys[name] = _Known(key, declaration.place, declared_type(declaration.spec))
 
     def _judge(self, name: str, known: _Known) -> None:
         if known.read_at and not known.written and not known.key.has_initial:
@@ -180,11 +213,11 @@ class Scope:
             self._problems.append(Problem(message, places[0], hint + also_at(places), code))
             return
         kind = _of(known)
+        self._problems += _misfits(name, known)
         for place, spec in known.read_at:
-            if spec is not None and not kind.goes_with(wanted := _type(spec)):
-                code = "wrong-unit" if kind.kind == wanted.kind else "wrong-type"
+            if spec is not None and not kind.goes_with(wanted := declared_type(spec)):
                 message = f"{spec.name!r} must be {wanted}, and the key {name!r} is {kind}"
-                self._problems.append(Problem(message, place, spec.doc, code))
+                self._problems.append(Problem(message, place, spec.doc, _mismatch(kind, wanted)))
         if name in self._outputs and not known.written:
             message = f"nothing writes the output {name!r}"
             self._problems.append(Problem(message, known.place, "set_blackboard, or a skill's key", "unwritten-key"))
@@ -197,11 +230,39 @@ def _of(known: _Known) -> Type:
     """Return the type of a key: as declared, else what all that writes it agrees on."""
     if known.type is not None and known.type.kind != "anything":
         return known.type
-    kinds = set(known.written)
+    kinds = {written.kind for written in known.written}
+    united = {kind for kind in kinds if kind.kind == "number" and kind.unit}
+    if len(united) == 1 and kinds <= united | {NUMBER}:  # a plain number goes with every unit
+        return united.pop()
     return kinds.pop() if len(kinds) == 1 else ANYTHING
 
 
-def _type(spec: Param) -> Type:
+def _misfits(name: str, known: _Known) -> Iterator[Problem]:
+    """Return what is written to a key and does not go with its declaration, or with the unit that it got first."""
+    first = next((written for written in known.written if written.kind.unit), None)
+    if known.type is not None:
+        wanted, hint = known.type, f"{name!r} is declared at {known.place}"
+    elif first is not None:
+        wanted, hint = first.kind, f"it is written at {first.place}"
+    else:
+        return
+    for kind, place, what in known.written:
+        if not kind.goes_with(wanted) and (known.type is not None or kind.kind == wanted.kind):
+            message = f"{what} is {kind}, and the key {name!r} is {wanted}"
+            yield Problem(message, place, hint, _mismatch(kind, wanted))
+
+
+def _mismatch(kind: Type, wanted: Type) -> str:
+    return "wrong-unit" if kind.kind == wanted.kind else "wrong-type"
+
+
+def _declared(name: str, spec: Param) -> Key:
+    key = Key(name)
+    key.spec = spec
+    return key
+
+
+def declared_type(spec: Param) -> Type:
     """Return the type of a declared parameter's value."""
     if spec.type in (float, int):
         return number(spec.unit)

@@ -19,7 +19,7 @@ from humanoid_bt.tree.node_type import names_percepts
 from humanoid_bt.tree.nodes import other_libraries
 from humanoid_bt.tree.source.file import check_name
 from humanoid_bt.tree.source.parameters import Parameter, reference
-from humanoid_bt.tree.source.scope import Scope
+from humanoid_bt.tree.source.scope import Scope, declared_type
 
 
 class ValueReader:
@@ -67,7 +67,9 @@ class ValueReader:
         draft.written = {key: plain for key, plain in plainly.items() if _in_another_form(values.get(key), plain)}
         for key, value in values.items():
             if isinstance(value, Key):
-                draft.values[key] = self._scope.write(value.name, _written_type(values))
+                output = node_type.outputs.get(key)
+                kind = declared_type(output) if output else _written_type(values)
+                draft.values[key] = self._scope.write(value.name, kind, draft.value_places[key], output)
             elif are_keys(value):
                 draft.values[key] = [self._scope.write(part.name) for part in value]
             else:
@@ -86,6 +88,7 @@ class ValueReader:
             owners: the node types that do have such a parameter.
         """
         draft.sound = False
+        self._scope.suppose(body.value[key])
         name = draft.word
         hint = nearest(key, known)
         missing = [spec for other, spec in draft.type.params.items() if spec.required and other not in body.value]

@@ -97,7 +97,7 @@ def test_a_value_reaches_the_node(workspace: Workspace) -> None:
         (
             "parameters: {n: {defalt: 1}}\nroot: {plain: {count: $n}}",
             {},
-            "2:18 unknown parameter 'defalt'",
+            "2:18 unknown key 'defalt' of the parameter 'n'",
             "'default'",
         ),
         ("parameters: [n]\nroot: act", {}, "2:13 the parameters must be a mapping, not a list", "name: default"),

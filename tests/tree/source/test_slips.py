@@ -39,6 +39,14 @@ root:
             hand: right
 """
 
+NEAR = """\
+format: 1
+subtree: true
+outputs:
+  gone: {type: number, unit: m}
+root: {set_blackboard: {key: gone, value: 0.46}}
+"""
+
 SLIPS = yaml.safe_load((Path(__file__).parent / "slips.yaml").read_text(encoding="utf-8"))
 
 
@@ -46,6 +54,7 @@ def _findings(tmp_path, monkeypatch, text):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "trees").mkdir()
     (tmp_path / "trees" / "visit.yaml").write_text(text, encoding="utf-8")
+    (tmp_path / "trees" / "near.yaml").write_text(NEAR, encoding="utf-8")
     return hbt.check("visit", workspace=Workspace(tmp_path))
 
 

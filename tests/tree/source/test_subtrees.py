@@ -314,3 +314,76 @@ def test_a_key_of_the_wrong_unit_is_found_before_the_run(workspace: Workspace) -
         "wrong-unit",
         "'duration' must be a number in s, and the key 'far' is a number in m",
     )
+
+
+NEAR = """\
+subtree: true
+outputs: {gone: {type: number, unit: m}}
+root: {set_blackboard: {key: gone, value: 0.46}}
+"""
+
+
+@pytest.mark.parametrize(
+    ("text", "place", "code", "message"),
+    [
+        (
+            "root: {sequence: [{subtree: {tree: near, gone: d}}, {condition: d < 1 s}]}",
+            "2:67",
+            "expression",
+            "a number in m and a number in s",
+        ),
+        (
+            "root: {sequence: [{subtree: {tree: near, gone: d}}, {wait: $d}]}",
+            "2:60",
+            "wrong-unit",
+            "'duration' must be a number in s, and the key 'd' is a number in m",
+        ),
+        (
+            "blackboard: {d: {type: number, unit: s}}\n"
+            "root: {sequence: [{subtree: {tree: near, gone: d}}, {condition: d < 1 s}]}",
+            "3:48",
+            "wrong-unit",
+            "the output 'gone' is a number in m, and the key 'd' is a number in s",
+        ),
+        (
+            "blackboard: {d: {type: text}}\n"
+            "root: {sequence: [{subtree: {tree: near, gone: d}}, {condition: d == 'far'}]}",
+            "3:48",
+            "wrong-type",
+            "the output 'gone' is a number in m, and the key 'd' is text",
+        ),
+        (
+            "root: {sequence: [{subtree: {tree: near, gone: d}}, {subtree: {tree: took, time: d}}, "
+            "{condition: d < 1}]}",
+            "2:82",
+            "wrong-unit",
+            "the output 'time' is a number in s, and the key 'd' is a number in m",
+        ),
+        (
+            "outputs: {d: {type: number, unit: m}}\nroot: {set_blackboard: {key: d, value: far}}",
+            "3:30",
+            "wrong-type",
+            "what is written is text, and the key 'd' is a number in m",
+        ),
+    ],
+)
+def test_the_unit_of_an_output_is_that_of_the_callers_key(
+    workspace: Workspace, text: str, place: str, code: str, message: str
+) -> None:
+    write(workspace, "near", NEAR)
+    write(workspace, "took", NEAR.replace("gone", "time").replace("unit: m", "unit: s"))
+    (problem,) = problems(workspace, text)
+    assert message in problem.message
+    assert problem.code == code
+    assert problem.place is not None
+    assert f"{problem.place.line}:{problem.place.column}" == place
+
+
+def test_an_output_says_its_unit_where_it_is_written_and_read(workspace: Workspace) -> None:
+    write(workspace, "near", NEAR)
+    copied = "{set_blackboard: {key: e, expression: d}}"
+    text = f"root: {{sequence: [{{subtree: {{tree: near, gone: d}}}}, {{condition: d < 1 m}}, {copied}]}}"
+    run = Run(load(workspace, text))
+    assert run.ticks(1) == "s"
+    said = [node.behaviour.feedback_message for node in run.tree.nodes if node.type_name != "sequence"]
+    assert said == ["", "d = 0.46 m", "d 0.46 m < 1 m", "e = 0.46 m"]
