@@ -238,7 +238,7 @@ def _of(known: _Known) -> Type:
 
 
 def _misfits(name: str, known: _Known) -> Iterator[Problem]:
-    """Return what is written to a key and does not go with its declaration, or with the unit that it got first."""
+    """Return what is written to a key and does not go with its declaration, or with the first output that it gets."""
     first = next((written for written in known.written if written.kind.unit), None)
     if known.type is not None:
         wanted, hint = known.type, f"{name!r} is declared at {known.place}"
@@ -247,9 +247,10 @@ def _misfits(name: str, known: _Known) -> Iterator[Problem]:
     else:
         return
     for kind, place, what in known.written:
-        if not kind.goes_with(wanted) and (known.type is not None or kind.kind == wanted.kind):
+        if not kind.goes_with(wanted):
             message = f"{what} is {kind}, and the key {name!r} is {wanted}"
-            yield Problem(message, place, hint, _mismatch(kind, wanted))
+            quantity = "; a quantity is written as expression: 50 cm" if (kind, wanted.kind) == (TEXT, "number") else ""
+            yield Problem(message, place, hint + quantity, _mismatch(kind, wanted))
 
 
 def _mismatch(kind: Type, wanted: Type) -> str:

@@ -98,7 +98,7 @@ def test_a_robot_with_mistakes_is_one_mistake_of_its_tree(workspace: Workspace) 
     folder = workspace.root / "sim" / "broken"
     folder.mkdir(parents=True)
     (folder / "robot.yaml").write_text("format: 1\nname: broken\n")
-    with pytest.raises(UserError, match=r"robot.yaml:1:1: error: the parameter 'model' of the robot is missing"):
+    with pytest.raises(UserError, match=r"robot.yaml:1:1: error: the key 'model' of the robot is missing"):
         load(workspace, "robot: broken\nroot: act")
 
 

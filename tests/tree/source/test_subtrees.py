@@ -360,6 +360,13 @@ root: {set_blackboard: {key: gone, value: 0.46}}
             "the output 'time' is a number in s, and the key 'd' is a number in m",
         ),
         (
+            "root: {sequence: [{subtree: {tree: near, gone: d}}, {set_blackboard: {key: d, value: 46 cm}}, "
+            "{condition: d < 1}]}",
+            "2:76",
+            "wrong-type",
+            "what is written is text, and the key 'd' is a number in m",
+        ),
+        (
             "outputs: {d: {type: number, unit: m}}\nroot: {set_blackboard: {key: d, value: far}}",
             "3:30",
             "wrong-type",
