@@ -83,42 +83,57 @@ def _tree() -> Any:
 
 
 def _plots(groups: Iterable[str]) -> Any:
-    overview = rrb.Grid(
+    overview = _beside(
+        _legend(plots.SEEN),
         _plot("distance of what is seen [m]", plots.DISTANCE),
-        _plot("foot force [N]: left blue, right orange", plots.FEET, corner=None),
-        _plot("confidence of what is seen", plots.CONFIDENCE, corner=rrb.Corner2D.RightBottom, range_y=(0.0, 1.0)),
+        _plot("foot force [N]: left blue, right orange", plots.FEET),
+        _plot("confidence of what is seen", plots.CONFIDENCE, range_y=(0.0, 1.0)),
         _plot("age of what is seen [s]", plots.AGE),
-        grid_columns=2,
         name="overview",
     )
     base = rrb.Grid(
-        _plot("speed [m/s]", plots.SPEED, corner=None),
-        _plot("tilt [rad]", plots.TILT, corner=None),
-        _plot("turn rate [rad/s]", plots.TURN, corner=None),
-        _plot("palm to target [m]: left blue, right orange", plots.HANDS, corner=None),
+        _plot("speed [m/s]", plots.SPEED),
+        _plot("tilt [rad]", plots.TILT),
+        _plot("turn rate [rad/s]", plots.TURN),
+        _plot("palm to target [m]: left blue, right orange", plots.HANDS),
         grid_columns=2,
         name="base and hands",
     )
-    reported = rrb.TimeSeriesView(name="results", origin=results.RESULTS)
+    reported = _beside(
+        _legend(entity(results.RESULTS, plots.LEGEND)),
+        *(_plot(f"{kind} [{unit}]", entity(results.RESULTS, kind)) for unit, kind in results.KINDS.items()),
+        _plot(results.OTHERS, entity(results.RESULTS, results.OTHERS)),
+        name="results",
+    )
     return rrb.Tabs(overview, base, reported, *(_joints(group) for group in groups), name="plots", active_tab=0)
 
 
 def _joints(group: str) -> Any:
     path = entity(plots.JOINTS, group)
     return rrb.Horizontal(
-        _plot("position [rad]: wide measured, thin setpoint", path, "position", "setpoint", "soft_limit", corner=None),
-        _plot("torque [Nm]", path, "torque", corner=None),
-        _plot("joints", path, plots.LEGEND, corner=rrb.Corner2D.LeftTop),
+        _plot("position [rad]: wide measured, thin setpoint", path, "position", "setpoint", "soft_limit"),
+        _plot("torque [Nm]", path, "torque"),
+        _legend(entity(plots.JOINTS, group, plots.LEGEND)),
         column_shares=[5, 5, 2],
         name=group.replace("_", " "),
     )
+
+
+def _beside(legend: Any, *views: Any, name: str) -> Any:
+    """Return plots, two in a row, with the legend of all of them beside."""
+    return rrb.Horizontal(rrb.Grid(*views, grid_columns=2), legend, column_shares=[8, 2], name=name)
+
+
+def _legend(path: str) -> Any:
+    """Return a plot of nothing but a legend."""
+    return _plot("legend", path, corner=rrb.Corner2D.LeftTop)
 
 
 def _plot(
     name: str,
     path: str,
     *parts: str,
-    corner: rrb.Corner2D | None = rrb.Corner2D.RightTop,
+    corner: rrb.Corner2D | None = None,
     range_y: tuple[float, float] | None = None,
 ) -> Any:
     """Return a plot.
@@ -127,7 +142,7 @@ def _plot(
         name: what it shows, with its unit.
         path: entity of its curves.
         parts: those entities below that are shown, if not all are.
-        corner: of the legend, the one that curves leave free most often; the viewer has no other place for it.
+        corner: of the legend, None for no legend; the viewer has no other place for it.
         range_y: where its axis begins and ends, if that is known.
     """
     return rrb.TimeSeriesView(

@@ -23,13 +23,16 @@ SPEED, TURN, TILT = "robot/speed", "robot/turn_rate", "robot/tilt"
 CONFIDENCE, AGE, DISTANCE = "percepts/confidence", "percepts/age", "percepts/distance"
 
 LEGEND = "legend"
-"""Curves of no values, one per joint: the viewer puts legends over curves, but here are none."""
+"""Curves of no values: the viewer puts legends over curves, but here are none."""
+
+SEEN = f"percepts/{LEGEND}"
+"""Parent of the legend of what is seen."""
 
 _NEAR_LIMIT = 0.1  # a soft limit is drawn once a joint is this near [rad]; all of them would flatten the plot
 _THIN, _WIDE = 1.5, 5.0  # of most curves, and of positions, behind the setpoints that they follow
 _PALE = 0.5  # share of a joint's colour in its position's, on black
 _LIMIT_COLOR = (255, 130, 122)
-_PALETTE: tuple[Color, ...] = (
+PALETTE: tuple[Color, ...] = (
     (77, 171, 247),
     (255, 169, 77),
     (105, 219, 124),
@@ -39,6 +42,7 @@ _PALETTE: tuple[Color, ...] = (
     (250, 162, 193),
     (173, 181, 189),
 )
+"""Colours of curves, one after the other."""
 
 
 class Plots:
@@ -65,7 +69,7 @@ class Plots:
         """Write names and looks of all series."""
         for group, joints in self.groups.items():
             names = _short([self._names[joint] for joint in joints])
-            colors = [_PALETTE[index % len(_PALETTE)] for index in range(len(names))]
+            colors = [PALETTE[index % len(PALETTE)] for index in range(len(names))]
             path = entity(JOINTS, group)
             pale = [mix(color, (0, 0, 0), _PALE) for color in colors]
             limits = [_LIMIT_COLOR] * len(names)
@@ -78,7 +82,7 @@ class Plots:
         sides = [SIDE_COLORS[side] for side in SIDES]
         _style(stream, FEET, ["left", "right"], sides, _THIN)
         _style(stream, HANDS, ["left", "right"], sides, _THIN)
-        for path, name, color in zip((SPEED, TURN, TILT), ("speed", "turn rate", "tilt"), _PALETTE, strict=False):
+        for path, name, color in zip((SPEED, TURN, TILT), ("speed", "turn rate", "tilt"), PALETTE, strict=False):
             _style(stream, path, [name], [color], _THIN)
 
     def add(self, state: State, tracks: Mapping[str, Track]) -> None:
@@ -123,12 +127,14 @@ class Plots:
                 AGE: [track.age for _, track in seen],
                 DISTANCE: [track.distance for _, track in seen],
             }
-            for path, values in paths.items():
-                if name not in self._percepts:
-                    color = _PALETTE[len(self._percepts) % len(_PALETTE)]
+            if name not in self._percepts:
+                color = PALETTE[len(self._percepts) % len(PALETTE)]
+                for path in (*paths, SEEN):
                     _style(stream, entity(*path.split("/"), name), [name], [color], _THIN)
+                _scalars(stream, entity(*SEEN.split("/"), name), times[:1], np.array([np.nan]))
+                self._percepts.add(name)
+            for path, values in paths.items():
                 _scalars(stream, entity(*path.split("/"), name), times, np.array(values))
-            self._percepts.add(name)
 
 
 def _scalars(stream: Any, path: str, times: Sequence[float], values: Array) -> None:

@@ -10,8 +10,14 @@ import rerun as rr
 
 from humanoid_bt.decision.result import Reported
 from humanoid_bt.record.columns import entity, send
+from humanoid_bt.record.plots import LEGEND, PALETTE
 
 RESULTS = "results"
+KINDS = {"m": "lengths", "rad": "angles"}
+"""SI unit to where its series stand below :data:`RESULTS`."""
+
+OTHERS = "others"
+"""Where those of other units, or of none, stand."""
 
 
 class ResultSeries:
@@ -36,11 +42,15 @@ class ResultSeries:
     def flush(self, stream: Any) -> None:
         """Write what was added since the last flush."""
         for (path, name, unit), rows in self._rows.items():
-            series = entity(RESULTS, path, name)
+            series = entity(RESULTS, KINDS.get(unit, OTHERS), path, name)
+            times, values = zip(*rows, strict=True)
             if series not in self._begun:
+                color = PALETTE[len(self._begun) % len(PALETTE)]
                 self._begun.add(series)
                 label = f"{path.rsplit('/', 1)[-1]}: {name.replace('_', ' ')}" + (f" [{unit}]" if unit else "")
-                stream.log(series, rr.SeriesLines(names=[label]), static=True)
-            times, values = zip(*rows, strict=True)
+                legend = entity(RESULTS, LEGEND, path, name)
+                for curve in (series, legend):
+                    stream.log(curve, rr.SeriesLines(names=[label], colors=[color]), static=True)
+                send(stream, legend, times[:1], rr.Scalars.columns(scalars=np.array([np.nan])))
             send(stream, series, times, rr.Scalars.columns(scalars=np.array(values)))
         self._rows = {}

@@ -160,7 +160,7 @@ def test_a_value_that_is_none_is_the_skills_error_with_its_line(project: Path) -
 def test_the_recording_has_a_series_for_each_result_to_its_end(project: Path, tmp_path: Path) -> None:
     file = tmp_path / "run.rrd"
     run(project, "{sequence: [count, {count: {name: other, ticks: 2}}]}", recording=file)
-    assert rows(file, "/results/t\\/sequence\\/count/gap", "Scalars:scalars") == [
+    assert rows(file, "/results/lengths/t\\/sequence\\/count/gap", "Scalars:scalars") == [
         (0.0, [0.2]),
         (0.02, [0.1]),
         (0.04, [0.0]),
