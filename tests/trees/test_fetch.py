@@ -7,7 +7,7 @@ import pytest
 from tests.trees.fetch_trials import fault, trial
 
 
-@pytest.mark.parametrize(("scene", "seed"), [("random_target", 7), ("behind", 0), ("behind", 3)])
+@pytest.mark.parametrize(("scene", "seed"), [("random_target", 7), ("behind", 0)])
 def test_a_target_anywhere_is_found_and_touched(tmp_path: Path, scene: str, seed: int) -> None:
     report = trial(tmp_path, scene, seed)
     assert not fault(report)
