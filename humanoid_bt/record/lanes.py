@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Container, Mapping
 from typing import Any
 
@@ -13,7 +14,8 @@ from humanoid_bt.record.names import short_names
 from humanoid_bt.tree.show.looks import STATUS_COLORS
 from humanoid_bt.tree.show.outline import Outline
 
-# The viewer names a lane by its entity, and sorts them by these names: what acts comes first, what decides last.
+# The viewer names a lane by its entity, and sorts them by these names, numbers as numbers: what acts comes first, what
+# decides last; and what began first, or stands above in the tree, is above.
 ACTIONS, BODY, CONDITIONS, FLOW = "actions", "body", "conditions", "flow"
 GROUPS = (ACTIONS, BODY, CONDITIONS, FLOW)
 """Parents of all lanes."""
@@ -46,18 +48,32 @@ MODE_COLORS = _BODY["mode"]
 
 
 class _Lane:
-    """One lane, which comes into being with the first of certain states."""
+    """One lane, which comes into being with the first of certain states.
 
-    def __init__(self, path: str, look: _Look, begins: Container[str]) -> None:
-        self._path, self._look, self._begins = path, look, begins
-        self._begun = self._written = False
+    Args:
+        name: what it is called among those of its group.
+        look: of its states.
+        begins: the states with which it comes into being.
+
+    Attributes:
+        path: its entity; "" until it has one.
+    """
+
+    def __init__(self, name: str, look: _Look, begins: Container[str], path: str = "") -> None:
+        self.name, self.path = name, path
+        self._look, self._begins = look, begins
+        self._written = False
         self._state = ""
         self._changes: list[tuple[float, str]] = []
 
+    @property
+    def began(self) -> float:
+        """When it came into being, inf as long as it did not; until its changes are written."""
+        return self._changes[0][0] if self._changes else math.inf
+
     def add(self, time: float, state: str) -> None:
         """Take a state."""
-        self._begun = self._begun or state in self._begins
-        if self._begun and state != self._state:
+        if state != self._state and (self._state or state in self._begins):
             self._state = state
             self._changes.append((time, state))
 
@@ -67,9 +83,9 @@ class _Lane:
             return
         if not self._written:
             self._written = True
-            stream.log(self._path, _configuration(self._look), static=True)
+            stream.log(self.path, _configuration(self._look), static=True)
         columns = rr.StateChange.columns(state=[state for _, state in self._changes])
-        send(stream, self._path, [time for time, _ in self._changes], columns)
+        send(stream, self.path, [time for time, _ in self._changes], columns)
         self._changes.clear()
 
 
@@ -77,30 +93,20 @@ class Lanes:
     """Writes what nodes and robot do, when it changes; a lane that nothing happens on is not there at all."""
 
     def __init__(self, outline: Outline) -> None:
-        self._body = {name: _Lane(f"{BODY}/{name}", look, set(look) - {_FREE}) for name, look in _BODY.items()}
+        self._body = [_Lane(name, look, set(look) - {_FREE}, path=f"{BODY}/{name}") for name, look in _BODY.items()]
+        self._groups: dict[str, list[_Lane]] = {group: [] for group in (ACTIONS, CONDITIONS, FLOW)}
         self._nodes: dict[str, _Lane] = {}  # by path of the node, of all trees so far
-        self._taken: set[str] = set()
         self._take(outline)
 
     def _take(self, outline: Outline) -> None:
         names = short_names(outline)
-        for node in outline.nodes:
+        for index in outline.in_order():
+            node = outline.nodes[index]
             if node.path not in self._nodes:
                 group = _GROUP.get(node.kind, FLOW)
-                path = self._free_path(group, names[node.path])
-                self._nodes[node.path] = _Lane(path, _STATUS, _BEGINS[group])
+                lane = self._nodes[node.path] = _Lane(_in_entity(names[node.path]), _STATUS, _BEGINS[group])
+                self._groups[group].append(lane)
         self._here = {node.path for node in outline.nodes}
-
-    def _free_path(self, group: str, name: str) -> str:
-        words = name.replace(" (", "-in-").replace(": ", "-").removesuffix(")")
-        words = "".join(c if c.isascii() and (c.isalnum() or c == "-") else "_" for c in words)
-        path = wanted = f"{group}/{words}"
-        number = 1
-        while path in self._taken:
-            number += 1
-            path = f"{wanted}_{number}"
-        self._taken.add(path)
-        return path
 
     def show(self, time: float, outline: Outline) -> None:
         """Take another tree, from a time on [s]; nodes of the same path keep their lanes."""
@@ -115,13 +121,24 @@ class Lanes:
     def add(self, state: State) -> None:
         """Take one state of the robot."""
         values = (state.mode.value, state.gait.value, _LIMITED if state.limit_flags else _FREE)
-        for lane, value in zip(self._body.values(), values, strict=True):
+        for lane, value in zip(self._body, values, strict=True):
             lane.add(state.time, value)
 
     def flush(self, stream: Any) -> None:
         """Write the changes since the last flush."""
-        for lane in (*self._body.values(), *self._nodes.values()):
+        for group, lanes in self._groups.items():
+            there = sum(bool(lane.path) for lane in lanes)
+            new = (lane for lane in lanes if not lane.path and lane.began < math.inf)
+            for number, lane in enumerate(sorted(new, key=lambda lane: lane.began), there + 1):
+                lane.path = f"{group}/{number}-{lane.name}"
+        for lane in (*self._body, *self._nodes.values()):
             lane.flush(stream)
+
+
+def _in_entity(name: str) -> str:
+    """Return a node's short name with what needs no escape in the name of an entity."""
+    words = name.replace(" (", "-in-").replace(": ", "-").removesuffix(")")
+    return "".join(c if c.isascii() and (c.isalnum() or c == "-") else "_" for c in words)
 
 
 def _configuration(look: _Look) -> Any:

@@ -39,9 +39,9 @@ def test_a_lane_begins_when_something_happens_on_it(record: Maker, file: Path) -
         recorder.node_changed(0.5, "root/reach", "RUNNING", "")
         recorder.node_changed(0.7, "root/reach", "INVALID", "halted")
         recorder.node_changed(0.9, "root/ruhig ä", "SUCCESS", "at once: only an event")
-    assert states(file, "/actions/reach") == [(0.5, "RUNNING"), (0.7, "INVALID")]
+    assert states(file, "/actions/1-reach") == [(0.5, "RUNNING"), (0.7, "INVALID")]
     groups = tuple(f"/{group}/" for group in lanes.GROUPS)
-    assert [entity for entity in entities(file) if entity.startswith(groups)] == ["/actions/reach"]
+    assert [entity for entity in entities(file) if entity.startswith(groups)] == ["/actions/1-reach"]
 
 
 def test_mode_gait_and_limits_have_lanes(record: Maker, file: Path) -> None:
@@ -62,9 +62,9 @@ def test_another_tree_ends_what_ran_and_nodes_of_one_path_keep_their_lanes(recor
         recorder.show_tree(1.0, TreeView(new), {})
         recorder.node_changed(1.5, "root/reach", "RUNNING", "")
         recorder.node_changed(1.5, "root/walk", "RUNNING", "")
-    assert states(file, "/actions/ruhig__") == [(0.1, "RUNNING"), (1.0, "INVALID")]
-    assert states(file, "/actions/reach") == [(0.1, "RUNNING"), (1.0, "INVALID"), (1.5, "RUNNING")]
-    assert states(file, "/actions/walk") == [(1.5, "RUNNING")]
+    assert states(file, "/actions/2-ruhig__") == [(0.1, "RUNNING"), (1.0, "INVALID")]
+    assert states(file, "/actions/1-reach") == [(0.1, "RUNNING"), (1.0, "INVALID"), (1.5, "RUNNING")]
+    assert states(file, "/actions/3-walk") == [(1.5, "RUNNING")]
 
 
 def test_lanes_of_one_name_are_two(record: Maker, file: Path) -> None:
@@ -74,7 +74,7 @@ def test_lanes_of_one_name_are_two(record: Maker, file: Path) -> None:
         recorder.show_tree(0.0, TreeView(outline), {})
         for node in twins:
             recorder.node_changed(1.0, node.path, "RUNNING", "")
-    assert {"/actions/a_b", "/actions/a_b_2"} <= entities(file)
+    assert {"/actions/1-a_b", "/actions/2-a_b"} <= entities(file)
 
 
 @pytest.mark.parametrize("tree", ["fetch", "tour"])
@@ -135,5 +135,19 @@ def test_lanes_are_called_with_words(record: Maker, file: Path) -> None:
     groups = tuple(f"/{group}/" for group in lanes.GROUPS)
     found = [entity for entity in entities(file) if entity.startswith(groups)]
     assert len(found) == len(outline.nodes)
-    assert {"/actions/wait-in-give", "/flow/receive_a_visitor", "/conditions/confident"} <= set(found)
-    assert not any(re.search(r"\\|/\d", entity) for entity in found)
+    words = {re.sub(r"/\d+-", "/", entity) for entity in found}
+    assert {"/actions/wait-in-give", "/flow/receive_a_visitor", "/conditions/confident"} <= words
+    assert "\\" not in "".join(found)
+
+
+def test_what_ran_first_comes_first(record: Maker, file: Path) -> None:
+    """The viewer sorts lanes by name, and numbers in names as numbers."""
+    nodes = [OutlineNode(f"t/{name}", name, "act", "skill", 0) for name in "abcdefghijkl"]
+    outline = Outline("t", "", (OutlineNode("t", "t", "sequence", "composite", -1), *nodes))
+    with record() as recorder:
+        recorder.show_tree(0.0, TreeView(outline), {})
+        for time, node in enumerate(reversed(nodes)):
+            recorder.node_changed(float(time), node.path, "RUNNING", "")
+    found = [entity.removeprefix("/actions/") for entity in entities(file) if entity.startswith("/actions/")]
+    numbers = {int(name.split("-")[0]): name for name in found}
+    assert [numbers[i] for i in sorted(numbers)] == [f"{i}-{name}" for i, name in enumerate("lkjihgfedcba", 1)]

@@ -240,10 +240,10 @@ def test_the_recording_follows_the_tree(root: Path, tmp_path: Path) -> None:
     edges = [(time, len(found)) for time, found in rows(file, "/tree/edges", "LineStrips2D:strips")]
     assert {count for time, count in edges if time < swap} == {1}
     assert {count for time, count in edges if time > swap} == {3}
-    old = rows(file, "/actions/walk", "StateChange:state")
+    old = rows(file, "/actions/1-walk", "StateChange:state")
     assert [state for _, (state,) in old] == ["RUNNING", "INVALID"]
     assert old[-1][0] == swap
-    assert [state for _, (state,) in rows(file, "/actions/wait", "StateChange:state")][:1] == ["RUNNING"]
+    assert [state for _, (state,) in rows(file, "/actions/2-wait", "StateChange:state")][:1] == ["RUNNING"]
 
 
 def test_a_watch_polls_in_a_thread_and_ends_with_the_run() -> None:
