@@ -207,7 +207,7 @@ class Supervisor:
 
     def _why_falling(self, measurement: Measurement) -> str:
         """Return why the robot cannot be kept on its feet, "" when it can."""
-        if not math.isfinite(measurement.qpos.sum() + measurement.qvel.sum()):
+        if not math.isfinite(measurement.qpos @ measurement.qpos + measurement.qvel @ measurement.qvel):
             return "the measured state is not finite"
         _, _, height, _, x, y, _ = measurement.qpos[:BASE_COORDINATES].tolist()
         if height < self._fall.height * self._home_height:

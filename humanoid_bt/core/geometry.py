@@ -36,6 +36,18 @@ def planar_pose(x: float, y: float, z: float, yaw: float) -> Array:
     return np.array([x, y, z, math.cos(yaw / 2), 0.0, 0.0, math.sin(yaw / 2)])
 
 
+def view_along(yaw: float, pitch: float) -> Array:
+    """Return the quaternion, shape (4,), of what looks along a yaw and then a pitch [rad]."""
+    cy, sy, cp, sp = math.cos(yaw / 2), math.sin(yaw / 2), math.cos(pitch / 2), math.sin(pitch / 2)
+    return np.array([cy * cp, -sy * sp, cy * sp, sy * cp])
+
+
+def leaning(heading: float, lean: float, yaw: float = 0.0) -> Array:
+    """Return the quaternion, shape (4,), of what leans ahead along a heading, and turns about its own axis [rad]."""
+    leans = view_along(heading, lean).tolist()
+    return np.array(_product(leans, [math.cos(yaw / 2), 0.0, 0.0, math.sin(yaw / 2)]))
+
+
 def pose_product(first: Array, second: Array) -> Array:
     """Return the pose, shape (7,), of ``second`` when it is given in the frame of ``first``."""
     a, b = first.tolist(), second.tolist()

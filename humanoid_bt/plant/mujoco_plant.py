@@ -49,9 +49,12 @@ class MujocoPlant:
         joints = len(robot.joint_names)
         self._nq, self._nv = BASE_COORDINATES + joints, BASE_DOFS + joints
         self._objects = {name: self.model.body(f"object_{name}").id for name in scene.config.objects}
-        self._force_at = [int(self.model.sensor(foot_sensor(side)).adr[0]) + 2 for side in SIDES]
+        data = self.data  # views of it, which stay
+        self._qpos, self._qvel, self._torque = data.qpos[: self._nq], data.qvel[: self._nv], data.actuator_force
+        self._feet = [data.sensor(foot_sensor(side)).data[2:] for side in SIDES]
         self._stiffness = robot.stiffness.copy()
         self._damping = robot.damping.copy()
+        self._command: JointCommand | None = None  # which the drives have
         self._pushes: dict[int, tuple[float, Array]] = {}
         self.external_force_max = 0.0
         self.cycle = 0
@@ -76,6 +79,7 @@ class MujocoPlant:
         mujoco.mju_mulQuat(start[3:7], turn, qpos[3:7])
         self.data.qpos[: self._nq] = start
         self.data.ctrl[:] = self._stiffness * start[BASE_COORDINATES:]  # the drives hold what they find
+        self._command = None
         self._pushes.clear()
         self.external_force_max = 0.0
         self.cycle = 0
@@ -84,29 +88,31 @@ class MujocoPlant:
 
     def measure(self) -> Measurement:
         """Return what the robot's sensors say now."""
-        data = self.data
-        sensors = data.sensordata
-        left, right = self._force_at
+        left, right = self._feet
         return Measurement(
             time=self.time,
-            qpos=data.qpos[: self._nq].copy(),
-            qvel=data.qvel[: self._nv].copy(),
-            joint_torque=data.actuator_force.copy(),
-            foot_force=np.array([abs(sensors[left]), abs(sensors[right])]),
+            qpos=self._qpos.copy(),
+            qvel=self._qvel.copy(),
+            joint_torque=self._torque.copy(),
+            foot_force=np.array([abs(left.item()), abs(right.item())]),
         )
 
     def step(self, command: JointCommand) -> None:
         """Drive the joints for one servo period."""
-        data = self.data
+        if command is not self._command:
+            self._take(command)
+        if self._pushes:
+            self._apply_pushes()
+        mujoco.mj_step(self.model, self.data)
+        self.cycle += 1
+
+    def _take(self, command: JointCommand) -> None:
+        self._command = command
         if command.stiffness is not self._stiffness or command.damping is not self._damping:
             self._stiffness, self._damping = command.stiffness, command.damping
             self.model.actuator_biasprm[:, 1] = -command.stiffness
             self.model.actuator_biasprm[:, 2] = -command.damping
-        data.ctrl[:] = command.stiffness * command.position + command.damping * command.velocity + command.torque
-        if self._pushes:
-            self._apply_pushes()
-        mujoco.mj_step(self.model, data)
-        self.cycle += 1
+        self.data.ctrl[:] = command.stiffness * command.position + command.damping * command.velocity + command.torque
 
     def move_objects(self) -> None:
         """Put the scene's objects where its script says they are now."""

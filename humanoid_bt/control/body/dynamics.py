@@ -52,9 +52,9 @@ class RobotDynamics:
         self.com = data.subtree_com[self._base].copy()
         self.com_velocity = data.subtree_linvel[self._base].copy()
         for side, site in self._sole.items():
-            x, y, _ = data.site_xpos[site]
-            matrix = data.site_xmat[site]
-            self.soles[side] = np.array([x, y, math.atan2(matrix[3], matrix[0])])
+            x, y, _ = data.site_xpos[site].tolist()
+            ahead, _, _, left, *_ = data.site_xmat[site].tolist()
+            self.soles[side] = np.array([x, y, math.atan2(left, ahead)])
         w, x, y, z = data.qpos[3:7].tolist()
         self.roll = math.atan2(2 * (w * x + y * z), 1 - 2 * (x * x + y * y))
         self.pitch = math.asin(max(-1.0, min(1.0, 2 * (w * y - z * x))))

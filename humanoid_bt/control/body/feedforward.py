@@ -82,18 +82,19 @@ class Feedforward:
     def _limit_ankle(self, torque: Array, side: Side, force: Array, position: Array, velocity: Array) -> None:
         """Keep the whole ankle torque, feedback included, so small that the pressure stays inside the sole."""
         dynamics, robot = self._dynamics, self._robot
-        x, y, yaw = dynamics.soles[side]
+        x, y, yaw = dynamics.soles[side].tolist()
+        fx, fy, fz = force.tolist()
         dynamics.foot_jacobian(side, np.array([x, y, 0.0]), self._linear, self._angular)
         cos, sin = math.cos(yaw), math.sin(yaw)
         for joint, axis, half in self._ankles[side]:
             dof = BASE_DOFS + joint
-            centred = -float(self._linear[:, dof] @ force)  # torque for pressure at the sole's centre
+            lx, ly, lz = self._linear[:, dof].tolist()
+            centred = -(lx * fx + ly * fy + lz * fz)  # torque for pressure at the sole's centre
             ex, ey = (cos, sin) if axis == 0 else (-sin, cos)
-            turn = self._angular[:, dof]
-            moment = turn[0] * ey * force[2] - turn[1] * ex * force[2] + turn[2] * (ex * force[1] - ey * force[0])
-            reach = abs(half * moment)
-            feedback = robot.stiffness[joint] * (
-                position[joint] - dynamics.data.qpos[BASE_COORDINATES + joint]
-            ) + robot.damping[joint] * (velocity[joint] - dynamics.data.qvel[dof])
-            whole = min(max(feedback + torque[joint], centred - reach), centred + reach)
+            tx, ty, tz = self._angular[:, dof].tolist()
+            reach = abs(half * (tx * ey * fz - ty * ex * fz + tz * (ex * fy - ey * fx)))
+            feedback = robot.stiffness.item(joint) * (
+                position.item(joint) - dynamics.data.qpos.item(BASE_COORDINATES + joint)
+            ) + robot.damping.item(joint) * (velocity.item(joint) - dynamics.data.qvel.item(dof))
+            whole = min(max(feedback + torque.item(joint), centred - reach), centred + reach)
             torque[joint] = whole - feedback

@@ -2,54 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
-
 import mink
 import mujoco
 import numpy as np
+import qpsolvers
 
+from humanoid_bt.control.body.body_task import BodyTargets, BodyTask
 from humanoid_bt.control.body.height_limit import HeightLimit
-from humanoid_bt.control.body.mink_terms import SOLVER, frame_task, leaning, se3, view_along, within_soft_limits
-from humanoid_bt.core.geometry import clamp, exp, planar_pose, pose_product
+from humanoid_bt.control.body.mink_terms import SOLVER, frame_task
+from humanoid_bt.core.geometry import clamp
 from humanoid_bt.core.messages import SIDES, Array, Side
-from humanoid_bt.robot.model import BASE_COORDINATES, BASE_DOFS, GAZE_SITE, RobotModel, palm_site, sole_site
+from humanoid_bt.robot.model import BASE_COORDINATES, BASE_DOFS, RobotModel, palm_site
 
-_NO_TWIST = 1e-14  # square of a twist too small to matter
+_NO_BOUND = 1e30  # for the solver
 _ACCELERATION_LIMIT = 100.0  # rad/s^2, of the planned motion, as it goes into the feedforward
-_LEANS = 0.3  # rad of lean for the gaze at which a reaching hand does not move the torso any more
 _SMOOTH_TIME = 0.02  # s, low-pass of planned acceleration and momentum rate
-
-
-@dataclass(frozen=True)
-class BodyTargets:
-    """What the whole body shall do in this control period; world frame.
-
-    Attributes:
-        com: centre of mass, shape (3,) [m].
-        soles: pose (x, y, yaw) of each sole.
-        sole_heights: [m].
-        sole_twists: correction of each sole's pose, shape (6,).
-        heading: of the pelvis [rad].
-        torso_yaw: of the torso relative to the heading [rad].
-        lean: of the pelvis and of the torso ahead [rad].
-        gaze: (yaw relative to the heading, pitch) of the view [rad].
-        hands: palm positions, shape (3,) [m], of the hands that are commanded.
-        reaching: how far the body is given to the hands, in [0, 1].
-        posture: joint posture, shape (nj,) [rad].
-    """
-
-    com: Array
-    soles: Mapping[Side, Array]
-    sole_heights: Mapping[Side, float]
-    sole_twists: Mapping[Side, Array]
-    heading: float
-    torso_yaw: float
-    lean: tuple[float, float]
-    gaze: tuple[float, float]
-    hands: Mapping[Side, Array]
-    reaching: float
-    posture: Array
 
 
 class InverseKinematics:
@@ -73,28 +40,21 @@ class InverseKinematics:
     """
 
     def __init__(self, robot: RobotModel, dt: float) -> None:
-        config, weights = robot.config, robot.config.whole_body
-        self._robot, self._weights, self._dt = robot, weights, dt
-        self._model = within_soft_limits(robot)
+        self._robot, self._dt = robot, dt
+        self._model, self._damping = robot.model, robot.config.whole_body.damping
         self.configuration = mink.Configuration(self._model)
-        self._com = mink.ComTask(cost=list(weights.com))
-        self._soles = {
-            side: frame_task(sole_site(side), "site", weights.foot_position, weights.foot_orientation) for side in SIDES
-        }
-        self._base = frame_task(config.base, "body", 0.0, weights.base_orientation)
-        self._torso = frame_task(config.torso, "body", 0.0, weights.torso_orientation)
-        self._posture = mink.PostureTask(self._model, cost=weights.posture)
-        self._gaze = frame_task(GAZE_SITE, "site", 0.0, weights.gaze) if config.neck else None
+        self._body = BodyTask(robot, self._model)
+        weights = robot.config.whole_body
         self._hands = {
             side: frame_task(palm_site(side), "site", weights.hand, 0.0, weights.hand_damping)
             for side in SIDES
-            if side in config.hands
+            if side in robot.config.hands
         }
+        self.tasks: list[mink.BaseTask] = [self._body]
         self.height_limit = HeightLimit(self._model.nv)
-        self.limits: list[mink.Limit] = [mink.ConfigurationLimit(self._model), self.height_limit]
-        self.tasks: list[mink.BaseTask] = []
-        self._given = (0.0, 0.0)  # to the hands, and how far it leans for the eyes
-        self._root = self._model.body(config.base).id
+        self.limits: list[mink.Limit] = [self.height_limit]
+        self._low, self._high = np.full(self._model.nv, -_NO_BOUND), np.full(self._model.nv, _NO_BOUND)
+        self._root = self._model.body(robot.config.base).id
         self._palms = {side: self._model.site(palm_site(side)).id for side in self._hands}
         self.reset(robot.home_qpos)
 
@@ -130,28 +90,38 @@ class InverseKinematics:
 
     def step(self, targets: BodyTargets) -> bool:
         """Move one control period toward the targets; return whether there was a solution within all limits."""
-        self.tasks = self._set_targets(targets)
-        try:
-            velocity = mink.solve_ik(
-                self.configuration,
-                self.tasks,
-                self._dt,
-                solver=SOLVER,
-                damping=self._weights.damping,
-                limits=self.limits,
-            )
-            self.solved = bool(np.isfinite(velocity).all())
-        except mink.NoSolutionFound:
-            self.solved = False
-        if not self.solved:
+        self._body.aim(self.configuration.data, targets)
+        for side, position in targets.hands.items():
+            self._hands[side].set_target(mink.SE3.from_translation(position))
+        self.tasks = [self._body, *(self._hands[side] for side in targets.hands)]
+        velocity = self._within_limits()
+        self.solved = velocity is not None
+        if velocity is None:
             velocity = self._without_limits()
         self.configuration.integrate_inplace(velocity, self._dt)
         self._follow_motion(velocity)
         return self.solved
 
+    def _problem(self, limits: list[mink.Limit]) -> qpsolvers.Problem:
+        problem: qpsolvers.Problem = mink.build_ik(
+            self.configuration, self.tasks, self._dt, damping=self._damping, limits=limits
+        )
+        return problem
+
+    def _within_limits(self) -> Array | None:
+        """Return the velocity within all limits, shape (nv,); None if there is none."""
+        problem = self._problem(self.limits)
+        problem.lb, problem.ub = self._low, self._high
+        np.subtract(self._robot.lower, self.joints, out=problem.lb[BASE_DOFS:])
+        np.subtract(self._robot.upper, self.joints, out=problem.ub[BASE_DOFS:])
+        solution = qpsolvers.solve_problem(problem, SOLVER)
+        if not solution.found or solution.x is None or not np.isfinite(solution.x).all():
+            return None
+        return np.asarray(solution.x / self._dt)
+
     def _without_limits(self) -> Array:
         """Return the velocity of damped least squares, shape (nv,), clamped; zero if even that has no solution."""
-        problem = mink.build_ik(self.configuration, self.tasks, self._dt, damping=self._weights.damping, limits=[])
+        problem = self._problem([])
         try:
             way = np.linalg.solve(problem.P, -problem.q)
         except np.linalg.LinAlgError:
@@ -161,38 +131,6 @@ class InverseKinematics:
         after = clamp(self.joints + way[BASE_DOFS:], self._robot.lower, self._robot.upper)
         way[BASE_DOFS:] = after - self.joints
         return np.asarray(way / self._dt)
-
-    def _set_targets(self, targets: BodyTargets) -> list[mink.BaseTask]:
-        for side in SIDES:
-            x, y, yaw = targets.soles[side]
-            pose = planar_pose(x, y, targets.sole_heights[side], yaw)
-            twist = targets.sole_twists[side]
-            corrected = twist @ twist > _NO_TWIST
-            self._soles[side].set_target(se3(pose_product(exp(twist), pose) if corrected else pose))
-        self._com.set_target(targets.com)
-        base_lean, torso_lean = targets.lean
-        self._base.set_target(leaning(targets.heading, base_lean))
-        self._torso.set_target(leaning(targets.heading, torso_lean, targets.torso_yaw))
-        self._posture.set_target(np.concatenate([self.base_pose, targets.posture]))
-        if (targets.reaching, torso_lean) != self._given:
-            self._give_body_to_hands(targets.reaching, torso_lean)
-        tasks = [self._com, self._soles["left"], self._soles["right"], self._base, self._torso, self._posture]
-        if self._gaze is not None:
-            yaw, pitch = targets.gaze
-            self._gaze.set_target(view_along(targets.heading + yaw, pitch))
-            tasks.append(self._gaze)
-        for side, position in targets.hands.items():
-            self._hands[side].set_target(mink.SE3.from_translation(position))
-            tasks.append(self._hands[side])
-        return tasks
-
-    def _give_body_to_hands(self, reaching: float, lean: float) -> None:
-        weights = self._weights
-        self._given = (reaching, lean)
-        torso = _blend(weights.reach_torso, weights.torso_orientation, min(1.0, lean / _LEANS))  # the eyes need it
-        self._com.set_cost([*weights.com[:2], _blend(weights.com[2], weights.reach_height, reaching)])
-        self._base.set_orientation_cost(_blend(weights.base_orientation, weights.reach_base, reaching))
-        self._torso.set_orientation_cost(_blend(weights.torso_orientation, torso, reaching))
 
     def _follow_motion(self, velocity: Array) -> None:
         smooth = min(1.0, self._dt / _SMOOTH_TIME)
@@ -206,9 +144,3 @@ class InverseKinematics:
         momentum = data.subtree_angmom[self._root].copy()
         self.momentum_rate += smooth * ((momentum - self._momentum) / self._dt - self.momentum_rate)
         self._momentum = momentum
-
-
-def _blend(free: float, reaching: float, share: float) -> float:
-    """Return a cost between two; cubic, because a little of the free cost moves a body that leans a lot."""
-    taken = (1 - share) ** 3
-    return free * taken + reaching * (1 - taken)

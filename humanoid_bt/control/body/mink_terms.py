@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-import math
-
 import mink
 import mujoco
 import numpy as np
 
 from humanoid_bt.core.geometry import planar_pose
-from humanoid_bt.core.messages import Array
 from humanoid_bt.robot.model import RobotModel
 
 SOLVER = "daqp"
@@ -30,23 +27,6 @@ def frame_task(name: str, kind: str, position: float, orientation: float, lm_dam
 
 
 def planar_se3(yaw: float, position: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> mink.SE3:
-    """Return the pose at a position [m], upright, with a heading [rad]."""
-    return se3(planar_pose(*position, yaw))
-
-
-def se3(pose: Array) -> mink.SE3:
-    """Return a pose of shape (7,), position [m] and quaternion wxyz, as mink has it."""
+    """Return the pose at a position [m], upright, with a heading [rad], as mink has it."""
+    pose = planar_pose(*position, yaw)
     return mink.SE3(np.concatenate([pose[3:], pose[:3]]))
-
-
-def leaning(heading: float, lean: float, yaw: float = 0.0) -> mink.SE3:
-    """Return the pose of a body that leans ahead along a heading, and is turned by a yaw about its own axis [rad]."""
-    if not lean:
-        return planar_se3(heading + yaw)
-    return view_along(heading, lean) @ planar_se3(yaw)
-
-
-def view_along(yaw: float, pitch: float) -> mink.SE3:
-    """Return the pose that looks along a yaw and then a pitch: the product of the two turns' quaternions."""
-    cy, sy, cp, sp = math.cos(yaw / 2), math.sin(yaw / 2), math.cos(pitch / 2), math.sin(pitch / 2)
-    return mink.SE3(np.array([cy * cp, -sy * sp, cy * sp, sy * cp, 0.0, 0.0, 0.0]))

@@ -11,9 +11,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from humanoid_bt.control.body.body_task import BodyTargets
 from humanoid_bt.control.body.dynamics import RobotDynamics
 from humanoid_bt.control.body.feedforward import Feedforward
-from humanoid_bt.control.body.inverse_kinematics import BodyTargets, InverseKinematics
+from humanoid_bt.control.body.inverse_kinematics import InverseKinematics
 from humanoid_bt.control.body.lean import LeanReference
 from humanoid_bt.control.body.references import GazeReference, HandReference, PostureReference, approach
 from humanoid_bt.control.body.stabilizer import Stabilizer

@@ -1,0 +1,75 @@
+"""The task of the whole body: its rows are the derivatives of its errors."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import mink
+import mujoco
+import numpy as np
+import pytest
+
+from humanoid_bt.control.body.body_task import BodyTargets, BodyTask
+from humanoid_bt.core.messages import Array
+from humanoid_bt.robot.model import BASE_COORDINATES, RobotModel
+
+SMALL = 1e-6
+
+
+@pytest.fixture
+def targets(robot: RobotModel, standing: Array) -> BodyTargets:
+    """Somewhere near, and turned a little."""
+    half = robot.config.gait.stance_width / 2
+    return BodyTargets(
+        com=np.array([0.02, -0.01, 0.6]),
+        soles={"left": np.array([0.02, half, 0.01]), "right": np.array([0, -half, 0.02])},
+        sole_heights={"left": 0.01, "right": 0.0},
+        sole_twists={"left": np.array([0, 0, 0, 0.01, 0.02, 0]), "right": np.zeros(6)},
+        heading=0.02,
+        torso_yaw=0.01,
+        lean=(0.01, 0.02),
+        gaze=(0.02, 0.01),
+        hands={},
+        reaching=0.5,
+        posture=standing[BASE_COORDINATES:] + 0.01,
+    )
+
+
+def data_at(robot: RobotModel, qpos: Array) -> mujoco.MjData:
+    data = mujoco.MjData(robot.model)
+    data.qpos[:] = qpos
+    mujoco.mj_kinematics(robot.model, data)
+    mujoco.mj_comPos(robot.model, data)
+    return data
+
+
+def test_the_jacobian_is_the_errors_derivative(robot: RobotModel, standing: Array, targets: BodyTargets) -> None:
+    """Of orientations to first order in the error: that is a few hundredths here."""
+    task = BodyTask(robot, robot.model)
+    task.aim(data_at(robot, standing), targets)
+    jacobian, error = task.jacobian.copy(), task.error.copy()
+    assert np.abs(error).max() > 0.01
+    for dof in range(robot.model.nv):
+        moved = standing.copy()
+        mujoco.mj_integratePos(robot.model, moved, np.eye(robot.model.nv)[dof], SMALL)
+        task.aim(data_at(robot, moved), targets)
+        np.testing.assert_allclose((error - task.error) / SMALL, jacobian[:, dof], atol=0.05)
+
+
+def test_its_residual_and_its_objective_are_one_problem(
+    robot: RobotModel, standing: Array, targets: BodyTargets
+) -> None:
+    task = BodyTask(robot, robot.model)
+    task.aim(data_at(robot, standing), targets)
+    configuration = mink.Configuration(robot.model, standing)
+    jacobian, error, _ = task.compute_qp_residual(configuration)
+    objective = task.compute_qp_objective(configuration)
+    np.testing.assert_allclose(objective.H, jacobian.T @ jacobian, atol=1e-9)
+    np.testing.assert_allclose(objective.c, -jacobian.T @ error, atol=1e-9)
+
+
+def test_it_turns_the_short_way(robot: RobotModel, standing: Array, targets: BodyTargets) -> None:
+    """Quaternions have two signs."""
+    task = BodyTask(robot, robot.model)
+    task.aim(data_at(robot, standing), replace(targets, heading=2 * np.pi - 0.1, torso_yaw=0.0, gaze=(0.0, 0.0)))
+    assert np.abs(task.error).max() < 0.7
