@@ -1,0 +1,76 @@
+"""Many samples of many numbers in few bytes: what a flight recorder writes a thousand times a second.
+
+A block is a table of samples, a row each. Each column has a resolution; what is kept of a number is how many of these
+it is. Neighbouring samples of a moving robot differ little, so that the differences from row to row, byte by byte, hold
+long runs of equal bytes, and a general compressor makes a sixth of them. A block with a number that is not finite, or
+too large for its resolution, is kept as it is: what happened before a robot fell must be readable bit by bit.
+"""
+
+from __future__ import annotations
+
+import struct
+import zlib
+
+import numpy as np
+
+from humanoid_bt.core.errors import HumanoidBtError
+from humanoid_bt.core.messages import Array
+
+_HEADER = struct.Struct("<BIIQ")  # form, rows, columns, check of what follows
+_EXACT, _ROUNDED = 0, 1
+_LEVEL = 1  # of zlib: higher ones take three times as long for a tenth less
+_MOST = 2**30  # of a column's resolution; what is larger is kept as it is
+_LARGEST = 2**28  # bytes of a block; a damaged header must not fill the memory
+
+
+class BlockError(HumanoidBtError):
+    """The bytes are no whole block."""
+
+
+def pack(block: Array, resolution: Array) -> bytes:
+    """Return a block as bytes.
+
+    Args:
+        block: shape (rows, columns).
+        resolution: of each column, shape (columns,), in its unit.
+    """
+    rows, columns = block.shape
+    form, body = _EXACT, np.ascontiguousarray(block, dtype="<f8").tobytes()
+    with np.errstate(invalid="ignore", over="ignore"):
+        counts = np.round(block / resolution)
+        fits = bool((np.abs(counts) < _MOST).all())  # also false where one is not finite
+    if fits:
+        steps = np.diff(counts.astype("<i4"), axis=0, prepend=np.zeros((1, columns), "<i4"))
+        form, body = _ROUNDED, _by_byte(steps)
+    packed = zlib.compress(body, _LEVEL)
+    return _HEADER.pack(form, rows, columns, zlib.crc32(packed)) + packed
+
+
+def unpack(packed: bytes, resolution: Array) -> Array:
+    """Return a packed block, shape (rows, columns): each number within half of its resolution, or exact.
+
+    Raises:
+        BlockError: the bytes are cut, changed, or were packed for other columns.
+    """
+    if len(packed) < _HEADER.size:
+        raise BlockError(f"a block of {len(packed)} bytes is too short")
+    form, rows, columns, check = _HEADER.unpack_from(packed)
+    body = packed[_HEADER.size :]
+    if zlib.crc32(body) != check:
+        raise BlockError("a block is damaged")
+    size = rows * columns * (4 if form == _ROUNDED else 8)
+    if columns != len(resolution) or size > _LARGEST:
+        raise BlockError(f"a block has {columns} columns, not {len(resolution)}")
+    raw = zlib.decompress(body, bufsize=max(size, 1))
+    if len(raw) != size:
+        raise BlockError(f"a block of {rows} rows holds {len(raw)} bytes, not {size}")
+    if form == _EXACT:
+        return np.frombuffer(raw, "<f8").reshape(rows, columns).copy()
+    bytes_of = np.frombuffer(raw, np.uint8).reshape(4, columns, rows)
+    steps = np.ascontiguousarray(bytes_of.transpose(2, 1, 0)).view("<i4").reshape(rows, columns)
+    return np.cumsum(steps, axis=0, dtype=np.int32) * resolution
+
+
+def _by_byte(steps: Array) -> bytes:
+    """Return first all lowest bytes, column by column, then all second ones and so on."""
+    return np.ascontiguousarray(steps).view(np.uint8).reshape(*steps.shape, 4).transpose(2, 1, 0).tobytes()
