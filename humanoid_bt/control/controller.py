@@ -8,6 +8,7 @@ from __future__ import annotations
 import numpy as np
 
 from humanoid_bt.control.body.whole_body import WholeBody
+from humanoid_bt.control.cycle_log import CycleLog
 from humanoid_bt.control.servo import Servo
 from humanoid_bt.control.supervisor import Supervisor
 from humanoid_bt.core.clock import WHOLE_BODY_PERIOD, cycles
@@ -41,6 +42,7 @@ class Controller:
         supervisor: decides what is allowed.
         whole_body: plans the setpoints.
         servo: drives the joints.
+        log: is told every servo cycle, if there is one.
         cycle: servo cycles so far.
     """
 
@@ -49,6 +51,7 @@ class Controller:
         self.supervisor = Supervisor(robot.config.fall)
         self.whole_body = WholeBody(robot)
         self.servo = Servo(robot)
+        self.log: CycleLog | None = None
         self._whole_body_period = cycles(WHOLE_BODY_PERIOD)
         self.reset()
 
@@ -86,6 +89,13 @@ class Controller:
         self._plant.step(self.servo.command)
         self.cycle += 1
         self._measurement = self._plant.measure()
+        if self.log is not None:
+            self.log.note(self)
+
+    @property
+    def measurement(self) -> Measurement:
+        """What the plant measured last."""
+        return self._measurement
 
     def _plan(self, measurement: Measurement) -> None:
         supervisor, body = self.supervisor, self.whole_body

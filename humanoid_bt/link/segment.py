@@ -34,6 +34,7 @@ class Kind(IntEnum):
     RING = 1
     HEARTBEAT = 2
     ESTOP = 3
+    TABLE = 4
 
 
 class Segment:

@@ -133,6 +133,11 @@ class BodyTask(BaseTask):  # type: ignore[misc]  # mink has no types
         if (targets.reaching, torso_lean) != self._given:
             self._give_body_to_hands(targets.reaching, torso_lean)
 
+    @property
+    def com_error(self) -> Array:
+        """From where the centre of mass was planned to be to its target, shape (3,) [m]."""
+        return self._com.error
+
     def compute_qp_residual(self, configuration: mink.Configuration) -> tuple[Array, Array, float]:
         """Return the weighted Jacobian, the weighted error, and how much it damps: not at all."""
         return self.cost[:, None] * self.jacobian, self.cost * self.error, 0.0

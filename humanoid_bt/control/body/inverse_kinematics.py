@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Mapping
+
 import mink
 import mujoco
 import numpy as np
@@ -67,6 +70,7 @@ class InverseKinematics:
         self.acceleration: Array = np.zeros(self._model.nv)
         self.momentum_rate: Array = np.zeros(3)
         self._momentum: Array = np.zeros(3)
+        self._hand_goals: Mapping[Side, Array] = {}
         self.solved = True
 
     @property
@@ -88,9 +92,21 @@ class InverseKinematics:
         """Reference position of a palm, world frame, shape (3,)."""
         return np.array(self.configuration.data.site_xpos[self._palms[side]])
 
+    @property
+    def com_error(self) -> Array:
+        """From where the centre of mass was planned to be to where it was to go in the last step, shape (3,) [m]."""
+        return self._body.com_error
+
+    @property
+    def hand_errors(self) -> dict[Side, float]:
+        """How far the planned palms are from where the last step was to bring them [m], of commanded hands."""
+        where = self.configuration.data.site_xpos
+        return {side: math.dist(goal, where[self._palms[side]]) for side, goal in self._hand_goals.items()}
+
     def step(self, targets: BodyTargets) -> bool:
         """Move one control period toward the targets; return whether there was a solution within all limits."""
         self._body.aim(self.configuration.data, targets)
+        self._hand_goals = targets.hands
         for side, position in targets.hands.items():
             self._hands[side].set_target(mink.SE3.from_translation(position))
         self.tasks = [self._body, *(self._hands[side] for side in targets.hands)]

@@ -1,0 +1,172 @@
+"""Every servo cycle as numbers, for whoever reads along: control writes them into tables, and waits for nobody.
+
+One table has a row for each servo cycle, another one a row for each plan of the whole body.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from humanoid_bt.core.clock import WHOLE_BODY_PERIOD, cycles
+from humanoid_bt.core.messages import SIDES, Array, Gait, Mode
+from humanoid_bt.link.table import TableWriter
+from humanoid_bt.robot.model import BASE_COORDINATES, BASE_DOFS
+
+if TYPE_CHECKING:
+    from humanoid_bt.control.controller import Controller
+
+MODES, GAITS = tuple(Mode), tuple(Gait)
+NONE = -1.0
+"""Stands for the error of a hand that nothing commands, and for the command before the first."""
+
+_LATE = 4.0  # s that a reader may be late before it misses something
+_MODE, _GAIT = ({value: float(number) for number, value in enumerate(kind)} for kind in (MODES, GAITS))
+
+
+@dataclass(frozen=True)
+class Column:
+    """Numbers that belong together.
+
+    Attributes:
+        name: what they are.
+        unit: theirs, "" for none.
+        resolution: as much of a number as is worth keeping, in that unit.
+        labels: of each number.
+    """
+
+    name: str
+    unit: str
+    resolution: float
+    labels: tuple[str, ...]
+
+
+class Row:
+    """Columns side by side, as float64.
+
+    Attributes:
+        columns: in their order.
+        width: how many numbers a row has.
+        resolution: of each, shape (width,).
+    """
+
+    def __init__(self, *columns: Column) -> None:
+        self.columns = columns
+        self.width = sum(len(column.labels) for column in columns)
+        self.resolution: Array = np.concatenate([[c.resolution] * len(c.labels) for c in columns])
+
+    def split(self, rows: Array) -> dict[str, Array]:
+        """Return views of the columns of rows, shape (..., width), by name."""
+        ends = np.cumsum([len(column.labels) for column in self.columns])[:-1]
+        return dict(zip([column.name for column in self.columns], np.split(rows, ends, axis=-1), strict=True))
+
+
+@dataclass(frozen=True)
+class Layout:
+    """What is written of a robot.
+
+    Attributes:
+        joints: the robot's joints.
+        plan: once per plan of the whole body.
+        cycle: once per servo cycle.
+    """
+
+    joints: tuple[str, ...]
+    plan: Row
+    cycle: Row
+
+    @classmethod
+    def of(cls, joints: tuple[str, ...]) -> Layout:
+        """Return the layout for a robot with these joints."""
+        xyz = ("x", "y", "z")
+        plan = Row(
+            Column("plan", "", 1.0, ("cycle", "gait", "solved", "stiff")),
+            Column("hand_error", "m", 1e-5, SIDES),
+            Column("setpoint", "rad", 1e-5, joints),
+            Column("setpoint_velocity", "rad/s", 1e-4, joints),
+            Column("feedforward", "Nm", 1e-3, joints),
+            Column("limited", "", 1.0, joints),
+            Column("com_error", "m", 1e-5, xyz),
+        )
+        cycle = Row(
+            Column("servo", "", 1.0, ("cycle", "mode", "command")),
+            Column("base_position", "m", 1e-6, xyz),
+            Column("base_quaternion", "", 1e-6, ("w", *xyz)),
+            Column("position", "rad", 1e-5, joints),
+            Column("base_velocity", "m/s", 1e-5, xyz),
+            Column("base_rate", "rad/s", 1e-4, xyz),
+            Column("velocity", "rad/s", 1e-4, joints),
+            Column("torque", "Nm", 1e-3, joints),
+            Column("foot_force", "N", 1e-2, SIDES),
+        )
+        return cls(joints, plan, cycle)
+
+    def create(self, plans: Path, servo_cycles: Path) -> None:
+        """Make the tables.
+
+        Raises:
+            LinkError: a file cannot be made.
+        """
+        TableWriter.create(plans, self.plan.width, cycles(_LATE) // cycles(WHOLE_BODY_PERIOD)).close()
+        TableWriter.create(servo_cycles, self.cycle.width, cycles(_LATE)).close()
+
+
+class CycleLog:
+    """Control's end of the tables.
+
+    Args:
+        plans, servo_cycles: the tables, as :meth:`Layout.create` makes them.
+        layout: of the robot.
+    """
+
+    def __init__(self, plans: TableWriter, servo_cycles: TableWriter, layout: Layout) -> None:
+        self._plans, self._cycles = plans, servo_cycles
+        joints = len(layout.joints)
+        self._plan_rows = _parts(plans.rows, 4 + len(SIDES), *[joints] * 4)
+        self._cycle_rows = _parts(servo_cycles.rows, 3, BASE_COORDINATES + joints, BASE_DOFS + joints, joints)
+        self._command: object = None
+
+    def note(self, controller: Controller) -> None:
+        """Take the servo cycle that just was."""
+        if controller.servo.command is not self._command:
+            self._note_plan(controller)
+        numbers, qpos, qvel, torque, force = self._cycle_rows[self._cycles.count % len(self._cycle_rows)]
+        supervisor, measurement = controller.supervisor, controller.measurement
+        command = supervisor.command
+        numbers[0] = controller.cycle
+        numbers[1] = _MODE[supervisor.mode]
+        numbers[2] = NONE if command is None else command.sequence
+        qpos[:] = measurement.qpos
+        qvel[:] = measurement.qvel
+        torque[:] = measurement.joint_torque
+        force[:] = measurement.foot_force
+        self._cycles.publish()
+
+    def _note_plan(self, controller: Controller) -> None:
+        body, servo, command = controller.whole_body, controller.servo, controller.servo.command
+        self._command = command
+        numbers, position, velocity, torque, limited, com_error = self._plan_rows[
+            self._plans.count % len(self._plan_rows)
+        ]
+        numbers[0] = controller.cycle
+        numbers[1] = _GAIT[body.walker.gait]
+        numbers[2] = body.solved
+        numbers[3] = controller.supervisor.mode is not Mode.DAMP
+        errors = body.kinematics.hand_errors
+        for number, side in enumerate(SIDES, 4):
+            numbers[number] = errors.get(side, NONE)
+        position[:] = command.position
+        velocity[:] = command.velocity
+        torque[:] = command.torque
+        limited[:] = servo.limited
+        com_error[:] = body.kinematics.com_error
+        self._plans.publish()
+
+
+def _parts(rows: Array, *widths: int) -> list[list[Any]]:
+    """Return views of the parts of each row; the first as a memoryview, which takes single numbers quicker."""
+    parts = (np.split(row, np.cumsum(widths)) for row in rows)
+    return [[first.data, *others] for first, *others in parts]
