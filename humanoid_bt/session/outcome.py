@@ -70,6 +70,7 @@ def report_of(
     sim_time: float,
     wall_time: float,
     slow_ticks: dict[str, Any],
+    recording_missing: float,
 ) -> Report:
     """Return the report of a run that is over.
 
@@ -83,6 +84,7 @@ def report_of(
         sim_time: engine time at which the tree ended [s].
         wall_time: time it took [s].
         slow_ticks: ticks that took longer than their period.
+        recording_missing: time that the recording lacks [s].
     """
     file = options.sinks.file
     return Report(
@@ -111,6 +113,7 @@ def report_of(
         versions=versions(),
         traceback=end.traceback,
         slow_ticks=slow_ticks,
+        recording_missing=round(recording_missing, 3),
     )
 
 

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import time
-from typing import TYPE_CHECKING
 
 from py_trees.common import Status
 
 from humanoid_bt.core.errors import UserError, nearest
 from humanoid_bt.core.messages import Level, State
 from humanoid_bt.decision.result import reported
+from humanoid_bt.record.remote_recorder import RemoteRecorder
 from humanoid_bt.session.engine import Engine
 from humanoid_bt.session.happenings import Happenings
 from humanoid_bt.session.recording import run_info, tree_view
@@ -17,9 +17,6 @@ from humanoid_bt.session.trace import Trace
 from humanoid_bt.session.tree_runner import TreeRunner
 from humanoid_bt.tree.ticking.executor import NodeChange
 from humanoid_bt.tree.tree import Tree
-
-if TYPE_CHECKING:  # most runs of a program record nothing
-    from humanoid_bt.record.recorder import Recorder
 
 _STATUS_TICKS = 10  # ticks between two reports to whoever looks from outside
 
@@ -70,7 +67,7 @@ class Teller:
         self._listener, self._engine = listener, engine
         self._happenings = Happenings(engine)
         self.trace = Trace()
-        self.recorder: Recorder | None = None
+        self.recorder: RemoteRecorder | None = None
         self.waits = False
         self._began = time.monotonic()
         self._ticks = 0
@@ -120,6 +117,11 @@ class Teller:
         for happening in self._happenings.until(now, self.waits):
             self.event(happening.level, happening.text, happening.time)
 
+    def news(self, recorder: RemoteRecorder) -> None:
+        """Tell what went wrong with the recording."""
+        for level, text in recorder.take_news():
+            self.event(level, text)
+
     def show(self, tree: Tree) -> None:
         """Tell that another tree takes the place of the one that ran."""
         self._listener.show(tree)
@@ -146,6 +148,7 @@ class Teller:
             for path, skill in runner.reporting:
                 if skill.status is Status.RUNNING:
                     self.recorder.results(state.time, path, reported(skill))
+            self.news(self.recorder)
         resting = "waiting for an edit" if runner.ended else "coming to a stand"
         self._listener.progress(state.time, f"{tip.name}: {tip.feedback_message}" if tip is not None else resting)
         self._ticks += 1
