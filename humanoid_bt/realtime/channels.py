@@ -13,6 +13,7 @@ from humanoid_bt.link.heartbeat import Heartbeat
 from humanoid_bt.link.ring import RingReader, RingWriter
 from humanoid_bt.link.run_folder import RunFolder
 
+_ESTOP = "estop"
 _SIZES: dict[str, tuple[int, int]] = {  # ring -> (bytes in a slot, slots)
     "command": (4096, 8),  # decision -> control
     "request": (1024, 8),  # decision -> control: a stop, with source and reason
@@ -72,7 +73,7 @@ def create_lockstep_channels(folder: RunFolder) -> None:
 def _create(folder: RunFolder, rings: Iterable[str]) -> None:
     for name in rings:
         RingWriter.create(folder.path(name), *_SIZES[name]).close()
-    EStop.create(folder.path("estop")).close()
+    EStop.create(folder.path(_ESTOP)).close()
 
 
 def writer(folder: RunFolder, name: str) -> RingWriter:
@@ -85,9 +86,9 @@ def reader(folder: RunFolder, name: str) -> RingReader:
     return RingReader.open(folder.path(name))
 
 
-def estop(folder: RunFolder) -> EStop:
-    """Return an end of the e-stop."""
-    return EStop.open(folder.path("estop"))
+def estop(folder: RunFolder, shared: bool = False) -> EStop:
+    """Return an end of the e-stop; ``shared`` as in :meth:`EStop.open`."""
+    return EStop.open(folder.path(_ESTOP), shared)
 
 
 def quit_flag(folder: RunFolder) -> Heartbeat:
