@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING
 
 from humanoid_bt.cli.runs import chosen, identity, no_robot
 from humanoid_bt.cli.source import source
+from humanoid_bt.core.texts import one_line
 from humanoid_bt.link.ring import RingReader
 from humanoid_bt.link.run_folder import RunFolder, all_folders, in_lockstep
 from humanoid_bt.link.segment import LinkError
@@ -151,7 +152,7 @@ class _Watch:
             if at:
                 print(f"{name}: {what} after {(at - self._raised_at) * 1000:.1f} ms")
             else:
-                print(f"{name}: {what} since before: {state.stop_reason} ({state.stop_source})")
+                print(f"{name}: {what} since before: {one_line(f'{state.stop_reason} ({state.stop_source})')}")
             return True
         if not self._folder.folder.exists():
             print(f"{name}: the run has ended")

@@ -13,6 +13,7 @@ from pathlib import Path
 
 from humanoid_bt.cli.findings import print_findings
 from humanoid_bt.core.errors import Place, UserError, nearest, relative
+from humanoid_bt.core.texts import one_line
 from humanoid_bt.files.document import read_text
 from humanoid_bt.files.formatting import formatted
 from humanoid_bt.files.workspace import Workspace
@@ -39,7 +40,7 @@ def fmt(arguments: argparse.Namespace) -> int:
         if file.is_changed and arguments.diff:
             print(_diff(file, relative(path)), end="")
         elif file.is_changed:
-            print(f"{relative(path)}: {'would be formatted' if looks_only else 'formatted'}")
+            print(f"{one_line(relative(path))}: {'would be formatted' if looks_only else 'formatted'}")
     if broken:
         count = "1 file has" if broken == 1 else f"{broken} files have"
         print(f"{count} mistakes and cannot be formatted, of {len(files)}", file=sys.stderr)

@@ -15,6 +15,7 @@ from humanoid_bt.cli.estop import STOPPED
 from humanoid_bt.cli.output import hanging
 from humanoid_bt.cli.runs import found_runs, one_run
 from humanoid_bt.cli.source import source
+from humanoid_bt.core.texts import one_line
 from humanoid_bt.link.estop import EStop, ResetAnswer
 from humanoid_bt.link.run_folder import all_runs
 from humanoid_bt.realtime import channels
@@ -34,7 +35,7 @@ def reset(arguments: argparse.Namespace) -> int:
 
     before = status_of(folder, info)
     if before.mode == "protective_stop" and before.estop is None:
-        why = f"{before.stop_reason} ({before.stop_source})"
+        why = one_line(f"{before.stop_reason} ({before.stop_source})")
         print(f"refused: a protective stop ends when its cause does: {why}", file=sys.stderr)
         return ExitCode.STOPPED
     if before.mode not in STOPPED and before.estop is None:
@@ -48,11 +49,12 @@ def reset(arguments: argparse.Namespace) -> int:
         print(f"error: {why}", file=sys.stderr)
         return ExitCode.ERROR
     if not answer.accepted:
-        print(f"refused: {answer.reason}", file=sys.stderr)
+        print(f"refused: {one_line(answer.reason)}", file=sys.stderr)
         return ExitCode.STOPPED
-    print(f"reset: {before.stop_reason} ({before.stop_source})")
+    print(f"reset: {one_line(f'{before.stop_reason} ({before.stop_source})')}")
     if channel.raised is not None:
-        print(f"but stopped again: {channel.raised.reason} ({channel.raised.source})", file=sys.stderr)
+        why = one_line(f"{channel.raised.reason} ({channel.raised.source})")
+        print(f"but stopped again: {why}", file=sys.stderr)
         return ExitCode.STOPPED
     return ExitCode.SUCCESS
 

@@ -14,6 +14,7 @@ from rich.console import Console
 from rich.text import Text
 
 from humanoid_bt.cli import keys
+from humanoid_bt.cli.console import SafeConsole
 from humanoid_bt.cli.findings import print_findings
 from humanoid_bt.cli.printer import Printer, print_summary
 from humanoid_bt.core.errors import HumanoidBtError, UserError
@@ -26,7 +27,7 @@ _SIGNALS = {signal.SIGINT: "Ctrl-C", signal.SIGTERM: "SIGTERM", signal.SIGHUP: "
 
 def run(arguments: argparse.Namespace) -> int:
     """Run a tree; return the exit code."""
-    console = Console(highlight=False)
+    console = SafeConsole()
     printer = Printer(console, arguments.quiet)
     session = _session(arguments, printer)
     if arguments.report:

@@ -10,6 +10,7 @@ from typing import Any
 
 from py_trees.common import Status
 
+from humanoid_bt.core.texts import shortened
 from humanoid_bt.link.ring import RingReader, RingWriter
 from humanoid_bt.link.run_folder import RunFolder
 from humanoid_bt.link.segment import LinkError
@@ -52,7 +53,7 @@ class TreeTeller:
                 self._write_outline(tree)
         found = [node.behaviour.status for node in tree.nodes]
         said = {
-            index: tree.nodes[index].behaviour.feedback_message[:_LONGEST]
+            index: shortened(tree.nodes[index].behaviour.feedback_message, _LONGEST)
             for index, status in enumerate(found)
             if status in _TELLING and tree.nodes[index].behaviour.feedback_message
         }

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from humanoid_bt.core.errors import UserError, nearest
+from humanoid_bt.core.texts import one_line, printable
 from humanoid_bt.core.units import readable
 
 if TYPE_CHECKING:  # the command line reads the exit codes long before it needs the engine
@@ -187,7 +188,7 @@ class Report:
         return f"{self.tree} on {self.robot} in {self.scene}, seed {self.seed}"
 
     def __repr__(self) -> str:
-        return "\n".join([self._title, f"{self.outcome}: {self.reason}", *aligned(self.summary)])
+        return "\n".join([self._title, f"{self.outcome}: {printable(self.reason)}", *aligned(self.summary)])
 
     def _repr_html_(self) -> str:
         """Return a table, as notebooks show it."""
@@ -218,7 +219,7 @@ class Report:
 def aligned(rows: Sequence[tuple[str, str]]) -> list[str]:
     """Return the lines of a summary's rows."""
     width = max(10, *(len(name) for name, _ in rows)) + 1
-    return [f"  {name:<{width}}{text}" for name, text in rows]
+    return [f"  {name:<{width}}{one_line(text)}" for name, text in rows]
 
 
 def timeline_of(changes: Iterable[NodeChange]) -> list[dict[str, Any]]:
