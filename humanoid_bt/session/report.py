@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 from humanoid_bt.core.errors import UserError, nearest
 from humanoid_bt.core.texts import one_line, printable
 from humanoid_bt.core.units import readable
+from humanoid_bt.files.whole import write_whole
 
 if TYPE_CHECKING:  # the command line reads the exit codes long before it needs the engine
     from humanoid_bt.control.supervisor import Stop
@@ -204,14 +205,14 @@ class Report:
         return values
 
     def write(self, path: str | PathLike[str]) -> None:
-        """Write the report as JSON.
+        """Write the report as JSON, whole or not at all.
 
         Raises:
             UserError: the file cannot be written.
         """
         try:
             text = json.dumps(self.to_dict(), indent=2, allow_nan=False)
-            Path(path).write_text(text + "\n", encoding="utf-8")
+            write_whole(Path(path), f"{text}\n".encode())
         except OSError as error:
             raise UserError(f"the report cannot be written to {str(path)!r}: {error.strerror}") from error
 
