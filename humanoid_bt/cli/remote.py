@@ -91,7 +91,7 @@ def _described(found: RunStatus) -> str:
         ("mode", found.mode.replace("_", " ") + stopped),
         ("node", found.node or "none"),
         ("", found.feedback),
-        ("tree rate", f"{found.tick_rate:.1f} Hz" if found.tick_rate is not None else "no tick yet"),
+        ("tree rate", _rate(found)),
     ]
     if timing := found.timing:
         late = f"late p50 {timing['late_p50']:.0f} us, p99 {timing['late_p99']:.0f} us, max {timing['late_max']:.0f} us"
@@ -104,6 +104,12 @@ def _described(found: RunStatus) -> str:
     lines = [f"{role}: {p['pid']}{'' if p['alive'] else ' (dead)'}" for role, p in found.processes.items()]
     rows += _table("processes", lines)
     return "\n".join(_row(name, text) for name, text in rows if text)
+
+
+def _rate(found: RunStatus) -> str:
+    if found.silent is not None:
+        return f"no tick for {found.silent:.1f} s: decision hangs or waits"
+    return f"{found.tick_rate:.1f} Hz" if found.tick_rate is not None else "no tick yet"
 
 
 def _row(name: str, text: str) -> str:

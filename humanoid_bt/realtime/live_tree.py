@@ -23,7 +23,7 @@ _LETTERS = {Status.INVALID: "-", Status.RUNNING: "R", Status.SUCCESS: "S", Statu
 _STATUSES = {letter: status for status, letter in _LETTERS.items()}
 _TELLING = (Status.RUNNING, Status.FAILURE)  # what these nodes say explains what the robot does
 _LONGEST = 200  # characters of what a node says
-_OPTIONAL = ("feedback_of", "statuses")  # left out of what would not fit, in this order
+_OPTIONAL = ("feedback_of", "statuses", "unseen", "percepts")  # left out of what would not fit, in this order
 
 
 class TreeTeller:
@@ -62,7 +62,7 @@ class TreeTeller:
         data = json.dumps(message).encode()
         for key in _OPTIONAL:
             if len(data) > self._ring.slot_size:
-                del message[key]
+                message.pop(key, None)
                 data = json.dumps(message).encode()
         self._ring.write(data[: self._ring.slot_size])
 

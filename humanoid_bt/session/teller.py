@@ -23,6 +23,7 @@ if TYPE_CHECKING:  # most runs of a program record nothing
     from humanoid_bt.record.recorder import Recorder
 
 _STATUS_TICKS = 10  # ticks between two reports to whoever looks from outside
+_MOST_TOLD = 1000  # characters of a text in them
 
 
 class Listener:
@@ -160,8 +161,9 @@ class Teller:
         self._engine.publish(
             {
                 "time": state.time,
-                "node": getattr(tip, "path", ""),
-                "feedback": shortened(tip.feedback_message) if tip is not None else "",
+                "told_at": time.monotonic(),
+                "node": shortened(getattr(tip, "path", ""), _MOST_TOLD),
+                "feedback": shortened(tip.feedback_message, _MOST_TOLD) if tip is not None else "",
                 "tick_rate": self._ticks / max(time.monotonic() - self._began, 1e-9),
                 "percepts": {name: round(track.age, 3) for name, track in robot.tracks.items()},
                 "unseen": dict(self._engine.unseen),

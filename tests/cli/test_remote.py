@@ -7,6 +7,7 @@ import json
 import subprocess
 import sys
 import threading
+import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -242,6 +243,20 @@ def test_status_shows_a_robot_in_60_columns(one: Played, capsys: pytest.CaptureF
     assert found["percepts"] == {"target": 0.25}
     assert found["unseen"] == {"cup": "hidden"}
     assert found["processes"]["decision"]["alive"]
+
+
+def test_a_rate_of_long_ago_is_not_told_as_one_of_now(one: Played, capsys: pytest.CaptureFixture[str]) -> None:
+    told = {"time": 0.8, "node": "fetch/approach", "tick_rate": 50.0}
+    ring = channels.writer(one.folder, "status")
+    for told_at, rate, silent in ((0.0, None, True), (-1000.0, None, True), (time.monotonic() + 1e3, 50.0, False)):
+        ring.write(json.dumps({**told, "told_at": told_at}).encode())
+        assert main(["status", "--json"]) == 0
+        (found,) = json.loads(capsys.readouterr().out)
+        assert found["tick_rate"] == rate
+        assert (found["silent"] is not None) is silent
+    ring.write(json.dumps({**told, "told_at": time.monotonic() - 65.0}).encode())
+    assert main(["status"]) == 0
+    assert "tree rate  no tick for 65." in capsys.readouterr().out
 
 
 def test_a_run_that_has_told_nothing_yet_is_starting(capsys: pytest.CaptureFixture[str]) -> None:
