@@ -67,7 +67,7 @@ _COMMANDS = {
     "skills": "inspect",
     "scenes": "inspect",
     "robots": "inspect",
-    "estop": "remote",
+    "estop": "estop",
     "reset": "remote",
     "status": "remote",
 }

@@ -10,12 +10,14 @@ import os
 import signal
 import sys
 import time
+from collections.abc import Iterable
 from contextlib import suppress
 from pathlib import Path
 from types import FrameType
 
 from humanoid_bt.control.body.standing import load_robot
 from humanoid_bt.control.controller import Controller
+from humanoid_bt.control.supervisor import Stop
 from humanoid_bt.core.clock import DECISION_PERIOD, SERVO_PERIOD, WHOLE_BODY_PERIOD, cycles
 from humanoid_bt.core.errors import UserError
 from humanoid_bt.link.run_folder import RunFolder
@@ -120,9 +122,7 @@ class ControlProcess:
     def _after_cycle(self, stopwatch: Stopwatch) -> None:
         cycle, supervisor = self._controller.cycle, self._controller.supervisor
         if len(supervisor.stops) > self._told_stops:  # its setpoint is out
-            stop = supervisor.stops[-1]
-            record = StopRecord(time.monotonic_ns(), stop.time, stop.mode.value, stop.reason, stop.source)
-            self._stops.write(record.to_bytes())
+            self._write_stops(supervisor.stops[self._told_stops :])
         if cycle % self._state_phase == 2:  # not in the cycle that plans the whole body: that one is full
             self._publish()
         if len(supervisor.stops) > self._told_stops:
@@ -134,13 +134,20 @@ class ControlProcess:
             self._publish()
         if supervisor.rejected:
             for text in supervisor.rejected:
-                self._refusals.write(text.encode()[:1000])
+                self._refusals.write(text.encode(errors="backslashreplace")[:1000])
             supervisor.rejected.clear()
         if cycle % _TIMING_PERIOD == 3:
             self._timings.write(stopwatch.timing.to_bytes())
         if cycle % _PARENT_PERIOD == 4 and self._orphaned_at is None and self._is_orphan():
             self._orphaned_at = cycle
             self._tell("error", f"decision died; control holds the robot for {self._spec.hold:g} s and ends")
+
+    def _write_stops(self, stops: Iterable[Stop]) -> None:
+        now = time.monotonic_ns()
+        for stop in stops:
+            resources = dict(stop.resources)
+            record = StopRecord(now, stop.time, stop.mode.value, stop.reason, stop.source, resources)
+            self._stops.write(record.to_bytes())
 
     def _publish(self) -> None:
         self._states.write(encode_state(self._controller.state()))

@@ -16,7 +16,16 @@ from humanoid_bt.core.errors import ControlLost, HumanoidBtError, UserError
 from humanoid_bt.core.messages import Array, Command, Percept, State
 from humanoid_bt.link.ring import RingReader, RingWriter
 from humanoid_bt.link.run_folder import RunFolder, RunInfo, clean_stale, live_runs
-from humanoid_bt.link.wire import Event, decode_event, decode_percepts, decode_state, encode_command, encode_event
+from humanoid_bt.link.wire import (
+    Event,
+    decode_event,
+    decode_percepts,
+    decode_state,
+    encode_command,
+    encode_event,
+    percepts_room,
+    state_room,
+)
 from humanoid_bt.plant.mujoco_plant import MujocoPlant
 from humanoid_bt.plant.scene import Scene
 from humanoid_bt.realtime import channels
@@ -25,7 +34,7 @@ from humanoid_bt.realtime.children import Children
 from humanoid_bt.realtime.live_tree import TreeTeller
 from humanoid_bt.realtime.remote_supervisor import RemoteSupervisor, StateClock
 from humanoid_bt.realtime.schedule import Schedule, last_core
-from humanoid_bt.realtime.timing import Timing
+from humanoid_bt.realtime.timing import StopRecord, Timing
 from humanoid_bt.robot.model import RobotModel
 from humanoid_bt.tree.tree import Tree
 
@@ -34,7 +43,7 @@ HOLD_TIME = 10.0
 
 _START_TIMEOUT = 30.0  # s until the first state must be there
 _SILENCE = 1.0  # s without a new state after which control counts as lost
-_READ = ("state", "notice", "refusal", "percept", "timing")
+_READ = ("state", "stop", "notice", "refusal", "percept", "timing")
 _WRITTEN = ("command", "request")
 
 
@@ -77,6 +86,8 @@ class Realtime:
         self._read: dict[str, int] = dict.fromkeys(_READ, 0)
         self._state: State | None = None
         self._state_at = 0.0
+        self._commands = False  # with its last command decision wanted something of the robot
+        self._over = False
 
     # ---- life -------------------------------------------------------------------------------------------------------
 
@@ -95,7 +106,8 @@ class Realtime:
                 self._log.unlink(missing_ok=True)
         except OSError as error:
             raise HumanoidBtError(f"{error.filename} cannot be written: {error.strerror}") from error
-        channels.create_channels(folder)
+        rooms = {"state": state_room(self.robot.joint_names), "percept": percepts_room(self.scene.config.percepts)}
+        channels.create_channels(folder, **rooms)
         self._writers = {name: channels.writer(folder, name) for name in _WRITTEN}
         self._readers = {name: channels.reader(folder, name) for name in _READ}
         self._teller = TreeTeller(folder)
@@ -131,6 +143,7 @@ class Realtime:
 
     def close(self) -> None:
         """End the other processes and remove everything they shared, whatever interrupts this."""
+        self._over = True
         folder, self._folder = self._folder, None
         if folder is None:
             return
@@ -182,6 +195,7 @@ class Realtime:
         """Give a command to control. It counts as decision's sign of life, so it comes after a whole tick."""
         for source, reason in self.supervisor.take_requests():
             self._writers["request"].write(encode_event(Event(self.clock.now(), "error", f"{source}: {reason}")))
+        self._commands = bool(command.targets)
         self._writers["command"].write(encode_command(command))
 
     def advance(self) -> None:
@@ -204,7 +218,9 @@ class Realtime:
         for payload in self._new("state"):
             self._state = decode_state(payload)
             self._state_at = time.monotonic()
-            self.supervisor.follow(self._state)
+        for payload in self._new("stop"):
+            if self._commands or not self._over:  # else decision is silent because it has done its work
+                self.supervisor.note(StopRecord.from_bytes(payload))
         for payload in self._new("percept"):
             seen, self.unseen = decode_percepts(payload)
             self._percepts |= {percept.name: percept for percept in seen}

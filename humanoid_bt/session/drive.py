@@ -162,7 +162,8 @@ class Drive:
             wall_time = time.monotonic() - self._began_at
         now = self.engine.clock.now()
         if problem := cut_short(self._options.sinks.file):
-            self._listener.event(now, "error", problem)
+            self._teller.recorder = None
+            self._teller.event("error", problem, now)
         self.report = report_of(
             self.end,
             self.runner.tree,

@@ -102,7 +102,7 @@ class Lockstep:
         try:
             if self._link is None:
                 info = RunInfo(tree.name, self.robot.config.name)
-                self._link = LockstepLink(info, self.supervisor, self._note)
+                self._link = LockstepLink(info, self.robot.joint_names, self.supervisor, self._note)
             self._link.tell(status, self._state, tree)
         except (LinkError, OSError) as error:
             self._links = False

@@ -75,7 +75,11 @@ def run_info(tree: Tree, engine: Engine) -> dict[str, str]:
 
 def cut_short(recording: Path | None) -> str:
     """Return what is wrong with a closed recording, "" if nothing is (the viewer's library only logs it)."""
-    if recording is None or shutil.disk_usage(recording.parent).free >= _FULL_DISK:
+    if recording is None:
+        return ""
+    if not recording.exists():
+        return f"the recording {str(recording)!r} is lost: it was removed during the run"
+    if shutil.disk_usage(recording.parent).free >= _FULL_DISK:
         return ""
     return f"the disk is full: the recording {str(recording)!r} is cut short"
 

@@ -99,6 +99,7 @@ def test_a_stopped_decision_and_an_estop_are_waited_for(live: Start) -> None:
     run.walks()
     run.process.send_signal(signal.SIGSTOP)
     run.shows("protective_stop")
+    until("status tells it", lambda: "no tick for" in command("status", "--run", run.run_id).stdout)
     run.process.send_signal(signal.SIGCONT)
     run.shows("run")
     assert command("estop", "--run", run.run_id).returncode == 0
@@ -114,7 +115,11 @@ def test_a_stopped_decision_and_an_estop_are_waited_for(live: Start) -> None:
     run.walks()
     run.process.send_signal(signal.SIGINT)
     assert run.ends() == 130
-    assert [stop["mode"] for stop in run.report["stops"]] == ["protective_stop", "emergency_stop"]
+    stops = run.report["stops"]
+    assert stops[0]["mode"] == "protective_stop" and "emergency_stop" in [stop["mode"] for stop in stops]
+    assert stops[0]["commanded_by"] == {"base": "walk/emergency_stop/walk"}
+    noted = [line["time"] for line in run.log if line["kind"] == "stop"]  # by control, while decision did not run
+    assert [stop["time"] for stop in stops] == pytest.approx(noted[: len(stops)], abs=0.01)
     assert "reset by humanoid-bt reset (" in run.output
 
 

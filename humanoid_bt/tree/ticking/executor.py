@@ -11,6 +11,7 @@ from py_trees.common import Status
 
 from humanoid_bt.core.errors import HumanoidBtError, Place, Problem, ResourceConflict, UserError
 from humanoid_bt.core.messages import Command, Percept, State
+from humanoid_bt.core.texts import shortened
 from humanoid_bt.decision.result import Reported, reported
 from humanoid_bt.decision.robot import Robot
 from humanoid_bt.decision.skill_files import class_file, place_in_file
@@ -178,7 +179,7 @@ class Executor:
             if before is not status:
                 told[behaviour] = status
                 if self._on_change is not None:
-                    path, feedback = self._nodes[behaviour].path, behaviour.feedback_message
+                    path, feedback = self._nodes[behaviour].path, shortened(behaviour.feedback_message)
                     left = status is INVALID and before is not None and before is not RUNNING  # it had ended before
                     results = () if status is RUNNING or left else reported(behaviour)
                     self._on_change(NodeChange(time, path, status, feedback, results))
