@@ -9,6 +9,7 @@ from functools import partial
 from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
+from humanoid_bt.core.ctrl_c import is_ctrl_c
 from humanoid_bt.core.errors import HumanoidBtError, Place, Problem, ResourceConflict, UserError
 from humanoid_bt.core.messages import Command, Percept, State
 from humanoid_bt.decision.result import Reported, reported
@@ -102,7 +103,9 @@ class Executor:
                     inner.setup(robot=self.robot)
             except UserError as error:
                 problems += [replace(p, place=p.place or node.place) for p in error.problems]
-            except (Exception, SystemExit) as error:
+            except BaseException as error:
+                if is_ctrl_c(error):
+                    raise
                 raise NodeError(node, error) from error
         if problems:
             raise UserError(problems)

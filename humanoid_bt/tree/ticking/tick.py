@@ -13,6 +13,7 @@ from collections.abc import Iterator
 from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
+from humanoid_bt.core.ctrl_c import is_ctrl_c
 from humanoid_bt.decision.skill import Skill
 
 
@@ -102,14 +103,13 @@ def tick(node: Behaviour, seen: Seen) -> Status:
             raise TypeError(f"its status must be SUCCESS, FAILURE or RUNNING, not {status!r}")
     except Raised:
         raise
-    except (Exception, SystemExit) as error:  # a skill that exits must not take the robot's program along
+    except BaseException as error:  # a skill that exits or is cancelled must not take the robot's program along
+        if is_ctrl_c(error):
+            raise
         _abandon(node, error, seen)
         raise Raised(node, error) from error
-    if status is not RUNNING and how is _LEAF_TICK:
-        try:
-            node.stop(status)
-        except (Exception, SystemExit) as error:
-            raise _not_stopped(node, error, seen) from error
+    if status is not RUNNING and how is _LEAF_TICK and (stopping := _stop(node, status)):
+        raise _not_stopped(node, stopping, seen) from stopping
     node.status = status
     seen.append(node)
     if status is not before:
@@ -138,15 +138,24 @@ def halt_alone(node: Behaviour, reason: str, seen: Seen) -> None:
         node.feedback_message = f"halted: {reason}"
         if isinstance(node, Skill):
             node.halt_reason = reason
-        try:
-            node.stop(INVALID)
-        except (Exception, SystemExit) as error:
+        if error := _stop(node, INVALID):
             raise _not_stopped(node, error, seen) from error
     else:
         node.feedback_message = ""
     node.status = INVALID
     seen.append(node)
     seen.changed = True
+
+
+def _stop(node: Behaviour, status: Status) -> BaseException | None:
+    """Stop a node with its result, or INVALID; return what it raised."""
+    try:
+        node.stop(status)
+    except BaseException as error:
+        if is_ctrl_c(error):
+            raise
+        return error
+    return None
 
 
 def _not_stopped(node: Behaviour, error: BaseException, seen: Seen) -> Raised:
@@ -167,9 +176,11 @@ def _abandon(node: Behaviour, error: BaseException, seen: Seen) -> None:
             for child in node.children:
                 if child.status is not INVALID:
                     node.halt_child(child, f"{node.name!r} raised an exception", seen)
-        node.stop(INVALID)
-    except (Exception, SystemExit) as raised:
-        second = raised.error if isinstance(raised, Raised) else raised
+        second = _stop(node, INVALID)
+    except Raised as raised:
+        second = raised
+    if second is not None:
+        second = second.error if isinstance(second, Raised) else second
         error.add_note(f"and then, while it was stopped: {type(second).__name__}: {second}")
     node.status = INVALID
     node.feedback_message = f"raised {type(error).__name__}: {error}"
