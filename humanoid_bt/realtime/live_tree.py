@@ -52,7 +52,7 @@ class TreeTeller:
                 self._write_outline(tree)
         found = [node.behaviour.status for node in tree.nodes]
         said = {
-            index: tree.nodes[index].behaviour.feedback_message[:_LONGEST]
+            index: str(tree.nodes[index].behaviour.feedback_message)[:_LONGEST]
             for index, status in enumerate(found)
             if status in _TELLING and tree.nodes[index].behaviour.feedback_message
         }

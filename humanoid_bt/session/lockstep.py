@@ -16,7 +16,7 @@ import mujoco
 from humanoid_bt.control.controller import Controller
 from humanoid_bt.control.supervisor import Supervisor, reset_text
 from humanoid_bt.core.clock import DECISION_PERIOD, PERCEPTION_PERIOD, CycleClock, cycles
-from humanoid_bt.core.messages import Array, Command, Level, Percept, State
+from humanoid_bt.core.messages import Array, Command, Level, Percept, State, frozen
 from humanoid_bt.link.run_folder import RunInfo
 from humanoid_bt.link.segment import LinkError
 from humanoid_bt.link.wire import Event
@@ -140,7 +140,7 @@ class Lockstep:
         self.plant.move_objects()
         while self._resets:
             self._reset(self._resets.popleft())
-        state = self._state = self.controller.state()
+        state = self._state = frozen(self.controller.state())
         if self._link is not None:
             self._link.sensed(state)
         if self.clock.due(self._perceive):

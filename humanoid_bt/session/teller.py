@@ -159,7 +159,7 @@ class Teller:
             {
                 "time": state.time,
                 "node": getattr(tip, "path", ""),
-                "feedback": tip.feedback_message if tip is not None else "",
+                "feedback": str(tip.feedback_message) if tip is not None else "",
                 "tick_rate": self._ticks / max(time.monotonic() - self._began, 1e-9),
                 "percepts": {name: round(track.age, 3) for name, track in robot.tracks.items()},
                 "unseen": dict(self._engine.unseen),

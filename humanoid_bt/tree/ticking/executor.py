@@ -9,6 +9,7 @@ from functools import partial
 from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
+from humanoid_bt.core import forks
 from humanoid_bt.core.ctrl_c import is_ctrl_c
 from humanoid_bt.core.errors import HumanoidBtError, Place, Problem, ResourceConflict, UserError
 from humanoid_bt.core.messages import Command, Percept, State
@@ -119,6 +120,7 @@ class Executor:
             NodeError: a node raised an exception or returned what is no status; the whole tree has been halted.
             ResourceConflict: two living nodes command one resource; the whole tree has been halted.
         """
+        forks.astray = False
         self.robot.begin_tick(state, percepts)
         if self._root.status is not RUNNING:
             for key in self.tree.keys:
@@ -181,7 +183,7 @@ class Executor:
             if before is not status:
                 told[behaviour] = status
                 if self._on_change is not None:
-                    path, feedback = self._nodes[behaviour].path, behaviour.feedback_message
+                    path, feedback = self._nodes[behaviour].path, str(behaviour.feedback_message)
                     left = status is INVALID and before is not None and before is not RUNNING  # it had ended before
                     results = () if status is RUNNING or left else reported(behaviour)
                     self._on_change(NodeChange(time, path, status, feedback, results))
