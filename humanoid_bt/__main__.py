@@ -5,7 +5,7 @@ import sys
 import threading
 import time
 
-from humanoid_bt.core.ctrl_c import end_at_once
+from humanoid_bt.core.early import end_at_once
 
 _GRACE = 2.0  # s that threads get to end after the command
 
@@ -13,7 +13,7 @@ _GRACE = 2.0  # s that threads get to end after the command
 def main() -> int:
     """Run the command line; the program ends with its exit code, whatever a skill has left running."""
     end_at_once()
-    from humanoid_bt.cli import main as command_line  # noqa: PLC0415 (it takes a while, and Ctrl-C must find no traceback)
+    from humanoid_bt.cli import main as command_line  # noqa: PLC0415 (it takes a while)
 
     code = command_line()
     threading.Thread(target=_insist, args=(code,), name="end", daemon=True).start()
