@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import os
 import signal
 import sys
 from collections.abc import Iterator
@@ -17,6 +18,7 @@ from humanoid_bt.cli import keys
 from humanoid_bt.cli.console import SafeConsole
 from humanoid_bt.cli.findings import print_findings
 from humanoid_bt.cli.printer import Printer, print_summary
+from humanoid_bt.core import forks
 from humanoid_bt.core.errors import HumanoidBtError, UserError
 from humanoid_bt.files.whole import make_way
 from humanoid_bt.session.report import ExitCode, Report
@@ -156,16 +158,20 @@ def _keys(session: Session, console: Console, quiet: bool) -> Iterator[None]:
 @contextmanager
 def _interruptions(session: Session) -> Iterator[None]:
     """Let Ctrl-C and its like end the run; a second one ends it at once."""
-    noted = False
+    noted, program = False, os.getpid()
 
     def note(number: int, _frame: FrameType | None) -> None:
         nonlocal noted
+        if os.getpid() != program:
+            forks.die_of(number)
         if noted or session.outcome == "interrupted":
             raise KeyboardInterrupt
         noted = True
         session.interrupt(_SIGNALS[signal.Signals(number)])
 
-    before = {number: signal.signal(number, note) for number in _SIGNALS}
+    ignored = signal.getsignal(signal.SIGHUP) is signal.SIG_IGN  # nohup
+    heard = [number for number in _SIGNALS if not (ignored and number == signal.SIGHUP)]
+    before = {number: signal.signal(number, note) for number in heard}
     try:
         yield
     finally:

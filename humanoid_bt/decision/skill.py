@@ -121,18 +121,18 @@ class Skill(py_trees.behaviour.Behaviour):
         finally:
             self.robot.release()
 
-    def running(self, feedback: str) -> Status:
-        """Return RUNNING with a word on what is happening."""
+    def running(self, feedback: object) -> Status:
+        """Return RUNNING with a word on what is happening; what is no text becomes one."""
         self.feedback_message = shortened(feedback)
         return Status.RUNNING
 
-    def succeed(self, feedback: str) -> Status:
-        """Return SUCCESS with a word on what was reached."""
+    def succeed(self, feedback: object) -> Status:
+        """Return SUCCESS with a word on what was reached; what is no text becomes one."""
         self.feedback_message = shortened(feedback)
         return Status.SUCCESS
 
-    def fail(self, feedback: str) -> Status:
-        """Return FAILURE with the reason."""
+    def fail(self, feedback: object) -> Status:
+        """Return FAILURE with the reason; what is no text, such as an exception, becomes one."""
         self.feedback_message = shortened(feedback)
         return Status.FAILURE
 

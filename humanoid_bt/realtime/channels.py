@@ -28,6 +28,9 @@ _SIZES: dict[str, tuple[int, int]] = {  # ring -> (bytes in a slot, slots)
     "status": (16384, 8),  # decision -> all: what the tree does
 }
 
+ABANDONED = 2
+"""What the quit flag stands at, at least, when decision does not wait for control: who ends last cleans up."""
+
 
 @dataclass(frozen=True)
 class RunSpec:
@@ -99,7 +102,7 @@ def estop(folder: RunFolder, shared: bool = False) -> EStop:
 
 
 def quit_flag(folder: RunFolder) -> Heartbeat:
-    """Return the flag with which decision ends the run: it has beaten once."""
+    """Return the flag with which decision ends the run: it has beaten once, or :data:`ABANDONED` times."""
     return Heartbeat.open(folder.path("quit"))
 
 

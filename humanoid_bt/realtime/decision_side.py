@@ -43,6 +43,7 @@ HOLD_TIME = 10.0
 
 _START_TIMEOUT = 30.0  # s until the first state must be there
 _SILENCE = 1.0  # s without a new state after which control counts as lost
+_POLL = 0.005  # s between two looks at processes that start or end
 _READ = ("state", "stop", "notice", "refusal", "percept", "timing")
 _WRITTEN = ("command", "request")
 
@@ -128,7 +129,7 @@ class Realtime:
                     raise ControlLost(f"the {known} process ended ({how})")
             if time.monotonic() > deadline:
                 raise HumanoidBtError(f"the {role} process did not start within {_START_TIMEOUT:g} s")
-            time.sleep(0.005)
+            time.sleep(_POLL)
 
     def _spec(self, core: int | None) -> RunSpec:
         return RunSpec(
@@ -141,29 +142,49 @@ class Realtime:
             parent=os.getpid(),
         )
 
-    def close(self) -> None:
-        """End the other processes and remove everything they shared, whatever interrupts this."""
-        self._over = True
+    def abandon(self) -> str:
+        """End the run without waiting: control brings the robot to a stand by itself, ends, and cleans up."""
         folder, self._folder = self._folder, None
-        if folder is None:
-            return
+        if folder is None or self._children is None or self._children.how_ended("control"):
+            self._folder = folder
+            return ""
+        channels.quit_flag(folder).beat(channels.ABANDONED)
+        return "control brings the robot to a stand and ends by itself"
+
+    def close(self) -> None:
+        """Wait until control has brought the robot to a stand, end all processes, remove what they shared.
+
+        Whoever interrupts this does not wait: see :meth:`abandon`.
+        """
+        self._over = True
         try:
             self.supervisor.disconnect()
-            if self._children is not None:
-                channels.quit_flag(folder).beat()
-                self._children.end()
-                self._follow_readers()
-                result = folder.path("result.json")
-                with contextlib.suppress(OSError, ValueError):  # not there if control was killed
-                    self.external_force_max = json.loads(result.read_text(encoding="utf-8"))["external_force_max"]
+            if self._folder is not None and self._children is not None:
+                self._end(self._folder, self._children)
+        except BaseException:
+            self.abandon()
+            raise
         finally:
-            folder.close()
+            folder, self._folder = self._folder, None
+            if folder is not None:
+                folder.close()
             if self._teller is not None:
                 self._teller.close()
             for writer in self._writers.values():
                 writer.close()
             for reader in self._readers.values():
                 reader.close()
+
+    def _end(self, folder: RunFolder, children: Children) -> None:
+        channels.quit_flag(folder).beat()
+        while not children.how_ended("control") and time.monotonic() - self._state_at < _SILENCE:
+            time.sleep(_POLL)
+            self._follow_readers()
+        children.end()
+        self._follow_readers()
+        result = folder.path("result.json")
+        with contextlib.suppress(OSError, ValueError):  # not there if control was killed
+            self.external_force_max = json.loads(result.read_text(encoding="utf-8"))["external_force_max"]
 
     # ---- the loop ---------------------------------------------------------------------------------------------------
 

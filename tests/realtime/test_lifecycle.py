@@ -47,6 +47,18 @@ def test_signals_bring_the_robot_to_a_stand_and_two_runs_do_not_meet(live: Start
         assert is_whole(run)
 
 
+def test_a_second_ctrl_c_ends_decision_and_control_brings_the_robot_to_a_stand(live: Start) -> None:
+    run = live("walk")
+    run.walks()
+    run.process.send_signal(signal.SIGINT)
+    until("the first one", lambda: "another Ctrl-C does not wait" in run.output)
+    run.process.send_signal(signal.SIGINT)
+    assert run.ends() == 130
+    assert run.report["reason"] == "stopped at once; control brings the robot to a stand and ends by itself"
+    assert run.state.base_settled
+    assert run.log[-1]["text"] == "control ended: decision did not wait for it"
+
+
 def test_a_killed_control_process_ends_the_run(live: Start) -> None:
     code = "from humanoid_bt.link.run_folder import *; print(RunFolder.create(RunInfo('t', 'r')).folder.name)"
     stale = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.strip()

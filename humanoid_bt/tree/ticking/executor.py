@@ -9,6 +9,8 @@ from functools import partial
 from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
+from humanoid_bt.core import forks
+from humanoid_bt.core.ctrl_c import is_ctrl_c
 from humanoid_bt.core.errors import HumanoidBtError, Place, Problem, ResourceConflict, UserError
 from humanoid_bt.core.messages import Command, Percept, State
 from humanoid_bt.core.texts import shortened
@@ -103,7 +105,9 @@ class Executor:
                     inner.setup(robot=self.robot)
             except UserError as error:
                 problems += [replace(p, place=p.place or node.place) for p in error.problems]
-            except (Exception, SystemExit) as error:
+            except BaseException as error:
+                if is_ctrl_c(error):
+                    raise
                 raise NodeError(node, error) from error
         if problems:
             raise UserError(problems)
@@ -117,6 +121,7 @@ class Executor:
             NodeError: a node raised an exception or returned what is no status; the whole tree has been halted.
             ResourceConflict: two living nodes command one resource; the whole tree has been halted.
         """
+        forks.astray = False
         self.robot.begin_tick(state, percepts)
         if self._root.status is not RUNNING:
             for key in self.tree.keys:
