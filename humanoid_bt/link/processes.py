@@ -1,4 +1,4 @@
-"""Which process is meant: its id alone is given to another process sooner or later."""
+"""Which process is meant: its id alone is given to another process sooner or later; and how one ended."""
 
 from __future__ import annotations
 
@@ -47,6 +47,14 @@ class ProcessIdentity:
 def current() -> ProcessIdentity:
     """Return the identity of this process."""
     return ProcessIdentity.of(os.getpid())
+
+
+def how_ended(process: subprocess.Popen[bytes]) -> str:
+    """Return how a process that was started here ended, "" while it runs."""
+    code = process.poll()
+    if code is None:
+        return ""
+    return f"killed by signal {-code}" if code < 0 else f"exit code {code}"
 
 
 _PROC_STAT = (_PROC / "self" / "stat").exists()

@@ -9,6 +9,7 @@ import sys
 import time
 
 from humanoid_bt.core.errors import HumanoidBtError
+from humanoid_bt.link.processes import how_ended
 from humanoid_bt.link.run_folder import RunFolder
 
 _END_TIMEOUT = 3.0  # s that the processes get to end by themselves
@@ -47,10 +48,7 @@ class Children:
 
     def how_ended(self, role: str) -> str:
         """Return how a process ended, "" while it runs."""
-        code = self._processes[role].poll()
-        if code is None:
-            return ""
-        return f"killed by signal {-code}" if code < 0 else f"exit code {code}"
+        return how_ended(self._processes[role])
 
     def end(self) -> None:
         """Wait until all have ended, kill those that do not; leave no zombie. Who interrupts this leaves them alone."""

@@ -55,7 +55,6 @@ class Realtime:
         robot: the robot.
         scene: what surrounds it.
         tree: name of the tree, for ``humanoid-bt status``.
-        log: file in which control notes what happens.
         hold: how long control goes on balancing the robot after decision died [s].
 
     Attributes:
@@ -67,7 +66,7 @@ class Realtime:
         unseen: percepts that were never published so far, and why.
     """
 
-    def __init__(self, robot: RobotModel, scene: Scene, tree: str, log: Path | None, hold: float = HOLD_TIME) -> None:
+    def __init__(self, robot: RobotModel, scene: Scene, tree: str, hold: float = HOLD_TIME) -> None:
         self.robot, self.scene = robot, scene
         self.clock = StateClock()
         self.model: mujoco.MjModel = MujocoPlant(robot, scene).model
@@ -76,7 +75,7 @@ class Realtime:
         self.external_force_max = 0.0
         self.timing = Timing()
         self.unseen: Mapping[str, str] = {}
-        self._tree, self._log, self._hold = tree, log, hold
+        self._tree, self._hold = tree, hold
         self._folder: RunFolder | None = None
         self._children: Children | None = None
         self._teller: TreeTeller | None = None
@@ -92,8 +91,11 @@ class Realtime:
 
     # ---- life -------------------------------------------------------------------------------------------------------
 
-    def start(self) -> None:
+    def start(self, log: Path | None = None) -> None:
         """Start the other processes and wait until the robot stands and perception has had a first look.
+
+        Args:
+            log: file in which control notes what happens.
 
         Raises:
             HumanoidBtError: control or perception did not come up. Call :meth:`close` all the same.
@@ -102,9 +104,9 @@ class Realtime:
         core = None if live_runs() else last_core()  # two servo loops on one processor would starve each other
         folder = self._folder = RunFolder.create(RunInfo(self._tree, self.robot.config.name))
         try:
-            self._spec(core).write(folder)
-            if self._log:
-                self._log.unlink(missing_ok=True)
+            self._spec(core, log).write(folder)
+            if log is not None:
+                log.unlink(missing_ok=True)
         except OSError as error:
             raise HumanoidBtError(f"{error.filename} cannot be written: {error.strerror}") from error
         rooms = {"state": state_room(self.robot.joint_names), "percept": percepts_room(self.scene.config.percepts)}
@@ -131,13 +133,13 @@ class Realtime:
                 raise HumanoidBtError(f"the {role} process did not start within {_START_TIMEOUT:g} s")
             time.sleep(_POLL)
 
-    def _spec(self, core: int | None) -> RunSpec:
+    def _spec(self, core: int | None, log: Path | None) -> RunSpec:
         return RunSpec(
             robot=str(self.robot.config.path.resolve()),
             scene=str(self.scene.config.path.resolve()),
             seed=self.scene.seed,
             core=core,
-            log=str(self._log.resolve()) if self._log else "",
+            log=str(log.resolve()) if log is not None else "",
             hold=self._hold,
             parent=os.getpid(),
         )

@@ -5,8 +5,7 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Container, Mapping
-from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -18,9 +17,7 @@ from humanoid_bt.record.columns import send, xyzw
 from humanoid_bt.record.photographer import Photographer
 from humanoid_bt.record.rendering import Setup, Shot
 from humanoid_bt.record.scene_view import OBJECT_PREFIX, WORLD
-
-Wanted = Literal["auto"] | bool
-"""Whether there shall be pictures: "auto" for where they do not hold up the run."""
+from humanoid_bt.record.subject import View, Wanted
 
 CAMERA = "camera"
 """Entity of the pictures; also the name of the camera's frame."""
@@ -29,33 +26,7 @@ _PLANE = f"{CAMERA}_image"
 _WHY = f"{CAMERA}/why"
 _PERIOD = 0.2  # s
 _SLACK = 1e-6  # times are sums of periods
-_WIDTH = 320  # pixels
-_WIDEST = 2.4  # rad; a flat picture of a wider angle is all edges
 _SLOWEST = 0.05  # s that a picture may take unless it is insisted on: a quarter of one core, at the pace of the clock
-
-
-@dataclass(frozen=True)
-class View:
-    """What a camera has in the picture.
-
-    Attributes:
-        body: that carries it.
-        horizontal, vertical: full angles [rad].
-    """
-
-    body: str
-    horizontal: float
-    vertical: float
-
-    @property
-    def angle(self) -> float:
-        """Angle from the top to the bottom of the picture [rad]."""
-        return min(self.vertical, _WIDEST)
-
-    @property
-    def size(self) -> tuple[int, int]:
-        """Width and height of the picture [pixels]."""
-        return _WIDTH, round(_WIDTH * math.tan(self.angle / 2) / math.tan(min(self.horizontal, _WIDEST) / 2))
 
 
 class HeadCamera:
@@ -154,6 +125,11 @@ class HeadCamera:
             times, blobs = zip(*pictures, strict=True)
             images = rr.EncodedImage.columns(blob=list(blobs), media_type=["image/jpeg"] * len(blobs))
             send(stream, CAMERA, times, images)
+
+    @property
+    def patience(self) -> float:
+        """How long :meth:`finish` waits at most [s]."""
+        return self._photographer.patience if self._photographer is not None else 0.0
 
     def finish(self) -> None:
         """Wait a little for pictures that are not there yet; there will be no others."""

@@ -8,7 +8,8 @@ from typing import Any
 import rerun as rr
 
 from humanoid_bt.record.columns import send
-from humanoid_bt.record.tree_view import TreeView, printable
+from humanoid_bt.record.subject import TreeView
+from humanoid_bt.record.tree_view import printable
 
 RUN = "documents/run"
 TREE = "documents/tree"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
 import os
 import pickle
@@ -16,6 +17,8 @@ from humanoid_bt.record.rendering import Setup, Shot
 _MOST = 32  # waiting pictures above which every second is left out
 _PATIENCE = 0.02  # share of the time so far that it waits at the end for what is not there yet
 _LONG_PATIENCE = 60.0  # s that it waits where every picture is wanted
+_START_TIMEOUT = 30.0  # s until it must be known whether there can be pictures
+_END_TIMEOUT = 5.0  # s that a killed process may take to be gone: longer only if the system itself hangs
 
 
 class Photographer:
@@ -58,7 +61,8 @@ class Photographer:
 
     def wait_until_ready(self) -> None:
         """Wait until it is known whether there will be pictures."""
-        self._answered.wait()
+        if not self._answered.wait(_START_TIMEOUT):
+            self.why = f"its process did not answer within {_START_TIMEOUT:g} s"
 
     def order(self, shot: Shot) -> None:
         """Have a picture taken."""
@@ -74,6 +78,11 @@ class Photographer:
             taken, self._taken = self._taken, []
             return taken
 
+    @property
+    def patience(self) -> float:
+        """How long :meth:`finish` waits for pictures that are not there yet [s]."""
+        return _LONG_PATIENCE if self._all else _PATIENCE * (time.monotonic() - self._began)
+
     def finish(self) -> None:
         """Give pictures that are not there yet a little time, then end the process."""
         if self._process is None:
@@ -81,12 +90,13 @@ class Photographer:
         with self._news:
             self._ending = True
             self._news.notify()
-        self._thread.join(_LONG_PATIENCE if self._all else _PATIENCE * (time.monotonic() - self._began))
+        self._thread.join(self.patience)
         if not self._answered.is_set():
             self.why = "the run was over before the first one was there"
         self._process.kill()
-        self._thread.join()
-        self._process.wait()
+        self._thread.join(_END_TIMEOUT)
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            self._process.wait(_END_TIMEOUT)
         self._process = None
 
     def _work(self, setup: Setup) -> None:

@@ -1,4 +1,4 @@
-"""The recorder: everything a run shows, into one rerun recording.
+"""The recorder: everything a run shows, into one rerun recording. It works in a process of its own.
 
 Recording is cheap because a sample only keeps references: all encoding happens in batches.
 """
@@ -17,18 +17,20 @@ from humanoid_bt.core.messages import Array, State
 from humanoid_bt.decision.result import Reported
 from humanoid_bt.perception.track import Track
 from humanoid_bt.record.blueprint import blueprint
-from humanoid_bt.record.camera import HeadCamera, View, Wanted
+from humanoid_bt.record.camera import HeadCamera
 from humanoid_bt.record.documents import send_info, send_tree_file
 from humanoid_bt.record.events import EventLog, Level
 from humanoid_bt.record.eye import Eye
 from humanoid_bt.record.lanes import Lanes
+from humanoid_bt.record.outlet import Announce, Outlet, tell_nobody
 from humanoid_bt.record.overlays import Overlays
 from humanoid_bt.record.plots import Plots
 from humanoid_bt.record.results import ResultSeries
 from humanoid_bt.record.scene_view import SceneView
-from humanoid_bt.record.sinks import Outlet, Sinks
+from humanoid_bt.record.sinks import Sinks
 from humanoid_bt.record.stop_sign import StopSign
-from humanoid_bt.record.tree_view import TreeStatus, TreeView
+from humanoid_bt.record.subject import TreeView, View, Wanted
+from humanoid_bt.record.tree_view import TreeStatus
 from humanoid_bt.robot.config import RobotConfig
 
 _LIVE_BATCH = 0.5  # time covered by a batch while somebody watches [s]
@@ -56,6 +58,10 @@ class Recorder:
         camera: what the head camera has in the picture.
         pictures: whether there shall be pictures of it.
         busy_cores: how many cores the run itself needs; pictures need another.
+        announce: is told what :meth:`close` waits for, and for how long at most [s].
+
+    Attributes:
+        written: engine time up to which the file has everything [s]; -inf if it has nothing, or is gone.
 
     Raises:
         UserError: a sink cannot be opened, or pictures are insisted on and there is no OpenGL.
@@ -73,6 +79,7 @@ class Recorder:
         camera: View,
         pictures: Wanted = False,
         busy_cores: int = 1,
+        announce: Announce = tell_nobody,
     ) -> None:
         self._scene = SceneView(model, len(joint_names), config.base)
         self._eye = Eye(self._scene.base_height, self._scene.heights)
@@ -84,10 +91,13 @@ class Recorder:
         self._events = EventLog(tree.outline)
         self._results = ResultSeries()
         self._views = (self._scene, self._overlays, self._stop_sign, self._plots, self._tree)
-        self._last_flush = self._last_frame = -np.inf
+        self._last_flush = self._last_frame = self._sampled = self._sent = -np.inf
+        self.written = -np.inf
         self._closed = False
-        self._batch = _LIVE_BATCH if sinks.view or sinks.serve is not None else _FILE_BATCH
-        self._outlet = Outlet(sinks, info.get("tree", tree.file) or "run", self._layout())
+        self._announce = announce
+        self._live = sinks.live
+        self._batch = _LIVE_BATCH if self._live else _FILE_BATCH
+        self._outlet = Outlet(sinks, info.get("tree", tree.file) or "run", self._layout(), announce)
         try:
             self._camera = HeadCamera(model, camera, pictures, busy_cores)
             for part in (*self._views, self._camera):
@@ -103,6 +113,11 @@ class Recorder:
         """Address of the web viewer, "" if none is served."""
         return self._outlet.url
 
+    @property
+    def trouble(self) -> str:
+        """What is wrong with the file, "" while nothing is."""
+        return self._outlet.trouble
+
     def sample(
         self, state: State, tracks: Mapping[str, Track], objects: Mapping[str, Array], hidden: Container[str] = ()
     ) -> None:
@@ -116,6 +131,7 @@ class Recorder:
         """
         self._check_open()
         seen = dict(tracks)
+        self._sampled = state.time
         self._plots.add(state, seen)
         self._lanes.add(state)
         if state.time - self._last_frame >= _FRAME - _SLACK:
@@ -191,17 +207,22 @@ class Recorder:
             self._events.event(max(self._last_flush, 0.0), "info", f"no picture of the head camera: {why}")
         for part in (*self._views, self._lanes, self._results, self._eye, self._camera, self._events):
             part.flush(stream)
+        before, self._sent = self._sent, self._sampled
+        self._note(before if self._live else self._sent, self._outlet.settle())
 
     def close(self) -> None:
         """Write the rest and close the recording; further calls do nothing."""
         if self._closed:
             return
+        whole = False
         try:
+            self._announce("take pictures of the head camera", self._camera.patience)
             self._camera.finish()
             self.flush()
         finally:
             self._closed = True
-            self._outlet.close()
+            whole = self._outlet.close()
+        self._note(self._sampled, whole)
 
     def __enter__(self) -> Self:
         return self
@@ -210,6 +231,13 @@ class Recorder:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self.close()
+
+    def _note(self, until: float, got: bool) -> None:
+        """Note up to when [s] the file has everything, if it got what was sent."""
+        if self._outlet.deleted:
+            self.written = -np.inf
+        elif got and not self._outlet.trouble:
+            self.written = until
 
     def _layout(self) -> Any:
         return blueprint(self._plots.groups, self._scene.base_height)

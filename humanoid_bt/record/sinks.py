@@ -1,29 +1,17 @@
-"""Where a recording goes: a file, a native viewer, a web viewer on this machine."""
+"""Where a recording goes, as it is asked for: a file, a native viewer, a web viewer on this machine."""
 
 from __future__ import annotations
 
-import contextlib
 import errno
-import logging
 import os
 import socket
-import subprocess
 import sys
-import threading
-from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
-from urllib.parse import quote
 
 from humanoid_bt.core.errors import UserError, relative
-from humanoid_bt.record.viewers import FLUSH_TIMEOUT, LOOPBACK, free_port, serve_web, start_viewer, wait_until_taken
 
-_log = logging.getLogger(__name__)
-
-APPLICATION = "humanoid_bt"
-
-_VIEWER_MEMORY = "1GiB"  # of the server that keeps the run for a browser that opens late
+LOOPBACK = "127.0.0.1"
 
 
 @dataclass(frozen=True)
@@ -43,7 +31,12 @@ class Sinks:
     @property
     def active(self) -> bool:
         """Whether anything is recorded or shown at all."""
-        return self.file is not None or self.view or self.serve is not None
+        return self.file is not None or self.live
+
+    @property
+    def live(self) -> bool:
+        """Whether anybody can watch."""
+        return self.view or self.serve is not None
 
     def check(self) -> None:
         """Find out what would not work, before a run starts.
@@ -60,96 +53,6 @@ class Sinks:
                 raise UserError(f"port {self.serve} does not exist", hint="valid: 1024 to 65534")
             _check_port(self.serve)
             _check_port(self.serve + 1)
-
-
-class Outlet:
-    """An open recording stream and the viewers it feeds.
-
-    Args:
-        sinks: where it goes.
-        name: the recording's name in the viewer.
-        blueprint: how the viewer shows it.
-
-    Attributes:
-        stream: the rerun recording stream.
-        url: address of the web viewer, "" if none is served.
-
-    Raises:
-        UserError: a sink cannot be opened; those opened before are closed again.
-    """
-
-    def __init__(self, sinks: Sinks, name: str, blueprint: Any) -> None:
-        import rerun as rr  # noqa: PLC0415  # it takes half a second, and most runs of a program record nothing
-
-        sinks.check()
-        self._rerun = rr
-        self.stream = rr.RecordingStream(APPLICATION)
-        self.url = ""
-        self._viewer: subprocess.Popen[bytes] | None = None
-        self._web: subprocess.Popen[bytes] | None = None
-        self._data_port = 0
-        self._closed = False
-        try:
-            targets = self._open(sinks)
-            if targets:
-                self._set_sinks(targets, sinks, blueprint)
-            self.stream.send_recording_name(name)
-        except BaseException:
-            self.close()
-            raise
-
-    def close(self) -> None:
-        """Write out everything and close; the file is whole then. The native viewer stays open."""
-        if self._closed:
-            return
-        self._closed = True
-        with self._patience():
-            self.stream.flush()
-        if self._web is not None:
-            wait_until_taken(self._data_port)
-        with self._patience():
-            self.stream.disconnect()
-        if self._web is not None:
-            if self._web.stdin is not None:
-                self._web.stdin.close()
-            self._web.wait()
-
-    @contextlib.contextmanager
-    def _patience(self) -> Iterator[None]:
-        """Wait for the native viewer, but not for ever: one that hangs is ended, or the run would not end either."""
-        timer = threading.Timer(FLUSH_TIMEOUT, self._end_viewer)
-        timer.start()
-        try:
-            yield
-        finally:
-            timer.cancel()
-
-    def _open(self, sinks: Sinks) -> list[Any]:
-        targets: list[Any] = []
-        if sinks.file is not None:
-            targets.append(self._rerun.FileSink(sinks.file))
-        if sinks.serve is not None:
-            server = self._rerun.GrpcServerSink(LOOPBACK, sinks.serve + 1, server_memory_limit=_VIEWER_MEMORY)
-            targets.append(server)
-            source = f"rerun+http://{LOOPBACK}:{sinks.serve + 1}/proxy"
-            self._web, self._data_port = serve_web(sinks.serve, source), sinks.serve + 1
-            self.url = f"http://{LOOPBACK}:{sinks.serve}?url={quote(source, safe='')}"
-        if sinks.view:
-            port = free_port()
-            self._viewer = start_viewer(port)
-            targets.append(self._rerun.GrpcSink(f"rerun+http://{LOOPBACK}:{port}/proxy"))
-        return targets
-
-    def _set_sinks(self, targets: list[Any], sinks: Sinks, blueprint: Any) -> None:
-        try:
-            self.stream.set_sinks(*targets, default_blueprint=blueprint)
-        except RuntimeError as error:
-            raise UserError(f"the recording cannot be opened: {error}", hint=f"asked for: {sinks}") from error
-
-    def _end_viewer(self) -> None:
-        if self._viewer is not None and self._viewer.poll() is None:
-            _log.warning("the viewer did not take the recording's end within %g s and was ended", FLUSH_TIMEOUT)
-            self._viewer.kill()
 
 
 def _check_file(path: Path) -> None:

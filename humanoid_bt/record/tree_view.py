@@ -37,21 +37,6 @@ _INK: Color = (255, 255, 255)
 _GLYPHS = frozenset("✓✗▶●○→")  # beyond ASCII the viewer's font has few glyphs, and some missing ones crash it
 
 
-@dataclass(frozen=True)
-class TreeView:
-    """What is shown of a tree.
-
-    Attributes:
-        outline: what is drawn of it.
-        source: text of the tree file.
-        file: its name.
-    """
-
-    outline: Outline
-    source: str = ""
-    file: str = ""
-
-
 def printable(text: str) -> str:
     """Return a text with only the characters that the viewer can draw."""
     return "".join(c if c in _GLYPHS or " " <= c <= "~" or c == "\n" else "?" for c in text)

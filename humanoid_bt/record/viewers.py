@@ -1,10 +1,12 @@
-"""The viewer's programs on this machine: a window, a page for browsers, and whether they have taken everything."""
+"""The viewer's programs on this machine: a window, what makes up the page for browsers, who has taken everything."""
 
 from __future__ import annotations
 
 import contextlib
+import http.client
 import importlib.util
 import logging
+import os
 import socket
 import subprocess
 import tempfile
@@ -13,22 +15,24 @@ from pathlib import Path
 from typing import IO
 
 from humanoid_bt.core.errors import UserError
+from humanoid_bt.record.sinks import LOOPBACK
 
 _log = logging.getLogger(__name__)
 
-LOOPBACK = "127.0.0.1"
 FLUSH_TIMEOUT = 5.0
 """What a live viewer gets at the end to take the rest, or a browser to take anything [s]."""
+
+LONGEST = 30.0
+"""What a slow browser gets at most, as long as it goes on taking something [s]."""
 
 _START_TIMEOUT = 20.0  # a viewer is up in 1 s; a cold disk takes longer [s]
 _SCREEN_TIME = 0.5  # a viewer without a screen is gone by then [s]
 _QUIET = 0.3  # a browser for which nothing has been on the way for this long has everything [s]
-_LONGEST = 30.0  # what a slow browser gets at most, as long as it goes on taking something [s]
 _POLL = 0.05  # time between two looks at what is on the way [s]
 _ESTABLISHED = "01"
+_PAGE = ("/", "/favicon.ico", "/sw.js", "/re_viewer.js", "/re_viewer_bg.wasm")
 
-_WITH_PARENT = 'exec 3<&0; (read -r _ <&3; kill $$) & exec "$@" </dev/null 3<&-'
-"""Shell: run a program, and end it at the end of input, which comes when the parent closes its end or dies."""
+_QUIETLY = {"CI": "1"}  # how the viewer is told to tell its makers nothing: it takes this for a test of theirs
 
 
 def free_port() -> int:
@@ -50,13 +54,7 @@ def start_viewer(port: int) -> subprocess.Popen[bytes]:
     """Open the native viewer; it listens on loopback only and outlives this program."""
     options = ["--bind", LOOPBACK, "--port", str(port), "--hide-welcome-screen", "--expect-data-soon"]
     with tempfile.TemporaryFile() as messages:
-        viewer = subprocess.Popen(
-            [_rerun_program(), *options],
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.DEVNULL,
-            stderr=messages,
-            start_new_session=True,  # Ctrl-C ends the run, not the viewer
-        )
+        viewer = _start(options, messages)
         _wait_until_open(viewer, port, "the viewer", messages)
         with contextlib.suppress(subprocess.TimeoutExpired):  # it listens before it finds that it has no screen
             viewer.wait(_SCREEN_TIME)
@@ -64,26 +62,41 @@ def start_viewer(port: int) -> subprocess.Popen[bytes]:
     return viewer
 
 
-def serve_web(port: int, source: str) -> subprocess.Popen[bytes]:
-    """Serve the web viewer on loopback (rerun's own function for it listens on every interface).
+def page_files() -> dict[str, tuple[str, bytes]]:
+    """Return what the viewer's page for browsers is made of: path -> kind of content, and content.
 
-    It ends with this program, also when this program is killed.
+    The program that has them serves them for a moment, to this one.
     """
-    options = ["--serve-web", "--bind", LOOPBACK, "--web-viewer-port", str(port), source]
+    port = free_port()
+    options = ["--serve-web", "--bind", LOOPBACK, "--web-viewer-port", str(port), "--port", str(free_port())]
     with tempfile.TemporaryFile() as messages:
-        web = subprocess.Popen(
-            ["/bin/sh", "-c", _WITH_PARENT, "sh", _rerun_program(), *options],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.DEVNULL,
-            stderr=messages,
-            start_new_session=True,
-        )
+        server = _start(options, messages)
         try:
-            _wait_until_open(web, port, "the web viewer", messages)
-        except BaseException:
-            web.communicate()
-            raise
-    return web
+            _wait_until_open(server, port, "the web viewer", messages)
+            return {path: _fetched(port, path) for path in _PAGE}
+        except (OSError, http.client.HTTPException) as error:
+            raise _not_started(f"the web viewer ({error})", messages) from error
+        finally:
+            server.kill()
+            server.wait()
+
+
+def _fetched(port: int, path: str) -> tuple[str, bytes]:
+    with contextlib.closing(http.client.HTTPConnection(LOOPBACK, port, timeout=_START_TIMEOUT)) as connection:
+        connection.request("GET", path)
+        answer = connection.getresponse()
+        return answer.headers["Content-Type"], answer.read()
+
+
+def _start(options: list[str], messages: IO[bytes]) -> subprocess.Popen[bytes]:
+    return subprocess.Popen(
+        [_rerun_program(), *options],
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.DEVNULL,
+        stderr=messages,
+        env={**os.environ, **_QUIETLY},
+        start_new_session=True,  # Ctrl-C ends the run, not the viewer
+    )
 
 
 def wait_until_taken(port: int) -> None:
@@ -101,7 +114,7 @@ def wait_until_taken(port: int) -> None:
             moved, before = now, held
         if now - quiet >= _QUIET:
             return
-        if now - moved >= FLUSH_TIMEOUT or now - begun >= _LONGEST:
+        if now - moved >= FLUSH_TIMEOUT or now - begun >= LONGEST:
             _log.warning("a browser did not take the recording's end within %.0f s", now - begun)
             return
         time.sleep(_POLL)
@@ -131,8 +144,7 @@ def _wait_until_open(process: subprocess.Popen[bytes], port: int, what: str, mes
         if process.poll() is not None:
             break
         time.sleep(0.05)
-    if process.stdin is None:
-        process.kill()
+    process.kill()
     raise _not_started(what, messages)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Mapping
 from contextlib import ExitStack, nullcontext
-from typing import TYPE_CHECKING
+from dataclasses import replace
 
 from humanoid_bt.core.ctrl_c import is_ctrl_c
 from humanoid_bt.core.errors import ControlLost
@@ -13,6 +13,7 @@ from humanoid_bt.decision.robot import Robot
 from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.perception.track import Track
 from humanoid_bt.plant.scene import Scene, load_scene
+from humanoid_bt.record.remote_recorder import RemoteRecorder
 from humanoid_bt.session.edits import Edits
 from humanoid_bt.session.ending import Ending
 from humanoid_bt.session.interrupt import WholeTick
@@ -21,7 +22,7 @@ from humanoid_bt.session.loop import Loop
 from humanoid_bt.session.options import RunOptions, make_folder
 from humanoid_bt.session.outcome import End, report_of
 from humanoid_bt.session.pace import Pace
-from humanoid_bt.session.recording import cut_short, open_recorder
+from humanoid_bt.session.recording import new_recorder, open_recorder
 from humanoid_bt.session.reload import Reloader
 from humanoid_bt.session.report import Report
 from humanoid_bt.session.teller import Listener, Teller
@@ -31,9 +32,6 @@ from humanoid_bt.session.watch import Watch
 from humanoid_bt.session.wiring import new_engine
 from humanoid_bt.tree.ticking.executor import Executor
 from humanoid_bt.tree.tree import Tree
-
-if TYPE_CHECKING:  # most runs of a program record nothing
-    from humanoid_bt.record.recorder import Recorder
 
 
 class Drive:
@@ -59,11 +57,12 @@ class Drive:
 
     def __init__(self, options: RunOptions, workspace: Workspace, listener: Listener) -> None:
         self._options, self._listener = options, listener
+        self._recorder = new_recorder(options)
         loader = TreeLoader(options, workspace)
         self._watch = Watch(Edits(loader, self._prepare)) if options.watch else None
         scene = Scene(load_scene(loader.scene), options.seed)
-        if options.sinks.file is not None:
-            make_folder(options.sinks.file)
+        if options.numbered:
+            make_folder()
         options.sinks.check()
         self.engine = new_engine(options, loader.robot, scene, loader.first.name)
         self._teller = Teller(listener, self.engine)
@@ -109,14 +108,14 @@ class Drive:
         self.begun = True
         with ExitStack() as stack:
             watched = False
-            if self._options.sinks.active:
-                recorder, watched = self._open_recorder()
-                self._teller.recorder = stack.enter_context(recorder)
+            if self._recorder is not None:
+                watched = self._open(stack.enter_context(self._recorder))
+                self._teller.recorder = self._recorder
             self.loop.limit = self._options.limit(watched, self.runner.tree)
             self.loop.waits = self._teller.waits = self._options.waits(watched)
             stack.enter_context(self.ticks)
             stack.callback(self.engine.close)
-            self.engine.start()
+            self.engine.start(self._options.log)
             self._began_at = time.monotonic()
             self._teller.begin()
             if self._watch is not None:
@@ -162,10 +161,12 @@ class Drive:
             assert self.end is not None
             insists = self._stand(self.end, moved)
             wall_time = time.monotonic() - self._began_at
+        missing = 0.0
+        if self._recorder is not None:
+            self._teller.recorder = None  # it is closed
+            self._teller.news(self._recorder)
+            missing = self._recorder.missing
         now = self.engine.clock.now()
-        if problem := cut_short(self._options.sinks.file):
-            self._teller.recorder = None
-            self._teller.event("error", problem, now)
         self.report = report_of(
             self.end,
             self.runner.tree,
@@ -176,6 +177,7 @@ class Drive:
             sim_time=now if self._ending.began is None else self._ending.began,
             wall_time=wall_time,
             slow_ticks=self.ticks.to_dict(),
+            recording_missing=missing,
         )
         if insists:
             raise KeyboardInterrupt
@@ -190,8 +192,10 @@ class Drive:
             return True
         return self._ending.interrupted is not before
 
-    def _open_recorder(self) -> tuple[Recorder, bool]:
-        recorder, live = open_recorder(self._options, self.runner.tree, self.engine, self._listener.event)
-        if self._pace.speed is None and live and self._options.mode == "lockstep":
+    def _open(self, recorder: RemoteRecorder) -> bool:
+        """Open the recording; return whether anybody can watch."""
+        sinks = open_recorder(recorder, self._options, self.runner.tree, self.engine, self._listener.event)
+        self._options = replace(self._options, sinks=sinks)
+        if self._pace.speed is None and sinks.live and self._options.mode == "lockstep":
             self._pace.speed = 1.0
-        return recorder, live
+        return sinks.live

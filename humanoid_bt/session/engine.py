@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Protocol
 
 import mujoco
@@ -61,8 +62,12 @@ class Engine(Protocol):
     def unseen(self) -> Mapping[str, str]:
         """The percepts that were never published so far, and why."""
 
-    def start(self) -> None:
-        """Begin; the robot stands."""
+    def start(self, log: Path | None = None) -> None:
+        """Begin; the robot stands.
+
+        Args:
+            log: file in which control notes what happens, where it is a process of its own.
+        """
 
     def close(self) -> None:
         """End everything that was started."""

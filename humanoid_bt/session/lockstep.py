@@ -10,6 +10,7 @@ import logging
 from collections import deque
 from collections.abc import Mapping
 from contextlib import suppress
+from pathlib import Path
 
 import mujoco
 
@@ -86,8 +87,8 @@ class Lockstep:
         """The percepts that were never published so far, and why."""
         return self.perception.unseen
 
-    def start(self) -> None:
-        """Begin; there is nothing to start."""
+    def start(self, log: Path | None = None) -> None:
+        """Begin; there is nothing to start, and nothing that needs a log of its own."""
 
     def close(self) -> None:
         """End what was told to others."""

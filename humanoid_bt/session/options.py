@@ -41,6 +41,7 @@ class RunOptions:
         on_estop: whether the run waits for the reset of an emergency stop; None for what :meth:`waits` says.
         pace: simulated seconds per second; None for 1 with a live view, else as fast as it can.
         sinks: where the recording goes.
+        numbered: whether the name of its file gets a number when it is taken, because nobody gave that name.
         mode: lockstep, or realtime with control and perception as processes of their own.
         hold: in realtime mode, how long control balances the robot when decision has died [s].
         camera: whether the recording has pictures of the head camera; "auto" where they do not hold up the run.
@@ -58,6 +59,7 @@ class RunOptions:
     on_estop: OnEStop | None = None
     pace: float | None = None
     sinks: Sinks = field(default_factory=Sinks)
+    numbered: bool = False
     mode: Mode = "lockstep"
     hold: float = HOLD_TIME
     camera: bool | Literal["auto"] = "auto"
@@ -118,6 +120,7 @@ class RunOptions:
                 view=has_display() if view == "auto" else view,
                 serve=None if port is None else int(port),
             ),
+            numbered=record is True,
             mode=mode,
             hold=judge.number("hold", hold, limits.POSITIVE, needed=True) or HOLD_TIME,
             camera=camera,
@@ -127,6 +130,11 @@ class RunOptions:
         if judge.problems:
             raise UserError(judge.problems)
         return options
+
+    @property
+    def log(self) -> Path | None:
+        """File in which control notes what happens, beside the recording; None without one."""
+        return self.sinks.file.with_suffix(".control.log") if self.sinks.file else None
 
     def waits(self, watched: bool) -> bool:
         """Return whether the run waits for the reset of an emergency stop, or ends with it.
@@ -211,25 +219,17 @@ class _Judge:
 
 
 def default_recording(tree: str | Tree) -> Path:
-    """Return where a run is recorded by default: a file in :data:`RUNS` that is not there yet."""
-    stamp = time.strftime("%Y%m%d-%H%M%S")
+    """Return where a run is recorded by default."""
     name = tree.name if isinstance(tree, Tree) else Path(tree).stem
-    path = RUNS / f"{name}-{stamp}.rrd"
-    number = 2
-    while path.exists():
-        path = RUNS / f"{name}-{stamp}-{number}.rrd"
-        number += 1
-    return path
+    return RUNS / f"{name}-{time.strftime('%Y%m%d-%H%M%S')}.rrd"
 
 
-def make_folder(recording: Path) -> None:
-    """Make the folder of recordings if this one goes there.
+def make_folder() -> None:
+    """Make the folder of recordings.
 
     Raises:
-        UserError: the folder cannot be made.
+        UserError: it cannot be made.
     """
-    if recording.parent != RUNS:
-        return
     try:
         RUNS.mkdir(exist_ok=True)
     except OSError as error:

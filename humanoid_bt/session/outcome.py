@@ -73,6 +73,7 @@ def report_of(
     sim_time: float,
     wall_time: float,
     slow_ticks: dict[str, Any],
+    recording_missing: float,
 ) -> Report:
     """Return the report of a run that is over.
 
@@ -86,6 +87,7 @@ def report_of(
         sim_time: engine time at which the tree ended [s].
         wall_time: time it took [s].
         slow_ticks: ticks that took longer than their period.
+        recording_missing: time that the recording lacks [s].
     """
     file = options.sinks.file
     return Report(
@@ -114,6 +116,7 @@ def report_of(
         versions=versions(),
         traceback=shortened(end.traceback, _LONGEST_TRACEBACK),
         slow_ticks=slow_ticks,
+        recording_missing=round(recording_missing, 3),
     )
 
 

@@ -1,63 +1,96 @@
-"""Opening the recording of a run, and finding out whether it was written."""
+"""Opening the recording of a run."""
 
 from __future__ import annotations
 
 import dataclasses
-import shutil
+import itertools
+import os
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from humanoid_bt.core.errors import UserError, relative
 from humanoid_bt.core.messages import Level
 from humanoid_bt.plant.scene_config import widest_view
+from humanoid_bt.realtime.schedule import last_core
+from humanoid_bt.record.remote_recorder import RemoteRecorder
 from humanoid_bt.record.sinks import Sinks
+from humanoid_bt.record.subject import TreeView, View
 from humanoid_bt.session.engine import Engine
 from humanoid_bt.session.options import RunOptions
 from humanoid_bt.session.report import versions
 from humanoid_bt.tree.show import outline_of
 from humanoid_bt.tree.tree import Tree
 
-if TYPE_CHECKING:  # most runs of a program record nothing, and the viewer's library takes half a second
-    from humanoid_bt.record.recorder import Recorder
-    from humanoid_bt.record.tree_view import TreeView
-
 _BUSY_CORES = {"lockstep": 1, "realtime": 2}  # in realtime mode one is control's, and decision must not wait either
-_FULL_DISK = 64 * 1024  # bytes; what cannot be written of a recording is smaller than this
+
+
+def new_recorder(options: RunOptions) -> RemoteRecorder | None:
+    """Return the recorder of a run, which comes up while the rest is made ready; None if nothing is recorded."""
+    if not options.sinks.active:
+        return None
+    if options.mode == "realtime":
+        return RemoteRecorder(waits=False, core=last_core())
+    return RemoteRecorder(waits=True)
 
 
 def open_recorder(
-    options: RunOptions, tree: Tree, engine: Engine, tell: Callable[[float, Level, str], None]
-) -> tuple[Recorder, bool]:
-    """Return the recorder of a run, and whether anybody can watch it live.
+    recorder: RemoteRecorder, options: RunOptions, tree: Tree, engine: Engine, tell: Callable[[float, Level, str], None]
+) -> Sinks:
+    """Open the recording of a run; return where it goes after all.
 
     Args:
-        options: where it goes, and whether the native viewer may be missing.
+        recorder: of the run.
+        options: where it is to go, and whether the native viewer may be missing.
         tree: what runs.
         engine: what it runs on.
         tell: is told time, level and text of where to watch, or why there is no live view.
 
     Raises:
         UserError: a sink cannot be opened.
+        HumanoidBtError: the recorder does not come up.
     """
-    sinks = options.sinks
+    sinks, reserved = options.sinks, None
+    if sinks.file is not None and options.numbered:
+        reserved = reserve(sinks.file)
+        sinks = dataclasses.replace(sinks, file=reserved)
     try:
-        recorder = _recorder(sinks, tree, engine, options)
-    except UserError as error:
-        if not (sinks.view and options.view_optional):
-            raise
-        tell(0.0, "warning", f"no live view: {error.problems[0].message}")
-        sinks = dataclasses.replace(sinks, view=False)
-        recorder = _recorder(sinks, tree, engine, options)
+        try:
+            _open(recorder, sinks, tree, engine, options)
+        except UserError as error:
+            if not (sinks.view and options.view_optional):
+                raise
+            tell(0.0, "warning", f"no live view: {error.problems[0].message}")
+            sinks = dataclasses.replace(sinks, view=False)
+            _open(recorder, sinks, tree, engine, options)
+    except BaseException:
+        if reserved is not None:
+            reserved.unlink(missing_ok=True)
+        raise
     if recorder.url:
         tell(0.0, "info", f"live view: {recorder.url}")
-    return recorder, sinks.view or sinks.serve is not None
+    return sinks
+
+
+def reserve(path: Path) -> Path:
+    """Make an empty file of this name, or if it is taken of the next one with a number; return it.
+
+    Raises:
+        UserError: it cannot be made.
+    """
+    for number in itertools.count(1):
+        free = path if number == 1 else path.with_stem(f"{path.stem}-{number}")
+        try:
+            os.close(os.open(free, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o666))
+        except FileExistsError:
+            continue
+        except OSError as error:
+            raise UserError(f"the recording {relative(free)!r} cannot be written: {error.strerror}") from error
+        break
+    return free
 
 
 def tree_view(tree: Tree) -> TreeView:
     """Return what a recording shows of a tree."""
-    from humanoid_bt.record.tree_view import TreeView  # noqa: PLC0415 (see above)
-
     return TreeView(outline_of(tree), tree.source, relative(tree.path))
 
 
@@ -73,30 +106,15 @@ def run_info(tree: Tree, engine: Engine) -> dict[str, str]:
     }
 
 
-def cut_short(recording: Path | None) -> str:
-    """Return what is wrong with a closed recording, "" if nothing is (the viewer's library only logs it)."""
-    if recording is None:
-        return ""
-    if not recording.exists():
-        return f"the recording {str(recording)!r} is lost: it was removed during the run"
-    if shutil.disk_usage(recording.parent).free >= _FULL_DISK:
-        return ""
-    return f"the disk is full: the recording {str(recording)!r} is cut short"
-
-
-def _recorder(sinks: Sinks, tree: Tree, engine: Engine, options: RunOptions) -> Recorder:
-    from humanoid_bt.record.camera import View  # noqa: PLC0415 (see above)
-    from humanoid_bt.record.recorder import Recorder  # noqa: PLC0415 (see above)
-
+def _open(recorder: RemoteRecorder, sinks: Sinks, tree: Tree, engine: Engine, options: RunOptions) -> None:
     robot = engine.robot
-    view, info = tree_view(tree), run_info(tree, engine)
-    return Recorder(
-        engine.model,
-        robot.joint_names,
-        robot.config,
-        tree=view,
-        sinks=sinks,
-        info=info,
+    recorder.open(
+        model=engine.model,
+        joint_names=robot.joint_names,
+        config=robot.config,
+        tree=tree_view(tree),
+        sinks=dataclasses.replace(sinks, file=sinks.file and sinks.file.absolute()),
+        info=run_info(tree, engine),
         camera=View(robot.config.gaze.body, *widest_view(engine.scene.config)),
         pictures=options.camera,
         busy_cores=_BUSY_CORES[options.mode],

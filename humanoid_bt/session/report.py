@@ -92,6 +92,7 @@ class Report:
         external_force_max: largest external force or torque on any body [N, Nm].
         timing: how punctual the servo was in realtime mode: cycles, missed, lateness [us]; None in lockstep.
         recording: path of the recording.
+        recording_missing: time that the recording lacks [s], 0 if it has everything; the events say why.
         versions: of the packages that a run depends on.
         traceback: of the exception that ended the run, for its author.
         slow_ticks: ticks of the tree that took longer than their period on the wall clock: count, and the worst with
@@ -123,6 +124,7 @@ class Report:
     versions: dict[str, str] = field(default_factory=dict)
     traceback: str = ""
     slow_ticks: dict[str, Any] = field(default_factory=dict)
+    recording_missing: float = 0.0
 
     @property
     def exit_code(self) -> ExitCode:
@@ -148,7 +150,8 @@ class Report:
             rows.append(("reloads", f"{done}" + (f", {refused} refused" if refused else "")))
         rows.append(("trace", self.trace_hash[:16]))
         if self.recording:
-            rows.append(("recording", self.recording))
+            lacks = f"  ({self.recording_missing:.1f} s are missing)" if self.recording_missing else ""
+            rows.append(("recording", self.recording + lacks))
         return rows
 
     def result(self, name: str, default: Any = ...) -> Any:

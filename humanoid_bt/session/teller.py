@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-from typing import TYPE_CHECKING
 
 from py_trees.common import Status
 
@@ -11,6 +10,7 @@ from humanoid_bt.core.errors import UserError, nearest
 from humanoid_bt.core.messages import Level, State
 from humanoid_bt.core.texts import shortened
 from humanoid_bt.decision.result import reported
+from humanoid_bt.record.remote_recorder import RemoteRecorder
 from humanoid_bt.session.engine import Engine
 from humanoid_bt.session.happenings import Happenings
 from humanoid_bt.session.recording import run_info, tree_view
@@ -18,9 +18,6 @@ from humanoid_bt.session.trace import Trace
 from humanoid_bt.session.tree_runner import TreeRunner
 from humanoid_bt.tree.ticking.executor import NodeChange
 from humanoid_bt.tree.tree import Tree
-
-if TYPE_CHECKING:  # most runs of a program record nothing
-    from humanoid_bt.record.recorder import Recorder
 
 _STATUS_TICKS = 10  # ticks between two reports to whoever looks from outside
 _MOST_TOLD = 1000  # characters of a text in them
@@ -72,7 +69,7 @@ class Teller:
         self._listener, self._engine = listener, engine
         self._happenings = Happenings(engine)
         self.trace = Trace()
-        self.recorder: Recorder | None = None
+        self.recorder: RemoteRecorder | None = None
         self.waits = False
         self._began = time.monotonic()
         self._ticks = 0
@@ -122,6 +119,11 @@ class Teller:
         for happening in self._happenings.until(now, self.waits):
             self.event(happening.level, happening.text, happening.time)
 
+    def news(self, recorder: RemoteRecorder) -> None:
+        """Tell what went wrong with the recording."""
+        for level, text in recorder.take_news():
+            self.event(level, text)
+
     def show(self, tree: Tree) -> None:
         """Tell that another tree takes the place of the one that ran."""
         self._listener.show(tree)
@@ -148,6 +150,7 @@ class Teller:
             for path, skill in runner.reporting:
                 if skill.status is Status.RUNNING:
                     self.recorder.results(state.time, path, reported(skill))
+            self.news(self.recorder)
         resting = "waiting for an edit" if runner.ended else "coming to a stand"
         doing = f"{tip.name}: {shortened(tip.feedback_message)}" if tip is not None else resting
         self._listener.progress(state.time, doing)

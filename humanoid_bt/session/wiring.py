@@ -27,6 +27,5 @@ def new_engine(options: RunOptions, robot_path: Path, scene: Scene, tree: str) -
     """
     robot, start = load_robot(robot_path)
     if options.mode == "realtime":
-        log = options.sinks.file.with_suffix(".control.log") if options.sinks.file else None
-        return Realtime(robot, scene, tree, log, options.hold)
+        return Realtime(robot, scene, tree, options.hold)
     return Lockstep(robot, start, scene, SimulatedPerception(scene, options.seed))

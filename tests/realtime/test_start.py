@@ -22,7 +22,7 @@ def test_a_control_process_that_does_not_come_up_is_told(tmp_path: Path, monkeyp
     monkeypatch.setattr(sys, "executable", "/bin/false")
     workspace = Workspace(builtin_root())
     robot, _ = load_robot(workspace.find_robot("humanoid"))
-    realtime = Realtime(robot, Scene(load_scene(workspace.find_scene("empty")), 0), "tree", None)
+    realtime = Realtime(robot, Scene(load_scene(workspace.find_scene("empty")), 0), "tree")
     threads = threading.active_count()
     with pytest.raises(ControlLost, match=r"the control process ended \(exit code 1\)"):
         realtime.start()

@@ -14,7 +14,7 @@ from humanoid_bt.files.workspace import Workspace, builtin_root
 from humanoid_bt.record import lanes
 from humanoid_bt.record.names import short_names
 from humanoid_bt.record.recorder import Recorder
-from humanoid_bt.record.tree_view import TreeView
+from humanoid_bt.record.subject import TreeView
 from humanoid_bt.tree.show import Outline, OutlineNode, outline_of
 from humanoid_bt.tree.show.looks import mix
 from humanoid_bt.tree.source.load import load_tree

@@ -119,7 +119,8 @@ _RUN = """
 import random, sys
 import rerun as rr
 from humanoid_bt.record import viewers
-from humanoid_bt.record.sinks import Outlet, Sinks
+from humanoid_bt.record.outlet import Outlet
+from humanoid_bt.record.sinks import Sinks
 
 outlet = Outlet(Sinks(serve=int(sys.argv[1])), "run", None)
 letters = random.Random(0)

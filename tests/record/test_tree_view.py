@@ -13,7 +13,7 @@ from humanoid_bt.core.errors import HumanoidBtError
 from humanoid_bt.files.workspace import Workspace, builtin_root
 from humanoid_bt.record import tree_view
 from humanoid_bt.record.recorder import Recorder
-from humanoid_bt.record.tree_view import TreeView
+from humanoid_bt.record.subject import TreeView
 from humanoid_bt.tree.show import Outline, OutlineNode, outline_of
 from humanoid_bt.tree.show.looks import STATUS_COLORS
 from humanoid_bt.tree.source.load import load_tree

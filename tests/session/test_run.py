@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import shutil
 from pathlib import Path
 
 import pyarrow as pa
@@ -262,26 +261,17 @@ def test_the_same_run_has_the_same_hash_and_another_seed_another(project: Path) 
 
 
 def test_a_view_that_cannot_be_opened_is_a_mistake_only_if_asked_for(
-    project: Path, monkeypatch: pytest.MonkeyPatch
+    project: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def refuse(_port: int) -> None:
-        raise UserError("the viewer did not start: no screen")
-
-    monkeypatch.setenv("DISPLAY", ":77")
-    monkeypatch.setattr("humanoid_bt.record.sinks.start_viewer", refuse)
-    with pytest.raises(UserError, match="did not start"):
-        Session("give_up", view=True, workspace=project).run()
+    monkeypatch.setenv("DISPLAY", ":77")  # there is no such screen
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(UserError, match="the viewer did not start: "):
+        Session("give_up", view=True, record=True, workspace=project).run()
+    assert list(Path("runs").iterdir()) == []
     told = Told()
     report = Session("give_up", view="auto", workspace=project, listener=told).run()
     assert report.outcome == "failure"
-    assert told.events[0][2] == "no live view: the viewer did not start: no screen"
-
-
-def test_a_full_disk_is_told(project: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    usage = shutil.disk_usage(tmp_path)
-    monkeypatch.setattr(shutil, "disk_usage", lambda _path: usage._replace(free=0))
-    told = ran("give_up", project, tmp_path / "run.rrd").told
-    assert told.events[-1][1:] == ("error", f"the disk is full: the recording '{tmp_path / 'run.rrd'}' is cut short")
+    assert told.events[0][2].startswith("no live view: the viewer did not start: ")
 
 
 def test_what_nodes_tell_and_what_on_error_catches_are_events_of_the_run(project: Path) -> None:

@@ -1,0 +1,135 @@
+"""The process that records: what it is to record comes in, then every call; what becomes of it goes out, line by line.
+
+A process of its own, because encoding and writing take longer than decision may be silent. It ends when its input ends,
+also when the run's process was killed: what that had handed over by then is written, and the file is closed.
+"""
+
+from __future__ import annotations
+
+import json
+import logging
+import os
+import pickle
+import signal
+import socket
+import sys
+import threading
+import traceback
+from collections.abc import Mapping
+from contextlib import suppress
+from typing import TYPE_CHECKING, Any
+
+from humanoid_bt.core.errors import UserError
+from humanoid_bt.record.sample import decode_call
+
+if TYPE_CHECKING:
+    from humanoid_bt.record.recorder import Recorder
+
+_NICE = 5  # behind the run, before what is only meant to fill idle cores
+_ALONE = 60.0  # s to close a recording that nobody waits for any more
+
+
+class RecorderProcess:
+    """Records one run.
+
+    Args:
+        end: this process's end of the stream to decision.
+    """
+
+    def __init__(self, end: socket.socket) -> None:
+        self._end = end
+        self._saying = threading.Lock()
+        self._source = end.makefile("rb")
+        self._recorder: Recorder | None = None
+        self._written = -float("inf")
+        self._trouble = ""
+        self._last = 0.0  # engine time of the last tick [s]
+        logging.getLogger().addHandler(_Telling(self))
+
+    def run(self) -> None:
+        """Record until decision closes the recording, or is gone."""
+        from humanoid_bt.record.recorder import Recorder  # noqa: PLC0415  # while decision reads its tree
+
+        try:
+            while self._recorder is None:
+                _, (setup,) = decode_call(self._source)
+                self._recorder = self._opened(Recorder, setup)
+            while self._obey(self._recorder, *decode_call(self._source)):
+                pass
+        except (EOFError, ConnectionError, pickle.UnpicklingError):
+            self._close_alone("the process of the run ended without closing the recording")
+        except Exception as error:  # a mistake of our own: the run goes on without a recording
+            traceback.print_exc()
+            self.say("failed", f"{type(error).__name__}: {error}")
+            self._close_alone("the recorder failed")
+
+    def _opened(self, kind: type[Recorder], setup: Mapping[str, Any]) -> Recorder | None:
+        """Return the recorder, or None if it cannot be made; say which."""
+        try:
+            recorder = kind(**setup, announce=lambda what, limit: self.say("busy", what, limit))
+        except UserError as error:
+            self.say("refused", [(problem.message, problem.hint) for problem in error.problems])
+            return None
+        self.say("opened", recorder.url)
+        return recorder
+
+    def _obey(self, recorder: Recorder, method: str, arguments: tuple[Any, ...]) -> bool:
+        """Do what decision asks; return whether more can come."""
+        getattr(recorder, method)(*arguments)
+        if method == "sample":
+            self._last = arguments[0].time
+        if recorder.written != self._written:
+            self._written = recorder.written
+            self.say("written", self._written)
+        if recorder.trouble != self._trouble:
+            self._trouble = recorder.trouble
+            self.say("told", "error", self._trouble)
+        if method == "close":
+            self.say("closed")
+        return method != "close"
+
+    def _close_alone(self, why: str) -> None:
+        """Close the recording, for which nobody waits."""
+        if self._recorder is None:
+            return
+        guard = threading.Timer(_ALONE, os._exit, (1,))
+        guard.daemon = True
+        guard.start()
+        self._recorder.event(self._last, "error", why)
+        self._recorder.close()
+
+    def say(self, kind: str, *values: object) -> None:
+        """Tell decision, if it is there."""
+        with suppress(OSError), self._saying:
+            self._end.sendall(json.dumps([kind, *values]).encode() + b"\n")
+
+
+class _Telling(logging.Handler):
+    """Makes an event of the run of what is logged here."""
+
+    def __init__(self, process: RecorderProcess) -> None:
+        super().__init__(logging.WARNING)
+        self._process = process
+
+    def emit(self, record: logging.LogRecord) -> None:
+        self._process.say("told", "warning", record.getMessage())
+
+
+def main() -> None:
+    """Record the run at the other end of the descriptor that is the first argument.
+
+    The second one, if there is any, is the processor that is left to control.
+    """
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        signal.signal(number, lambda _number, _frame: None)  # they are decision's to answer: its end is this one's
+    end, *taken = map(int, sys.argv[1:])
+    with suppress(OSError):
+        os.nice(_NICE)
+    if sys.platform == "linux":
+        os.sched_setscheduler(0, os.SCHED_BATCH, os.sched_param(0))  # when it wakes up it takes no core from the run
+        os.sched_setaffinity(0, os.sched_getaffinity(0) - set(taken))
+    RecorderProcess(socket.socket(fileno=end)).run()
+
+
+if __name__ == "__main__":
+    main()

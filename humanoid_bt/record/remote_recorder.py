@@ -1,0 +1,294 @@
+"""Recording as decision sees it: a recorder's calls, carried out by a process of its own."""
+
+from __future__ import annotations
+
+import json
+import os
+import select
+import socket
+import subprocess
+import sys
+import weakref
+from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
+from types import TracebackType
+from typing import Any, Self
+
+from humanoid_bt.core.errors import HumanoidBtError, Problem, UserError
+from humanoid_bt.core.messages import Array, Level, State
+from humanoid_bt.decision.result import Reported
+from humanoid_bt.link.processes import how_ended
+from humanoid_bt.perception.track import Track
+from humanoid_bt.record.outbox import Outbox, Stuck
+from humanoid_bt.record.sample import encode_call, encode_sample
+from humanoid_bt.record.subject import TreeView
+
+_START_TIMEOUT = 90.0  # s to open everything: a viewer on a cold disk, a camera that is insisted on
+_PATIENCE = 5.0  # s without a sign of life after which a recorder that is waited for is given up
+_BEHIND = 5.0  # s that a recorder which is not waited for may be behind before ticks are left out
+_ROOM = 1 << 22  # bytes of other news that wait for it then
+_END_TIMEOUT = 5.0  # s that an ended process may take to be gone
+
+
+class RemoteRecorder:
+    """Has the recorder's process, and hands over to it what happens, in every tick.
+
+    Made early, because its process takes most of a second to come up; it records nothing before :meth:`open`. Whatever
+    becomes of the process then, no call raises: what is lost is told by :meth:`take_news` and counted.
+
+    Args:
+        waits: wait for a recorder that is slow, so that nothing is lost. Else never wait: ticks that it cannot take in
+            time are left out.
+        core: processor that it does not use, None for none.
+
+    Attributes:
+        url: address of the web viewer, "" if none is served.
+
+    Raises:
+        HumanoidBtError: the system has no room for the process.
+    """
+
+    def __init__(self, *, waits: bool, core: int | None = None) -> None:
+        self.url = ""
+        self._waits = waits
+        self._end, other = socket.socketpair()
+        with other:
+            self._process = _start(other, core)
+        self._outbox = Outbox(self._end, _PATIENCE if waits else 0.0)
+        self._finalize = weakref.finalize(self, _end_process, self._process, self._end)
+        self._inbox, self._news = b"", list[tuple[Level, str]]()
+        self._answers: list[list[Any]] = []
+        self._opened = self._over = False  # over: nothing is handed over any more
+        self._told_behind = False
+        self._first: float | None = None  # engine times of ticks [s]
+        self._last = self._handed = 0.0
+        self._written = -float("inf")  # up to when the recording has everything [s]
+        self._left_out = 0.0  # s
+
+    # ---- life -------------------------------------------------------------------------------------------------------
+
+    def open(self, **setup: Any) -> None:
+        """Open the recording. Once more if that is refused.
+
+        Args:
+            setup: arguments of a :class:`~humanoid_bt.record.recorder.Recorder`.
+
+        Raises:
+            UserError: a sink cannot be opened, or pictures are insisted on and there is no OpenGL.
+            HumanoidBtError: the process does not come up.
+        """
+        try:
+            self._outbox.put(encode_call("open", setup))
+            self._outbox.push(_START_TIMEOUT)
+            while (answer := self._answer(_START_TIMEOUT))[0] == "busy":
+                pass
+        except (OSError, Stuck):
+            told = [text for _, text in self.take_news()]
+            how = how_ended(self._process) or f"it did not answer within {_START_TIMEOUT:g} s"
+            raise HumanoidBtError(told[0] if told else f"the recorder process did not come up: {how}") from None
+        kind, result = answer
+        if kind == "refused":
+            raise UserError([Problem(message, hint=hint) for message, hint in result])
+        self.url = result
+        self._opened = True
+
+    def close(self) -> None:
+        """Write the rest, close the recording and end the process. Twice is once.
+
+        Every wait has a limit. Whoever interrupts it does not wait: the recorder then ends by itself.
+        """
+        try:
+            if self._opened and not self._over:
+                self._finish()
+        except BaseException:
+            self._end.close()
+            self._finalize.detach()
+            raise
+        finally:
+            self._over = True
+        self._finalize()
+        if self._opened and self.missing:
+            self._news.append(("error", f"{self.missing:.1f} s of {self.length:.1f} s are missing in the recording"))
+        self._opened = False
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    # ---- what happens -----------------------------------------------------------------------------------------------
+
+    def sample(
+        self, state: State, tracks: Mapping[str, Track], objects: Mapping[str, Array], hidden: Iterable[str] = ()
+    ) -> None:
+        """Record one tick, as :meth:`~humanoid_bt.record.recorder.Recorder.sample`."""
+        if self._first is None:
+            self._first = self._last = state.time
+        step, self._last = state.time - self._last, state.time
+        self._follow()
+        if self._over or self._behind(state.time):
+            self._left_out += step
+            self._put()
+        else:
+            self._handed = state.time
+            self._put(encode_sample(state, tracks, objects, hidden))
+
+    def node_changed(self, time: float, path: str, status: str, feedback: str) -> None:
+        """Record that a node's status changed."""
+        self._put(encode_call("node_changed", time, path, status, feedback))
+
+    def results(self, time: float, path: str, results: Sequence[Reported]) -> None:
+        """Record what a skill has reported by now."""
+        if results:
+            self._put(encode_call("results", time, path, results))
+
+    def show_tree(self, time: float, tree: TreeView, info: Mapping[str, str]) -> None:
+        """Record that another tree takes the place of the one so far."""
+        self._put(encode_call("show_tree", time, tree, info))
+
+    def event(self, time: float, level: Level, text: str) -> None:
+        """Record something that happened."""
+        self._put(encode_call("event", time, level, text))
+
+    # ---- what became of it ------------------------------------------------------------------------------------------
+
+    @property
+    def length(self) -> float:
+        """Time that there was to record [s]."""
+        return 0.0 if self._first is None else self._last - self._first
+
+    @property
+    def missing(self) -> float:
+        """How much of that the recording lacks [s]; final after :meth:`close`."""
+        if self._first is None:
+            return 0.0
+        return self._left_out + self._handed - max(self._written, self._first)
+
+    def take_news(self) -> list[tuple[Level, str]]:
+        """Return what went wrong since the last time: how bad it is, and a line of text."""
+        news, self._news = self._news, []
+        return news
+
+    # ---- the other process ------------------------------------------------------------------------------------------
+
+    def _behind(self, now: float) -> bool:
+        """Return whether the recorder is too far behind to be given more."""
+        assert self._first is not None
+        behind = not self._waits and now - max(self._written, self._first) > _BEHIND
+        if behind and not self._told_behind:
+            self._told_behind = True
+            text = f"the recorder is more than {_BEHIND:g} s behind: what it cannot take is missing in the recording"
+            self._news.append(("error", text))
+        return behind
+
+    def _put(self, *messages: bytes) -> None:
+        """Hand over messages, and what still waits before them."""
+        if self._over:
+            return
+        try:
+            for message in messages:
+                self._outbox.put(message)
+            self._outbox.push()
+        except Stuck:
+            self._lose(f"the recorder took nothing for {_PATIENCE:g} s and was ended")
+        except OSError:  # it is about to be heard how it ended
+            pass
+        if self._outbox.size > _ROOM:
+            self._lose("the recorder was far too slow and was ended")
+
+    def _follow(self) -> None:
+        """Hear what the recorder says, if it says something."""
+        if self._over:
+            return
+        try:
+            self._hear()
+        except BlockingIOError:
+            pass
+        except OSError:
+            if how := how_ended(self._process):  # else it is about to
+                self._lose(f"the recorder process ended ({how})")
+
+    def _lose(self, what: str) -> None:
+        """Go on without a recorder, in the midst of the run."""
+        self._over = True
+        self._process.kill()
+        self._news.append(("error", f"{what}: nothing is recorded from {self._last:.2f} s on"))
+
+    def _hear(self) -> None:
+        """Take what there is.
+
+        Raises:
+            BlockingIOError: there is nothing.
+            OSError: there never will be.
+        """
+        data = self._end.recv(1 << 16)
+        if not data:
+            raise ConnectionResetError
+        *lines, self._inbox = (self._inbox + data).split(b"\n")
+        for kind, *values in map(json.loads, lines):
+            match kind:
+                case "written":
+                    (self._written,) = values
+                case "told":
+                    self._news.append((values[0], values[1]))
+                case "failed":
+                    self._lose(f"the recorder failed ({values[0]})")
+                case _:
+                    self._answers.append([kind, *values])
+
+    def _answer(self, patience: float) -> list[Any]:
+        """Wait for an answer.
+
+        Raises:
+            Stuck: there was no sign of life for so long [s].
+            OSError: there will be none.
+        """
+        poll = select.poll()
+        poll.register(self._end, select.POLLIN)
+        while not self._answers:
+            if self._over or not poll.poll(1000 * patience):
+                raise Stuck
+            self._hear()
+        return self._answers.pop(0)
+
+    def _finish(self) -> None:
+        """Have the recording closed."""
+        what, limit = "read what it was given", 0.0
+        try:
+            self._outbox.put(encode_call("close"))
+            self._outbox.push(_PATIENCE)
+            while (answer := self._answer(limit + _PATIENCE))[0] != "closed":
+                _, what, limit = answer
+        except Stuck:
+            self._news.append(("error", f"the recorder was ended: it took more than {limit + _PATIENCE:g} s to {what}"))
+        except OSError:
+            with suppress(subprocess.TimeoutExpired):
+                self._process.wait(_END_TIMEOUT)
+            how = how_ended(self._process) or "it ended"
+            self._news.append(("error", f"the recorder process ended before the recording was closed ({how})"))
+
+
+def _start(end: socket.socket, core: int | None) -> subprocess.Popen[bytes]:
+    """Start the process out of reach of the terminal's signals: they are decision's to answer."""
+    numbers = [end.fileno()] if core is None else [end.fileno(), core]
+    try:
+        return subprocess.Popen(
+            [sys.executable, "-P", "-m", "humanoid_bt.record.recorder_process", *map(str, numbers)],
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.DEVNULL,
+            env={**os.environ, "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"},
+            pass_fds=[end.fileno()],
+            start_new_session=True,
+        )
+    except OSError as error:
+        raise HumanoidBtError(f"the recorder process cannot be started: {error.strerror}") from error
+
+
+def _end_process(process: subprocess.Popen[bytes], end: socket.socket) -> None:
+    end.close()
+    process.kill()
+    with suppress(subprocess.TimeoutExpired):
+        process.wait(_END_TIMEOUT)

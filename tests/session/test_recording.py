@@ -1,0 +1,215 @@
+"""What becomes of a run's recording when something goes wrong with it: it is told, and the run goes on."""
+
+from __future__ import annotations
+
+import resource
+import signal
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+
+from humanoid_bt.core.errors import UserError
+from humanoid_bt.link.processes import ProcessIdentity
+from humanoid_bt.record import remote_recorder
+from humanoid_bt.session import options
+from humanoid_bt.session.report import Report
+from humanoid_bt.session.session import Session
+from tests.record.helpers import events
+from tests.session.helpers import last_time
+
+LENGTH = 3.0  # s of a run
+
+
+def recorder_of(session: Session) -> subprocess.Popen[bytes]:
+    """Return the process that records."""
+    recorder = session._drive._recorder
+    assert recorder is not None
+    return recorder._process
+
+
+def harmed(project: Path, file: Path, harm: Callable[[Session], object], at: float = 1.5) -> Report:
+    """Return the report of a run to whose recording something is done."""
+    with Session("walk", workspace=project, record=file, camera=False, duration=LENGTH) as session:
+        session.run_until(at)
+        harm(session)
+        session.run_until(LENGTH)
+    assert session.report.outcome == "unfinished"
+    assert session.report.stops == []
+    return session.report
+
+
+def errors(report: Report) -> list[tuple[float, str]]:
+    return [(event["time"], event["text"]) for event in report.events if event["level"] == "error"]
+
+
+def test_a_run_without_trouble_lacks_nothing(project: Path, tmp_path: Path) -> None:
+    report = harmed(project, tmp_path / "run.rrd", lambda _session: None)
+    assert report.recording_missing == 0.0
+    assert errors(report) == []
+    assert ("recording", str(tmp_path / "run.rrd")) in report.summary
+    assert last_time(tmp_path / "run.rrd") >= LENGTH
+
+
+def test_a_recorder_that_is_killed_is_told_at_once(project: Path, tmp_path: Path) -> None:
+    file = tmp_path / "run.rrd"
+    report = harmed(project, file, lambda session: (recorder_of(session).kill(), recorder_of(session).wait()))
+    (at, text), (_, missing) = errors(report)
+    assert at == pytest.approx(1.52)
+    assert text == "the recorder process ended (killed by signal 9): nothing is recorded from 1.52 s on"
+    assert report.recording_missing > LENGTH - 1.5
+    assert missing.startswith(f"{report.recording_missing:.1f} s of ")
+    assert ("recording", f"{file}  ({report.recording_missing:.1f} s are missing)") in report.summary
+
+
+def test_a_recorder_that_hangs_is_waited_for_but_not_for_ever(
+    project: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(remote_recorder, "_PATIENCE", 0.3)
+    report = harmed(
+        project, tmp_path / "run.rrd", lambda session: recorder_of(session).send_signal(signal.SIGSTOP), 2.9
+    )
+    (_, text), (_, missing) = errors(report)
+    assert text == "the recorder was ended: it took more than 0.3 s to read what it was given"
+    assert missing.endswith("are missing in the recording")
+    assert report.recording_missing > 0
+
+
+def test_a_recorder_that_takes_nothing_is_given_up_in_the_midst_of_a_run(
+    project: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(remote_recorder, "_PATIENCE", 0.3)
+
+    def harm(session: Session) -> None:
+        recorder_of(session).send_signal(signal.SIGSTOP)
+        recorder = session._drive._recorder
+        assert recorder is not None
+        while not recorder._over:  # as many lines as the system takes
+            recorder.event(1.5, "info", "a line " * 1000)
+
+    report = harmed(project, tmp_path / "run.rrd", harm)
+    assert errors(report)[0][1].startswith("the recorder took nothing for 0.3 s and was ended: nothing is recorded")
+
+
+@pytest.mark.parametrize("folder", [False, True])
+def test_a_recording_that_is_deleted_is_told(project: Path, tmp_path: Path, folder: bool) -> None:
+    file = tmp_path / "mine" / "run.rrd"
+    file.parent.mkdir()
+
+    def harm(_session: Session) -> None:
+        file.unlink()
+        if folder:
+            file.parent.rmdir()
+
+    report = harmed(project, file, harm)
+    (at, text), (_, missing) = errors(report)
+    assert 1.5 < at <= LENGTH + 0.1
+    assert text == f"the recording '{file}' was deleted while it was written"
+    assert report.recording_missing >= LENGTH
+    assert (
+        missing == f"{report.recording_missing:.1f} s of {report.recording_missing:.1f} s are missing in the recording"
+    )
+
+
+@pytest.fixture
+def small_files(project: Path, tmp_path: Path) -> Iterator[int]:
+    """Let no file grow beyond some bytes: a recording's beginning, and little of what follows."""
+    short = tmp_path / "short.rrd"
+    with Session("walk", workspace=project, record=short, camera=False) as session:
+        session.run_until(1.02)
+        recorder = session._drive._recorder
+        assert recorder is not None
+        while recorder._written < 1.0:
+            recorder._follow()
+        limit = short.stat().st_size
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (limit, before[1]))
+    yield limit
+    resource.setrlimit(resource.RLIMIT_FSIZE, before)
+
+
+def test_a_recording_that_cannot_grow_is_told(project: Path, tmp_path: Path, small_files: int) -> None:
+    file = tmp_path / "run.rrd"
+    report = harmed(project, file, lambda _session: None)
+    (_, text), _ = errors(report)
+    assert text == f"the recording '{file}' is cut short: files may have {small_files} bytes at most here (ulimit -f)"
+    assert report.recording_missing > LENGTH - 1.1
+
+
+_KILLED = """
+import os, signal, sys
+from humanoid_bt import Session
+
+with Session("walk", workspace=sys.argv[1], record=sys.argv[2], camera=False) as session:
+    session.run_until(1.5)
+    print(session._drive._recorder._process.pid, flush=True)
+    os.kill(os.getpid(), signal.SIGKILL)
+"""
+
+
+def test_a_program_that_is_killed_leaves_a_whole_recording_and_no_process(project: Path, tmp_path: Path) -> None:
+    file = tmp_path / "run.rrd"
+    done = subprocess.run(  # the recorder has the same standard error: it is closed when both have ended
+        [sys.executable, "-c", _KILLED, project, file], capture_output=True, text=True, check=False, timeout=30
+    )
+    assert done.returncode == -signal.SIGKILL
+    assert not ProcessIdentity.of(int(done.stdout)).started
+    assert last_time(file) == pytest.approx(1.5)
+    assert events(file)[-1][2] == "the process of the run ended without closing the recording"
+
+
+def test_a_session_that_is_never_entered_leaves_no_process(project: Path) -> None:
+    session = Session("walk", workspace=project, record=True)
+    process = recorder_of(session)
+    del session
+    assert process.poll() == -signal.SIGKILL
+
+
+def test_two_runs_of_the_same_second_have_recordings_of_their_own(
+    project: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(options, "default_recording", lambda _tree: Path("runs/walk.rrd"))
+    sessions = [Session("walk", workspace=project, record=True, camera=False, duration=0.1) for _ in range(3)]
+    for session in sessions:
+        session.start()
+    for session in sessions:
+        session.run_until(1.0)
+        session.close()
+    names = [str(session.report.recording) for session in sessions]
+    assert names == ["runs/walk.rrd", "runs/walk-2.rrd", "runs/walk-3.rrd"]
+    assert [last_time(Path(name)) > 0.05 for name in names] == [True] * 3
+
+
+def test_two_runs_cannot_write_one_file(project: Path, tmp_path: Path) -> None:
+    file = tmp_path / "run.rrd"
+    with Session("walk", workspace=project, record=file, camera=False) as first:
+        first.run_until(0.1)
+        with pytest.raises(UserError, match=r"run\.rrd' is being written by another run"):
+            Session("walk", workspace=project, record=file).start()
+    assert last_time(file) > 0.05
+
+
+@pytest.mark.realtime
+@pytest.mark.parametrize("number", [signal.SIGSTOP, signal.SIGKILL])
+def test_the_robot_does_not_notice_what_becomes_of_the_recorder(
+    project: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, number: signal.Signals
+) -> None:
+    monkeypatch.setattr(remote_recorder, "_BEHIND", 0.5)
+    monkeypatch.setattr(remote_recorder, "_PATIENCE", 0.3)
+    with Session("walk", workspace=project, mode="realtime", record=tmp_path / "run.rrd", camera=False) as session:
+        session.run_until(0.5)
+        recorder_of(session).send_signal(number)
+        session.run_until(2.0)
+    report = session.report
+    assert report.stops == []
+    texts = [text for _, text in errors(report)]
+    if number is signal.SIGKILL:
+        assert texts[0].startswith("the recorder process ended (killed by signal 9): nothing is recorded from ")
+    else:
+        assert texts[0] == "the recorder is more than 0.5 s behind: what it cannot take is missing in the recording"
+        assert texts[1] == "the recorder was ended: it took more than 0.3 s to read what it was given"
+    assert texts[-1].endswith("s are missing in the recording")
+    assert report.recording_missing > 1.0
