@@ -164,7 +164,7 @@ def print_summary(console: Console, report: Report) -> None:
     text.stylize(style, 0, len(report.outcome) + 1)
     console.print(text, soft_wrap=True)
     rows = report.summary
-    if report.recording:
+    if report.recording and Path(report.recording).exists():
         rows.append(("open it", f"{_viewer_command()} {report.recording}"))
     for line in aligned(rows):
         console.print(line, soft_wrap=True, markup=False)

@@ -87,8 +87,11 @@ def test_without_its_recording_a_run_has_its_report(tmp_path: Path, capsys: pyte
     assert main(["run", "lose", "--no-view", "--report", "report.json"]) == 0
     report = json.loads((tmp_path / "report.json").read_text(encoding="utf-8"))
     assert report["outcome"] == "success"
-    (lost,) = [event["text"] for event in report["events"] if event["level"] == "error"]
-    assert lost.startswith("the recording") and lost in " ".join(capsys.readouterr().out.split())
+    lost, missing = [event["text"] for event in report["events"] if event["level"] == "error"]
+    printed = " ".join(capsys.readouterr().out.split())
+    assert lost.startswith("the recording") and lost in printed
+    assert missing.endswith("are missing in the recording") and report["recording_missing"] > 0
+    assert "open it" not in printed
 
 
 def test_a_run_that_is_killed_leaves_no_report(tmp_path: Path) -> None:
