@@ -11,7 +11,8 @@ from __future__ import annotations
 
 import sys
 from importlib import import_module
-from typing import TYPE_CHECKING
+
+TYPE_CHECKING = False  # typing takes a while to import
 
 __version__ = "0.1.0"
 

@@ -5,7 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 
 SKILLS = '''
+import asyncio
 import math
+import signal
 
 from humanoid_bt.core.params import param
 from humanoid_bt.decision.skill import Skill, Status
@@ -44,18 +46,27 @@ class Walk(Skill):
         return self.running("walking")
 
 
-class Exit(Skill):
-    """Leave the program."""
+class Leave(Skill):
+    """Walk, and after a while raise what usually ends a program."""
+
+    resources = ("base",)
+    after: float = param(1.0, unit="s", minimum=0, doc="When.")
+    error: str = param("SystemExit", doc="What is raised.")
 
     def update(self) -> Status:
-        raise SystemExit(7)
+        if self.robot.clock.now() >= self.after:
+            known = (SystemExit, KeyboardInterrupt, GeneratorExit, asyncio.CancelledError)
+            raise {error.__name__: error for error in known}[self.error](7)
+        self.robot.walk_to((3.0, 0.0), 0.0)
+        return self.running("walking")
 
 
 class Hang(Skill):
     """Loop for ever, as far as the person at the keyboard allows."""
 
     def update(self) -> Status:
-        raise KeyboardInterrupt
+        while True:
+            signal.raise_signal(signal.SIGINT)
 
 
 class Stubborn(Skill):
@@ -83,7 +94,7 @@ TREES = {
     "give_up": "give_up",
     "walk": "walk",
     "raise": "{walk: {raise_after: 1.0}}",
-    "exit": "exit",
+    "leave": "leave",
     "hang": "hang",
     "stubborn": "stubborn",
     "nowhere": "nowhere",

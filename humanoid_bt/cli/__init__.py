@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from humanoid_bt.cli.arguments import parser
 from humanoid_bt.cli.findings import counted, print_findings
 from humanoid_bt.cli.output import standard_streams
+from humanoid_bt.core.early import raise_it
 from humanoid_bt.core.errors import HumanoidBtError, UserError
 from humanoid_bt.session.report import ExitCode
 
@@ -67,7 +68,7 @@ _COMMANDS = {
     "skills": "inspect",
     "scenes": "inspect",
     "robots": "inspect",
-    "estop": "remote",
+    "estop": "estop",
     "reset": "remote",
     "status": "remote",
 }
@@ -76,5 +77,6 @@ _COMMANDS = {
 
 def _dispatch(arguments: argparse.Namespace) -> int:
     module = importlib.import_module(f"humanoid_bt.cli.{_COMMANDS[arguments.command]}")
+    raise_it()
     code: int = getattr(module, arguments.command)(arguments)
     return code

@@ -5,13 +5,13 @@ from __future__ import annotations
 import argparse
 from collections.abc import Iterator
 
-from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
 from humanoid_bt.bench.figure import Figure
 from humanoid_bt.bench.figures import measure
 from humanoid_bt.bench.tree import measure_tree
+from humanoid_bt.cli.console import SafeConsole
 from humanoid_bt.cli.figures import judged, write_figures
 from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.session.report import ExitCode
@@ -23,7 +23,7 @@ def bench(arguments: argparse.Namespace) -> int:
         from humanoid_bt.cli.bench_realtime import bench_realtime
 
         return bench_realtime(arguments)
-    console = Console(highlight=False)
+    console = SafeConsole()
     figures: list[Figure] = []
     with console.status("measuring") as status:
         for figure in _measured(arguments):

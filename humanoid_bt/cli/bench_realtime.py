@@ -9,7 +9,6 @@ from contextlib import closing
 from dataclasses import asdict
 
 from rich import box
-from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
@@ -18,6 +17,7 @@ from humanoid_bt.bench.promises import LATENESS
 from humanoid_bt.bench.punctuality import Punctuality
 from humanoid_bt.bench.reactions import Reaction
 from humanoid_bt.bench.realtime import OURS, Note, measure_realtime
+from humanoid_bt.cli.console import SafeConsole
 from humanoid_bt.cli.figures import judged, write_figures
 from humanoid_bt.realtime.schedule import FIFO_HINT
 from humanoid_bt.session.report import ExitCode
@@ -27,7 +27,7 @@ _LEAST = 1.0  # us; less matters to no loop of a millisecond, so a ratio of less
 
 def bench_realtime(arguments: argparse.Namespace) -> int:
     """Measure, print two tables, write the JSON file if one is asked for."""
-    console = Console(highlight=False)
+    console = SafeConsole()
     loops: list[Punctuality] = []
     answers: list[Reaction] = []
     notes: list[str] = []

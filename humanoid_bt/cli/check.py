@@ -14,6 +14,7 @@ from humanoid_bt.cli.output import columns, hanging, print_lines
 from humanoid_bt.cli.reports import as_json, as_sarif
 from humanoid_bt.cli.wording import several
 from humanoid_bt.core.errors import Problem, relative
+from humanoid_bt.core.texts import one_line
 from humanoid_bt.session.report import ExitCode
 
 
@@ -40,7 +41,7 @@ def _print(problems: Sequence[Problem], found: Mapping[Path, Sequence[Problem]])
     for path, own in found.items():
         name = relative(path)
         if name not in spoiled and not any(problem.severity == "error" for problem in own):
-            print(f"{name}: ok")
+            print(f"{one_line(name)}: ok")
     print_findings(problems)
     if problems:
         print(counted(problems) + (f" in {several(len(found), 'file')}" if found else ""))

@@ -6,12 +6,13 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from rich.cells import cell_len
-from rich.console import Console
 from rich.text import Text
 
+from humanoid_bt.cli.console import SafeConsole
 from humanoid_bt.cli.output import hanging, width
-from humanoid_bt.cli.wording import INDENT, headline, printable
+from humanoid_bt.cli.wording import INDENT, headline
 from humanoid_bt.core.errors import Place, Problem, UserError
+from humanoid_bt.core.texts import printable
 from humanoid_bt.files.document import read_text
 
 _COLORS = {"error": "bold red", "warning": "bold yellow"}
@@ -20,7 +21,7 @@ _LEAST = 20  # columns of a file's line that are shown in any case
 
 def print_with_excerpts(problems: Iterable[Problem], *, stderr: bool) -> None:
     """Print findings, each with the line it is about and a mark below its column."""
-    console = Console(stderr=stderr, highlight=False, soft_wrap=True)
+    console = SafeConsole(stderr=stderr, soft_wrap=True)
     for problem in problems:
         color = _COLORS[problem.severity]
         place, severity, message, code = headline(problem)

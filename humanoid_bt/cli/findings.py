@@ -6,8 +6,9 @@ import sys
 from collections import Counter
 from collections.abc import Iterable
 
-from humanoid_bt.cli.wording import INDENT, headline, printable, several
+from humanoid_bt.cli.wording import INDENT, headline, several
 from humanoid_bt.core.errors import Problem
+from humanoid_bt.core.texts import printable
 
 
 def print_findings(problems: Iterable[Problem], *, stderr: bool = False) -> None:

@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 import argparse
-import contextlib
 import difflib
-import os
 import sys
-import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 
 from humanoid_bt.cli.findings import print_findings
 from humanoid_bt.core.errors import Place, UserError, nearest, relative
+from humanoid_bt.core.texts import one_line
 from humanoid_bt.files.document import read_text
 from humanoid_bt.files.formatting import formatted
+from humanoid_bt.files.whole import write_whole
 from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.session.report import ExitCode
 
@@ -39,7 +38,7 @@ def fmt(arguments: argparse.Namespace) -> int:
         if file.is_changed and arguments.diff:
             print(_diff(file, relative(path)), end="")
         elif file.is_changed:
-            print(f"{relative(path)}: {'would be formatted' if looks_only else 'formatted'}")
+            print(f"{one_line(relative(path))}: {'would be formatted' if looks_only else 'formatted'}")
     if broken:
         count = "1 file has" if broken == 1 else f"{broken} files have"
         print(f"{count} mistakes and cannot be formatted, of {len(files)}", file=sys.stderr)
@@ -121,17 +120,7 @@ def _write(path: Path, content: bytes) -> None:
         UserError: it cannot be written.
     """
     try:
-        mode = path.stat().st_mode
-        handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
-        try:
-            with os.fdopen(handle, "wb") as file:
-                file.write(content)
-            Path(name).chmod(mode & 0o7777)
-            Path(name).replace(path)
-        except BaseException:
-            with contextlib.suppress(OSError):
-                Path(name).unlink()
-            raise
+        write_whole(path, content)
     except OSError as error:
         raise UserError(f"cannot be written: {error.strerror}", Place(relative(path)), code="unreadable") from error
 

@@ -11,12 +11,13 @@ from pathlib import Path
 from typing import TypeVar
 
 import yaml
-from rich.console import Console
 from rich.text import Text
 
+from humanoid_bt.cli.console import SafeConsole
 from humanoid_bt.cli.output import columns, hanging, print_lines
 from humanoid_bt.core.errors import Problem, UserError, nearest, relative
 from humanoid_bt.core.params import Param
+from humanoid_bt.core.texts import printable
 from humanoid_bt.core.units import shown_quantity
 from humanoid_bt.decision.skill_files import class_file
 from humanoid_bt.files.workspace import Workspace
@@ -48,7 +49,7 @@ def nodes(arguments: argparse.Namespace) -> int:
         known = {**registry, **{alias: registry[name] for alias, name in ALIASES.items()}}
         _explain_each(arguments.names, known, "node", _node)
         return ExitCode.SUCCESS
-    console = Console(highlight=False)
+    console = SafeConsole()
     kinds = dict.fromkeys(kind.kind for kind in registry.values())
     width = max(map(len, registry))
     for number, kind in enumerate(kinds):
@@ -210,12 +211,12 @@ def _headline(name: str, doc: str) -> None:
     """Print a name in bold and what it is."""
     text = Text("\n".join(hanging(f"{name}  ", _plain(doc))))
     text.stylize("bold", 0, len(name))
-    Console(highlight=False).print(text, soft_wrap=True)
+    SafeConsole().print(text, soft_wrap=True)
 
 
 def _plain(doc: str) -> str:
     """Return a docstring as a terminal shows it: names in quotes, and no other marks."""
-    return re.sub(r"`+", "'", doc).replace("*", "")
+    return printable(re.sub(r"`+", "'", doc).replace("*", ""))
 
 
 def _row(spec: Param) -> Row:

@@ -1,4 +1,4 @@
-"""Where the command line writes: streams that outlive their reader, and columns that fit any width."""
+"""Where the command line writes: streams that outlive their reader and pass on no commands, columns of any width."""
 
 from __future__ import annotations
 
@@ -9,7 +9,9 @@ import shutil
 import sys
 import textwrap
 from collections.abc import Iterable, Sequence
-from typing import Any, TextIO
+from typing import Any, TextIO, cast
+
+from humanoid_bt.core.texts import printable
 
 _GONE = {errno.EPIPE, errno.EIO}  # the reader has ended: a closed pipe, a closed terminal
 _NARROWEST = 20  # columns that a text needs to be readable beside others
@@ -84,6 +86,25 @@ class Lasting(io.TextIOBase):
             os.close(nowhere)
 
 
+class Safe:
+    """A text stream for text of any origin: a terminal finds no commands in it, whoever redirects it.
+
+    Args:
+        raw: where the text goes; for who makes commands of its own.
+    """
+
+    def __init__(self, raw: TextIO) -> None:
+        self.raw = raw
+
+    def write(self, text: str) -> int:
+        """Write a text, with what a terminal would obey written out."""
+        self.raw.write(printable(text))
+        return len(text)
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self.raw, name)
+
+
 def width() -> int:
     """Return the columns of the terminal, 80 if there is none."""
     return shutil.get_terminal_size((80, 24)).columns
@@ -138,7 +159,12 @@ def _can_show(stream: TextIO) -> bool:
 
 
 def standard_streams() -> tuple[Lasting, Lasting]:
-    """Make standard output and standard error lasting; return them."""
+    """Make standard output and standard error safe and lasting; return them."""
     out, err = Lasting(sys.stdout), Lasting(sys.stderr)
-    sys.stdout, sys.stderr = out, err
+    make_safe(out, err)
     return out, err
+
+
+def make_safe(out: Any, err: Any) -> None:
+    """Let what is printed go to these two streams, without commands for terminals."""
+    sys.stdout, sys.stderr = cast(TextIO, Safe(out)), cast(TextIO, Safe(err))

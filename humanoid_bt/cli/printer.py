@@ -13,10 +13,10 @@ from rich.console import Console
 from rich.live import Live
 from rich.text import Text
 
-from humanoid_bt.cli.output import hanging
+from humanoid_bt.cli.output import hanging, make_safe
 from humanoid_bt.cli.styles import STATUS_STYLES
-from humanoid_bt.cli.wording import printable
 from humanoid_bt.core.messages import Level
+from humanoid_bt.core.texts import one_line, printable
 from humanoid_bt.session.report import Report, aligned
 from humanoid_bt.session.teller import Listener
 from humanoid_bt.tree.node import Node
@@ -73,6 +73,7 @@ class Printer(Listener):
         if self._console.is_terminal and not self._quiet:
             self._live = Live(console=self._console, transient=True, auto_refresh=False)
             self._live.start()
+            make_safe(sys.stdout, sys.stderr)  # it takes what others print and would follow their commands
         return self
 
     def __exit__(self, *_: Any) -> None:
@@ -112,8 +113,8 @@ class Printer(Listener):
         if now - self._last >= _REFRESH:
             self._last = now
             speed = time / max(now - self._began, 1e-6)
-            text = Text(f"{time:7.2f} s   {speed:.1f}x  {running}", style="dim", no_wrap=True, overflow="ellipsis")
-            self._live.update(text, refresh=True)
+            line = f"{time:7.2f} s   {speed:.1f}x  {one_line(running)}"
+            self._live.update(Text(line, style="dim", no_wrap=True, overflow="ellipsis"), refresh=True)
 
     def _occasion(self, change: NodeChange) -> str:
         """Return why a node that stands under a key of its own, such as ``on_stale``, starts."""
@@ -135,7 +136,7 @@ class Printer(Listener):
         self._tick.clear()
 
     def _line(self, at: float, sign: str, style: str, name: str, text: str) -> None:
-        label = f"{name:<{self._name_width}} " if name else ""
+        text, label = printable(text), f"{printable(name):<{self._name_width}} " if name else ""
         head = f"{at:7.2f} s {sign} {label}"
         lines = hanging(head, text) if self._console.is_terminal else [head + " ".join(text.split())]
         line = Text("\n".join(lines))
@@ -155,7 +156,7 @@ def _continued(line: str, wraps: bool) -> str:
 def print_summary(console: Console, report: Report) -> None:
     """Print how a run ended."""
     style = _OUTCOME_STYLES.get(report.outcome, "bold red")
-    first, *others = report.reason.splitlines() or [""]
+    first, *others = printable(report.reason).splitlines() or [""]
     lines = hanging(f"{report.outcome}: ", first)
     for line in others:
         lines += hanging(line[: len(line) - len(line.lstrip())], line.lstrip())
@@ -163,7 +164,7 @@ def print_summary(console: Console, report: Report) -> None:
     text.stylize(style, 0, len(report.outcome) + 1)
     console.print(text, soft_wrap=True)
     rows = report.summary
-    if report.recording:
+    if report.recording and Path(report.recording).exists():
         rows.append(("open it", f"{_viewer_command()} {report.recording}"))
     for line in aligned(rows):
         console.print(line, soft_wrap=True, markup=False)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import os
 import signal
 import sys
 from collections.abc import Iterator
@@ -14,10 +15,13 @@ from rich.console import Console
 from rich.text import Text
 
 from humanoid_bt.cli import keys
+from humanoid_bt.cli.console import SafeConsole
 from humanoid_bt.cli.findings import print_findings
 from humanoid_bt.cli.printer import Printer, print_summary
+from humanoid_bt.core import forks
 from humanoid_bt.core.errors import HumanoidBtError, UserError
-from humanoid_bt.session.report import Report
+from humanoid_bt.files.whole import make_way
+from humanoid_bt.session.report import ExitCode, Report
 from humanoid_bt.session.session import Session
 
 _KEYBOARD = "keyboard"
@@ -26,11 +30,11 @@ _SIGNALS = {signal.SIGINT: "Ctrl-C", signal.SIGTERM: "SIGTERM", signal.SIGHUP: "
 
 def run(arguments: argparse.Namespace) -> int:
     """Run a tree; return the exit code."""
-    console = Console(highlight=False)
+    if arguments.report:
+        _make_way(arguments.report)
+    console = SafeConsole()
     printer = Printer(console, arguments.quiet)
     session = _session(arguments, printer)
-    if arguments.report:
-        _check_writable(arguments.report)
     if not arguments.quiet:
         print_findings(session.tree.warnings, stderr=True)
     printer.show(session.tree)
@@ -42,8 +46,8 @@ def run(arguments: argparse.Namespace) -> int:
     if report.traceback and report.reason.startswith("internal error"):
         print(report.traceback, file=sys.stderr)
     print_summary(console, report)
-    if arguments.report:
-        report.write(arguments.report)
+    if arguments.report and not _written(report, arguments.report):
+        return report.exit_code or ExitCode.ERROR
     return report.exit_code
 
 
@@ -98,14 +102,31 @@ def _overrides(texts: list[str]) -> dict[str, str]:
     return values
 
 
-def _check_writable(path: Path) -> None:
-    """Find out before the run that its report cannot be written after it."""
+def _make_way(path: Path) -> None:
+    """Remove an older report, which nobody shall take for this run's; find out that a new one can be written."""
     try:
-        with path.open("a", encoding="utf-8"):
-            pass
+        if path.is_file() and path.stat().st_size and not _is_report(path):
+            message = f"--report would overwrite {str(path)!r}, which is no report"
+            raise UserError(message, hint="valid: an older report, or a name that is free")
+        make_way(path)
     except OSError as error:
         hint = "valid: a file in a folder that is there and that you may write"
         raise UserError(f"the report cannot be written to {str(path)!r}: {error.strerror}", hint=hint) from error
+
+
+def _is_report(path: Path) -> bool:
+    with path.open("rb") as file:
+        return file.read(1) == b"{"
+
+
+def _written(report: Report, path: Path) -> bool:
+    """Write the report; if that is not possible any more, tell it and return False."""
+    try:
+        report.write(path)
+    except UserError as error:
+        print_findings(error.problems, stderr=True)
+        return False
+    return True
 
 
 @contextmanager
@@ -137,16 +158,20 @@ def _keys(session: Session, console: Console, quiet: bool) -> Iterator[None]:
 @contextmanager
 def _interruptions(session: Session) -> Iterator[None]:
     """Let Ctrl-C and its like end the run; a second one ends it at once."""
-    noted = False
+    noted, program = False, os.getpid()
 
     def note(number: int, _frame: FrameType | None) -> None:
         nonlocal noted
+        if os.getpid() != program:
+            forks.die_of(number)
         if noted or session.outcome == "interrupted":
             raise KeyboardInterrupt
         noted = True
         session.interrupt(_SIGNALS[signal.Signals(number)])
 
-    before = {number: signal.signal(number, note) for number in _SIGNALS}
+    ignored = signal.getsignal(signal.SIGHUP) is signal.SIG_IGN  # nohup
+    heard = [number for number in _SIGNALS if not (ignored and number == signal.SIGHUP)]
+    before = {number: signal.signal(number, note) for number in heard}
     try:
         yield
     finally:

@@ -15,6 +15,7 @@ from rich.console import Console
 from rich.live import Live
 from rich.text import Text
 
+from humanoid_bt.cli.console import SafeConsole
 from humanoid_bt.cli.output import width
 from humanoid_bt.cli.runs import one_run
 from humanoid_bt.cli.styles import STATUS_STYLES
@@ -105,7 +106,7 @@ def _deliver(text: str, outline: Outline, output: Path | None) -> None:
 def _show_live(arguments: argparse.Namespace, drawing: str) -> int:
     folder, info = one_run(arguments.run, "show --live")
     with contextlib.closing(TreeWatch(folder)) as watch:
-        console = Console(highlight=False)
+        console = SafeConsole()
         if console.is_terminal and drawing == "unicode" and arguments.output is None:
             with contextlib.suppress(KeyboardInterrupt):
                 _follow(watch, info, console, arguments)

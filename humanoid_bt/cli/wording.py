@@ -1,8 +1,9 @@
-"""How things are worded for terminals: the first line of a finding, numbers of things, text from elsewhere."""
+"""How things are worded for terminals: the first line of a finding, numbers of things."""
 
 from __future__ import annotations
 
 from humanoid_bt.core.errors import Problem
+from humanoid_bt.core.texts import one_line, printable
 
 INDENT = "    "
 
@@ -10,16 +11,11 @@ INDENT = "    "
 def headline(problem: Problem) -> tuple[str, str, str, str]:
     """Return the parts of a finding's first line: place, severity, message, code, each with what joins it."""
     return (
-        f"{problem.place}: " if problem.place else "",
+        f"{one_line(str(problem.place))}: " if problem.place else "",
         f"{problem.severity}: ",
         printable(problem.message).replace("\n", "\n" + INDENT),
         f" [{problem.code}]" if problem.code else "",
     )
-
-
-def printable(text: str) -> str:
-    """Return a text in which a terminal finds no commands."""
-    return "".join(letter if letter.isprintable() or letter == "\n" else repr(letter)[1:-1] for letter in text)
 
 
 def several(number: int, noun: str) -> str:

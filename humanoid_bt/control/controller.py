@@ -109,6 +109,17 @@ class Controller:
         self.servo.reset(measurement.qpos[BASE_COORDINATES:])
         self._limp = False
 
+    @property
+    def settled(self) -> bool:
+        """Whether the robot stands, at rest, with no step pending."""
+        body = self.whole_body
+        return (
+            self.supervisor.mode is not Mode.DAMP
+            and body.walker.gait is Gait.STAND
+            and body.walker.still_for >= _SETTLED_AFTER
+            and body.com_speed < _SETTLED_SPEED
+        )
+
     def state(self) -> State:
         """Return a snapshot of everything."""
         measurement, body, supervisor = self._measurement, self.whole_body, self.supervisor
@@ -116,12 +127,6 @@ class Controller:
         dynamics.update(measurement)
         joint_command = self.servo.command
         feet: dict[Side, FootPose] = {side: dynamics.foot_pose(side) for side in SIDES}
-        settled = (
-            supervisor.mode is not Mode.DAMP
-            and walker.gait is Gait.STAND
-            and walker.still_for >= _SETTLED_AFTER
-            and body.com_speed < _SETTLED_SPEED
-        )
         return State(
             time=measurement.time,
             cycle=self.cycle,
@@ -144,7 +149,7 @@ class Controller:
             foot_force=dict(zip(SIDES, measurement.foot_force.tolist(), strict=True)),
             gait=walker.gait,
             footsteps=tuple((step.side, _foot_pose(step.pose)) for step in walker.footsteps),
-            base_settled=settled,
+            base_settled=self.settled,
             mode=supervisor.mode,
             stop_reason=supervisor.reason,
             stop_source=supervisor.source,

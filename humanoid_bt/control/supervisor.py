@@ -20,6 +20,7 @@ from humanoid_bt.core.messages import (
     PostureTarget,
     Target,
 )
+from humanoid_bt.core.texts import shortened
 from humanoid_bt.robot.config import FallConfig
 from humanoid_bt.robot.model import BASE_COORDINATES
 
@@ -102,11 +103,11 @@ class Supervisor:
     def raise_estop(self, source: str, reason: str) -> None:
         """Raise the emergency stop; it stays until :meth:`reset`."""
         if self._estop is None:
-            self._estop = (source, reason)
+            self._estop = (shortened(source), shortened(reason))
 
     def request_stop(self, source: str, reason: str) -> None:
         """Ask for a protective stop until the end of the run: what commanded the robot has failed."""
-        self._requested = self._requested or (source, reason)
+        self._requested = self._requested or (shortened(source), shortened(reason))
 
     def forgive_silence(self) -> None:
         """Let decision's silence count from now on: control itself was held up, and could not hear.

@@ -8,6 +8,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
+from humanoid_bt.core.texts import printable
+
 Severity = Literal["error", "warning"]
 """An error keeps a file from being used; a warning does not."""
 
@@ -48,7 +50,7 @@ class Problem:
         where = f"{self.place}: " if self.place else ""
         code = f" [{self.code}]" if self.code else ""
         hint = f"\n    {self.hint}" if self.hint else ""
-        return f"{where}{self.severity}: {self.message}{code}{hint}"
+        return printable(f"{where}{self.severity}: {self.message}{code}{hint}")
 
 
 class HumanoidBtError(Exception):

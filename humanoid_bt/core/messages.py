@@ -7,7 +7,7 @@ Quaternions are (w, x, y, z), as in MuJoCo. Arrays are copies that nobody change
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from enum import Enum
 from typing import Literal
 
@@ -247,3 +247,15 @@ class State:
     targets: Mapping[str, Target]
     hand_errors: Mapping[Side, float]
     limit_flags: tuple[str, ...]
+
+
+_ARRAYS = tuple(field.name for field in fields(State) if field.type == "Array")
+
+
+def frozen(state: State) -> State:
+    """Return a state after nobody can write into its arrays any more: what one skill sees is what all see."""
+    for name in _ARRAYS:
+        getattr(state, name).setflags(write=False)
+    for hand in state.hands.values():
+        hand.setflags(write=False)
+    return state

@@ -189,7 +189,9 @@ class Robot:
 
     def _place(self, percept: Percept) -> Array:
         then = min(self._past, key=lambda state: abs(state.time - percept.stamp))
-        return np.asarray(then.base_position + rotation_matrix(then.base_quaternion) @ percept.position)
+        position: Array = then.base_position + rotation_matrix(then.base_quaternion) @ percept.position
+        position.setflags(write=False)
+        return position
 
 
 class RobotHandle:
@@ -278,6 +280,7 @@ def _vector(values: Any, size: int) -> Array:
         raise ValueError(f"a target's position must have shape ({size},), not {vector.shape}")
     if not all(map(math.isfinite, vector.tolist())):
         raise ValueError(f"a target's position must be finite, not {vector.tolist()}")
+    vector.setflags(write=False)
     return vector
 
 

@@ -26,6 +26,7 @@ import py_trees
 from py_trees.common import Status
 
 from humanoid_bt.core.params import PerceptName
+from humanoid_bt.core.texts import shortened
 from humanoid_bt.decision.assign import assign
 from humanoid_bt.decision.result import ResultValue, declared_results
 from humanoid_bt.decision.robot import Robot, RobotHandle
@@ -120,19 +121,19 @@ class Skill(py_trees.behaviour.Behaviour):
         finally:
             self.robot.release()
 
-    def running(self, feedback: str) -> Status:
-        """Return RUNNING with a word on what is happening."""
-        self.feedback_message = feedback
+    def running(self, feedback: object) -> Status:
+        """Return RUNNING with a word on what is happening; what is no text becomes one."""
+        self.feedback_message = shortened(feedback)
         return Status.RUNNING
 
-    def succeed(self, feedback: str) -> Status:
-        """Return SUCCESS with a word on what was reached."""
-        self.feedback_message = feedback
+    def succeed(self, feedback: object) -> Status:
+        """Return SUCCESS with a word on what was reached; what is no text becomes one."""
+        self.feedback_message = shortened(feedback)
         return Status.SUCCESS
 
-    def fail(self, feedback: str) -> Status:
-        """Return FAILURE with the reason."""
-        self.feedback_message = feedback
+    def fail(self, feedback: object) -> Status:
+        """Return FAILURE with the reason; what is no text, such as an exception, becomes one."""
+        self.feedback_message = shortened(feedback)
         return Status.FAILURE
 
 

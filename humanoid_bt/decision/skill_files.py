@@ -19,6 +19,7 @@ from types import ModuleType
 from py_trees.behaviour import Behaviour
 from py_trees.behaviours import Dummy
 
+from humanoid_bt.core.ctrl_c import is_ctrl_c
 from humanoid_bt.core.errors import Place, Problem, UserError, nearest, relative
 from humanoid_bt.core.messages import RESOURCES
 from humanoid_bt.core.params import params_of
@@ -117,7 +118,9 @@ def _module(path: Path) -> ModuleType:
     try:
         # compiled here, not by the import system: no cache files in people's folders, and never a stale one
         exec(compile(source, str(path), "exec", dont_inherit=True), vars(module))
-    except (Exception, SystemExit) as error:
+    except BaseException as error:
+        if is_ctrl_c(error):
+            raise
         if known is None:
             del sys.modules[name]
         else:

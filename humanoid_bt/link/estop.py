@@ -112,13 +112,17 @@ class EStop:
         return cls(Segment.create(path, Kind.ESTOP, _LOG_START, append=True))
 
     @classmethod
-    def open(cls, path: Path) -> Self:
+    def open(cls, path: Path, shared: bool = False) -> Self:
         """Join an e-stop.
+
+        Args:
+            path: its file.
+            shared: also if others can reach the file: who only raises it need not mind.
 
         Raises:
             LinkError: there is none.
         """
-        return cls(Segment.open(path, Kind.ESTOP, write=True, append=True, length=_LOG_START))
+        return cls(Segment.open(path, Kind.ESTOP, write=True, append=True, length=_LOG_START, shared=shared))
 
     # ---- any process ----------------------------------------------------------------------------------------------
 

@@ -35,9 +35,9 @@ class Heartbeat:
         """
         return cls(Segment.open(path, Kind.HEARTBEAT, write=True))
 
-    def beat(self) -> None:
-        """Count one completed round."""
-        self._words[_COUNT] += 1
+    def beat(self, rounds: int = 1) -> None:
+        """Count completed rounds; others see all of them at once."""
+        self._words[_COUNT] += rounds
 
     @property
     def count(self) -> int:

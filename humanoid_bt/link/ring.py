@@ -128,6 +128,16 @@ class RingReader:
         """The newest sequence, 0 before the first write: a cheap way to see that there is something new."""
         return self._words[_HEAD]
 
+    @property
+    def has_writer(self) -> bool:
+        """Whether a process that lives has it open for writing."""
+        try:
+            fcntl.flock(self._segment.descriptor, fcntl.LOCK_SH | fcntl.LOCK_NB)
+        except OSError:
+            return True
+        fcntl.flock(self._segment.descriptor, fcntl.LOCK_UN)
+        return False
+
     def latest(self) -> tuple[int, bytes] | None:
         """Return the newest (sequence, payload).
 

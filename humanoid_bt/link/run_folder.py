@@ -171,6 +171,27 @@ def all_runs() -> list[tuple[RunFolder, RunInfo]]:
     return [*live_runs(), *live_runs(lockstep_root())]
 
 
+def all_folders(problems: list[str]) -> list[RunFolder]:
+    """Return every folder of a run of this user in either mode, whatever is missing or wrong in it.
+
+    For the e-stop, which is not refused because something else is damaged.
+
+    Args:
+        problems: takes why there may be more.
+    """
+    folders: list[RunFolder] = []
+    for root in (default_root(), lockstep_root()):
+        try:
+            found = sorted(path for path in root.iterdir() if path.is_dir() and not path.is_symlink())
+        except FileNotFoundError:
+            continue
+        except OSError as error:
+            problems.append(f"{root} cannot be read: {error.strerror}")
+            continue
+        folders += [RunFolder(path) for path in found if not path.name.startswith(".")]
+    return folders
+
+
 def live_runs(root: Path | None = None) -> list[tuple[RunFolder, RunInfo]]:
     """Return the runs of this user of which a process lives, the oldest first.
 
@@ -204,8 +225,8 @@ def clean_stale(root: Path | None = None) -> list[str]:
         for folder in _folders(root):
             try:
                 _check_folder(folder)
-                dead = not (folder / _META).exists() or not _read_meta(folder).alive
-            except LinkError as error:
+                dead = not _begun(folder) or not _read_meta(folder).alive
+            except (LinkError, OSError) as error:
                 _log.warning("left alone: %s", error)
                 continue
             if dead and _remove(folder):
@@ -223,6 +244,11 @@ def _folders(root: Path) -> list[Path]:
         return []
     _check_folder(root)
     return sorted(path for path in root.iterdir() if not path.name.startswith("."))
+
+
+def _begun(folder: Path) -> bool:
+    """Return whether there was ever a meta file: without it nothing else is put into the folder."""
+    return any(path.name != f".{_META}" for path in folder.iterdir())
 
 
 def _remove(folder: Path) -> bool:

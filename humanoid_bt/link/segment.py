@@ -86,7 +86,9 @@ class Segment:
             draft.unlink()
 
     @classmethod
-    def open(cls, path: Path, kind: Kind, write: bool, append: bool = False, length: int = 0) -> Self:
+    def open(
+        cls, path: Path, kind: Kind, write: bool, *, append: bool = False, length: int = 0, shared: bool = False
+    ) -> Self:
         """Map an existing file.
 
         Args:
@@ -95,6 +97,7 @@ class Segment:
             write: also for writing.
             append: as in :meth:`create`.
             length: how much of it to map [bytes]; 0 for all.
+            shared: also if others can reach it, as long as it is this user's.
 
         Raises:
             LinkError: there is none, it is not a private file of this user, or it holds something else.
@@ -106,7 +109,7 @@ class Segment:
             raise LinkError(f"{path} cannot be opened: {error.strerror}") from error
         try:
             status = os.fstat(descriptor)
-            check_private(path, status, stat.S_ISREG(status.st_mode))
+            check_private(path, status, stat.S_ISREG(status.st_mode), shared)
             if status.st_size < max(length, HEADER):
                 raise LinkError(f"{path} is too short: {status.st_size} bytes")
             whole = status.st_size // WORD * WORD
@@ -132,14 +135,14 @@ class Segment:
             self.descriptor = -1
 
 
-def check_private(path: Path, status: os.stat_result, right_type: bool) -> None:
-    """Refuse what another user made or can reach.
+def check_private(path: Path, status: os.stat_result, right_type: bool, shared: bool = False) -> None:
+    """Refuse what another user made, or can reach if it is not shared.
 
     Raises:
         LinkError: it is of another type, owner or mode than this program gives.
     """
     mode = stat.S_IMODE(status.st_mode)
-    if not right_type or status.st_uid != os.geteuid() or mode & 0o077:
+    if not right_type or status.st_uid != os.geteuid() or (mode & 0o077 and not shared):
         raise LinkError(
             f"{path} is not a private {'folder' if stat.S_ISDIR(status.st_mode) else 'file'} of this user "
             f"(owner {status.st_uid}, mode {mode:o}): somebody else may have made it; remove it"

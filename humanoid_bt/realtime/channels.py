@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Self
@@ -12,19 +12,24 @@ from humanoid_bt.link.estop import EStop
 from humanoid_bt.link.heartbeat import Heartbeat
 from humanoid_bt.link.ring import RingReader, RingWriter
 from humanoid_bt.link.run_folder import RunFolder
+from humanoid_bt.realtime.timing import STOP_ROOM
 
+_ESTOP = "estop"
 _SIZES: dict[str, tuple[int, int]] = {  # ring -> (bytes in a slot, slots)
-    "command": (4096, 8),  # decision -> control
-    "request": (1024, 8),  # decision -> control: a stop, with source and reason
+    "command": (8192, 8),  # decision -> control
+    "request": (4096, 8),  # decision -> control: a stop, with source and reason
     "state": (16384, 16),  # control -> all; 80 ms at 200 Hz
     "percept": (16384, 8),  # perception -> decision
-    "notice": (2048, 256),  # control -> decision: what happened
+    "notice": (4096, 256),  # control -> decision: what happened
     "refusal": (1024, 256),  # control -> decision: commands that were refused
     "timing": (4096, 8),  # control -> all: how punctual it is
     "wake": (32, 4096),  # control -> all: every servo cycle, 4 s of them
-    "stop": (4096, 64),  # control -> all: when stops began on the monotonic clock
+    "stop": (STOP_ROOM, 64),  # control -> all: every stop, and when it began on the monotonic clock
     "status": (16384, 8),  # decision -> all: what the tree does
 }
+
+ABANDONED = 2
+"""What the quit flag stands at, at least, when decision does not wait for control: who ends last cleans up."""
 
 
 @dataclass(frozen=True)
@@ -58,21 +63,27 @@ class RunSpec:
         return cls(**json.loads(folder.path("spec.json").read_text(encoding="utf-8")))
 
 
-def create_channels(folder: RunFolder) -> None:
-    """Make every channel of a run, before its processes start."""
-    _create(folder, _SIZES)
+def create_channels(folder: RunFolder, **rooms: int) -> None:
+    """Make every channel of a run, before its processes start.
+
+    Args:
+        folder: of the run.
+        rooms: channel -> the most bytes that a message in it takes, where robot and scene decide that.
+    """
+    _create(folder, _SIZES, rooms)
     Heartbeat.create(folder.path("quit")).close()
 
 
-def create_lockstep_channels(folder: RunFolder) -> None:
+def create_lockstep_channels(folder: RunFolder, **rooms: int) -> None:
     """Make the channels of a run in lockstep, whose loops need none: those for other terminals."""
-    _create(folder, ("state", "status"))
+    _create(folder, ("state", "status"), rooms)
 
 
-def _create(folder: RunFolder, rings: Iterable[str]) -> None:
+def _create(folder: RunFolder, rings: Iterable[str], rooms: Mapping[str, int]) -> None:
     for name in rings:
-        RingWriter.create(folder.path(name), *_SIZES[name]).close()
-    EStop.create(folder.path("estop")).close()
+        size, slots = _SIZES[name]
+        RingWriter.create(folder.path(name), rooms.get(name, size), slots).close()
+    EStop.create(folder.path(_ESTOP)).close()
 
 
 def writer(folder: RunFolder, name: str) -> RingWriter:
@@ -85,13 +96,13 @@ def reader(folder: RunFolder, name: str) -> RingReader:
     return RingReader.open(folder.path(name))
 
 
-def estop(folder: RunFolder) -> EStop:
-    """Return an end of the e-stop."""
-    return EStop.open(folder.path("estop"))
+def estop(folder: RunFolder, shared: bool = False) -> EStop:
+    """Return an end of the e-stop; ``shared`` as in :meth:`EStop.open`."""
+    return EStop.open(folder.path(_ESTOP), shared)
 
 
 def quit_flag(folder: RunFolder) -> Heartbeat:
-    """Return the flag with which decision ends the run: it has beaten once."""
+    """Return the flag with which decision ends the run: it has beaten once, or :data:`ABANDONED` times."""
     return Heartbeat.open(folder.path("quit"))
 
 

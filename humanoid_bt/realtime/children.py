@@ -51,15 +51,13 @@ class Children:
         return how_ended(self._processes[role])
 
     def end(self) -> None:
-        """Wait until all have ended, kill those that do not, whatever interrupts this; leave no zombie."""
+        """Wait until all have ended, kill those that do not; leave no zombie. Who interrupts this leaves them alone."""
         deadline = time.monotonic() + _END_TIMEOUT
-        try:
-            for process in self._processes.values():
-                with contextlib.suppress(subprocess.TimeoutExpired):
-                    process.wait(max(0.0, deadline - time.monotonic()))
-        finally:
-            for process in self._processes.values():
-                if process.poll() is None:
-                    process.kill()
-            for process in self._processes.values():
-                process.wait()
+        for process in self._processes.values():
+            with contextlib.suppress(subprocess.TimeoutExpired):
+                process.wait(max(0.0, deadline - time.monotonic()))
+        for process in self._processes.values():
+            if process.poll() is None:
+                process.kill()
+        for process in self._processes.values():
+            process.wait()

@@ -10,21 +10,24 @@ import os
 import signal
 import sys
 import time
+from collections.abc import Iterable
 from contextlib import suppress
 from pathlib import Path
 from types import FrameType
 
 from humanoid_bt.control.body.standing import load_robot
 from humanoid_bt.control.controller import Controller
+from humanoid_bt.control.supervisor import Stop
 from humanoid_bt.core.clock import DECISION_PERIOD, SERVO_PERIOD, WHOLE_BODY_PERIOD, cycles
 from humanoid_bt.core.errors import UserError
+from humanoid_bt.core.messages import Gait, Mode
 from humanoid_bt.link.run_folder import RunFolder
 from humanoid_bt.link.wire import Event, WireError, decode_command, decode_event, encode_event, encode_state
 from humanoid_bt.link.wire.event import Level
 from humanoid_bt.plant.mujoco_plant import MujocoPlant
 from humanoid_bt.plant.scene import Scene, load_scene
 from humanoid_bt.realtime import channels
-from humanoid_bt.realtime.channels import RunSpec
+from humanoid_bt.realtime.channels import ABANDONED, RunSpec
 from humanoid_bt.realtime.estop_follower import EStopFollower
 from humanoid_bt.realtime.schedule import Schedule, claim
 from humanoid_bt.realtime.timing import StopRecord, Stopwatch, Wake
@@ -32,7 +35,7 @@ from humanoid_bt.realtime.timing import StopRecord, Stopwatch, Wake
 _STALL = 10  # servo cycles skipped in a row after which the others are forgiven a silence, because it was our own
 _TIMING_PERIOD = 200  # servo cycles between two reports of the timing
 _PARENT_PERIOD = 20  # servo cycles between two looks whether decision lives
-_SETTLE = 6.0  # s that the robot gets to come to a stand when control itself is told to end
+_SETTLE = 6.0  # s that the robot gets to come to rest before control ends; it never leaves a robot that steps
 
 
 class ControlProcess:
@@ -61,7 +64,9 @@ class ControlProcess:
         self._command_sequence = self._request_sequence = 0
         self._told_stops = self._told_refusals = 0
         self._orphaned_at: int | None = None
-        self._ends_at: int | None = None
+        self._hold = cycles(spec.hold)
+        self._terminated = False
+        self._leaving_since: int | None = None  # control is to end; the robot comes to rest first
         self._state_phase = cycles(WHOLE_BODY_PERIOD)
         self._object_phase = cycles(DECISION_PERIOD)
 
@@ -112,17 +117,14 @@ class ControlProcess:
                     supervisor.rejected.append(f"command: {error}")
 
     def _on_terminate(self, _number: int, _frame: FrameType | None) -> None:
-        self._controller.supervisor.request_stop("the control process", "it was told to end (SIGTERM)")
-        self._ends_at = self._controller.cycle + cycles(_SETTLE)
+        self._terminated = True
 
     # ---- out --------------------------------------------------------------------------------------------------------
 
     def _after_cycle(self, stopwatch: Stopwatch) -> None:
         cycle, supervisor = self._controller.cycle, self._controller.supervisor
         if len(supervisor.stops) > self._told_stops:  # its setpoint is out
-            stop = supervisor.stops[-1]
-            record = StopRecord(time.monotonic_ns(), stop.time, stop.mode.value, stop.reason, stop.source)
-            self._stops.write(record.to_bytes())
+            self._write_stops(supervisor.stops[self._told_stops :])
         if cycle % self._state_phase == 2:  # not in the cycle that plans the whole body: that one is full
             self._publish()
         if len(supervisor.stops) > self._told_stops:
@@ -134,13 +136,21 @@ class ControlProcess:
             self._publish()
         if supervisor.rejected:
             for text in supervisor.rejected:
-                self._refusals.write(text.encode()[:1000])
+                self._refusals.write(text.encode(errors="backslashreplace")[:1000])
             supervisor.rejected.clear()
         if cycle % _TIMING_PERIOD == 3:
             self._timings.write(stopwatch.timing.to_bytes())
-        if cycle % _PARENT_PERIOD == 4 and self._orphaned_at is None and self._is_orphan():
+        lives = self._orphaned_at is None and self._leaving_since is None
+        if cycle % _PARENT_PERIOD == 4 and lives and self._is_orphan():
             self._orphaned_at = cycle
             self._tell("error", f"decision died; control holds the robot for {self._spec.hold:g} s and ends")
+
+    def _write_stops(self, stops: Iterable[Stop]) -> None:
+        now = time.monotonic_ns()
+        for stop in stops:
+            resources = dict(stop.resources)
+            record = StopRecord(now, stop.time, stop.mode.value, stop.reason, stop.source, resources)
+            self._stops.write(record.to_bytes())
 
     def _publish(self) -> None:
         self._states.write(encode_state(self._controller.state()))
@@ -159,10 +169,28 @@ class ControlProcess:
     # ---- the end ----------------------------------------------------------------------------------------------------
 
     def _ended(self) -> bool:
-        cycle = self._controller.cycle
-        if self._quit.count or (self._ends_at is not None and cycle >= self._ends_at):
+        """Return whether control ends now: it is to end, and the robot is at rest, or lies."""
+        controller = self._controller
+        supervisor, cycle = controller.supervisor, controller.cycle
+        if self._leaving_since is None:
+            why = self._why_leave()
+            if not why:
+                return False
+            self._leaving_since = cycle
+            if not controller.settled and supervisor.mode is not Mode.DAMP:
+                supervisor.request_stop("the control process", why)
+        if controller.settled or supervisor.mode is Mode.DAMP:
             return True
-        return self._orphaned_at is not None and cycle - self._orphaned_at >= cycles(self._spec.hold)
+        return cycle - self._leaving_since > cycles(_SETTLE) and controller.whole_body.walker.gait is Gait.STAND
+
+    def _why_leave(self) -> str:
+        """Return why control is to end, "" while it is not."""
+        if self._quit.count:
+            return "decision ended the run"
+        if self._terminated:
+            return "it was told to end (SIGTERM)"
+        orphaned = self._orphaned_at is not None and self._controller.cycle - self._orphaned_at >= self._hold
+        return "decision died" if orphaned else ""
 
     def _is_orphan(self) -> bool:
         return os.getppid() != self._spec.parent
@@ -176,19 +204,21 @@ class ControlProcess:
             self._folder.path("result.json").write_text(json.dumps(result), encoding="utf-8")
         if self._orphaned_at is not None:
             self._log("end", "control ended: decision died before")
+        elif self._quit.count >= ABANDONED:
+            self._log("end", "control ended: decision did not wait for it")
 
 
 def main() -> int:
-    """Run control for the run whose folder is the first argument; without decision, clean up after it."""
+    """Run control for the run whose folder is the first argument; if decision does not wait, clean up after it."""
     folder = channels.open_folder(sys.argv[1])
-    parent = RunSpec.read(folder).parent
+    quit_flag, parent = channels.quit_flag(folder), RunSpec.read(folder).parent
     try:
         ControlProcess(folder).run()
     except UserError as error:
         sys.stderr.write(f"error: {error}\n")
         return 2
     finally:
-        if os.getppid() != parent:
+        if quit_flag.count >= ABANDONED or os.getppid() != parent:
             folder.close()
     return 0
 

@@ -16,7 +16,16 @@ from humanoid_bt.core.errors import ControlLost, HumanoidBtError, UserError
 from humanoid_bt.core.messages import Array, Command, Percept, State
 from humanoid_bt.link.ring import RingReader, RingWriter
 from humanoid_bt.link.run_folder import RunFolder, RunInfo, clean_stale, live_runs
-from humanoid_bt.link.wire import Event, decode_event, decode_percepts, decode_state, encode_command, encode_event
+from humanoid_bt.link.wire import (
+    Event,
+    decode_event,
+    decode_percepts,
+    decode_state,
+    encode_command,
+    encode_event,
+    percepts_room,
+    state_room,
+)
 from humanoid_bt.plant.mujoco_plant import MujocoPlant
 from humanoid_bt.plant.scene import Scene
 from humanoid_bt.realtime import channels
@@ -25,7 +34,7 @@ from humanoid_bt.realtime.children import Children
 from humanoid_bt.realtime.live_tree import TreeTeller
 from humanoid_bt.realtime.remote_supervisor import RemoteSupervisor, StateClock
 from humanoid_bt.realtime.schedule import Schedule, last_core
-from humanoid_bt.realtime.timing import Timing
+from humanoid_bt.realtime.timing import StopRecord, Timing
 from humanoid_bt.robot.model import RobotModel
 from humanoid_bt.tree.tree import Tree
 
@@ -34,7 +43,8 @@ HOLD_TIME = 10.0
 
 _START_TIMEOUT = 30.0  # s until the first state must be there
 _SILENCE = 1.0  # s without a new state after which control counts as lost
-_READ = ("state", "notice", "refusal", "percept", "timing")
+_POLL = 0.005  # s between two looks at processes that start or end
+_READ = ("state", "stop", "notice", "refusal", "percept", "timing")
 _WRITTEN = ("command", "request")
 
 
@@ -76,6 +86,8 @@ class Realtime:
         self._read: dict[str, int] = dict.fromkeys(_READ, 0)
         self._state: State | None = None
         self._state_at = 0.0
+        self._commands = False  # with its last command decision wanted something of the robot
+        self._over = False
 
     # ---- life -------------------------------------------------------------------------------------------------------
 
@@ -97,7 +109,8 @@ class Realtime:
                 log.unlink(missing_ok=True)
         except OSError as error:
             raise HumanoidBtError(f"{error.filename} cannot be written: {error.strerror}") from error
-        channels.create_channels(folder)
+        rooms = {"state": state_room(self.robot.joint_names), "percept": percepts_room(self.scene.config.percepts)}
+        channels.create_channels(folder, **rooms)
         self._writers = {name: channels.writer(folder, name) for name in _WRITTEN}
         self._readers = {name: channels.reader(folder, name) for name in _READ}
         self._teller = TreeTeller(folder)
@@ -118,7 +131,7 @@ class Realtime:
                     raise ControlLost(f"the {known} process ended ({how})")
             if time.monotonic() > deadline:
                 raise HumanoidBtError(f"the {role} process did not start within {_START_TIMEOUT:g} s")
-            time.sleep(0.005)
+            time.sleep(_POLL)
 
     def _spec(self, core: int | None, log: Path | None) -> RunSpec:
         return RunSpec(
@@ -131,28 +144,49 @@ class Realtime:
             parent=os.getpid(),
         )
 
-    def close(self) -> None:
-        """End the other processes and remove everything they shared, whatever interrupts this."""
+    def abandon(self) -> str:
+        """End the run without waiting: control brings the robot to a stand by itself, ends, and cleans up."""
         folder, self._folder = self._folder, None
-        if folder is None:
-            return
+        if folder is None or self._children is None or self._children.how_ended("control"):
+            self._folder = folder
+            return ""
+        channels.quit_flag(folder).beat(channels.ABANDONED)
+        return "control brings the robot to a stand and ends by itself"
+
+    def close(self) -> None:
+        """Wait until control has brought the robot to a stand, end all processes, remove what they shared.
+
+        Whoever interrupts this does not wait: see :meth:`abandon`.
+        """
+        self._over = True
         try:
             self.supervisor.disconnect()
-            if self._children is not None:
-                channels.quit_flag(folder).beat()
-                self._children.end()
-                self._follow_readers()
-                result = folder.path("result.json")
-                with contextlib.suppress(OSError, ValueError):  # not there if control was killed
-                    self.external_force_max = json.loads(result.read_text(encoding="utf-8"))["external_force_max"]
+            if self._folder is not None and self._children is not None:
+                self._end(self._folder, self._children)
+        except BaseException:
+            self.abandon()
+            raise
         finally:
-            folder.close()
+            folder, self._folder = self._folder, None
+            if folder is not None:
+                folder.close()
             if self._teller is not None:
                 self._teller.close()
             for writer in self._writers.values():
                 writer.close()
             for reader in self._readers.values():
                 reader.close()
+
+    def _end(self, folder: RunFolder, children: Children) -> None:
+        channels.quit_flag(folder).beat()
+        while not children.how_ended("control") and time.monotonic() - self._state_at < _SILENCE:
+            time.sleep(_POLL)
+            self._follow_readers()
+        children.end()
+        self._follow_readers()
+        result = folder.path("result.json")
+        with contextlib.suppress(OSError, ValueError):  # not there if control was killed
+            self.external_force_max = json.loads(result.read_text(encoding="utf-8"))["external_force_max"]
 
     # ---- the loop ---------------------------------------------------------------------------------------------------
 
@@ -184,6 +218,7 @@ class Realtime:
         """Give a command to control. It counts as decision's sign of life, so it comes after a whole tick."""
         for source, reason in self.supervisor.take_requests():
             self._writers["request"].write(encode_event(Event(self.clock.now(), "error", f"{source}: {reason}")))
+        self._commands = bool(command.targets)
         self._writers["command"].write(encode_command(command))
 
     def advance(self) -> None:
@@ -206,7 +241,9 @@ class Realtime:
         for payload in self._new("state"):
             self._state = decode_state(payload)
             self._state_at = time.monotonic()
-            self.supervisor.follow(self._state)
+        for payload in self._new("stop"):
+            if self._commands or not self._over:  # else decision is silent because it has done its work
+                self.supervisor.note(StopRecord.from_bytes(payload))
         for payload in self._new("percept"):
             seen, self.unseen = decode_percepts(payload)
             self._percepts |= {percept.name: percept for percept in seen}

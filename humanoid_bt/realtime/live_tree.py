@@ -10,6 +10,7 @@ from typing import Any
 
 from py_trees.common import Status
 
+from humanoid_bt.core.texts import shortened
 from humanoid_bt.link.ring import RingReader, RingWriter
 from humanoid_bt.link.run_folder import RunFolder
 from humanoid_bt.link.segment import LinkError
@@ -22,7 +23,7 @@ _LETTERS = {Status.INVALID: "-", Status.RUNNING: "R", Status.SUCCESS: "S", Statu
 _STATUSES = {letter: status for status, letter in _LETTERS.items()}
 _TELLING = (Status.RUNNING, Status.FAILURE)  # what these nodes say explains what the robot does
 _LONGEST = 200  # characters of what a node says
-_OPTIONAL = ("feedback_of", "statuses")  # left out of what would not fit, in this order
+_OPTIONAL = ("feedback_of", "statuses", "unseen", "percepts")  # left out of what would not fit, in this order
 
 
 class TreeTeller:
@@ -52,7 +53,7 @@ class TreeTeller:
                 self._write_outline(tree)
         found = [node.behaviour.status for node in tree.nodes]
         said = {
-            index: tree.nodes[index].behaviour.feedback_message[:_LONGEST]
+            index: shortened(tree.nodes[index].behaviour.feedback_message, _LONGEST)
             for index, status in enumerate(found)
             if status in _TELLING and tree.nodes[index].behaviour.feedback_message
         }
@@ -61,7 +62,7 @@ class TreeTeller:
         data = json.dumps(message).encode()
         for key in _OPTIONAL:
             if len(data) > self._ring.slot_size:
-                del message[key]
+                message.pop(key, None)
                 data = json.dumps(message).encode()
         self._ring.write(data[: self._ring.slot_size])
 

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from humanoid_bt.control.supervisor import Supervisor
 from humanoid_bt.core.messages import Mode, State
 from humanoid_bt.link.run_folder import RunFolder, RunInfo, clean_stale, lockstep_root
-from humanoid_bt.link.wire import encode_state
+from humanoid_bt.link.wire import encode_state, state_room
 from humanoid_bt.realtime import channels
 from humanoid_bt.realtime.estop_follower import EStopFollower, Tell
 from humanoid_bt.realtime.live_tree import TreeTeller
@@ -19,6 +19,7 @@ class LockstepLink:
 
     Args:
         info: tree and robot.
+        joints: names of the robot's joints.
         supervisor: what stops the robot.
         tell: is told of resets.
 
@@ -26,10 +27,10 @@ class LockstepLink:
         LinkError: there is no place for it.
     """
 
-    def __init__(self, info: RunInfo, supervisor: Supervisor, tell: Tell) -> None:
+    def __init__(self, info: RunInfo, joints: Sequence[str], supervisor: Supervisor, tell: Tell) -> None:
         clean_stale(lockstep_root())
         self._folder = folder = RunFolder.create(info, lockstep_root())
-        channels.create_lockstep_channels(folder)
+        channels.create_lockstep_channels(folder, state=state_room(joints))
         self._teller = TreeTeller(folder)
         self._states = channels.writer(folder, "state")
         self._estop = EStopFollower(channels.estop(folder), supervisor, tell)

@@ -6,8 +6,9 @@ import threading
 from collections import deque
 
 from humanoid_bt.control.supervisor import Stop
-from humanoid_bt.core.messages import Mode, State
+from humanoid_bt.core.messages import Mode
 from humanoid_bt.link.estop import EStop
+from humanoid_bt.realtime.timing import StopRecord
 
 
 class StateClock:
@@ -34,7 +35,6 @@ class RemoteSupervisor:
     def __init__(self) -> None:
         self.stops: list[Stop] = []
         self.rejected: list[str] = []
-        self._mode, self._reason = Mode.RUN, ""
         self._pending: deque[tuple[str, str]] = deque()
         self._estop: EStop | None = None
         self._early: list[tuple[str, str]] = []  # raised before the run began
@@ -79,9 +79,6 @@ class RemoteSupervisor:
         self._pending.clear()
         return taken
 
-    def follow(self, state: State) -> None:
-        """Note a stop that a state tells of."""
-        if state.mode is not Mode.RUN and (state.mode, state.stop_reason) != (self._mode, self._reason):
-            stop = Stop(state.time, state.mode, state.stop_reason, state.stop_source, dict(state.command_sources))
-            self.stops.append(stop)
-        self._mode, self._reason = state.mode, state.stop_reason
+    def note(self, stop: StopRecord) -> None:
+        """Take a stop that control has made."""
+        self.stops.append(Stop(stop.time, Mode(stop.mode), stop.reason, stop.source, stop.resources))

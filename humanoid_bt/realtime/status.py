@@ -14,6 +14,8 @@ from humanoid_bt.link.wire import WireError, decode_state
 from humanoid_bt.realtime import channels
 from humanoid_bt.realtime.timing import Timing
 
+_SILENCE = 1.0  # s without a word of decision that are told
+_TICKS = 30  # ticks without one, for runs at a slow pace
 _ROLES = {"owner": "decision"}  # who made the run's folder is who ticks the tree
 
 
@@ -29,7 +31,8 @@ class RunStatus:
         stop_reason, stop_source: why the mode is not ``run``, else "".
         estop: who raised the e-stop and why, None if it is clear.
         node, feedback: the deepest running node and what it says.
-        tick_rate: ticks of the tree per second [Hz]; None before the first.
+        tick_rate: ticks of the tree per second [Hz]; None before the first, and while there is none.
+        silent: how long decision has told nothing, by the wall clock [s]; None while it ticks.
         timing: how punctual the servo loop is; None in lockstep.
         leases: resource -> path of the node that commands it.
         percepts: name -> age [s].
@@ -49,6 +52,7 @@ class RunStatus:
     node: str
     feedback: str
     tick_rate: float | None
+    silent: float | None
     timing: Mapping[str, Any] | None
     leases: Mapping[str, str]
     percepts: Mapping[str, float]
@@ -69,6 +73,8 @@ def status_of(folder: RunFolder, info: RunInfo) -> RunStatus:
         state = None
     told = _json(_latest(folder, "status"))
     since_told = state.time - told.get("time", state.time) if state else 0.0  # decision may tell nothing any more
+    silent = _silent(told)
+    rate = round(told["tick_rate"], 1) if "tick_rate" in told and silent is None else None
     return RunStatus(
         run_id=info.run_id,
         tree=info.tree,
@@ -81,7 +87,8 @@ def status_of(folder: RunFolder, info: RunInfo) -> RunStatus:
         estop=_estop(folder),
         node=told.get("node", ""),
         feedback=told.get("feedback", ""),
-        tick_rate=round(told["tick_rate"], 1) if "tick_rate" in told else None,
+        tick_rate=rate,
+        silent=silent,
         timing=None if in_lockstep(folder) else _json(_latest(folder, "timing")) or asdict(Timing()),
         leases=dict(state.command_sources) if state else {},
         percepts={name: round(age + since_told, 3) for name, age in told.get("percepts", {}).items()},
@@ -91,6 +98,14 @@ def status_of(folder: RunFolder, info: RunInfo) -> RunStatus:
             for role, process in sorted(info.processes.items())
         },
     )
+
+
+def _silent(told: Mapping[str, Any]) -> float | None:
+    """Return for how long decision has told nothing [s], None if no longer than it takes: it tells every few ticks."""
+    if "told_at" not in told:
+        return None
+    silent = time.monotonic() - float(told["told_at"])
+    return round(silent, 1) if silent > max(_SILENCE, _TICKS / max(float(told["tick_rate"]), 1e-3)) else None
 
 
 def _estop(folder: RunFolder) -> dict[str, str] | None:

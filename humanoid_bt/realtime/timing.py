@@ -4,13 +4,17 @@ from __future__ import annotations
 
 import json
 import struct
-from dataclasses import asdict, dataclass
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field
 from typing import NamedTuple, Self
 
 _BIN = 1000  # ns
 _BINS = 20_000  # up to 20 ms; later ones count in the last bin
 _WAKE = struct.Struct("<4q")
-_LONGEST_TEXT = 300  # characters of a stop's reason and of its source
+_LONGEST_TEXT = 600  # characters of a stop's reason and of its source; one takes up to 6 bytes
+
+STOP_ROOM = 20480
+"""Bytes that a stop takes at most: its texts, and the paths of five nodes, each of them cut."""
 
 
 @dataclass(frozen=True)
@@ -73,13 +77,14 @@ class Wake(NamedTuple):
 
 @dataclass(frozen=True)
 class StopRecord:
-    """When a stop began, for whoever measures how quickly it came.
+    """A stop, and when it began.
 
     Attributes:
         at: monotonic time at which the first setpoint that obeys it had reached the drives [ns].
         time: engine time [s].
         mode: the kind of stop, as :class:`humanoid_bt.core.messages.Mode` has it.
         reason, source: as the supervisor gives them.
+        resources: resource -> path of the node of the command in force then.
     """
 
     at: int
@@ -87,6 +92,7 @@ class StopRecord:
     mode: str
     reason: str
     source: str
+    resources: Mapping[str, str] = field(default_factory=dict)
 
     def to_bytes(self) -> bytes:
         """Return it as JSON; long texts are cut."""

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from contextlib import ExitStack, nullcontext
 from dataclasses import replace
 
+from humanoid_bt.core.ctrl_c import is_ctrl_c
 from humanoid_bt.core.errors import ControlLost
 from humanoid_bt.decision.robot import Robot
 from humanoid_bt.files.workspace import Workspace
@@ -131,7 +132,8 @@ class Drive:
             try:
                 self.end = self.loop.tick()
             except KeyboardInterrupt as interrupt:
-                self.end = self._ending.torn(interrupt)
+                if is_ctrl_c(interrupt):
+                    self.end = self._ending.torn(interrupt)
                 raise
             except ControlLost as error:
                 self.end = self._ending.lost(error)

@@ -43,9 +43,11 @@ class Ending:
         self._final = self._bug = False
 
     def torn(self, interrupt: KeyboardInterrupt) -> End:
-        """Return the end of a run in whose midst somebody insists on ending it at once: nothing is done any more."""
+        """Return the end of a run that somebody insists on ending at once: control is left alone with the robot."""
         self.interrupted, self._final = interrupt, True
-        return End("interrupted", f"stopped at once{where(interrupt, self._runner.tree)}")
+        left = self._engine.abandon()
+        reason = f"stopped at once{where(interrupt, self._runner.tree)}"
+        return End("interrupted", f"{reason}; {left}" if left else reason)
 
     def lost(self, error: ControlLost) -> End:
         """Halt the tree: there is no robot any more that could be brought to a stand."""

@@ -72,6 +72,9 @@ class Engine(Protocol):
     def close(self) -> None:
         """End everything that was started."""
 
+    def abandon(self) -> str:
+        """End the run without waiting for the robot to stand; return what becomes of it, "" if nothing does."""
+
     def request_reset(self, source: str) -> None:
         """Ask for a reset of a latched stop; the answer comes as a notice. From any thread."""
 

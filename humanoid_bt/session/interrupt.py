@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import os
 import signal
 import threading
 from collections.abc import Callable
 from types import FrameType
+
+from humanoid_bt.core import forks
 
 
 class WholeTick:
@@ -24,7 +27,7 @@ class WholeTick:
         self._on_hold = on_hold
 
     def __enter__(self) -> None:
-        self._noted = False
+        self._noted, self._process = False, os.getpid()
         self._ours = (
             threading.current_thread() is threading.main_thread()
             and signal.getsignal(signal.SIGINT) is signal.default_int_handler
@@ -38,7 +41,9 @@ class WholeTick:
         if self._noted and kind is None:
             raise KeyboardInterrupt
 
-    def _note(self, _number: int, _frame: FrameType | None) -> None:
+    def _note(self, number: int, _frame: FrameType | None) -> None:
+        if os.getpid() != self._process:
+            forks.die_of(number)
         if self._noted:
             raise KeyboardInterrupt
         self._noted = True

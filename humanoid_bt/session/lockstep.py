@@ -17,7 +17,7 @@ import mujoco
 from humanoid_bt.control.controller import Controller
 from humanoid_bt.control.supervisor import Supervisor, reset_text
 from humanoid_bt.core.clock import DECISION_PERIOD, PERCEPTION_PERIOD, CycleClock, cycles
-from humanoid_bt.core.messages import Array, Command, Level, Percept, State
+from humanoid_bt.core.messages import Array, Command, Level, Percept, State, frozen
 from humanoid_bt.link.run_folder import RunInfo
 from humanoid_bt.link.segment import LinkError
 from humanoid_bt.link.wire import Event
@@ -96,6 +96,10 @@ class Lockstep:
             self._link.close()
             self._link = None
 
+    def abandon(self) -> str:
+        """Return "": simulated time stands still, and the simulation ends with the program."""
+        return ""
+
     def publish(self, status: Mapping[str, object], tree: Tree) -> None:
         """Tell other terminals what the tree does. A run for which there is no place in memory goes on without them."""
         if not self._links or self._state is None:
@@ -103,7 +107,7 @@ class Lockstep:
         try:
             if self._link is None:
                 info = RunInfo(tree.name, self.robot.config.name)
-                self._link = LockstepLink(info, self.supervisor, self._note)
+                self._link = LockstepLink(info, self.robot.joint_names, self.supervisor, self._note)
             self._link.tell(status, self._state, tree)
         except (LinkError, OSError) as error:
             self._links = False
@@ -137,7 +141,7 @@ class Lockstep:
         self.plant.move_objects()
         while self._resets:
             self._reset(self._resets.popleft())
-        state = self._state = self.controller.state()
+        state = self._state = frozen(self.controller.state())
         if self._link is not None:
             self._link.sensed(state)
         if self.clock.due(self._perceive):

@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 from humanoid_bt.core.errors import HumanoidBtError, Place
 from humanoid_bt.core.messages import Mode
 from humanoid_bt.core.plain import plain
+from humanoid_bt.core.texts import shortened
 from humanoid_bt.decision.skill_files import class_file, place_in_file
 from humanoid_bt.perception.track import Track
 from humanoid_bt.session.engine import Engine
@@ -18,6 +19,8 @@ from humanoid_bt.session.report import Report, events_of, results_of, stops_of, 
 from humanoid_bt.session.trace import Trace
 from humanoid_bt.tree.ticking.executor import NodeError
 from humanoid_bt.tree.tree import Tree
+
+_LONGEST_TRACEBACK = 20_000  # characters
 
 
 class End(NamedTuple):
@@ -94,7 +97,7 @@ def report_of(
         seed=options.seed,
         parameters=plain(tree.parameters),
         outcome=end.outcome,
-        reason=end.reason,
+        reason=shortened(end.reason),
         sim_time=round(sim_time, 3),
         wall_time=wall_time,
         trace_hash=trace.digest,
@@ -111,7 +114,7 @@ def report_of(
         timing=asdict(engine.timing) if engine.timing else None,
         recording=str(file) if file else None,
         versions=versions(),
-        traceback=end.traceback,
+        traceback=shortened(end.traceback, _LONGEST_TRACEBACK),
         slow_ticks=slow_ticks,
         recording_missing=round(recording_missing, 3),
     )

@@ -14,7 +14,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from humanoid_bt.core.errors import UserError, nearest
+from humanoid_bt.core.texts import one_line, printable
 from humanoid_bt.core.units import readable
+from humanoid_bt.files.whole import write_whole
 
 if TYPE_CHECKING:  # the command line reads the exit codes long before it needs the engine
     from humanoid_bt.control.supervisor import Stop
@@ -190,7 +192,7 @@ class Report:
         return f"{self.tree} on {self.robot} in {self.scene}, seed {self.seed}"
 
     def __repr__(self) -> str:
-        return "\n".join([self._title, f"{self.outcome}: {self.reason}", *aligned(self.summary)])
+        return "\n".join([self._title, f"{self.outcome}: {printable(self.reason)}", *aligned(self.summary)])
 
     def _repr_html_(self) -> str:
         """Return a table, as notebooks show it."""
@@ -206,14 +208,14 @@ class Report:
         return values
 
     def write(self, path: str | PathLike[str]) -> None:
-        """Write the report as JSON.
+        """Write the report as JSON, whole or not at all.
 
         Raises:
             UserError: the file cannot be written.
         """
         try:
             text = json.dumps(self.to_dict(), indent=2, allow_nan=False)
-            Path(path).write_text(text + "\n", encoding="utf-8")
+            write_whole(Path(path), f"{text}\n".encode())
         except OSError as error:
             raise UserError(f"the report cannot be written to {str(path)!r}: {error.strerror}") from error
 
@@ -221,7 +223,7 @@ class Report:
 def aligned(rows: Sequence[tuple[str, str]]) -> list[str]:
     """Return the lines of a summary's rows."""
     width = max(10, *(len(name) for name, _ in rows)) + 1
-    return [f"  {name:<{width}}{text}" for name, text in rows]
+    return [f"  {name:<{width}}{one_line(text)}" for name, text in rows]
 
 
 def timeline_of(changes: Iterable[NodeChange]) -> list[dict[str, Any]]:

@@ -8,6 +8,7 @@ from py_trees.common import Status
 
 from humanoid_bt.core.errors import UserError, nearest
 from humanoid_bt.core.messages import Level, State
+from humanoid_bt.core.texts import shortened
 from humanoid_bt.decision.result import reported
 from humanoid_bt.record.remote_recorder import RemoteRecorder
 from humanoid_bt.session.engine import Engine
@@ -19,6 +20,7 @@ from humanoid_bt.tree.ticking.executor import NodeChange
 from humanoid_bt.tree.tree import Tree
 
 _STATUS_TICKS = 10  # ticks between two reports to whoever looks from outside
+_MOST_TOLD = 1000  # characters of a text in them
 
 
 class Listener:
@@ -83,7 +85,7 @@ class Teller:
 
     def event(self, level: Level, text: str, at: float | None = None) -> None:
         """Tell of something that happened, now or at an engine time [s]."""
-        now = self.now if at is None else at
+        now, text = self.now if at is None else at, shortened(text)
         self.trace.events.append((now, level, text))
         self._listener.event(now, level, text)
         if self.recorder is not None:
@@ -150,7 +152,8 @@ class Teller:
                     self.recorder.results(state.time, path, reported(skill))
             self.news(self.recorder)
         resting = "waiting for an edit" if runner.ended else "coming to a stand"
-        self._listener.progress(state.time, f"{tip.name}: {tip.feedback_message}" if tip is not None else resting)
+        doing = f"{tip.name}: {shortened(tip.feedback_message)}" if tip is not None else resting
+        self._listener.progress(state.time, doing)
         self._ticks += 1
         if self._ticks % _STATUS_TICKS == 1:
             self._publish(state, runner)
@@ -161,8 +164,9 @@ class Teller:
         self._engine.publish(
             {
                 "time": state.time,
-                "node": getattr(tip, "path", ""),
-                "feedback": tip.feedback_message if tip is not None else "",
+                "told_at": time.monotonic(),
+                "node": shortened(getattr(tip, "path", ""), _MOST_TOLD),
+                "feedback": shortened(tip.feedback_message, _MOST_TOLD) if tip is not None else "",
                 "tick_rate": self._ticks / max(time.monotonic() - self._began, 1e-9),
                 "percepts": {name: round(track.age, 3) for name, track in robot.tracks.items()},
                 "unseen": dict(self._engine.unseen),

@@ -60,7 +60,7 @@ class Node:
     @property
     def feedback(self) -> str:
         """What it said last."""
-        return self.behaviour.feedback_message
+        return str(self.behaviour.feedback_message)
 
     @property
     def results(self) -> Mapping[str, ResultValue]:

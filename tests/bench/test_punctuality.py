@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from humanoid_bt.bench.punctuality import percentile, punctuality
-from humanoid_bt.realtime.timing import Histogram, StopRecord, Wake
+from humanoid_bt.realtime.timing import STOP_ROOM, Histogram, StopRecord, Wake
 
 MS = 1_000_000  # ns
 
@@ -56,4 +56,4 @@ def test_records_survive_the_wire() -> None:
 
 
 def test_a_stop_with_endless_texts_fits_its_slot() -> None:
-    assert len(StopRecord(1, 1.0, "damp", "\x00" * 5000, "\x00" * 5000).to_bytes()) <= 4096
+    assert len(StopRecord(1, 1.0, "damp", "\x00" * 5000, "\x00" * 5000).to_bytes()) <= STOP_ROOM

@@ -35,10 +35,10 @@ def test_any_tree_can_be_measured_but_for_one_whose_skill_raises(tmp_path: Path)
     project = make_project(tmp_path / "project")
     for name, root in {
         "lost": "watchdog: {percept: ball, max_age: 1, pause: {}}",
-        "bad": "exit",
+        "bad": "emergency_stop: {leave: {after: 0 s}}",
         "typo": "puase",
     }.items():
-        (project / "trees" / f"{name}.yaml").write_text(f"format: 1\nroot: {{{root}}}\n".replace("{exit}", "exit"))
+        (project / "trees" / f"{name}.yaml").write_text(f"format: 1\nroot: {{{root}}}\n")
     workspace = Workspace(project)
     assert len(list(tree.measure_tree(workspace.find_tree("lost"), workspace, 1))) == 4
     with pytest.raises(NodeError, match="SystemExit"):

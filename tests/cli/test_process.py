@@ -59,6 +59,44 @@ def test_a_signal_brings_the_robot_to_a_stand(number: signal.Signals, project: P
     assert recording.stat().st_size > 0
 
 
+PRESSED = """
+import signal, sys
+class Press:
+    module = sys.argv.pop()
+    def find_spec(self, name, path=None, target=None):
+        if name == self.module:
+            signal.raise_signal(signal.SIGINT)
+signal.signal(signal.SIGINT, signal.default_int_handler)  # what a shell starts in the background ignores it
+sys.meta_path.insert(0, Press())
+from humanoid_bt.__main__ import main
+sys.exit(main())
+"""
+
+NOHUP = """
+import signal, sys
+from humanoid_bt.cli import main
+signal.signal(signal.SIGHUP, signal.SIG_IGN)
+from humanoid_bt.session.session import Session
+run = Session.run
+Session.run = lambda session: (signal.raise_signal(signal.SIGHUP), run(session))[1]
+sys.exit(main())
+"""
+
+
+@pytest.mark.parametrize("module", ["humanoid_bt.cli", "numpy"])
+def test_ctrl_c_while_the_program_starts_shows_no_traceback(module: str, project: Path) -> None:
+    command = [sys.executable, "-c", PRESSED, "run", "wait", module]
+    done = subprocess.run(command, cwd=project, env=environment(), capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stdout, done.stderr) == (130, "", "interrupted\n")
+
+
+def test_what_nohup_ignores_stays_ignored(project: Path) -> None:
+    command = [sys.executable, "-c", NOHUP, "run", "wait", "--no-record", "--quiet"]
+    done = subprocess.run(command, cwd=project, env=environment(), capture_output=True, text=True, check=False)
+    assert done.returncode == 0
+    assert "success: pause: waited" in done.stdout
+
+
 def test_a_reader_that_leaves_does_not_stop_the_robot(project: Path, tmp_path: Path) -> None:
     report = tmp_path / "report.json"
     process = subprocess.Popen(

@@ -7,7 +7,8 @@ import json
 import subprocess
 import sys
 import threading
-from collections.abc import Iterator
+import time
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
@@ -38,26 +39,35 @@ class Played:
         channels.create_channels(self.folder)
         self.states = channels.writer(self.folder, "state")
         self.estop = channels.estop(self.folder)
+        self.tree = tree
         self.refusal = refusal
         self.mode = Mode.RUN
         self.tell(make_state(1.0))
+        self.hangs = threading.Event()
         self._over = threading.Event()
         self._thread = threading.Thread(target=self._control)
         self._thread.start()
 
     def tell(self, state: State) -> None:
-        sources = {"base": f"{self.folder.info.tree}/emergency_stop/approach"}
+        sources = {"base": f"{self.tree}/emergency_stop/approach"}
         self.states.write(encode_state(dataclasses.replace(state, command_sources=sources)))
 
     def _control(self) -> None:
         while not self._over.wait(0.001):
-            if self.estop.poll():
+            if not self.hangs.is_set() and self.estop.poll():
                 while (request := self.estop.reset_request) is not None:
                     self.estop.answer(request.ticket, not self.refusal, self.refusal)
                 raised = self.estop.raised
                 mode = Mode.EMERGENCY_STOP if raised else Mode.RUN
                 reason, source = (raised.reason, raised.source) if raised else ("", "")
                 self.tell(make_state(2.0, mode, reason, source))
+
+    @property
+    def stopped(self) -> bool:
+        """Whether its control knows, or can know, of the e-stop."""
+        while self.estop.poll():
+            pass
+        return self.estop.raised is not None
 
     def close(self) -> None:
         self._over.set()
@@ -100,6 +110,79 @@ def test_estop_stops_and_reset_lets_go(one: Played, capsys: pytest.CaptureFixtur
     assert "since before: in the way" in capsys.readouterr().out
     assert main(["reset"]) == 0
     assert capsys.readouterr().out.startswith("reset: in the way (humanoid-bt estop (")
+
+
+def _lose_ring(folder: Path) -> None:
+    (folder / "state").unlink()
+
+
+def _open_to_others(folder: Path) -> None:
+    folder.chmod(0o755)
+    folder.parent.chmod(0o755)
+    for file in folder.iterdir():
+        file.chmod(0o644)
+
+
+def _lose_meta(folder: Path) -> None:
+    (folder / "run.json").unlink()
+
+
+def _break_meta(folder: Path) -> None:
+    (folder / "run.json").write_text("{")
+
+
+@pytest.mark.parametrize(
+    ("damage", "code", "said"),
+    [
+        (_lose_ring, 4, "the e-stop is raised, but whether the robot stopped cannot be seen: "),
+        (_open_to_others, 4, "is not a private file of this user"),
+        (_lose_meta, 0, "a run that does not say what it is"),
+        (_break_meta, 0, "emergency stop after"),
+    ],
+)
+def test_estop_is_raised_whatever_else_is_damaged(
+    one: Played, damage: Callable[[Path], None], code: int, said: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    damage(one.folder.folder)
+    assert main(["estop"]) == code
+    assert said in "".join(capsys.readouterr())
+    assert one.stopped
+
+
+def test_without_its_log_nothing_is_stopped_and_that_is_told(one: Played, capsys: pytest.CaptureFixture[str]) -> None:
+    (one.folder.folder / "estop").unlink()
+    assert main(["estop"]) == 4
+    assert f"({one.folder.info.run_id}): not stopped: " in capsys.readouterr().err
+
+
+def test_what_is_left_of_a_dead_run_is_no_robot(root: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    folder = RunFolder.create(RunInfo("fetch", "humanoid"))
+    channels.create_channels(folder)
+    (folder.folder / "run.json").write_text("{")
+    assert main(["estop"]) == 2
+    assert capsys.readouterr().err.startswith("error: no robot is running")
+
+
+def test_each_robot_is_told_its_own_time(
+    one: Played, other: Played, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("humanoid_bt.cli.estop._TIMEOUT", 0.4)
+    one.hangs.set()
+    assert main(["estop"]) == 4
+    told = capsys.readouterr()
+    assert "fetch on humanoid" in told.err and "did not show within 0.4 s" in told.err
+    (stopped,) = [line for line in told.out.splitlines() if line.startswith("stand on humanoid")]
+    assert float(stopped.partition(" after ")[2].split()[0]) < 400
+
+
+def test_a_run_is_named_by_the_beginning_of_its_id(
+    one: Played, other: Played, capsys: pytest.CaptureFixture[str]
+) -> None:
+    ids = [played.folder.info.run_id for played in (one, other)]
+    assert main(["estop", "--run", ids[0][:-1]]) == 0
+    assert one.stopped and other.estop.raised is None
+    assert main(["status", "--run", "2"]) == 2
+    assert "2 runs begin with '2'" in capsys.readouterr().err
 
 
 def test_a_robot_that_is_not_stopped_needs_no_reset(one: Played, capsys: pytest.CaptureFixture[str]) -> None:
@@ -160,6 +243,20 @@ def test_status_shows_a_robot_in_60_columns(one: Played, capsys: pytest.CaptureF
     assert found["percepts"] == {"target": 0.25}
     assert found["unseen"] == {"cup": "hidden"}
     assert found["processes"]["decision"]["alive"]
+
+
+def test_a_rate_of_long_ago_is_not_told_as_one_of_now(one: Played, capsys: pytest.CaptureFixture[str]) -> None:
+    told = {"time": 0.8, "node": "fetch/approach", "tick_rate": 50.0}
+    ring = channels.writer(one.folder, "status")
+    for told_at, rate, silent in ((0.0, None, True), (-1000.0, None, True), (time.monotonic() + 1e3, 50.0, False)):
+        ring.write(json.dumps({**told, "told_at": told_at}).encode())
+        assert main(["status", "--json"]) == 0
+        (found,) = json.loads(capsys.readouterr().out)
+        assert found["tick_rate"] == rate
+        assert (found["silent"] is not None) is silent
+    ring.write(json.dumps({**told, "told_at": time.monotonic() - 65.0}).encode())
+    assert main(["status"]) == 0
+    assert "tree rate  no tick for 65." in capsys.readouterr().out
 
 
 def test_a_run_that_has_told_nothing_yet_is_starting(capsys: pytest.CaptureFixture[str]) -> None:

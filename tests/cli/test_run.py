@@ -70,7 +70,7 @@ def test_what_was_not_running_is_not_halted(fetched: tuple[int, list[str], dict[
     [
         ("wait", 0, "success: pause: waited"),
         ("give_up", 1, "failure: give_up: the thing is not there"),
-        ("exit", 4, "the node 'exit/emergency_stop/exit' raised SystemExit: 7"),
+        ("leave", 4, "the node 'leave/emergency_stop/leave' raised SystemExit: 7"),
         ("raise", 4, "the node 'raise/emergency_stop/walk' raised KeyError: 'missing'\n    raised at skills/mine.py:"),
     ],
 )

@@ -10,7 +10,7 @@ import sys, pkgutil, importlib
 import humanoid_bt.link as link
 for module in pkgutil.walk_packages(link.__path__, "humanoid_bt.link."):
     importlib.import_module(module.name)
-core = {f"humanoid_bt.core.{name}" for name in ("errors", "clock", "messages")}
+core = {f"humanoid_bt.core.{name}" for name in ("errors", "texts", "clock", "messages")}
 allowed = {"humanoid_bt", "humanoid_bt.core", *core}
 ours = {name for name in sys.modules if name.split(".")[0] == "humanoid_bt" and not name.startswith("humanoid_bt.link")}
 heavy = {"py_trees", "rerun", "mujoco", "mink", "rich", "yaml", "psutil", "pickle"} & set(sys.modules)

@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from humanoid_bt.link import run_folder as module
+from humanoid_bt.link.estop import EStop
 from humanoid_bt.link.heartbeat import Heartbeat
 from humanoid_bt.link.processes import ProcessIdentity, current
 from humanoid_bt.link.run_folder import RunFolder, RunInfo, clean_stale, default_root, live_runs
@@ -132,6 +133,14 @@ def test_a_folder_that_was_never_finished_is_cleaned_and_an_unreadable_one_is_le
     assert live_runs(root) == []
     with pytest.raises(LinkError, match="malformed"):
         RunFolder.open(run.folder)
+
+
+def test_a_folder_that_lost_its_meta_file_is_left_for_the_e_stop(root: Path) -> None:
+    run = RunFolder.create(INFO, root)
+    EStop.create(run.path("estop")).close()
+    (run.folder / "run.json").unlink()
+    assert clean_stale(root) == []
+    assert run.path("estop").exists()
 
 
 def test_what_a_killed_cleaner_left_is_cleaned(root: Path) -> None:

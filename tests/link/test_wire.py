@@ -211,7 +211,7 @@ def test_what_people_read_is_cut_and_what_names_something_is_not() -> None:
     assert state.stop_source == "x" * wire.MAX_TEXT
     assert wire.decode_event(wire.encode_event(replace(EVENT, text="\udcff" * 900))).text.startswith("\\udcff")
     with pytest.raises(WireError, match="a text of 70000 bytes, at most 65535"):
-        wire.encode_command(Command(0, 0.0, {}, {"base": "x" * 70000}))
+        wire.encode_percepts(wire.Sight([], {"x" * 70000: "hidden"}))
 
 
 @pytest.mark.parametrize(

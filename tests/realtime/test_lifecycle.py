@@ -47,6 +47,18 @@ def test_signals_bring_the_robot_to_a_stand_and_two_runs_do_not_meet(live: Start
         assert is_whole(run)
 
 
+def test_a_second_ctrl_c_ends_decision_and_control_brings_the_robot_to_a_stand(live: Start) -> None:
+    run = live("walk")
+    run.walks()
+    run.process.send_signal(signal.SIGINT)
+    until("the first one", lambda: "another Ctrl-C does not wait" in run.output)
+    run.process.send_signal(signal.SIGINT)
+    assert run.ends() == 130
+    assert run.report["reason"] == "stopped at once; control brings the robot to a stand and ends by itself"
+    assert run.state.base_settled
+    assert run.log[-1]["text"] == "control ended: decision did not wait for it"
+
+
 def test_a_killed_control_process_ends_the_run(live: Start) -> None:
     code = "from humanoid_bt.link.run_folder import *; print(RunFolder.create(RunInfo('t', 'r')).folder.name)"
     stale = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.strip()
@@ -99,6 +111,7 @@ def test_a_stopped_decision_and_an_estop_are_waited_for(live: Start) -> None:
     run.walks()
     run.process.send_signal(signal.SIGSTOP)
     run.shows("protective_stop")
+    until("status tells it", lambda: "no tick for" in command("status", "--run", run.run_id).stdout)
     run.process.send_signal(signal.SIGCONT)
     run.shows("run")
     assert command("estop", "--run", run.run_id).returncode == 0
@@ -114,7 +127,11 @@ def test_a_stopped_decision_and_an_estop_are_waited_for(live: Start) -> None:
     run.walks()
     run.process.send_signal(signal.SIGINT)
     assert run.ends() == 130
-    assert [stop["mode"] for stop in run.report["stops"]] == ["protective_stop", "emergency_stop"]
+    stops = run.report["stops"]
+    assert stops[0]["mode"] == "protective_stop" and "emergency_stop" in [stop["mode"] for stop in stops]
+    assert stops[0]["commanded_by"] == {"base": "walk/emergency_stop/walk"}
+    noted = [line["time"] for line in run.log if line["kind"] == "stop"]  # by control, while decision did not run
+    assert [stop["time"] for stop in stops] == pytest.approx(noted[: len(stops)], abs=0.01)
     assert "reset by humanoid-bt reset (" in run.output
 
 

@@ -108,12 +108,12 @@ def test_a_message_that_is_too_long_leaves_out_what_nodes_say_then_statuses(fold
 
     def told(nodes: int) -> dict[str, object]:
         many = dataclasses.replace(tree, nodes=tree.nodes * (nodes // len(tree.nodes)))
-        teller.tell({"time": 1.0, "node": "approach"}, many)
+        teller.tell({"time": 1.0, "node": "approach", "percepts": {"target": 0.1}}, many)
         latest = reader.latest()
         assert latest is not None
         message: dict[str, object] = json.loads(latest[1])
         return message
 
     assert {"feedback_of", "statuses", "node"} <= told(100).keys()
-    assert told(2_000).keys() == {"time", "node", "outline", "statuses"}
-    assert told(20_000).keys() == {"time", "node", "outline"}
+    assert told(2_000).keys() == {"time", "node", "outline", "statuses", "percepts"}
+    assert told(20_000).keys() == {"time", "node", "outline", "percepts"}

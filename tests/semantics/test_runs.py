@@ -77,7 +77,9 @@ def test_an_exception_ends_the_run(raised: Ran, project: Path) -> None:
     assert raised.report.exit_code == 4
     assert [stop["mode"] for stop in raised.report.stops] == ["protective_stop"]
     assert raised.session.engine.sense()[0].mode is Mode.PROTECTIVE_STOP
-    assert ran("exit", project).report.exit_code == 4
+    for error in ("SystemExit", "CancelledError", "KeyboardInterrupt"):
+        leaves = tree(project, "leaves", f"{{emergency_stop: {{leave: {{after: 0 s, error: {error}}}}}}}")
+        assert ran(leaves, project).report.exit_code == 4
 
 
 @shows("exit-error")

@@ -206,10 +206,15 @@ def test_a_second_interruption_ends_at_once_and_still_reports(project: Path, tmp
     assert last_sample(done.recording) == 0.0
 
 
-def test_a_skill_cannot_leave_the_program(project: Path) -> None:
-    report = ran("exit", project).report
-    assert report.exit_code == 4
-    assert "raised SystemExit: 7" in report.reason
+@pytest.mark.parametrize("error", ["SystemExit", "KeyboardInterrupt", "GeneratorExit", "CancelledError"])
+def test_a_skill_cannot_leave_the_program(project: Path, error: str) -> None:
+    root = f"{{emergency_stop: {{leave: {{error: {error}, after: 0.5 s}}}}}}"
+    (project / "trees" / "leaves.yaml").write_text(f"format: 1\nroot: {root}\n", encoding="utf-8")
+    done = ran("leaves", project)
+    assert done.report.exit_code == 4
+    assert f"raised {error}: 7" in done.report.reason
+    assert [stop["reason"] for stop in done.report.stops] == ["a node raised an exception"]
+    assert done.settled
 
 
 def test_a_skill_that_raises_when_halted_is_an_error(project: Path) -> None:

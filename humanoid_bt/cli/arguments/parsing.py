@@ -96,7 +96,7 @@ class Commands:
 
 def add_run_id(command: Parser) -> None:
     """Let a command say which running robot it is for."""
-    command.add_argument("--run", metavar="ID", help="which run, if there are several")
+    command.add_argument("--run", metavar="ID", help="its id or how that begins, if several run")
 
 
 def add_workspace(command: Parser) -> None:

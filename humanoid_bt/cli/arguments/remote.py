@@ -12,7 +12,7 @@ examples:
 exit codes:
   0  stopped
   2  no robot is running
-  4  the e-stop is raised, but a robot did not show that it stopped
+  4  not of every robot it is known that it stopped
 """
 
 _RESET_EXAMPLES = """\

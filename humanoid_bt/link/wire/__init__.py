@@ -6,11 +6,12 @@ malformed with :class:`WireError` only. Decoded arrays are read-only.
 
 from humanoid_bt.link.wire.command import decode_command, encode_command
 from humanoid_bt.link.wire.event import Event, Level, decode_event, encode_event
-from humanoid_bt.link.wire.format import MAX_TEXT, Header, MessageKind, WireError, peek
-from humanoid_bt.link.wire.percepts import Sight, decode_percepts, encode_percepts
-from humanoid_bt.link.wire.state import decode_state, encode_state
+from humanoid_bt.link.wire.format import MAX_PATH, MAX_TEXT, Header, MessageKind, WireError, peek
+from humanoid_bt.link.wire.percepts import Sight, decode_percepts, encode_percepts, percepts_room
+from humanoid_bt.link.wire.state import decode_state, encode_state, state_room
 
 __all__ = [
+    "MAX_PATH",
     "MAX_TEXT",
     "Event",
     "Header",
@@ -27,4 +28,6 @@ __all__ = [
     "encode_percepts",
     "encode_state",
     "peek",
+    "percepts_room",
+    "state_room",
 ]

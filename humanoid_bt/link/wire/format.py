@@ -19,12 +19,16 @@ VERSION = 1
 MAX_TEXT = 2048
 """Bytes of UTF-8 after which what people read (reasons, events) is cut, so that it cannot outgrow a slot."""
 
+MAX_PATH = 1024
+"""Bytes of UTF-8 after which the path of a node is cut in the middle: it is told to people, and names nothing here."""
+
 FLOAT = np.dtype("<f8")
 
 _MAGIC = b"hb"
 _HEADER = struct.Struct("<2sBB4xqd")  # magic, version, kind, sequence, stamp
 _SIZE = struct.Struct("<H")
 _MAX_SIZE = 0xFFFF
+_CUT = "/.../"
 _P = ParamSpec("_P")
 _R = TypeVar("_R")
 
@@ -162,11 +166,21 @@ def pack_text(text: str) -> bytes:
     return _SIZE.pack(len(content)) + content
 
 
-def pack_cut_text(text: str) -> bytes:
-    """Return a text for people, cut to :data:`MAX_TEXT` bytes."""
-    if len(text) > MAX_TEXT // 4:  # a character takes at most four bytes, or a ten-byte escape
-        text = text.encode(errors="backslashreplace")[:MAX_TEXT].decode(errors="ignore")
+def pack_cut_text(text: str, room: int = MAX_TEXT) -> bytes:
+    """Return a text for people, cut to a number of bytes."""
+    if len(text) > room // 10:  # a character takes at most four bytes, or a ten-byte escape
+        text = text.encode(errors="backslashreplace")[:room].decode(errors="ignore")
     return pack_text(text)
+
+
+def pack_path(path: str) -> bytes:
+    """Return the path of a node, cut in the middle to :data:`MAX_PATH` bytes."""
+    if len(path) > MAX_PATH // 10:
+        content = path.encode(errors="backslashreplace")
+        if len(content) > MAX_PATH:
+            half = MAX_PATH // 2 - len(_CUT)
+            path = _CUT.join((content[:half].decode(errors="ignore"), content[-half:].decode(errors="ignore")))
+    return pack_text(path)
 
 
 def pack_floats(values: Array, size: int) -> bytes:

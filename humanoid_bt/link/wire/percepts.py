@@ -3,14 +3,24 @@
 from __future__ import annotations
 
 import struct
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import NamedTuple
 
 from humanoid_bt.core.messages import Percept
-from humanoid_bt.link.wire.format import Cursor, MessageKind, guarded, header, pack_cut_text, pack_floats, pack_text
+from humanoid_bt.link.wire.format import (
+    FLOAT,
+    Cursor,
+    MessageKind,
+    guarded,
+    header,
+    pack_cut_text,
+    pack_floats,
+    pack_text,
+)
 
 _NUMBERS = struct.Struct("<dd")  # stamp, confidence
-_COUNT = struct.Struct("<H")
+_COUNT = struct.Struct("<I")
+_MAX_WHY = 512  # bytes, its size included
 
 
 class Sight(NamedTuple):
@@ -18,6 +28,12 @@ class Sight(NamedTuple):
 
     percepts: Sequence[Percept]
     unseen: Mapping[str, str]
+
+
+def percepts_room(names: Iterable[str]) -> int:
+    """Return the most bytes that the percepts of these names take."""
+    header_size, each = 64, _NUMBERS.size + 3 * FLOAT.itemsize + _MAX_WHY
+    return header_size + sum(each + len(pack_text(name)) for name in names)
 
 
 @guarded("these percepts cannot be encoded")
@@ -35,7 +51,7 @@ def encode_percepts(sight: Sight) -> bytes:
         parts.append(pack_floats(percept.position, 3))
     parts.append(_COUNT.pack(len(unseen)))
     for name, why in unseen.items():
-        parts += [pack_text(name), pack_cut_text(why)]
+        parts += [pack_text(name), pack_cut_text(why, _MAX_WHY - 2)]
     return b"".join(parts)
 
 

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import struct
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import TypeVar
 
 from humanoid_bt.core.messages import SIDES, Array, FootPose, Gait, Mode, Side, State
 from humanoid_bt.link.wire.format import (
+    FLOAT,
     Cursor,
     MessageKind,
     WireError,
@@ -32,6 +33,12 @@ _SIDES_OF_BITS: tuple[tuple[Side, ...], ...] = ((), SIDES[:1], SIDES[1:], SIDES)
 _JOINT_ARRAYS = 5
 _FIXED_FLOATS = 28
 _V = TypeVar("_V")
+
+
+def state_room(joints: Iterable[str]) -> int:
+    """Return the most bytes that a state of a robot with these joints takes, with 150 planned footsteps."""
+    fixed = 16384
+    return fixed + sum(_JOINT_ARRAYS * FLOAT.itemsize + len(pack_text(joint)) for joint in joints)
 
 
 @guarded("this state cannot be encoded")

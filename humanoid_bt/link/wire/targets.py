@@ -8,7 +8,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from humanoid_bt.core.messages import RESOURCES, Array, BaseTarget, GazeTarget, HandTarget, PostureTarget, Target
-from humanoid_bt.link.wire.format import Cursor, WireError, pack_text
+from humanoid_bt.link.wire.format import Cursor, WireError, pack_path
 
 _TARGET = struct.Struct("<BB3d")  # resource, type, numbers; those a type does not need are 0
 _RESOURCE = struct.Struct("<B")
@@ -32,7 +32,7 @@ def unpack_targets(cursor: Cursor, count: int) -> dict[str, Target]:
 
 def pack_sources(sources: Mapping[str, str]) -> bytes:
     """Return the sources of targets one after the other; their number is not in it."""
-    return b"".join([_RESOURCE.pack(_index(resource)) + pack_text(path) for resource, path in sources.items()])
+    return b"".join([_RESOURCE.pack(_index(resource)) + pack_path(path) for resource, path in sources.items()])
 
 
 def unpack_sources(cursor: Cursor, count: int) -> dict[str, str]:

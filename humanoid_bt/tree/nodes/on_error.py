@@ -19,8 +19,8 @@ class OnError(Decorator, Catcher):
 
     Everything below is halted in order, children before parents, and released. Each exception is told as a warning of
     the run, with the node's path, its place in the tree file and the line of the skill. So are exceptions that nodes
-    below raise while they are halted, by whom ever. `SystemExit` counts; Ctrl-C, two owners of one resource and the
-    loss of control do not: they end the run.
+    below raise while they are halted, by whom ever. `SystemExit` and its like count too. Ctrl-C, two owners of one
+    resource and the loss of control do not: they end the run.
 
     It never hides a mistake: whoever wrote the tree says that a failure is enough here. Where two of them stand above
     the node, the inner one acts.

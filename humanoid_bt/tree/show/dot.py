@@ -6,8 +6,9 @@ from collections.abc import Mapping
 
 from py_trees.common import Status
 
+from humanoid_bt.core.texts import one_line
 from humanoid_bt.tree.show.looks import MARKS, STATUS_COLORS, hexadecimal, look_of, tint
-from humanoid_bt.tree.show.outline import Outline, OutlineNode, outline_of, printable
+from humanoid_bt.tree.show.outline import Outline, OutlineNode, outline_of
 from humanoid_bt.tree.tree import Tree
 
 _SHAPES = {
@@ -52,7 +53,7 @@ def _attributes(node: OutlineNode, status: Status | None, feedback: str) -> str:
     look = look_of(node.kind)
     color = look.color if status is None else STATUS_COLORS[status.name].light
     name = node.name if status is None else f"{MARKS[status]} {node.name}"
-    text = "\n".join(filter(None, [name, node.type_label, ", ".join(node.parameters), printable(feedback)]))
+    text = "\n".join(filter(None, [name, node.type_label, ", ".join(node.parameters), one_line(feedback)]))
     colors = f'color="{hexadecimal(color)}", fillcolor="{hexadecimal(tint(color))}"'
     return f"label={_quoted(text)}, {_SHAPES[look.shape]}, {colors}, tooltip={_quoted(node.hint)}"
 

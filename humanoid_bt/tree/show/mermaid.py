@@ -7,8 +7,9 @@ from collections.abc import Mapping
 
 from py_trees.common import Status
 
+from humanoid_bt.core.texts import one_line
 from humanoid_bt.tree.show.looks import LOOKS, MARKS, NEUTRAL, STATUS_COLORS, Color, hexadecimal, look_of, tint
-from humanoid_bt.tree.show.outline import Outline, OutlineNode, outline_of, printable
+from humanoid_bt.tree.show.outline import Outline, OutlineNode, outline_of
 from humanoid_bt.tree.tree import Tree
 
 _SHAPES = {
@@ -64,7 +65,7 @@ def _label(node: OutlineNode, status: Status | None, feedback: str) -> str:
     rows = [f"{mark}<b>{_escaped(node.name)}</b>"]
     rows += [_escaped(text) for text in (node.type_label, *node.parameters) if text]
     if feedback:
-        rows.append(f"<i>{_escaped(printable(feedback))}</i>")
+        rows.append(f"<i>{_escaped(one_line(feedback))}</i>")
     return "<br/>".join(rows)
 
 

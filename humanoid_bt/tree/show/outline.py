@@ -7,6 +7,7 @@ from dataclasses import asdict, dataclass
 from typing import Any, Self
 
 from humanoid_bt.core.errors import UserError
+from humanoid_bt.core.texts import one_line
 from humanoid_bt.core.units import spaced
 from humanoid_bt.decision.blackboard import Key
 from humanoid_bt.tree.node import Node
@@ -64,7 +65,7 @@ class Outline:
     @classmethod
     def of(cls, tree: Tree) -> Self:
         """Return the outline of a tree."""
-        return cls(tree.name, printable(tree.description), tuple(map(_outline_node, tree.nodes)))
+        return cls(tree.name, one_line(tree.description), tuple(map(_outline_node, tree.nodes)))
 
     def to_json(self) -> str:
         """Return it as JSON."""
@@ -117,11 +118,6 @@ def outline_of(tree: Tree | Outline) -> Outline:
     return Outline.of(tree)
 
 
-def printable(text: str) -> str:
-    """Return a text on one line, with nothing in it that a terminal or XML could stumble on."""
-    return "".join(character if character.isprintable() else " " for character in text)
-
-
 def _outline_node(node: Node) -> OutlineNode:
     return OutlineNode(
         path=node.path,
@@ -131,7 +127,7 @@ def _outline_node(node: Node) -> OutlineNode:
         parent=node.parent,
         branch=node.branch,
         parameters=tuple(_parameters(node)),
-        doc=printable(node.type.doc),
+        doc=one_line(node.type.doc),
     )
 
 
@@ -144,10 +140,10 @@ def _parameters(node: Node) -> list[str]:
                 shown.append(f"{name}: ${node.references[name]}")
                 continue
             if name in node.written:
-                shown.append(f"{name}: {printable(_value_text(spaced(node.written[name])))}")
+                shown.append(f"{name}: {one_line(_value_text(spaced(node.written[name])))}")
                 continue
             unit = f" {spec.unit}" if spec is not None and spec.unit and _is_number(value) else ""
-            shown.append(f"{name}: {printable(_value_text(value))}{unit}")
+            shown.append(f"{name}: {one_line(_value_text(value))}{unit}")
     return shown
 
 

@@ -9,11 +9,12 @@ from xml.sax.saxutils import escape
 
 from py_trees.common import Status
 
+from humanoid_bt.core.texts import one_line
 from humanoid_bt.tree.show import shapes
 from humanoid_bt.tree.show.layout import Box, tidy
 from humanoid_bt.tree.show.looks import LOOKS, look_of
 from humanoid_bt.tree.show.metrics import text_width, wrap
-from humanoid_bt.tree.show.outline import Outline, OutlineNode, outline_of, printable
+from humanoid_bt.tree.show.outline import Outline, OutlineNode, outline_of
 from humanoid_bt.tree.show.style import STYLE
 from humanoid_bt.tree.tree import Tree
 
@@ -120,7 +121,7 @@ def _block(node: OutlineNode, marked: bool, feedback: str) -> _Block:
     for parameter in node.parameters:
         lines += _wrapped(parameter, _SMALL, "small")
     if feedback:
-        lines += _wrapped(printable(feedback), _SMALL, "said")
+        lines += _wrapped(one_line(feedback), _SMALL, "said")
     return _Block(lines, sign, marked)
 
 

@@ -8,8 +8,9 @@ from typing import NamedTuple
 
 from py_trees.common import Status
 
+from humanoid_bt.core.texts import one_line
 from humanoid_bt.tree.show.looks import MARKS
-from humanoid_bt.tree.show.outline import Outline, outline_of, printable
+from humanoid_bt.tree.show.outline import Outline, outline_of
 from humanoid_bt.tree.tree import Tree
 
 _FEEDBACK = "→ "
@@ -73,7 +74,7 @@ def lines_of(
         wrapped = _wrapped(pieces, width - len(first + mark), room - 4)
         lines.append(Line(index, first, mark + wrapped[0]))
         lines += [Line(index, further, "    " + text) for text in wrapped[1:]]
-        if feedback and (said := printable(feedback.get(node.path, ""))):
+        if feedback and (said := one_line(feedback.get(node.path, ""))):
             indent = " " * (len(mark) + 2)
             head = f"{indent}{_FEEDBACK}"
             said_lines = textwrap.wrap(said, max(room, len(head) + 8), initial_indent=head, subsequent_indent=indent)

@@ -9,8 +9,11 @@ from functools import partial
 from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
+from humanoid_bt.core import forks
+from humanoid_bt.core.ctrl_c import is_ctrl_c
 from humanoid_bt.core.errors import HumanoidBtError, Place, Problem, ResourceConflict, UserError
 from humanoid_bt.core.messages import Command, Percept, State
+from humanoid_bt.core.texts import shortened
 from humanoid_bt.decision.result import Reported, reported
 from humanoid_bt.decision.robot import Robot
 from humanoid_bt.decision.skill_files import class_file, place_in_file
@@ -102,7 +105,9 @@ class Executor:
                     inner.setup(robot=self.robot)
             except UserError as error:
                 problems += [replace(p, place=p.place or node.place) for p in error.problems]
-            except (Exception, SystemExit) as error:
+            except BaseException as error:
+                if is_ctrl_c(error):
+                    raise
                 raise NodeError(node, error) from error
         if problems:
             raise UserError(problems)
@@ -116,6 +121,7 @@ class Executor:
             NodeError: a node raised an exception or returned what is no status; the whole tree has been halted.
             ResourceConflict: two living nodes command one resource; the whole tree has been halted.
         """
+        forks.astray = False
         self.robot.begin_tick(state, percepts)
         if self._root.status is not RUNNING:
             for key in self.tree.keys:
@@ -178,7 +184,7 @@ class Executor:
             if before is not status:
                 told[behaviour] = status
                 if self._on_change is not None:
-                    path, feedback = self._nodes[behaviour].path, behaviour.feedback_message
+                    path, feedback = self._nodes[behaviour].path, shortened(behaviour.feedback_message)
                     left = status is INVALID and before is not None and before is not RUNNING  # it had ended before
                     results = () if status is RUNNING or left else reported(behaviour)
                     self._on_change(NodeChange(time, path, status, feedback, results))

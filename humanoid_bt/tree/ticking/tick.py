@@ -13,6 +13,8 @@ from collections.abc import Iterator
 from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
+from humanoid_bt.core import forks
+from humanoid_bt.core.ctrl_c import is_ctrl_c
 from humanoid_bt.decision.skill import Skill
 
 
@@ -59,6 +61,7 @@ class Branch(Behaviour):
     def tick(self) -> Iterator[Behaviour]:
         """Tick the branch as py_trees does, and yield the nodes ticked, children before parents."""
         seen = Seen()
+        forks.astray = False
         try:
             tick(self, seen)
         except Raised as raised:
@@ -98,17 +101,18 @@ def tick(node: Behaviour, seen: Seen) -> Status:
             for _ in node.tick():
                 pass
             status = node.status
-        if status is not RUNNING and status is not SUCCESS and status is not FAILURE:
-            raise TypeError(f"its status must be SUCCESS, FAILURE or RUNNING, not {status!r}")
+        if forks.astray or (status is not RUNNING and status is not SUCCESS and status is not FAILURE):
+            raise _no_status(node, status)
     except Raised:
         raise
-    except (Exception, SystemExit) as error:  # a skill that exits must not take the robot's program along
+    except BaseException as error:  # a skill that exits or is cancelled must not take the robot's program along
+        _check_own(error)
         _abandon(node, error, seen)
         raise Raised(node, error) from error
     if status is not RUNNING and how is _LEAF_TICK:
         try:
             node.stop(status)
-        except (Exception, SystemExit) as error:
+        except BaseException as error:
             raise _not_stopped(node, error, seen) from error
     node.status = status
     seen.append(node)
@@ -140,7 +144,7 @@ def halt_alone(node: Behaviour, reason: str, seen: Seen) -> None:
             node.halt_reason = reason
         try:
             node.stop(INVALID)
-        except (Exception, SystemExit) as error:
+        except BaseException as error:
             raise _not_stopped(node, error, seen) from error
     else:
         node.feedback_message = ""
@@ -149,8 +153,24 @@ def halt_alone(node: Behaviour, reason: str, seen: Seen) -> None:
     seen.changed = True
 
 
+def _no_status(node: Behaviour, returned: object) -> Exception:
+    """Return what is wrong with what came back from a node: no status, or a process that it forked."""
+    if forks.astray:
+        return RuntimeError(f"a process that {node.name!r} forked came back from it: it must end with os._exit()")
+    return TypeError(f"its status must be SUCCESS, FAILURE or RUNNING, not {returned!r}")
+
+
+def _check_own(error: BaseException) -> None:
+    """Raise again what is somebody's Ctrl-C and not the node's; end a process that the node forked."""
+    if forks.astray:
+        forks.leave(error)
+    if is_ctrl_c(error):
+        raise error
+
+
 def _not_stopped(node: Behaviour, error: BaseException, seen: Seen) -> Raised:
     """Note what a node raised while it was stopped; it counts as halted."""
+    _check_own(error)
     node.status = INVALID
     node.feedback_message = f"raised {type(error).__name__}: {error}"
     seen.append(node)
@@ -168,8 +188,9 @@ def _abandon(node: Behaviour, error: BaseException, seen: Seen) -> None:
                 if child.status is not INVALID:
                     node.halt_child(child, f"{node.name!r} raised an exception", seen)
         node.stop(INVALID)
-    except (Exception, SystemExit) as raised:
+    except BaseException as raised:
         second = raised.error if isinstance(raised, Raised) else raised
+        _check_own(second)
         error.add_note(f"and then, while it was stopped: {type(second).__name__}: {second}")
     node.status = INVALID
     node.feedback_message = f"raised {type(error).__name__}: {error}"

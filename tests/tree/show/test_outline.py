@@ -30,7 +30,7 @@ class Expression:
         (None, "at: null"),
         ({"x": 1.0}, "at: {x: 1}"),
         (Expression(), "at: $distance - 0.1"),
-        ("two\nlines\x07", "at: two lines "),
+        ("two\nlines\x07", r"at: two lines\x07"),
     ],
 )
 def test_a_parameter_is_shown_as_a_file_would_say_it(value: object, shown: str, workspace: Workspace) -> None:

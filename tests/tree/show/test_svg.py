@@ -66,10 +66,10 @@ def test_a_name_is_shown_as_it_is(text: str) -> None:
     assert picture.hints() == [f"t/{text}\nact: {text}"]
 
 
-def test_what_xml_forbids_is_left_out() -> None:
+def test_what_xml_forbids_is_written_out() -> None:
     node = OutlineNode("t/act", "act", "act", "skill", -1)
     said = {"t/act": "bell \x07 null \x00 lone \ud800"}
-    assert Picture(svg_tree(Outline("t", "", (node,)), {}, said)).texts("said") == ["bell null lone"]
+    assert Picture(svg_tree(Outline("t", "", (node,)), {}, said)).texts("said") == [r"bell \x07 null \x00 lone \ud800"]
 
 
 def test_statuses_colour_and_mark_every_node() -> None:

@@ -1,0 +1,35 @@
+"""Text from elsewhere (files, skills, exceptions, other processes) before people read it."""
+
+from __future__ import annotations
+
+import re
+
+LONGEST_TEXT = 4000
+"""Characters that are kept of what a node, an event or an exception says."""
+
+_COMMANDS = re.compile(
+    "\r(?!\n)|["
+    "\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f"  # what terminals obey; a line break and a tab do no harm
+    "\u061c\u200b\u200e\u200f\u202a-\u202e\u2060-\u206f\ufff9-\ufffb\U000e0000-\U000e007f"  # order, nothing seen
+    "\u2028\u2029\ud800-\udfff\ufffe\uffff"  # other line breaks; bytes of a file name that are no text; no characters
+    "]"
+)
+
+
+def printable(text: str) -> str:
+    r"""Return a text in which a terminal finds no commands: they are written out, as ``\x1b``."""
+    return _COMMANDS.sub(lambda found: ascii(found[0])[1:-1], text)
+
+
+def one_line(text: str) -> str:
+    """Return a text as :func:`printable` does, with its line breaks and tabs as blanks."""
+    return printable(re.sub(r"\s", " ", text))
+
+
+def shortened(text: object, longest: int = LONGEST_TEXT) -> str:
+    """Return a text, or the text of what should be one, in at most so many characters; that it is cut is told."""
+    whole = text if isinstance(text, str) else str(text)
+    if len(whole) <= longest:
+        return whole
+    note = f"… ({len(whole):,} characters)"
+    return whole[: longest - len(note)] + note

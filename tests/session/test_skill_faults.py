@@ -1,0 +1,147 @@
+"""What a skill does to the program that runs it: nothing, but for what it says."""
+
+from __future__ import annotations
+
+import dataclasses
+import re
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import humanoid_bt as hbt
+from tests.projects import make_project
+
+SKILLS = '''
+import multiprocessing, os, sys, threading, time
+from humanoid_bt import Skill, Status, param
+
+class Speak(Skill):
+    """Say what is no text."""
+    how: str = param("running", doc="How.")
+
+    def update(self):
+        if self.how == "attribute":
+            self.feedback_message = 43
+            return Status.RUNNING
+        return getattr(self, self.how)(ValueError("no handle") if self.how == "fail" else 42)
+
+class Write(Skill):
+    """Write into what everybody sees."""
+
+    def update(self):
+        self.robot.state.base_position[:] = 0.0
+        return self.succeed("written")
+
+def sleep(begun):
+    begun.set()
+    time.sleep(20)
+
+class Fork(Skill):
+    """Fork a process, and wait for its end."""
+    how: str = param(doc="What becomes of it.")
+
+    def initialise(self):
+        if self.how == "terminated":
+            fork = multiprocessing.get_context("fork")
+            begun = fork.Event()
+            sleeper = fork.Process(target=sleep, args=(begun,))
+            sleeper.start()
+            begun.wait()
+            sleeper.terminate()
+            self._child = sleeper.pid
+            return
+        self._child = os.fork()
+        if not self._child:
+            if self.how == "raises":
+                raise RuntimeError("in the child")
+            if self.how == "exits":
+                sys.exit(7)
+            if self.how == "interrupts":
+                raise KeyboardInterrupt
+
+    def update(self):
+        if not self._child:
+            return self.running("as if it were the robot")
+        child, status = os.waitpid(self._child, os.WNOHANG)
+        return self.succeed(f"code {os.waitstatus_to_exitcode(status)}") if child else self.running("waiting")
+
+class Stray(Skill):
+    """Start a thread that does not end."""
+
+    def update(self):
+        threading.Thread(target=time.sleep, args=(600,), name="driver of the gripper").start()
+        return self.succeed("started")
+'''
+
+
+@pytest.fixture(scope="module")
+def faulty(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    project = make_project(tmp_path_factory.mktemp("user") / "project")
+    (project / "skills" / "faulty.py").write_text(SKILLS, encoding="utf-8")
+    return project
+
+
+def tree(project: Path, root: str) -> Path:
+    path = project / "trees" / "faulty.yaml"
+    path.write_text(f"format: 1\nroot: {{{root}}}\n", encoding="utf-8")
+    return path
+
+
+@pytest.mark.parametrize(
+    ("how", "outcome", "said"),
+    [
+        ("running", "unfinished", "42"),
+        ("succeed", "success", "42"),
+        ("fail", "failure", "no handle"),
+        ("attribute", "unfinished", "43"),
+    ],
+)
+def test_what_is_no_text_is_said_as_text(faulty: Path, how: str, outcome: str, said: str) -> None:
+    report = hbt.run(tree(faulty, f"speak: {{how: {how}}}"), duration=0.04)
+    assert report.outcome == outcome
+    assert said in report.reason
+
+
+def test_nobody_writes_into_what_everybody_sees(faulty: Path) -> None:
+    report = hbt.run(tree(faulty, "write: "))
+    assert report.outcome == "error"
+    assert "raised ValueError: assignment destination is read-only" in report.reason
+    with hbt.Session("wait", workspace=faulty) as session:
+        session.step()
+        arrays = [value for value in vars_of(session.state) if isinstance(value, np.ndarray)]
+        assert len(arrays) > 10
+        assert not [array for array in arrays if array.flags.writeable]
+
+
+def vars_of(state: hbt.State) -> list[object]:
+    return [*(getattr(state, field.name) for field in dataclasses.fields(state)), *state.hands.values()]
+
+
+CHILDREN = {"raises": 1, "exits": 7, "returns": 1, "interrupts": 1, "terminated": -signal.SIGTERM}
+
+
+def test_forked_children_end_alone(faulty: Path) -> None:
+    forks = ", ".join(f"fork: {{name: {how}, how: {how}}}" for how in CHILDREN)
+    tree(faulty, f"timeout: {{duration: 10 s, sequence: [{forks}]}}")
+    command = [sys.executable, "-m", "humanoid_bt", "run", "faulty", "--no-record", "--no-view", "--pace", "20"]
+    done = subprocess.run(command, cwd=faulty, capture_output=True, text=True, timeout=60, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
+    for how, code in CHILDREN.items():
+        assert len(re.findall(rf"✓ {how} +code {code}\n", done.stdout)) == 1
+    assert done.stdout.count("simulated") == 1
+    said = [line for line in done.stderr.splitlines() if re.match(r"\w+(:|$)", line)]
+    came_back = "a process that 'returns' forked came back from it: it must end with os._exit()"
+    assert said == ["RuntimeError: in the child", f"RuntimeError: {came_back}", "KeyboardInterrupt"]
+
+
+def test_a_thread_that_does_not_end_does_not_keep_the_program(faulty: Path) -> None:
+    tree(faulty, "stray: ")
+    command = [sys.executable, "-m", "humanoid_bt", "run", "faulty", "--no-record", "--no-view"]
+    done = subprocess.run(command, cwd=faulty, capture_output=True, text=True, timeout=60, check=False)
+    assert done.returncode == 0
+    assert "success: stray: started" in done.stdout
+    assert "the thread 'driver of the gripper' still runs" in done.stderr
