@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import tempfile
+import time
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -11,11 +12,12 @@ import mujoco
 import numpy as np
 
 from humanoid_bt.bench.figure import Figure, cpu, figure
-from humanoid_bt.bench.promises import SPEED, STACK
+from humanoid_bt.bench.promises import LOG, SPEED, STACK
 from humanoid_bt.bench.tree import measure_tree
 from humanoid_bt.control.body.mink_terms import SOLVER
 from humanoid_bt.control.body.standing import load_robot
 from humanoid_bt.control.controller import Controller
+from humanoid_bt.control.cycle_log import CycleLog, Layout
 from humanoid_bt.core.clock import WHOLE_BODY_PERIOD, cycles
 from humanoid_bt.core.messages import JointCommand
 from humanoid_bt.files.workspace import Workspace, builtin_root
@@ -38,6 +40,7 @@ def measure(repetitions: int) -> Iterator[Figure]:
         recording = Path(folder) / "bench.rrd"
         yield from _whole_stack(repetitions, recording)
     yield _whole_body(repetitions)
+    yield _cycle_log(repetitions)
     workspace = Workspace(builtin_root())
     yield from measure_tree(workspace.find_tree(_TREE), workspace, repetitions)
 
@@ -91,12 +94,17 @@ def _new_run(workspace: Workspace, recording: Path) -> Session:
 # ---- whole-body control against the bare solver ---------------------------------------------------------------------
 
 
-def _whole_body(repetitions: int) -> Figure:
+def _controller() -> tuple[Controller, MujocoPlant]:
+    """Return the built-in robot's, standing."""
     workspace = Workspace(builtin_root())
     robot, start = load_robot(workspace.find_robot("humanoid"))
     plant = MujocoPlant(robot, Scene(load_scene(workspace.find_scene("empty")), 0))
     plant.place(start)
-    controller = Controller(robot, plant)
+    return Controller(robot, plant), plant
+
+
+def _whole_body(repetitions: int) -> Figure:
+    controller, plant = _controller()
     period = cycles(WHOLE_BODY_PERIOD)
     kinematics = controller.whole_body.kinematics
 
@@ -121,3 +129,28 @@ def _whole_body(repetitions: int) -> Figure:
     ours()
     pairs = [(ours(), theirs()) for _ in range(repetitions)]
     return figure("whole-body step: walking, balance, IK, torques", "mink.solve_ik alone", "us CPU", pairs, scale=1e6)
+
+
+# ---- keeping servo cycles -------------------------------------------------------------------------------------------
+
+
+def _cycle_log(repetitions: int) -> Figure:
+    controller, plant = _controller()
+    layout = Layout.of(plant.robot.joint_names)
+    log = CycleLog(*layout.local(), layout)
+
+    def pair() -> tuple[float, float]:
+        kept = ran = 0.0
+        for _ in range(5 * _CALLS):
+            ran += cpu(controller.run_cycle)
+            measurement = plant.measure()
+            began = time.process_time()
+            log.note(controller.cycle, measurement, controller.supervisor, controller.servo, controller.whole_body)
+            kept += time.process_time() - began
+        return kept / (5 * _CALLS), ran / (5 * _CALLS)
+
+    pair()
+    pairs = [pair() for _ in range(repetitions)]
+    return figure(
+        "keeping a servo cycle for the recording", "the cycle itself", "us CPU", pairs, scale=1e6, promise=LOG
+    )

@@ -90,12 +90,7 @@ class Controller:
         self.cycle += 1
         self._measurement = self._plant.measure()
         if self.log is not None:
-            self.log.note(self)
-
-    @property
-    def measurement(self) -> Measurement:
-        """What the plant measured last."""
-        return self._measurement
+            self.log.note(self.cycle, self._measurement, supervisor, self.servo, self.whole_body)
 
     def _plan(self, measurement: Measurement) -> None:
         supervisor, body = self.supervisor, self.whole_body

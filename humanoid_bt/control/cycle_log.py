@@ -7,24 +7,24 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-from humanoid_bt.core.clock import WHOLE_BODY_PERIOD, cycles
-from humanoid_bt.core.messages import SIDES, Array, Gait, Mode
-from humanoid_bt.link.table import TableWriter
+from humanoid_bt.control.body.whole_body import WholeBody
+from humanoid_bt.control.servo import Servo
+from humanoid_bt.control.supervisor import Supervisor
+from humanoid_bt.core.clock import DECISION_PERIOD, WHOLE_BODY_PERIOD, cycles
+from humanoid_bt.core.messages import SIDES, Array, Gait, Measurement, Mode
+from humanoid_bt.link.table import LocalTable, TableWriter
 from humanoid_bt.robot.model import BASE_COORDINATES, BASE_DOFS
 
-if TYPE_CHECKING:
-    from humanoid_bt.control.controller import Controller
-
+Table = TableWriter | LocalTable
 MODES, GAITS = tuple(Mode), tuple(Gait)
 NONE = -1.0
 """Stands for the error of a hand that nothing commands, and for the command before the first."""
 
 _LATE = 4.0  # s that a reader may be late before it misses something
-_MODE, _GAIT = ({value: float(number) for number, value in enumerate(kind)} for kind in (MODES, GAITS))
 
 
 @dataclass(frozen=True)
@@ -105,7 +105,7 @@ class Layout:
         return cls(joints, plan, cycle)
 
     def create(self, plans: Path, servo_cycles: Path) -> None:
-        """Make the tables.
+        """Make the tables as files, for a reader that may be 4 s late.
 
         Raises:
             LinkError: a file cannot be made.
@@ -113,31 +113,46 @@ class Layout:
         TableWriter.create(plans, self.plan.width, cycles(_LATE) // cycles(WHOLE_BODY_PERIOD)).close()
         TableWriter.create(servo_cycles, self.cycle.width, cycles(_LATE)).close()
 
+    def local(self) -> tuple[LocalTable, LocalTable]:
+        """Return tables of plans and of servo cycles for a reader that takes its turn once a tick."""
+        most = 2 * cycles(DECISION_PERIOD)
+        return LocalTable(self.plan.width, most), LocalTable(self.cycle.width, most)
+
 
 class CycleLog:
     """Control's end of the tables.
 
     Args:
-        plans, servo_cycles: the tables, as :meth:`Layout.create` makes them.
+        plans, servo_cycles: the tables, as :class:`Layout` makes them.
         layout: of the robot.
     """
 
-    def __init__(self, plans: TableWriter, servo_cycles: TableWriter, layout: Layout) -> None:
+    def __init__(self, plans: Table, servo_cycles: Table, layout: Layout) -> None:
         self._plans, self._cycles = plans, servo_cycles
         joints = len(layout.joints)
         self._plan_rows = _parts(plans.rows, 4 + len(SIDES), *[joints] * 4)
         self._cycle_rows = _parts(servo_cycles.rows, 3, BASE_COORDINATES + joints, BASE_DOFS + joints, joints)
         self._command: object = None
+        self._mode, self._mode_number = MODES[0], 0  # an enumeration is slow to look up
 
-    def note(self, controller: Controller) -> None:
-        """Take the servo cycle that just was."""
-        if controller.servo.command is not self._command:
-            self._note_plan(controller)
+    def note(self, cycle: int, measurement: Measurement, supervisor: Supervisor, servo: Servo, body: WholeBody) -> None:
+        """Take the servo cycle that just was.
+
+        Args:
+            cycle: servo cycles so far, this one included.
+            measurement: what the plant measured after it.
+            supervisor, servo, body: as they were in it.
+        """
+        if servo.command is not self._command:
+            self._command = servo.command
+            self._note_plan(cycle, supervisor, servo, body)
         numbers, qpos, qvel, torque, force = self._cycle_rows[self._cycles.count % len(self._cycle_rows)]
-        supervisor, measurement = controller.supervisor, controller.measurement
         command = supervisor.command
-        numbers[0] = controller.cycle
-        numbers[1] = _MODE[supervisor.mode]
+        if supervisor.mode is not self._mode:
+            self._mode = supervisor.mode
+            self._mode_number = MODES.index(self._mode)
+        numbers[0] = cycle
+        numbers[1] = self._mode_number
         numbers[2] = NONE if command is None else command.sequence
         qpos[:] = measurement.qpos
         qvel[:] = measurement.qvel
@@ -145,22 +160,20 @@ class CycleLog:
         force[:] = measurement.foot_force
         self._cycles.publish()
 
-    def _note_plan(self, controller: Controller) -> None:
-        body, servo, command = controller.whole_body, controller.servo, controller.servo.command
-        self._command = command
+    def _note_plan(self, cycle: int, supervisor: Supervisor, servo: Servo, body: WholeBody) -> None:
         numbers, position, velocity, torque, limited, com_error = self._plan_rows[
             self._plans.count % len(self._plan_rows)
         ]
-        numbers[0] = controller.cycle
-        numbers[1] = _GAIT[body.walker.gait]
+        numbers[0] = cycle
+        numbers[1] = GAITS.index(body.walker.gait)
         numbers[2] = body.solved
-        numbers[3] = controller.supervisor.mode is not Mode.DAMP
+        numbers[3] = supervisor.mode is not Mode.DAMP
         errors = body.kinematics.hand_errors
         for number, side in enumerate(SIDES, 4):
             numbers[number] = errors.get(side, NONE)
-        position[:] = command.position
-        velocity[:] = command.velocity
-        torque[:] = command.torque
+        position[:] = servo.command.position
+        velocity[:] = servo.command.velocity
+        torque[:] = servo.command.torque
         limited[:] = servo.limited
         com_error[:] = body.kinematics.com_error
         self._plans.publish()

@@ -76,6 +76,30 @@ class TableWriter:
         self._segment.close()
 
 
+class LocalTable:
+    """A table within one process, whose writer and reader take turns.
+
+    Attributes:
+        rows, count: as of a :class:`TableWriter`.
+    """
+
+    def __init__(self, width: int, rows: int) -> None:
+        self.rows: Array = np.zeros((rows, width))
+        self.count = 0
+        self._taken = 0
+
+    def publish(self) -> None:
+        """Note that the next row was filled."""
+        self.count += 1
+
+    def take(self) -> Array:
+        """Return copies of the rows since the last time, oldest first, shape (n, width): all, if taken in time."""
+        first = max(self._taken, self.count - len(self.rows))
+        taken = self.rows[np.arange(first, self.count) % len(self.rows)]
+        self._taken = self.count
+        return taken
+
+
 class TableReader:
     """A reader; one per process or thread."""
 
@@ -96,6 +120,16 @@ class TableReader:
     def count(self) -> int:
         """How many rows were published."""
         return self._words[_COUNT]
+
+    @property
+    def gone(self) -> bool:
+        """Whether nobody writes any more."""
+        try:
+            fcntl.flock(self._segment.descriptor, fcntl.LOCK_SH | fcntl.LOCK_NB)
+        except OSError:
+            return False
+        fcntl.flock(self._segment.descriptor, fcntl.LOCK_UN)
+        return True
 
     def since(self, count: int) -> tuple[Array, int]:
         """Return copies of the rows that were published after the first ``count``, oldest first, and how many are lost.

@@ -101,6 +101,11 @@ def estop(folder: RunFolder, shared: bool = False) -> EStop:
     return EStop.open(folder.path(_ESTOP), shared)
 
 
+def cycle_tables(folder: RunFolder) -> tuple[Path, Path]:
+    """Return where the tables of plans and of servo cycles are, if somebody wants them."""
+    return folder.path("plans"), folder.path("cycles")
+
+
 def quit_flag(folder: RunFolder) -> Heartbeat:
     """Return the flag with which decision ends the run: it has beaten once, or :data:`ABANDONED` times."""
     return Heartbeat.open(folder.path("quit"))

@@ -17,11 +17,13 @@ from types import FrameType
 
 from humanoid_bt.control.body.standing import load_robot
 from humanoid_bt.control.controller import Controller
+from humanoid_bt.control.cycle_log import CycleLog, Layout
 from humanoid_bt.control.supervisor import Stop
 from humanoid_bt.core.clock import DECISION_PERIOD, SERVO_PERIOD, WHOLE_BODY_PERIOD, cycles
 from humanoid_bt.core.errors import UserError
 from humanoid_bt.core.messages import Gait, Mode
 from humanoid_bt.link.run_folder import RunFolder
+from humanoid_bt.link.table import TableWriter
 from humanoid_bt.link.wire import Event, WireError, decode_command, decode_event, encode_event, encode_state
 from humanoid_bt.link.wire.event import Level
 from humanoid_bt.plant.mujoco_plant import MujocoPlant
@@ -52,6 +54,10 @@ class ControlProcess:
         self._plant = MujocoPlant(robot, Scene(load_scene(Path(spec.scene)), spec.seed))
         self._plant.place(start)
         self._controller = Controller(robot, self._plant)
+        tables = channels.cycle_tables(folder)
+        if all(table.exists() for table in tables):
+            plans, servo_cycles = map(TableWriter.open, tables)
+            self._controller.log = CycleLog(plans, servo_cycles, Layout.of(robot.joint_names))
         self._commands = channels.reader(folder, "command")
         self._requests = channels.reader(folder, "request")
         self._states = channels.writer(folder, "state")

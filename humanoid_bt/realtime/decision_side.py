@@ -11,6 +11,7 @@ from pathlib import Path
 
 import mujoco
 
+from humanoid_bt.control.cycle_log import Layout
 from humanoid_bt.core.clock import DECISION_PERIOD
 from humanoid_bt.core.errors import ControlLost, HumanoidBtError, UserError
 from humanoid_bt.core.messages import Array, Command, Percept, State
@@ -88,6 +89,7 @@ class Realtime:
         self._state_at = 0.0
         self._commands = False  # with its last command decision wanted something of the robot
         self._over = False
+        self._logs = False
 
     # ---- life -------------------------------------------------------------------------------------------------------
 
@@ -111,6 +113,8 @@ class Realtime:
             raise HumanoidBtError(f"{error.filename} cannot be written: {error.strerror}") from error
         rooms = {"state": state_room(self.robot.joint_names), "percept": percepts_room(self.scene.config.percepts)}
         channels.create_channels(folder, **rooms)
+        if self.cycle_tables is not None:
+            Layout.of(self.robot.joint_names).create(*self.cycle_tables)
         self._writers = {name: channels.writer(folder, name) for name in _WRITTEN}
         self._readers = {name: channels.reader(folder, name) for name in _READ}
         self._teller = TreeTeller(folder)
@@ -120,6 +124,18 @@ class Realtime:
         self._start(children, "perception", "percept")
         self._schedule = Schedule(DECISION_PERIOD, spin=False)
         self._state_at = time.monotonic()
+
+    def log_cycles(self) -> None:
+        """Have every servo cycle kept in :attr:`cycle_tables`."""
+        self._logs = True
+
+    @property
+    def cycle_tables(self) -> tuple[Path, Path] | None:
+        """The files in which plans and servo cycles are kept, once it has started."""
+        return channels.cycle_tables(self._folder) if self._logs and self._folder is not None else None
+
+    def take_cycles(self) -> None:
+        """None: they are in :attr:`cycle_tables`."""
 
     def _start(self, children: Children, role: str, channel: str) -> None:
         """Start a process and wait until it writes to its channel."""

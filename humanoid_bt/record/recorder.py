@@ -6,6 +6,7 @@ Recording is cheap because a sample only keeps references: all encoding happens 
 from __future__ import annotations
 
 from collections.abc import Container, Mapping, Sequence
+from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
 
@@ -21,6 +22,7 @@ from humanoid_bt.record.camera import HeadCamera
 from humanoid_bt.record.documents import send_info, send_tree_file
 from humanoid_bt.record.events import EventLog, Level
 from humanoid_bt.record.eye import Eye
+from humanoid_bt.record.flight import Flight
 from humanoid_bt.record.lanes import Lanes
 from humanoid_bt.record.outlet import Announce, Outlet, tell_nobody
 from humanoid_bt.record.overlays import Overlays
@@ -38,6 +40,7 @@ _FILE_BATCH = (
     1.0  # the same of a file alone: fewer, cheaper batches; about this much is lost when the program is killed
 )
 _FRAME = 0.04  # time between poses of the 3D view [s]: 25 a second look fluent at half the cost of every tick
+_CONTROL_ENDS = 30.0  # s that control may take to bring the robot to a stand when decision is gone
 _SLACK = 1e-6  # times are sums of periods
 
 
@@ -90,6 +93,7 @@ class Recorder:
         self._lanes = Lanes(tree.outline)
         self._events = EventLog(tree.outline)
         self._results = ResultSeries()
+        self._flight = Flight(joint_names)
         self._views = (self._scene, self._overlays, self._stop_sign, self._plots, self._tree)
         self._last_flush = self._last_frame = self._sampled = self._sent = -np.inf
         self.written = -np.inf
@@ -100,7 +104,7 @@ class Recorder:
         self._outlet = Outlet(sinks, info.get("tree", tree.file) or "run", self._layout(), announce)
         try:
             self._camera = HeadCamera(model, camera, pictures, busy_cores)
-            for part in (*self._views, self._camera):
+            for part in (*self._views, self._camera, self._flight):
                 part.log_static(self._outlet.stream)
             send_info(self._outlet.stream, 0.0, info)
             send_tree_file(self._outlet.stream, 0.0, tree)
@@ -146,6 +150,25 @@ class Recorder:
         if state.time - self._last_flush >= self._batch - _SLACK:
             self.flush()
             self._last_flush = state.time
+
+    def cycles(self, plans: Array, cycles: Array) -> None:
+        """Record servo cycles, as :class:`~humanoid_bt.control.cycle_log.CycleLog` keeps them.
+
+        Args:
+            plans: rows of plans of the whole body.
+            cycles: rows of servo cycles.
+        """
+        self._check_open()
+        self._flight.add(plans, cycles)
+
+    def follow(self, plans: Path, cycles: Path) -> None:
+        """Record the servo cycles in these tables from now on.
+
+        Raises:
+            LinkError: they are not there.
+        """
+        self._check_open()
+        self._flight.follow(plans, cycles)
 
     def node_changed(self, time: float, path: str, status: str, feedback: str) -> None:
         """Record that a node's status changed.
@@ -205,7 +228,7 @@ class Recorder:
         stream = self._outlet.stream
         if why := self._camera.take_news():
             self._events.event(max(self._last_flush, 0.0), "info", f"no picture of the head camera: {why}")
-        for part in (*self._views, self._lanes, self._results, self._eye, self._camera, self._events):
+        for part in (*self._views, self._lanes, self._results, self._eye, self._camera, self._events, self._flight):
             part.flush(stream)
         before, self._sent = self._sent, self._sampled
         self._note(before if self._live else self._sent, self._outlet.settle())
@@ -218,6 +241,7 @@ class Recorder:
         try:
             self._announce("take pictures of the head camera", self._camera.patience)
             self._camera.finish()
+            self._flight.finish(_CONTROL_ENDS)
             self.flush()
         finally:
             self._closed = True

@@ -11,6 +11,7 @@ import sys
 import weakref
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
+from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
 
@@ -135,6 +136,14 @@ class RemoteRecorder:
         else:
             self._handed = state.time
             self._put(encode_sample(state, tracks, objects, hidden))
+
+    def cycles(self, plans: Array, cycles: Array) -> None:
+        """Record servo cycles, as :meth:`~humanoid_bt.record.recorder.Recorder.cycles`."""
+        self._put(encode_call("cycles", plans, cycles))
+
+    def follow(self, plans: Path, cycles: Path) -> None:
+        """Record the servo cycles that control keeps in these tables, whatever becomes of this process."""
+        self._put(encode_call("follow", plans, cycles))
 
     def node_changed(self, time: float, path: str, status: str, feedback: str) -> None:
         """Record that a node's status changed."""

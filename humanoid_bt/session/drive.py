@@ -111,11 +111,14 @@ class Drive:
             if self._recorder is not None:
                 watched = self._open(stack.enter_context(self._recorder))
                 self._teller.recorder = self._recorder
+                self.engine.log_cycles()
             self.loop.limit = self._options.limit(watched, self.runner.tree)
             self.loop.waits = self._teller.waits = self._options.waits(watched)
             stack.enter_context(self.ticks)
             stack.callback(self.engine.close)
             self.engine.start(self._options.log)
+            if self._recorder is not None and (tables := self.engine.cycle_tables):
+                self._recorder.follow(*tables)
             self._began_at = time.monotonic()
             self._teller.begin()
             if self._watch is not None:

@@ -69,6 +69,16 @@ class Engine(Protocol):
             log: file in which control notes what happens, where it is a process of its own.
         """
 
+    def log_cycles(self) -> None:
+        """Keep every servo cycle for whoever takes them; before :meth:`start`."""
+
+    @property
+    def cycle_tables(self) -> tuple[Path, Path] | None:
+        """The files in which plans and servo cycles are kept, None where :meth:`take_cycles` gives them."""
+
+    def take_cycles(self) -> tuple[Array, Array] | None:
+        """Return the rows of plans and servo cycles since the last time; None if there are files of them, or none."""
+
     def close(self) -> None:
         """End everything that was started."""
 

@@ -15,11 +15,13 @@ from pathlib import Path
 import mujoco
 
 from humanoid_bt.control.controller import Controller
+from humanoid_bt.control.cycle_log import CycleLog, Layout
 from humanoid_bt.control.supervisor import Supervisor, reset_text
 from humanoid_bt.core.clock import DECISION_PERIOD, PERCEPTION_PERIOD, CycleClock, cycles
 from humanoid_bt.core.messages import Array, Command, Level, Percept, State, frozen
 from humanoid_bt.link.run_folder import RunInfo
 from humanoid_bt.link.segment import LinkError
+from humanoid_bt.link.table import LocalTable
 from humanoid_bt.link.wire import Event
 from humanoid_bt.perception.source import PerceptSource
 from humanoid_bt.plant.mujoco_plant import MujocoPlant
@@ -60,6 +62,7 @@ class Lockstep:
         self._state: State | None = None
         self._link: LockstepLink | None = None
         self._links = True
+        self._logged: tuple[LocalTable, LocalTable] | None = None
         self._decision = cycles(DECISION_PERIOD)
         self._perceive = cycles(PERCEPTION_PERIOD)
 
@@ -89,6 +92,23 @@ class Lockstep:
 
     def start(self, log: Path | None = None) -> None:
         """Begin; there is nothing to start, and nothing that needs a log of its own."""
+
+    def log_cycles(self) -> None:
+        """Keep every servo cycle for :meth:`take_cycles`."""
+        layout = Layout.of(self.robot.joint_names)
+        self._logged = layout.local()
+        self.controller.log = CycleLog(*self._logged, layout)
+
+    @property
+    def cycle_tables(self) -> None:
+        """None: :meth:`take_cycles` gives them."""
+
+    def take_cycles(self) -> tuple[Array, Array] | None:
+        """Return the rows of plans and servo cycles since the last time; call it in every tick."""
+        if self._logged is None:
+            return None
+        plans, servo_cycles = self._logged
+        return plans.take(), servo_cycles.take()
 
     def close(self) -> None:
         """End what was told to others."""

@@ -147,6 +147,8 @@ class Teller:
             objects = {name: scene.object_position(name, state.time) for name in scene.config.objects}
             hidden = {name for name in objects if scene.hidden(name, state.time)}
             self.recorder.sample(state, robot.tracks, objects, hidden)
+            if rows := self._engine.take_cycles():
+                self.recorder.cycles(*rows)
             for path, skill in runner.reporting:
                 if skill.status is Status.RUNNING:
                     self.recorder.results(state.time, path, reported(skill))

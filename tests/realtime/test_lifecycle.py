@@ -7,14 +7,17 @@ import subprocess
 import sys
 from collections.abc import Callable
 
+import numpy as np
 import pytest
 import rerun as rr
 
+from humanoid_bt.control.cycle_log import MODES
 from humanoid_bt.core.messages import Gait, Mode
 from humanoid_bt.files.workspace import Workspace, builtin_root
 from humanoid_bt.link.run_folder import RunFolder, RunInfo, default_root
 from humanoid_bt.realtime import channels
 from humanoid_bt.realtime.channels import RunSpec
+from humanoid_bt.record.reading import read_cycles
 from tests.realtime.helpers import PATIENCE, Live, command, until
 
 pytestmark = pytest.mark.realtime
@@ -104,6 +107,12 @@ def test_when_decision_is_killed_control_stops_holds_and_ends_by_itself(live: St
     assert texts[-1] == "control ended: decision died before"
     assert run.state.mode is Mode.PROTECTIVE_STOP
     assert stands(run)
+    ended = run.log[-1]["time"]
+    until("the end in the recording", lambda: read_cycles(run.recording).time[-1] > ended - 0.01)
+    cycles = read_cycles(run.recording)
+    assert (np.diff(cycles.columns["servo"][:, 0]) == 1).all()  # every one
+    stopped = cycles.columns["servo"][:, 1] == MODES.index(Mode.PROTECTIVE_STOP)
+    assert cycles.time[stopped][0] == pytest.approx(stop["time"], abs=0.002)
 
 
 def test_a_stopped_decision_and_an_estop_are_waited_for(live: Start) -> None:

@@ -1,0 +1,85 @@
+"""Servo cycles in a recording: all of them, as they were, from both ways they come in."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+import rerun as rr
+
+from humanoid_bt.control.cycle_log import Layout
+from humanoid_bt.core.errors import UserError
+from humanoid_bt.link.table import TableWriter
+from humanoid_bt.record.reading import read_cycles
+from humanoid_bt.record.recorder import Recorder
+from humanoid_bt.session.session import Session
+from tests.record.conftest import JOINTS
+from tests.record.helpers import make_state
+
+Maker = Callable[..., Recorder]
+LAYOUT = Layout.of(JOINTS)
+
+
+@pytest.fixture
+def file(tmp_path: Path) -> Path:
+    return tmp_path / "run.rrd"
+
+
+def some(first: int, count: int, width: int) -> np.ndarray:
+    """Return rows whose first number counts."""
+    numbers = np.arange(first, first + count, dtype=float)
+    return np.column_stack([numbers, np.sin(numbers[:, None] * 1e-3 + np.arange(width - 1))])
+
+
+def test_a_run_has_every_cycle_as_it_was(tmp_path: Path, file: Path) -> None:
+    with Session("stand", duration=0.3, record=file) as session:
+        session.run()
+        state = session.engine.sense()[0]
+    cycles, plans = read_cycles(file), read_cycles(file, "plans")
+    assert (np.diff(cycles.time) == pytest.approx(1e-3)) and cycles.time[0] == pytest.approx(1e-3)
+    assert cycles.time[-1] == pytest.approx(state.time)
+    np.testing.assert_allclose(cycles.columns["position"][-1], state.joint_positions, atol=1e-5)
+    np.testing.assert_allclose(cycles.columns["base_position"][-1], state.base_position, atol=1e-6)
+    np.testing.assert_allclose(plans.columns["setpoint"][-1], state.setpoint_positions, atol=1e-5)
+    assert cycles.described["position"].unit == "rad"
+    assert cycles.described["position"].labels == session.engine.robot.joint_names
+
+
+def test_batches_follow_each_other(record: Maker, file: Path) -> None:
+    with record() as recorder:
+        for tick in range(120):
+            recorder.sample(make_state(0.02 * tick), {}, {})
+            recorder.cycles(some(4 * tick, 4, LAYOUT.plan.width), some(20 * tick, 20, LAYOUT.cycle.width))
+    assert read_cycles(file).columns["servo"][:, 0].tolist() == list(range(2400))
+    assert read_cycles(file, "plans").columns["plan"][:, 0].tolist() == list(range(480))
+
+
+def test_tables_are_read_until_nobody_writes_them(record: Maker, file: Path, tmp_path: Path) -> None:
+    paths = tmp_path / "plans", tmp_path / "cycles"
+    LAYOUT.create(*paths)
+    writers = [TableWriter.open(path) for path in paths]
+    with record() as recorder:
+        recorder.follow(*paths)
+        for writer, row in zip(writers, (LAYOUT.plan, LAYOUT.cycle), strict=True):
+            for number in range(300):
+                writer.rows[number % len(writer.rows)] = some(number, 1, row.width)
+                writer.publish()
+            writer.close()
+    assert read_cycles(file).columns["servo"][:, 0].tolist() == list(range(300))
+    assert read_cycles(file, "plans").columns["plan"][:, 0].tolist() == list(range(300))
+
+
+def test_a_file_without_them_is_answered(tmp_path: Path) -> None:
+    other = tmp_path / "other.rrd"
+    with rr.RecordingStream("other") as stream:
+        stream.save(other)
+        stream.log("text", rr.TextLog("hello"))
+    with pytest.raises(UserError, match="has no servo cycles"):
+        read_cycles(other)
+    damaged = tmp_path / "damaged.rrd"
+    damaged.write_bytes(b"no recording")
+    for path in (damaged, tmp_path / "missing.rrd"):
+        with pytest.raises(UserError, match="no recording that can be read"):
+            read_cycles(path)
