@@ -18,6 +18,7 @@ from humanoid_bt.tree.tree import Tree
 
 Mode = Literal["lockstep", "realtime"]
 
+_LONGEST_NAME = 150  # bytes of a tree's name in the name of a file, which has 255
 RUNS = Path("runs")
 """Folder of recordings below the working directory; made when it is needed."""
 
@@ -214,6 +215,7 @@ def default_recording(tree: str | Tree) -> Path:
     """Return where a run is recorded by default: a file in :data:`RUNS` that is not there yet."""
     stamp = time.strftime("%Y%m%d-%H%M%S")
     name = tree.name if isinstance(tree, Tree) else Path(tree).stem
+    name = os.fsencode(name)[:_LONGEST_NAME].decode(errors="ignore")
     path = RUNS / f"{name}-{stamp}.rrd"
     number = 2
     while path.exists():
