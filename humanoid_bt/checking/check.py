@@ -10,8 +10,8 @@ from typing import Any
 
 from humanoid_bt.checking import allow
 from humanoid_bt.checking.robot import robot_problems
-from humanoid_bt.core.errors import Place, Problem, UserError, nearest, relative
-from humanoid_bt.files.document import read_text
+from humanoid_bt.core.errors import Place, Problem, UserError, nearest, relative, resolved
+from humanoid_bt.files.reading import is_file, is_folder, read_text
 from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.plant.scene_config import load_scene
 from humanoid_bt.tree.nodes.registry import Registry
@@ -143,20 +143,20 @@ def _given(text: str, given: Workspace, root: Workspace | None) -> dict[Path, Wo
         UserError: there are none.
     """
     path = Path(text)
-    if path.is_dir():
+    if is_folder(path):
         inside = _files_in(path)
         if not inside:
             hint = "trees, scenes and robots end in .yaml"
             raise UserError(f"nothing to check in {text!r}", Place(text), hint, code="no-file")
-        return {file.resolve(): _workspace(file, str(file), root) for file in inside}
-    file = path if path.suffix == ".py" and path.is_file() else _named(text, given)
-    return {file.resolve(): _workspace(file, text, root)}
+        return {resolved(file): _workspace(file, str(file), root) for file in inside}
+    file = path if path.suffix == ".py" and is_file(path) else _named(text, given)
+    return {resolved(file): _workspace(file, text, root)}
 
 
 def _workspace(file: Path, text: str, root: Workspace | None) -> Workspace:
     """Return where a file that was given as ``text`` would run: a skill beside the others of its folder."""
     if file.suffix == ".py" and root is None:
-        return Workspace(file.resolve().parent.parent)
+        return Workspace(resolved(file).parent.parent)
     return Workspace.of_argument(text, root)
 
 
@@ -166,7 +166,7 @@ def _named(text: str, workspace: Workspace) -> Path:
     known = {**skills, **workspace.robots(), **workspace.scenes(), **workspace.trees()}
     if text in known:
         return known[text]
-    if Path(text).is_file():
+    if is_file(Path(text)):
         return Path(text)
     hint = nearest(Path(text).stem, known)
     raise UserError(f"no file and no tree, scene, robot or skill named {text!r}", Place(text), hint, code="no-file")
@@ -176,6 +176,6 @@ def _files_in(folder: Path) -> list[Path]:
     """Return the files of a workspace, or all YAML and skill files of any other folder."""
     parts = [part for part in (folder / "skills", folder / "trees", folder / "sim") if part.is_dir()]
     found = [path for part in parts or [folder] for path in sorted(part.rglob("*.yaml"))]
-    skill_folders = [folder] if folder.resolve().name == "skills" else [folder / "skills"]
+    skill_folders = [folder] if resolved(folder).name == "skills" else [folder / "skills"]
     skills = [path for part in skill_folders for path in sorted(part.glob("*.py")) if not path.name.startswith("_")]
     return [*skills, *found]

@@ -13,7 +13,7 @@ from humanoid_bt.cli.output import hanging, width
 from humanoid_bt.cli.wording import INDENT, headline
 from humanoid_bt.core.errors import Place, Problem, UserError
 from humanoid_bt.core.texts import printable
-from humanoid_bt.files.document import read_text
+from humanoid_bt.files.reading import read_text
 
 _COLORS = {"error": "bold red", "warning": "bold yellow"}
 _LEAST = 20  # columns of a file's line that are shown in any case

@@ -9,10 +9,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from humanoid_bt.cli.findings import print_findings
-from humanoid_bt.core.errors import Place, UserError, nearest, relative
+from humanoid_bt.core.errors import Place, UserError, nearest, relative, resolved
 from humanoid_bt.core.texts import one_line
-from humanoid_bt.files.document import read_text
 from humanoid_bt.files.formatting import formatted
+from humanoid_bt.files.reading import is_file, is_folder, read_bytes, read_text
 from humanoid_bt.files.whole import write_whole
 from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.session.report import ExitCode
@@ -60,19 +60,19 @@ def _files(arguments: argparse.Namespace) -> list[Path]:
             )
     else:
         found = [file for text in arguments.paths for file in _given(text, workspace)]
-    return list(dict.fromkeys(path.resolve() for path in found))
+    return list(dict.fromkeys(resolved(path) for path in found))
 
 
 def _given(text: str, workspace: Workspace) -> list[Path]:
     """Return the files of one argument: a folder, a file, or a name."""
     path = Path(text)
-    if path.is_dir():
+    if is_folder(path):
         parts = [part for part in (path / "trees", path / "sim") if part.is_dir()]
         found = [file for part in parts or [path] for file in sorted(part.rglob("*.yaml"))]
         if not found:
             raise UserError(f"nothing to format in {text!r}", hint="trees, scenes and robots end in .yaml")
         return found
-    if path.is_file():
+    if is_file(path):
         if path.suffix not in {".yaml", ".yml"}:
             raise UserError(f"{text!r} is no YAML file", hint="trees, scenes and robots end in .yaml")
         return [path]
@@ -104,7 +104,7 @@ def _read(path: Path) -> _File:
         UserError: it cannot be read or formatted.
     """
     text = read_text(path)
-    before = path.read_bytes()
+    before = read_bytes(path)
     after = formatted(text, relative(path))
     if before.partition(b"\n")[0].endswith(b"\r"):
         after = after.replace("\n", "\r\n")

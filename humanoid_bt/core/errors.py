@@ -127,6 +127,14 @@ def also_at(places: Sequence[Place]) -> str:
 def relative(path: Path) -> str:
     """Return a path as people read it: relative to the working directory where it lies below it."""
     try:
-        return str(path.resolve().relative_to(Path.cwd()))
+        return str(resolved(path).relative_to(Path.cwd()))
     except (ValueError, OSError):
         return str(path)
+
+
+def resolved(path: Path) -> Path:
+    """Return an absolute path without links; as it is where these lead in a circle, or nobody can follow it."""
+    try:
+        return path.resolve()
+    except (RuntimeError, OSError, ValueError):
+        return path.absolute()

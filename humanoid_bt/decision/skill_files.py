@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import hashlib
 import inspect
+import os
 import re
 import sys
 import traceback
@@ -20,12 +21,12 @@ from py_trees.behaviour import Behaviour
 from py_trees.behaviours import Dummy
 
 from humanoid_bt.core.ctrl_c import is_ctrl_c
-from humanoid_bt.core.errors import Place, Problem, UserError, nearest, relative
+from humanoid_bt.core.errors import Place, Problem, UserError, nearest, relative, resolved
 from humanoid_bt.core.messages import RESOURCES
 from humanoid_bt.core.params import params_of
 from humanoid_bt.decision.result import declared_results
 from humanoid_bt.decision.skill import Skill, node_type_name
-from humanoid_bt.files.document import read_text
+from humanoid_bt.files.reading import read_text
 from humanoid_bt.files.workspace import Workspace
 
 _SOURCE = "__humanoid_bt_source__"
@@ -105,9 +106,9 @@ def place_in_file(error: BaseException, file: Path) -> Place | None:
 
 
 def _module(path: Path) -> ModuleType:
-    path = path.resolve()
     source = read_text(path)
-    name = f"_humanoid_bt_skill_{hashlib.sha256(str(path).encode()).hexdigest()[:16]}_{path.stem}"
+    path = resolved(path)
+    name = f"_humanoid_bt_skill_{hashlib.sha256(os.fsencode(path)).hexdigest()[:16]}_{path.stem}"
     known = sys.modules.get(name)
     if known is not None and getattr(known, _SOURCE, None) == source:
         return known

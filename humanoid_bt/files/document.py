@@ -14,6 +14,7 @@ import yaml
 
 from humanoid_bt.core.errors import Place, Problem, UserError, relative
 from humanoid_bt.core.items import Item
+from humanoid_bt.files.reading import read_text
 from humanoid_bt.files.slips import slip
 
 MAX_ITEMS = 100_000
@@ -26,22 +27,6 @@ _WHOLE, _FRACTION = re.compile(r"[-+]?\d+"), re.compile(r"\d+( *[A-Za-z/]+)?")
 _TAG = "tag:yaml.org,2002:"
 _CONSTRUCTED = {_TAG + name for name in ("null", "bool", "int", "float")}
 _TEXT = {_TAG + name for name in ("str", "timestamp", "value", "merge")}  # a date or a lone "=" is text here
-
-
-def read_text(path: Path) -> str:
-    """Return a file's text.
-
-    Raises:
-        UserError: the file cannot be read or is not UTF-8.
-    """
-    try:
-        return path.read_text(encoding="utf-8")
-    except UnicodeDecodeError as error:
-        before = error.object[: error.start].decode("utf-8")
-        place = Place(relative(path), before.count("\n") + 1, len(before) - before.rfind("\n"))
-        raise UserError("the file is not UTF-8 text", place, code="unreadable") from error
-    except OSError as error:
-        raise UserError(f"cannot be read: {error.strerror}", Place(relative(path)), code="unreadable") from error
 
 
 def load(path: Path) -> Item:

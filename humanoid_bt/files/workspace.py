@@ -9,7 +9,8 @@ from os import PathLike
 from pathlib import Path
 from typing import Literal
 
-from humanoid_bt.core.errors import UserError, nearest, relative
+from humanoid_bt.core.errors import UserError, nearest, relative, resolved
+from humanoid_bt.files.reading import is_file, is_folder
 
 _PACKAGE = Path(__file__).resolve().parents[1]
 _TREES, _SCENES, _ROBOTS, _SKILLS = "trees/*.yaml", "sim/scenes/*.yaml", "sim/*/robot.yaml", "skills/*.py"
@@ -49,8 +50,8 @@ class Workspace:
         if root is not None and not isinstance(root, (str, PathLike)):
             message, hint = f"a workspace is a folder, not {root!r}", "valid: its path, as text or a Path"
             raise UserError(message, hint=hint, code="wrong-type")
-        self.root = Path(root or Path.cwd()).resolve()
-        if not self.root.is_dir():
+        self.root = resolved(Path(root or Path.cwd()))
+        if not is_folder(self.root):
             raise UserError(f"the workspace {relative(self.root)!r} is not a folder", code="no-file")
         self.layers = list(dict.fromkeys((self.root, builtin_root())))
 
@@ -64,7 +65,7 @@ class Workspace:
         It is the folder above its ``trees/``, else its own folder if that has ``skills/`` or ``sim/``, else the
         current one.
         """
-        folder = path.resolve().parent
+        folder = resolved(path).parent
         for parent in (folder, *folder.parents):
             if parent.name == "trees":
                 return cls(parent.parent)
@@ -84,7 +85,7 @@ class Workspace:
         if root is not None:
             return root if isinstance(root, Workspace) else cls(root)
         path = Path(tree)
-        return cls.of_tree(path) if path.is_file() else cls()
+        return cls.of_tree(path) if is_file(path) else cls()
 
     def trees(self) -> dict[str, Path]:
         """Return every tree file by name."""
@@ -125,7 +126,7 @@ class Workspace:
     def find_robot(self, name: str) -> Path:
         """Return a robot's ``robot.yaml`` from its name, folder or path; raises as :meth:`find_tree`."""
         path = Path(name)
-        if path.is_dir() and (path / "robot.yaml").is_file():
+        if is_folder(path) and is_file(path / "robot.yaml"):
             return path / "robot.yaml"
         return self._find(name, self.robots(), "robot", "folder or robot.yaml")
 
@@ -139,10 +140,10 @@ class Workspace:
         if name in known:
             return known[name]
         path = Path(name)
-        if path.is_dir():
+        if is_folder(path):
             raise UserError(f"{name!r} is a folder, not a {what}", hint=nearest(name, known), code=f"unknown-{what}")
         if path.suffix in {".yaml", ".yml"} or "/" in name:
-            if path.is_file():
+            if is_file(path):
                 return path
             raise UserError(f"no {what} {kind} {name!r}", hint=nearest(path.stem, known), code=f"unknown-{what}")
         raise UserError(f"no {what} named {name!r}", hint=nearest(name, known), code=f"unknown-{what}")

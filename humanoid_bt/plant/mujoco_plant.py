@@ -8,7 +8,7 @@ import mujoco
 import numpy as np
 
 from humanoid_bt.core.clock import SERVO_PERIOD
-from humanoid_bt.core.errors import Place, UserError, nearest, relative
+from humanoid_bt.core.errors import ControlLost, Place, UserError, nearest, relative
 from humanoid_bt.core.messages import SIDES, Array, JointCommand, Measurement
 from humanoid_bt.plant.scene import Scene
 from humanoid_bt.robot.model import BASE_COORDINATES, BASE_DOFS, RobotModel, foot_sensor
@@ -69,6 +69,9 @@ class MujocoPlant:
 
         Args:
             qpos: standing posture with the middle between the feet at the origin, heading along x, shape (7 + nj,).
+
+        Raises:
+            UserError: physics cannot begin there.
         """
         x, y, heading = self.scene.start_pose
         mujoco.mj_resetData(self.model, self.data)
@@ -84,7 +87,10 @@ class MujocoPlant:
         self.external_force_max = 0.0
         self.cycle = 0
         self.move_objects()
-        mujoco.mj_forward(self.model, self.data)
+        try:
+            mujoco.mj_forward(self.model, self.data)
+        except mujoco.FatalError as error:
+            raise UserError(_gives_up(error), Place(relative(self.scene.config.path)), code="model") from error
 
     def measure(self) -> Measurement:
         """Return what the robot's sensors say now."""
@@ -98,12 +104,19 @@ class MujocoPlant:
         )
 
     def step(self, command: JointCommand) -> None:
-        """Drive the joints for one servo period."""
+        """Drive the joints for one servo period.
+
+        Raises:
+            ControlLost: physics cannot go on.
+        """
         if command is not self._command:
             self._take(command)
         if self._pushes:
             self._apply_pushes()
-        mujoco.mj_step(self.model, self.data)
+        try:
+            mujoco.mj_step(self.model, self.data)
+        except mujoco.FatalError as error:
+            raise ControlLost(_gives_up(error)) from error
         self.cycle += 1
 
     def _take(self, command: JointCommand) -> None:
@@ -148,3 +161,9 @@ class MujocoPlant:
         """Look at every external force that MuJoCo applies now and remember the largest."""
         largest = max(float(np.abs(self.data.xfrc_applied).max()), float(np.abs(self.data.qfrc_applied).max()))
         self.external_force_max = max(self.external_force_max, largest)
+
+
+def _gives_up(error: Exception) -> str:
+    """Return that physics gave up, which it does when too much touches at once."""
+    why = " ".join(str(error).split())
+    return f"the simulated physics gave up, most likely because too many solid things touch at once: {why}"

@@ -20,6 +20,10 @@ Color = Literal["red", "orange", "yellow", "green", "blue", "purple", "white", "
 ACTIONS = ("hide", "show", "move")
 """What an event can be."""
 
+MAX_THINGS = 1000
+"""Most objects, and most percepts, of a scene."""
+
+_LONGEST_NAME = 200  # characters
 _SIZES: dict[Shape, str] = {
     "ball": "[diameter]",
     "box": "[length, width, height]",
@@ -157,7 +161,7 @@ def load_scene(path: Path) -> SceneConfig:
         config = read(SceneConfig, item, "the scene")
     except UserError as error:
         problems += error.problems
-    problems += _unknown_objects(item)
+    problems += [*_unknown_objects(item), *_bad_names(item)]
     if config is None or problems:
         raise UserError(problems)
     return dataclasses.replace(config, path=path)
@@ -179,6 +183,21 @@ def _unknown_objects(item: Item) -> Iterator[Problem]:
     for event in events.value if events is not None and isinstance(events.value, list) else ():
         for action in ACTIONS:
             yield from _no_object(_mapping(event).get(action), objects)
+
+
+def _bad_names(item: Item) -> Iterator[Problem]:
+    """Return what cannot be a name, and what there is too much of."""
+    parts = item.value if isinstance(item.value, dict) else {}
+    for what in ("objects", "percepts"):
+        things = _mapping(parts.get(what))
+        for name in things:
+            if not name.strip() or not name.isprintable() or len(name) > _LONGEST_NAME:
+                hint = f"one line of text, of at most {_LONGEST_NAME} characters"
+                shown = name if len(name) <= _LONGEST_NAME else f"{name[:20]}..."
+                yield Problem(f"{shown!r} cannot be a name", parts[what].key_places[name], hint, code="bad-name")
+        if len(things) > MAX_THINGS:
+            message = f"this scene has {len(things):,} {what}, and simulation copes with {MAX_THINGS:,}"
+            yield Problem(message, parts[what].place, "leave out what the robot does not come near", "too-large")
 
 
 def _written(item: Item, keys: Iterable[str]) -> list[str]:

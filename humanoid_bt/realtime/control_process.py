@@ -20,7 +20,7 @@ from humanoid_bt.control.controller import Controller
 from humanoid_bt.control.cycle_log import CycleLog, Layout
 from humanoid_bt.control.supervisor import Stop
 from humanoid_bt.core.clock import DECISION_PERIOD, SERVO_PERIOD, WHOLE_BODY_PERIOD, cycles
-from humanoid_bt.core.errors import UserError
+from humanoid_bt.core.errors import ControlLost, UserError
 from humanoid_bt.core.messages import Gait, Mode
 from humanoid_bt.link.run_folder import RunFolder
 from humanoid_bt.link.table import TableWriter
@@ -33,6 +33,7 @@ from humanoid_bt.realtime.channels import ABANDONED, RunSpec
 from humanoid_bt.realtime.estop_follower import EStopFollower
 from humanoid_bt.realtime.schedule import Schedule, claim
 from humanoid_bt.realtime.timing import StopRecord, Stopwatch, Wake
+from humanoid_bt.robot import mujoco_warnings
 
 _STALL = 10  # servo cycles skipped in a row after which the others are forgiven a silence, because it was our own
 _TIMING_PERIOD = 200  # servo cycles between two reports of the timing
@@ -144,6 +145,8 @@ class ControlProcess:
             for text in supervisor.rejected:
                 self._refusals.write(text.encode(errors="backslashreplace")[:1000])
             supervisor.rejected.clear()
+        for text in mujoco_warnings.taken():
+            self._tell("warning", text)
         if cycle % _TIMING_PERIOD == 3:
             self._timings.write(stopwatch.timing.to_bytes())
         lives = self._orphaned_at is None and self._leaving_since is None
@@ -220,7 +223,7 @@ def main() -> int:
     quit_flag, parent = channels.quit_flag(folder), RunSpec.read(folder).parent
     try:
         ControlProcess(folder).run()
-    except UserError as error:
+    except (UserError, ControlLost) as error:
         sys.stderr.write(f"error: {error}\n")
         return 2
     finally:

@@ -14,6 +14,9 @@ from humanoid_bt.core.messages import RESOURCES, SIDES
 from humanoid_bt.core.params import param
 from humanoid_bt.core.reading import read
 from humanoid_bt.files import document
+from humanoid_bt.files.reading import is_file, read_bytes
+
+_MAX_MODEL = 20_000_000  # bytes of an MJCF file, without its meshes
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -256,6 +259,14 @@ def _mistakes(item: Item, folder: Path) -> Iterator[Problem]:
             hint = f"{', '.join(missing)} is missing" if missing else "left and right, and no other"
             yield Problem(f"{what!r} must have the keys left and right", sides.place, hint, code="missing-key")
     model = parts.get("model")
-    if model is not None and isinstance(model.value, str) and not (folder / model.value).is_file():
-        hint = f"looked for {relative(folder / model.value)}"
+    if model is None or not isinstance(model.value, str):
+        return
+    file = folder / model.value
+    if not is_file(file):
+        hint = f"looked for {relative(file)}"
         yield Problem(f"the model file {model.value!r} is missing", model.place, hint, code="no-file")
+        return
+    try:
+        read_bytes(file, _MAX_MODEL)  # MuJoCo would wait for a pipe, or read for ever
+    except UserError as error:
+        yield from error.problems

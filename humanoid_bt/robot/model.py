@@ -11,6 +11,7 @@ import numpy as np
 
 from humanoid_bt.core.errors import Place, Problem, UserError, nearest, relative
 from humanoid_bt.core.messages import SIDES, Array
+from humanoid_bt.robot import mujoco_warnings
 from humanoid_bt.robot.config import RobotConfig, SiteConfig
 
 BASE_DOFS = 6
@@ -68,6 +69,7 @@ class RobotModel:
     """
 
     def __init__(self, config: RobotConfig) -> None:
+        mujoco_warnings.hear()
         self.config = config
         self.model = _compile(self.spec(), config)
         model = self.model

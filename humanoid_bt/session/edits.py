@@ -12,7 +12,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol
 
-from humanoid_bt.core.errors import Problem, UserError, relative
+from humanoid_bt.core.errors import Problem, UserError, relative, resolved
+from humanoid_bt.files.reading import read_bytes
 from humanoid_bt.session.loader import TreeLoader, used_files
 from humanoid_bt.tree.ticking.executor import Executor, NodeError
 from humanoid_bt.tree.tree import Tree
@@ -98,8 +99,8 @@ class Edits:
         """Return what every file holds; a missing one is not there."""
         found: dict[Path, bytes] = {}
         for path in self._loader.files(self._tree):
-            with contextlib.suppress(OSError):
-                found[path.resolve()] = path.read_bytes()
+            with contextlib.suppress(UserError):
+                found[resolved(path)] = read_bytes(path)
         return found
 
 

@@ -9,7 +9,7 @@ from weakref import WeakSet
 from py_trees.behaviour import Behaviour
 
 from humanoid_bt.checking.check import load_checked
-from humanoid_bt.core.errors import Place, Problem, UserError, relative
+from humanoid_bt.core.errors import Place, Problem, UserError, relative, resolved
 from humanoid_bt.decision.skill_files import class_file
 from humanoid_bt.files import document
 from humanoid_bt.files.workspace import Workspace
@@ -133,4 +133,4 @@ def _not_alone(tree: Tree) -> UserError:
 def used_files(tree: Tree) -> set[Path]:
     """Return the files that a tree is made of: tree files, and those of its skills."""
     skills = (class_file(node.type.cls) for node in tree.nodes if node.kind == "skill")
-    return {path.resolve() for path in (*tree.files, *skills) if path is not None}
+    return {resolved(path) for path in (*tree.files, *skills) if path is not None}

@@ -27,6 +27,7 @@ from humanoid_bt.perception.source import PerceptSource
 from humanoid_bt.plant.mujoco_plant import MujocoPlant
 from humanoid_bt.plant.scene import Scene
 from humanoid_bt.realtime.lockstep_link import LockstepLink
+from humanoid_bt.robot import mujoco_warnings
 from humanoid_bt.robot.model import RobotModel
 from humanoid_bt.tree.tree import Tree
 
@@ -184,6 +185,8 @@ class Lockstep:
             self.controller.run_cycle()
             self.clock.advance()
         self.plant.note_external_force()
+        for text in mujoco_warnings.taken():
+            self._note("warning", text)
 
     def _reset(self, source: str) -> None:
         """Reset a latched stop, with what other terminals raised."""

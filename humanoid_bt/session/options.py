@@ -18,6 +18,7 @@ from humanoid_bt.tree.tree import Tree
 
 Mode = Literal["lockstep", "realtime"]
 
+_LONGEST_NAME = 150  # bytes of a tree's name in the name of a file, which has 255
 RUNS = Path("runs")
 """Folder of recordings below the working directory; made when it is needed."""
 
@@ -221,6 +222,7 @@ class _Judge:
 def default_recording(tree: str | Tree) -> Path:
     """Return where a run is recorded by default."""
     name = tree.name if isinstance(tree, Tree) else Path(tree).stem
+    name = os.fsencode(name)[:_LONGEST_NAME].decode(errors="ignore")
     return RUNS / f"{name}-{time.strftime('%Y%m%d-%H%M%S')}.rrd"
 
 

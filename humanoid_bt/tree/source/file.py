@@ -13,6 +13,7 @@ from humanoid_bt.core.items import Item
 from humanoid_bt.core.params import param, params_of
 from humanoid_bt.core.reading import read_values
 from humanoid_bt.files import document
+from humanoid_bt.files.reading import read_text
 from humanoid_bt.tree.node_type import NODE_KEYS
 from humanoid_bt.tree.source.parameters import Argument, Declaration, LongForm, declarations
 from humanoid_bt.tree.write import written
@@ -96,7 +97,7 @@ def read_file(path: Path, problems: list[Problem]) -> TreeFile:
         UserError: it cannot be read as a mapping.
     """
     found: list[Problem] = []
-    source = document.read_text(path)
+    source = read_text(path)
     try:
         item = document.parse(source, relative(path), found)
     except UserError as error:

@@ -8,10 +8,11 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from humanoid_bt.core.errors import Place, Problem, UserError, relative
+from humanoid_bt.core.errors import Place, Problem, UserError, relative, resolved
 from humanoid_bt.core.items import Item
 from humanoid_bt.core.params import Param
 from humanoid_bt.decision.blackboard import Key
+from humanoid_bt.files.reading import is_file
 from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.tree.checks import World, check
 from humanoid_bt.tree.draft import Draft
@@ -208,7 +209,7 @@ class Loader:
         """Return the file of a sub-tree: beside the file that uses it if it is a path, else by its name."""
         name: str = item.value
         beside = Path(item.place.file).parent / name
-        if ("/" in name or name.endswith((".yaml", ".yml"))) and beside.is_file():
+        if ("/" in name or name.endswith((".yaml", ".yml"))) and is_file(beside):
             return beside
         try:
             return self._workspace.find_tree(name)
@@ -234,7 +235,7 @@ class Loader:
         Raises:
             UserError: it cannot be read as a mapping.
         """
-        key = path.resolve()
+        key = resolved(path)
         if key not in self._files:
             self._files[key] = read_file(path, self.problems)
         return self._files[key]
