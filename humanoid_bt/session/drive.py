@@ -73,7 +73,6 @@ class Drive:
         self.loop = Loop(self.engine, self.runner, self._teller, self._pace, self.ticks)
         self._ending = Ending(self.engine, self.runner, self._teller, self._pace, self.ticks)
         self._stack: ExitStack | None = None
-        self._began_at = 0.0
         self._tracks: Mapping[str, Track] | None = None
         self._asked = False  # somebody ends the run
         self.begun = False
@@ -117,7 +116,6 @@ class Drive:
             stack.enter_context(self.ticks)
             stack.callback(self.engine.close)
             self.engine.start()
-            self._began_at = time.monotonic()
             self._teller.begin()
             if self._watch is not None:
                 self.loop.reloader = Reloader(stack.enter_context(self._watch), self.runner, self._teller)
@@ -160,8 +158,8 @@ class Drive:
             moved = self.loop.state is not None
             self.leave("unfinished", "the session was left while the tree was running")
             assert self.end is not None
+            wall_time = time.monotonic() - self.loop.began_at if moved else 0.0
             insists = self._stand(self.end, moved)
-            wall_time = time.monotonic() - self._began_at
         now = self.engine.clock.now()
         if problem := cut_short(self._options.sinks.file):
             self._listener.event(now, "error", problem)
@@ -172,7 +170,7 @@ class Drive:
             trace=self._teller.trace,
             tracks=self.tracks,
             options=self._options,
-            sim_time=now if self._ending.began is None else self._ending.began,
+            sim_time=(now if self._ending.began is None else self._ending.began) - self.loop.began,
             wall_time=wall_time,
             slow_ticks=self.ticks.to_dict(),
         )
