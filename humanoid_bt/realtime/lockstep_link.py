@@ -27,7 +27,7 @@ class LockstepLink:
     """
 
     def __init__(self, info: RunInfo, supervisor: Supervisor, tell: Tell) -> None:
-        clean_stale(lockstep_root())
+        clean_stale()
         self._folder = folder = RunFolder.create(info, lockstep_root())
         channels.create_lockstep_channels(folder)
         self._teller = TreeTeller(folder)
