@@ -105,14 +105,16 @@ class Subject:
 
     def _spawn(self, role: str, module: str, *arguments: str) -> None:
         assert self._folder is not None
-        process = subprocess.Popen(
-            [sys.executable, "-P", "-m", module, *arguments, str(self._folder.folder)],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            text=True,
-            env={**os.environ, "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"},
-            start_new_session=True,
-        )
+        with self._folder.life(role) as life:
+            process = subprocess.Popen(
+                [sys.executable, "-P", "-m", module, *arguments, str(self._folder.folder)],
+                stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE,
+                text=True,
+                env={**os.environ, "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"},
+                pass_fds=(life,),
+                start_new_session=True,
+            )
         self._processes[role] = process
         self._folder.register(role, process.pid)
 

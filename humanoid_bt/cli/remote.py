@@ -17,7 +17,7 @@ from humanoid_bt.cli.runs import found_runs, one_run
 from humanoid_bt.cli.source import source
 from humanoid_bt.core.texts import one_line
 from humanoid_bt.link.estop import EStop, ResetAnswer
-from humanoid_bt.link.run_folder import all_runs
+from humanoid_bt.link.run_folder import all_runs, clean_stale
 from humanoid_bt.realtime import channels
 from humanoid_bt.session.report import ExitCode
 
@@ -70,6 +70,7 @@ def _answer(channel: EStop, ticket: int) -> ResetAnswer | None:
 
 def status(arguments: argparse.Namespace) -> int:
     """Print how every running robot is doing, or the one that is named; return the exit code."""
+    clean_stale()
     runs = all_runs() if arguments.json and arguments.run is None else found_runs(arguments.run)
     from humanoid_bt.realtime.status import status_of
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import fcntl
+import glob
 import json
 import logging
 import os
@@ -18,7 +19,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
 
-from humanoid_bt.link.processes import ProcessIdentity, current
+from humanoid_bt.link import life
 from humanoid_bt.link.segment import LinkError, check_private
 
 _META = "run.json"
@@ -26,8 +27,16 @@ _LOCK = ".lock"
 _SHARED_MEMORY = Path("/dev/shm")
 _CLOSED = ".closed-"
 _OWNER = "owner"
+_LIFE = ".life-"
+_FORMAT = 2  # of the meta file; runs of another version of this program are left alone
+
+_BESIDE = "."  # between a root's name and what is random of the name of a folder that takes its place
 
 _log = logging.getLogger(__name__)
+
+
+class OtherVersionError(LinkError):
+    """A run is one of another version of this program."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,24 +47,26 @@ class RunInfo:
         tree, robot: what runs on what.
         run_id: the folder's name; given by :meth:`RunFolder.create`.
         started: wall-clock time, seconds since the epoch; given by :meth:`RunFolder.create`.
-        processes: role -> process; ``owner`` made the folder.
+        processes: role -> process id, where the process is; ``owner`` made the folder.
+        living: the roles whose processes lived when this was read.
     """
 
     tree: str
     robot: str
     run_id: str = ""
     started: float = 0.0
-    processes: Mapping[str, ProcessIdentity] = field(default_factory=dict)
+    processes: Mapping[str, int] = field(default_factory=dict)
+    living: frozenset[str] = frozenset()
 
     @property
     def alive(self) -> bool:
         """Whether any of its processes lives: control goes on balancing, and can be stopped, without the owner."""
-        return any(process.alive for process in self.processes.values())
+        return bool(self.living)
 
     @property
     def owner_alive(self) -> bool:
         """Whether the process that made the folder lives."""
-        return _OWNER in self.processes and self.processes[_OWNER].alive
+        return _OWNER in self.living
 
 
 class RunFolder:
@@ -67,6 +78,7 @@ class RunFolder:
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
+        self._life: int | None = None  # the owner's
 
     @classmethod
     def create(cls, info: RunInfo, root: Path | None = None) -> Self:
@@ -79,19 +91,19 @@ class RunFolder:
         Raises:
             LinkError: it cannot be made, or the root is not safe.
         """
-        root = root or default_root()
-        _make_private(root)
+        home = _home(root or default_root())
         started = time.time()
         stamp = time.strftime("%Y%m%d-%H%M%S", time.gmtime(started))
         run_id = f"{stamp}-{secrets.token_hex(4)}"
-        with _locked(root):
-            folder = root / run_id
+        with _locked(home):
+            run = cls(home / run_id)
             try:
-                folder.mkdir(mode=0o700)
-                _write_meta(folder, replace(info, run_id=run_id, started=started, processes={_OWNER: current()}))
+                run.folder.mkdir(mode=0o700)
+                run._life = life.begin(run.folder / f"{_LIFE}{_OWNER}")
+                _write_meta(run.folder, replace(info, run_id=run_id, started=started, processes={_OWNER: os.getpid()}))
             except OSError as error:
-                raise LinkError(f"{folder} cannot be made: {error.strerror}") from error
-        return cls(folder)
+                raise LinkError(f"{run.folder} cannot be made: {error.strerror}") from error
+        return run
 
     @classmethod
     def open(cls, folder: Path) -> Self:
@@ -114,16 +126,31 @@ class RunFolder:
         """
         return _read_meta(self.folder)
 
-    def register(self, role: str, pid: int | None = None) -> None:
-        """Note a process of this run, this one if no other is given; the run is alive while one of them is.
+    @contextlib.contextmanager
+    def life(self, role: str) -> Iterator[int]:
+        """Yield a descriptor to be passed to a process of this run: the run is alive while one of them has its own.
+
+        Raises:
+            LinkError: the run is closed, or there is no room.
+        """
+        try:
+            descriptor = life.begin(self.folder / f"{_LIFE}{role}")
+        except OSError as error:
+            raise LinkError(f"{self.folder} cannot be written: {error.strerror}") from error
+        try:
+            yield descriptor
+        finally:
+            life.end(descriptor)
+
+    def register(self, role: str, pid: int) -> None:
+        """Note a process of this run, for people.
 
         Raises:
             LinkError: the run is closed.
         """
-        identity = current() if pid is None else ProcessIdentity.of(pid)
         with _locked(self.folder.parent):
             info = self.info
-            _write_meta(self.folder, replace(info, processes={**info.processes, role: identity}))
+            _write_meta(self.folder, replace(info, processes={**info.processes, role: pid}))
 
     def path(self, name: str) -> Path:
         """Return where a file of this run is.
@@ -135,9 +162,16 @@ class RunFolder:
             raise ValueError(f"{name!r} is no file name in the folder of a run")
         return self.folder / name
 
+    def leave(self) -> None:
+        """Count as dead from now on, and leave the folder to the run's other processes. For the owner."""
+        descriptor, self._life = self._life, None
+        if descriptor is not None:
+            life.end(descriptor)
+
     def close(self) -> None:
-        """Remove the folder and everything in it; what is mapped stays usable. For the owner."""
+        """Remove the folder and everything in it; what is mapped stays usable. For who ends last."""
         _remove(self.folder)
+        self.leave()
 
     def __enter__(self) -> Self:
         return self
@@ -163,7 +197,7 @@ def lockstep_root() -> Path:
 
 def in_lockstep(folder: RunFolder) -> bool:
     """Return whether a run is one in lockstep."""
-    return folder.folder.parent == lockstep_root()
+    return folder.folder.parent.name.partition(_BESIDE)[0] == lockstep_root().name
 
 
 def all_runs() -> list[tuple[RunFolder, RunInfo]]:
@@ -181,14 +215,15 @@ def all_folders(problems: list[str]) -> list[RunFolder]:
     """
     folders: list[RunFolder] = []
     for root in (default_root(), lockstep_root()):
-        try:
-            found = sorted(path for path in root.iterdir() if path.is_dir() and not path.is_symlink())
-        except FileNotFoundError:
-            continue
-        except OSError as error:
-            problems.append(f"{root} cannot be read: {error.strerror}")
-            continue
-        folders += [RunFolder(path) for path in found if not path.name.startswith(".")]
+        for home in (root, *_beside(root)):
+            try:
+                found = [] if _of_another(home) else sorted(path for path in home.iterdir() if not path.is_symlink())
+            except FileNotFoundError:
+                continue
+            except OSError as error:
+                problems.append(f"{home} cannot be read: {error.strerror}")
+                continue
+            folders += [RunFolder(path) for path in found if path.is_dir() and not path.name.startswith(".")]
     return folders
 
 
@@ -199,7 +234,7 @@ def live_runs(root: Path | None = None) -> list[tuple[RunFolder, RunInfo]]:
         LinkError: the root is not safe.
     """
     runs = []
-    for folder in _folders(root or default_root()):
+    for folder in (folder for home in _homes(root or default_root()) for folder in _folders(home)):
         with contextlib.suppress(LinkError):  # closed in this moment, or not one of ours
             _check_folder(folder)
             info = _read_meta(folder)
@@ -213,25 +248,32 @@ def clean_stale(root: Path | None = None) -> list[str]:
 
     A folder without a readable meta file is left alone unless its meta file was never written.
 
+    Args:
+        root: where runs live; if not given, where those of either mode do.
+
     Raises:
         LinkError: the root is not safe.
     """
-    root = root or default_root()
+    roots = [default_root(), lockstep_root()] if root is None else [root]
+    return [name for root in roots for home in _homes(root) for name in _clean(home)]
+
+
+def _clean(home: Path) -> list[str]:
     removed: list[str] = []
-    _folders(root)  # refuses a root that is not safe before anything is written there
-    if not root.exists():
-        return removed
-    with _locked(root):  # so that a folder without a meta file is not one that is just being made
-        for folder in _folders(root):
+    with _locked(home):  # so that a folder without a meta file is not one that is just being made
+        for folder in _folders(home):
             try:
                 _check_folder(folder)
-                dead = not _begun(folder) or not _read_meta(folder).alive
-            except (LinkError, OSError) as error:
+                finished = (folder / _META).exists()
+                dead = not (_read_meta(folder).living if finished else _living(folder))
+            except OtherVersionError:
+                continue
+            except LinkError as error:
                 _log.warning("left alone: %s", error)
                 continue
             if dead and _remove(folder):
                 removed.append(folder.name)
-        for folder in root.glob(f"{_CLOSED}*"):  # whoever removed it died on the way
+        for folder in home.glob(f"{_CLOSED}*"):  # whoever removed it died on the way
             shutil.rmtree(folder, ignore_errors=True)
     return removed
 
@@ -239,16 +281,51 @@ def clean_stale(root: Path | None = None) -> list[str]:
 # ---- files and folders ----------------------------------------------------------------------------------------------
 
 
-def _folders(root: Path) -> list[Path]:
-    if not root.exists() and not root.is_symlink():
-        return []
+def _homes(root: Path) -> list[Path]:
+    """Return where runs of a root are: there, and in folders that took its place.
+
+    Raises:
+        LinkError: the root is this user's, but others can reach it, or it is a link.
+    """
+    homes = []
+    if (root.exists() or root.is_symlink()) and not _of_another(root):
+        _check_folder(root)
+        homes.append(root)
+    for path in _beside(root):
+        with contextlib.suppress(LinkError):  # another user's, who wants to be found
+            _check_folder(path)
+            homes.append(path)
+    return homes
+
+
+def _beside(root: Path) -> list[Path]:
+    return sorted(root.parent.glob(f"{glob.escape(root.name)}{_BESIDE}*"))
+
+
+def _home(root: Path) -> Path:
+    """Return where a run is made: in the root, or beside it if another user has made that one.
+
+    Nobody but its owner can remove a folder from where everybody may write, so a name that can be told in advance is
+    one that another user can take.
+    """
+    try:
+        with contextlib.suppress(FileExistsError):
+            root.mkdir(mode=0o700)
+        if _of_another(root):
+            homes = _homes(root)
+            return homes[0] if homes else Path(tempfile.mkdtemp(prefix=f"{root.name}{_BESIDE}", dir=root.parent))
+    except OSError as error:
+        raise LinkError(f"{root} cannot be made: {error.strerror}") from error
     _check_folder(root)
-    return sorted(path for path in root.iterdir() if not path.name.startswith("."))
+    return root
 
 
-def _begun(folder: Path) -> bool:
-    """Return whether there was ever a meta file: without it nothing else is put into the folder."""
-    return any(path.name != f".{_META}" for path in folder.iterdir())
+def _of_another(root: Path) -> bool:
+    return root.lstat().st_uid != os.geteuid()
+
+
+def _folders(home: Path) -> list[Path]:
+    return sorted(path for path in home.iterdir() if not path.name.startswith("."))
 
 
 def _remove(folder: Path) -> bool:
@@ -264,16 +341,6 @@ def _remove(folder: Path) -> bool:
         return False
     shutil.rmtree(closed, ignore_errors=True)
     return True
-
-
-def _make_private(folder: Path) -> None:
-    try:
-        folder.mkdir(mode=0o700)
-    except FileExistsError:
-        pass
-    except OSError as error:
-        raise LinkError(f"{folder} cannot be made: {error.strerror}") from error
-    _check_folder(folder)
 
 
 def _check_folder(folder: Path) -> None:
@@ -301,7 +368,8 @@ def _locked(root: Path) -> Iterator[None]:
 
 def _write_meta(folder: Path, info: RunInfo) -> None:
     draft = folder / f".{_META}"
-    draft.write_text(json.dumps({"format": 1, **asdict(info)}, indent=2) + "\n")
+    told = {name: value for name, value in asdict(info).items() if name != "living"}
+    draft.write_text(json.dumps({"format": _FORMAT, **told}, indent=2) + "\n")
     draft.chmod(0o600)
     draft.rename(folder / _META)
 
@@ -310,12 +378,22 @@ def _read_meta(folder: Path) -> RunInfo:
     path = folder / _META
     try:
         meta: dict[str, Any] = json.loads(path.read_text())
-        processes = {
-            str(role): ProcessIdentity(int(process["pid"]), str(process["started"]), str(process["namespace"]))
-            for role, process in meta["processes"].items()
-        }
-        return RunInfo(str(meta["tree"]), str(meta["robot"]), str(meta["run_id"]), float(meta["started"]), processes)
+        if meta["format"] != _FORMAT:
+            raise OtherVersionError(f"the run in {folder} is one of another version of this program")
+        return RunInfo(
+            tree=str(meta["tree"]),
+            robot=str(meta["robot"]),
+            run_id=str(meta["run_id"]),
+            started=float(meta["started"]),
+            processes={str(role): int(pid) for role, pid in meta["processes"].items()},
+            living=_living(folder),
+        )
     except OSError as error:
         raise LinkError(f"there is no run in {folder}: {error.strerror}") from error
     except (ValueError, TypeError, KeyError, AttributeError) as error:
         raise LinkError(f"{path} is malformed: {error!r}") from error
+
+
+def _living(folder: Path) -> frozenset[str]:
+    """Return the roles whose processes live."""
+    return frozenset(path.name.removeprefix(_LIFE) for path in folder.glob(f"{_LIFE}*") if life.lives(path))

@@ -34,13 +34,15 @@ class Children:
         """
         environment = {**os.environ, "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
         try:
-            process = subprocess.Popen(
-                [sys.executable, "-P", "-m", module, str(self._folder.folder)],
-                stdin=subprocess.DEVNULL,
-                stdout=subprocess.DEVNULL,
-                env=environment,
-                start_new_session=True,
-            )
+            with self._folder.life(role) as life:
+                process = subprocess.Popen(
+                    [sys.executable, "-P", "-m", module, str(self._folder.folder)],
+                    stdin=subprocess.DEVNULL,
+                    stdout=subprocess.DEVNULL,
+                    env=environment,
+                    pass_fds=(life,),
+                    start_new_session=True,
+                )
         except OSError as error:
             raise HumanoidBtError(f"the {role} process cannot be started: {error.strerror}") from error
         self._processes[role] = process

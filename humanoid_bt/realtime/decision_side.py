@@ -167,6 +167,7 @@ class Realtime:
             self._folder = folder
             return ""
         channels.quit_flag(folder).beat(channels.ABANDONED)
+        folder.leave()
         return "control brings the robot to a stand and ends by itself"
 
     def close(self) -> None:

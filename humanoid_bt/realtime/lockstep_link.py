@@ -28,7 +28,7 @@ class LockstepLink:
     """
 
     def __init__(self, info: RunInfo, joints: Sequence[str], supervisor: Supervisor, tell: Tell) -> None:
-        clean_stale(lockstep_root())
+        clean_stale()
         self._folder = folder = RunFolder.create(info, lockstep_root())
         channels.create_lockstep_channels(folder, state=state_room(joints))
         self._teller = TreeTeller(folder)

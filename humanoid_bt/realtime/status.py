@@ -94,8 +94,8 @@ def status_of(folder: RunFolder, info: RunInfo) -> RunStatus:
         percepts={name: round(age + since_told, 3) for name, age in told.get("percepts", {}).items()},
         unseen=told.get("unseen", {}),
         processes={
-            _ROLES.get(role, role): {"pid": process.pid, "alive": process.alive}
-            for role, process in sorted(info.processes.items())
+            _ROLES.get(role, role): {"pid": pid, "alive": role in info.living}
+            for role, pid in sorted(info.processes.items())
         },
     )
 

@@ -72,7 +72,6 @@ class Drive:
         self.loop = Loop(self.engine, self.runner, self._teller, self._pace, self.ticks)
         self._ending = Ending(self.engine, self.runner, self._teller, self._pace, self.ticks)
         self._stack: ExitStack | None = None
-        self._began_at = 0.0
         self._tracks: Mapping[str, Track] | None = None
         self._asked = False  # somebody ends the run
         self.begun = False
@@ -119,7 +118,6 @@ class Drive:
             self.engine.start(self._options.log)
             if self._recorder is not None and (tables := self.engine.cycle_tables):
                 self._recorder.follow(*tables)
-            self._began_at = time.monotonic()
             self._teller.begin()
             if self._watch is not None:
                 self.loop.reloader = Reloader(stack.enter_context(self._watch), self.runner, self._teller)
@@ -162,8 +160,8 @@ class Drive:
             moved = self.loop.state is not None
             self.leave("unfinished", "the session was left while the tree was running")
             assert self.end is not None
+            wall_time = time.monotonic() - self.loop.began_at if moved else 0.0
             insists = self._stand(self.end, moved)
-            wall_time = time.monotonic() - self._began_at
         missing = 0.0
         if self._recorder is not None:
             self._teller.recorder = None  # it is closed
@@ -177,7 +175,7 @@ class Drive:
             trace=self._teller.trace,
             tracks=self.tracks,
             options=self._options,
-            sim_time=now if self._ending.began is None else self._ending.began,
+            sim_time=(now if self._ending.began is None else self._ending.began) - self.loop.began,
             wall_time=wall_time,
             slow_ticks=self.ticks.to_dict(),
             recording_missing=missing,

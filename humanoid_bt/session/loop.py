@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import time
 
 from py_trees.common import Status
 
@@ -29,10 +30,12 @@ class Loop:
         ticks: watches how long ticks take.
 
     Attributes:
-        limit: longest simulated time [s].
+        limit: longest time from the first tick on [s].
         waits: whether an emergency stop is waited for, until its reset; else it ends the run.
         reloader: puts edited trees in the tree's place, if anybody looks for edits.
         state: what the last tick saw, None before the first.
+        began: engine time of the first tick [s]; in realtime mode control has run for a while by then.
+        began_at: when that was on the monotonic clock [s].
     """
 
     def __init__(self, engine: Engine, runner: TreeRunner, teller: Teller, pace: Pace, ticks: TickWatch) -> None:
@@ -41,6 +44,7 @@ class Loop:
         self.limit, self.waits = math.inf, False
         self.reloader: Reloader | None = None
         self.state: State | None = None
+        self.began = self.began_at = 0.0
 
     def tick(self) -> End | None:
         """Let the time since the last tick pass, then tick the tree; return how the run ends, None if it goes on.
@@ -49,7 +53,8 @@ class Loop:
             ControlLost: control is gone.
         """
         engine, runner, teller = self._engine, self._runner, self._teller
-        if self.state is None:
+        first = self.state is None
+        if first:
             teller.warn_of_percepts(runner.tree)
         else:
             engine.advance()
@@ -58,6 +63,8 @@ class Loop:
                 self.reloader.look()
         state, percepts = engine.sense()
         self.state = state
+        if first:
+            self.began, self.began_at = state.time, time.monotonic()
         teller.happened(state.time)
         self._ticks.begin()
         try:
@@ -90,7 +97,7 @@ class Loop:
             if self.reloader is None:
                 return self._stopped("the tree ended") or end
             self._rest(end)
-        if state.time >= self.limit - DECISION_PERIOD / 2:
+        if state.time - self.began >= self.limit - DECISION_PERIOD / 2:
             return self._stopped("the time was up before a reset") or runner.ended or self._unfinished()
         return None
 

@@ -75,8 +75,8 @@ class Report:
         tree, robot, scene, seed, parameters: what was run; the tree that ran last.
         outcome: of :data:`OUTCOMES`.
         reason: why, in words.
-        sim_time: simulated time [s].
-        wall_time: time taken [s].
+        sim_time: simulated time from the first tick until the tree ended [s].
+        wall_time: time that took [s].
         real_time_factor: simulated over taken time.
         trace_hash: SHA-256 over all states, commands and node changes.
         timeline: every change of a node's status: time [s], path, status, feedback.

@@ -17,7 +17,6 @@ from humanoid_bt.bench.punctuality import Punctuality
 from humanoid_bt.bench.reactions import ESTOPS_PER_REPETITION, Reaction
 from humanoid_bt.bench.realtime import OURS, measure_realtime
 from humanoid_bt.cli.arguments import parser
-from humanoid_bt.link.processes import ProcessIdentity
 from humanoid_bt.link.run_folder import default_root
 
 pytestmark = pytest.mark.skipif(not sys.platform.startswith("linux"), reason="Linux only")
@@ -101,7 +100,11 @@ def folders() -> set[str]:
 
 
 def alive(processes: set[int]) -> list[int]:
-    return [pid for pid in processes if ProcessIdentity.of(pid).started]
+    return [pid for pid in processes if Path(f"/proc/{pid}/exe").is_symlink() and state(pid) != "Z"]
+
+
+def state(pid: int) -> str:
+    return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0]
 
 
 def descendants(pid: int) -> list[int]:

@@ -275,3 +275,10 @@ def test_they_import_nothing_heavy() -> None:
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.split() == ["set()", "set()"]
+
+
+def test_status_removes_what_a_killed_run_has_left(root: Path) -> None:
+    killed = RunFolder.create(RunInfo("fetch", "humanoid"))  # decision was killed before it started control
+    killed.leave()
+    assert main(["status"]) == 2
+    assert not killed.folder.exists()

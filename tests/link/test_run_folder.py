@@ -4,15 +4,12 @@ import json
 import os
 import stat
 from collections.abc import Callable
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
-from humanoid_bt.link import run_folder as module
 from humanoid_bt.link.estop import EStop
 from humanoid_bt.link.heartbeat import Heartbeat
-from humanoid_bt.link.processes import ProcessIdentity, current
 from humanoid_bt.link.run_folder import RunFolder, RunInfo, clean_stale, default_root, live_runs
 from humanoid_bt.link.segment import LinkError
 from tests.link.conftest import Start, first_line
@@ -25,24 +22,20 @@ def root(folder: Path) -> Path:
     return folder / "runs"
 
 
-def edit_meta(run: RunFolder, **processes: ProcessIdentity) -> None:
-    module._write_meta(run.folder, replace(run.info, processes=processes))
-
-
 def test_a_run_says_who_it_is_and_is_gone_when_closed(root: Path) -> None:
     with RunFolder.create(INFO, root) as run:
         info = run.info
         assert (info.tree, info.robot, info.run_id) == ("fetch", "humanoid", run.folder.name)
-        assert info.processes == {"owner": current()}
+        assert (info.processes, info.living) == ({"owner": os.getpid()}, {"owner"})
         assert info.alive
         assert info.owner_alive
-        assert json.loads((run.folder / "run.json").read_text())["processes"]["owner"]["pid"] == os.getpid()
+        assert json.loads((run.folder / "run.json").read_text())["processes"]["owner"] == os.getpid()
         Heartbeat.create(run.path("decision"))
         assert Heartbeat.open(RunFolder.open(run.folder).path("decision")).count == 0
     assert not run.folder.exists()
     assert live_runs(root) == []
     run.close()
-    for closed in (lambda: run.info, lambda: run.register("control"), lambda: RunFolder.open(run.folder)):
+    for closed in (lambda: run.info, lambda: run.register("control", 1), lambda: RunFolder.open(run.folder)):
         with pytest.raises(LinkError):
             closed()
 
@@ -55,7 +48,8 @@ def test_folders_and_files_are_private_whatever_the_umask(root: Path) -> None:
     finally:
         os.umask(before)
     modes = {path.name: stat.S_IMODE(path.stat().st_mode) for path in (root, run.folder, *run.folder.iterdir())}
-    assert modes == {"runs": 0o700, run.folder.name: 0o700, "run.json": 0o600, "decision": 0o600}
+    private = {"run.json": 0o600, ".life-owner": 0o600, "decision": 0o600}
+    assert modes == {"runs": 0o700, run.folder.name: 0o700} | private
 
 
 def test_two_runs_do_not_meet(root: Path) -> None:
@@ -95,33 +89,47 @@ def _started(root: Path) -> Callable[[str], tuple[float, str]]:
 
 
 def test_a_run_lives_as_long_as_any_of_its_processes(root: Path, start: Start) -> None:
-    process = start("own_run", root, os.getpid())
+    process = start("own_run", root, "helped")
     run = RunFolder.open(root / first_line(process))
+    assert run.info.living == {"owner", "control"}
     process.kill()
     process.wait()
     assert not run.info.owner_alive
     assert [info.run_id for _, info in live_runs(root)] == [run.folder.name]
     assert clean_stale(root) == []
-
-
-def test_a_process_joins_a_run_by_registering(root: Path, start: Start) -> None:
-    with RunFolder.create(INFO, root) as run:
-        other = start("own_run", root)
-        first_line(other)
-        run.register("control", other.pid)
-        run.register("perception")
-        assert set(run.info.processes) == {"owner", "control", "perception"}
-        assert run.info.processes["control"].alive
-        other.kill()
-        other.wait()
-        assert not run.info.processes["control"].alive
-
-
-def test_a_recycled_process_id_is_not_taken_for_ours(root: Path) -> None:
-    run = RunFolder.create(INFO, root)
-    edit_meta(run, owner=replace(current(), started="1"))
-    assert live_runs(root) == []
+    assert process.stdin is not None
+    process.stdin.write("\n")  # the helper reads it too, and ends with it
+    process.stdin.flush()
+    while live_runs(root):
+        pass
     assert clean_stale(root) == [run.folder.name]
+
+
+def test_what_a_dead_owner_forked_is_none_of_its_run(root: Path, start: Start) -> None:
+    process = start("fork_in_run", root)
+    dead = first_line(process)
+    process.wait()
+    assert live_runs(root) == []
+    assert clean_stale(root) == [dead]
+
+
+def test_processes_are_told_for_people_and_none_of_it_says_that_they_live(root: Path) -> None:
+    with RunFolder.create(INFO, root) as run:
+        run.register("control", os.getpid())
+        assert run.info.processes == {"owner": os.getpid(), "control": os.getpid()}
+        assert run.info.living == {"owner"}
+        run.leave()
+        assert not run.info.alive  # though a process of that id lives: it may be another container's
+
+
+def test_a_run_of_another_version_is_left_alone(root: Path, caplog: pytest.LogCaptureFixture) -> None:
+    run = RunFolder.create(INFO, root)
+    meta = run.folder / "run.json"
+    meta.write_text(meta.read_text().replace('"format": 2', '"format": 1'))
+    run.leave()
+    assert live_runs(root) == clean_stale(root) == []
+    assert run.folder.exists()
+    assert caplog.text == ""
 
 
 def test_a_folder_that_was_never_finished_is_cleaned_and_an_unreadable_one_is_left(root: Path) -> None:
@@ -151,7 +159,7 @@ def test_what_a_killed_cleaner_left_is_cleaned(root: Path) -> None:
     assert [path.name for path in root.iterdir()] == [".lock"]
 
 
-def test_a_root_that_is_not_ours_alone_is_refused(root: Path, folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_root_that_is_not_ours_alone_is_refused(root: Path, folder: Path) -> None:
     (folder / "elsewhere").mkdir(mode=0o700)
     root.symlink_to(folder / "elsewhere")
     for use in (lambda: RunFolder.create(INFO, root), lambda: live_runs(root), lambda: clean_stale(root)):
@@ -163,11 +171,29 @@ def test_a_root_that_is_not_ours_alone_is_refused(root: Path, folder: Path, monk
     with pytest.raises(LinkError, match=r"not a private folder of this user \(owner \d+, mode 755\)"):
         RunFolder.create(INFO, root)
     root.chmod(0o700)
-    stranger = os.geteuid() + 1
-    monkeypatch.setattr(os, "geteuid", lambda: stranger)
-    with pytest.raises(LinkError, match="not a private folder"):
-        live_runs(root)
     assert list((folder / "elsewhere").iterdir()) == []
+
+
+@pytest.mark.skipif(os.geteuid() != 0, reason="only root can make what belongs to another user")
+@pytest.mark.parametrize("taken", ["folder", "link", "file"])
+def test_a_root_that_another_user_has_made_is_made_beside_it_and_found(root: Path, folder: Path, taken: str) -> None:
+    foreign = folder / "foreign"
+    foreign.mkdir(mode=0o700)
+    {"folder": root.mkdir, "link": lambda: root.symlink_to(foreign), "file": root.touch}[taken]()
+    (folder / "runs.theirs").mkdir(mode=0o700)
+    for path in (root, folder / "runs.theirs", foreign):
+        os.chown(path, 12345, 12345, follow_symlinks=False)
+    assert live_runs(root) == clean_stale(root) == []
+    with RunFolder.create(INFO, root) as one, RunFolder.create(INFO, root) as other:
+        home = one.folder.parent
+        assert home == other.folder.parent
+        assert home.name.startswith("runs.")
+        assert stat.S_IMODE(home.stat().st_mode) == 0o700
+        assert {run.folder for run, _ in live_runs(root)} == {one.folder, other.folder}
+        assert RunFolder.open(one.folder).info.alive
+        other.leave()
+        assert clean_stale(root) == [other.folder.name]
+    assert list(foreign.iterdir()) == []
 
 
 def test_a_link_inside_the_root_is_neither_joined_nor_followed(root: Path, folder: Path) -> None:

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import os
+import signal
+import subprocess
 import sys
 from pathlib import Path
 
@@ -46,14 +49,32 @@ def raise_estop(path: str, gate: str, name: str, count: str) -> None:
         estop.raise_(name, f"cause {index}")
 
 
-def own_run(root: str, helper: str = "") -> None:
+def own_run(root: str, helps: str = "") -> None:
     from humanoid_bt.link.run_folder import RunFolder, RunInfo
 
     folder = RunFolder.create(RunInfo("fetch", "humanoid"), Path(root))
-    if helper:
-        folder.register("control", int(helper))
+    if helps:
+        with folder.life("control") as life:
+            helper = [sys.executable, "-c", "import sys; print(flush=True); sys.stdin.readline()"]
+            process = subprocess.Popen(helper, pass_fds=(life,), stdout=subprocess.PIPE)
+        assert process.stdout is not None
+        process.stdout.readline()
     ready(folder.folder.name)
     sys.stdin.read()
+
+
+def fork_in_run(root: str) -> None:
+    from humanoid_bt.link.run_folder import RunFolder, RunInfo
+
+    folder = RunFolder.create(RunInfo("fetch", "humanoid"), Path(root))
+    forked, child = os.pipe()
+    if not os.fork():
+        os.write(child, b"!")
+        sys.stdin.read()
+        os._exit(0)
+    os.read(forked, 1)
+    ready(folder.folder.name)
+    os.kill(os.getpid(), signal.SIGKILL)
 
 
 def churn_runs(root: str, count: str) -> None:

@@ -77,12 +77,12 @@ class Live:
         until("the run's start", self._started)
         self._states = channels.reader(self.folder, "state")
         self.run_id = self.folder.info.run_id
-        self.pids = {role: process.pid for role, process in self.folder.info.processes.items()}
+        self.pids = dict(self.folder.info.processes)
 
     def _started(self) -> bool:
         assert self.process.poll() is None, self.output
         for folder, info in live_runs():
-            if info.processes["owner"].pid == self.process.pid and "perception" in info.processes:
+            if info.processes["owner"] == self.process.pid and "perception" in info.processes:
                 self.folder = folder
                 return True
         return False

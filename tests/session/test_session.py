@@ -79,6 +79,15 @@ def test_it_runs_until_something_holds_or_time_is_up_or_it_ends() -> None:
         assert session.outcome == "success"
 
 
+def test_time_counts_from_the_first_tick() -> None:
+    with hbt.Session("walk", duration=0.1) as session:
+        for _ in range(10):  # in realtime mode control runs before the first tick
+            session.engine.advance()
+        report = session.run()
+    assert (report.outcome, report.sim_time) == ("unfinished", pytest.approx(0.1))
+    assert report.wall_time < 5.0
+
+
 def test_run_goes_on_where_steps_have_led() -> None:
     with hbt.Session("wait") as session:
         session.run_until(0.1)
