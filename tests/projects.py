@@ -39,8 +39,11 @@ class Walk(Skill):
     resources = ("base",)
     raise_after: float | None = param(None, unit="s", doc="When to raise.")
 
+    def initialise(self) -> None:
+        self._since = self.robot.clock.now()
+
     def update(self) -> Status:
-        if self.raise_after is not None and self.robot.clock.now() >= self.raise_after:
+        if self.raise_after is not None and self.robot.clock.now() - self._since >= self.raise_after:
             raise KeyError("missing")
         self.robot.walk_to((3.0, 0.0), 0.0)
         return self.running("walking")

@@ -108,7 +108,8 @@ class Ending:
             self._teller.ticked(state, runner)
             if state.mode is Mode.DAMP and end.outcome not in ("stopped", "error"):
                 end = End("stopped", f"{state.stop_reason} ({state.stop_source}), after the tree had ended")
-            if state.base_settled and state.mode is not Mode.DAMP:
+            heard = not end.failure or state.mode is not Mode.RUN  # of the stop, which stands in the report
+            if heard and state.base_settled and state.mode is not Mode.DAMP:
                 break
             self._pace.keep(engine.clock.now())
         if timing := engine.timing:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import io
 import json
 import os
 import signal
@@ -13,6 +14,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
+from humanoid_bt.cli import main
 from humanoid_bt.core.messages import Gait, State
 from humanoid_bt.link.run_folder import RunFolder, live_runs
 from humanoid_bt.link.wire import decode_state
@@ -20,7 +22,7 @@ from humanoid_bt.realtime import channels
 from humanoid_bt.realtime.status import status_of
 
 PROGRAM = [sys.executable, "-m", "humanoid_bt"]
-PATIENCE = 20.0  # s that anything may take on a busy machine
+PATIENCE = 60.0  # s that anything may take on a busy machine
 
 
 def environment() -> dict[str, str]:
@@ -42,6 +44,14 @@ def command(*arguments: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run(
         [*PROGRAM, *arguments], capture_output=True, text=True, env=environment(), timeout=PATIENCE, check=False
     )
+
+
+def told(*arguments: str) -> str:
+    """Return what a command prints, run here: this is another process than those of the run."""
+    printed = io.StringIO()
+    with contextlib.redirect_stdout(printed):
+        assert main(arguments) == 0
+    return printed.getvalue()
 
 
 class Live:

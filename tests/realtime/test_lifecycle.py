@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 from collections.abc import Callable
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -18,7 +19,8 @@ from humanoid_bt.link.run_folder import RunFolder, RunInfo, default_root
 from humanoid_bt.realtime import channels
 from humanoid_bt.realtime.channels import RunSpec
 from humanoid_bt.record.reading import read_cycles
-from tests.realtime.helpers import PATIENCE, Live, command, until
+from humanoid_bt.session.session import Session
+from tests.realtime.helpers import PATIENCE, Live, command, told, until
 
 pytestmark = pytest.mark.realtime
 Start = Callable[..., Live]
@@ -32,34 +34,27 @@ def is_whole(run: Live) -> bool:
     return sum(1 for _ in rr.chunk.RrdReader(run.recording).stream()) > 0
 
 
-def test_signals_bring_the_robot_to_a_stand_and_two_runs_do_not_meet(live: Start) -> None:
+def test_ctrl_c_brings_the_robot_to_a_stand_the_second_without_decision_and_two_runs_do_not_meet(live: Start) -> None:
     one, other = live("walk", wait=False), live("walk", wait=False)
     one.ready()
     other.ready()
     one.walks()
-    other.walks()
     one.process.send_signal(signal.SIGINT)
     assert one.ends() == 130
+    assert one.report["reason"] == "Ctrl-C"
     assert other.process.poll() is None
-    assert other.state.gait is Gait.STEP
-    other.process.send_signal(signal.SIGTERM)
+    other.walks()
+    other.process.send_signal(signal.SIGINT)
+    until("the first one", lambda: "another Ctrl-C does not wait" in other.output)
+    other.process.send_signal(signal.SIGINT)
     assert other.ends() == 130
-    for run, reason in ((one, "Ctrl-C"), (other, "SIGTERM")):
-        assert (run.report["outcome"], run.report["reason"]) == ("interrupted", reason)
+    assert other.report["reason"] == "stopped at once; control brings the robot to a stand and ends by itself"
+    assert other.log[-1]["text"] == "control ended: decision did not wait for it"
+    for run in (one, other):
+        assert run.report["outcome"] == "interrupted"
+        assert run.state.base_settled
         assert stands(run)
         assert is_whole(run)
-
-
-def test_a_second_ctrl_c_ends_decision_and_control_brings_the_robot_to_a_stand(live: Start) -> None:
-    run = live("walk")
-    run.walks()
-    run.process.send_signal(signal.SIGINT)
-    until("the first one", lambda: "another Ctrl-C does not wait" in run.output)
-    run.process.send_signal(signal.SIGINT)
-    assert run.ends() == 130
-    assert run.report["reason"] == "stopped at once; control brings the robot to a stand and ends by itself"
-    assert run.state.base_settled
-    assert run.log[-1]["text"] == "control ended: decision did not wait for it"
 
 
 def test_a_killed_control_process_ends_the_run(live: Start) -> None:
@@ -81,18 +76,18 @@ def test_without_perception_the_watchdog_holds_and_an_estop_from_outside_ends_it
     run.kill("perception")
     ended = "the perception process ended (killed by signal 9)"
     until("the watchdog's branch", lambda: "▶ blind" in run.output.partition(ended)[2])
-    done = command("estop", "--run", run.run_id, "--reason", "a test of it")
+    done = command("estop", "--run", run.run_id, "--reason", "a test of it")  # by another process than this one
     assert (done.returncode, done.stderr) == (0, "")
     assert "emergency stop after" in done.stdout
     assert run.ends() == 3
-    (stop,) = run.report["stops"]
+    (stop,) = (stop for stop in run.report["stops"] if stop["mode"] == "emergency_stop")
     assert stop["reason"] == "a test of it"
     assert stop["source"].startswith("humanoid-bt estop (")
     assert stands(run)
 
 
 def test_when_decision_is_killed_control_stops_holds_and_ends_by_itself(live: Start) -> None:
-    run = live("walk", "--hold", "4")
+    run = live("walk", "--hold", "0.5")
     run.walks()
     run.process.kill()
     run.process.wait()
@@ -101,12 +96,14 @@ def test_when_decision_is_killed_control_stops_holds_and_ends_by_itself(live: St
     stop = next(line for line in run.log if line["kind"] == "stop")
     assert stop["text"].startswith("protective_stop: decision silent")
     assert stop["commanded_by"] == {"base": "walk/emergency_stop/walk"}
-    assert stop["time"] - stop["last_command"] < 0.25  # 0.1 s after it was heard, and it was stamped before its tick
     texts = [line["text"] for line in run.log]
-    assert "decision died; control holds the robot for 4 s and ends" in texts
+    forgiven = any("stalled" in text for text in texts)  # silence counts from anew then
+    silent = stop["time"] - stop["last_command"]
+    assert silent < (0.35 if forgiven else 0.25)  # 0.1 s after it was heard, and it was stamped before its tick
+    assert "decision died; control holds the robot for 0.5 s and ends" in texts
     assert texts[-1] == "control ended: decision died before"
     assert run.state.mode is Mode.PROTECTIVE_STOP
-    assert stands(run)
+    assert run.state.base_settled  # however short it was to be held
     ended = run.log[-1]["time"]
     until("the end in the recording", lambda: read_cycles(run.recording).time[-1] > ended - 0.01)
     cycles = read_cycles(run.recording)
@@ -120,18 +117,16 @@ def test_a_stopped_decision_and_an_estop_are_waited_for(live: Start) -> None:
     run.walks()
     run.process.send_signal(signal.SIGSTOP)
     run.shows("protective_stop")
-    until("status tells it", lambda: "no tick for" in command("status", "--run", run.run_id).stdout)
+    until("status tells it", lambda: "no tick for" in told("status", "--run", run.run_id))
     run.process.send_signal(signal.SIGCONT)
     run.shows("run")
-    assert command("estop", "--run", run.run_id).returncode == 0
-    again = command("estop", "--run", run.run_id)
-    assert again.returncode == 0
-    assert "since before: raised by hand" in again.stdout
+    assert "emergency stop after" in told("estop", "--run", run.run_id)
+    assert "since before: raised by hand" in told("estop", "--run", run.run_id)
     until("the node waits", lambda: "waiting for a reset" in run.output)
-    drawn = command("show", "--live", "--run", run.run_id).stdout
+    drawn = told("show", "--live", "--run", run.run_id)
     assert "▶ emergency_stop" in drawn
     assert "; waiting for a reset" in drawn
-    assert command("reset", "--run", run.run_id).stdout.startswith("reset: raised by hand")
+    assert told("reset", "--run", run.run_id).startswith("reset: raised by hand")
     run.shows("run")
     run.walks()
     run.process.send_signal(signal.SIGINT)
@@ -144,12 +139,13 @@ def test_a_stopped_decision_and_an_estop_are_waited_for(live: Start) -> None:
     assert "reset by humanoid-bt reset (" in run.output
 
 
-def test_a_crash_in_a_skill_stops_the_robot(live: Start) -> None:
-    run = live("raise")
-    assert run.ends() == 4
-    assert run.report["stops"][0]["reason"] == "a node raised an exception"
-    assert run.output.count("KeyError") == 1
-    assert stands(run)
+def test_a_crash_in_a_skill_stops_the_robot(project: Path) -> None:
+    session = Session("raise", workspace=project, mode="realtime")
+    report = session.run()
+    assert report.exit_code == 4
+    assert "raised KeyError" in report.reason
+    assert "a node raised an exception" in [stop["reason"] for stop in report.stops]
+    assert report.timing is not None and report.timing["cycles"] > 1000  # it walked for a second
 
 
 def spec(parent: int, hold: float = 0.2) -> RunSpec:
