@@ -91,7 +91,6 @@ class _Runs:
             workspace=Workspace(builtin_root()),
             scene=_SCENE,
             mode="realtime",
-            duration=duration,
             record=self._recording or False,
             camera=False,
         )
@@ -107,9 +106,11 @@ class _Runs:
             return sensed
 
         session.engine.sense = timed  # type: ignore[method-assign]  # where a tick begins and ends
-        report = session.run()
-        self._stops += sum(stop["mode"] == Mode.PROTECTIVE_STOP.value for stop in report.stops)
-        self._missing += report.recording_missing
+        with session:
+            session.step()
+            session.run_until(session.time + duration)
+        self._stops += sum(stop["mode"] == Mode.PROTECTIVE_STOP.value for stop in session.report.stops)
+        self._missing += session.report.recording_missing
 
     @property
     def ticks(self) -> Ticks:

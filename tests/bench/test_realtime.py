@@ -71,7 +71,7 @@ def test_load_ends_with_its_context() -> None:
 def test_a_short_bench_measures_everything_and_leaves_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(ticks, "_TURNS", 1)
     before = folders()
-    figures = list(measure_realtime(0.6, 1, lambda _text: None, loads=[False]))
+    figures = list(measure_realtime(0.3, 1, lambda _text: None, loads=[False]))
     servo = [figure for figure in figures if isinstance(figure, Punctuality) and figure.loop == OURS]
     assert len(servo) == 1
     assert servo[0].cycles + servo[0].missed > 100

@@ -199,11 +199,13 @@ def test_the_robot_does_not_notice_what_becomes_of_the_recorder(
     monkeypatch.setattr(remote_recorder, "_BEHIND", 0.5)
     file = tmp_path / "run.rrd"
     with Session("walk", workspace=project, mode="realtime", record=file, camera=False) as session:
-        session.run_until(0.5)
+        session.step()
+        begin = session.time  # of control was earlier
+        session.run_until(begin + 0.2)
         recorder_of(session).send_signal(signal.SIGSTOP)
-        session.run_until(1.5)
+        session.run_until(begin + 1.0)
         recorder_of(session).kill()
-        session.run_until(2.0)
+        session.run_until(begin + 1.3)
     report = session.report
     assert report.stops == []
     behind, killed, missing = [text for _, text in errors(report)]
