@@ -56,5 +56,12 @@ E_STOP = Promise("from an e-stop to the emergency stop, p99", 3.0, "ms", False, 
 PROTECTIVE_STOP = Promise(
     "from a decision that is silent or sends nonsense to the protective stop", 120.0, "ms", False, _REALTIME
 )
+RECORDED_TICK = Promise(
+    "processor time that a recording adds to a tick of decision, p99, idle and under load",
+    1.0,
+    "ms",
+    False,
+    _REALTIME,
+)
 
-PROMISES = (STACK, SPEED, LOG, TICK, LOAD, LATENESS, E_STOP, PROTECTIVE_STOP)
+PROMISES = (STACK, SPEED, LOG, TICK, LOAD, LATENESS, E_STOP, PROTECTIVE_STOP, RECORDED_TICK)

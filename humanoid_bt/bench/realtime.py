@@ -15,6 +15,7 @@ from humanoid_bt.bench.busy_cores import load
 from humanoid_bt.bench.punctuality import Punctuality, punctuality
 from humanoid_bt.bench.reactions import Reaction, reactions
 from humanoid_bt.bench.subject import Subject
+from humanoid_bt.bench.ticks import RecordedTicks, recorded_ticks
 from humanoid_bt.realtime.schedule import last_core
 
 OURS = "servo"
@@ -30,7 +31,7 @@ class Note:
 
 def measure_realtime(
     duration: float, repetitions: int, progress: Callable[[str], None], loads: Sequence[bool] = (False, True)
-) -> Generator[Punctuality | Reaction | Note]:
+) -> Generator[Punctuality | Reaction | RecordedTicks | Note]:
     """Measure everything, one figure after the other. Closing the generator ends every process it started.
 
     Args:
@@ -50,6 +51,8 @@ def measure_realtime(
                     figures = baseline.run(duration, last_core(), loaded)
                     yield from figures or (Note(f"{_load(loaded)}: the loop in C failed: no baseline"),)
                 yield from _ours(duration, repetitions, loaded, progress)
+                progress(f"{_load(loaded)}: ticks with a recording and without, {duration:g} s each")
+                yield recorded_ticks(duration, loaded, Path(folder))
 
 
 def _ours(

@@ -12,7 +12,7 @@ from humanoid_bt.checking import allow
 from humanoid_bt.checking.robot import robot_problems
 from humanoid_bt.core.errors import Place, Problem, UserError, nearest, relative, resolved
 from humanoid_bt.files.reading import is_file, is_folder, read_text
-from humanoid_bt.files.workspace import Workspace
+from humanoid_bt.files.workspace import Workspace, yaml_files
 from humanoid_bt.plant.scene_config import load_scene
 from humanoid_bt.tree.nodes.registry import Registry
 from humanoid_bt.tree.source.load import load_tree
@@ -173,9 +173,7 @@ def _named(text: str, workspace: Workspace) -> Path:
 
 
 def _files_in(folder: Path) -> list[Path]:
-    """Return the files of a workspace, or all YAML and skill files of any other folder."""
-    parts = [part for part in (folder / "skills", folder / "trees", folder / "sim") if part.is_dir()]
-    found = [path for part in parts or [folder] for path in sorted(part.rglob("*.yaml"))]
+    """Return the skills, trees, scenes and robots of a folder."""
     skill_folders = [folder] if resolved(folder).name == "skills" else [folder / "skills"]
     skills = [path for part in skill_folders for path in sorted(part.glob("*.py")) if not path.name.startswith("_")]
-    return [*skills, *found]
+    return [*skills, *yaml_files(folder)]

@@ -13,10 +13,11 @@ from rich.table import Table
 from rich.text import Text
 
 from humanoid_bt.bench.baseline import SAME_LOOP
-from humanoid_bt.bench.promises import LATENESS
+from humanoid_bt.bench.promises import LATENESS, RECORDED_TICK
 from humanoid_bt.bench.punctuality import Punctuality
 from humanoid_bt.bench.reactions import Reaction
 from humanoid_bt.bench.realtime import OURS, Note, measure_realtime
+from humanoid_bt.bench.ticks import RecordedTicks
 from humanoid_bt.cli.console import SafeConsole
 from humanoid_bt.cli.figures import judged, write_figures
 from humanoid_bt.realtime.schedule import FIFO_HINT
@@ -30,6 +31,7 @@ def bench_realtime(arguments: argparse.Namespace) -> int:
     console = SafeConsole()
     loops: list[Punctuality] = []
     answers: list[Reaction] = []
+    ticks: list[RecordedTicks] = []
     notes: list[str] = []
     with (
         console.status("starting") as status,
@@ -41,12 +43,16 @@ def bench_realtime(arguments: argparse.Namespace) -> int:
                     loops.append(figure)
                 case Reaction():
                     answers.append(figure)
+                case RecordedTicks():
+                    ticks.append(figure)
                 case Note():
                     notes.append(figure.text)
     notes += _notes(loops)
     console.print(_punctuality_table(loops, arguments.duration))
     console.print()
     console.print(_reaction_table(answers))
+    console.print()
+    console.print(_tick_table(ticks))
     for note in notes:
         console.print(f"note: {note}")
     if arguments.json:
@@ -67,6 +73,7 @@ def bench_realtime(arguments: argparse.Namespace) -> int:
                     }
                     for answer in answers
                 ],
+                "ticks": [{**asdict(pair), "added": pair.added, "verdict": pair.verdict} for pair in ticks],
                 "notes": notes,
             },
         )
@@ -130,6 +137,25 @@ def _reaction_table(answers: list[Reaction]) -> Table:
             f"{answer.standing}/{answer.repetitions}",
             judged(answer.verdict),
         )
+    return table
+
+
+def _tick_table(ticks: list[RecordedTicks]) -> Table:
+    table = _table(f"ticks of decision [ms]; promised: a recording adds {RECORDED_TICK.text} of CPU", "", "runs")
+    for name in ("CPU p99", "p50", "p99", "max", "stops", "missing"):
+        table.add_column(name, justify="right", no_wrap=True)
+    table.add_column("", no_wrap=True)
+    for pair in ticks:
+        for name, runs in (("with a recording", pair.recorded), ("without", pair.plain)):
+            table.add_row(
+                _load(runs.loaded) if runs.recorded else "",
+                name,
+                *(f"{value:.2f}" for value in (runs.cpu, runs.p50, runs.p99, runs.largest)),
+                f"{runs.stops}",
+                f"{runs.missing:.1f} s" if runs.recorded else "",
+                judged(pair.verdict) if runs.recorded else "",
+                style="bold" if runs.recorded else "",
+            )
     return table
 
 

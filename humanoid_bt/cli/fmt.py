@@ -14,7 +14,7 @@ from humanoid_bt.core.texts import one_line
 from humanoid_bt.files.formatting import formatted
 from humanoid_bt.files.reading import is_file, is_folder, read_bytes, read_text
 from humanoid_bt.files.whole import write_whole
-from humanoid_bt.files.workspace import Workspace
+from humanoid_bt.files.workspace import Workspace, yaml_files
 from humanoid_bt.session.report import ExitCode
 
 _BYTE_ORDER_MARK = "\ufeff"
@@ -67,9 +67,7 @@ def _given(text: str, workspace: Workspace) -> list[Path]:
     """Return the files of one argument: a folder, a file, or a name."""
     path = Path(text)
     if is_folder(path):
-        parts = [part for part in (path / "trees", path / "sim") if part.is_dir()]
-        found = [file for part in parts or [path] for file in sorted(part.rglob("*.yaml"))]
-        if not found:
+        if not (found := yaml_files(path)):
             raise UserError(f"nothing to format in {text!r}", hint="trees, scenes and robots end in .yaml")
         return found
     if is_file(path):

@@ -30,6 +30,21 @@ def workspace_above(folder: Path) -> Path | None:
     return next((place for place in (folder, *folder.parents) if _is_workspace(place)), None)
 
 
+def yaml_files(folder: Path) -> list[Path]:
+    """Return the trees, scenes and robots of a folder.
+
+    Of a workspace those in its ``trees/`` and ``sim/``, of a folder of trees all below it, of ``sim/`` the scenes and
+    robots. Of any other folder what lies directly in it: below it, there may be anybody's files.
+    """
+    trees, sim = folder / "trees", folder / "sim"
+    if trees.is_dir() or sim.is_dir():
+        return [*(yaml_files(trees) if trees.is_dir() else ()), *(yaml_files(sim) if sim.is_dir() else ())]
+    whole = resolved(folder)
+    if whole.name == "sim":
+        return sorted([*folder.glob("scenes/*.yaml"), *folder.glob("*/robot.yaml")])
+    return sorted(folder.rglob("*.yaml") if "trees" in whole.parts else folder.glob("*.yaml"))
+
+
 def _is_workspace(folder: Path) -> bool:
     if any(any(folder.glob(pattern)) for pattern in (_TREES, _SCENES, _ROBOTS)):
         return True

@@ -72,9 +72,9 @@ class Flight:
             self._follower.finish(patience)
 
     @property
-    def lost(self) -> int:
-        """How many servo cycles were written faster than they could be taken."""
-        return self._follower.lost if self._follower is not None else 0
+    def trouble(self) -> str:
+        """What is missing, "" while nothing is."""
+        return self._follower.trouble if self._follower is not None else ""
 
     def flush(self, stream: Any) -> None:
         """Write what was added since the last flush."""
@@ -95,7 +95,7 @@ class _Follower(threading.Thread):
         self._flight, self._plans, self._cycles = flight, plans, cycles
         self._read = [0, 0]
         self._ending = threading.Event()
-        self.lost = 0
+        self.trouble = ""
 
     def run(self) -> None:
         """Take rows until it is to finish."""
@@ -117,7 +117,9 @@ class _Follower(threading.Thread):
     def _take(self) -> None:
         (plans, lost_plans), (cycles, lost) = self._plans.since(self._read[0]), self._cycles.since(self._read[1])
         self._read = [self._read[0] + lost_plans + len(plans), self._read[1] + lost + len(cycles)]
-        self.lost += lost
+        if lost and not self.trouble:
+            until = float(cycles[0, 0]) * SERVO_PERIOD
+            self.trouble = f"servo cycles are missing in the recording before {until:.2f} s: they were taken too late"
         self._flight.add(plans, cycles)
 
 

@@ -119,8 +119,8 @@ class Recorder:
 
     @property
     def trouble(self) -> str:
-        """What is wrong with the file, "" while nothing is."""
-        return self._outlet.trouble
+        """What is wrong with the file, or missing in it, "" while nothing is."""
+        return self._outlet.trouble or self._flight.trouble
 
     def sample(
         self, state: State, tracks: Mapping[str, Track], objects: Mapping[str, Array], hidden: Container[str] = ()

@@ -6,6 +6,7 @@ also when the run's process was killed: what that had handed over by then is wri
 
 from __future__ import annotations
 
+import io
 import json
 import logging
 import os
@@ -14,6 +15,7 @@ import signal
 import socket
 import sys
 import threading
+import time
 import traceback
 from collections.abc import Mapping
 from contextlib import suppress
@@ -23,9 +25,13 @@ from humanoid_bt.core.errors import UserError
 from humanoid_bt.record.sample import decode_call
 
 if TYPE_CHECKING:
+    from _typeshed import WriteableBuffer
+
     from humanoid_bt.record.recorder import Recorder
 
 _NICE = 5  # behind the run, before what is only meant to fill idle cores
+_PAUSE = 0.02  # s between two looks at what came in
+_CHUNK = 1 << 16  # bytes that are read at once
 _ALONE = 60.0  # s to close a recording that nobody waits for any more
 
 
@@ -39,7 +45,7 @@ class RecorderProcess:
     def __init__(self, end: socket.socket) -> None:
         self._end = end
         self._saying = threading.Lock()
-        self._source = end.makefile("rb")
+        self._source = io.BufferedReader(_Unhurried(end), _CHUNK)
         self._recorder: Recorder | None = None
         self._written = -float("inf")
         self._trouble = ""
@@ -102,6 +108,26 @@ class RecorderProcess:
         """Tell decision, if it is there."""
         with suppress(OSError), self._saying:
             self._end.sendall(json.dumps([kind, *values]).encode() + b"\n")
+
+
+class _Unhurried(io.RawIOBase):
+    """Reads a stream and looks at it from time to time, instead of sleeping on it.
+
+    Whoever writes to a process that sleeps wakes it up, and may have to make room for it at once.
+    """
+
+    def __init__(self, end: socket.socket) -> None:
+        self._end = end
+
+    def readable(self) -> bool:
+        return True
+
+    def readinto(self, buffer: WriteableBuffer) -> int:
+        while True:
+            try:
+                return self._end.recv_into(buffer, 0, socket.MSG_DONTWAIT)
+            except BlockingIOError:
+                time.sleep(_PAUSE)
 
 
 class _Telling(logging.Handler):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import threading
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 
@@ -9,14 +10,15 @@ from humanoid_bt.core.errors import UserError
 from humanoid_bt.record.sinks import LOOPBACK
 from humanoid_bt.record.viewers import page_files
 
+_LINK = re.compile(rb"<link[^>]*https?://[^>]*>")
 _POLL = 0.05  # s that the end waits at most
 
 
 class WebPage:
     """Serves the page as long as this process lives, or until it is closed.
 
-    The viewer's own server sends the browser elsewhere for fonts, and the viewer inside of the page reports to its
-    makers. The policy sent along forbids both: a browser then talks to this page and to the run's data only.
+    The viewer's own page sends the browser elsewhere for fonts, and what runs inside of it reports to its makers. This
+    one has no links to other places, and a policy that forbids to talk to them: only to this page and the run's data.
 
     Args:
         port: of the page.
@@ -27,7 +29,7 @@ class WebPage:
     """
 
     def __init__(self, port: int, data_port: int) -> None:
-        files = page_files()
+        files = {path: (kind, _LINK.sub(b"", content)) for path, (kind, content) in page_files().items()}
         policy = _policy(data_port)
 
         class Answer(BaseHTTPRequestHandler):

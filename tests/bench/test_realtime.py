@@ -11,11 +11,13 @@ from pathlib import Path
 
 import pytest
 
+from humanoid_bt.bench import ticks
 from humanoid_bt.bench.baseline import SAME_LOOP, SLEEP_ALONE, Baseline
 from humanoid_bt.bench.busy_cores import load
 from humanoid_bt.bench.punctuality import Punctuality
 from humanoid_bt.bench.reactions import ESTOPS_PER_REPETITION, Reaction
 from humanoid_bt.bench.realtime import OURS, measure_realtime
+from humanoid_bt.bench.ticks import RecordedTicks
 from humanoid_bt.cli.arguments import parser
 from humanoid_bt.link.run_folder import default_root
 
@@ -65,7 +67,8 @@ def test_load_ends_with_its_context() -> None:
 
 
 @pytest.mark.realtime
-def test_a_short_bench_measures_everything_and_leaves_nothing() -> None:
+def test_a_short_bench_measures_everything_and_leaves_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(ticks, "_TURNS", 1)
     before = folders()
     figures = list(measure_realtime(0.3, 1, lambda _text: None, loads=[False]))
     servo = [figure for figure in figures if isinstance(figure, Punctuality) and figure.loop == OURS]
@@ -76,6 +79,9 @@ def test_a_short_bench_measures_everything_and_leaves_nothing() -> None:
     for answer in answers:
         assert len(answer.delays) == answer.standing == answer.repetitions, answer
         assert 0 < answer.p50 < 3000
+    (pair,) = [figure for figure in figures if isinstance(figure, RecordedTicks)]
+    assert min(pair.recorded.count, pair.plain.count) > 5
+    assert pair.recorded.missing == 0
     assert folders() <= before
 
 

@@ -13,9 +13,10 @@ from humanoid_bt.bench.promises import PROTECTIVE_STOP
 from humanoid_bt.bench.punctuality import Punctuality
 from humanoid_bt.bench.reactions import Reaction
 from humanoid_bt.bench.realtime import OURS, Note
+from humanoid_bt.bench.ticks import RecordedTicks, Ticks
 from humanoid_bt.cli import bench_realtime, main
 
-Figures = Generator[Punctuality | Reaction | Note]
+Figures = Generator[Punctuality | Reaction | RecordedTicks | Note]
 
 
 @pytest.fixture(autouse=True)
@@ -30,6 +31,8 @@ def figures(monkeypatch: pytest.MonkeyPatch) -> None:
             yield Punctuality(OURS, loaded, False, cycles, 3, 0.03, 25.0, 160.0, 8123.4, 0.1, 30.0)
             yield Reaction("decision killed", "protective stop", loaded, repetitions, (90.0, 99.96), 2, PROTECTIVE_STOP)
             yield Reaction("perception killed", "percept lost", loaded, repetitions, (), 2)
+            recorded = Ticks(loaded, True, 500, 1.5, 0.5, 3.0, 9.0, 0, 0.0)
+            yield RecordedTicks(recorded, Ticks(loaded, False, 500, 0.5, 0.5, 2.0, 9.0, 0, 0.0))
         yield Note("something to know")
 
     monkeypatch.setattr(bench_realtime, "measure_realtime", measure)
@@ -45,6 +48,8 @@ def test_the_tables_fit_a_small_terminal(capsys: pytest.CaptureFixture[str]) -> 
     assert rows.count("servo to C - 2.5x 2.0x 90.3x 1.5x") == 2
     assert "load decision killed 90.0 100.0 100.0 <= 120 ms 2/3 2/3 missed" in rows
     assert "perception killed - - - 0/3 2/3 missed" in rows
+    assert "load with a recording 1.50 0.50 3.00 9.00 0 0.0 s ok" in rows
+    assert rows.count("without 0.50 0.50 2.00 9.00 0") == 2
     assert "note: something to know" in rows
     assert any("ulimit -r" in row for row in rows), "control had no realtime priority"
     assert "[us]" in lines[0]
@@ -59,4 +64,5 @@ def test_the_file_holds_every_figure(tmp_path: Path) -> None:
     assert [loop["loop"] for loop in data["loops"]] == [SAME_LOOP, OURS] * 2
     killed = data["reactions"][0]
     assert killed["delays"] == [90.0, 99.96]
+    assert (data["ticks"][1]["added"], data["ticks"][1]["verdict"]) == (1.0, "ok")
     assert (killed["p50"], killed["p99"], killed["max"], killed["verdict"]) == (90.0, 99.96, 99.96, "ok")

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from humanoid_bt.core.errors import UserError
-from humanoid_bt.files.workspace import Workspace, builtin_root
+from humanoid_bt.files.workspace import Workspace, builtin_root, yaml_files
 
 
 @pytest.fixture
@@ -57,3 +57,24 @@ def test_a_tree_belongs_to_the_folder_above_its_trees(project: Path) -> None:
 def test_a_workspace_is_a_folder(project: Path) -> None:
     with pytest.raises(UserError, match="is not a folder"):
         Workspace(project / "none")
+
+
+def test_a_folder_gives_its_own_kinds_of_files_and_nobody_elses(tmp_path: Path) -> None:
+    ours = ("trees/a.yaml", "trees/deep/b.yaml", "sim/scenes/c.yaml", "sim/robot/robot.yaml")
+    others = ("sim/robot/meshes/d.yaml", "charts/e.yaml", "f.yaml", "trees/g.txt")
+    for name in (*ours, *others):
+        path = tmp_path / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.touch()
+
+    def found(folder: str) -> set[str]:
+        return {str(path.relative_to(tmp_path)) for path in yaml_files(tmp_path / folder)}
+
+    assert found(".") == set(ours)
+    assert found("trees") == {"trees/a.yaml", "trees/deep/b.yaml"}
+    assert found("trees/deep") == {"trees/deep/b.yaml"}
+    assert found("sim") == {"sim/scenes/c.yaml", "sim/robot/robot.yaml"}
+    assert found("charts") == {"charts/e.yaml"}
+    (tmp_path / "trees").rename(tmp_path / "charts/trees_of_another_kind")
+    (tmp_path / "sim").rename(tmp_path / "charts/sim_of_another_kind")
+    assert found(".") == {"f.yaml"}

@@ -71,6 +71,21 @@ def test_tables_are_read_until_nobody_writes_them(record: Maker, file: Path, tmp
     assert read_cycles(file, "plans").columns["plan"][:, 0].tolist() == list(range(300))
 
 
+def test_what_was_taken_too_late_is_told(record: Maker, file: Path, tmp_path: Path) -> None:
+    paths = tmp_path / "plans", tmp_path / "cycles"
+    LAYOUT.create(*paths)
+    writers = [TableWriter.open(path) for path in paths]
+    for writer, row in zip(writers, (LAYOUT.plan, LAYOUT.cycle), strict=True):
+        for number in range(5000):
+            writer.rows[number % len(writer.rows)] = some(number, 1, row.width)
+            writer.publish()
+        writer.close()
+    with record() as recorder:
+        recorder.follow(*paths)
+    assert recorder.trouble == "servo cycles are missing in the recording before 1.00 s: they were taken too late"
+    assert read_cycles(file).columns["servo"][0, 0] == 1002
+
+
 def test_a_file_without_them_is_answered(tmp_path: Path) -> None:
     other = tmp_path / "other.rrd"
     with rr.RecordingStream("other") as stream:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import errno
+import re
 import socket
 import subprocess
 import sys
@@ -113,6 +114,26 @@ def test_the_web_viewer_is_served_on_loopback_only_and_ends_with_the_run(
             assert not listens("127.0.0.2", used)
     assert not listens("127.0.0.1", port)
     assert events(tmp_path / "run.rrd") == [(0.0, "INFO", "started")]
+
+
+def test_the_page_sends_a_browser_nowhere_else(record: Callable[..., Recorder]) -> None:
+    port = free_pair()
+    with record(sinks=Sinks(serve=port)) as recorder, urllib.request.urlopen(recorder.url) as page:
+        text, policy = page.read().decode(), page.headers["Content-Security-Policy"]
+    assert not re.search(r"<link[^>]*//", text)
+    rules = dict(rule.split(" ", 1) for rule in policy.split("; "))
+    assert rules["default-src"] == "'self'"
+    assert rules["connect-src"].split()[-1] == f"http://127.0.0.1:{port + 1}"
+    assert "http" not in policy.replace(f"http://127.0.0.1:{port + 1}", "")
+
+
+def test_the_viewers_program_reports_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """It writes down who it is about to report on before it does."""
+    for variable in ("XDG_CONFIG_HOME", "XDG_DATA_HOME", "CI"):
+        monkeypatch.delenv(variable, raising=False)
+    monkeypatch.setenv("HOME", str(tmp_path))
+    assert b"re_viewer.js" in viewers.page_files()["/"][1]
+    assert [path for path in tmp_path.rglob("*") if "analytics" in path.name] == []
 
 
 _RUN = """
