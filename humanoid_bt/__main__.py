@@ -21,14 +21,14 @@ def main() -> int:
 
 
 def _insist(code: int) -> None:
-    """End the program if Python still waits for threads, or for processes, that do not end."""
+    """End the program if Python still waits for threads that do not end."""
     time.sleep(_GRACE)
-    waited = [thread.name for thread in threading.enumerate() if not thread.daemon and thread.is_alive()]
-    threads = [repr(name) for name in waited if name != threading.main_thread().name]
-    what = f"the thread {', '.join(threads)} still runs" if threads else "something still runs"
-    sys.stderr.write(f"warning: {what} that was started in this run: the program ends without it\n")
-    sys.stderr.flush()
-    os._exit(code)
+    left = [thread for thread in threading.enumerate() if not thread.daemon and thread.is_alive()]
+    threads = ", ".join(repr(thread.name) for thread in left if thread is not threading.main_thread())
+    if threads:
+        sys.stderr.write(f"warning: the thread {threads} still runs, and the program ends without it\n")
+        sys.stderr.flush()
+        os._exit(code)
 
 
 if __name__ == "__main__":
