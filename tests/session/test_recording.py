@@ -144,7 +144,7 @@ from humanoid_bt import Session
 
 with Session("walk", workspace=sys.argv[1], record=sys.argv[2], camera=False) as session:
     session.run_until(1.5)
-    print(session._drive._recorder._process.pid, flush=True)
+    print(session._drive._recorder._process.pid, "rerun" in sys.modules, flush=True)
     os.kill(os.getpid(), signal.SIGKILL)
 """
 
@@ -155,7 +155,9 @@ def test_a_program_that_is_killed_leaves_a_whole_recording_and_no_process(projec
         [sys.executable, "-c", _KILLED, project, file], capture_output=True, text=True, check=False, timeout=30
     )
     assert done.returncode == -signal.SIGKILL
-    assert not ProcessIdentity.of(int(done.stdout)).started
+    pid, imports_rerun = done.stdout.split()
+    assert imports_rerun == "False"
+    assert not ProcessIdentity.of(int(pid)).started
     assert last_time(file) == pytest.approx(1.5)
     assert events(file)[-1][2] == "the process of the run ended without closing the recording"
 
