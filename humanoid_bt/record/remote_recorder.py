@@ -273,14 +273,12 @@ class RemoteRecorder:
 
 def _start(end: socket.socket, core: int | None) -> subprocess.Popen[bytes]:
     """Start the process out of reach of the terminal's signals: they are decision's to answer."""
-    numbers = [end.fileno()] if core is None else [end.fileno(), core]
     try:
         return subprocess.Popen(
-            [sys.executable, "-P", "-m", "humanoid_bt.record.recorder_process", *map(str, numbers)],
-            stdin=subprocess.DEVNULL,
+            [sys.executable, "-P", "-m", "humanoid_bt.record.recorder_process", *([] if core is None else [str(core)])],
+            stdin=end.fileno(),
             stdout=subprocess.DEVNULL,
             env={**os.environ, "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"},
-            pass_fds=[end.fileno()],
             start_new_session=True,
         )
     except OSError as error:
