@@ -81,7 +81,7 @@ def _whole_stack(repetitions: int, recording: Path) -> Iterator[Figure]:
         return cpu(steps)
 
     pairs = [(stack(), bare()) for _ in range(repetitions)]
-    title = f"whole stack: run {_TREE}, recording on"
+    title = f"whole stack: run {_TREE}, recording on, no pictures; begin and end aside"
     yield figure(title, "mj_step of the same motion", "ms CPU", pairs, scale=1e3, promise=STACK)
     wall = [(simulated, ours) for ours, _ in pairs]
     yield figure("lockstep: simulated time, recording on", "CPU time it took", "s", wall, promise=SPEED)

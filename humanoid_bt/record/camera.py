@@ -49,8 +49,8 @@ class HeadCamera:
         self._photographer: Photographer | None = None
         self._told = wanted is False  # nobody wonders
         self._why, self._written = "" if wanted else "it is switched off", ""
-        if wanted == "auto" and (cores := _cores()) <= busy_cores:
-            self._why = f"the run needs all cores that it has here ({cores})"
+        if wanted == "auto" and _cores() <= busy_cores:
+            self._why = "the run leaves no core for it"
         elif wanted:
             setup = Setup(model, view.body, view.size, view.angle)
             self._photographer = Photographer(setup, math.inf if wanted is True else _SLOWEST)

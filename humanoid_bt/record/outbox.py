@@ -32,8 +32,12 @@ class Outbox:
         self._waiting: deque[bytes] = deque()
         self.size = 0
 
-    def put(self, message: bytes) -> None:
+    def put(self, message: bytes, patience: float | None = None) -> None:
         """Hand over a message.
+
+        Args:
+            message: what it is.
+            patience: another one, for once [s].
 
         Raises:
             Stuck: it took nothing for too long.
@@ -41,7 +45,7 @@ class Outbox:
         """
         self._waiting.append(message)
         self.size += len(message)
-        self.push()
+        self.push(patience)
 
     def push(self, patience: float | None = None) -> None:
         """Hand over what stays here, as far as it is taken.

@@ -33,6 +33,7 @@ from humanoid_bt.record.sinks import Sinks
 from humanoid_bt.record.stop_sign import StopSign
 from humanoid_bt.record.subject import TreeView, View, Wanted
 from humanoid_bt.record.tree_view import TreeStatus
+from humanoid_bt.record.viewers import FLUSH_TIMEOUT
 from humanoid_bt.robot.config import RobotConfig
 
 _LIVE_BATCH = 0.5  # time covered by a batch while somebody watches [s]
@@ -241,7 +242,9 @@ class Recorder:
         try:
             self._announce("take pictures of the head camera", self._camera.patience)
             self._camera.finish()
+            self._announce("take what control still does", _CONTROL_ENDS)
             self._flight.finish(_CONTROL_ENDS)
+            self._announce("write the rest", FLUSH_TIMEOUT)
             self.flush()
         finally:
             self._closed = True

@@ -142,19 +142,18 @@ class _Telling(logging.Handler):
 
 
 def main() -> None:
-    """Record the run at the other end of the descriptor that is the first argument.
+    """Record the run at the other end of the standard input, which takes answers too.
 
-    The second one, if there is any, is the processor that is left to control.
+    The argument, if there is any, is the processor that is left to control.
     """
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         signal.signal(number, lambda _number, _frame: None)  # they are decision's to answer: its end is this one's
-    end, *taken = map(int, sys.argv[1:])
     with suppress(OSError):
         os.nice(_NICE)
     if sys.platform == "linux":
         os.sched_setscheduler(0, os.SCHED_BATCH, os.sched_param(0))  # when it wakes up it takes no core from the run
-        os.sched_setaffinity(0, os.sched_getaffinity(0) - set(taken))
-    RecorderProcess(socket.socket(fileno=end)).run()
+        os.sched_setaffinity(0, os.sched_getaffinity(0) - set(map(int, sys.argv[1:])))
+    RecorderProcess(socket.socket(fileno=sys.stdin.fileno())).run()
 
 
 if __name__ == "__main__":

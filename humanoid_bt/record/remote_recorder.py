@@ -25,7 +25,7 @@ from humanoid_bt.record.sample import encode_call, encode_sample
 from humanoid_bt.record.subject import TreeView
 
 _START_TIMEOUT = 90.0  # s to open everything: a viewer on a cold disk, a camera that is insisted on
-_PATIENCE = 5.0  # s without a sign of life after which a recorder that is waited for is given up
+_PATIENCE = 10.0  # s without a sign of life after which a recorder that is waited for is given up
 _BEHIND = 5.0  # s that a recorder which is not waited for may be behind before ticks are left out
 _ROOM = 1 << 22  # bytes of other news that wait for it then
 _END_TIMEOUT = 5.0  # s that an ended process may take to be gone
@@ -79,8 +79,7 @@ class RemoteRecorder:
             HumanoidBtError: the process does not come up.
         """
         try:
-            self._outbox.put(encode_call("open", setup))
-            self._outbox.push(_START_TIMEOUT)
+            self._outbox.put(encode_call("open", setup), _START_TIMEOUT)
             while (answer := self._answer(_START_TIMEOUT))[0] == "busy":
                 pass
         except (OSError, Stuck):
@@ -205,7 +204,7 @@ class RemoteRecorder:
             self._lose(f"the recorder took nothing for {_PATIENCE:g} s and was ended")
         except OSError:  # it is about to be heard how it ended
             pass
-        if self._outbox.size > _ROOM:
+        if self._outbox.size > _ROOM and not self._over:
             self._lose("the recorder was far too slow and was ended")
 
     def _follow(self) -> None:
@@ -267,12 +266,13 @@ class RemoteRecorder:
         """Have the recording closed."""
         what, limit = "read what it was given", 0.0
         try:
-            self._outbox.put(encode_call("close"))
-            self._outbox.push(_PATIENCE)
+            self._outbox.put(encode_call("close"), _PATIENCE)
             while (answer := self._answer(limit + _PATIENCE))[0] != "closed":
                 _, what, limit = answer
         except Stuck:
-            self._news.append(("error", f"the recorder was ended: it took more than {limit + _PATIENCE:g} s to {what}"))
+            if not self._over:  # else it has failed, and that is told
+                took = f"more than {limit + _PATIENCE:g} s"
+                self._news.append(("error", f"the recorder was ended: it took {took} to {what}"))
         except OSError:
             with suppress(subprocess.TimeoutExpired):
                 self._process.wait(_END_TIMEOUT)
@@ -282,14 +282,12 @@ class RemoteRecorder:
 
 def _start(end: socket.socket, core: int | None) -> subprocess.Popen[bytes]:
     """Start the process out of reach of the terminal's signals: they are decision's to answer."""
-    numbers = [end.fileno()] if core is None else [end.fileno(), core]
     try:
         return subprocess.Popen(
-            [sys.executable, "-P", "-m", "humanoid_bt.record.recorder_process", *map(str, numbers)],
-            stdin=subprocess.DEVNULL,
+            [sys.executable, "-P", "-m", "humanoid_bt.record.recorder_process", *([] if core is None else [str(core)])],
+            stdin=end.fileno(),
             stdout=subprocess.DEVNULL,
             env={**os.environ, "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"},
-            pass_fds=[end.fileno()],
             start_new_session=True,
         )
     except OSError as error:

@@ -21,7 +21,7 @@ from humanoid_bt.session.report import versions
 from humanoid_bt.tree.show import outline_of
 from humanoid_bt.tree.tree import Tree
 
-_BUSY_CORES = {"lockstep": 1, "realtime": 2}  # in realtime mode one is control's, and decision must not wait either
+_BUSY_CORES = 1  # decision's; control's, in realtime mode, is none of the recorder's
 
 
 def new_recorder(options: RunOptions) -> RemoteRecorder | None:
@@ -117,5 +117,5 @@ def _open(recorder: RemoteRecorder, sinks: Sinks, tree: Tree, engine: Engine, op
         info=run_info(tree, engine),
         camera=View(robot.config.gaze.body, *widest_view(engine.scene.config)),
         pictures=options.camera,
-        busy_cores=_BUSY_CORES[options.mode],
+        busy_cores=_BUSY_CORES,
     )

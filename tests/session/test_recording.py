@@ -143,6 +143,7 @@ from humanoid_bt import Session
 
 with Session("walk", workspace=sys.argv[1], record=sys.argv[2], camera=False) as session:
     session.run_until(1.5)
+    print("rerun" in sys.modules, flush=True)
     os.kill(os.getpid(), signal.SIGKILL)
 """
 
@@ -153,6 +154,7 @@ def test_a_program_that_is_killed_leaves_a_whole_recording_and_no_process(projec
         [sys.executable, "-c", _KILLED, project, file], capture_output=True, text=True, check=False, timeout=30
     )
     assert done.returncode == -signal.SIGKILL
+    assert done.stdout.strip() == "False"  # it is the recorder that imports it
     assert last_time(file) == pytest.approx(1.5)
     assert events(file)[-1][2] == "the process of the run ended without closing the recording"
 
@@ -169,15 +171,15 @@ def test_two_runs_of_the_same_second_have_recordings_of_their_own(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(options, "default_recording", lambda _tree: Path("runs/walk.rrd"))
-    sessions = [Session("walk", workspace=project, record=True, camera=False, duration=0.1) for _ in range(3)]
+    sessions = [Session("walk", workspace=project, record=True, camera=False, duration=0.1) for _ in range(2)]
     for session in sessions:
         session.start()
     for session in sessions:
         session.run_until(1.0)
         session.close()
     names = [str(session.report.recording) for session in sessions]
-    assert names == ["runs/walk.rrd", "runs/walk-2.rrd", "runs/walk-3.rrd"]
-    assert [last_time(Path(name)) > 0.05 for name in names] == [True] * 3
+    assert names == ["runs/walk.rrd", "runs/walk-2.rrd"]
+    assert [last_time(Path(name)) > 0.05 for name in names] == [True] * 2
 
 
 def test_two_runs_cannot_write_one_file(project: Path, tmp_path: Path) -> None:

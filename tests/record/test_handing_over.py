@@ -1,0 +1,89 @@
+"""What decision hands over arrives as it was, at once, and never makes it wait for ever."""
+
+from __future__ import annotations
+
+import io
+import pickle
+import socket
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+
+from humanoid_bt.core.messages import BaseTarget, FootPose, HandTarget
+from humanoid_bt.link.wire import encode_state
+from humanoid_bt.record.outbox import Outbox, Stuck
+from humanoid_bt.record.sample import decode_call, encode_call, encode_sample
+from tests.record.helpers import make_state, make_track
+
+MESSAGE = bytes(range(256)) * 16
+
+
+@pytest.fixture
+def ends() -> Iterator[tuple[socket.socket, socket.socket]]:
+    one, other = socket.socketpair()
+    with one, other:
+        yield one, other
+
+
+def take(end: socket.socket, size: int) -> bytes:
+    taken = b""
+    while len(taken) < size:
+        taken += end.recv(size - len(taken))
+    return taken
+
+
+def test_a_sample_arrives_bit_for_bit() -> None:
+    targets = {"base": BaseTarget(np.array([1.0, 0.1]), 0.3), "left_hand": HandTarget(np.array([0.1, 0.2, 0.7]))}
+    state = make_state(1.02, joints=(0.1, 1 / 3, -2.0), footsteps=(("left", FootPose(0.1, 0.2, 0.3)),), targets=targets)
+    track = make_track(position=(1.0, 1 / 3, 0.7), confidence=0.9, age=0.1)
+    ball = np.array([1 / 3, 0.0, 0.9])
+    method, arguments = decode_call(io.BytesIO(encode_sample(state, {"target": track}, {"ball": ball}, {"ball"})))
+    assert method == "sample"
+    again, tracks, objects, hidden = arguments
+    assert encode_state(again) == encode_state(state)
+    seen = tracks["target"]
+    assert (seen.name, seen.stamp, seen.confidence, seen.age) == ("target", track.stamp, 0.9, 0.1)
+    assert seen.position_world.tolist() == track.position_world.tolist()
+    assert seen.distance == track.distance
+    assert objects["ball"].tolist() == ball.tolist()
+    assert hidden == ("ball",)
+
+
+def test_a_call_that_is_cut_short_is_none() -> None:
+    whole = encode_call("event", 1.0, "info", "something")
+    source = io.BytesIO(whole + whole[:-4])
+    assert decode_call(source) == ("event", (1.0, "info", "something"))
+    with pytest.raises((EOFError, pickle.UnpicklingError)):
+        decode_call(source)
+
+
+def test_what_is_not_taken_yet_stays_and_keeps_its_order(ends: tuple[socket.socket, socket.socket]) -> None:
+    one, other = ends
+    outbox = Outbox(one, 0.0)
+    count = 0
+    while not outbox.size:
+        outbox.put(MESSAGE)
+        count += 1
+    outbox.put(MESSAGE[::-1])
+    assert outbox.size > len(MESSAGE)
+    under_way = count * len(MESSAGE) + len(MESSAGE) - outbox.size
+    found = take(other, under_way)
+    outbox.push()
+    assert outbox.size == 0
+    found += take(other, (count + 1) * len(MESSAGE) - under_way)
+    assert found == count * MESSAGE + MESSAGE[::-1]
+
+
+def test_who_waits_gives_up_on_one_that_takes_nothing(ends: tuple[socket.socket, socket.socket]) -> None:
+    outbox = Outbox(ends[0], 0.01)
+    with pytest.raises(Stuck):
+        while True:
+            outbox.put(MESSAGE)
+
+
+def test_one_that_is_gone_is_an_error(ends: tuple[socket.socket, socket.socket]) -> None:
+    one, other = ends
+    other.close()
+    with pytest.raises(OSError, match="pipe"):
+        Outbox(one, 0.0).put(MESSAGE)
