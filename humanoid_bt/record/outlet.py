@@ -30,6 +30,7 @@ def tell_nobody(_what: str, _limit: float) -> None:
     """Announce nothing."""
 
 
+_LOST = 1.0  # s to close a file that is known to be cut short
 _VIEWER_MEMORY = "1GiB"  # of the server that keeps the run for a browser that opens late
 
 
@@ -101,7 +102,7 @@ class Outlet:
             self._announce("let browsers take the rest", LONGEST)
             wait_until_taken(self._data_port)
         with self._patience("close the file"):
-            self.stream.disconnect()
+            self._disconnect()
         if self._page is not None:
             self._page.close()
         if self._file is None:
@@ -109,6 +110,17 @@ class Outlet:
         whole = self._file.check_end()
         self._file.close()
         return whole
+
+    def _disconnect(self) -> None:
+        """Close the stream; where its file could not be written the library may never come back."""
+
+        def close() -> None:
+            with contextlib.suppress(RuntimeError):
+                self.stream.disconnect()
+
+        closing = threading.Thread(target=close, name="closing", daemon=True)
+        closing.start()
+        closing.join(_LOST if self.trouble else None)
 
     @contextlib.contextmanager
     def _patience(self, what: str) -> Iterator[None]:

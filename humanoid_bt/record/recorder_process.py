@@ -154,6 +154,7 @@ def main() -> None:
         os.sched_setscheduler(0, os.SCHED_BATCH, os.sched_param(0))  # when it wakes up it takes no core from the run
         os.sched_setaffinity(0, os.sched_getaffinity(0) - set(map(int, sys.argv[1:])))
     RecorderProcess(socket.socket(fileno=sys.stdin.fileno())).run()
+    os._exit(0)  # all is closed; whatever the viewer's library still waits for, nobody needs it
 
 
 if __name__ == "__main__":
