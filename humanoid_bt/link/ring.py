@@ -8,7 +8,6 @@ middle of a write nor one that laps the reader makes it return torn data, whatev
 
 from __future__ import annotations
 
-import fcntl
 from pathlib import Path
 from typing import Any, Self
 from zlib import crc32
@@ -37,11 +36,7 @@ class RingWriter:
     """
 
     def __init__(self, segment: Segment) -> None:
-        try:
-            fcntl.flock(segment.descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except OSError:
-            segment.close()
-            raise LinkError(f"{segment.path} has a writer already") from None
+        segment.claim()
         self._segment = segment
         self._words, self._bytes = segment.words, segment.bytes
         self.slot_size, self._slots = segment.info(0), segment.info(1)
@@ -131,12 +126,7 @@ class RingReader:
     @property
     def has_writer(self) -> bool:
         """Whether a process that lives has it open for writing."""
-        try:
-            fcntl.flock(self._segment.descriptor, fcntl.LOCK_SH | fcntl.LOCK_NB)
-        except OSError:
-            return True
-        fcntl.flock(self._segment.descriptor, fcntl.LOCK_UN)
-        return False
+        return self._segment.has_writer
 
     def latest(self) -> tuple[int, bytes] | None:
         """Return the newest (sequence, payload).

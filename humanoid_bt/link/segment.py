@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import fcntl
 import mmap
 import os
 import secrets
@@ -121,6 +122,28 @@ class Segment:
             segment.close()
             raise LinkError(f"{path} does not hold a {kind.name.lower()} of this version")
         return segment
+
+    def claim(self) -> None:
+        """Be the one writer, until this process ends or lets go of the file; close it if there is another one.
+
+        Raises:
+            LinkError: there is.
+        """
+        try:
+            fcntl.flock(self.descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError:
+            self.close()
+            raise LinkError(f"{self.path} has a writer already") from None
+
+    @property
+    def has_writer(self) -> bool:
+        """Whether a process that lives has claimed it."""
+        try:
+            fcntl.flock(self.descriptor, fcntl.LOCK_SH | fcntl.LOCK_NB)
+        except OSError:
+            return True
+        fcntl.flock(self.descriptor, fcntl.LOCK_UN)
+        return False
 
     def info(self, index: int) -> int:
         """Return one of the numbers given to :meth:`create`."""

@@ -7,7 +7,6 @@ what it missed is counted.
 
 from __future__ import annotations
 
-import fcntl
 from pathlib import Path
 from typing import Self
 
@@ -31,11 +30,7 @@ class TableWriter:
     """
 
     def __init__(self, segment: Segment) -> None:
-        try:
-            fcntl.flock(segment.descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except OSError:
-            segment.close()
-            raise LinkError(f"{segment.path} has a writer already") from None
+        segment.claim()
         self._segment, self._words = segment, segment.words
         self.rows = _rows(segment)
         self.count = self._words[_COUNT]
@@ -122,14 +117,9 @@ class TableReader:
         return self._words[_COUNT]
 
     @property
-    def gone(self) -> bool:
-        """Whether nobody writes any more."""
-        try:
-            fcntl.flock(self._segment.descriptor, fcntl.LOCK_SH | fcntl.LOCK_NB)
-        except OSError:
-            return False
-        fcntl.flock(self._segment.descriptor, fcntl.LOCK_UN)
-        return True
+    def has_writer(self) -> bool:
+        """Whether a process that lives has it open for writing."""
+        return self._segment.has_writer
 
     def since(self, count: int) -> tuple[Array, int]:
         """Return copies of the rows that were published after the first ``count``, oldest first, and how many are lost.

@@ -108,7 +108,7 @@ class _Follower(threading.Thread):
         self.join()
         waits = threading.Event()
         for _ in range(round(patience / _LOOK)):
-            if self._cycles.gone:
+            if not self._cycles.has_writer:
                 break
             waits.wait(_LOOK)
             self._take()
