@@ -90,7 +90,7 @@ def test_the_metadata_says_what_a_user_needs(wheel: Path) -> None:
     assert "\nDescription-Content-Type: text/markdown" in metadata
     for package in ("mujoco", "mink", "py-trees", "rerun-sdk", "pyyaml"):
         assert f"requires-dist: {package}" in metadata.lower().replace("_", "-")
-    assert "humanoid-bt = humanoid_bt.cli:main" in read["entry_points.txt"]
+    assert "humanoid-bt = humanoid_bt.__main__:main" in read["entry_points.txt"]
     assert "[pytest11]\nhumanoid_bt = humanoid_bt.testing.plugin" in read["entry_points.txt"]
 
 

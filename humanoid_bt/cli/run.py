@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import json
 import os
 import signal
 import sys
@@ -115,8 +116,11 @@ def _make_way(path: Path) -> None:
 
 
 def _is_report(path: Path) -> bool:
-    with path.open("rb") as file:
-        return file.read(1) == b"{"
+    try:
+        content = json.loads(path.read_bytes())
+    except ValueError:
+        return False
+    return isinstance(content, dict) and "outcome" in content
 
 
 def _written(report: Report, path: Path) -> bool:

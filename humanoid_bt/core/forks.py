@@ -31,6 +31,6 @@ def leave(error: BaseException) -> NoReturn:
 
 
 def die_of(number: int) -> None:
-    """Let a signal do to this process, a child, what it does to programs that do not handle it."""
+    """Let a signal do to this process what it does to programs that do not handle it."""
     signal.signal(number, signal.SIG_DFL)
     os.kill(os.getpid(), number)

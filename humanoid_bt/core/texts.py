@@ -26,6 +26,15 @@ def one_line(text: str) -> str:
     return printable(re.sub(r"\s", " ", text))
 
 
+def told(error: BaseException) -> str:
+    """Return the kind of an exception and its text, whatever making that text does."""
+    try:
+        text = str(error)
+    except Exception as second:
+        text = f"(its text cannot be made: {type(second).__name__})"
+    return f"{type(error).__name__}: {text}"
+
+
 def shortened(text: object, longest: int = LONGEST_TEXT) -> str:
     """Return a text, or the text of what should be one, in at most so many characters; that it is cut is told."""
     whole = text if isinstance(text, str) else str(text)

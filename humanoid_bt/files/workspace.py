@@ -5,6 +5,7 @@ Names are looked up in the current workspace first, then in the built-in one.
 
 from __future__ import annotations
 
+import os
 from os import PathLike
 from pathlib import Path
 from typing import Literal
@@ -41,7 +42,8 @@ def yaml_files(folder: Path) -> list[Path]:
         return [*(yaml_files(trees) if trees.is_dir() else ()), *(yaml_files(sim) if sim.is_dir() else ())]
     whole = resolved(folder)
     if whole.name == "sim":
-        return sorted([*folder.glob("scenes/*.yaml"), *folder.glob("*/robot.yaml")])
+        robots = (path / "robot.yaml" for path in folder.glob("*/"))
+        return sorted([*folder.glob("scenes/*.yaml"), *filter(os.path.lexists, robots)])  # a broken link is told of
     return sorted(folder.rglob("*.yaml") if "trees" in whole.parts else folder.glob("*.yaml"))
 
 

@@ -9,12 +9,14 @@ import socket
 import subprocess
 import sys
 import weakref
+from collections import deque
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
 
+from humanoid_bt.core.clock import DECISION_PERIOD
 from humanoid_bt.core.errors import HumanoidBtError, Problem, UserError
 from humanoid_bt.core.messages import Array, Level, State
 from humanoid_bt.decision.result import Reported
@@ -27,6 +29,7 @@ from humanoid_bt.record.subject import TreeView
 _START_TIMEOUT = 90.0  # s to open everything: a viewer on a cold disk, a camera that is insisted on
 _PATIENCE = 10.0  # s without a sign of life after which a recorder that is waited for is given up
 _BEHIND = 5.0  # s that a recorder which is not waited for may be behind before ticks are left out
+_ENVIRONMENT = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "RUST_LOG": "off"}  # it tells of trouble itself
 _ROOM = 1 << 22  # bytes of other news that wait for it then
 _END_TIMEOUT = 5.0  # s that an ended process may take to be gone
 
@@ -57,6 +60,7 @@ class RemoteRecorder:
             self._process = _start(other, core)
         self._outbox = Outbox(self._end, _PATIENCE if waits else 0.0)
         self._finalize = weakref.finalize(self, _end_process, self._process, self._end)
+        _ends.add(self._end)
         self._inbox, self._news = b"", list[tuple[Level, str]]()
         self._answers: list[list[Any]] = []
         self._opened = self._over = False  # over: nothing is handed over any more
@@ -64,6 +68,7 @@ class RemoteRecorder:
         self._first: float | None = None  # engine times of ticks [s]
         self._last = self._handed = 0.0
         self._written = -float("inf")  # up to when the recording has everything [s]
+        self._under_way: deque[float] = deque()  # engine times of ticks that were handed over and are not written [s]
         self._left_out = 0.0  # s
 
     # ---- life -------------------------------------------------------------------------------------------------------
@@ -129,11 +134,12 @@ class RemoteRecorder:
             self._first = self._last = state.time
         step, self._last = state.time - self._last, state.time
         self._follow()
-        if self._over or self._behind(state.time):
+        if self._over or self._behind():
             self._left_out += step
             self._put()
         else:
             self._handed = state.time
+            self._under_way.append(state.time)
             self._put(encode_sample(state, tracks, objects, hidden))
 
     def cycles(self, plans: Array, cycles: Array) -> None:
@@ -182,10 +188,11 @@ class RemoteRecorder:
 
     # ---- the other process ------------------------------------------------------------------------------------------
 
-    def _behind(self, now: float) -> bool:
-        """Return whether the recorder is too far behind to be given more."""
-        assert self._first is not None
-        behind = not self._waits and now - max(self._written, self._first) > _BEHIND
+    def _behind(self) -> bool:
+        """Return whether the recorder is too far behind what it was given to be given more."""
+        while self._under_way and self._under_way[0] <= self._written:
+            self._under_way.popleft()
+        behind = not self._waits and len(self._under_way) * DECISION_PERIOD > _BEHIND
         if behind and not self._told_behind:
             self._told_behind = True
             text = f"the recorder is more than {_BEHIND:g} s behind: what it cannot take is missing in the recording"
@@ -287,11 +294,24 @@ def _start(end: socket.socket, core: int | None) -> subprocess.Popen[bytes]:
             [sys.executable, "-P", "-m", "humanoid_bt.record.recorder_process", *([] if core is None else [str(core)])],
             stdin=end.fileno(),
             stdout=subprocess.DEVNULL,
-            env={**os.environ, "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"},
+            env={**os.environ, **_ENVIRONMENT},
             start_new_session=True,
         )
     except OSError as error:
         raise HumanoidBtError(f"the recorder process cannot be started: {error.strerror}") from error
+
+
+_ends: weakref.WeakSet[socket.socket] = weakref.WeakSet()
+
+
+def _leave_to_parent() -> None:
+    """Close the ends in a child that a skill forked: a recorder ends when nobody has its other end any more."""
+    for end in list(_ends):
+        end.close()
+
+
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=_leave_to_parent)
 
 
 def _end_process(process: subprocess.Popen[bytes], end: socket.socket) -> None:

@@ -58,12 +58,13 @@ class Sinks:
 def _check_file(path: Path) -> None:
     folder = path.parent
     shown = relative(path)
-    if path.is_dir():
-        raise UserError(f"the recording {shown!r} is a folder", hint="valid: a file name, such as run.rrd")
-    if not folder.is_dir():
-        raise UserError(f"the recording's folder {relative(folder)!r} is missing", hint=f"mkdir -p {relative(folder)}")
-    existed = path.exists()
     try:
+        if path.is_dir():
+            raise UserError(f"the recording {shown!r} is a folder", hint="valid: a file name, such as run.rrd")
+        if not folder.is_dir():
+            hint = f"mkdir -p {relative(folder)}"
+            raise UserError(f"the recording's folder {relative(folder)!r} is missing", hint=hint)
+        existed = path.exists()
         with path.open("ab"):
             pass
         if not existed:

@@ -10,11 +10,13 @@ from types import FrameType
 
 from humanoid_bt.core import forks
 
+_MOST = 2  # of them that are handled
+
 
 class WholeTick:
     """Holds Ctrl-C back until what it is entered for is done, and then raises KeyboardInterrupt.
 
-    A second one is not held back.
+    A second one is not held back. A skill may catch that; the third kills the program.
 
     Programs that handle the signal themselves, and threads that do not get it, are left alone. Use it as a context
     manager.
@@ -27,7 +29,7 @@ class WholeTick:
         self._on_hold = on_hold
 
     def __enter__(self) -> None:
-        self._noted, self._process = False, os.getpid()
+        self._count, self._process = 0, os.getpid()
         self._ours = (
             threading.current_thread() is threading.main_thread()
             and signal.getsignal(signal.SIGINT) is signal.default_int_handler
@@ -38,14 +40,14 @@ class WholeTick:
     def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
         if self._ours:
             signal.signal(signal.SIGINT, signal.default_int_handler)
-        if self._noted and kind is None:
+        if self._count and kind is None:
             raise KeyboardInterrupt
 
     def _note(self, number: int, _frame: FrameType | None) -> None:
-        if os.getpid() != self._process:
+        if os.getpid() != self._process or self._count >= _MOST:
             forks.die_of(number)
-        if self._noted:
+        self._count += 1
+        if self._count > 1:
             raise KeyboardInterrupt
-        self._noted = True
         if self._on_hold is not None:
             self._on_hold("Ctrl-C")

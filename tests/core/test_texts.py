@@ -7,7 +7,7 @@ import unicodedata
 import pytest
 
 from humanoid_bt.core.errors import Place, Problem
-from humanoid_bt.core.texts import one_line, printable, shortened
+from humanoid_bt.core.texts import one_line, printable, shortened, told
 
 EVERYTHING = "".join(map(chr, range(0x110000)))
 
@@ -55,3 +55,12 @@ def test_an_error_shows_commands_and_keeps_them_as_data() -> None:
     problem = Problem("no \x1b[2J", Place("a\x1b.yaml", 1, 2))
     assert str(problem) == r"a\x1b.yaml:1:2: error: no \x1b[2J"
     assert problem.message == "no \x1b[2J"
+
+
+def test_an_exception_is_told_whatever_making_its_text_does() -> None:
+    class UnspeakableError(Exception):
+        def __str__(self) -> str:
+            raise RuntimeError("no")
+
+    assert told(ValueError("too far")) == "ValueError: too far"
+    assert told(UnspeakableError()) == "UnspeakableError: (its text cannot be made: RuntimeError)"

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import io
+import os
 import pickle
 import socket
+import subprocess
 from collections.abc import Iterator
 
 import numpy as np
@@ -12,7 +14,9 @@ import pytest
 
 from humanoid_bt.core.messages import BaseTarget, FootPose, HandTarget
 from humanoid_bt.link.wire import encode_state
+from humanoid_bt.record import remote_recorder
 from humanoid_bt.record.outbox import Outbox, Stuck
+from humanoid_bt.record.remote_recorder import RemoteRecorder
 from humanoid_bt.record.sample import decode_call, encode_call, encode_sample
 from tests.record.helpers import make_state, make_track
 
@@ -87,3 +91,40 @@ def test_one_that_is_gone_is_an_error(ends: tuple[socket.socket, socket.socket])
     other.close()
     with pytest.raises(OSError, match="pipe"):
         Outbox(one, 0.0).put(MESSAGE)
+
+
+@pytest.fixture
+def recorder(monkeypatch: pytest.MonkeyPatch) -> Iterator[RemoteRecorder]:
+    """One that is never waited for, and whose process takes nothing."""
+
+    def start(end: socket.socket, _core: int | None) -> subprocess.Popen[bytes]:
+        return subprocess.Popen(["sleep", "60"], stdin=end.fileno())
+
+    monkeypatch.setattr(remote_recorder, "_start", start)
+    with RemoteRecorder(waits=False) as recorder:
+        yield recorder
+
+
+def test_a_pause_of_decision_does_not_count_as_the_recorders(recorder: RemoteRecorder) -> None:
+    for time in (0.0, 0.02):
+        recorder.sample(make_state(time), {}, {})
+    recorder._written = 0.0  # the last batch is not written yet
+    for time in (10.0, 10.02):
+        recorder.sample(make_state(time), {}, {})
+    assert recorder.take_news() == []
+    assert recorder._handed == 10.02
+
+
+def test_a_recorder_that_writes_nothing_is_told_once(recorder: RemoteRecorder) -> None:
+    for tick in range(600):
+        recorder.sample(make_state(0.02 * tick), {}, {})
+    ((level, text),) = recorder.take_news()
+    assert (level, text.partition(":")[0]) == ("error", "the recorder is more than 5 s behind")
+    assert recorder._handed == pytest.approx(5.0, abs=0.03)
+
+
+def test_a_forked_child_lets_go_of_the_recorder(recorder: RemoteRecorder) -> None:
+    child = os.fork()
+    if not child:
+        os._exit(0 if recorder._end.fileno() == -1 else 1)
+    assert os.waitpid(child, 0)[1] == 0

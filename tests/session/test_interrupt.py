@@ -37,6 +37,22 @@ def test_a_second_ctrl_c_does_not_wait() -> None:
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
 
 
+def test_a_third_ctrl_c_ends_a_program_that_catches_the_second() -> None:
+    script = """
+import signal
+from humanoid_bt.session.interrupt import WholeTick
+with WholeTick():
+    for number in range(5):
+        try:
+            signal.raise_signal(signal.SIGINT)
+        except BaseException:
+            pass
+        print(number, flush=True)
+"""
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stdout.split()) == (-signal.SIGINT, ["0", "1"])
+
+
 def test_programs_that_handle_ctrl_c_are_left_alone(monkeypatch: pytest.MonkeyPatch) -> None:
     noted: list[int] = []
     before = signal.signal(signal.SIGINT, lambda number, _: noted.append(number))

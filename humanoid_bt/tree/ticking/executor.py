@@ -13,7 +13,7 @@ from humanoid_bt.core import forks
 from humanoid_bt.core.ctrl_c import is_ctrl_c
 from humanoid_bt.core.errors import HumanoidBtError, Place, Problem, ResourceConflict, UserError
 from humanoid_bt.core.messages import Command, Percept, State
-from humanoid_bt.core.texts import shortened
+from humanoid_bt.core.texts import shortened, told
 from humanoid_bt.decision.result import Reported, reported
 from humanoid_bt.decision.robot import Robot
 from humanoid_bt.decision.skill_files import class_file, place_in_file
@@ -59,7 +59,7 @@ class NodeError(HumanoidBtError):
         self.error = error
         self.where: Place | None = place_in_file(error, file) if file else None
         at = f"\n    raised at {self.where}" if self.where else ""
-        super().__init__(f"{self.place}: the node {self.path!r} raised {type(error).__name__}: {error}{at}")
+        super().__init__(f"{self.place}: the node {self.path!r} raised {told(error)}{at}")
 
 
 class Executor:

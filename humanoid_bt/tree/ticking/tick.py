@@ -15,6 +15,7 @@ from py_trees.common import Status
 
 from humanoid_bt.core import forks
 from humanoid_bt.core.ctrl_c import is_ctrl_c
+from humanoid_bt.core.texts import told
 from humanoid_bt.decision.skill import Skill
 
 
@@ -172,7 +173,7 @@ def _not_stopped(node: Behaviour, error: BaseException, seen: Seen) -> Raised:
     """Note what a node raised while it was stopped; it counts as halted."""
     _check_own(error)
     node.status = INVALID
-    node.feedback_message = f"raised {type(error).__name__}: {error}"
+    node.feedback_message = f"raised {told(error)}"
     seen.append(node)
     seen.changed = True
     return Raised(node, error)
@@ -191,8 +192,8 @@ def _abandon(node: Behaviour, error: BaseException, seen: Seen) -> None:
     except BaseException as raised:
         second = raised.error if isinstance(raised, Raised) else raised
         _check_own(second)
-        error.add_note(f"and then, while it was stopped: {type(second).__name__}: {second}")
+        error.add_note(f"and then, while it was stopped: {told(second)}")
     node.status = INVALID
-    node.feedback_message = f"raised {type(error).__name__}: {error}"
+    node.feedback_message = f"raised {told(error)}"
     seen.append(node)
     seen.changed = True
