@@ -32,7 +32,12 @@ _POLL = 0.05  # time between two looks at what is on the way [s]
 _ESTABLISHED = "01"
 _PAGE = ("/", "/favicon.ico", "/sw.js", "/re_viewer.js", "/re_viewer_bg.wasm")
 
-_QUIETLY = {"CI": "1"}  # how the viewer is told to tell its makers nothing: it takes this for a test of theirs
+_NOWHERE = f"http://{LOOPBACK}:9"  # nobody answers there
+_QUIETLY = {
+    "CI": "1",  # the viewer takes this for a test of its makers, and reports nothing to them
+    **{name: _NOWHERE for proxy in ("HTTP_PROXY", "HTTPS_PROXY", "ALL_PROXY") for name in (proxy, proxy.lower())},
+    "NO_PROXY": LOOPBACK,  # else it asks whether there is a newer one, and has no setting for that
+}
 
 
 def free_port() -> int:
