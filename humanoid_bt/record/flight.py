@@ -116,9 +116,9 @@ class _Follower(threading.Thread):
 
     def _take(self) -> None:
         (plans, lost_plans), (cycles, lost) = self._plans.since(self._read[0]), self._cycles.since(self._read[1])
+        until = (self._read[1] + lost) * SERVO_PERIOD  # there may be no row left after those
         self._read = [self._read[0] + lost_plans + len(plans), self._read[1] + lost + len(cycles)]
         if lost and not self.trouble:
-            until = float(cycles[0, 0]) * SERVO_PERIOD
             self.trouble = f"servo cycles are missing in the recording before {until:.2f} s: they were taken too late"
         self._flight.add(plans, cycles)
 

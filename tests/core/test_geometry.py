@@ -6,7 +6,16 @@ import mink
 import numpy as np
 import pytest
 
-from humanoid_bt.core.geometry import exp, log, planar_pose, pose_inverse, pose_product, rotation_matrix
+from humanoid_bt.core.geometry import (
+    exp,
+    leaning,
+    log,
+    planar_pose,
+    pose_inverse,
+    pose_product,
+    rotation_matrix,
+    view_along,
+)
 
 TWISTS = [np.random.default_rng(seed).normal(scale=scale, size=6) for seed in range(5) for scale in (1e-9, 0.1, 0.8)]
 
@@ -48,3 +57,19 @@ def test_a_planar_pose_is_upright() -> None:
     matrix = rotation_matrix(planar_pose(1, 2, 3, math.pi / 3)[3:])
     np.testing.assert_allclose(matrix[2], [0, 0, 1], atol=1e-12)
     assert math.atan2(matrix[1, 0], matrix[0, 0]) == pytest.approx(math.pi / 3)
+
+
+@pytest.mark.parametrize(("yaw", "pitch"), [(0.0, 0.0), (0.7, 0.3), (-2.0, 1.0), (3.0, -0.4)])
+def test_a_view_looks_along_its_yaw_and_then_down_by_its_pitch(yaw: float, pitch: float) -> None:
+    ahead, left, _ = rotation_matrix(view_along(yaw, pitch)).T
+    down = math.sin(pitch)
+    np.testing.assert_allclose(
+        ahead, [math.cos(yaw) * math.cos(pitch), math.sin(yaw) * math.cos(pitch), -down], atol=1e-12
+    )
+    assert left[2] == pytest.approx(0, abs=1e-12)
+
+
+def test_what_leans_is_turned_about_its_own_axis() -> None:
+    turned, straight = (rotation_matrix(leaning(0.4, 0.3, yaw)) for yaw in (0.5, 0.0))
+    np.testing.assert_allclose(turned[:, 2], straight[:, 2], atol=1e-12)
+    assert np.arccos(turned[:, 0] @ straight[:, 0]) == pytest.approx(0.5)
