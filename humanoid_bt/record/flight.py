@@ -1,7 +1,8 @@
-"""Every servo cycle in the recording: rows of plans and of servo cycles, packed into blocks.
+"""The flight log: every servo cycle, every tick and everything that happened, in the recording and exact.
 
-The viewer has no use for a thousand samples a second of a hundred numbers; it shows those of the ticks. These are for
-whoever wants to know what happened between two ticks: :func:`~humanoid_bt.record.reading.read_cycles`.
+The viewer has no use for a thousand samples a second of a hundred numbers; it shows those of the ticks, in pictures and
+plots. What is here is for whoever wants to know what happened, or to run it again: see
+:class:`~humanoid_bt.record.reading.FlightLog`.
 """
 
 from __future__ import annotations
@@ -9,6 +10,7 @@ from __future__ import annotations
 import json
 import threading
 from collections import deque
+from collections.abc import Iterator, Mapping
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -22,40 +24,60 @@ from humanoid_bt.core.clock import SERVO_PERIOD
 from humanoid_bt.core.messages import Array
 from humanoid_bt.link.table import TableReader
 from humanoid_bt.record.columns import send
-from humanoid_bt.record.packing import pack
+from humanoid_bt.record.packing import bundle, pack
 
 FLIGHT = "flight"
-PLANS, CYCLES = f"{FLIGHT}/plans", f"{FLIGHT}/cycles"
-_LOOK = 0.2  # s between two looks into tables that are files
+PLANS, CYCLES, TICKS, NEWS = "plans", "cycles", "ticks", "news"
+_LOOK = 0.02  # s between two looks into tables that are files
 
 
 class Flight:
-    """Collects rows and writes them in batches.
+    """Collects what is to be kept and writes it in batches.
 
     Args:
         joints: the robot's joints.
+        setup: what is run, as data for JSON.
     """
 
-    def __init__(self, joints: tuple[str, ...]) -> None:
-        self._layout = Layout.of(joints)
+    def __init__(self, joints: tuple[str, ...], setup: Mapping[str, Any]) -> None:
+        self._layout, self._setup = Layout.of(joints), setup
         self._rows: dict[str, deque[Array]] = {PLANS: deque(), CYCLES: deque()}
         self._kinds = {PLANS: self._layout.plan, CYCLES: self._layout.cycle}
+        self._ticks, self._news = list[bytes](), list[bytes]()
+        self._until = 0.0  # engine time of the last that was taken [s]
         self._follower: _Follower | None = None
 
     def log_static(self, stream: Any) -> None:
-        """Write what the rows hold."""
-        described = {
+        """Write what was run, and what the rows hold."""
+        layout = {
             "modes": [mode.value for mode in MODES],
             "gaits": [gait.value for gait in GAITS],
-            "plans": _described(self._layout.plan),
-            "cycles": _described(self._layout.cycle),
+            PLANS: _described(self._layout.plan),
+            CYCLES: _described(self._layout.cycle),
         }
-        stream.log(FLIGHT, rr.AnyValues(layout=[json.dumps(described)]), static=True)
+        values = rr.AnyValues(layout=[json.dumps(layout)], setup=[json.dumps(self._setup)])
+        stream.log(FLIGHT, values, static=True)
 
     def add(self, plans: Array, cycles: Array) -> None:
-        """Take rows, in the order of time."""
+        """Take rows of plans and servo cycles, in the order of time."""
         self._rows[PLANS].append(plans)
         self._rows[CYCLES].append(cycles)
+
+    def tick(self, time: float, tick: bytes) -> None:
+        """Take a tick [s], encoded."""
+        self._until = time
+        self._ticks.append(tick)
+
+    def news(self, time: float, kind: str, value: Any) -> None:
+        """Take something that happened.
+
+        Args:
+            time: engine time [s].
+            kind: what it is.
+            value: data for JSON.
+        """
+        self._until = max(self._until, time)
+        self._news.append(json.dumps([time, kind, value]).encode())
 
     def follow(self, plans: Path, cycles: Path) -> None:
         """Take rows from these tables from now on, by itself.
@@ -66,25 +88,34 @@ class Flight:
         self._follower = _Follower(self, TableReader.open(plans), TableReader.open(cycles))
         self._follower.start()
 
-    def finish(self, patience: float) -> None:
-        """Take what control still writes, until it has ended or it takes too long [s]."""
+    def finish(self, patience: float, stream: Any) -> None:
+        """Take what control still writes, until it has ended or it takes too long [s]; write it as it comes."""
         if self._follower is not None:
-            self._follower.finish(patience)
+            for _ in self._follower.finish(patience):
+                self.flush(stream)
 
     @property
     def trouble(self) -> str:
         """What is missing, "" while nothing is."""
         return self._follower.trouble if self._follower is not None else ""
 
-    def flush(self, stream: Any) -> None:
-        """Write what was added since the last flush."""
-        for path, waiting in self._rows.items():
+    def flush(self, stream: Any) -> bool:
+        """Write what was added since the last flush; return whether there was anything."""
+        blocks = {}
+        for name, waiting in self._rows.items():
             parts = [waiting.popleft() for _ in range(len(waiting))]  # others may come meanwhile
             rows = np.concatenate(parts) if parts else np.zeros((0, 0))
             if len(rows):
-                block = pack(rows, self._kinds[path].resolution)
-                columns = rr.AnyValues.columns(block=pa.array([block], type=pa.binary()))
-                send(stream, path, [float(rows[-1, 0]) * SERVO_PERIOD], columns)
+                blocks[name] = pack(rows, self._kinds[name].resolution)
+                self._until = max(self._until, float(rows[-1, 0]) * SERVO_PERIOD)
+        for name, messages in ((TICKS, self._ticks), (NEWS, self._news)):
+            if messages:
+                blocks[name] = bundle(messages)
+                messages.clear()
+        if blocks:
+            columns = {name: pa.array([block], type=pa.binary()) for name, block in blocks.items()}
+            send(stream, FLIGHT, [self._until], rr.AnyValues.columns(**columns))
+        return bool(blocks)
 
 
 class _Follower(threading.Thread):
@@ -102,7 +133,7 @@ class _Follower(threading.Thread):
         while not self._ending.wait(_LOOK):
             self._take()
 
-    def finish(self, patience: float) -> None:
+    def finish(self, patience: float) -> Iterator[None]:
         """Take what comes until control has ended, or it takes too long [s]."""
         self._ending.set()
         self.join()
@@ -112,7 +143,9 @@ class _Follower(threading.Thread):
                 break
             waits.wait(_LOOK)
             self._take()
+            yield
         self._take()
+        yield
 
     def _take(self) -> None:
         (plans, lost_plans), (cycles, lost) = self._plans.since(self._read[0]), self._cycles.since(self._read[1])

@@ -43,7 +43,8 @@ class Outbox:
             Stuck: it took nothing for too long.
             OSError: nobody is there any more.
         """
-        self._waiting.append(message)
+        if message:
+            self._waiting.append(message)
         self.size += len(message)
         self.push(patience)
 

@@ -4,12 +4,15 @@ A block is a table of samples, a row each. Each column has a resolution; what is
 it is. Neighbouring samples of a moving robot differ little, so that the differences from row to row, byte by byte, hold
 long runs of equal bytes, and a general compressor makes a sixth of them. A block with a number that is not finite, or
 too large for its resolution, is kept as it is: what happened before a robot fell must be readable bit by bit.
+
+What is no table, messages of any length, goes into bundles.
 """
 
 from __future__ import annotations
 
 import struct
 import zlib
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -17,6 +20,8 @@ from humanoid_bt.core.errors import HumanoidBtError
 from humanoid_bt.core.messages import Array
 
 _HEADER = struct.Struct("<BIIQ")  # form, rows, columns, check of what follows
+_BUNDLE = struct.Struct("<IIQ")  # messages, bytes of them with their sizes, check of what follows
+_SIZE = struct.Struct("<I")  # of a message
 _EXACT, _ROUNDED = 0, 1
 _LEVEL = 1  # of zlib: higher ones take three times as long for a tenth less
 _MOST = 2**30  # of a column's resolution; what is larger is kept as it is
@@ -69,6 +74,35 @@ def unpack(packed: bytes, resolution: Array) -> Array:
     bytes_of = np.frombuffer(raw, np.uint8).reshape(4, columns, rows)
     steps = np.ascontiguousarray(bytes_of.transpose(2, 1, 0)).view("<i4").reshape(rows, columns)
     return np.cumsum(steps, axis=0, dtype=np.int32) * resolution
+
+
+def bundle(messages: Sequence[bytes]) -> bytes:
+    """Return messages as one."""
+    body = b"".join(part for message in messages for part in (_SIZE.pack(len(message)), message))
+    packed = zlib.compress(body, _LEVEL)
+    return _BUNDLE.pack(len(messages), len(body), zlib.crc32(packed)) + packed
+
+
+def unbundle(packed: bytes) -> list[bytes]:
+    """Return the messages of a bundle.
+
+    Raises:
+        BlockError: the bytes are cut, changed, or no bundle.
+    """
+    if len(packed) < _BUNDLE.size:
+        raise BlockError(f"a bundle of {len(packed)} bytes is too short")
+    count, size, check = _BUNDLE.unpack_from(packed)
+    body = packed[_BUNDLE.size :]
+    if zlib.crc32(body) != check or size > _LARGEST:
+        raise BlockError("a bundle is damaged")
+    raw, messages, offset = zlib.decompress(body, bufsize=max(size, 1)), list[bytes](), 0
+    while offset < len(raw):
+        (length,) = _SIZE.unpack_from(raw, offset)
+        messages.append(raw[offset + _SIZE.size : offset + _SIZE.size + length])
+        offset += _SIZE.size + length
+    if len(messages) != count or len(raw) != size:
+        raise BlockError(f"a bundle of {count} messages holds {len(messages)}")
+    return messages
 
 
 def _by_byte(steps: Array) -> bytes:

@@ -37,9 +37,7 @@ from humanoid_bt.record.viewers import FLUSH_TIMEOUT
 from humanoid_bt.robot.config import RobotConfig
 
 _LIVE_BATCH = 0.5  # time covered by a batch while somebody watches [s]
-_FILE_BATCH = (
-    1.0  # the same of a file alone: fewer, cheaper batches; about this much is lost when the program is killed
-)
+_FILE_BATCH = 2.0  # the same of a file alone: fewer and larger batches take less room [s]
 _FRAME = 0.04  # time between poses of the 3D view [s]: 25 a second look fluent at half the cost of every tick
 _CONTROL_ENDS = 30.0  # s that control may take to bring the robot to a stand when decision is gone
 _SLACK = 1e-6  # times are sums of periods
@@ -58,7 +56,8 @@ class Recorder:
         config: the robot's numbers.
         tree: what is shown of the tree.
         sinks: where the recording goes.
-        info: about the run: heading -> text, such as tree, robot, seed, versions, parameters.
+        info: about the run, to be read by people: heading -> text, such as tree, robot, seed, parameters.
+        setup: what is run, as data for JSON: all it takes to run it again.
         camera: what the head camera has in the picture.
         pictures: whether there shall be pictures of it.
         busy_cores: how many cores the run itself needs; pictures need another.
@@ -80,6 +79,7 @@ class Recorder:
         tree: TreeView,
         sinks: Sinks,
         info: Mapping[str, str],
+        setup: Mapping[str, Any] | None = None,
         camera: View,
         pictures: Wanted = False,
         busy_cores: int = 1,
@@ -94,7 +94,7 @@ class Recorder:
         self._lanes = Lanes(tree.outline)
         self._events = EventLog(tree.outline)
         self._results = ResultSeries()
-        self._flight = Flight(joint_names)
+        self._flight = Flight(joint_names, setup or {})
         self._views = (self._scene, self._overlays, self._stop_sign, self._plots, self._tree)
         self._last_flush = self._last_frame = self._sampled = self._sent = -np.inf
         self.written = -np.inf
@@ -124,7 +124,12 @@ class Recorder:
         return self._outlet.trouble or self._flight.trouble
 
     def sample(
-        self, state: State, tracks: Mapping[str, Track], objects: Mapping[str, Array], hidden: Container[str] = ()
+        self,
+        state: State,
+        tracks: Mapping[str, Track],
+        objects: Mapping[str, Array],
+        hidden: Container[str] = (),
+        tick: bytes = b"",
     ) -> None:
         """Record one tick.
 
@@ -133,8 +138,11 @@ class Recorder:
             tracks: percepts by name, placed in the world.
             objects: true positions of scene objects by name, world frame, shape (3,) [m].
             hidden: names of those that perception cannot see now.
+            tick: what decision saw and commanded, to the bit: an encoded :class:`~humanoid_bt.record.tick.Tick`.
         """
         self._check_open()
+        if tick:
+            self._flight.tick(state.time, tick)
         seen = dict(tracks)
         self._sampled = state.time
         self._plots.add(state, seen)
@@ -171,6 +179,17 @@ class Recorder:
         self._check_open()
         self._flight.follow(plans, cycles)
 
+    def news(self, time: float, kind: str, value: Any) -> None:
+        """Keep something that happened for those who read the recording, without showing it.
+
+        Args:
+            time: engine time [s].
+            kind: what it is.
+            value: data for JSON.
+        """
+        self._check_open()
+        self._flight.news(time, kind, value)
+
     def node_changed(self, time: float, path: str, status: str, feedback: str) -> None:
         """Record that a node's status changed.
 
@@ -181,6 +200,7 @@ class Recorder:
             feedback: what the node says about it.
         """
         self._check_open()
+        self._flight.news(time, "node", [path, status, feedback])
         self._tree.change(time, path, status, feedback)
         self._lanes.change(time, path, status)
         self._events.node_changed(time, path, status, feedback)
@@ -194,6 +214,7 @@ class Recorder:
             results: what it has set.
         """
         self._check_open()
+        self._flight.news(time, "results", [path, [list(result) for result in results]])
         self._results.add(time, path, results)
 
     def show_tree(self, time: float, tree: TreeView, info: Mapping[str, str]) -> None:
@@ -220,7 +241,13 @@ class Recorder:
             text: what happened.
         """
         self._check_open()
+        self._flight.news(time, "event", [level, text])
         self._events.event(time, level, text)
+
+    def save(self) -> None:
+        """Write what is kept exactly since the last time: it is what must not be lost."""
+        if not self._closed and self._flight.flush(self._outlet.stream):
+            self._settle()
 
     def flush(self) -> None:
         """Write what was recorded since the last batch; does nothing after :meth:`close`."""
@@ -231,8 +258,7 @@ class Recorder:
             self._events.event(max(self._last_flush, 0.0), "info", f"no picture of the head camera: {why}")
         for part in (*self._views, self._lanes, self._results, self._eye, self._camera, self._events, self._flight):
             part.flush(stream)
-        before, self._sent = self._sent, self._sampled
-        self._note(before if self._live else self._sent, self._outlet.settle())
+        self._settle()
 
     def close(self) -> None:
         """Write the rest and close the recording; further calls do nothing."""
@@ -243,7 +269,7 @@ class Recorder:
             self._announce("take pictures of the head camera", self._camera.patience)
             self._camera.finish()
             self._announce("take what control still does", _CONTROL_ENDS)
-            self._flight.finish(_CONTROL_ENDS)
+            self._flight.finish(_CONTROL_ENDS, self._outlet.stream)
             self._announce("write the rest", FLUSH_TIMEOUT)
             self.flush()
         finally:
@@ -258,6 +284,11 @@ class Recorder:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self.close()
+
+    def _settle(self) -> None:
+        """Note what the file has got."""
+        before, self._sent = self._sent, self._sampled
+        self._note(before if self._live else self._sent, self._outlet.settle())
 
     def _note(self, until: float, got: bool) -> None:
         """Note up to when [s] the file has everything, if it got what was sent."""

@@ -17,7 +17,7 @@ import sys
 import threading
 import time
 import traceback
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
@@ -31,6 +31,7 @@ if TYPE_CHECKING:
 
 _NICE = 5  # behind the run, before what is only meant to fill idle cores
 _PAUSE = 0.02  # s between two looks at what came in
+_SAVE = 0.03  # s after which what came in stands in the file, if it is what must not be lost
 _CHUNK = 1 << 16  # bytes that are read at once
 _ALONE = 60.0  # s to close a recording that nobody waits for any more
 
@@ -45,10 +46,11 @@ class RecorderProcess:
     def __init__(self, end: socket.socket) -> None:
         self._end = end
         self._saying = threading.Lock()
-        self._source = io.BufferedReader(_Unhurried(end), _CHUNK)
+        self._source = io.BufferedReader(_Unhurried(end, self._save), _CHUNK)
         self._recorder: Recorder | None = None
         self._written = -float("inf")
         self._trouble = ""
+        self._saved = 0.0  # on the monotonic clock [s]
         self._last = 0.0  # engine time of the last tick [s]
         logging.getLogger().addHandler(_Telling(self))
 
@@ -84,15 +86,28 @@ class RecorderProcess:
         getattr(recorder, method)(*arguments)
         if method == "sample":
             self._last = arguments[0].time
+        self._save()
+        self._tell(recorder)
+        if method == "close":
+            self.say("closed")
+        return method != "close"
+
+    def _save(self) -> None:
+        """Write what must not be lost, if the last time was long enough ago."""
+        now = time.monotonic()
+        if self._recorder is not None and now - self._saved >= _SAVE:
+            self._saved = now
+            self._recorder.save()
+            self._tell(self._recorder)
+
+    def _tell(self, recorder: Recorder) -> None:
+        """Say what became of the file, if that has changed."""
         if recorder.written != self._written:
             self._written = recorder.written
             self.say("written", self._written)
         if recorder.trouble != self._trouble:
             self._trouble = recorder.trouble
             self.say("told", "error", self._trouble)
-        if method == "close":
-            self.say("closed")
-        return method != "close"
 
     def _close_alone(self, why: str) -> None:
         """Close the recording, for which nobody waits."""
@@ -114,10 +129,14 @@ class _Unhurried(io.RawIOBase):
     """Reads a stream and looks at it from time to time, instead of sleeping on it.
 
     Whoever writes to a process that sleeps wakes it up, and may have to make room for it at once.
+
+    Args:
+        end: of the stream.
+        meanwhile: done at every look that finds nothing.
     """
 
-    def __init__(self, end: socket.socket) -> None:
-        self._end = end
+    def __init__(self, end: socket.socket, meanwhile: Callable[[], None]) -> None:
+        self._end, self._meanwhile = end, meanwhile
 
     def readable(self) -> bool:
         return True
@@ -127,6 +146,7 @@ class _Unhurried(io.RawIOBase):
             try:
                 return self._end.recv_into(buffer, 0, socket.MSG_DONTWAIT)
             except BlockingIOError:
+                self._meanwhile()
                 time.sleep(_PAUSE)
 
 

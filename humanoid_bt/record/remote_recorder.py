@@ -18,13 +18,14 @@ from typing import Any, Self
 
 from humanoid_bt.core.clock import DECISION_PERIOD
 from humanoid_bt.core.errors import HumanoidBtError, Problem, UserError
-from humanoid_bt.core.messages import Array, Level, State
+from humanoid_bt.core.messages import Array, Level
 from humanoid_bt.decision.result import Reported
 from humanoid_bt.link.processes import how_ended
 from humanoid_bt.perception.track import Track
 from humanoid_bt.record.outbox import Outbox, Stuck
 from humanoid_bt.record.sample import encode_call, encode_sample
 from humanoid_bt.record.subject import TreeView
+from humanoid_bt.record.tick import Tick
 
 _START_TIMEOUT = 90.0  # s to open everything: a viewer on a cold disk, a camera that is insisted on
 _PATIENCE = 10.0  # s without a sign of life after which a recorder that is waited for is given up
@@ -63,6 +64,7 @@ class RemoteRecorder:
         _ends.add(self._end)
         self._inbox, self._news = b"", list[tuple[Level, str]]()
         self._answers: list[list[Any]] = []
+        self._collected: list[bytes] = []  # calls since the last tick
         self._opened = self._over = False  # over: nothing is handed over any more
         self._told_behind = False
         self._first: float | None = None  # engine times of ticks [s]
@@ -127,45 +129,59 @@ class RemoteRecorder:
     # ---- what happens -----------------------------------------------------------------------------------------------
 
     def sample(
-        self, state: State, tracks: Mapping[str, Track], objects: Mapping[str, Array], hidden: Iterable[str] = ()
+        self, tick: Tick, tracks: Mapping[str, Track], objects: Mapping[str, Array], hidden: Iterable[str] = ()
     ) -> None:
-        """Record one tick, as :meth:`~humanoid_bt.record.recorder.Recorder.sample`."""
+        """Record one tick, and hand over everything since the last one.
+
+        Args:
+            tick: what decision saw and commanded.
+            tracks: percepts by name, placed in the world.
+            objects: true positions of scene objects by name, world frame, shape (3,) [m].
+            hidden: names of those that perception cannot see now.
+        """
+        time = tick.state.time
         if self._first is None:
-            self._first = self._last = state.time
-        step, self._last = state.time - self._last, state.time
+            self._first = self._last = time
+        step, self._last = time - self._last, time
         self._follow()
         if self._over or self._behind():
             self._left_out += step
-            self._put()
         else:
-            self._handed = state.time
-            self._under_way.append(state.time)
-            self._put(encode_sample(state, tracks, objects, hidden))
+            self._handed = time
+            self._under_way.append(time)
+            self._collected.append(encode_sample(tick, tracks, objects, hidden))
+        self._hand_over()
 
     def cycles(self, plans: Array, cycles: Array) -> None:
         """Record servo cycles, as :meth:`~humanoid_bt.record.recorder.Recorder.cycles`."""
-        self._put(encode_call("cycles", plans, cycles))
+        self._collected.append(encode_call("cycles", plans, cycles))
 
     def follow(self, plans: Path, cycles: Path) -> None:
         """Record the servo cycles that control keeps in these tables, whatever becomes of this process."""
-        self._put(encode_call("follow", plans, cycles))
+        self._collected.append(encode_call("follow", plans, cycles))
+        self._hand_over()
 
     def node_changed(self, time: float, path: str, status: str, feedback: str) -> None:
         """Record that a node's status changed."""
-        self._put(encode_call("node_changed", time, path, status, feedback))
+        self._collected.append(encode_call("node_changed", time, path, status, feedback))
 
     def results(self, time: float, path: str, results: Sequence[Reported]) -> None:
         """Record what a skill has reported by now."""
         if results:
-            self._put(encode_call("results", time, path, results))
+            self._collected.append(encode_call("results", time, path, results))
 
     def show_tree(self, time: float, tree: TreeView, info: Mapping[str, str]) -> None:
         """Record that another tree takes the place of the one so far."""
-        self._put(encode_call("show_tree", time, tree, info))
+        self._collected.append(encode_call("show_tree", time, tree, info))
 
     def event(self, time: float, level: Level, text: str) -> None:
         """Record something that happened."""
-        self._put(encode_call("event", time, level, text))
+        self._collected.append(encode_call("event", time, level, text))
+        self._hand_over()  # at once: it may be the last word of a skill that ends the process
+
+    def news(self, time: float, kind: str, value: Any) -> None:
+        """Keep something that happened, as :meth:`~humanoid_bt.record.recorder.Recorder.news`."""
+        self._collected.append(encode_call("news", time, kind, value))
 
     # ---- what became of it ------------------------------------------------------------------------------------------
 
@@ -199,14 +215,13 @@ class RemoteRecorder:
             self._news.append(("error", text))
         return behind
 
-    def _put(self, *messages: bytes) -> None:
-        """Hand over messages, and what still waits before them."""
+    def _hand_over(self) -> None:
+        """Hand over what was collected, and what still waits before it: one call of the system a tick."""
+        collected, self._collected = self._collected, []
         if self._over:
             return
         try:
-            for message in messages:
-                self._outbox.put(message)
-            self._outbox.push()
+            self._outbox.put(b"".join(collected))
         except Stuck:
             self._lose(f"the recorder took nothing for {_PATIENCE:g} s and was ended")
         except OSError:  # it is about to be heard how it ended
@@ -271,6 +286,7 @@ class RemoteRecorder:
 
     def _finish(self) -> None:
         """Have the recording closed."""
+        self._hand_over()
         what, limit = "read what it was given", 0.0
         try:
             self._outbox.put(encode_call("close"), _PATIENCE)

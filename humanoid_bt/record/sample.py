@@ -1,4 +1,4 @@
-"""What the recorder is told, as bytes: a pickle for each call, in which a state is in the form of the wire."""
+"""What the recorder is told, as bytes: a pickle for each call, in which a tick is in the form of the wire."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ from typing import IO, Any
 
 import numpy as np
 
-from humanoid_bt.core.messages import Array, Percept, State
-from humanoid_bt.link.wire import decode_state, encode_state
+from humanoid_bt.core.messages import Array, Percept
 from humanoid_bt.perception.track import Track
+from humanoid_bt.record.tick import Tick, state_of
 
 _SAMPLE = "sample"
 _NOWHERE = np.full(3, np.nan)  # a recording shows where a percept is in the world, never in an older base frame
@@ -22,25 +22,25 @@ def encode_call(method: str, *arguments: object) -> bytes:
 
 
 def encode_sample(
-    state: State, tracks: Mapping[str, Track], objects: Mapping[str, Array], hidden: Iterable[str]
+    tick: Tick, tracks: Mapping[str, Track], objects: Mapping[str, Array], hidden: Iterable[str]
 ) -> bytes:
     """Return the call of a tick as bytes: a third of the time that pickling its messages takes.
 
     Args:
-        state: what control knows.
+        tick: what decision saw and commanded.
         tracks: percepts by name, placed in the world.
         objects: true positions of scene objects by name, world frame, shape (3,) [m].
         hidden: names of those that perception cannot see now.
 
     Raises:
-        WireError: the state is none that the wire can carry.
+        WireError: the tick is none that the wire can carry.
     """
     rows = [
         (name, track.stamp, track.confidence, track.position_world.tolist(), track.age)
         for name, track in tracks.items()
     ]
     places = {name: position.tolist() for name, position in objects.items()}
-    return encode_call(_SAMPLE, encode_state(state), rows, places, tuple(hidden))
+    return encode_call(_SAMPLE, tick.encode(), rows, places, tuple(hidden))
 
 
 def decode_call(source: IO[bytes]) -> tuple[str, tuple[Any, ...]]:
@@ -60,9 +60,9 @@ def decode_call(source: IO[bytes]) -> tuple[str, tuple[Any, ...]]:
 def _sample(
     data: bytes, rows: list[Any], places: Mapping[str, list[float]], hidden: tuple[str, ...]
 ) -> tuple[Any, ...]:
-    state = decode_state(data)
+    state = state_of(data)
     tracks = {
         name: Track(Percept(name, stamp, _NOWHERE, confidence), np.array(position), age, state)
         for name, stamp, confidence, position, age in rows
     }
-    return state, tracks, {name: np.array(position) for name, position in places.items()}, hidden
+    return state, tracks, {name: np.array(position) for name, position in places.items()}, hidden, data

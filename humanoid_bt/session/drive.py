@@ -25,6 +25,7 @@ from humanoid_bt.session.pace import Pace
 from humanoid_bt.session.recording import new_recorder, open_recorder
 from humanoid_bt.session.reload import Reloader
 from humanoid_bt.session.report import Report
+from humanoid_bt.session.setup import run_setup
 from humanoid_bt.session.teller import Listener, Teller
 from humanoid_bt.session.tick_watch import TickWatch
 from humanoid_bt.session.tree_runner import TreeRunner
@@ -59,13 +60,14 @@ class Drive:
         self._options, self._listener = options, listener
         self._recorder = new_recorder(options)
         loader = TreeLoader(options, workspace)
+        self._files = loader.robot, loader.scene
         self._watch = Watch(Edits(loader, self._prepare)) if options.watch else None
         scene = Scene(load_scene(loader.scene), options.seed)
         if options.numbered:
             make_folder()
         options.sinks.check()
         self.engine = new_engine(options, loader.robot, scene, loader.first.name)
-        self._teller = Teller(listener, self.engine)
+        self._teller = Teller(listener, self.engine, options.parameters)
         self.runner = TreeRunner(self._prepare(loader.first))
         self._pace = Pace(options.pace)
         self.ticks = TickWatch()
@@ -162,6 +164,7 @@ class Drive:
             assert self.end is not None
             wall_time = time.monotonic() - self.loop.began_at if moved else 0.0
             insists = self._stand(self.end, moved)
+            self._teller.ended(self.end, self._ending.began, self.ticks.to_dict())
         missing = 0.0
         if self._recorder is not None:
             self._teller.recorder = None  # it is closed
@@ -195,7 +198,9 @@ class Drive:
 
     def _open(self, recorder: RemoteRecorder) -> bool:
         """Open the recording; return whether anybody can watch."""
-        sinks = open_recorder(recorder, self._options, self.runner.tree, self.engine, self._listener.event)
+        tree, engine = self.runner.tree, self.engine
+        setup = run_setup(tree, engine, self._options, *self._files)
+        sinks = open_recorder(recorder, self._options, tree, engine, setup=setup, tell=self._listener.event)
         self._options = replace(self._options, sinks=sinks)
         if self._pace.speed is None and sinks.live and self._options.mode == "lockstep":
             self._pace.speed = 1.0

@@ -105,7 +105,7 @@ class Ending:
             state, percepts = engine.sense()
             self._teller.happened(state.time)
             command = runner.hold(state, percepts)
-            self._teller.ticked(state, runner)
+            self._teller.ticked(runner, state, percepts, command)
             if state.mode is Mode.DAMP and end.outcome not in ("stopped", "error"):
                 end = End("stopped", f"{state.stop_reason} ({state.stop_source}), after the tree had ended")
             heard = not end.failure or state.mode is not Mode.RUN  # of the stop, which stands in the report

@@ -67,19 +67,21 @@ class Loop:
             self.began, self.began_at = state.time, time.monotonic()
         teller.happened(state.time)
         self._ticks.begin()
+        command, end = None, None
         try:
             command = runner.tick(state, percepts)
         except HumanoidBtError as error:
-            return failed(error)
+            end = failed(error)
         finally:
             slow = self._ticks.finish(state.time)
         if slow:
             teller.event("warning", slow)
-        teller.trace.tick(state, command)
-        teller.ticked(state, runner)
-        end = self._end(state)
-        if end is None:
-            engine.submit(command)
+        if command is not None:
+            teller.trace.tick(state, command)
+            end = self._end(state)
+            if end is None:
+                engine.submit(command)  # before anybody is told of it
+        teller.ticked(runner, state, percepts, command, self._ticks.took)
         return end
 
     def leave(self, outcome: str, reason: str) -> End:

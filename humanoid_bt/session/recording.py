@@ -5,8 +5,9 @@ from __future__ import annotations
 import dataclasses
 import itertools
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
+from typing import Any
 
 from humanoid_bt.core.errors import UserError, relative
 from humanoid_bt.core.messages import Level
@@ -34,7 +35,13 @@ def new_recorder(options: RunOptions) -> RemoteRecorder | None:
 
 
 def open_recorder(
-    recorder: RemoteRecorder, options: RunOptions, tree: Tree, engine: Engine, tell: Callable[[float, Level, str], None]
+    recorder: RemoteRecorder,
+    options: RunOptions,
+    tree: Tree,
+    engine: Engine,
+    *,
+    setup: Mapping[str, Any],
+    tell: Callable[[float, Level, str], None],
 ) -> Sinks:
     """Open the recording of a run; return where it goes after all.
 
@@ -43,6 +50,7 @@ def open_recorder(
         options: where it is to go, and whether the native viewer may be missing.
         tree: what runs.
         engine: what it runs on.
+        setup: what is kept of what runs.
         tell: is told time, level and text of where to watch, or why there is no live view.
 
     Raises:
@@ -55,13 +63,13 @@ def open_recorder(
         sinks = dataclasses.replace(sinks, file=reserved)
     try:
         try:
-            _open(recorder, sinks, tree, engine, options)
+            _open(recorder, sinks, tree, engine, options, setup=setup)
         except UserError as error:
             if not (sinks.view and options.view_optional):
                 raise
             tell(0.0, "warning", f"no live view: {error.problems[0].message}")
             sinks = dataclasses.replace(sinks, view=False)
-            _open(recorder, sinks, tree, engine, options)
+            _open(recorder, sinks, tree, engine, options, setup=setup)
     except BaseException:
         if reserved is not None:
             reserved.unlink(missing_ok=True)
@@ -106,7 +114,15 @@ def run_info(tree: Tree, engine: Engine) -> dict[str, str]:
     }
 
 
-def _open(recorder: RemoteRecorder, sinks: Sinks, tree: Tree, engine: Engine, options: RunOptions) -> None:
+def _open(
+    recorder: RemoteRecorder,
+    sinks: Sinks,
+    tree: Tree,
+    engine: Engine,
+    options: RunOptions,
+    *,
+    setup: Mapping[str, Any],
+) -> None:
     robot = engine.robot
     recorder.open(
         model=engine.model,
@@ -115,6 +131,7 @@ def _open(recorder: RemoteRecorder, sinks: Sinks, tree: Tree, engine: Engine, op
         tree=tree_view(tree),
         sinks=dataclasses.replace(sinks, file=sinks.file and sinks.file.absolute()),
         info=run_info(tree, engine),
+        setup=setup,
         camera=View(robot.config.gaze.body, *widest_view(engine.scene.config)),
         pictures=options.camera,
         busy_cores=_BUSY_CORES,

@@ -3,17 +3,24 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Mapping
+from typing import Any
 
 from py_trees.common import Status
 
 from humanoid_bt.core.errors import UserError, nearest
-from humanoid_bt.core.messages import Level, State
+from humanoid_bt.core.messages import Command, Level, Percept, State
+from humanoid_bt.core.plain import plain
 from humanoid_bt.core.texts import shortened
 from humanoid_bt.decision.result import reported
 from humanoid_bt.record.remote_recorder import RemoteRecorder
+from humanoid_bt.record.tick import Tick
+from humanoid_bt.session.changes import Changes
 from humanoid_bt.session.engine import Engine
 from humanoid_bt.session.happenings import Happenings
+from humanoid_bt.session.outcome import End
 from humanoid_bt.session.recording import run_info, tree_view
+from humanoid_bt.session.setup import tree_setup
 from humanoid_bt.session.trace import Trace
 from humanoid_bt.session.tree_runner import TreeRunner
 from humanoid_bt.tree.ticking.executor import NodeChange
@@ -58,6 +65,7 @@ class Teller:
     Args:
         listener: who is told.
         engine: what runs below the tree.
+        given: the parameters that were given from outside.
 
     Attributes:
         trace: what is kept for the report.
@@ -65,9 +73,9 @@ class Teller:
         waits: whether an emergency stop is waited for, until its reset.
     """
 
-    def __init__(self, listener: Listener, engine: Engine) -> None:
-        self._listener, self._engine = listener, engine
-        self._happenings = Happenings(engine)
+    def __init__(self, listener: Listener, engine: Engine, given: Mapping[str, Any]) -> None:
+        self._listener, self._engine, self._given = listener, engine, given
+        self._happenings, self._changes = Happenings(engine), Changes(engine)
         self.trace = Trace()
         self.recorder: RemoteRecorder | None = None
         self.waits = False
@@ -129,6 +137,7 @@ class Teller:
         self._listener.show(tree)
         if self.recorder is not None:
             self.recorder.show_tree(self.now, tree_view(tree), run_info(tree, self._engine))
+            self.recorder.news(self.now, "tree", tree_setup(tree, self._given))
         self.warn_of_percepts(tree)
 
     def warn_of_percepts(self, tree: Tree) -> None:
@@ -139,19 +148,36 @@ class Teller:
             hint = nearest(name, config.percepts) or "it publishes none"
             self.event("warning", f"the scene {config.name!r} publishes no percept {name!r} ({hint})")
 
-    def ticked(self, state: State, runner: TreeRunner) -> None:
-        """Tell what a tick saw and did."""
+    def ticked(
+        self,
+        runner: TreeRunner,
+        state: State,
+        percepts: Mapping[str, Percept],
+        command: Command | None = None,
+        took: float = 0.0,
+    ) -> None:
+        """Tell what a tick saw and did.
+
+        Args:
+            runner: what runs the tree.
+            state, percepts: what it saw.
+            command: what it commanded, None if a node raised an exception.
+            took: how long the tree took, on the wall clock [s].
+        """
         robot, tip = runner.robot, runner.tip
         if self.recorder is not None:
             scene = self._engine.scene
             objects = {name: scene.object_position(name, state.time) for name in scene.config.objects}
             hidden = {name for name in objects if scene.hidden(name, state.time)}
-            self.recorder.sample(state, robot.tracks, objects, hidden)
             if rows := self._engine.take_cycles():
                 self.recorder.cycles(*rows)
+            for kind, value in self._changes.since(runner.tree):
+                self.recorder.news(state.time, kind, value)
             for path, skill in runner.reporting:
                 if skill.status is Status.RUNNING:
                     self.recorder.results(state.time, path, reported(skill))
+            tick = Tick(state, self._changes.percepts(percepts), command, took)
+            self.recorder.sample(tick, robot.tracks, objects, hidden)
             self.news(self.recorder)
         resting = "waiting for an edit" if runner.ended else "coming to a stand"
         doing = f"{tip.name}: {shortened(tip.feedback_message)}" if tip is not None else resting
@@ -159,6 +185,18 @@ class Teller:
         self._ticks += 1
         if self._ticks % _STATUS_TICKS == 1:
             self._publish(state, runner)
+
+    def ended(self, end: End, began: float | None, slow_ticks: Mapping[str, Any]) -> None:
+        """Keep how the run ended.
+
+        Args:
+            end: how.
+            began: engine time at which the tree ended [s], None if it never was ticked.
+            slow_ticks: ticks that took longer than their period.
+        """
+        if self.recorder is not None:
+            said = {"outcome": end.outcome, "reason": shortened(end.reason), "traceback": shortened(end.traceback)}
+            self.recorder.news(self.now, "end", {**said, "tree_ended": began, "slow_ticks": plain(slow_ticks)})
 
     def _publish(self, state: State, runner: TreeRunner) -> None:
         """Tell ``humanoid-bt status`` and ``show --live`` what goes on."""

@@ -67,10 +67,11 @@ class TickWatch:
     Attributes:
         count: ticks that took longer than their period.
         worst: the longest of them.
+        took: how long the last tick took, on the wall clock [s].
     """
 
     def __init__(self) -> None:
-        self.count = 0
+        self.count, self.took = 0, 0.0
         self.worst: SlowTick | None = None
         self._told: set[str] = set()
         self._interruption = ""
@@ -103,7 +104,7 @@ class TickWatch:
     def finish(self, now: float) -> str:
         """End the tick at an engine time [s]; return what there is to tell of it, "" if nothing is."""
         began, self._began = self._began, 0.0
-        duration = time.perf_counter() - began
+        duration = self.took = time.perf_counter() - began
         if duration <= DECISION_PERIOD:
             return ""
         duration -= self._processor.waited() - self._waited

@@ -91,7 +91,7 @@ def test_a_file_without_them_is_answered(tmp_path: Path) -> None:
     with rr.RecordingStream("other") as stream:
         stream.save(other)
         stream.log("text", rr.TextLog("hello"))
-    with pytest.raises(UserError, match="has no servo cycles"):
+    with pytest.raises(UserError, match="is none of a run"):
         read_cycles(other)
     damaged = tmp_path / "damaged.rrd"
     damaged.write_bytes(b"no recording")

@@ -18,6 +18,7 @@ from humanoid_bt.record import remote_recorder
 from humanoid_bt.record.outbox import Outbox, Stuck
 from humanoid_bt.record.remote_recorder import RemoteRecorder
 from humanoid_bt.record.sample import decode_call, encode_call, encode_sample
+from humanoid_bt.record.tick import Tick
 from tests.record.helpers import make_state, make_track
 
 MESSAGE = bytes(range(256)) * 16
@@ -42,10 +43,10 @@ def test_a_sample_arrives_bit_for_bit() -> None:
     state = make_state(1.02, joints=(0.1, 1 / 3, -2.0), footsteps=(("left", FootPose(0.1, 0.2, 0.3)),), targets=targets)
     track = make_track(position=(1.0, 1 / 3, 0.7), confidence=0.9, age=0.1)
     ball = np.array([1 / 3, 0.0, 0.9])
-    method, arguments = decode_call(io.BytesIO(encode_sample(state, {"target": track}, {"ball": ball}, {"ball"})))
+    method, arguments = decode_call(io.BytesIO(encode_sample(Tick(state), {"target": track}, {"ball": ball}, {"ball"})))
     assert method == "sample"
-    again, tracks, objects, hidden = arguments
-    assert encode_state(again) == encode_state(state)
+    again, tracks, objects, hidden, tick = arguments
+    assert encode_state(again) == encode_state(state) == encode_state(Tick.decode(tick).state)
     seen = tracks["target"]
     assert (seen.name, seen.stamp, seen.confidence, seen.age) == ("target", track.stamp, 0.9, 0.1)
     assert seen.position_world.tolist() == track.position_world.tolist()
@@ -107,17 +108,17 @@ def recorder(monkeypatch: pytest.MonkeyPatch) -> Iterator[RemoteRecorder]:
 
 def test_a_pause_of_decision_does_not_count_as_the_recorders(recorder: RemoteRecorder) -> None:
     for time in (0.0, 0.02):
-        recorder.sample(make_state(time), {}, {})
+        recorder.sample(Tick(make_state(time)), {}, {})
     recorder._written = 0.0  # the last batch is not written yet
     for time in (10.0, 10.02):
-        recorder.sample(make_state(time), {}, {})
+        recorder.sample(Tick(make_state(time)), {}, {})
     assert recorder.take_news() == []
     assert recorder._handed == 10.02
 
 
 def test_a_recorder_that_writes_nothing_is_told_once(recorder: RemoteRecorder) -> None:
     for tick in range(600):
-        recorder.sample(make_state(0.02 * tick), {}, {})
+        recorder.sample(Tick(make_state(0.02 * tick)), {}, {})
     ((level, text),) = recorder.take_news()
     assert (level, text.partition(":")[0]) == ("error", "the recorder is more than 5 s behind")
     assert recorder._handed == pytest.approx(5.0, abs=0.03)

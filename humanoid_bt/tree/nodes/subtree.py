@@ -41,7 +41,7 @@ class SubTree(Decorator):
         """
         super().__init__(name, Dummy(f"what is in {tree}"), tree=tree)
         self.arguments = arguments
-        self._keys: list[Key] = []
+        self.keys: list[Key] = []  # those that begin anew with it
 
     def fill(self, child: Behaviour, keys: list[Key]) -> None:
         """Take what its file holds, once that has been read.
@@ -52,7 +52,7 @@ class SubTree(Decorator):
         """
         self.children[:] = [child]
         self.decorated, child.parent = child, self
-        self._keys = keys
+        self.keys = keys
 
     @classmethod
     def possible_results(cls, _values: Mapping[str, Any], below: Below) -> Results:
@@ -61,7 +61,7 @@ class SubTree(Decorator):
 
     def initialise(self) -> None:
         """Give the tree's own keys their initial values."""
-        for key in self._keys:
+        for key in self.keys:
             key.reset()
 
     def advance(self, seen: Seen) -> Status:

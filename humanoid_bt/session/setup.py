@@ -1,0 +1,149 @@
+"""What is run, as data for the recording: all that it takes to find out about the run, and to run it again."""
+
+from __future__ import annotations
+
+import functools
+import hashlib
+import os
+import platform
+import sys
+from collections.abc import Iterator, Mapping
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+import mujoco
+
+from humanoid_bt.core.errors import UserError, relative, resolved
+from humanoid_bt.core.plain import plain
+from humanoid_bt.decision.skill_files import class_file
+from humanoid_bt.files import document
+from humanoid_bt.files.workspace import Workspace
+from humanoid_bt.session.engine import Engine
+from humanoid_bt.session.options import RunOptions
+from humanoid_bt.session.report import versions
+from humanoid_bt.tree.tree import Tree
+
+_MOST_TEXT = 1 << 20  # bytes of a file that is kept whole; of a larger one the hash is
+_ENDINGS = (".yaml", ".yml", ".xml", ".mjcf", ".urdf", ".py")  # of files that are text
+
+
+def run_setup(tree: Tree, engine: Engine, options: RunOptions, robot: Path, scene: Path) -> dict[str, Any]:
+    """Return what is run.
+
+    Args:
+        tree: the first tree.
+        engine: what it runs on.
+        options: as they were asked for.
+        robot, scene: their files.
+    """
+    joints = list(engine.robot.joint_names)
+    return {
+        "format": 1,
+        "began": datetime.now(UTC).isoformat(timespec="seconds"),
+        "mode": options.mode,
+        "seed": options.seed,
+        "duration": options.duration,
+        "on_estop": options.on_estop,
+        "watch": options.watch,
+        "tree": tree_setup(tree, options.parameters),
+        "robot": {"name": engine.robot.config.name, "file": _name(robot, tree), "joints": joints},
+        "scene": {"name": engine.scene.config.name, "file": _name(scene, tree)},
+        "files": list(_files(tree, robot, scene)),
+        "versions": versions(),
+        "machine": _machine(),
+    }
+
+
+def tree_setup(tree: Tree, given: Mapping[str, Any]) -> dict[str, Any]:
+    """Return what is kept of a tree.
+
+    Args:
+        tree: it.
+        given: the parameters that were given from outside.
+    """
+    return {
+        "name": tree.name,
+        "file": _name(tree.path, tree),
+        "source": tree.source,
+        "parameters": dict(_parameters(tree, given)),
+        "nodes": [
+            {
+                "path": node.path,
+                "type": node.type_name,
+                "kind": node.kind,
+                "place": str(node.place),
+                "parent": node.parent,
+                "branch": node.branch,
+                "values": plain({**node.values, **node.written}),
+            }
+            for node in tree.nodes
+        ],
+    }
+
+
+def _parameters(tree: Tree, given: Mapping[str, Any]) -> Iterator[tuple[str, dict[str, Any]]]:
+    """Yield every parameter of a tree: its value in SI units, as it was written, and where it is from."""
+    declared = tree.header.get("parameters") or {}
+    places = _places(tree)
+    for name, value in tree.parameters.items():
+        written = declared.get(name)
+        if isinstance(written, dict):
+            written = written.get("default")
+        origin = "given" if name in given else places.get(name, "")
+        yield name, {"value": plain(value), "written": plain(written), "from": origin}
+
+
+def _places(tree: Tree) -> dict[str, str]:
+    """Return where a tree's file declares its parameters."""
+    try:
+        item = document.parse(tree.source, relative(tree.path)).value["parameters"]
+        return {name: str(declared.place) for name, declared in item.value.items()}
+    except (UserError, KeyError, TypeError, AttributeError):  # it has none, or no file
+        return {}
+
+
+def _files(tree: Tree, robot: Path, scene: Path) -> Iterator[dict[str, Any]]:
+    """Yield every file that the run is made of: its name in its workspace, what it is, its hash, and its text."""
+    skills = (class_file(node.type.cls) for node in tree.nodes if node.kind == "skill")
+    model = robot.parent / document.load(robot).value["model"].value
+    roles = {
+        "tree": tree.files,
+        "skill": [file for file in skills if file is not None],
+        "scene": [scene],
+        "robot": [robot],
+        "model": [model, *(model.parent / name for name in mujoco.mju_getXMLDependencies(str(model)))],
+    }
+    seen = set[Path]()
+    for role, files in roles.items():
+        for file in map(resolved, files):
+            if file not in seen and file.is_file():
+                seen.add(file)
+                yield {"role": role, "name": _name(file, tree), **_content(file)}
+
+
+def _content(file: Path) -> dict[str, str]:
+    data = file.read_bytes()
+    found = {"sha256": hashlib.sha256(data).hexdigest()}
+    if file.suffix in _ENDINGS and len(data) <= _MOST_TEXT:
+        found["text"] = data.decode(errors="replace")
+    return found
+
+
+def _name(file: Path, tree: Tree) -> str:
+    """Return a file's name in its workspace, or its whole path if it is in none."""
+    for root in (tree.workspace or Workspace()).layers:
+        if resolved(file).is_relative_to(root):
+            return str(resolved(file).relative_to(root))
+    return str(resolved(file))
+
+
+@functools.cache
+def _machine() -> dict[str, Any]:
+    return {
+        "system": platform.platform(),
+        "processor": platform.machine(),
+        "cores": os.cpu_count(),
+        "python": sys.version.split()[0],
+        "host": platform.node(),
+    }
