@@ -8,6 +8,7 @@ import os
 import time
 from collections.abc import Mapping
 from pathlib import Path
+from typing import NoReturn
 
 import mujoco
 
@@ -63,6 +64,7 @@ class Realtime:
         model: MuJoCo's, of the whole scene.
         supervisor: what is known of the supervisor.
         notices: what happened in other processes so far: (time [s], level, text).
+        inputs: nothing: what comes from outside is sensed.
         external_force_max: largest external force on any body; known after :meth:`close`.
         unseen: percepts that were never published so far, and why.
     """
@@ -73,6 +75,7 @@ class Realtime:
         self.model: mujoco.MjModel = MujocoPlant(robot, scene).model
         self.supervisor = RemoteSupervisor()
         self.notices: list[Event] = []
+        self.inputs: list[NoReturn] = []
         self.external_force_max = 0.0
         self.timing = Timing()
         self.unseen: Mapping[str, str] = {}

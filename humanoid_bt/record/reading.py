@@ -36,7 +36,7 @@ class News(NamedTuple):
 
     Attributes:
         time: engine time [s].
-        kind: node, results, event, key, unseen, stop, tree, end.
+        kind: limits, node, results, event, key, unseen, input, stop, tree, end.
         value: what happened, as plain data.
     """
 

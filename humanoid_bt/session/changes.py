@@ -29,7 +29,7 @@ class Changes:
         self._keys: list[tuple[str, Key, Any]] = []
         self._percepts: dict[str, Percept] = {}
         self._unseen: dict[str, str] = {}
-        self._stops = 0
+        self._stops = self._inputs = 0
 
     def since(self, tree: Tree) -> Iterator[tuple[str, Any]]:
         """Yield kind and value of every change, as data for JSON.
@@ -47,6 +47,9 @@ class Changes:
         if self._engine.unseen != self._unseen:
             self._unseen = dict(self._engine.unseen)
             yield "unseen", self._unseen
+        for given in self._engine.inputs[self._inputs :]:
+            yield "input", list(given)
+        self._inputs = len(self._engine.inputs)
         for stop in self._engine.supervisor.stops[self._stops :]:
             yield "stop", plain(asdict(stop))
         self._stops = len(self._engine.supervisor.stops)

@@ -9,11 +9,11 @@ from dataclasses import replace
 
 from humanoid_bt.core.ctrl_c import is_ctrl_c
 from humanoid_bt.core.errors import ControlLost
+from humanoid_bt.core.plain import plain
 from humanoid_bt.decision.robot import Robot
 from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.perception.track import Track
 from humanoid_bt.plant.scene import Scene, load_scene
-from humanoid_bt.record.remote_recorder import RemoteRecorder
 from humanoid_bt.session.edits import Edits
 from humanoid_bt.session.ending import Ending
 from humanoid_bt.session.interrupt import WholeTick
@@ -22,7 +22,7 @@ from humanoid_bt.session.loop import Loop
 from humanoid_bt.session.options import RunOptions, make_folder
 from humanoid_bt.session.outcome import End, report_of
 from humanoid_bt.session.pace import Pace
-from humanoid_bt.session.recording import new_recorder, open_recorder
+from humanoid_bt.session.recording import RunRecorder, new_recorder, open_recorder
 from humanoid_bt.session.reload import Reloader
 from humanoid_bt.session.report import Report
 from humanoid_bt.session.setup import run_setup
@@ -42,6 +42,7 @@ class Drive:
         options: what to run.
         workspace: where names are looked up.
         listener: who is told what happens.
+        recorder: takes what would be recorded, instead of a recorder that writes it as the options say.
 
     Attributes:
         engine: control, plant and perception.
@@ -56,9 +57,11 @@ class Drive:
         NodeError: a skill raised an exception in ``setup``.
     """
 
-    def __init__(self, options: RunOptions, workspace: Workspace, listener: Listener) -> None:
+    def __init__(
+        self, options: RunOptions, workspace: Workspace, listener: Listener, recorder: RunRecorder | None = None
+    ) -> None:
         self._options, self._listener = options, listener
-        self._recorder = new_recorder(options)
+        self._recorder: RunRecorder | None = recorder or new_recorder(options)
         loader = TreeLoader(options, workspace)
         self._files = loader.robot, loader.scene
         self._watch = Watch(Edits(loader, self._prepare)) if options.watch else None
@@ -110,11 +113,14 @@ class Drive:
         with ExitStack() as stack:
             watched = False
             if self._recorder is not None:
-                watched = self._open(stack.enter_context(self._recorder))
+                stack.enter_context(self._recorder)
+                watched = self._open(self._recorder)
                 self._teller.recorder = self._recorder
                 self.engine.log_cycles()
             self.loop.limit = self._options.limit(watched, self.runner.tree)
             self.loop.waits = self._teller.waits = self._options.waits(watched)
+            if self._recorder is not None:
+                self._recorder.news(0.0, "limits", {"duration": plain(self.loop.limit), "waits": self.loop.waits})
             stack.enter_context(self.ticks)
             stack.callback(self.engine.close)
             self.engine.start(self._options.log)
@@ -196,7 +202,7 @@ class Drive:
             return True
         return self._ending.interrupted is not before
 
-    def _open(self, recorder: RemoteRecorder) -> bool:
+    def _open(self, recorder: RunRecorder) -> bool:
         """Open the recording; return whether anybody can watch."""
         tree, engine = self.runner.tree, self.engine
         setup = run_setup(tree, engine, self._options, *self._files)

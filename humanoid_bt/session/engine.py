@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Protocol
+from typing import Any, NamedTuple, Protocol
 
 import mujoco
 
@@ -16,6 +16,20 @@ from humanoid_bt.plant.scene import Scene
 from humanoid_bt.realtime.timing import Timing
 from humanoid_bt.robot.model import RobotModel
 from humanoid_bt.tree.tree import Tree
+
+
+class Input(NamedTuple):
+    """What came from outside of the run, and is not what was sensed: with it, the run can be run again.
+
+    Attributes:
+        time: engine time from which on it counts [s].
+        kind: push, reset.
+        value: as data for JSON.
+    """
+
+    time: float
+    kind: str
+    value: Any
 
 
 class SupervisorView(Protocol):
@@ -57,6 +71,10 @@ class Engine(Protocol):
     @property
     def timing(self) -> Timing | None:
         """How punctual the servo is; None where there is no wall clock to be late for."""
+
+    @property
+    def inputs(self) -> Sequence[Input]:
+        """What came from outside so far, and is not what was sensed."""
 
     @property
     def unseen(self) -> Mapping[str, str]:

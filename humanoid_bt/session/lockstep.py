@@ -29,6 +29,7 @@ from humanoid_bt.plant.scene import Scene
 from humanoid_bt.realtime.lockstep_link import LockstepLink
 from humanoid_bt.robot import mujoco_warnings
 from humanoid_bt.robot.model import RobotModel
+from humanoid_bt.session.engine import Input
 from humanoid_bt.tree.tree import Tree
 
 _log = logging.getLogger(__name__)
@@ -47,6 +48,7 @@ class Lockstep:
         plant, controller, perception: the parts.
         clock: the engine's clock.
         notices: what happened besides stops: resets.
+        inputs: what came from outside.
     """
 
     def __init__(self, robot: RobotModel, start: Array, scene: Scene, perception: PerceptSource) -> None:
@@ -57,6 +59,7 @@ class Lockstep:
         self.controller = Controller(robot, self.plant)
         self.perception = perception
         self.notices: list[Event] = []
+        self.inputs: list[Input] = []
         self._percepts: dict[str, Percept] = {}
         self._command: Command | None = None  # given, and not yet heard of
         self._resets: deque[str] = deque()  # who asks for one, from any thread
@@ -145,6 +148,7 @@ class Lockstep:
             UserError: there is no such body.
         """
         self.plant.push(body, force, duration)
+        self.inputs.append(Input(self.clock.now(), "push", [body, force.tolist(), duration]))
 
     def reset(self, perception: PerceptSource) -> None:
         """Begin a new run: the robot stands at the start, time is zero, nothing was seen."""
@@ -156,6 +160,7 @@ class Lockstep:
         self._command = None
         self._resets.clear()
         self.notices.clear()
+        self.inputs.clear()
 
     def sense(self) -> tuple[State, dict[str, Percept]]:
         """Return the state and the latest percepts, for one tick of decision."""
@@ -177,7 +182,10 @@ class Lockstep:
     def advance(self) -> None:
         """Run one decision period of servo cycles; without a command since the last one decision is silent."""
         if self._link is not None:
+            held = self.supervisor.hold
             self._link.obey()
+            if held and not self.supervisor.hold:
+                self.inputs.append(Input(self.clock.now(), "reset_after_tick", "another terminal"))
         if self._command is not None:
             self.controller.submit(self._command)
             self._command = None
@@ -190,6 +198,7 @@ class Lockstep:
 
     def _reset(self, source: str) -> None:
         """Reset a latched stop, with what other terminals raised."""
+        self.inputs.append(Input(self.clock.now(), "reset", source))
         if self._link is not None:
             with suppress(LinkError):  # no room in memory: what they raised stays
                 self._link.reset(source)

@@ -5,17 +5,20 @@ from __future__ import annotations
 import dataclasses
 import itertools
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol, Self
 
 from humanoid_bt.core.errors import UserError, relative
-from humanoid_bt.core.messages import Level
+from humanoid_bt.core.messages import Array, Level
+from humanoid_bt.decision.result import Reported
+from humanoid_bt.perception.track import Track
 from humanoid_bt.plant.scene_config import widest_view
 from humanoid_bt.realtime.schedule import last_core
 from humanoid_bt.record.remote_recorder import RemoteRecorder
 from humanoid_bt.record.sinks import Sinks
 from humanoid_bt.record.subject import TreeView, View
+from humanoid_bt.record.tick import Tick
 from humanoid_bt.session.engine import Engine
 from humanoid_bt.session.options import RunOptions
 from humanoid_bt.session.report import versions
@@ -23,6 +26,58 @@ from humanoid_bt.tree.show import outline_of
 from humanoid_bt.tree.tree import Tree
 
 _BUSY_CORES = 1  # decision's; control's, in realtime mode, is none of the recorder's
+
+
+class RunRecorder(Protocol):
+    """What takes everything that is recorded of a run, as :class:`RemoteRecorder` does; entered for the run.
+
+    Attributes:
+        url: address of the web viewer, "" if none is served.
+    """
+
+    url: str
+
+    @property
+    def missing(self) -> float:
+        """How much of the run is missing in the recording [s]."""
+
+    def open(self, **setup: Any) -> None:
+        """Begin with what is run."""
+
+    def follow(self, plans: Path, cycles: Path) -> None:
+        """Take the servo cycles that control keeps in these tables."""
+
+    def cycles(self, plans: Array, cycles: Array) -> None:
+        """Take servo cycles."""
+
+    def sample(
+        self, tick: Tick, tracks: Mapping[str, Track], objects: Mapping[str, Array], hidden: Iterable[str] = ()
+    ) -> None:
+        """Take a tick."""
+
+    def node_changed(self, time: float, path: str, status: str, feedback: str) -> None:
+        """Take a node's change of status."""
+
+    def results(self, time: float, path: str, results: Sequence[Reported]) -> None:
+        """Take what a skill has reported by now."""
+
+    def show_tree(self, time: float, tree: TreeView, info: Mapping[str, str]) -> None:
+        """Take another tree in the tree's place."""
+
+    def event(self, time: float, level: Level, text: str) -> None:
+        """Take something that happened."""
+
+    def news(self, time: float, kind: str, value: Any) -> None:
+        """Take something that is kept without being shown."""
+
+    def take_news(self) -> list[tuple[Level, str]]:
+        """Return what went wrong since the last time."""
+
+    def __enter__(self) -> Self:
+        """Begin."""
+
+    def __exit__(self, *_: object) -> None:
+        """Close."""
 
 
 def new_recorder(options: RunOptions) -> RemoteRecorder | None:
@@ -35,7 +90,7 @@ def new_recorder(options: RunOptions) -> RemoteRecorder | None:
 
 
 def open_recorder(
-    recorder: RemoteRecorder,
+    recorder: RunRecorder,
     options: RunOptions,
     tree: Tree,
     engine: Engine,
@@ -115,7 +170,7 @@ def run_info(tree: Tree, engine: Engine) -> dict[str, str]:
 
 
 def _open(
-    recorder: RemoteRecorder,
+    recorder: RunRecorder,
     sinks: Sinks,
     tree: Tree,
     engine: Engine,

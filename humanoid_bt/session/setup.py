@@ -46,6 +46,7 @@ def run_setup(tree: Tree, engine: Engine, options: RunOptions, robot: Path, scen
         "duration": options.duration,
         "on_estop": options.on_estop,
         "watch": options.watch,
+        "workspace": str((tree.workspace or Workspace()).root),
         "tree": tree_setup(tree, options.parameters),
         "robot": {"name": engine.robot.config.name, "file": _name(robot, tree), "joints": joints},
         "scene": {"name": engine.scene.config.name, "file": _name(scene, tree)},

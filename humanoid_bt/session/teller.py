@@ -13,13 +13,12 @@ from humanoid_bt.core.messages import Command, Level, Percept, State
 from humanoid_bt.core.plain import plain
 from humanoid_bt.core.texts import shortened
 from humanoid_bt.decision.result import reported
-from humanoid_bt.record.remote_recorder import RemoteRecorder
 from humanoid_bt.record.tick import Tick
 from humanoid_bt.session.changes import Changes
 from humanoid_bt.session.engine import Engine
 from humanoid_bt.session.happenings import Happenings
 from humanoid_bt.session.outcome import End
-from humanoid_bt.session.recording import run_info, tree_view
+from humanoid_bt.session.recording import RunRecorder, run_info, tree_view
 from humanoid_bt.session.setup import tree_setup
 from humanoid_bt.session.trace import Trace
 from humanoid_bt.session.tree_runner import TreeRunner
@@ -77,7 +76,7 @@ class Teller:
         self._listener, self._engine, self._given = listener, engine, given
         self._happenings, self._changes = Happenings(engine), Changes(engine)
         self.trace = Trace()
-        self.recorder: RemoteRecorder | None = None
+        self.recorder: RunRecorder | None = None
         self.waits = False
         self._began = time.monotonic()
         self._ticks = 0
@@ -127,7 +126,7 @@ class Teller:
         for happening in self._happenings.until(now, self.waits):
             self.event(happening.level, happening.text, happening.time)
 
-    def news(self, recorder: RemoteRecorder) -> None:
+    def news(self, recorder: RunRecorder) -> None:
         """Tell what went wrong with the recording."""
         for level, text in recorder.take_news():
             self.event(level, text)
