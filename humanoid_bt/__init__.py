@@ -57,6 +57,9 @@ __all__ = [  # noqa: RUF022 (grouped as a reader looks for them)
     # Tests of skills
     "Rig",
     "RigResult",
+    # Looking back
+    "replay",
+    "Replay",
     # Errors
     "HumanoidBtError",
     "UserError",
@@ -90,6 +93,8 @@ if TYPE_CHECKING:
     from humanoid_bt.decision.skill import of_hand as of_hand
     from humanoid_bt.files.workspace import Workspace as Workspace
     from humanoid_bt.perception.track import Track as Track
+    from humanoid_bt.review.replay import Replay as Replay
+    from humanoid_bt.review.replay import replay as replay
     from humanoid_bt.session.prepare import check as check
     from humanoid_bt.session.prepare import load as load
     from humanoid_bt.session.prepare import skills as skills
@@ -124,6 +129,7 @@ else:
         "humanoid_bt.session.teller": "Listener",
         "humanoid_bt.decision.signals": "Improving Lasting Steady",
         "humanoid_bt.decision.skill": "Skill Status of_gaze of_hand",
+        "humanoid_bt.review.replay": "Replay replay",
         "humanoid_bt.testing.rig": "Rig RigResult",
         "humanoid_bt.tree.source.compose": "make_tree",
         "humanoid_bt.tree.ticking.executor": "NodeChange NodeError",

@@ -68,6 +68,7 @@ _COMMANDS = {
     "skills": "inspect",
     "scenes": "inspect",
     "robots": "inspect",
+    "replay": "replay",
     "estop": "estop",
     "reset": "remote",
     "status": "remote",

@@ -18,6 +18,7 @@ from rich.text import Text
 from humanoid_bt.cli import keys
 from humanoid_bt.cli.console import SafeConsole
 from humanoid_bt.cli.findings import print_findings
+from humanoid_bt.cli.overrides import overrides
 from humanoid_bt.cli.printer import Printer, print_summary
 from humanoid_bt.core import forks
 from humanoid_bt.core.errors import HumanoidBtError, UserError
@@ -60,7 +61,7 @@ def _session(arguments: argparse.Namespace, printer: Printer) -> Session:
         workspace=arguments.workspace,
         robot=arguments.robot,
         scene=arguments.scene,
-        parameters=_overrides(arguments.overrides),
+        parameters=overrides(arguments.overrides),
         seed=arguments.seed,
         duration=arguments.duration,
         on_estop=arguments.on_estop,
@@ -88,19 +89,6 @@ def _report(session: Session) -> Report:
         if not session.outcome:
             raise
         return session.report
-
-
-def _overrides(texts: list[str]) -> dict[str, str]:
-    values: dict[str, str] = {}
-    for text in texts:
-        name, equals, value = text.partition("=")
-        name = name.strip()
-        if not equals or not name:
-            raise UserError(f"--set {text!r} is not NAME=VALUE", hint="example: --set reach_distance=0.45")
-        if name in values:
-            raise UserError(f"--set {text!r}: {name!r} was set to {values[name]!r} before", hint="give each name once")
-        values[name] = value
-    return values
 
 
 def _make_way(path: Path) -> None:

@@ -11,6 +11,7 @@ from humanoid_bt.cli.arguments.fmt import add_fmt
 from humanoid_bt.cli.arguments.lists import add_lists
 from humanoid_bt.cli.arguments.parsing import EXIT_CODES, Commands, Parser
 from humanoid_bt.cli.arguments.remote import add_estop, add_reset, add_status
+from humanoid_bt.cli.arguments.replay import add_replay
 from humanoid_bt.cli.arguments.run import add_run
 from humanoid_bt.cli.arguments.schema import add_schema
 from humanoid_bt.cli.arguments.show import add_show
@@ -19,7 +20,7 @@ _COMMANDS = (
     *(add_run, add_check, add_fmt, add_show),
     *(add_lists, add_schema),
     *(add_estop, add_reset, add_status),
-    add_bench,
+    *(add_replay, add_bench),
 )
 """What declares each command, in the order of the help."""
 

@@ -1,0 +1,35 @@
+"""``replay``: running a recorded run again."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from pathlib import Path
+
+from humanoid_bt.cli.overrides import overrides
+from humanoid_bt.core.errors import UserError
+from humanoid_bt.review.newest import newest_recording
+from humanoid_bt.review.replay import replay as replay_recording
+from humanoid_bt.review.replay_test import write_test
+from humanoid_bt.session.report import ExitCode
+
+
+def replay(arguments: argparse.Namespace) -> int:
+    """Run a recording again; return the exit code."""
+    if arguments.to_test and (arguments.tree or arguments.overrides):
+        raise UserError("--to-test does not go with --tree or --set", hint="a test runs the tree that was recorded")
+    current = arguments.current or bool(arguments.to_test)
+    done = replay_recording(
+        arguments.recording or newest_recording(),
+        tree=arguments.tree,
+        parameters=overrides(arguments.overrides),
+        files="current" if current else "recorded",
+        workspace=arguments.workspace,
+    )
+    print(json.dumps(done.to_dict(), indent=2) if arguments.json else done)
+    if arguments.to_test:
+        path = Path(arguments.to_test)
+        write_test(done, path)
+        now = "passes already" if done.passes else "fails now, until what went wrong is mended"
+        print(f"{path} {now}; it needs the recording, which 'humanoid-bt keep {done.recording}' keeps")
+    return ExitCode.SUCCESS if done.identical else ExitCode.FAILURE

@@ -1,0 +1,145 @@
+"""What a tree decides on recorded states and percepts: decision alone, as fast as it goes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from py_trees.common import Status
+
+from humanoid_bt.core.errors import HumanoidBtError
+from humanoid_bt.core.messages import Percept
+from humanoid_bt.decision.robot import Robot
+from humanoid_bt.realtime.remote_supervisor import StateClock
+from humanoid_bt.record.reading import FlightLog, News
+from humanoid_bt.record.tick import Tick
+from humanoid_bt.review.difference import Difference, decided_differently
+from humanoid_bt.robot.config import load_robot_config
+from humanoid_bt.tree.ticking.executor import Executor, NodeChange
+from humanoid_bt.tree.tree import Tree
+
+
+@dataclass
+class Done:
+    """What came of running something again.
+
+    Attributes:
+        difference: where it first differs from what was recorded.
+        ticks: how many were run.
+        duration: simulated time of them [s].
+        outcome: how the tree ended.
+        reason: why, in words.
+        notes: what was not compared, and why.
+    """
+
+    difference: Difference | None = None
+    ticks: int = 0
+    duration: float = 0.0
+    outcome: str = "unfinished"
+    reason: str = "the tree still ran where the recording ends"
+    notes: list[str] = field(default_factory=list)
+
+
+def decide_again(log: FlightLog, tree: Tree, robot: Path) -> Done:
+    """Tick a tree on what was recorded, until it ends or the recording does.
+
+    Args:
+        log: what was recorded.
+        tree: to tick, which no session had before.
+        robot: file of the robot.
+
+    Raises:
+        UserError: the tree needs what the robot does not have.
+        NodeError: a skill raised an exception in ``setup``.
+    """
+    done, clock, unseen = Done(), StateClock(), dict[str, str]()
+    changes: list[NodeChange] = []
+    view = Robot(load_robot_config(robot), clock, lambda *_: None, lambda *_: None, lambda: unseen)
+    executor = Executor(tree, view, changes.append)
+    executor.setup()
+    inputs, percepts, first = _Recorded(log), dict[str, Percept](), None
+    for tick, news in inputs.ticks():
+        clock.time = tick.state.time
+        first = clock.time if first is None else first
+        done.ticks, done.duration = done.ticks + 1, clock.time - first
+        percepts |= {percept.name: percept for percept in tick.percepts}
+        for one in news:
+            if one.kind == "unseen" and isinstance(one.value, dict):
+                unseen.clear()
+                unseen.update(one.value)
+        changes.clear()
+        try:
+            command = executor.tick(tick.state, percepts)
+        except HumanoidBtError as error:
+            command, done.outcome, done.reason = None, "error", str(error)
+        if done.difference is None:
+            done.difference = _nodes_differ(clock.time, news, changes) or decided_differently(
+                tick, Tick(tick.state, tick.percepts, command)
+            )
+        if command is None:
+            break
+        if executor.status is not Status.RUNNING:
+            ended = executor.status is Status.SUCCESS
+            said = next((change.feedback for change in changes if change.status is executor.status), "")
+            done.outcome = "success" if ended else "failure"
+            done.reason = said or f"the tree {'succeeded' if ended else 'failed'}"
+            break
+    if inputs.edited:
+        done.notes.append(f"the tree was edited at {inputs.edited:.2f} s: nothing after it is compared")
+    return done
+
+
+class _Recorded:
+    """Ticks of a tree, with the news of each.
+
+    Attributes:
+        edited: when another tree took its place [s], 0 if none did.
+    """
+
+    def __init__(self, log: FlightLog) -> None:
+        self._log = log
+        self.edited = 0.0
+
+    def ticks(self) -> Iterator[tuple[Tick, list[News]]]:
+        """Yield the ticks up to the tree's end."""
+        news, last = iter(self._log.news), None
+        end: Any = next((one.value for one in self._log.news if one.kind == "end"), {})
+        until = end.get("tree_ended") if isinstance(end, dict) else None
+        waiting: list[News] = []
+        for tick in self._log.ticks():
+            if until is not None and tick.state.time > until + 1e-9:
+                return
+            while last is None or last.time <= tick.state.time + 1e-9:
+                if last is not None:
+                    waiting.append(last)
+                last = next(news, None)
+                if last is None:
+                    last = News(float("inf"), "", None)
+            if any(one.kind == "tree" for one in waiting):
+                self.edited = tick.state.time
+                return
+            yield tick, waiting
+            waiting = []
+
+
+def _nodes_differ(now: float, news: list[News], changes: list[NodeChange]) -> Difference | None:
+    """Return the first node that changed otherwise, None if all did as recorded."""
+    before = [(one.value[0], one.value[1]) for one in news if one.kind == "node" and abs(one.time - now) < 1e-9]
+    after = [(change.path, change.status.name) for change in changes]
+    if all(status == Status.INVALID.name for _, status in before[len(after) :]):
+        del before[len(after) :]  # a tree that is halted when its run ends is halted after its last tick
+    for index in range(max(len(before), len(after))):
+        one = before[index] if index < len(before) else None
+        other = after[index] if index < len(after) else None
+        if one != other:
+            return Difference(now, f"node {(one or other or ('',))[0]}", _status(one, other), _status(other, one))
+    return None
+
+
+def _status(own: tuple[str, str] | None, other: tuple[str, str] | None) -> str:
+    """Return what is told of a node: its status, with its path if the other is about another node."""
+    if own is None:
+        return "no change"
+    return own[1] if other is None or own[0] == other[0] else f"{own[0]} {own[1]}"

@@ -1,0 +1,222 @@
+"""A recorded lockstep run, run again as a whole: the tree, control, the simulated robot, and what came from outside."""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from collections.abc import Iterable, Mapping, Sequence
+from itertools import takewhile
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Self
+
+import numpy as np
+
+from humanoid_bt.core.clock import DECISION_PERIOD, SERVO_PERIOD
+from humanoid_bt.core.messages import Array, Level, Measurement, Mode
+from humanoid_bt.decision.result import Reported
+from humanoid_bt.perception.track import Track
+from humanoid_bt.record.reading import FlightLog
+from humanoid_bt.record.subject import TreeView
+from humanoid_bt.record.tick import Tick
+from humanoid_bt.review.decision_replay import Done
+from humanoid_bt.review.difference import Difference, first_difference
+from humanoid_bt.review.recorded_files import RecordedFiles
+from humanoid_bt.session.drive import Drive
+from humanoid_bt.session.lockstep import Lockstep
+from humanoid_bt.session.options import RunOptions
+from humanoid_bt.session.teller import Listener
+
+_FOREVER = 1e9  # s
+_AT = 1e-9  # s; engine times are sums of floats
+_LEAD = {"reset": DECISION_PERIOD}  # s by which an input is given before it counts: a reset waits for the next tick
+
+
+def run_again(log: FlightLog, files: RecordedFiles, given: Mapping[str, Any]) -> Done:
+    """Run a recorded run again and compare every tick.
+
+    Args:
+        log: what was recorded.
+        files: what it was made of.
+        given: the parameters that were given from outside.
+
+    Raises:
+        UserError: the tree, robot or scene has mistakes.
+        NodeError: a skill raised an exception in ``setup``.
+    """
+    kinds: dict[str, list[Any]] = {}
+    for news in log.news:
+        kinds.setdefault(news.kind, []).append(news.value)
+    limits = kinds.get("limits", [{}])[0]
+    end = kinds.get("end", [None])[-1]
+    options = RunOptions(
+        tree=str(files.tree),
+        robot=str(files.robot),
+        scene=str(files.scene),
+        parameters=given,
+        seed=log.setup["seed"],
+        duration=limits["duration"] if isinstance(limits.get("duration"), float) else _FOREVER,
+        on_estop="wait" if limits.get("waits") else "end",
+        camera=False,
+    )
+    edited = next((news.time for news in log.news if news.kind == "tree"), math.inf)
+    comparison = Comparison(log, whole=end is not None and edited == math.inf, until=edited)
+    drive = Drive(options, files.workspace, Listener(), comparison)
+    engine = drive.engine
+    assert isinstance(engine, Lockstep)
+    outside = _Outside(engine, kinds.get("stop", []), kinds.get("input", []))
+    drive.start()
+    try:
+        while drive.running:
+            if comparison.exhausted or (end and drive.loop.state and drive.loop.state.time > end["tree_ended"] - _AT):
+                outcome = (end or {}).get("outcome", "unfinished")
+                drive.leave(outcome, (end or {}).get("reason", "the recording ends"))
+            else:
+                outside.act()
+                drive.tick()
+    finally:
+        drive.close()
+    report = drive.report
+    assert report is not None
+    comparison.finish()
+    notes = [] if edited == math.inf else [f"the tree was edited at {edited:.2f} s: nothing after it is compared"]
+    return Done(comparison.difference, comparison.count, comparison.lasted, report.outcome, report.reason, notes)
+
+
+class _Outside:
+    """Does again what came from outside, at its time.
+
+    Args:
+        engine: of the run.
+        stops: every stop that was recorded.
+        inputs: what else came.
+    """
+
+    def __init__(self, engine: Lockstep, stops: Sequence[Any], inputs: Sequence[Any]) -> None:
+        self._engine, self._supervisor = engine, engine.supervisor
+        self._inputs = deque(inputs)
+        self._estops = deque(
+            (round(stop["time"] / SERVO_PERIOD), stop["source"], stop["reason"])
+            for stop in stops
+            if stop["mode"] == Mode.EMERGENCY_STOP.name.lower()
+        )
+        check = self._supervisor.check
+
+        def raised_again(cycle: int, measurement: Measurement, setpoint_fault: str = "") -> None:
+            if self._estops and self._estops[0][0] <= cycle:
+                self._supervisor.raise_estop(*self._estops.popleft()[1:])
+            check(cycle, measurement, setpoint_fault)
+
+        self._supervisor.check = raised_again  # type: ignore[method-assign]  # what nobody in this process raises
+
+    def act(self) -> None:
+        """Do what comes before the next tick."""
+        now = self._engine.clock.now()
+        while self._inputs and self._inputs[0][0] - _LEAD.get(self._inputs[0][1], 0.0) <= now + _AT:
+            _, kind, value = self._inputs.popleft()
+            match kind:
+                case "push":
+                    body, force, duration = value
+                    self._engine.push(body, np.array(force), duration)
+                case "reset":
+                    self._engine.request_reset(value)
+                case "reset_after_tick":
+                    self._supervisor.reset()
+
+
+class Comparison:
+    """Takes what would be recorded of a run, and compares it with a recording.
+
+    Args:
+        log: the recording.
+        whole: whether the run came to its end when it was recorded, and is compared up to that.
+        until: engine time up to which it is compared [s].
+
+    Attributes:
+        difference: the first, None as long as there is none.
+        count: ticks that were compared.
+        lasted: how long they lasted [s].
+        exhausted: whether the recording has no more ticks.
+        url, missing: nothing is shown, and nothing is lost.
+    """
+
+    def __init__(self, log: FlightLog, whole: bool, until: float) -> None:
+        self._whole = whole
+        self._joints = log.setup.get("robot", {}).get("joints", ())
+        self._ticks = takewhile(lambda tick: tick.state.time < until, log.ticks())
+        self._next = next(self._ticks, None)
+        self._nodes = deque((one.time, *one.value) for one in log.news if one.kind == "node" and one.time < until)
+        self._first = self._next.state.time if self._next is not None else 0.0
+        self.difference: Difference | None = None
+        self.count, self.lasted, self.exhausted = 0, 0.0, self._next is None
+        self.url, self.missing = "", 0.0
+
+    def sample(
+        self, tick: Tick, _tracks: Mapping[str, Track], _objects: Mapping[str, Array], _hidden: Iterable[str] = ()
+    ) -> None:
+        """Compare a tick."""
+        recorded = self._next
+        if recorded is None:
+            if self._whole:
+                self._note(Difference(tick.state.time, "the run", "ended", "went on"))
+            return
+        self.count, self.lasted = self.count + 1, tick.state.time - self._first
+        if self.difference is None:
+            self._note(first_difference(recorded, tick, self._joints))
+        self._next = next(self._ticks, None)
+        self.exhausted = self._next is None and not self._whole
+
+    def node_changed(self, time: float, path: str, status: str, feedback: str) -> None:
+        """Compare a node's change of status."""
+        if not self._nodes:
+            if self._whole:
+                self._note(Difference(time, f"node {path}", "no change", status))
+            return
+        at, known, was, said = self._nodes.popleft()
+        if (at, known, was) != (time, path, status):
+            self._note(Difference(time, f"node {path}", f"{known} {was} at {at:.3f} s", status))
+        elif said != feedback:
+            self._note(Difference(time, f"node {path} says", said, feedback))
+
+    def finish(self) -> None:
+        """Note what was recorded and did not come again."""
+        if self._whole and self._next is not None:
+            self._note(Difference(self._next.state.time, "the run", "went on", "ended"))
+
+    def _note(self, difference: Difference | None) -> None:
+        self.difference = self.difference or difference
+
+    # ---- what is not compared: it follows from the rest --------------------------------------------------------------
+
+    def open(self, **_setup: Any) -> None:
+        """Begin."""
+
+    def follow(self, plans: Path, cycles: Path) -> None:
+        """Ignore them."""
+
+    def cycles(self, plans: Array, cycles: Array) -> None:
+        """Ignore them."""
+
+    def results(self, time: float, path: str, results: Sequence[Reported]) -> None:
+        """Ignore them."""
+
+    def show_tree(self, time: float, tree: TreeView, info: Mapping[str, str]) -> None:
+        """Ignore it."""
+
+    def event(self, time: float, level: Level, text: str) -> None:
+        """Ignore it."""
+
+    def news(self, time: float, kind: str, value: Any) -> None:
+        """Ignore them."""
+
+    def take_news(self) -> list[tuple[Level, str]]:
+        """Return nothing."""
+        return []
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        pass

@@ -1,0 +1,180 @@
+"""A recorded run, run again from its inputs."""
+
+from __future__ import annotations
+
+import json
+import runpy
+import shutil
+from pathlib import Path
+
+import pytest
+
+from humanoid_bt.cli import main
+from humanoid_bt.core.errors import UserError
+from humanoid_bt.record.reading import read_flight
+from humanoid_bt.review.replay import replay
+from humanoid_bt.session.session import Session
+from tests.projects import make_project
+
+TREE = """\
+format: 1
+parameters: {{ stay: {stay} s }}
+root:
+  emergency_stop:
+    sequence:
+      - pause: {{ duration: $stay }}
+      - walk: {{ raise_after: 0.4 s }}
+"""
+
+
+@pytest.fixture(scope="module")
+def project(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A user's project folder."""
+    folder = make_project(tmp_path_factory.mktemp("user") / "project")
+    (folder / "trees/late.yaml").write_text(TREE.format(stay=0.3), encoding="utf-8")
+    return folder
+
+
+@pytest.fixture(scope="module")
+def disturbed(project: Path) -> Path:
+    """The recording of a run that was pushed, stopped and reset from outside, and left."""
+    file = project / "disturbed.rrd"
+    with Session("walk", workspace=project, record=file, camera=False, on_estop="wait", seed=3) as session:
+        session.run_until(0.5)
+        session.push((0.0, 60.0, 0.0), 0.1)
+        session.run_until(0.9)
+        session.raise_estop("by hand")
+        session.run_until(1.3)
+        session.request_reset()
+        session.run_until(1.7)
+    return file
+
+
+@pytest.fixture(scope="module")
+def raising(project: Path) -> Path:
+    """The recording of a run in which a skill raises an exception."""
+    file = project / "raising.rrd"
+    with Session("late", workspace=project, record=file, camera=False, stay=0.2) as session:
+        session.run()
+    return file
+
+
+def test_a_run_again_is_the_same_to_the_bit(disturbed: Path) -> None:
+    again = replay(disturbed)
+    assert again.difference is None
+    assert (again.whole, again.identical) == (True, True)
+    assert again.ticks == sum(1 for _ in read_flight(disturbed).ticks())
+    assert (again.outcome, again.recorded_outcome) == ("unfinished", "unfinished")
+
+
+def test_so_is_one_that_ends_with_an_exception(raising: Path) -> None:
+    again = replay(raising)
+    assert again.identical
+    assert again.outcome == "error"
+    assert "KeyError" in again.reason
+    assert not again.passes
+
+
+def test_it_needs_nothing_of_the_workspace(raising: Path, project: Path, tmp_path: Path) -> None:
+    away = tmp_path / "sent.rrd"
+    shutil.copy(raising, away)
+    moved = project.rename(project.with_name("moved"))
+    try:
+        assert replay(away).identical
+    finally:
+        moved.rename(project)
+
+
+def test_without_its_inputs_it_is_another_run(disturbed: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    log = read_flight(disturbed)
+    log.news[:] = [news for news in log.news if not (news.kind == "input" and news.value[1] == "push")]
+    monkeypatch.setattr("humanoid_bt.review.replay.read_flight", lambda _: log)
+    again = replay(disturbed)
+    assert again.difference is not None
+    assert again.difference.time == pytest.approx(0.52)  # the tick after the push
+    assert again.difference.quantity.startswith("state ")
+    assert "first difference  at 0.520 s state " in str(again)
+
+
+def test_decision_alone_decides_the_same(raising: Path) -> None:
+    again = replay(raising, tree="late", parameters={"stay": "0.2 s"})
+    assert not again.whole
+    assert again.identical
+    assert again.outcome == "error"
+
+
+def test_another_value_decides_otherwise_at_a_moment(raising: Path) -> None:
+    again = replay(raising, parameters={"stay": "0.1 s"})
+    assert again.difference is not None
+    assert again.difference.time == pytest.approx(0.1)
+    assert again.difference.quantity == "node late/emergency_stop/sequence/pause"
+    assert (again.difference.before, again.difference.after) == ("no change", "SUCCESS")
+
+
+def test_a_parameter_that_was_given_is_given_again(raising: Path) -> None:
+    assert read_flight(raising).setup["tree"]["parameters"]["stay"] == {
+        "value": 0.2,
+        "written": "0.2 s",
+        "from": "given",
+    }
+
+
+def test_a_recording_becomes_a_test_that_fails_until_it_is_mended(
+    raising: Path, project: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    test = project / "test_late.py"
+    assert main(["replay", str(raising), "--to-test", str(test)]) == 0
+    assert "fails now, until what went wrong is mended" in capsys.readouterr().out
+    assert not passes(test)
+    skills = next((project / "skills").glob("*.py"))
+    before = skills.read_text(encoding="utf-8")
+    skills.write_text(before.replace('raise KeyError("missing")', 'return self.succeed("there")'), encoding="utf-8")
+    try:
+        assert passes(test)
+    finally:
+        skills.write_text(before, encoding="utf-8")
+    assert main(["replay", str(raising), "--to-test", str(test)]) == 2
+    assert "exists" in capsys.readouterr().err
+
+
+def passes(test: Path) -> bool:
+    """Return whether what is in a file of tests passes, without the second that pytest takes to begin."""
+    (run,) = (what for name, what in runpy.run_path(str(test)).items() if name.startswith("test_"))
+    try:
+        run()
+    except AssertionError:
+        return False
+    return True
+
+
+def test_the_command_says_whether_it_is_identical(raising: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["replay", str(raising), "--set", "stay=0.1s", "--json"]) == 1
+    told = json.loads(capsys.readouterr().out)
+    assert (told["identical"], told["difference"]["quantity"]) == (False, "node late/emergency_stop/sequence/pause")
+    assert main(["replay", str(raising), "--set", "stai=0.1s"]) == 2
+    assert "did you mean 'stay'?" in capsys.readouterr().err
+
+
+def test_what_is_missing_is_told(raising: Path, project: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    log = read_flight(raising)
+    monkeypatch.setattr("humanoid_bt.review.replay.read_flight", lambda _: log)
+    mesh = {"role": "model", "name": "sim/other/arm.stl", "sha256": "0"}
+    log.setup["files"].append(mesh)
+    with pytest.raises(UserError, match="1 files of the run are not in the recording"):
+        replay(raising)
+    with pytest.raises(UserError, match=r"'trees/late\.yaml' of the run is not in"):
+        replay(raising, files="current", workspace=project.parent)
+    log.setup.clear()
+    with pytest.raises(UserError, match="does not say what was run"):
+        replay(raising)
+
+
+@pytest.mark.realtime
+def test_decisions_of_realtime_are_made_again(project: Path) -> None:
+    file = project / "realtime.rrd"
+    with Session("late", workspace=project, mode="realtime", record=file, camera=False) as session:
+        session.run()
+    again = replay(file)
+    assert not again.whole
+    assert again.difference is None
+    assert (again.outcome, again.recorded_outcome) == ("error", "error")
