@@ -5,14 +5,17 @@ BIN := $(VENV)/bin
 export OMP_NUM_THREADS ?= 1
 export OPENBLAS_NUM_THREADS ?= 1
 
-.PHONY: demo test test-install check docs bench clean
+.PHONY: demo test test-docs test-install check docs bench clean
 
 demo: $(VENV)/.installed
 	$(BIN)/humanoid-bt run fetch
 
 test: $(VENV)/.installed-dev
-	$(BIN)/python -m pytest -n auto --dist loadfile -m "not realtime and not install"
+	$(BIN)/python -m pytest -n auto --dist loadfile -m "not realtime and not docs and not install"
 	$(BIN)/python -m pytest -m realtime
+
+test-docs: $(VENV)/.installed-dev  ## every example of the docs, as a reader would run it
+	$(BIN)/python -m pytest -n auto --dist load -m docs
 
 test-install: $(VENV)/.installed-dev  ## the wheel in an empty environment, with what it declares to need
 	$(BIN)/python -m pytest -m install
