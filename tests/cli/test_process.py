@@ -39,7 +39,7 @@ def test_two_processes_give_the_same_trace(project: Path, tmp_path: Path) -> Non
 def test_a_signal_brings_the_robot_to_a_stand(number: signal.Signals, project: Path, tmp_path: Path) -> None:
     report, recording = tmp_path / "report.json", tmp_path / "run.rrd"
     process = subprocess.Popen(
-        [*PROGRAM, "run", "walk", "--pace", "2", "--report", report, "--record", recording],
+        [*PROGRAM, "run", "walk", "--pace", "2", "--report", report, "--record", recording, "--camera", "off"],
         cwd=project,
         env=environment(PYTHONUNBUFFERED="1"),
         stdout=subprocess.PIPE,

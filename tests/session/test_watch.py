@@ -56,7 +56,16 @@ def watched(
     record = recording or False
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("humanoid_bt.session.drive.Watch", InStep)
-        run = Session("mine", workspace=root, duration=duration, watch=True, pace=1e9, record=record, listener=told)
+        run = Session(
+            "mine",
+            workspace=root,
+            duration=duration,
+            watch=True,
+            pace=1e9,
+            record=record,
+            camera=False,
+            listener=told,
+        )
     actions, tick = script(run), 0
 
     def ask() -> str:
