@@ -30,7 +30,7 @@ def test_a_fault_does_what_its_row_says(row: str, activity: str, seed: int) -> N
 
 def test_the_same_seed_gives_the_same_outcome() -> None:
     first = trial("decision stopped for 0.5 s", "walking straight", 3)
-    trial("decision killed", "turning", 1)
+    trial("knocked over, 600 N for 0.2 s", "standing still", 0)
     assert trial("decision stopped for 0.5 s", "walking straight", 3) == first
     assert trial("decision stopped for 0.5 s", "walking straight", 4).moment != first.moment
 
