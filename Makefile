@@ -5,14 +5,23 @@ BIN := $(VENV)/bin
 export OMP_NUM_THREADS ?= 1
 export OPENBLAS_NUM_THREADS ?= 1
 
-.PHONY: demo test test-install check docs bench clean
+.PHONY: demo test test-trials test-docs test-install check docs bench clean
 
 demo: $(VENV)/.installed
 	$(BIN)/humanoid-bt run fetch
 
+# They start hundreds of Python processes, which are not to compile the package each time.
+test test-trials: export PYTHONDONTWRITEBYTECODE :=
 test: $(VENV)/.installed-dev
-	$(BIN)/python -m pytest -n auto --dist loadfile -m "not realtime and not install"
-	$(BIN)/python -m pytest -m realtime
+	$(BIN)/python -m pytest -n auto --dist loadfile -m "not realtime and not trials and not docs and not install"
+	$(BIN)/python -m pytest -m "realtime and not trials"
+
+test-trials: $(VENV)/.installed-dev  ## further cases of what a whole robot does, and the bench of realtime mode
+	$(BIN)/python -m pytest -n auto --dist worksteal -m "trials and not realtime"
+	$(BIN)/python -m pytest -m "trials and realtime"
+
+test-docs: $(VENV)/.installed-dev  ## every example of the docs, as a reader would run it
+	$(BIN)/python -m pytest -n auto --dist load -m docs
 
 test-install: $(VENV)/.installed-dev  ## the wheel in an empty environment, with what it declares to need
 	$(BIN)/python -m pytest -m install

@@ -30,6 +30,7 @@ def tell_nobody(_what: str, _limit: float) -> None:
     """Announce nothing."""
 
 
+_LOOKS = 10  # at the file, while the library takes its time to write it
 _LOST = 1.0  # s to close a file that is known to be cut short
 _VIEWER_MEMORY = "1GiB"  # of the server that keeps the run for a browser that opens late
 
@@ -84,12 +85,25 @@ class Outlet:
     def settle(self) -> bool:
         """Return whether the file has got something since the last time; True if there is no file.
 
-        Without a live view it then has everything. A viewer that hangs is not waited for.
+        Without a live view it then has everything. A viewer that hangs is not waited for, nor a file that takes nothing
+        more: the library may be silent about that.
         """
-        if not self._live:
-            with contextlib.suppress(RuntimeError):  # the file tells what came of it
-                self.stream.flush(timeout_sec=FLUSH_TIMEOUT)
-        return self._file is None or self._file.check()
+        got = self._file is None
+        for _ in range(_LOOKS):
+            written = self._live or bool(self.trouble) or self._written(FLUSH_TIMEOUT / _LOOKS)
+            if self._file is not None:
+                got = self._file.check() or got
+            if written:
+                break
+        return got
+
+    def _written(self, patience: float) -> bool:
+        """Return whether the library has written everything within some time [s]."""
+        try:
+            self.stream.flush(timeout_sec=patience)
+        except RuntimeError:  # the file tells why
+            return False
+        return True
 
     def close(self) -> bool:
         """Write out everything and close; the native viewer stays open. Return whether the file has all of it."""
@@ -97,7 +111,8 @@ class Outlet:
             return False
         self._closed = True
         with self._patience("hand the rest to whoever watches"):
-            self.stream.flush(timeout_sec=FLUSH_TIMEOUT)
+            if self._live or not self.trouble:
+                self.stream.flush(timeout_sec=FLUSH_TIMEOUT)
         if self._page is not None:
             self._announce("let browsers take the rest", LONGEST)
             wait_until_taken(self._data_port)

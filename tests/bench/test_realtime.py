@@ -67,6 +67,7 @@ def test_load_ends_with_its_context() -> None:
 
 
 @pytest.mark.realtime
+@pytest.mark.trials
 def test_a_short_bench_measures_everything_and_leaves_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(ticks, "_TURNS", 1)
     before = folders()

@@ -36,6 +36,7 @@ def test_every_block_says_what_becomes_of_it(page: Path) -> None:
     assert not unexplained
 
 
+@pytest.mark.docs
 def test_examples_do_what_the_page_says(page: Path, tmp_path: Path) -> None:
     folder = tmp_path / "work"
     folder.mkdir()

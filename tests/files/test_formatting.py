@@ -232,7 +232,7 @@ def blocks(draw: st.DrawFn, depth: int, column: int) -> list[str]:
     return lines
 
 
-@settings(max_examples=200, deadline=None, derandomize=True, database=None)
+@settings(max_examples=100, deadline=None, derandomize=True, database=None)
 @given(blocks(3, 0))
 def test_any_file_keeps_values_and_comments_and_is_formatted_once(lines: list[str]) -> None:
     text = "\n".join(lines) + "\n"

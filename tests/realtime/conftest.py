@@ -34,8 +34,8 @@ def live(project: Path, tmp_path: Path) -> Iterator[Callable[..., Live]]:
     """Start a run as a process of its own; nothing of it outlives the test."""
     started: list[Live] = []
 
-    def start(tree: str, *options: str, wait: bool = True) -> Live:
-        run = Live(project, tmp_path / f"{len(started)}", tree, *options)
+    def start(tree: str, *options: str, wait: bool = True, record: bool = True) -> Live:
+        run = Live(project, tmp_path / f"{len(started)}", tree, *options, record=record)
         started.append(run)
         if wait:
             run.ready()

@@ -62,14 +62,16 @@ class Live:
         folder: where its recording, report and output go.
         tree: what runs.
         options: further arguments.
+        record: whether it is recorded.
     """
 
-    def __init__(self, project: Path, folder: Path, tree: str, *options: str) -> None:
+    def __init__(self, project: Path, folder: Path, tree: str, *options: str, record: bool = True) -> None:
         folder.mkdir()
         self.recording, self._report = folder / "run.rrd", folder / "report.json"
         self.control_log = folder / "run.control.log"
         self._output = folder / "output.txt"
-        files = ["--record", str(self.recording), "--report", str(self._report)]
+        recorded = ["--record", str(self.recording)] if record else ["--no-record"]
+        files = [*recorded, "--report", str(self._report)]
         with self._output.open("w") as output:
             self.process = subprocess.Popen(
                 [*PROGRAM, "run", tree, "--mode", "realtime", *files, *options],

@@ -71,7 +71,7 @@ def test_a_killed_control_process_ends_the_run(live: Start) -> None:
 
 
 def test_without_perception_the_watchdog_holds_and_an_estop_from_outside_ends_it(live: Start) -> None:
-    run = live("watched", "--on-estop", "end")
+    run = live("watched", "--on-estop", "end", record=False)
     run.walks()
     run.kill("perception")
     ended = "the perception process ended (killed by signal 9)"

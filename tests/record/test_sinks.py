@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import re
+import resource
 import socket
 import subprocess
 import sys
@@ -17,6 +18,7 @@ import pytest
 
 from humanoid_bt.core.errors import UserError
 from humanoid_bt.record import sinks, viewers
+from humanoid_bt.record.outlet import Outlet
 from humanoid_bt.record.recorder import Recorder
 from humanoid_bt.record.sinks import Sinks
 from tests.record.helpers import events
@@ -179,6 +181,27 @@ def test_who_is_slow_gets_the_end_of_the_run_too(tmp_path: Path, request: pytest
             assert browser.wait(30) == 0
     found = [text for _, _, text in events(received)]
     assert (len(found), found[-1]) == (101, "the tree ended")
+
+
+def test_a_file_that_takes_nothing_more_is_hardly_waited_for(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, request: pytest.FixtureRequest
+) -> None:
+    """The library tells that it cannot write, or says nothing any more: that depends on its threads."""
+    outlet, waited = Outlet(Sinks(tmp_path / "run.rrd"), "run", None), list[float]()
+    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
+    request.addfinalizer(lambda: resource.setrlimit(resource.RLIMIT_FSIZE, limits))
+    resource.setrlimit(resource.RLIMIT_FSIZE, (1, limits[1]))
+
+    def silent(timeout_sec: float) -> NoReturn:
+        waited.append(timeout_sec)
+        raise RuntimeError("Flush timed out - not all log messages were sent")
+
+    monkeypatch.setattr(outlet.stream, "flush", silent)
+    for _ in range(3):
+        outlet.settle()
+    assert not outlet.close()
+    assert outlet.trouble.endswith("files may have 1 bytes at most here (ulimit -f)")
+    assert 0 < sum(waited) <= 1.0
 
 
 def test_nobody_is_waited_for_who_is_not_there() -> None:

@@ -18,7 +18,7 @@ _MORE = os.environ.get("HUMANOID_BT_EXAMPLES")
 
 settings.register_profile(
     "trees",
-    max_examples=int(_MORE or 80),
+    max_examples=int(_MORE or 40),
     derandomize=_MORE is None,
     deadline=None,
     database=None,

@@ -27,9 +27,9 @@ root:
 
 @pytest.fixture(scope="module")
 def swapped(tmp_path_factory: pytest.TempPathFactory) -> Ran:
-    """A robot that walks, a mistake at 0.2 s, and another tree at 1 s, which is edited once more."""
+    """A robot that walks, a mistake at 0.2 s, and another tree at 0.5 s, which is edited once more."""
     root = make_project(tmp_path_factory.mktemp("watched") / "project")
-    edits = edited(root, (10, BROKEN), (50, ONCE), (190, ONCE + "# again\n"), (250, "end"))
+    edits = edited(root, (10, BROKEN), (25, ONCE), (160, ONCE + "# again\n"), (200, "end"))
     return watched(root, WALK, edits, duration=12.0)
 
 

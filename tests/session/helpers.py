@@ -65,12 +65,21 @@ def ran(
     seed: int = 0,
     duration: float | None = 30.0,
     on_estop: Literal["wait", "end"] | None = None,
+    scene: str | None = None,
 ) -> Ran:
     """Run a tree to its end."""
     told = Told()
     record = recording or False
     session = Session(
-        tree, workspace=project, seed=seed, duration=duration, on_estop=on_estop, record=record, listener=told
+        tree,
+        workspace=project,
+        seed=seed,
+        duration=duration,
+        on_estop=on_estop,
+        scene=scene,
+        record=record,
+        camera=False,
+        listener=told,
     )
     return Ran(session, play(session, interrupted), told, recording)
 

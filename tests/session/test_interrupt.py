@@ -77,7 +77,7 @@ class Press(hbt.Listener):
         if self.ticks == 30:
             os.kill(os.getpid(), signal.SIGINT)
 
-session = hbt.Session("walk", record="ctrl-c.rrd", listener=Press())
+session = hbt.Session("walk", record="ctrl-c.rrd", camera=False, listener=Press())
 try:
     session.run()
 except KeyboardInterrupt:

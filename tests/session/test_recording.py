@@ -29,9 +29,9 @@ def recorder_of(session: Session) -> subprocess.Popen[bytes]:
     return recorder._process
 
 
-def harmed(project: Path, file: Path, harm: Callable[[Session], object], at: float = 1.5, tree: str = "walk") -> Report:
+def harmed(project: Path, file: Path, harm: Callable[[Session], object], at: float = 1.5) -> Report:
     """Return the report of a run to whose recording something is done."""
-    with Session(tree, workspace=project, record=file, camera=False, duration=LENGTH) as session:
+    with Session("stand", workspace=project, record=file, camera=False, duration=LENGTH) as session:
         session.run_until(at)
         harm(session)
         session.run_until(LENGTH)
@@ -68,7 +68,7 @@ def test_a_recorder_that_hangs_is_waited_for_but_not_for_ever(
 ) -> None:
     monkeypatch.setattr(remote_recorder, "_PATIENCE", 0.3)
     report = harmed(  # a robot that stands ends soon: what still comes has room on its way to the recorder
-        project, tmp_path / "run.rrd", lambda session: recorder_of(session).send_signal(signal.SIGSTOP), 2.98, "stand"
+        project, tmp_path / "run.rrd", lambda session: recorder_of(session).send_signal(signal.SIGSTOP), 2.98
     )
     (_, text), (_, missing) = errors(report)
     assert text == "the recorder was ended: it took more than 0.3 s to read what it was given"
@@ -116,7 +116,7 @@ def test_a_recording_that_is_deleted_is_told(project: Path, tmp_path: Path, fold
 def small_files(project: Path, tmp_path: Path) -> Iterator[int]:
     """Let no file grow beyond some bytes: a recording's beginning, and little of what follows."""
     short = tmp_path / "short.rrd"
-    with Session("walk", workspace=project, record=short, camera=False) as session:
+    with Session("stand", workspace=project, record=short, camera=False) as session:
         session.run_until(1.02)
         recorder = session._drive._recorder
         assert recorder is not None
@@ -171,7 +171,7 @@ def test_two_runs_of_the_same_second_have_recordings_of_their_own(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(options, "default_recording", lambda _tree: Path("runs/walk.rrd"))
-    sessions = [Session("walk", workspace=project, record=True, camera=False, duration=0.1) for _ in range(2)]
+    sessions = [Session("stand", workspace=project, record=True, camera=False, duration=0.1) for _ in range(2)]
     for session in sessions:
         session.start()
     for session in sessions:
@@ -184,10 +184,10 @@ def test_two_runs_of_the_same_second_have_recordings_of_their_own(
 
 def test_two_runs_cannot_write_one_file(project: Path, tmp_path: Path) -> None:
     file = tmp_path / "run.rrd"
-    with Session("walk", workspace=project, record=file, camera=False) as first:
+    with Session("stand", workspace=project, record=file, camera=False) as first:
         first.run_until(0.1)
         with pytest.raises(UserError, match=r"run\.rrd' is being written by another run"):
-            Session("walk", workspace=project, record=file).start()
+            Session("stand", workspace=project, record=file).start()
     assert last_time(file) > 0.05
 
 

@@ -86,7 +86,7 @@ def project(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def run(project: Path, root: str, *, recording: Path | None = None, head: str = "", duration: float = 5.0) -> Report:
     text = f"format: 1\nscene: three\n{head}\nroot: {root}\n"
     (project / "trees" / "t.yaml").write_text(text, encoding="utf-8")
-    return Session("t", workspace=project, record=recording or False, duration=duration).run()
+    return Session("t", workspace=project, record=recording or False, camera=False, duration=duration).run()
 
 
 def told(report: Report, name: str) -> list[tuple[float, str, object]]:

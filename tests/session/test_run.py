@@ -13,10 +13,22 @@ from humanoid_bt.core.errors import UserError
 from humanoid_bt.session.session import Session
 from tests.session.helpers import Ran, Told, after, play, ran
 
+NEAR = """
+format: 1
+name: near
+objects: {ball: {shape: ball, size: [8 cm], position: [0.7, 0.05, 0.85]}}
+percepts: {target: {object: ball}}
+events: [{at: 0.5, hide: ball}, {at: 1.5, show: ball}]
+"""
+
 
 @pytest.fixture(scope="module")
 def fetched(project: Path, tmp_path_factory: pytest.TempPathFactory) -> Ran:
-    return ran("fetch", project, tmp_path_factory.mktemp("fetch") / "fetch.rrd")
+    """The demo with its ball at hand, lost and seen again at once."""
+    scene = project / "sim" / "scenes" / "near.yaml"
+    scene.parent.mkdir(parents=True)
+    scene.write_text(NEAR, encoding="utf-8")
+    return ran("fetch", project, tmp_path_factory.mktemp("fetch") / "fetch.rrd", scene="near")
 
 
 @pytest.fixture(scope="module")
@@ -70,7 +82,7 @@ def test_the_timeline_tells_every_change_in_order(fetched: Ran) -> None:
 
 def test_the_scene_tells_its_events_once_and_on_time(fetched: Ran) -> None:
     scene = [(time, text) for time, _, text in fetched.told.events if text.startswith("scene: ")]
-    assert scene == [(3.0, "scene: ball hidden"), (6.0, "scene: ball shown")]
+    assert scene == [(0.5, "scene: ball hidden"), (1.5, "scene: ball shown")]
 
 
 def test_the_report_is_json(fetched: Ran, tmp_path: Path) -> None:

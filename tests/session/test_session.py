@@ -153,7 +153,7 @@ def test_a_reset_lets_a_run_that_waits_go_on(project: Path) -> None:
 )
 def test_leaving_brings_the_robot_to_a_stand(tmp_path: Path, error: Exception | None, reason: str) -> None:
     recording = tmp_path / "walk.rrd"
-    session = hbt.Session("walk", record=recording)
+    session = hbt.Session("walk", record=recording, camera=False)
     try:
         with session:
             session.run_until(1.0)
@@ -170,7 +170,7 @@ def test_leaving_brings_the_robot_to_a_stand(tmp_path: Path, error: Exception | 
 
 
 def test_a_session_that_was_never_stepped_is_closed_too(tmp_path: Path) -> None:
-    with hbt.Session("walk", record=str(tmp_path / "walk.rrd")) as session:
+    with hbt.Session("walk", record=str(tmp_path / "walk.rrd"), camera=False) as session:
         pass
     assert (session.report.outcome, session.report.sim_time) == ("unfinished", 0.0)
     assert last_time(tmp_path / "walk.rrd") == 0.0
@@ -378,7 +378,7 @@ def test_what_a_table_shows_is_escaped(project: Path) -> None:
 
 @pytest.mark.realtime
 def test_realtime_is_stepped_in_the_same_way(tmp_path: Path) -> None:
-    with hbt.Session("walk", mode="realtime", duration=5.0, record=tmp_path / "walk.rrd") as session:
+    with hbt.Session("walk", mode="realtime", duration=5.0, record=tmp_path / "walk.rrd", camera=False) as session:
         assert session.run_until(0.4)
         assert session.time >= 0.4
         assert session.node("walk").status is Status.RUNNING

@@ -9,16 +9,12 @@ from py_trees.common import Status
 from humanoid_bt import Gait, Rig
 
 
-def test_stands_where_it_is(rig: Rig) -> None:
+def test_stands_where_it_is_and_looks_to_both_sides_ever_wider(rig: Rig) -> None:
     start = rig.state.stance.copy()
-    result = rig.run("idle", timeout=6)
+    result = rig.run("idle", timeout=9)
     assert result.status is Status.RUNNING
     assert np.linalg.norm(rig.state.stance[:2] - start[:2]) < 0.005
     assert all(state.gait is Gait.STAND for state in result.states)
-
-
-def test_looks_to_both_sides_ever_wider(rig: Rig) -> None:
-    result = rig.run("idle", timeout=9)
     yaw = [math.atan2(state.gaze_direction[1], state.gaze_direction[0]) for state in result.states]
     first, second = max(yaw[:225]), -min(yaw[225:])
     assert 0.3 < first < second

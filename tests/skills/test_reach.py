@@ -10,10 +10,14 @@ from humanoid_bt import Gait, Rig, Side
     ("target", "side"),
     [((0.40, 0.15, 0.95), "left"), ((0.42, -0.10, 0.62), "right"), ((0.35, -0.25, 1.05), "right")],
 )
-def test_brings_the_nearest_palm_to_the_target(rig: Rig, target: tuple[float, ...], side: Side) -> None:
+def test_brings_the_nearest_palm_to_the_target_and_reports_how_near(
+    rig: Rig, target: tuple[float, ...], side: Side
+) -> None:
     result = rig.run("reach", target=target)
     assert result.succeeded, result.feedback
     assert rig.hand_distance(side, target) < 0.02
+    assert result.results["hand_error"] == pytest.approx(rig.hand_distance(side, target), abs=0.01)
+    assert result.results["hand_error"] < 0.015
     assert not result.stops
 
 
@@ -40,7 +44,15 @@ def test_says_how_near_it_came_when_the_target_is_out_of_reach(rig: Rig) -> None
 
 
 @pytest.mark.parametrize(
-    "target", [(0.7, 0.0, 0.9), (0.65, -0.2, 0.7), (0.7, 0.3, 1.1), (0.65, 0.3, 1.1), (1.0, 0.0, 1.1), (0.6, -0.4, 0.1)]
+    "target",
+    [
+        (0.7, 0.0, 0.9),
+        (0.6, -0.4, 0.1),
+        *(
+            pytest.param(target, marks=pytest.mark.trials)
+            for target in [(0.65, -0.2, 0.7), (0.7, 0.3, 1.1), (0.65, 0.3, 1.1), (1.0, 0.0, 1.1)]
+        ),
+    ],
 )
 def test_leans_and_crouches_for_a_far_target_without_losing_its_balance(rig: Rig, target: tuple[float, ...]) -> None:
     result = rig.run("reach", target=target, timeout=12, patience=1.0)
@@ -77,19 +89,15 @@ def test_survives_an_emergency_stop_with_the_arm_out(rig: Rig) -> None:
     assert np.linalg.norm(settled.hands["left"] - before) < 0.02
 
 
-@pytest.mark.parametrize("target", [(0.95, 0.1, 0.9), (0.6, 0.2, 0.1)], ids=["far", "low"])
+@pytest.mark.parametrize(
+    "target", [pytest.param((0.95, 0.1, 0.9), marks=pytest.mark.trials), (0.6, 0.2, 0.1)], ids=["far", "low"]
+)
 def test_stands_up_from_a_failed_reach_and_reaches_again(rig: Rig, target: tuple[float, float, float]) -> None:
     assert not rig.run("reach", target=target, timeout=12).succeeded
     assert rig.settle(3).base_settled
     again = rig.run("reach", target=(0.4, 0.1, 0.9))
     assert again.succeeded, again.feedback
     assert not again.stops
-
-
-def test_reports_how_near_the_palm_came(rig: Rig) -> None:
-    result = rig.run("reach", target=(0.40, 0.15, 0.95))
-    assert result.results["hand_error"] == pytest.approx(rig.hand_distance("left", (0.40, 0.15, 0.95)), abs=0.01)
-    assert result.results["hand_error"] < 0.015
 
 
 def test_reports_nothing_before_it_has_begun_to_move(rig: Rig) -> None:

@@ -8,7 +8,9 @@ import pytest
 from humanoid_bt import Gait, Rig
 
 
-@pytest.mark.parametrize("angle", [0.6, -1.2, math.pi])
+@pytest.mark.parametrize(
+    "angle", [-0.6, *(pytest.param(angle, marks=pytest.mark.trials) for angle in (0.6, -1.2, math.pi))]
+)
 def test_turns_on_the_spot_to_the_side_it_is_told(rig: Rig, angle: float) -> None:
     result = rig.run("turn", angle=angle, timeout=15)
     assert result.succeeded, result.feedback

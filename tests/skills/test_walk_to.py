@@ -29,7 +29,7 @@ def test_keeps_its_heading_when_the_place_is_near(rig: Rig) -> None:
     assert rig.state.stance[2] == pytest.approx(0.0, abs=0.12)
 
 
-@pytest.mark.slow
+@pytest.mark.trials
 def test_turns_round_to_a_place_behind(rig: Rig) -> None:
     result = rig.run("walk_to", x=-1.5, y=0.0, timeout=20)
     assert result.succeeded, result.feedback

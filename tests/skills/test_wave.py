@@ -14,7 +14,7 @@ def turns(result: RigResult, side: Side) -> int:
     return int(np.count_nonzero(np.diff(signs)))
 
 
-@pytest.mark.parametrize("hand", ["left", "right"])
+@pytest.mark.parametrize("hand", ["left", pytest.param("right", marks=pytest.mark.trials)])
 def test_waves_beside_the_head_as_often_as_it_is_told(rig: Rig, hand: Side) -> None:
     result = rig.run("wave", hand=hand, times=2)
     assert result.succeeded, result.feedback

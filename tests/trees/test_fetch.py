@@ -7,6 +7,8 @@ import pytest
 from humanoid_bt.session.report import Report
 from tests.trees.fetch_trials import fault, trial
 
+pytestmark = pytest.mark.trials
+
 
 def begins(report: Report) -> dict[str, float]:
     """Return when something first happened to a node, by its name."""

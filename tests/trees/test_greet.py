@@ -1,5 +1,7 @@
 """The sub-tree ``greet`` on the simulated robot."""
 
+import pytest
+
 from tests.trees.conftest import RunTree, ended
 
 GREET = """\
@@ -24,6 +26,7 @@ def test_does_not_greet_again_for_some_time(run_tree: RunTree) -> None:
     assert ended(run, "cooldown") == ["success", "failure"]
 
 
+@pytest.mark.trials
 def test_greets_again_afterwards(run_tree: RunTree) -> None:
     twice = GREET.format(", times: 1, again: 2 s").replace(
         "  subtree", "  repeat:\n    times: 2\n    failure_is_running:\n      subtree"

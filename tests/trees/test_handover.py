@@ -36,6 +36,7 @@ def test_fails_with_the_hand_back_when_nobody_comes(run_tree: RunTree) -> None:
     assert hands_are_back(run)
 
 
+@pytest.mark.trials
 def test_fails_with_the_hand_back_when_it_cannot_offer(run_tree: RunTree) -> None:
     run = run_tree(HANDOVER.format(", near: 30 cm"), "visitor_ahead")
     assert run.report.outcome == "failure"

@@ -30,6 +30,7 @@ def test_looks_around_where_it_comes_to_unless_told_otherwise(run_tree: RunTree)
     assert ended(run, "look around") == ["success"]
 
 
+@pytest.mark.trials
 def test_walks_several_rounds(run_tree: RunTree) -> None:
     run = run_tree("subtree: {tree: patrol, places: [[0, 0, 0], [0, 0, 20 deg]], rounds: 2, task: {wait: 0 s}}")
     assert run.report.outcome == "success", run.report.reason

@@ -14,6 +14,7 @@ def test_succeeds_at_once_when_the_target_is_in_sight(run_tree: RunTree) -> None
     assert not ended(run, "turn")
 
 
+@pytest.mark.trials
 def test_turns_until_it_sees_what_is_behind(run_tree: RunTree) -> None:
     run = run_tree("subtree: {tree: search, target: target, look: 1 s}", "ball_behind")
     assert run.report.outcome == "success", run.report.reason
@@ -22,6 +23,7 @@ def test_turns_until_it_sees_what_is_behind(run_tree: RunTree) -> None:
     assert abs(away) < math.radians(110)  # half the view, and as far as the neck turns
 
 
+@pytest.mark.trials
 def test_finds_what_is_low_and_straight_behind(run_tree: RunTree) -> None:
     run = run_tree("subtree: {tree: search, target: target}", "ball_straight_behind")
     assert run.report.outcome == "success", run.report.reason
@@ -46,6 +48,7 @@ def test_fails_when_its_time_is_over(run_tree: RunTree) -> None:
     assert run.report.sim_time == pytest.approx(1, abs=0.1)
 
 
+@pytest.mark.trials
 def test_brings_a_watchdogs_target_back(run_tree: RunTree) -> None:
     run = run_tree(
         """\
