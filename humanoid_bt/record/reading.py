@@ -6,6 +6,7 @@ import json
 import warnings
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import chain
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -17,6 +18,7 @@ from humanoid_bt.core.clock import SERVO_PERIOD
 from humanoid_bt.core.errors import UserError, relative
 from humanoid_bt.core.messages import Array
 from humanoid_bt.record.packing import BlockError, unpack
+from humanoid_bt.record.parts import is_recording, parts
 
 
 @dataclass(frozen=True)
@@ -39,11 +41,15 @@ class Cycles:
 def read_cycles(path: str | PathLike[str], kind: str = "cycles") -> Cycles:
     """Return every servo cycle of a recording, or with ``kind="plans"`` every plan of the whole body.
 
+    Args:
+        path: the recording, or any of its parts: all of them are read, in order.
+        kind: what is returned.
+
     Raises:
         UserError: the file is no recording, or has none of them.
     """
     layout, blocks = None, []
-    for entity, column, value in _values(Path(path), "layout", "block"):
+    for entity, column, value in chain.from_iterable(_values(part, "layout", "block") for part in _parts(Path(path))):
         if entity == "/flight" and column == "layout":
             layout = json.loads(value)
         elif entity == f"/flight/{kind}" and column == "block":
@@ -52,15 +58,23 @@ def read_cycles(path: str | PathLike[str], kind: str = "cycles") -> Cycles:
         message = f"the recording {relative(Path(path))!r} has no servo cycles"
         raise UserError(message, hint="recordings have them since version 0.1")
     row = Row(*(Column(**{**column, "labels": tuple(column["labels"])}) for column in layout[kind]))
-    parts, damaged = [np.zeros((0, row.width))], 0
+    tables, damaged = [np.zeros((0, row.width))], 0
     for block in blocks:
         try:
-            parts.append(unpack(block, row.resolution))
+            tables.append(unpack(block, row.resolution))
         except BlockError:
             damaged += 1
-    rows = np.concatenate(parts)
+    rows = np.concatenate(tables)
     described = {column.name: column for column in row.columns}
     return Cycles(rows[:, 0] * SERVO_PERIOD, row.split(rows), described, damaged)
+
+
+def _parts(path: Path) -> list[Path]:
+    """Return all parts of a recording that hold anything; just this file where there are none."""
+    try:
+        return [part for part in parts(path) if is_recording(part)] or [path]
+    except OSError:  # reading it will say why
+        return [path]
 
 
 def _values(path: Path, *columns: str) -> Iterator[tuple[str, str, Any]]:

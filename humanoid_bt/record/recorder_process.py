@@ -72,7 +72,11 @@ class RecorderProcess:
     def _opened(self, kind: type[Recorder], setup: Mapping[str, Any]) -> Recorder | None:
         """Return the recorder, or None if it cannot be made; say which."""
         try:
-            recorder = kind(**setup, announce=lambda what, limit: self.say("busy", what, limit))
+            recorder = kind(
+                **setup,
+                announce=lambda what, limit: self.say("busy", what, limit),
+                tell=lambda level, text: self.say("told", level, text),
+            )
         except UserError as error:
             self.say("refused", [(problem.message, problem.hint) for problem in error.problems])
             return None

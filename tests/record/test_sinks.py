@@ -147,7 +147,7 @@ outlet = Outlet(Sinks(serve=int(sys.argv[1])), "run", None)
 letters = random.Random(0)
 for _ in range(100):
     outlet.stream.log("events", rr.TextLog(letters.randbytes(100_000).hex(), level="INFO"))
-outlet.stream.flush()
+outlet._watched.flush()
 print("recorded", flush=True)
 sys.stdin.readline()
 outlet.stream.log("events", rr.TextLog("the tree ended", level="INFO"))
