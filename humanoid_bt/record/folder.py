@@ -7,6 +7,7 @@ import os
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
+from datetime import datetime
 from pathlib import Path
 
 from humanoid_bt.core.errors import UserError, relative
@@ -27,7 +28,7 @@ class Recorded:
     Attributes:
         first: its file, or the first of its parts; it may be missing.
         tree: what ran.
-        began: when, as in the name: "20260101-120000".
+        began: when, as the name says.
         parts: the files of the recording that are there, in order.
         beside: other files of the same name: the log of control, the report.
         size: bytes of all of them.
@@ -36,16 +37,11 @@ class Recorded:
 
     first: Path
     tree: str
-    began: str
+    began: datetime
     parts: tuple[Path, ...]
     beside: tuple[Path, ...]
     size: int
     kept: bool
-
-    @property
-    def report(self) -> Path:
-        """Where the report of the run is, if it came to its end."""
-        return self.first.with_suffix(".json")
 
     @property
     def is_written(self) -> bool:
@@ -80,7 +76,18 @@ class Recorded:
             path.unlink(missing_ok=True)
 
 
-def recordings(folder: Path) -> list[Recorded]:
+def report_beside(recording: Path) -> Path:
+    """Return where the report of a recorded run is."""
+    return recording.with_suffix(".json")
+
+
+def stem_of(name: str) -> str:
+    """Return what the names of all files of a recording begin with, TREE-DATE-TIME, if this is one of them."""
+    match = _OURS.fullmatch(name)
+    return match["stem"] if match else name
+
+
+def recordings_in(folder: Path) -> list[Recorded]:
     """Return the recordings of a folder whose names come from their runs, newest first; nothing else is looked at.
 
     Raises:
@@ -105,7 +112,7 @@ def make_room(folder: Path, limits: FolderLimits) -> str:
     Those that are written now, or are to be kept, stay.
     """
     try:
-        found = [recorded for recorded in recordings(folder) if not recorded.kept]
+        found = [recorded for recorded in recordings_in(folder) if not recorded.kept]
     except UserError as error:
         return error.problems[0].message
     count, size = len(found), sum(recorded.size for recorded in found)
@@ -152,9 +159,13 @@ def _recorded(first: Path, files: list[Path]) -> Iterator[Recorded]:
         except OSError:  # it was removed meanwhile
             return
     match = _OURS.fullmatch(first.name)
+    try:
+        began = datetime.strptime(match["began"] if match else "", "%Y%m%d-%H%M%S")
+    except ValueError:  # numbers that are no time: not ours
+        return
     if parts and match:
-        parts.sort(key=lambda part: (part != first, part.name))
-        yield Recorded(first, match["tree"], match["began"], tuple(parts), tuple(beside), size, kept)
+        parts.sort(key=lambda part: (len(part.name), part.name))
+        yield Recorded(first, match["tree"], began, tuple(parts), tuple(beside), size, kept)
 
 
 def _is_locked(path: Path) -> bool:

@@ -6,6 +6,12 @@ import re
 from contextlib import suppress
 from pathlib import Path
 
+PART_SIZE = 500_000_000
+"""Bytes from which on a recording goes on in another file; about 20 minutes of a run."""
+
+SMALLEST_PART = 1_000_000
+"""The least that can be asked for: every file begins with the whole scene."""
+
 MAGIC = b"RRF2"
 """What every recording begins with."""
 
@@ -23,18 +29,19 @@ def first_of(part: Path) -> Path:
     return part.with_stem(match["stem"]) if match else part
 
 
-def parts(path: Path) -> list[Path]:
+def parts_of(path: Path) -> list[Path]:
     """Return all parts there are of a recording, in order.
 
     Args:
         path: of any part of it.
-
-    Raises:
-        OSError: its folder cannot be read.
     """
     first = first_of(path)
     found: list[tuple[int, Path]] = []
-    for entry in first.parent.iterdir():
+    try:
+        entries = list(first.parent.iterdir())
+    except OSError:
+        return []
+    for entry in entries:
         match = _PART.fullmatch(entry.stem)
         if entry.name == first.name:
             found.append((1, entry))
@@ -57,6 +64,6 @@ def is_recording(path: Path) -> bool:
 def remove_further(first: Path) -> None:
     """Remove the further parts of an older recording, which this one overwrites."""
     with suppress(OSError):
-        for part in parts(first):
+        for part in parts_of(first):
             if part.name != first.name and is_recording(part):
                 part.unlink()

@@ -18,7 +18,7 @@ from humanoid_bt.core.clock import SERVO_PERIOD
 from humanoid_bt.core.errors import UserError, relative
 from humanoid_bt.core.messages import Array
 from humanoid_bt.record.packing import BlockError, unpack
-from humanoid_bt.record.parts import is_recording, parts
+from humanoid_bt.record.parts import is_recording, parts_of
 
 
 @dataclass(frozen=True)
@@ -71,10 +71,7 @@ def read_cycles(path: str | PathLike[str], kind: str = "cycles") -> Cycles:
 
 def _parts(path: Path) -> list[Path]:
     """Return all parts of a recording that hold anything; just this file where there are none."""
-    try:
-        return [part for part in parts(path) if is_recording(part)] or [path]
-    except OSError:  # reading it will say why
-        return [path]
+    return [part for part in parts_of(path) if is_recording(part)] or [path]
 
 
 def _values(path: Path, *columns: str) -> Iterator[tuple[str, str, Any]]:

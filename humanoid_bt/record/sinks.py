@@ -11,11 +11,9 @@ from pathlib import Path
 
 from humanoid_bt.core.errors import UserError, relative
 from humanoid_bt.record.folder_limits import FolderLimits
+from humanoid_bt.record.parts import PART_SIZE
 
 LOOPBACK = "127.0.0.1"
-
-PART_SIZE = 500_000_000
-"""Bytes from which on a recording goes on in another file; about 20 minutes of a run."""
 
 
 @dataclass(frozen=True)

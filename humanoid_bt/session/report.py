@@ -92,6 +92,7 @@ class Report:
         external_force_max: largest external force or torque on any body [N, Nm].
         timing: how punctual the servo was in realtime mode: cycles, missed, lateness [us]; None in lockstep.
         recording: path of the recording.
+        recording_parts: the files it is in, in order: more than one if it became too large for one.
         recording_missing: time that the recording lacks [s], 0 if it has everything; the events say why.
         versions: of the packages that a run depends on.
         traceback: of the exception that ended the run, for its author.
@@ -125,6 +126,7 @@ class Report:
     traceback: str = ""
     slow_ticks: dict[str, Any] = field(default_factory=dict)
     recording_missing: float = 0.0
+    recording_parts: list[str] = field(default_factory=list)
 
     @property
     def exit_code(self) -> ExitCode:
@@ -151,7 +153,8 @@ class Report:
         rows.append(("trace", self.trace_hash[:16]))
         if self.recording:
             lacks = f"  ({self.recording_missing:.1f} s are missing)" if self.recording_missing else ""
-            rows.append(("recording", self.recording + lacks))
+            parts = f", in {count} parts" if (count := len(self.recording_parts)) > 1 else ""
+            rows.append(("recording", self.recording + parts + lacks))
         return rows
 
     def result(self, name: str, default: Any = ...) -> Any:

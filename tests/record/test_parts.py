@@ -12,7 +12,7 @@ import rerun as rr
 
 from humanoid_bt.control.cycle_log import Layout
 from humanoid_bt.core.messages import FootPose, Level
-from humanoid_bt.record.parts import first_of, is_recording, part_of, parts
+from humanoid_bt.record.parts import first_of, is_recording, part_of, parts_of
 from humanoid_bt.record.reading import read_cycles
 from humanoid_bt.record.recorder import Recorder
 from humanoid_bt.record.sinks import Sinks
@@ -59,17 +59,17 @@ def static(path: Path) -> dict[str, set[str]]:
 
 def test_a_small_recording_is_one_file(record: Maker, file: Path) -> None:
     assert record_parts(record, file, part_size=10_000_000) == []
-    assert parts(file) == [file]
+    assert parts_of(file) == [file]
 
 
 def test_each_part_can_be_opened_alone(record: Maker, file: Path) -> None:
     told = record_parts(record, file)
-    assert [part.name for part in parts(file)] == ["run.rrd", *(f"run.part00{number}.rrd" for number in (2, 3, 4))]
+    assert [part.name for part in parts_of(file)] == ["run.rrd", *(f"run.part00{number}.rrd" for number in (2, 3, 4))]
     assert [level for level, _ in told] == ["info"] * 3
     assert told[0][1] == f"the recording goes on in '{file.with_name('run.part002.rrd')}'"
     whole = static(file)
     assert {"/flight", "/world/robot/pelvis/belly", "/world/percepts/ball", "/tree/boxes"} <= set(whole)
-    for part in parts(file):
+    for part in parts_of(file):
         assert static(part) == whole
         assert len(rr.chunk.RrdReader(part).blueprints()) == 1
         assert "root: {selector: []}" in rows(part, "/documents/tree", "TextDocument:text")[0][1][0]
@@ -77,7 +77,7 @@ def test_each_part_can_be_opened_alone(record: Maker, file: Path) -> None:
 
 def test_a_part_begins_with_what_holds(record: Maker, file: Path) -> None:
     record_parts(record, file)
-    first, second, *_ = parts(file)
+    first, second, *_ = parts_of(file)
     (lane,) = (entity for entity in entities(first) if entity.endswith("reach") and entity.startswith("/actions"))
     began = rows(second, "/documents/run", "TextDocument:text")[0][0]
     assert began == pytest.approx(1.0)
@@ -91,23 +91,23 @@ def test_a_part_begins_with_what_holds(record: Maker, file: Path) -> None:
 
 def test_all_parts_are_one_recording(record: Maker, file: Path) -> None:
     record_parts(record, file)
-    readers = [rr.chunk.RrdReader(part) for part in parts(file)]
+    readers = [rr.chunk.RrdReader(part) for part in parts_of(file)]
     ids = {(entry.application_id, entry.recording_id) for reader in readers for entry in reader.recordings()}
     assert len(ids) == 1
-    started = [rows(part, "/__properties", "RecordingInfo:start_time") for part in parts(file)]
+    started = [rows(part, "/__properties", "RecordingInfo:start_time") for part in parts_of(file)]
     assert started == [started[0]] * 4
-    samples = [time for part in parts(file) for time, _ in rows(part, "/robot/speed", "Scalars:scalars")]
+    samples = [time for part in parts_of(file) for time, _ in rows(part, "/robot/speed", "Scalars:scalars")]
     assert samples == pytest.approx([0.02 * number for number in range(160)])
-    assert [text for part in parts(file) for _, _, text in events(part)] == ["▶ reach: on its way", "✓ reach: there"]
+    assert [text for part in parts_of(file) for _, _, text in events(part)] == ["▶ reach: on its way", "✓ reach: there"]
 
 
 def test_servo_cycles_are_read_from_all_parts_whichever_is_given(record: Maker, file: Path) -> None:
     record_parts(record, file)
-    for part in parts(file):
+    for part in parts_of(file):
         assert read_cycles(part).columns["servo"][:, 0].tolist() == list(range(3200))
     part_of(file, 9).touch()  # of a recorder that was killed before it could write anything
     assert len(read_cycles(file).time) == 3200
-    parts(file)[1].unlink()
+    parts_of(file)[1].unlink()
     assert len(read_cycles(file).time) == 2200
 
 
@@ -120,7 +120,7 @@ def test_who_watches_does_not_notice(record: Maker, file: Path, tmp_path: Path) 
             tick(recorder, number)
         recorder.flush()
         viewer.flush()
-    assert len(parts(file)) > 3
+    assert len(parts_of(file)) > 3
     assert len(rows(tmp_path / "viewer.rrd", "/robot/speed", "Scalars:scalars")) == 160
     assert len(rows(tmp_path / "viewer.rrd", "/documents/run", "TextDocument:text")) == 1
     assert len(rows(tmp_path / "viewer.rrd", "/world/footsteps", "Boxes3D:centers")) == 1
@@ -135,9 +135,9 @@ def test_at_every_moment_all_parts_can_be_read(record: Maker, file: Path, tmp_pa
             if number % 50 == 1:
                 left = tmp_path / f"left{number}"
                 left.mkdir()
-                for part in parts(file):
+                for part in parts_of(file):
                     shutil.copy(part, left)
-                seen = [list(rr.chunk.RrdReader(part).stream()) for part in parts(left / "run.rrd")]
+                seen = [list(rr.chunk.RrdReader(part).stream()) for part in parts_of(left / "run.rrd")]
                 assert all(seen)
                 assert len(read_cycles(left / "run.rrd").time) == 20 * (number - 1)
 
@@ -149,7 +149,7 @@ def test_an_overwritten_recording_leaves_no_parts(record: Maker, file: Path) -> 
     other = file.with_name("run.part002.txt")
     other.touch()
     record_parts(record, file, ticks=10)
-    assert parts(file) == [file, notes]
+    assert parts_of(file) == [file, notes]
     assert other.exists()
 
 
@@ -171,7 +171,7 @@ def test_a_part_that_is_deleted_loses_what_was_in_it(record: Maker, file: Path) 
         for number in range(60):
             tick(recorder, number)
         assert recorder.written == pytest.approx(1.0)
-        parts(file)[1].unlink()
+        parts_of(file)[1].unlink()
     assert recorder.written == pytest.approx(1.0)
     assert "was deleted while it was written" in recorder.trouble
 
