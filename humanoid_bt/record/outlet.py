@@ -140,7 +140,6 @@ class Outlet:
         if sinks.file is not None:
             open_stream = lambda path: self._open_stream(rr.FileSink(path))  # noqa: E731
             self._file = PartedFile(sinks.file, sinks.part_size, self.stream, open_stream, self._tell)
-            self._make_room()
         targets: list[Any] = []
         if sinks.serve is not None:
             self._data_port = sinks.serve + 1
@@ -155,6 +154,7 @@ class Outlet:
         if targets:
             self._watched = self._open_stream(*targets)
             self.stream.add(self._watched)
+        self._make_room()
 
     def _open_stream(self, *targets: Any) -> Any:
         """Return a stream into some sinks; to whoever reads them all streams are one recording."""

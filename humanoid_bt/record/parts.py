@@ -9,7 +9,7 @@ from pathlib import Path
 PART_SIZE = 500_000_000
 """Bytes from which on a recording goes on in another file; about 20 minutes of a run."""
 
-SMALLEST_PART = 1_000_000
+SMALLEST_PART = 10_000_000
 """The least that can be asked for: every file begins with the whole scene."""
 
 MAGIC = b"RRF2"

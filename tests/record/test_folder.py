@@ -177,8 +177,10 @@ def test_sizes_are_read(text: str, size: int | None) -> None:
 
 @pytest.mark.parametrize(
     ("size", "text"),
-    [(0, "0 B"), (999, "999 B"), (1000, "1.0 kB"), (999_499, "999 kB"), (999_960, "1.0 MB"), (1.34e9, "1.3 GB")]
-    + [(99.9e9, "99.9 GB"), (150e9, "150 GB"), (20e12, "20.0 TB")],
+    [
+        *[(0, "0 B"), (999, "999 B"), (1000, "1.0 kB"), (999_499, "999 kB"), (999_960, "1.0 MB")],
+        *[(1.34e9, "1.3 GB"), (99.9e9, "99.9 GB"), (150e9, "150 GB"), (20e12, "20.0 TB")],
+    ],
 )
 def test_sizes_are_shown(size: float, text: str) -> None:
     assert shown_size(size) == text
