@@ -14,6 +14,7 @@ import mujoco
 from humanoid_bt.control.cycle_log import Layout
 from humanoid_bt.core.clock import DECISION_PERIOD
 from humanoid_bt.core.errors import ControlLost, HumanoidBtError, UserError
+from humanoid_bt.core.kept import Kept
 from humanoid_bt.core.messages import Array, Command, Percept, State
 from humanoid_bt.link.ring import RingReader, RingWriter
 from humanoid_bt.link.run_folder import RunFolder, RunInfo, clean_stale, live_runs
@@ -72,7 +73,7 @@ class Realtime:
         self.clock = StateClock()
         self.model: mujoco.MjModel = MujocoPlant(robot, scene).model
         self.supervisor = RemoteSupervisor()
-        self.notices: list[Event] = []
+        self.notices: Kept[Event] = Kept()
         self.external_force_max = 0.0
         self.timing = Timing()
         self.unseen: Mapping[str, str] = {}
@@ -264,8 +265,10 @@ class Realtime:
         for payload in self._new("percept"):
             seen, self.unseen = decode_percepts(payload)
             self._percepts |= {percept.name: percept for percept in seen}
-        self.notices += [decode_event(payload) for payload in self._new("notice")]
-        self.supervisor.rejected += [payload.decode(errors="replace") for payload in self._new("refusal")]
+        for payload in self._new("notice"):
+            self.notices.append(decode_event(payload))
+        for payload in self._new("refusal"):
+            self.supervisor.rejected.append(payload.decode(errors="replace"))
         latest = self._readers["timing"].latest()
         if latest is not None:
             self.timing = Timing.from_bytes(latest[1])

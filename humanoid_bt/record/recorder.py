@@ -152,8 +152,7 @@ class Recorder:
         if self._last_flush == -np.inf:
             self._last_flush = state.time
         if state.time - self._last_flush >= self._batch - _SLACK:
-            self.flush()
-            self._outlet.go_on(state.time)
+            self.write()
             self._last_flush = state.time
 
     def cycles(self, plans: Array, cycles: Array) -> None:
@@ -225,6 +224,11 @@ class Recorder:
         """
         self._check_open()
         self._events.event(time, level, text)
+
+    def write(self) -> None:
+        """Write what was recorded since the last batch, and go on in another file if this one is large enough."""
+        self.flush()
+        self._outlet.go_on(max(self._sampled, 0.0))
 
     def flush(self) -> None:
         """Write what was recorded since the last batch; does nothing after :meth:`close`."""

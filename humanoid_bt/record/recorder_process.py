@@ -17,7 +17,7 @@ import sys
 import threading
 import time
 import traceback
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
@@ -31,6 +31,7 @@ if TYPE_CHECKING:
 
 _NICE = 5  # behind the run, before what is only meant to fill idle cores
 _PAUSE = 0.02  # s between two looks at what came in
+_SILENCE = 1.0  # s without a call after which what came otherwise is written
 _CHUNK = 1 << 16  # bytes that are read at once
 _ALONE = 60.0  # s to close a recording that nobody waits for any more
 
@@ -45,11 +46,12 @@ class RecorderProcess:
     def __init__(self, end: socket.socket) -> None:
         self._end = end
         self._saying = threading.Lock()
-        self._source = io.BufferedReader(_Unhurried(end), _CHUNK)
+        self._source = io.BufferedReader(_Unhurried(end, self._idle), _CHUNK)
         self._recorder: Recorder | None = None
         self._written = -float("inf")
         self._trouble = ""
         self._last = 0.0  # engine time of the last tick [s]
+        self._heard = time.monotonic()
         logging.getLogger().addHandler(_Telling(self))
 
     def run(self) -> None:
@@ -85,6 +87,7 @@ class RecorderProcess:
 
     def _obey(self, recorder: Recorder, method: str, arguments: tuple[Any, ...]) -> bool:
         """Do what decision asks; return whether more can come."""
+        self._heard = time.monotonic()
         getattr(recorder, method)(*arguments)
         if method == "sample":
             self._last = arguments[0].time
@@ -97,6 +100,12 @@ class RecorderProcess:
         if method == "close":
             self.say("closed")
         return method != "close"
+
+    def _idle(self) -> None:
+        """Write what control goes on to do while decision hangs, or it would fill the memory."""
+        if self._recorder is not None and time.monotonic() - self._heard > _SILENCE:
+            self._heard = time.monotonic()
+            self._recorder.write()
 
     def _close_alone(self, why: str) -> None:
         """Close the recording, for which nobody waits."""
@@ -120,8 +129,8 @@ class _Unhurried(io.RawIOBase):
     Whoever writes to a process that sleeps wakes it up, and may have to make room for it at once.
     """
 
-    def __init__(self, end: socket.socket) -> None:
-        self._end = end
+    def __init__(self, end: socket.socket, idle: Callable[[], None]) -> None:
+        self._end, self._idle = end, idle
 
     def readable(self) -> bool:
         return True
@@ -131,6 +140,7 @@ class _Unhurried(io.RawIOBase):
             try:
                 return self._end.recv_into(buffer, 0, socket.MSG_DONTWAIT)
             except BlockingIOError:
+                self._idle()
                 time.sleep(_PAUSE)
 
 

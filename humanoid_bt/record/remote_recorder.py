@@ -139,7 +139,8 @@ class RemoteRecorder:
             self._put()
         else:
             self._handed = state.time
-            self._under_way.append(state.time)
+            if not self._waits:
+                self._under_way.append(state.time)
             self._put(encode_sample(state, tracks, objects, hidden))
 
     def cycles(self, plans: Array, cycles: Array) -> None:

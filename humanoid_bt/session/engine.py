@@ -10,6 +10,7 @@ import mujoco
 
 from humanoid_bt.control.supervisor import Stop
 from humanoid_bt.core.clock import Clock
+from humanoid_bt.core.kept import Kept
 from humanoid_bt.core.messages import Array, Command, Percept, State
 from humanoid_bt.link.wire import Event
 from humanoid_bt.plant.scene import Scene
@@ -19,10 +20,10 @@ from humanoid_bt.tree.tree import Tree
 
 
 class SupervisorView(Protocol):
-    """What decision sees of the supervisor: every stop and every refusal so far, and a way to ask for a stop."""
+    """What decision sees of the supervisor: stops and refusals so far, and a way to ask for a stop."""
 
-    stops: list[Stop]
-    rejected: list[str]
+    stops: Kept[Stop]
+    rejected: Kept[str]
 
     def raise_estop(self, source: str, reason: str) -> None:
         """Raise the emergency stop. From any thread."""
@@ -36,7 +37,7 @@ class Engine(Protocol):
 
     robot: RobotModel
     scene: Scene
-    notices: list[Event]
+    notices: Kept[Event]
 
     @property
     def clock(self) -> Clock:

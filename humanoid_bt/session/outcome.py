@@ -118,6 +118,11 @@ def report_of(
         traceback=shortened(end.traceback, _LONGEST_TRACEBACK),
         slow_ticks=slow_ticks,
         recording_missing=round(recording_missing, 3),
+        left_out={
+            "timeline": trace.timeline.left_out,
+            "events": trace.events.left_out,
+            "stops": engine.supervisor.stops.left_out,
+        },
         recording_parts=[str(part) for part in parts_of(file)] if file else [],
     )
 
