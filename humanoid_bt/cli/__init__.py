@@ -72,6 +72,8 @@ _COMMANDS = {
     "estop": "estop",
     "reset": "remote",
     "status": "remote",
+    "recordings": "recordings",
+    "keep": "recordings",
 }
 """Command -> the module with a function of its name; imported only when it is asked for."""
 

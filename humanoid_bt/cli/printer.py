@@ -165,7 +165,10 @@ def print_summary(console: Console, report: Report) -> None:
     console.print(text, soft_wrap=True)
     rows = report.summary
     if report.recording and Path(report.recording).exists():
-        rows.append(("open it", f"{_viewer_command()} {report.recording}"))
+        files = Path(report.recording)
+        if len(report.recording_parts) > 1:
+            files = files.with_suffix(".*rrd")
+        rows.append(("open it", f"{_viewer_command()} {files}"))
     for line in aligned(rows):
         console.print(line, soft_wrap=True, markup=False)
 

@@ -70,6 +70,7 @@ def _session(arguments: argparse.Namespace, printer: Printer) -> Session:
         hold=arguments.hold,
         watch=arguments.watch,
         record=not arguments.no_record and (arguments.record or True),
+        record_part_size=arguments.record_part_size,
         view="auto" if implied else bool(view),
         serve=arguments.serve,
         camera="auto" if arguments.camera == "auto" else arguments.camera == "on",

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from humanoid_bt.core.clock import SERVO_PERIOD, cycles
+from humanoid_bt.core.kept import Kept
 from humanoid_bt.core.messages import (
     RESOURCES,
     BaseTarget,
@@ -30,6 +31,7 @@ DECISION_TIMEOUT = 0.100
 NO_SOLUTION_TIMEOUT = 0.200
 """Time without a new valid setpoint [s] after which the robot goes to a protective stop."""
 
+_MOST = 1000  # stops, and refusals, that are kept
 _WORKSPACE = 1000.0  # m from the world's origin beyond which a target is malformed
 _HEIGHT_OFFSET = 0.5  # m
 
@@ -71,8 +73,8 @@ class Supervisor:
         mode: what is allowed now.
         reason, source: why and by whom, "" in mode RUN.
         command: the last accepted command.
-        stops: every stop so far.
-        rejected: what was refused so far, as text: commands, and setpoints that the body could not plan.
+        stops: the stops so far; of very many the first and the latest.
+        rejected: what was refused so far, as text: commands, and setpoints that the body could not plan; as of stops.
     """
 
     def __init__(self, fall: FallConfig) -> None:
@@ -87,8 +89,8 @@ class Supervisor:
         self._home_height = home_height
         self.mode, self.reason, self.source = Mode.RUN, "", ""
         self.command: Command | None = None
-        self.stops: list[Stop] = []
-        self.rejected: list[str] = []
+        self.stops: Kept[Stop] = Kept(_MOST)
+        self.rejected: Kept[str] = Kept(_MOST)
         self._last_sequence: int | None = None
         self._heard_cycle: int | None = None  # when decision was last heard; None before its first command
         self._forgiven = False  # this silence, because control itself was held up

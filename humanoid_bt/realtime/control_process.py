@@ -130,16 +130,16 @@ class ControlProcess:
 
     def _after_cycle(self, stopwatch: Stopwatch) -> None:
         cycle, supervisor = self._controller.cycle, self._controller.supervisor
-        if len(supervisor.stops) > self._told_stops:  # its setpoint is out
-            self._write_stops(supervisor.stops[self._told_stops :])
+        if supervisor.stops.total > self._told_stops:  # its setpoint is out
+            self._write_stops(supervisor.stops.since(self._told_stops))
         if cycle % self._state_phase == 2:  # not in the cycle that plans the whole body: that one is full
             self._publish()
-        if len(supervisor.stops) > self._told_stops:
+        if supervisor.stops.total > self._told_stops:
             stamp = supervisor.command.stamp if supervisor.command is not None else None
-            for stop in supervisor.stops[self._told_stops :]:
+            for stop in supervisor.stops.since(self._told_stops):
                 text = f"{stop.mode.value}: {stop.reason} ({stop.source})"
                 self._log("stop", text, commanded_by=dict(stop.resources), last_command=stamp)
-            self._told_stops = len(supervisor.stops)
+            self._told_stops = supervisor.stops.total
             self._publish()
         if supervisor.rejected:
             for text in supervisor.rejected:

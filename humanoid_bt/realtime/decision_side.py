@@ -8,13 +8,14 @@ import os
 import time
 from collections.abc import Mapping
 from pathlib import Path
-from typing import NoReturn
+from typing import Any
 
 import mujoco
 
 from humanoid_bt.control.cycle_log import Layout
 from humanoid_bt.core.clock import DECISION_PERIOD
 from humanoid_bt.core.errors import ControlLost, HumanoidBtError, UserError
+from humanoid_bt.core.kept import Kept
 from humanoid_bt.core.messages import Array, Command, Percept, State
 from humanoid_bt.link.ring import RingReader, RingWriter
 from humanoid_bt.link.run_folder import RunFolder, RunInfo, clean_stale, live_runs
@@ -74,8 +75,8 @@ class Realtime:
         self.clock = StateClock()
         self.model: mujoco.MjModel = MujocoPlant(robot, scene).model
         self.supervisor = RemoteSupervisor()
-        self.notices: list[Event] = []
-        self.inputs: list[NoReturn] = []
+        self.notices: Kept[Event] = Kept()
+        self.inputs: Kept[Any] = Kept()
         self.external_force_max = 0.0
         self.timing = Timing()
         self.unseen: Mapping[str, str] = {}
@@ -267,8 +268,10 @@ class Realtime:
         for payload in self._new("percept"):
             seen, self.unseen = decode_percepts(payload)
             self._percepts |= {percept.name: percept for percept in seen}
-        self.notices += [decode_event(payload) for payload in self._new("notice")]
-        self.supervisor.rejected += [payload.decode(errors="replace") for payload in self._new("refusal")]
+        for payload in self._new("notice"):
+            self.notices.append(decode_event(payload))
+        for payload in self._new("refusal"):
+            self.supervisor.rejected.append(payload.decode(errors="replace"))
         latest = self._readers["timing"].latest()
         if latest is not None:
             self.timing = Timing.from_bytes(latest[1])

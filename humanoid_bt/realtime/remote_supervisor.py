@@ -6,9 +6,12 @@ import threading
 from collections import deque
 
 from humanoid_bt.control.supervisor import Stop
+from humanoid_bt.core.kept import Kept
 from humanoid_bt.core.messages import Mode
 from humanoid_bt.link.estop import EStop
 from humanoid_bt.realtime.timing import StopRecord
+
+_MOST = 1000  # stops, and refusals, that are kept
 
 
 class StateClock:
@@ -28,13 +31,13 @@ class RemoteSupervisor:
     The e-stop may be raised and a reset asked for from any thread: a key must work while a tick hangs.
 
     Attributes:
-        stops: every stop so far.
-        rejected: commands that were refused so far, as text.
+        stops: the stops so far; of very many the first and the latest.
+        rejected: commands that were refused so far, as text; as of stops.
     """
 
     def __init__(self) -> None:
-        self.stops: list[Stop] = []
-        self.rejected: list[str] = []
+        self.stops: Kept[Stop] = Kept(_MOST)
+        self.rejected: Kept[str] = Kept(_MOST)
         self._pending: deque[tuple[str, str]] = deque()
         self._estop: EStop | None = None
         self._early: list[tuple[str, str]] = []  # raised before the run began

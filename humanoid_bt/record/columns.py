@@ -21,29 +21,33 @@ def entity(*parts: str) -> str:
     return "/".join(rr.escape_entity_path_part(part) for part in parts)
 
 
-def send(stream: Any, path: str, times: Sequence[float] | Array, columns: Any) -> None:
+def send(stream: Any, path: str, times: Sequence[float] | Array, columns: Any, *, lasting: bool = False) -> None:
     """Write rows of one entity.
 
     Args:
-        stream: the rerun recording stream.
+        stream: where they go, a :class:`~humanoid_bt.record.feed.Feed`.
         path: the entity.
         times: engine time of each row [s].
         columns: what ``Archetype.columns`` returns, one entry per row.
+        lasting: whether the last row holds until the next one: a file that begins meanwhile begins with it.
     """
-    stream.send_columns(path, [time_column(times)], columns)
+    stream.send_columns(path, [time_column(times)], columns, lasting=lasting)
 
 
-def send_sets(stream: Any, path: str, times: Sequence[float], columns: Any, lengths: Sequence[int]) -> None:
+def send_sets(
+    stream: Any, path: str, times: Sequence[float], columns: Any, lengths: Sequence[int], *, lasting: bool = False
+) -> None:
     """Write rows of one entity that hold any number of instances each, none included.
 
     Args:
-        stream: the rerun recording stream.
+        stream: where they go, a :class:`~humanoid_bt.record.feed.Feed`.
         path: the entity.
         times: engine time of each row [s].
         columns: what ``Archetype.columns`` returns for all instances of all rows.
         lengths: number of instances of each row.
+        lasting: as for :func:`send`.
     """
-    stream.send_columns(path, [time_column(times)], columns.partition(np.asarray(lengths)))
+    send(stream, path, times, columns.partition(np.asarray(lengths)), lasting=lasting)
 
 
 def time_column(times: Sequence[float] | Array) -> Any:

@@ -42,7 +42,7 @@ def send_tree_file(stream: Any, time: float, tree: TreeView) -> None:
 
 def _send(stream: Any, path: str, time: float, text: str) -> None:
     document = rr.TextDocument.columns(text=[printable(text)], media_type=[rr.MediaType.MARKDOWN])
-    send(stream, path, [time], document)
+    send(stream, path, [time], document, lasting=True)
 
 
 def _cell(text: str) -> str:

@@ -85,7 +85,7 @@ class _Lane:
             self._written = True
             stream.log(self.path, _configuration(self._look), static=True)
         columns = rr.StateChange.columns(state=[state for _, state in self._changes])
-        send(stream, self.path, [time for time, _ in self._changes], columns)
+        send(stream, self.path, [time for time, _ in self._changes], columns, lasting=True)
         self._changes.clear()
 
 

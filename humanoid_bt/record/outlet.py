@@ -1,11 +1,14 @@
-"""The open end of a recording: its stream, its file, and the viewers that it feeds."""
+"""The open end of a recording: its file, and the viewers that it feeds."""
 
 from __future__ import annotations
 
 import contextlib
 import logging
+import math
 import subprocess
 import threading
+import time
+import uuid
 from collections.abc import Callable, Iterator
 from typing import Any
 from urllib.parse import quote
@@ -13,7 +16,9 @@ from urllib.parse import quote
 import rerun as rr
 
 from humanoid_bt.core.errors import UserError
-from humanoid_bt.record.recording_file import RecordingFile
+from humanoid_bt.record.feed import Feed
+from humanoid_bt.record.folder import make_room
+from humanoid_bt.record.parted_file import PartedFile, Tell, tell_nobody
 from humanoid_bt.record.sinks import LOOPBACK, Sinks
 from humanoid_bt.record.viewers import FLUSH_TIMEOUT, LONGEST, free_port, start_viewer, wait_until_taken
 from humanoid_bt.record.web_page import WebPage
@@ -26,48 +31,48 @@ Announce = Callable[[str, float], None]
 """Is told what is done next, "close the file", and how long that is waited for at most [s]."""
 
 
-def tell_nobody(_what: str, _limit: float) -> None:
+def tell_nothing(_what: str, _limit: float) -> None:
     """Announce nothing."""
 
 
-_LOOKS = 10  # at the file, while the library takes its time to write it
-_LOST = 1.0  # s to close a file that is known to be cut short
 _VIEWER_MEMORY = "1GiB"  # of the server that keeps the run for a browser that opens late
 
 
 class Outlet:
-    """An open recording stream and the viewers it feeds.
+    """An open recording and the viewers it feeds.
 
     Args:
         sinks: where it goes.
         name: the recording's name in the viewer.
         blueprint: how the viewer shows it.
         announce: is told what the end waits for.
+        tell: is told what becomes of the file.
 
     Attributes:
-        stream: the rerun recording stream.
+        stream: takes what is recorded.
         url: address of the web viewer, "" if none is served.
 
     Raises:
         UserError: a sink cannot be opened; those opened before are closed again.
     """
 
-    def __init__(self, sinks: Sinks, name: str, blueprint: Any, announce: Announce = tell_nobody) -> None:
+    def __init__(
+        self, sinks: Sinks, name: str, blueprint: Any, announce: Announce = tell_nothing, tell: Tell = tell_nobody
+    ) -> None:
         sinks.check()
-        self._announce = announce
-        self.stream = rr.RecordingStream(APPLICATION)
+        self._sinks, self._name, self._blueprint = sinks, name, blueprint
+        self._announce, self._tell = announce, tell
+        self._recording_id, self._created = uuid.uuid4().hex, time.time_ns()
+        self.stream = Feed()
         self.url = ""
-        self._live = sinks.live
-        self._file: RecordingFile | None = None
+        self._file: PartedFile | None = None
+        self._watched: Any = None  # the stream of the viewers
         self._viewer: subprocess.Popen[bytes] | None = None
         self._page: WebPage | None = None
         self._data_port = 0
         self._closed = False
         try:
-            targets = self._open(sinks)
-            if targets:
-                self._set_sinks(targets, sinks, blueprint)
-            self.stream.send_recording_name(name)
+            self._open(sinks)
         except BaseException:
             self.close()
             raise
@@ -78,64 +83,46 @@ class Outlet:
         return self._file.trouble if self._file is not None else ""
 
     @property
-    def deleted(self) -> bool:
-        """Whether nobody can open the file any more."""
-        return self._file is not None and self._file.deleted
+    def kept(self) -> float:
+        """Engine time [s] up to which nobody can delete what was written, for it is in an earlier file."""
+        return self._file.began if self._file is not None and self._file.deleted else math.inf
 
     def settle(self) -> bool:
-        """Return whether the file has got something since the last time; True if there is no file.
+        """Have the file get everything; return whether it has got something. True if there is no file.
 
-        Without a live view it then has everything. A viewer that hangs is not waited for, nor a file that takes nothing
-        more: the library may be silent about that.
+        A viewer that hangs is not waited for.
         """
-        got = self._file is None
-        for _ in range(_LOOKS):
-            written = self._live or bool(self.trouble) or self._written(FLUSH_TIMEOUT / _LOOKS)
-            if self._file is not None:
-                got = self._file.check() or got
-            if written:
-                break
-        return got
+        return self._file is None or self._file.settle()
 
-    def _written(self, patience: float) -> bool:
-        """Return whether the library has written everything within some time [s]."""
-        try:
-            self.stream.flush(timeout_sec=patience)
-        except RuntimeError:  # the file tells why
-            return False
-        return True
+    def go_on(self, time: float) -> None:
+        """Go on in another file if this one is large enough.
+
+        Args:
+            time: engine time up to which everything was sent [s].
+        """
+        if self._file is not None and self._file.go_on(time):
+            self._make_room()
 
     def close(self) -> bool:
         """Write out everything and close; the native viewer stays open. Return whether the file has all of it."""
         if self._closed:
             return False
         self._closed = True
-        with self._patience("hand the rest to whoever watches"):
-            if self._live or not self.trouble:
-                self.stream.flush(timeout_sec=FLUSH_TIMEOUT)
-        if self._page is not None:
-            self._announce("let browsers take the rest", LONGEST)
-            wait_until_taken(self._data_port)
-        with self._patience("close the file"):
-            self._disconnect()
+        whole = True
+        if self._file is not None:
+            self._announce("close the file", FLUSH_TIMEOUT)
+            whole = self._file.close()
+        if self._watched is not None:
+            with self._patience("hand the rest to whoever watches"):
+                self._watched.flush(timeout_sec=FLUSH_TIMEOUT)
+            if self._page is not None:
+                self._announce("let browsers take the rest", LONGEST)
+                wait_until_taken(self._data_port)
+            with self._patience("let go of whoever watches"):
+                self._watched.disconnect()
         if self._page is not None:
             self._page.close()
-        if self._file is None:
-            return True
-        whole = self._file.check_end()
-        self._file.close()
         return whole
-
-    def _disconnect(self) -> None:
-        """Close the stream; where its file could not be written the library may never come back."""
-
-        def close() -> None:
-            with contextlib.suppress(RuntimeError):
-                self.stream.disconnect()
-
-        closing = threading.Thread(target=close, name="closing", daemon=True)
-        closing.start()
-        closing.join(_LOST if self.trouble else None)
 
     @contextlib.contextmanager
     def _patience(self, what: str) -> Iterator[None]:
@@ -144,16 +131,16 @@ class Outlet:
         timer = threading.Timer(FLUSH_TIMEOUT, self._end_viewer)
         timer.start()
         try:
-            with contextlib.suppress(RuntimeError):  # a viewer that was closed; of the file, it tells itself
+            with contextlib.suppress(RuntimeError):  # a viewer that was closed
                 yield
         finally:
             timer.cancel()
 
-    def _open(self, sinks: Sinks) -> list[Any]:
-        targets: list[Any] = []
+    def _open(self, sinks: Sinks) -> None:
         if sinks.file is not None:
-            self._file = RecordingFile(sinks.file)
-            targets.append(rr.FileSink(sinks.file))
+            open_stream = lambda path: self._open_stream(rr.FileSink(path))  # noqa: E731
+            self._file = PartedFile(sinks.file, sinks.part_size, self.stream, open_stream, self._tell)
+        targets: list[Any] = []
         if sinks.serve is not None:
             self._data_port = sinks.serve + 1
             targets.append(rr.GrpcServerSink(LOOPBACK, self._data_port, server_memory_limit=_VIEWER_MEMORY))
@@ -164,13 +151,28 @@ class Outlet:
             port = free_port()
             self._viewer = start_viewer(port)
             targets.append(rr.GrpcSink(f"rerun+http://{LOOPBACK}:{port}/proxy"))
-        return targets
+        if targets:
+            self._watched = self._open_stream(*targets)
+            self.stream.add(self._watched)
+        self._make_room()
 
-    def _set_sinks(self, targets: list[Any], sinks: Sinks, blueprint: Any) -> None:
+    def _open_stream(self, *targets: Any) -> Any:
+        """Return a stream into some sinks; to whoever reads them all streams are one recording."""
+        stream = rr.RecordingStream(APPLICATION, recording_id=self._recording_id, send_properties=False)
         try:
-            self.stream.set_sinks(*targets, default_blueprint=blueprint)
+            stream.set_sinks(*targets, default_blueprint=self._blueprint)
         except RuntimeError as error:
-            raise UserError(f"the recording cannot be opened: {error}", hint=f"asked for: {sinks}") from error
+            raise UserError(f"the recording cannot be opened: {error}", hint=f"asked for: {self._sinks}") from error
+        stream.send_recording_name(self._name)
+        stream.send_recording_start_time_nanos(self._created)
+        return stream
+
+    def _make_room(self) -> None:
+        """Let old recordings make room in the folder."""
+        if self._sinks.file is not None and self._sinks.limits is not None:
+            text = make_room(self._sinks.file.parent, self._sinks.limits)
+            if text:
+                self._tell("info", text)
 
     def _end_viewer(self) -> None:
         if self._viewer is not None and self._viewer.poll() is None:

@@ -165,7 +165,8 @@ class Overlays:
             fill_mode=[rr.components.FillMode.Solid] * len(flat),
         )
         times = [state.time for state in changes]
-        send_sets(stream, f"{WORLD}/footsteps", times, columns, [len(state.footsteps) for state in changes])
+        counts = [len(state.footsteps) for state in changes]
+        send_sets(stream, f"{WORLD}/footsteps", times, columns, counts, lasting=True)
 
     def _flush_path(self, stream: Any) -> None:
         points: list[tuple[float, Array]] = []

@@ -78,7 +78,7 @@ class Plots:
             _style(stream, f"{path}/soft_limit", [f"{name} limit" for name in names], limits, 1.0)
             _style(stream, f"{path}/torque", names, colors, _THIN)
             _style(stream, f"{path}/{LEGEND}", names, colors, _THIN)
-            _scalars(stream, f"{path}/{LEGEND}", [0.0], np.full((1, len(names)), np.nan))
+            _scalars(stream, f"{path}/{LEGEND}", [0.0], np.full((1, len(names)), np.nan), lasting=True)
         sides = [SIDE_COLORS[side] for side in SIDES]
         _style(stream, FEET, ["left", "right"], sides, _THIN)
         _style(stream, HANDS, ["left", "right"], sides, _THIN)
@@ -131,14 +131,14 @@ class Plots:
                 color = PALETTE[len(self._percepts) % len(PALETTE)]
                 for path in (*paths, SEEN):
                     _style(stream, entity(*path.split("/"), name), [name], [color], _THIN)
-                _scalars(stream, entity(*SEEN.split("/"), name), times[:1], np.array([np.nan]))
+                _scalars(stream, entity(*SEEN.split("/"), name), times[:1], np.array([np.nan]), lasting=True)
                 self._percepts.add(name)
             for path, values in paths.items():
                 _scalars(stream, entity(*path.split("/"), name), times, np.array(values))
 
 
-def _scalars(stream: Any, path: str, times: Sequence[float], values: Array) -> None:
-    send(stream, path, times, rr.Scalars.columns(scalars=values))
+def _scalars(stream: Any, path: str, times: Sequence[float], values: Array, *, lasting: bool = False) -> None:
+    send(stream, path, times, rr.Scalars.columns(scalars=values), lasting=lasting)
 
 
 def _style(stream: Any, path: str, names: Sequence[str], colors: Sequence[Any], width: float) -> None:

@@ -11,6 +11,7 @@ import zlib
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
+from itertools import chain
 from os import PathLike
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -23,6 +24,7 @@ from humanoid_bt.core.errors import UserError, relative
 from humanoid_bt.core.messages import Array
 from humanoid_bt.link.wire import WireError
 from humanoid_bt.record.packing import BlockError, unbundle, unpack
+from humanoid_bt.record.parts import is_recording, parts_of
 from humanoid_bt.record.tick import Tick
 
 _ENTITY = "/flight"
@@ -143,7 +145,7 @@ def read_flight(path: str | PathLike[str]) -> FlightLog:
     """
     log = FlightLog(Path(path))
     try:
-        for column, value in _values(log.path):
+        for column, value in chain.from_iterable(map(_values, _parts(log.path))):
             if column in _STATIC:
                 setattr(log, column, _data(value))
             else:
@@ -160,10 +162,19 @@ def read_flight(path: str | PathLike[str]) -> FlightLog:
 def read_cycles(path: str | PathLike[str], kind: str = "cycles") -> Cycles:
     """Return every servo cycle of a recording, or with ``kind="plans"`` every plan of the whole body.
 
+    Args:
+        path: the recording, or any of its parts: all of them are read, in order.
+        kind: what is returned.
+
     Raises:
         UserError: the file is no recording, or has none of them.
     """
     return read_flight(path).cycles(kind)
+
+
+def _parts(path: Path) -> list[Path]:
+    """Return all parts of a recording that hold anything; just this file where there are none."""
+    return [part for part in parts_of(path) if is_recording(part)] or [path]
 
 
 def _data(text: str) -> dict[str, Any]:

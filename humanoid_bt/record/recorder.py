@@ -24,8 +24,9 @@ from humanoid_bt.record.events import EventLog, Level
 from humanoid_bt.record.eye import Eye
 from humanoid_bt.record.flight import Flight
 from humanoid_bt.record.lanes import Lanes
-from humanoid_bt.record.outlet import Announce, Outlet, tell_nobody
+from humanoid_bt.record.outlet import Announce, Outlet, tell_nothing
 from humanoid_bt.record.overlays import Overlays
+from humanoid_bt.record.parted_file import Tell, tell_nobody
 from humanoid_bt.record.plots import Plots
 from humanoid_bt.record.results import ResultSeries
 from humanoid_bt.record.scene_view import SceneView
@@ -62,6 +63,7 @@ class Recorder:
         pictures: whether there shall be pictures of it.
         busy_cores: how many cores the run itself needs; pictures need another.
         announce: is told what :meth:`close` waits for, and for how long at most [s].
+        tell: is told what becomes of the file, such as that another one follows.
 
     Attributes:
         written: engine time up to which the file has everything [s]; -inf if it has nothing, or is gone.
@@ -83,7 +85,8 @@ class Recorder:
         camera: View,
         pictures: Wanted = False,
         busy_cores: int = 1,
-        announce: Announce = tell_nobody,
+        announce: Announce = tell_nothing,
+        tell: Tell = tell_nobody,
     ) -> None:
         self._scene = SceneView(model, len(joint_names), config.base)
         self._eye = Eye(self._scene.base_height, self._scene.heights)
@@ -96,19 +99,19 @@ class Recorder:
         self._results = ResultSeries()
         self._flight = Flight(joint_names, setup or {})
         self._views = (self._scene, self._overlays, self._stop_sign, self._plots, self._tree)
-        self._last_flush = self._last_frame = self._sampled = self._sent = -np.inf
+        self._last_flush = self._last_frame = self._sampled = -np.inf
         self.written = -np.inf
         self._closed = False
         self._announce = announce
-        self._live = sinks.live
-        self._batch = _LIVE_BATCH if self._live else _FILE_BATCH
-        self._outlet = Outlet(sinks, info.get("tree", tree.file) or "run", self._layout(), announce)
+        self._batch = _LIVE_BATCH if sinks.live else _FILE_BATCH
+        self._outlet = Outlet(sinks, info.get("tree", tree.file) or "run", self._layout(), announce, tell)
         try:
             self._camera = HeadCamera(model, camera, pictures, busy_cores)
             for part in (*self._views, self._camera, self._flight):
                 part.log_static(self._outlet.stream)
             send_info(self._outlet.stream, 0.0, info)
             send_tree_file(self._outlet.stream, 0.0, tree)
+            self._outlet.settle()
         except BaseException:
             self._outlet.close()
             raise
@@ -157,7 +160,7 @@ class Recorder:
         if self._last_flush == -np.inf:
             self._last_flush = state.time
         if state.time - self._last_flush >= self._batch - _SLACK:
-            self.flush()
+            self.write()
             self._last_flush = state.time
 
     def cycles(self, plans: Array, cycles: Array) -> None:
@@ -247,7 +250,12 @@ class Recorder:
     def save(self) -> None:
         """Write what is kept exactly since the last time: it is what must not be lost."""
         if not self._closed and self._flight.flush(self._outlet.stream):
-            self._settle()
+            self._note(self._sampled, self._outlet.settle())
+
+    def write(self) -> None:
+        """Write what was recorded since the last batch, and go on in another file if this one is large enough."""
+        self.flush()
+        self._outlet.go_on(max(self._sampled, 0.0))
 
     def flush(self) -> None:
         """Write what was recorded since the last batch; does nothing after :meth:`close`."""
@@ -258,7 +266,7 @@ class Recorder:
             self._events.event(max(self._last_flush, 0.0), "info", f"no picture of the head camera: {why}")
         for part in (*self._views, self._lanes, self._results, self._eye, self._camera, self._events, self._flight):
             part.flush(stream)
-        self._settle()
+        self._note(self._sampled, self._outlet.settle())
 
     def close(self) -> None:
         """Write the rest and close the recording; further calls do nothing."""
@@ -285,17 +293,11 @@ class Recorder:
     ) -> None:
         self.close()
 
-    def _settle(self) -> None:
-        """Note what the file has got."""
-        before, self._sent = self._sent, self._sampled
-        self._note(before if self._live else self._sent, self._outlet.settle())
-
     def _note(self, until: float, got: bool) -> None:
         """Note up to when [s] the file has everything, if it got what was sent."""
-        if self._outlet.deleted:
-            self.written = -np.inf
-        elif got and not self._outlet.trouble:
+        if got and not self._outlet.trouble:
             self.written = until
+        self.written = min(self.written, self._outlet.kept)
 
     def _layout(self) -> Any:
         return blueprint(self._plots.groups, self._scene.base_height)

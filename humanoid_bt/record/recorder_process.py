@@ -32,6 +32,7 @@ if TYPE_CHECKING:
 _NICE = 5  # behind the run, before what is only meant to fill idle cores
 _PAUSE = 0.02  # s between two looks at what came in
 _SAVE = 0.03  # s after which what came in stands in the file, if it is what must not be lost
+_SILENCE = 1.0  # s without a call after which what came otherwise is written
 _CHUNK = 1 << 16  # bytes that are read at once
 _ALONE = 60.0  # s to close a recording that nobody waits for any more
 
@@ -46,12 +47,13 @@ class RecorderProcess:
     def __init__(self, end: socket.socket) -> None:
         self._end = end
         self._saying = threading.Lock()
-        self._source = io.BufferedReader(_Unhurried(end, self._save), _CHUNK)
+        self._source = io.BufferedReader(_Unhurried(end, self._idle), _CHUNK)
         self._recorder: Recorder | None = None
         self._written = -float("inf")
         self._trouble = ""
         self._saved = 0.0  # on the monotonic clock [s]
         self._last = 0.0  # engine time of the last tick [s]
+        self._heard = time.monotonic()
         logging.getLogger().addHandler(_Telling(self))
 
     def run(self) -> None:
@@ -74,7 +76,11 @@ class RecorderProcess:
     def _opened(self, kind: type[Recorder], setup: Mapping[str, Any]) -> Recorder | None:
         """Return the recorder, or None if it cannot be made; say which."""
         try:
-            recorder = kind(**setup, announce=lambda what, limit: self.say("busy", what, limit))
+            recorder = kind(
+                **setup,
+                announce=lambda what, limit: self.say("busy", what, limit),
+                tell=lambda level, text: self.say("told", level, text),
+            )
         except UserError as error:
             self.say("refused", [(problem.message, problem.hint) for problem in error.problems])
             return None
@@ -83,6 +89,7 @@ class RecorderProcess:
 
     def _obey(self, recorder: Recorder, method: str, arguments: tuple[Any, ...]) -> bool:
         """Do what decision asks; return whether more can come."""
+        self._heard = time.monotonic()
         getattr(recorder, method)(*arguments)
         if method == "sample":
             self._last = arguments[0].time
@@ -109,6 +116,13 @@ class RecorderProcess:
             self._trouble = recorder.trouble
             self.say("told", "error", self._trouble)
 
+    def _idle(self) -> None:
+        """Write what control goes on to do while decision hangs: it must not be lost, nor fill the memory."""
+        self._save()
+        if self._recorder is not None and time.monotonic() - self._heard > _SILENCE:
+            self._heard = time.monotonic()
+            self._recorder.write()
+
     def _close_alone(self, why: str) -> None:
         """Close the recording, for which nobody waits."""
         if self._recorder is None:
@@ -132,11 +146,11 @@ class _Unhurried(io.RawIOBase):
 
     Args:
         end: of the stream.
-        meanwhile: done at every look that finds nothing.
+        idle: done at every look that finds nothing.
     """
 
-    def __init__(self, end: socket.socket, meanwhile: Callable[[], None]) -> None:
-        self._end, self._meanwhile = end, meanwhile
+    def __init__(self, end: socket.socket, idle: Callable[[], None]) -> None:
+        self._end, self._idle = end, idle
 
     def readable(self) -> bool:
         return True
@@ -146,7 +160,7 @@ class _Unhurried(io.RawIOBase):
             try:
                 return self._end.recv_into(buffer, 0, socket.MSG_DONTWAIT)
             except BlockingIOError:
-                self._meanwhile()
+                self._idle()
                 time.sleep(_PAUSE)
 
 

@@ -21,6 +21,8 @@ class RecordingFile:
         path: the file.
 
     Attributes:
+        path: the file.
+        size: bytes that it had at the last check.
         trouble: what is wrong with it, "" while nothing is.
         deleted: whether nobody can open it any more.
 
@@ -29,10 +31,10 @@ class RecordingFile:
     """
 
     def __init__(self, path: Path) -> None:
-        self._path = path
+        self.path = path
         self._shown = relative(path)
         self.trouble, self.deleted = "", False
-        self._size = -1
+        self.size = -1
         try:
             self._descriptor = os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o666)
         except OSError as error:
@@ -47,7 +49,7 @@ class RecordingFile:
     def check(self) -> bool:
         """Return whether something came to it since the last check and it can still be opened."""
         status = os.fstat(self._descriptor)
-        grown, self._size = status.st_size > self._size, status.st_size
+        grown, self.size = status.st_size > self.size, status.st_size
         if not status.st_nlink:
             self.deleted = True
             self.trouble = self.trouble or f"the recording {self._shown!r} was deleted while it was written"
@@ -58,7 +60,7 @@ class RecordingFile:
     def check_end(self) -> bool:
         """Return what :meth:`check` does, of a file to which nothing more will come."""
         grown = self.check()
-        if not self.trouble and _FOOTER not in os.pread(self._descriptor, _TAIL, max(0, self._size - _TAIL)):
+        if not self.trouble and _FOOTER not in os.pread(self._descriptor, _TAIL, max(0, self.size - _TAIL)):
             self.trouble = f"the recording {self._shown!r} has no proper end: {self._refusal() or 'nobody knows why'}"
         return grown
 
@@ -69,10 +71,10 @@ class RecordingFile:
     def _refusal(self) -> str:
         """Return why the system lets nobody write, "" if it does."""
         limit, _ = resource.getrlimit(resource.RLIMIT_FSIZE)
-        if limit != resource.RLIM_INFINITY and self._size + _BLOCK > limit:
+        if limit != resource.RLIM_INFINITY and self.size + _BLOCK > limit:
             return f"files may have {limit} bytes at most here (ulimit -f)"
         try:
-            with tempfile.TemporaryFile(dir=self._path.parent) as probe:
+            with tempfile.TemporaryFile(dir=self.path.parent) as probe:
                 probe.write(bytes(_BLOCK))
         except OSError as error:
             return f"{error.strerror}"

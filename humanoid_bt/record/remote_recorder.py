@@ -148,7 +148,8 @@ class RemoteRecorder:
             self._left_out += step
         else:
             self._handed = time
-            self._under_way.append(time)
+            if not self._waits:
+                self._under_way.append(time)
             self._collected.append(encode_sample(tick, tracks, objects, hidden))
         self._hand_over()
 

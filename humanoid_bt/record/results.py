@@ -51,6 +51,6 @@ class ResultSeries:
                 legend = entity(RESULTS, LEGEND, path, name)
                 for curve in (series, legend):
                     stream.log(curve, rr.SeriesLines(names=[label], colors=[color]), static=True)
-                send(stream, legend, times[:1], rr.Scalars.columns(scalars=np.array([np.nan])))
+                send(stream, legend, times[:1], rr.Scalars.columns(scalars=np.array([np.nan])), lasting=True)
             send(stream, series, times, rr.Scalars.columns(scalars=np.array(values)))
         self._rows = {}

@@ -133,7 +133,8 @@ class SceneView:
             send(stream, POSES, np.repeat(self._times, bodies), columns)
         for time, name, hidden in self._hidings:
             for path, geom, kind in self._looks[name]:
-                send(stream, path, [time], kind.columns(**geoms.look(self._model, geom, hidden=hidden)))
+                look = kind.columns(**geoms.look(self._model, geom, hidden=hidden))
+                send(stream, path, [time], look, lasting=True)
         self._times, self._positions, self._quaternions, self._hidings = [], [], [], []
 
     def _hangs_on(self, body: int, roots: set[int]) -> bool:

@@ -10,6 +10,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from humanoid_bt.core.errors import UserError, relative
+from humanoid_bt.record.folder_limits import FolderLimits
+from humanoid_bt.record.parts import PART_SIZE
 
 LOOPBACK = "127.0.0.1"
 
@@ -22,11 +24,15 @@ class Sinks:
         file: the .rrd file to write, overwritten if it exists.
         view: open the native viewer on this machine's display.
         serve: serve the web viewer on this port of 127.0.0.1, and its data on the port after it.
+        part_size: bytes from which on the recording goes on in another file.
+        limits: of the folder of the file, where older recordings make room; None for a file that somebody named.
     """
 
     file: Path | None = None
     view: bool = False
     serve: int | None = None
+    part_size: float = PART_SIZE
+    limits: FolderLimits | None = None
 
     @property
     def active(self) -> bool:

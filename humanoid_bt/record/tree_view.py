@@ -165,6 +165,7 @@ def _send(stream: Any, pictures: Sequence[_Picture]) -> None:
             colors=[color for picture in pictures for color in picture.box_colors],
         ),
         [len(picture.boxes) for picture in pictures],
+        lasting=True,
     )
     send_sets(
         stream,
@@ -175,6 +176,7 @@ def _send(stream: Any, pictures: Sequence[_Picture]) -> None:
             labels=[label for picture in pictures for label in picture.labels],
         ),
         [len(picture.labels) for picture in pictures],
+        lasting=True,
     )
     send_sets(
         stream,
@@ -185,4 +187,5 @@ def _send(stream: Any, pictures: Sequence[_Picture]) -> None:
             colors=[color for picture in pictures for color in picture.edge_colors],
         ),
         [len(picture.edges) for picture in pictures],
+        lasting=True,
     )

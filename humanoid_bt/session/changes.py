@@ -47,12 +47,12 @@ class Changes:
         if self._engine.unseen != self._unseen:
             self._unseen = dict(self._engine.unseen)
             yield "unseen", self._unseen
-        for given in self._engine.inputs[self._inputs :]:
+        for given in self._engine.inputs.since(self._inputs):
             yield "input", list(given)
-        self._inputs = len(self._engine.inputs)
-        for stop in self._engine.supervisor.stops[self._stops :]:
+        self._inputs = self._engine.inputs.total
+        for stop in self._engine.supervisor.stops.since(self._stops):
             yield "stop", plain(asdict(stop))
-        self._stops = len(self._engine.supervisor.stops)
+        self._stops = self._engine.supervisor.stops.total
 
     def percepts(self, percepts: Mapping[str, Percept]) -> list[Percept]:
         """Return those that are new among the latest of each name."""

@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import time
 from collections.abc import Mapping
-from contextlib import ExitStack, nullcontext
+from contextlib import ExitStack, nullcontext, suppress
 from dataclasses import replace
+from pathlib import Path
 
 from humanoid_bt.core.ctrl_c import is_ctrl_c
-from humanoid_bt.core.errors import ControlLost
+from humanoid_bt.core.errors import ControlLost, UserError
 from humanoid_bt.core.plain import plain
 from humanoid_bt.decision.robot import Robot
 from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.perception.track import Track
 from humanoid_bt.plant.scene import Scene, load_scene
+from humanoid_bt.record.folder import report_beside
 from humanoid_bt.session.edits import Edits
 from humanoid_bt.session.ending import Ending
 from humanoid_bt.session.interrupt import WholeTick
@@ -189,6 +191,9 @@ class Drive:
             slow_ticks=self.ticks.to_dict(),
             recording_missing=missing,
         )
+        if self._options.numbered and self.report.recording_parts:
+            with suppress(UserError):  # on a full disk, which is told
+                self.report.write(report_beside(Path(self.report.recording_parts[0])))
         if insists:
             raise KeyboardInterrupt
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, NamedTuple, Protocol
 
@@ -10,6 +10,7 @@ import mujoco
 
 from humanoid_bt.control.supervisor import Stop
 from humanoid_bt.core.clock import Clock
+from humanoid_bt.core.kept import Kept
 from humanoid_bt.core.messages import Array, Command, Percept, State
 from humanoid_bt.link.wire import Event
 from humanoid_bt.plant.scene import Scene
@@ -33,10 +34,10 @@ class Input(NamedTuple):
 
 
 class SupervisorView(Protocol):
-    """What decision sees of the supervisor: every stop and every refusal so far, and a way to ask for a stop."""
+    """What decision sees of the supervisor: stops and refusals so far, and a way to ask for a stop."""
 
-    stops: list[Stop]
-    rejected: list[str]
+    stops: Kept[Stop]
+    rejected: Kept[str]
 
     def raise_estop(self, source: str, reason: str) -> None:
         """Raise the emergency stop. From any thread."""
@@ -50,7 +51,7 @@ class Engine(Protocol):
 
     robot: RobotModel
     scene: Scene
-    notices: list[Event]
+    notices: Kept[Event]
 
     @property
     def clock(self) -> Clock:
@@ -73,7 +74,7 @@ class Engine(Protocol):
         """How punctual the servo is; None where there is no wall clock to be late for."""
 
     @property
-    def inputs(self) -> Sequence[Input]:
+    def inputs(self) -> Kept[Input]:
         """What came from outside so far, and is not what was sensed."""
 
     @property

@@ -44,26 +44,26 @@ class Happenings:
         for at, text in self._scene.events(self._until, end):
             yield Happening(at, "info", f"scene: {text}")
         self._until = end
-        for notice in self._engine.notices[self._notices :]:
+        for notice in self._engine.notices.since(self._notices):
             yield Happening(notice.time, notice.level, notice.text)
-        self._notices = len(self._engine.notices)
+        self._notices = self._engine.notices.total
         yield from self._refusals(now)
-        for stop in self._supervisor.stops[self._stops :]:
+        for stop in self._supervisor.stops.since(self._stops):
             how = _HOW_TO_GO_ON if waits and stop.mode is Mode.EMERGENCY_STOP else ""
             text = f"{stop.mode.value.replace('_', ' ')}: {stop.reason} ({stop.source}){how}"
             yield Happening(stop.time, "error", text)
-        self._stops = len(self._supervisor.stops)
+        self._stops = self._supervisor.stops.total
 
     def _refusals(self, now: float) -> Iterator[Happening]:
         """Yield refused commands; one line a second while the reason stays the same."""
-        for text in self._supervisor.rejected[self._rejected :]:
+        for text in self._supervisor.rejected.since(self._rejected):
             _, _, fault = text.partition(": ")
             if fault != self._fault:
                 self._fault, self._fault_told, self._fault_count = fault, now, 0
                 yield Happening(now, "warning", f"refused a command: {fault}")
             else:
                 self._fault_count += 1
-        self._rejected = len(self._supervisor.rejected)
+        self._rejected = self._supervisor.rejected.total
         if self._fault_count and now - self._fault_told >= _REPEAT:
             yield Happening(now, "warning", f"refused {self._fault_count} more: {self._fault}")
             self._fault_told, self._fault_count = now, 0

@@ -18,6 +18,7 @@ from humanoid_bt.control.controller import Controller
 from humanoid_bt.control.cycle_log import CycleLog, Layout
 from humanoid_bt.control.supervisor import Supervisor, reset_text
 from humanoid_bt.core.clock import DECISION_PERIOD, PERCEPTION_PERIOD, CycleClock, cycles
+from humanoid_bt.core.kept import Kept
 from humanoid_bt.core.messages import Array, Command, Level, Percept, State, frozen
 from humanoid_bt.link.run_folder import RunInfo
 from humanoid_bt.link.segment import LinkError
@@ -58,8 +59,8 @@ class Lockstep:
         self.plant.place(start)
         self.controller = Controller(robot, self.plant)
         self.perception = perception
-        self.notices: list[Event] = []
-        self.inputs: list[Input] = []
+        self.notices: Kept[Event] = Kept()
+        self.inputs: Kept[Input] = Kept()
         self._percepts: dict[str, Percept] = {}
         self._command: Command | None = None  # given, and not yet heard of
         self._resets: deque[str] = deque()  # who asks for one, from any thread
@@ -159,8 +160,8 @@ class Lockstep:
         self._percepts = {}
         self._command = None
         self._resets.clear()
-        self.notices.clear()
-        self.inputs.clear()
+        self.notices = Kept()
+        self.inputs = Kept()
 
     def sense(self) -> tuple[State, dict[str, Percept]]:
         """Return the state and the latest percepts, for one tick of decision."""

@@ -11,7 +11,10 @@ from pathlib import Path
 from typing import Any, Literal, get_args
 
 from humanoid_bt.core.errors import Problem, UserError, nearest
+from humanoid_bt.core.sizes import VALID, read_size, shown_size
 from humanoid_bt.realtime.decision_side import HOLD_TIME
+from humanoid_bt.record.folder_limits import load_limits
+from humanoid_bt.record.parts import PART_SIZE, SMALLEST_PART
 from humanoid_bt.record.sinks import Sinks, has_display
 from humanoid_bt.session import limits
 from humanoid_bt.tree.tree import Tree
@@ -83,6 +86,7 @@ class RunOptions:
         pace: Any,
         hold: Any,
         record: Any,
+        record_part_size: Any,
         view: Any,
         serve: Any,
         camera: Any,
@@ -120,6 +124,8 @@ class RunOptions:
                 file=judge.recording(record, named),
                 view=has_display() if view == "auto" else view,
                 serve=None if port is None else int(port),
+                part_size=judge.size("record_part_size", record_part_size),
+                limits=load_limits(RUNS) if record is True else None,
             ),
             numbered=record is True,
             mode=mode,
@@ -202,6 +208,13 @@ class _Judge:
     def choice(self, argument: str, value: Any, valid: tuple[Any, ...]) -> None:
         if not any(type(value) is type(known) and value == known for known in valid):
             self.note(f"{argument!r} cannot be {value!r}", nearest(str(value), map(str, valid)))
+
+    def size(self, argument: str, value: Any) -> int:
+        size = read_size(value) if isinstance(value, str) else value
+        if isinstance(size, int) and not isinstance(size, bool) and size >= SMALLEST_PART:
+            return size
+        self.note(f"{argument!r} must be {VALID}, at least {shown_size(SMALLEST_PART)}, not {value!r}")
+        return PART_SIZE
 
     def recording(self, value: Any, tree: str | Tree) -> Path | None:
         if isinstance(value, bool):

@@ -13,6 +13,7 @@ from humanoid_bt.core.plain import plain
 from humanoid_bt.core.texts import shortened
 from humanoid_bt.decision.skill_files import class_file, place_in_file
 from humanoid_bt.perception.track import Track
+from humanoid_bt.record.parts import parts_of
 from humanoid_bt.session.engine import Engine
 from humanoid_bt.session.options import RunOptions
 from humanoid_bt.session.report import Report, events_of, results_of, stops_of, timeline_of, versions
@@ -117,6 +118,12 @@ def report_of(
         traceback=shortened(end.traceback, _LONGEST_TRACEBACK),
         slow_ticks=slow_ticks,
         recording_missing=round(recording_missing, 3),
+        left_out={
+            "timeline": trace.timeline.left_out,
+            "events": trace.events.left_out,
+            "stops": engine.supervisor.stops.left_out,
+        },
+        recording_parts=[str(part) for part in parts_of(file)] if file else [],
     )
 
 

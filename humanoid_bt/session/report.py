@@ -92,6 +92,8 @@ class Report:
         external_force_max: largest external force or torque on any body [N, Nm].
         timing: how punctual the servo was in realtime mode: cycles, missed, lateness [us]; None in lockstep.
         recording: path of the recording.
+        recording_parts: the files it is in, in order: more than one if it became too large for one.
+        left_out: how many entries the timeline, the events and the stops lack between their first and latest ones.
         recording_missing: time that the recording lacks [s], 0 if it has everything; the events say why.
         versions: of the packages that a run depends on.
         traceback: of the exception that ended the run, for its author.
@@ -125,6 +127,8 @@ class Report:
     traceback: str = ""
     slow_ticks: dict[str, Any] = field(default_factory=dict)
     recording_missing: float = 0.0
+    recording_parts: list[str] = field(default_factory=list)
+    left_out: dict[str, int] = field(default_factory=dict)
 
     @property
     def exit_code(self) -> ExitCode:
@@ -148,10 +152,13 @@ class Report:
             refused = sum(reload.outcome == "refused" for reload in self.reloads)
             done = sum(reload.outcome == "reloaded" for reload in self.reloads)
             rows.append(("reloads", f"{done}" + (f", {refused} refused" if refused else "")))
+        if left := [f"{count} of the {name}" for name, count in self.left_out.items() if count]:
+            rows.append(("left out", f"{', '.join(left)} in the report: very many happened"))
         rows.append(("trace", self.trace_hash[:16]))
         if self.recording:
             lacks = f"  ({self.recording_missing:.1f} s are missing)" if self.recording_missing else ""
-            rows.append(("recording", self.recording + lacks))
+            parts = f", in {count} parts" if (count := len(self.recording_parts)) > 1 else ""
+            rows.append(("recording", self.recording + parts + lacks))
         return rows
 
     def result(self, name: str, default: Any = ...) -> Any:

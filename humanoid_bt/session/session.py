@@ -17,6 +17,7 @@ from humanoid_bt.core.messages import State
 from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.perception.track import Track
 from humanoid_bt.realtime.decision_side import HOLD_TIME
+from humanoid_bt.record.parts import PART_SIZE
 from humanoid_bt.session import limits
 from humanoid_bt.session.blackboard import Blackboard, Percepts
 from humanoid_bt.session.drive import Drive
@@ -52,6 +53,7 @@ class Session:
         pace: simulated seconds per second; if None 1 where somebody watches, else as fast as it can.
         hold: in realtime mode, how long control balances the robot when this process has died [s].
         record: the file of the recording; True for ``runs/TREE-DATE-TIME.rrd``, False for none.
+        record_part_size: size from which on the recording goes on in another file, in bytes or as "500 MB".
         view: open the viewer on this machine's display; "auto" if there is one.
         serve: port of 127.0.0.1 on which a browser finds the viewer.
         camera: record what the head camera sees; "auto" where that does not hold up the run.
@@ -79,6 +81,7 @@ class Session:
         pace: float | None = None,
         hold: float = HOLD_TIME,
         record: bool | str | PathLike[str] = False,
+        record_part_size: int | str = PART_SIZE,
         view: bool | Literal["auto"] = False,
         serve: int | None = None,
         camera: bool | Literal["auto"] = "auto",
@@ -100,6 +103,7 @@ class Session:
             pace=pace,
             hold=hold,
             record=record,
+            record_part_size=record_part_size,
             view=view,
             serve=serve,
             camera=camera,

@@ -105,14 +105,14 @@ class TickWatch:
         """End the tick at an engine time [s]; return what there is to tell of it, "" if nothing is."""
         began, self._began = self._began, 0.0
         duration = self.took = time.perf_counter() - began
+        seen, self._seen = self._seen, []
         if duration <= DECISION_PERIOD:
             return ""
         duration -= self._processor.waited() - self._waited
         if duration <= DECISION_PERIOD:
             return ""
-        spots = Counter(spot.node for at, spot in self._seen if at == began)
-        place = next((spot.place for at, spot in self._seen if at == began and spot.place), None)
-        self._seen = []
+        spots = Counter(spot.node for at, spot in seen if at == began)
+        place = next((spot.place for at, spot in seen if at == began and spot.place), None)
         node = max(spots, key=spots.__getitem__, default="")
         self.count += 1
         if self.worst is None or duration > self.worst.duration:

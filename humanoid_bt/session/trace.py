@@ -6,6 +6,7 @@ import hashlib
 
 from py_trees.common import Status
 
+from humanoid_bt.core.kept import Kept
 from humanoid_bt.core.messages import Command, Level, State
 from humanoid_bt.session.report import Reload
 from humanoid_bt.tree.ticking.executor import NodeChange
@@ -15,15 +16,15 @@ class Trace:
     """Collects states, commands, node changes and events of one run, in the order in which they happen.
 
     Attributes:
-        timeline: every change of a node's status, with the results of those that ended.
-        events: whatever else happened: time [s], level, text.
+        timeline: changes of nodes' statuses, with the results of those that ended; of very many the first and latest.
+        events: whatever else happened: time [s], level, text; as of the timeline.
         reloads: every edit of the tree's files.
     """
 
     def __init__(self) -> None:
         self._hash = hashlib.sha256()
-        self.timeline: list[NodeChange] = []
-        self.events: list[tuple[float, Level, str]] = []
+        self.timeline: Kept[NodeChange] = Kept()
+        self.events: Kept[tuple[float, Level, str]] = Kept()
         self.reloads: list[Reload] = []
 
     @property

@@ -7,7 +7,8 @@ import os
 import pickle
 import socket
 import subprocess
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -16,10 +17,14 @@ from humanoid_bt.core.messages import BaseTarget, FootPose, HandTarget
 from humanoid_bt.link.wire import encode_state
 from humanoid_bt.record import remote_recorder
 from humanoid_bt.record.outbox import Outbox, Stuck
+from humanoid_bt.record.reading import read_cycles
+from humanoid_bt.record.recorder import Recorder
+from humanoid_bt.record.recorder_process import RecorderProcess, _Unhurried
 from humanoid_bt.record.remote_recorder import RemoteRecorder
 from humanoid_bt.record.sample import decode_call, encode_call, encode_sample
 from humanoid_bt.record.tick import Tick
 from tests.record.helpers import make_state, make_track
+from tests.record.test_parts import LAYOUT
 
 MESSAGE = bytes(range(256)) * 16
 
@@ -129,3 +134,23 @@ def test_a_forked_child_lets_go_of_the_recorder(recorder: RemoteRecorder) -> Non
     if not child:
         os._exit(0 if recorder._end.fileno() == -1 else 1)
     assert os.waitpid(child, 0)[1] == 0
+
+
+def test_while_nothing_comes_there_is_time_for_other_things(ends: tuple[socket.socket, socket.socket]) -> None:
+    one, other = ends
+    source = _Unhurried(other, lambda: one.sendall(b"x"))
+    assert source.readinto(bytearray(10)) == 1
+
+
+def test_servo_cycles_are_written_while_decision_is_silent(
+    ends: tuple[socket.socket, socket.socket], record: Callable[..., Recorder], tmp_path: Path
+) -> None:
+    with record() as recorder:
+        process = RecorderProcess(ends[1])
+        process._recorder = recorder
+        process._obey(recorder, "cycles", (np.zeros((4, LAYOUT.plan.width)), np.zeros((20, LAYOUT.cycle.width))))
+        process._idle()
+        assert len(read_cycles(tmp_path / "run.rrd").time) == 0
+        process._heard -= 1.1  # so long ago
+        process._idle()
+        assert len(read_cycles(tmp_path / "run.rrd").time) == 20

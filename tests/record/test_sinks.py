@@ -149,7 +149,7 @@ outlet = Outlet(Sinks(serve=int(sys.argv[1])), "run", None)
 letters = random.Random(0)
 for _ in range(100):
     outlet.stream.log("events", rr.TextLog(letters.randbytes(100_000).hex(), level="INFO"))
-outlet.stream.flush()
+outlet._watched.flush()
 print("recorded", flush=True)
 sys.stdin.readline()
 outlet.stream.log("events", rr.TextLog("the tree ended", level="INFO"))
@@ -196,7 +196,8 @@ def test_a_file_that_takes_nothing_more_is_hardly_waited_for(
         waited.append(timeout_sec)
         raise RuntimeError("Flush timed out - not all log messages were sent")
 
-    monkeypatch.setattr(outlet.stream, "flush", silent)
+    assert outlet._file is not None
+    monkeypatch.setattr(outlet._file._stream, "flush", silent)
     for _ in range(3):
         outlet.settle()
     assert not outlet.close()

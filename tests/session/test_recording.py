@@ -2,19 +2,25 @@
 
 from __future__ import annotations
 
+import json
 import resource
 import signal
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import pytest
 
 from humanoid_bt.core.errors import UserError
 from humanoid_bt.record import remote_recorder
+from humanoid_bt.record.parts import MAGIC
+from humanoid_bt.record.reading import read_cycles
 from humanoid_bt.session import options
 from humanoid_bt.session.report import Report
+from humanoid_bt.session.run import run
 from humanoid_bt.session.session import Session
 from tests.record.helpers import events
 from tests.session.helpers import last_time
@@ -189,6 +195,72 @@ def test_two_runs_cannot_write_one_file(project: Path, tmp_path: Path) -> None:
         with pytest.raises(UserError, match=r"run\.rrd' is being written by another run"):
             Session("stand", workspace=project, record=file).start()
     assert last_time(file) > 0.05
+
+
+def test_a_run_that_begins_removes_old_recordings_and_tells_it(
+    project: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    runs = tmp_path / "runs"
+    runs.mkdir()
+    (runs / "limits.yaml").write_text("recordings: 2\n")
+    for number in range(3):
+        (runs / f"walk-20260101-12000{number}.rrd").write_bytes(MAGIC)
+    report = run("walk", workspace=project, record=True, camera=False, duration=0.1)
+    (told,) = (event for event in report.events if "removed" in event["text"])
+    assert told["text"] == "2 old recordings were removed, 8 B: walk-20260101-120000.rrd, walk-20260101-120001.rrd"
+    assert told["level"] == "info"
+    assert report.recording is not None
+    assert report.recording_parts == [report.recording]
+    stem = Path(report.recording).stem
+    left = sorted(path.name for path in runs.iterdir())
+    assert left == ["limits.yaml", "walk-20260101-120002.rrd", f"{stem}.json", f"{stem}.rrd"]
+    assert json.loads((runs / f"{stem}.json").read_text())["outcome"] == "unfinished"
+
+
+def test_a_recording_that_was_named_removes_nothing(
+    project: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "runs").mkdir()
+    (tmp_path / "runs" / "limits.yaml").write_text("recordings: 1\n")
+    for number in range(3):
+        (tmp_path / "runs" / f"walk-20260101-12000{number}.rrd").write_bytes(MAGIC)
+    run("walk", workspace=project, record="runs/mine.rrd", camera=False, duration=0.1)
+    assert len(list((tmp_path / "runs").iterdir())) == 5
+
+
+def test_mistakes_in_the_limits_are_told_before_the_run(
+    project: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "runs").mkdir()
+    (tmp_path / "runs" / "limits.yaml").write_text("size: 20\n")
+    with pytest.raises(UserError, match=r"runs/limits\.yaml:1:7"):
+        Session("walk", workspace=project, record=True)
+    Session("walk", workspace=project)
+
+
+def test_a_long_recording_is_in_several_files(project: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(options, "SMALLEST_PART", 1)
+    file = tmp_path / "run.rrd"
+    report = run("walk", workspace=project, record=file, record_part_size="1 MB", camera=False, duration=1.1)
+    assert report.recording == str(file)
+    first, second, *others = report.recording_parts
+    assert (first, second) == (str(file), str(tmp_path / "run.part002.rrd"))
+    assert report.recording_missing == 0.0
+    assert ("recording", f"{file}, in {2 + len(others)} parts") in report.summary
+    told = [event["text"] for event in report.events if "goes on" in event["text"]]
+    assert told == [f"the recording goes on in '{part}'" for part in (second, *others)]
+    cycles = read_cycles(file)
+    assert np.diff(cycles.time) == pytest.approx(1e-3)
+    assert cycles.time[-1] >= 1.1
+
+
+@pytest.mark.parametrize("size", [0, -1, 1.5, True, "5", "5 MB", "many", None, 9_999_999])
+def test_a_part_has_a_size(project: Path, size: Any) -> None:
+    with pytest.raises(UserError, match=r"'record_part_size' must be a size such as .*, at least 10\.0 MB, not"):
+        Session("walk", workspace=project, record_part_size=size)
 
 
 @pytest.mark.realtime

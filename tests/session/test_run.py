@@ -8,9 +8,14 @@ from pathlib import Path
 import pyarrow as pa
 import pytest
 import rerun as rr
+from py_trees.common import Status
 
+from humanoid_bt.control.supervisor import Supervisor
 from humanoid_bt.core.errors import UserError
+from humanoid_bt.robot.config import FallConfig
 from humanoid_bt.session.session import Session
+from humanoid_bt.session.trace import Trace
+from humanoid_bt.tree.ticking.executor import NodeChange
 from tests.session.helpers import Ran, Told, after, play, ran
 
 NEAR = """
@@ -301,3 +306,18 @@ def test_what_nodes_tell_and_what_on_error_catches_are_events_of_the_run(project
     assert caught[1] == "warning"
     assert f"the node '{above}/sequence/on_error/walk' raised KeyError: 'missing', raised at " in caught[2]
     assert caught[2].endswith(f"({above}/sequence/on_error)")
+
+
+def test_a_run_of_hours_does_not_fill_the_memory() -> None:
+    """A tree that flaps, events and refusals in every tick, for twenty minutes."""
+    trace, supervisor = Trace(), Supervisor(FallConfig())
+    for number in range(60_000):
+        trace.node_changed(NodeChange(0.02 * number, "root/reach", Status.RUNNING, "on its way"))
+        trace.events.append((0.02 * number, "info", "again"))
+        supervisor.rejected.append("command")
+    assert max(len(trace.timeline), len(trace.events)) <= 20_000
+    assert len(supervisor.rejected) <= 1000
+    assert trace.timeline.total == 60_000
+    assert trace.timeline[0].time == 0.0
+    assert trace.timeline[-1].time == pytest.approx(1200 - 0.02)
+    assert trace.why(Status.RUNNING, trace.timeline[-1].time) == "reach: on its way"

@@ -10,6 +10,7 @@ from humanoid_bt.cli.arguments.check import add_check
 from humanoid_bt.cli.arguments.fmt import add_fmt
 from humanoid_bt.cli.arguments.lists import add_lists
 from humanoid_bt.cli.arguments.parsing import EXIT_CODES, Commands, Parser
+from humanoid_bt.cli.arguments.recordings import add_keep, add_recordings
 from humanoid_bt.cli.arguments.remote import add_estop, add_reset, add_status
 from humanoid_bt.cli.arguments.replay import add_replay
 from humanoid_bt.cli.arguments.run import add_run
@@ -20,7 +21,8 @@ _COMMANDS = (
     *(add_run, add_check, add_fmt, add_show),
     *(add_lists, add_schema),
     *(add_estop, add_reset, add_status),
-    *(add_replay, add_bench),
+    *(add_recordings, add_keep, add_replay),
+    add_bench,
 )
 """What declares each command, in the order of the help."""
 

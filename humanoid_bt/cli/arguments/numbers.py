@@ -6,10 +6,20 @@ import argparse
 from collections.abc import Callable
 from typing import Any
 
+from humanoid_bt.core.sizes import VALID, read_size, shown_size
+from humanoid_bt.record.parts import SMALLEST_PART
 from humanoid_bt.session.limits import Limit
 
 PHASE = Limit(float, "a number from 0.1 to 3600", lambda value: 0.1 <= value <= 3600, "s")
 COUNT = Limit(int, "a whole number above 0", lambda value: value > 0)
+
+
+def size(text: str) -> int:
+    """Read the size of a part of a recording."""
+    found = read_size(text)
+    if found is None or found < SMALLEST_PART:
+        raise argparse.ArgumentTypeError(f"must be {VALID}, at least {shown_size(SMALLEST_PART)}, not {text!r}")
+    return found
 
 
 def number(limit: Limit) -> Callable[[str], Any]:

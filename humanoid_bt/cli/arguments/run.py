@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from humanoid_bt.cli.arguments.numbers import number
+from humanoid_bt.cli.arguments.numbers import number, size
 from humanoid_bt.cli.arguments.parsing import EXIT_CODES, Commands, add_workspace
+from humanoid_bt.record.parts import PART_SIZE
 from humanoid_bt.session.limits import DURATION, HOLD, PORT, POSITIVE, SEED
 
 _EXAMPLES = """\
@@ -88,6 +89,13 @@ def add_run(commands: Commands) -> None:
     record = run.add_mutually_exclusive_group()
     record.add_argument("--record", type=Path, metavar="FILE", help="recording; default: runs/TREE-DATE-TIME.rrd")
     record.add_argument("--no-record", action="store_true", help="write no recording")
+    run.add_argument(
+        "--record-part-size",
+        type=size,
+        default=PART_SIZE,
+        metavar="SIZE",
+        help="size from which on the recording goes on in another file; default 500MB",
+    )
     run.add_argument(
         "--camera",
         choices=["on", "off", "auto"],

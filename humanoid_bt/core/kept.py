@@ -1,0 +1,42 @@
+"""Lists that hours of events do not fill the memory with."""
+
+from __future__ import annotations
+
+from typing import TypeVar
+
+Entry = TypeVar("Entry")
+
+MOST = 20_000
+"""Entries that are kept where nothing else is said."""
+
+
+class Kept(list[Entry]):
+    """A list that is appended to, and keeps its first half and its latest entries.
+
+    Args:
+        most: how many are kept at most.
+
+    Attributes:
+        left_out: how many between them were dropped.
+    """
+
+    def __init__(self, most: int = MOST) -> None:
+        super().__init__()
+        self._half, self._few, self._most = most // 2, max(most // 10, 1), most
+        self.left_out = 0
+
+    def append(self, entry: Entry) -> None:
+        """Add an entry; now and then older ones make room for it."""
+        super().append(entry)
+        if len(self) > self._most:
+            del self[self._half : self._half + self._few]
+            self.left_out += self._few
+
+    @property
+    def total(self) -> int:
+        """How many there ever were."""
+        return len(self) + self.left_out
+
+    def since(self, total: int) -> list[Entry]:
+        """Return what was added after there were so many, oldest first."""
+        return self[max(len(self) - (self.total - total), 0) :]
