@@ -7,6 +7,7 @@ import os
 import pickle
 import socket
 import subprocess
+import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -147,10 +148,10 @@ def test_servo_cycles_are_written_while_decision_is_silent(
 ) -> None:
     with record() as recorder:
         process = RecorderProcess(ends[1])
-        process._recorder = recorder
+        process._recorder, process._saved = recorder, time.monotonic() + 60.0  # it has just saved
         process._obey(recorder, "cycles", (np.zeros((4, LAYOUT.plan.width)), np.zeros((20, LAYOUT.cycle.width))))
         process._idle()
         assert len(read_cycles(tmp_path / "run.rrd").time) == 0
-        process._heard -= 1.1  # so long ago
+        process._saved = time.monotonic() - 0.03
         process._idle()
         assert len(read_cycles(tmp_path / "run.rrd").time) == 20

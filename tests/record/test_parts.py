@@ -12,6 +12,7 @@ import rerun as rr
 
 from humanoid_bt.control.cycle_log import Layout
 from humanoid_bt.core.messages import FootPose, Level
+from humanoid_bt.record import recorder as recorder_module
 from humanoid_bt.record.parts import first_of, is_recording, part_of, parts_of
 from humanoid_bt.record.reading import read_cycles
 from humanoid_bt.record.recorder import Recorder
@@ -27,6 +28,11 @@ STEPS = (("left", FootPose(0.2, 0.1, 0.0)),)
 @pytest.fixture
 def file(tmp_path: Path) -> Path:
     return tmp_path / "run.rrd"
+
+
+@pytest.fixture(autouse=True)
+def batches_of_a_second(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(recorder_module, "_FILE_BATCH", 1.0)
 
 
 def tick(recorder: Recorder, number: int) -> None:
