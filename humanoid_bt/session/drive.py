@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from contextlib import ExitStack, nullcontext
 from dataclasses import replace
 
 from humanoid_bt.core.ctrl_c import is_ctrl_c
 from humanoid_bt.core.errors import ControlLost
+from humanoid_bt.core.messages import Pause
 from humanoid_bt.decision.robot import Robot
 from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.perception.track import Track
@@ -46,6 +47,7 @@ class Drive:
         engine: control, plant and perception.
         runner: what runs the tree.
         ticks: how long its ticks take.
+        debugger: who paused it.
         end: how the run ends, None while it goes on.
         report: what happened, None until it is closed.
         begun: whether it was ever begun.
@@ -70,6 +72,7 @@ class Drive:
         self._pace = Pace(options.pace)
         self.ticks = TickWatch()
         self.loop = Loop(self.engine, self.runner, self._teller, self._pace, self.ticks)
+        self.debugger = self.loop.debugger
         self._ending = Ending(self.engine, self.runner, self._teller, self._pace, self.ticks)
         self._stack: ExitStack | None = None
         self._tracks: Mapping[str, Track] | None = None
@@ -129,9 +132,16 @@ class Drive:
         Raises:
             KeyboardInterrupt: Ctrl-C; a first one when the tick is over, a second one at once.
         """
+        self._go(self.loop.tick)
+
+    def stand_still(self, pause: Pause) -> None:
+        """Let a tick's time pass in which control holds the robot; raises as :meth:`tick`."""
+        self._go(lambda: self.loop.stand_still(pause))
+
+    def _go(self, on: Callable[[], End | None]) -> None:
         with WholeTick(self.ticks.interrupted):
             try:
-                self.end = self.loop.tick()
+                self.end = on()
             except KeyboardInterrupt as interrupt:
                 if is_ctrl_c(interrupt):
                     self.end = self._ending.torn(interrupt)

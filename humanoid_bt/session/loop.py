@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import math
 import time
+from collections.abc import Mapping
+from dataclasses import replace
 
 from py_trees.common import Status
 
 from humanoid_bt.core.clock import DECISION_PERIOD
 from humanoid_bt.core.errors import HumanoidBtError
-from humanoid_bt.core.messages import Mode, State
+from humanoid_bt.core.messages import Command, Mode, Pause, Percept, State
+from humanoid_bt.session.debugger import Debugger
 from humanoid_bt.session.engine import Engine
 from humanoid_bt.session.outcome import End, failed
 from humanoid_bt.session.pace import Pace
@@ -30,8 +33,10 @@ class Loop:
         ticks: watches how long ticks take.
 
     Attributes:
+        debugger: says when the tree stands still.
         limit: longest time from the first tick on [s].
         waits: whether an emergency stop is waited for, until its reset; else it ends the run.
+        attended: whether somebody watches a paused robot: simulated time goes on at the pace of real time then.
         reloader: puts edited trees in the tree's place, if anybody looks for edits.
         state: what the last tick saw, None before the first.
         began: engine time of the first tick [s]; in realtime mode control has run for a while by then.
@@ -41,7 +46,10 @@ class Loop:
     def __init__(self, engine: Engine, runner: TreeRunner, teller: Teller, pace: Pace, ticks: TickWatch) -> None:
         self._engine, self._runner, self._teller, self._pace = engine, runner, teller, pace
         self._ticks = ticks
-        self.limit, self.waits = math.inf, False
+        self.debugger = Debugger(teller)
+        self._command = Command(0, 0.0)  # of the last tick
+        self._held: Pace | None = None  # how fast time goes while control holds the robot for a pause
+        self.limit, self.waits, self.attended = math.inf, False, False
         self.reloader: Reloader | None = None
         self.state: State | None = None
         self.began = self.began_at = 0.0
@@ -49,38 +57,81 @@ class Loop:
     def tick(self) -> End | None:
         """Let the time since the last tick pass, then tick the tree; return how the run ends, None if it goes on.
 
+        While the run is paused, what the tick commands is withheld until the next one.
+
         Raises:
             ControlLost: control is gone.
         """
-        engine, runner, teller = self._engine, self._runner, self._teller
-        first = self.state is None
-        if first:
-            teller.warn_of_percepts(runner.tree)
-        else:
-            engine.advance()
-            self._pace.keep(engine.clock.now())
-            if self.reloader is not None:
-                self.reloader.look()
-        state, percepts = engine.sense()
-        self.state = state
-        if first:
-            self.began, self.began_at = state.time, time.monotonic()
-        teller.happened(state.time)
+        runner, teller = self._runner, self._teller
+        state, percepts = self._sense() if self._held is None else self._release()
         self._ticks.begin()
         try:
-            command = runner.tick(state, percepts)
+            self._command = command = runner.tick(state, percepts)
         except HumanoidBtError as error:
             return failed(error)
         finally:
             slow = self._ticks.finish(state.time)
         if slow:
             teller.event("warning", slow)
-        teller.trace.tick(state, command)
-        teller.ticked(state, runner)
+        pause = self.debugger.pause
+        if pause is not None:
+            command = self._hold(pause)
+        return self._finish(state, command, pause)
+
+    def stand_still(self, pause: Pause) -> End | None:
+        """Let a tick's time pass without a tick: control holds the robot; return as :meth:`tick`.
+
+        Raises:
+            ControlLost: control is gone.
+        """
+        state, percepts = self._sense()
+        self._runner.robot.stand_still(state, percepts)
+        return self._finish(state, self._hold(pause), pause)
+
+    def _sense(self) -> tuple[State, Mapping[str, Percept]]:
+        """Let the time since the last tick pass, and look."""
+        engine, teller, first = self._engine, self._teller, self.state is None
+        if first:
+            teller.warn_of_percepts(self._runner.tree)
+        else:
+            engine.advance()
+            (self._held or self._pace).keep(engine.clock.now())
+            if self.reloader is not None and self._held is None:
+                self.reloader.look()
+        state, percepts = engine.sense()
+        self.state = state
+        if first:
+            self.began, self.began_at = state.time, time.monotonic()
+        teller.happened(state.time)
+        self.debugger.tell()
+        return state, percepts
+
+    def _finish(self, state: State, command: Command, pause: Pause | None) -> End | None:
+        """Tell of a tick, and give its command to control unless the run ends."""
+        self._teller.trace.tick(state, command)
+        self._teller.ticked(state, self._runner, pause)
         end = self._end(state)
         if end is None:
-            engine.submit(command)
+            self._engine.submit(command)
         return end
+
+    def _hold(self, pause: Pause) -> Command:
+        """Return the command with which control holds the robot, in place of what the tree wants."""
+        if self._held is None:
+            self._held = self._pace if self._pace.speed else Pace(1.0 if self.attended else None)
+        return replace(self._runner.robot.release_all(), pause=pause)
+
+    def _release(self) -> tuple[State, Mapping[str, Percept]]:
+        """Let what the last tick commanded be in force again, as if nothing had been since; then as :meth:`_sense`."""
+        robot = self._runner.robot
+        self._engine.submit(robot.repeat(self._command))
+        state, percepts = self._sense()
+        while state.mode is Mode.PAUSED:  # control has not heard of it yet
+            robot.stand_still(state, percepts)
+            self._engine.submit(robot.repeat(self._command))
+            state, percepts = self._sense()
+        self._held = None
+        return state, percepts
 
     def leave(self, outcome: str, reason: str) -> End:
         """Return how the run ends that somebody ends between two ticks."""
@@ -97,7 +148,7 @@ class Loop:
             if self.reloader is None:
                 return self._stopped("the tree ended") or end
             self._rest(end)
-        if state.time - self.began >= self.limit - DECISION_PERIOD / 2:
+        if state.time - self.began - runner.robot.clock.stood >= self.limit - DECISION_PERIOD / 2:
             return self._stopped("the time was up before a reset") or runner.ended or self._unfinished()
         return None
 

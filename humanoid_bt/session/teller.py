@@ -7,7 +7,7 @@ import time
 from py_trees.common import Status
 
 from humanoid_bt.core.errors import UserError, nearest
-from humanoid_bt.core.messages import Level, State
+from humanoid_bt.core.messages import Level, Pause, State
 from humanoid_bt.core.texts import shortened
 from humanoid_bt.decision.result import reported
 from humanoid_bt.record.remote_recorder import RemoteRecorder
@@ -139,8 +139,8 @@ class Teller:
             hint = nearest(name, config.percepts) or "it publishes none"
             self.event("warning", f"the scene {config.name!r} publishes no percept {name!r} ({hint})")
 
-    def ticked(self, state: State, runner: TreeRunner) -> None:
-        """Tell what a tick saw and did."""
+    def ticked(self, state: State, runner: TreeRunner, pause: Pause | None = None) -> None:
+        """Tell what a tick saw and did, or that there was none because the run is paused."""
         robot, tip = runner.robot, runner.tip
         if self.recorder is not None:
             scene = self._engine.scene
@@ -155,7 +155,7 @@ class Teller:
             self.news(self.recorder)
         resting = "waiting for an edit" if runner.ended else "coming to a stand"
         doing = f"{tip.name}: {shortened(tip.feedback_message)}" if tip is not None else resting
-        self._listener.progress(state.time, doing)
+        self._listener.progress(state.time, doing if pause is None else f"{pause}; at {doing}")
         self._ticks += 1
         if self._ticks % _STATUS_TICKS == 1:
             self._publish(state, runner)
