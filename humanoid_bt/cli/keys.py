@@ -1,4 +1,4 @@
-"""Keys in the terminal of a run: stop, reset, quit."""
+"""Single keys, heard in a terminal while a program runs."""
 
 from __future__ import annotations
 
@@ -11,8 +11,6 @@ import threading
 import tty
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-
-HELP = "keys: space or e emergency stop, r reset, q quit"
 
 _POLL = 0.1  # s between looks whether the run is over
 _LONGEST = 64  # bytes taken at once

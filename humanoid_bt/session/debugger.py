@@ -3,14 +3,24 @@
 from __future__ import annotations
 
 from collections import deque
+from collections.abc import Callable, Collection
 
+from py_trees.common import Status
+
+from humanoid_bt.core.errors import UserError
 from humanoid_bt.core.messages import Pause
 from humanoid_bt.core.texts import shortened
+from humanoid_bt.session.breakpoints import Breakpoint, breakpoint_at
 from humanoid_bt.session.teller import Teller
+from humanoid_bt.session.tree_runner import TreeRunner
+from humanoid_bt.tree.ticking.executor import NodeChange
+from humanoid_bt.tree.tree import Tree
+
+_HOW_TO_GO_ON = "; c continues, n is one tick"
 
 
 class Debugger:
-    """Says before every tick of one run whether the tree may have it.
+    """Says before every tick of one run whether the tree may have it, and after it whether it stands still.
 
     What is asked for holds at once, from any thread; it is told, as an event, when the run comes to it.
 
@@ -19,11 +29,17 @@ class Debugger:
 
     Attributes:
         pause: who wants the tree to stand still, and why; None while it goes on.
+        breakpoints: where it pauses by itself.
+        attended: whether a person is there to continue it: simulated time goes on at the pace of real time meanwhile.
     """
 
     def __init__(self, teller: Teller) -> None:
         self._teller = teller
         self.pause: Pause | None = None
+        self.attended = False
+        self.breakpoints: list[Breakpoint] = []
+        self._statuses: dict[str, Status] = {}  # of the nodes that have changed, while there are breakpoints
+        self._tree: Tree | None = None  # in which they were looked up
         self._steps = 0  # ticks that a paused tree may still have
         self._news: deque[str] = deque()
 
@@ -31,7 +47,7 @@ class Debugger:
         """Let the tree stand still from the next tick on; who asked first stays the one who did."""
         if self.pause is None:
             self.pause = pause = Pause(shortened(source), shortened(reason))
-            self._news.append(str(pause))
+            self._news.append(f"{pause}{_HOW_TO_GO_ON if self.attended else ''}")
 
     def resume(self, source: str) -> None:
         """Let the tree go on."""
@@ -52,6 +68,41 @@ class Debugger:
             self._steps -= 1
             return None
         return self.pause
+
+    def break_at(self, text: str, tree: Tree, percepts: Collection[str]) -> None:
+        """Add a breakpoint; raises as :func:`breakpoint_at`."""
+        if not self.breakpoints:
+            self._tree, self._statuses = tree, {node.path: node.status for node in tree.nodes}
+        self.breakpoints.append(breakpoint_at(text, tree, percepts))
+
+    def node_changed(self, change: NodeChange) -> None:
+        """Take what a tick changed: it may be at a breakpoint."""
+        if self.breakpoints:
+            before = self._statuses.get(change.path, Status.INVALID)
+            self._statuses[change.path] = change.status
+            self._break(lambda point: point.changed(change, before))
+
+    def ticked(self, runner: TreeRunner) -> None:
+        """Look after a tick whether it is at a breakpoint."""
+        if self.breakpoints:
+            if self._tree is not runner.tree:
+                self._find_anew(runner.tree)
+            self._break(lambda point: point.ticked(runner.robot))
+
+    def _break(self, hit: Callable[[Breakpoint], Pause | None]) -> None:
+        for point in self.breakpoints:
+            if (pause := hit(point)) is not None:
+                self.ask_pause(pause.source, pause.reason)
+
+    def _find_anew(self, tree: Tree) -> None:
+        """Look breakpoints up in an edited tree, which may not have what they name."""
+        self._tree = tree
+        for point in list(self.breakpoints):
+            try:
+                point.find(tree)
+            except UserError as error:
+                self.breakpoints.remove(point)
+                self._teller.event("warning", f"the breakpoint at {point.text} is gone: {error}")
 
     def tell(self) -> None:
         """Tell what was asked for since the last time."""

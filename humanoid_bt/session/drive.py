@@ -31,7 +31,7 @@ from humanoid_bt.session.tick_watch import TickWatch
 from humanoid_bt.session.tree_runner import TreeRunner
 from humanoid_bt.session.watch import Watch
 from humanoid_bt.session.wiring import new_engine
-from humanoid_bt.tree.ticking.executor import Executor
+from humanoid_bt.tree.ticking.executor import Executor, NodeChange
 from humanoid_bt.tree.tree import Tree
 
 
@@ -86,9 +86,13 @@ class Drive:
         engine = self.engine
         raise_estop, tells = engine.supervisor.raise_estop, self._teller.node_tells
         robot = Robot(engine.robot.config, engine.clock, raise_estop, tells, lambda: engine.unseen)
-        executor = Executor(tree, robot, self._teller.node_changed)
+        executor = Executor(tree, robot, self._node_changed)
         executor.setup()
         return executor
+
+    def _node_changed(self, change: NodeChange) -> None:
+        self._teller.node_changed(change)
+        self.debugger.node_changed(change)
 
     @property
     def running(self) -> bool:

@@ -21,6 +21,8 @@ from humanoid_bt.session.teller import Teller
 from humanoid_bt.session.tick_watch import TickWatch
 from humanoid_bt.session.tree_runner import TreeRunner
 
+_ENDED = (Status.SUCCESS, Status.FAILURE)
+
 
 class Loop:
     """Ticks the tree until its end.
@@ -36,7 +38,6 @@ class Loop:
         debugger: says when the tree stands still.
         limit: longest time from the first tick on [s].
         waits: whether an emergency stop is waited for, until its reset; else it ends the run.
-        attended: whether somebody watches a paused robot: simulated time goes on at the pace of real time then.
         reloader: puts edited trees in the tree's place, if anybody looks for edits.
         state: what the last tick saw, None before the first.
         began: engine time of the first tick [s]; in realtime mode control has run for a while by then.
@@ -49,7 +50,7 @@ class Loop:
         self.debugger = Debugger(teller)
         self._command = Command(0, 0.0)  # of the last tick
         self._held: Pace | None = None  # how fast time goes while control holds the robot for a pause
-        self.limit, self.waits, self.attended = math.inf, False, False
+        self.limit, self.waits = math.inf, False
         self.reloader: Reloader | None = None
         self.state: State | None = None
         self.began = self.began_at = 0.0
@@ -63,6 +64,8 @@ class Loop:
             ControlLost: control is gone.
         """
         runner, teller = self._runner, self._teller
+        if self._held is not None and runner.status in _ENDED and not runner.ended and self.state is not None:
+            return self._end(self.state, None)  # the tree has ended, and only now may the run
         state, percepts = self._sense() if self._held is None else self._release()
         self._ticks.begin()
         try:
@@ -73,6 +76,7 @@ class Loop:
             slow = self._ticks.finish(state.time)
         if slow:
             teller.event("warning", slow)
+        self.debugger.ticked(runner)
         pause = self.debugger.pause
         if pause is not None:
             command = self._hold(pause)
@@ -110,7 +114,7 @@ class Loop:
         """Tell of a tick, and give its command to control unless the run ends."""
         self._teller.trace.tick(state, command)
         self._teller.ticked(state, self._runner, pause)
-        end = self._end(state)
+        end = self._end(state, pause)
         if end is None:
             self._engine.submit(command)
         return end
@@ -118,7 +122,7 @@ class Loop:
     def _hold(self, pause: Pause) -> Command:
         """Return the command with which control holds the robot, in place of what the tree wants."""
         if self._held is None:
-            self._held = self._pace if self._pace.speed else Pace(1.0 if self.attended else None)
+            self._held = self._pace if self._pace.speed else Pace(1.0 if self.debugger.attended else None)
         return replace(self._runner.robot.release_all(), pause=pause)
 
     def _release(self) -> tuple[State, Mapping[str, Percept]]:
@@ -137,14 +141,14 @@ class Loop:
         """Return how the run ends that somebody ends between two ticks."""
         return self._stopped(reason) or self._runner.ended or End(outcome, reason)
 
-    def _end(self, state: State) -> End | None:
-        """Return how the run ends after this tick, None if it goes on."""
+    def _end(self, state: State, pause: Pause | None) -> End | None:
+        """Return how the run ends after this tick, None if it goes on; in a pause the end of the tree is kept back."""
         runner, status = self._runner, self._runner.status
         if state.mode is Mode.DAMP or (state.mode is Mode.EMERGENCY_STOP and not self.waits):
             return self._stopped()
-        if status in (Status.SUCCESS, Status.FAILURE) and not runner.ended:
+        if status in _ENDED and not runner.ended and pause is None:
             outcome, otherwise = ("success", "succeeded") if status is Status.SUCCESS else ("failure", "failed")
-            end = End(outcome, self._teller.trace.why(status, state.time) or f"the tree {otherwise}")
+            end = End(outcome, self._teller.trace.why(status, self._command.stamp) or f"the tree {otherwise}")
             if self.reloader is None:
                 return self._stopped("the tree ended") or end
             self._rest(end)

@@ -219,7 +219,9 @@ class Session:
         """
         if not self._drive.begun or self._drive.report is not None:
             self.start()  # refuses a second time
-        self._drive.loop.attended = attended
+        if self.breakpoints and not attended:
+            raise HumanoidBtError("nobody continues a run() at its breakpoints: run_until() returns there")
+        self._drive.debugger.attended = attended
         with ExitStack() as leaving:
             leaving.push(self)
             while not self.outcome:
@@ -248,6 +250,27 @@ class Session:
     def resume(self, *, source: str = "program") -> None:
         """Let a paused tree go on with its next tick. From any thread."""
         self._drive.debugger.resume(source)
+
+    def break_at(self, what: str) -> None:
+        """Pause the run, after the tick, where something happens.
+
+        Args:
+            what: a node, by its path or the end of it: when it starts; ``reach=FAILURE``: when it gets that status,
+                RUNNING, SUCCESS, FAILURE or HALTED; or an expression as in a condition: when it becomes true.
+
+        Raises:
+            UserError: it names no node of the tree, and is no expression either.
+        """
+        self._drive.debugger.break_at(what, self.tree, self.engine.scene.config.percepts)
+
+    @property
+    def breakpoints(self) -> tuple[str, ...]:
+        """Where the run pauses, as it was given to :meth:`break_at`."""
+        return tuple(point.text for point in self._drive.debugger.breakpoints)
+
+    def clear_breakpoints(self) -> None:
+        """Pause nowhere by itself any more."""
+        self._drive.debugger.breakpoints.clear()
 
     def request_step(self, *, source: str = "program") -> None:
         """Let a paused tree that another thread runs have one tick; one that is not paused is. From any thread."""
@@ -353,7 +376,7 @@ class Session:
     @property
     def paused(self) -> Pause | None:
         """Who paused the run, and why; None while it goes on."""
-        return self._drive.debugger.pause
+        return None if self.outcome else self._drive.debugger.pause
 
     @property
     def outcome(self) -> str:

@@ -213,7 +213,112 @@ def test_an_attended_run_waits_until_another_thread_continues_it() -> None:
     report = session.run(attended=True)
     assert report.outcome == "failure"
     assert [event["text"] for event in report.events][:2] == [
-        "paused by keyboard: to go on step by step",
+        "paused by keyboard: to go on step by step; c continues, n is one tick",
         "continued by keyboard",
     ]
     assert report.sim_time == pytest.approx(0.4 + 0.2 - 0.02)
+
+
+# ---- breakpoints ----------------------------------------------------------------------------------------------------
+
+COUNT = """\
+format: 1
+parameters: {goal: 3}
+blackboard: {n: 0}
+root:
+  while:
+    condition: n < goal
+    sequence:
+      - set_blackboard: {key: n, expression: n + 1}
+      - pause: {name: one, duration: 20 ms}
+      - retry: {attempts: 2, give_up: }
+"""
+
+
+def stops(session: hbt.Session) -> list[tuple[str, str]]:
+    """Run to the end; return where it paused, and why."""
+    found: list[tuple[str, str]] = []
+    while not session.outcome:
+        if session.run_until(lambda s: False):
+            break
+        if session.paused is not None:
+            found.append((session.paused.source, session.paused.reason))
+            session.resume()
+    return found
+
+
+@pytest.fixture
+def count(project: Path) -> hbt.Session:
+    (project / "trees" / "count.yaml").write_text(COUNT, encoding="utf-8")
+    return hbt.Session("count")
+
+
+@pytest.mark.parametrize(
+    ("where", "found"),
+    [
+        ("one", [("break at count/while/sequence/one", "RUNNING: waiting")]),
+        ("sequence/one=success", [("break at count/while/sequence/one", "SUCCESS: waited")]),
+        ("sequence=FAILURE", [("break at count/while/sequence", "FAILURE")]),
+        ("give_up=RUNNING", []),
+        ("n == goal - 2", [("break at n == goal - 2", "n 1 == 1")]),
+        ("is_set(n) and state.standing and n > 7", []),
+    ],
+)
+def test_a_run_pauses_at_its_breakpoints(count: hbt.Session, where: str, found: list[tuple[str, str]]) -> None:
+    with count:
+        count.break_at(where)
+        assert count.breakpoints == (where,)
+        assert stops(count) == found
+    assert count.report.outcome == "failure"
+
+
+def test_the_command_of_the_tick_at_a_breakpoint_is_withheld() -> None:
+    with hbt.Session("walks") as session:
+        session.break_at("walk")
+        session.run_until(lambda s: s.paused)
+        session.wait(0.5)
+        assert session.node("walk").status is Status.RUNNING
+        assert session.state.stance[0] == pytest.approx(0.0, abs=0.01)
+        session.clear_breakpoints()
+        session.resume()
+        session.run_until(lambda s: s.state.gait is Gait.STEP, timeout=1.0)
+        assert session.state.gait is Gait.STEP
+
+
+def test_a_halt_is_a_breakpoint_but_not_that_of_the_end() -> None:
+    with hbt.Session("limited") as session:
+        session.break_at("walk=halted")
+        assert stops(session) == [("break at limited/emergency_stop/timeout/walk", "halted: timed out after 0.4 s")]
+    with hbt.Session("walks") as ends:
+        ends.break_at("walk=HALTED")
+        ends.step()
+    assert ends.paused is None
+
+
+@pytest.mark.parametrize(
+    ("where", "said"),
+    [
+        ("wolk", "the tree 'walks' has no node 'wolk' [no-file]\n    did you mean 'walk'?"),
+        ("wolk=FAILURE", "has no node 'wolk'"),
+        ("walk=FAIL", "did you mean 'FAILURE'?"),
+        ("distance(target < 1", "breakpoint:1:20: "),
+        ("distanse(target) < 1", "breakpoint:1:1: error: in 'distanse(target) < 1': unknown function 'distanse'"),
+        ("state.time", "it is a number in s, but must be true or false"),
+        ("count > 3", "unknown name 'count'"),
+        ("distance(cup) < 1 m", "the scene publishes no percept 'cup'"),
+        ("", "a breakpoint is a node or an expression"),
+    ],
+)
+def test_a_breakpoint_that_is_none_is_refused(where: str, said: str) -> None:
+    session = hbt.Session("walks")
+    with pytest.raises(hbt.UserError) as told:
+        session.break_at(where)
+    assert said in str(told.value)
+    assert session.breakpoints == ()
+
+
+def test_a_run_that_nobody_continues_does_not_begin() -> None:
+    session = hbt.Session("walks")
+    session.break_at("walk")
+    with pytest.raises(hbt.HumanoidBtError, match=r"run_until\(\) returns there"):
+        session.run()
