@@ -9,7 +9,11 @@ from contextlib import contextmanager, suppress
 from rich.console import Console
 
 from humanoid_bt.cli import keys
-from humanoid_bt.core.errors import HumanoidBtError
+from humanoid_bt.cli.commands import answer
+from humanoid_bt.cli.findings import print_findings
+from humanoid_bt.cli.printer import Printer
+from humanoid_bt.core.errors import HumanoidBtError, UserError
+from humanoid_bt.core.texts import printable
 from humanoid_bt.session.session import Session
 
 _SOURCE = "keyboard"
@@ -18,7 +22,7 @@ _HELP = "keys: space or e emergency stop, r reset, p pause, q quit"
 
 
 @contextmanager
-def connected(session: Session, console: Console, quiet: bool) -> Iterator[bool]:
+def connected(session: Session, console: Console, printer: Printer, quiet: bool) -> Iterator[bool]:
     """Let keys stop, reset, pause and end a run, if somebody sits at a terminal; give whether somebody does."""
     if not keys.available():
         yield False
@@ -47,11 +51,29 @@ def connected(session: Session, console: Console, quiet: bool) -> Iterator[bool]
     def go_on() -> None:
         session.resume(source=_SOURCE)
 
+    def begin() -> None:
+        if session.paused is None:
+            pause()
+        printer.suspend()
+        console.print(":", end="")
+
+    def take(line: str) -> None:
+        printer.resume()
+        if line.strip():
+            session.between_ticks(lambda: say(line))
+
+    def say(line: str) -> None:
+        try:
+            if text := answer(session, line, _SOURCE):
+                console.print(printable(text), soft_wrap=True, markup=False, highlight=False)
+        except UserError as error:
+            print_findings(error.problems, stderr=True)
+
     def end() -> None:
         session.interrupt("the key q")
 
     actions = {" ": stop, "e": stop, "r": reset, "p": pause, "n": step, ".": step, "c": go_on, "q": end}
-    with keys.listening(actions):
+    with keys.listening(actions, {":": keys.Prompt(begin, take)}):
         if not quiet:
             console.print(_HELP, style="dim")
         yield True

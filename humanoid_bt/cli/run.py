@@ -45,7 +45,7 @@ def run(arguments: argparse.Namespace) -> int:
     if not arguments.quiet:
         where = f" on {session.robot_name} in {session.scene_name}, seed {arguments.seed}"
         console.print(Text.assemble((session.tree.name, "bold"), where))
-    with printer, _interruptions(session), keyboard.connected(session, console, arguments.quiet) as attended:
+    with printer, _interruptions(session), keyboard.connected(session, console, printer, arguments.quiet) as attended:
         report = _report(session, attended)
     if report.traceback and report.reason.startswith("internal error"):
         print(report.traceback, file=sys.stderr)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable, Collection
+from typing import Any
 
 from py_trees.common import Status
 
@@ -11,12 +12,15 @@ from humanoid_bt.core.errors import UserError
 from humanoid_bt.core.messages import Pause
 from humanoid_bt.core.texts import shortened
 from humanoid_bt.session.breakpoints import Breakpoint, breakpoint_at
+from humanoid_bt.session.setting import assign_value
 from humanoid_bt.session.teller import Teller
 from humanoid_bt.session.tree_runner import TreeRunner
 from humanoid_bt.tree.ticking.executor import NodeChange
+from humanoid_bt.tree.ticking.forcing import force
 from humanoid_bt.tree.tree import Tree
 
-_HOW_TO_GO_ON = "; c continues, n is one tick"
+_HOW_TO_GO_ON = "; c continues, n is one tick, : takes commands"
+_RESULTS = {status.name: status for status in (Status.SUCCESS, Status.FAILURE)}
 
 
 class Debugger:
@@ -42,6 +46,7 @@ class Debugger:
         self._tree: Tree | None = None  # in which they were looked up
         self._steps = 0  # ticks that a paused tree may still have
         self._news: deque[str] = deque()
+        self._actions: deque[Callable[[], None]] = deque()
 
     def ask_pause(self, source: str, reason: str) -> None:
         """Let the tree stand still from the next tick on; who asked first stays the one who did."""
@@ -68,6 +73,27 @@ class Debugger:
             self._steps -= 1
             return None
         return self.pause
+
+    def ask(self, action: Callable[[], None]) -> None:
+        """Do something between two ticks, in the thread that ticks."""
+        self._actions.append(action)
+
+    def assign(self, tree: Tree, name: str, value: Any, source: str) -> None:
+        """Set a key or a parameter, between two ticks; raises as :func:`assign_value`."""
+        self._news.append(f"set {assign_value(tree, name, value)} by {source}")
+
+    def force(self, tree: Tree, path: str, status: Status | str, source: str) -> None:
+        """Let the next tick of a node give a result; between two ticks.
+
+        Raises:
+            UserError: there is no such node or result.
+        """
+        node = tree.node(path)
+        if (result := _RESULTS.get(str(getattr(status, "name", status)).upper())) is None:
+            message = f"the result of a node cannot be {status!r}"
+            raise UserError(message, hint=f"valid: {', '.join(_RESULTS)}", code="wrong-choice")
+        force(node.behaviour, result, f"forced to {result.name} by {source}")
+        self._news.append(f"forced {node.path} to {result.name} by {source}")
 
     def break_at(self, text: str, tree: Tree, percepts: Collection[str]) -> None:
         """Add a breakpoint; raises as :func:`breakpoint_at`."""
@@ -105,6 +131,8 @@ class Debugger:
                 self._teller.event("warning", f"the breakpoint at {point.text} is gone: {error}")
 
     def tell(self) -> None:
-        """Tell what was asked for since the last time."""
+        """Do and tell what was asked for since the last time."""
+        while self._actions:
+            self._actions.popleft()()
         while self._news:
             self._teller.event("info", self._news.popleft())

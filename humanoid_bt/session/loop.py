@@ -77,6 +77,7 @@ class Loop:
         if slow:
             teller.event("warning", slow)
         self.debugger.ticked(runner)
+        self.debugger.tell()
         pause = self.debugger.pause
         if pause is not None:
             command = self._hold(pause)

@@ -11,6 +11,7 @@ from types import TracebackType
 from typing import Any, Literal, Self
 
 import numpy as np
+from py_trees.common import Status
 
 from humanoid_bt.core.errors import HumanoidBtError, UserError
 from humanoid_bt.core.messages import Pause, State
@@ -271,6 +272,35 @@ class Session:
     def clear_breakpoints(self) -> None:
         """Pause nowhere by itself any more."""
         self._drive.debugger.breakpoints.clear()
+
+    def set(self, name: str, value: Any, *, source: str = "program") -> None:
+        """Set a key of the blackboard or a parameter, between two steps; the run tells who did.
+
+        Args:
+            name: of a key; ``reach.timeout``: of a parameter of a node; or of a parameter of the tree, set wherever
+                a node is given it as ``$name``.
+            value: plain, in SI units, or text as after ``--set``, "5 s".
+
+        Raises:
+            UserError: there is none of this name, it takes no such value, or it must be known before the run.
+        """
+        self._drive.debugger.assign(self.tree, name, value, source)
+
+    def force(self, path: str, status: Status | str, *, source: str = "program") -> None:
+        """Let the next tick of a node give a result, once, whatever it would do; what runs below it is halted then.
+
+        Args:
+            path: the node's, or the end of it.
+            status: SUCCESS or FAILURE.
+
+        Raises:
+            UserError: there is no such node, or that is no result.
+        """
+        self._drive.debugger.force(self.tree, path, status, source)
+
+    def between_ticks(self, action: Callable[[], None]) -> None:
+        """Do something before the next tick, in the thread that steps. From any thread."""
+        self._drive.debugger.ask(action)
 
     def request_step(self, *, source: str = "program") -> None:
         """Let a paused tree that another thread runs have one tick; one that is not paused is. From any thread."""

@@ -139,7 +139,7 @@ def test_keys_pause_step_and_continue(start: Callable[..., Terminal]) -> None:
 
 def test_a_run_pauses_at_a_breakpoint(start: Callable[..., Terminal]) -> None:
     terminal = start("run", "walk", *RUN, "--break", "walk")
-    terminal.shows("paused by break at walk/emergency_stop/walk: RUNNING: walking; c continues, n is one tick")
+    terminal.shows("paused by break at walk/emergency_stop/walk: RUNNING: walking; c")
     terminal.press("q")
     assert terminal.ends() == 130
 
@@ -147,3 +147,21 @@ def test_a_run_pauses_at_a_breakpoint(start: Callable[..., Terminal]) -> None:
 def test_a_breakpoint_needs_somebody_who_continues(project: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["run", "walk", "--no-record", "--no-view", "--break", "walk"]) == 2
     assert "nobody is at a terminal to continue it" in capsys.readouterr().err
+
+
+def test_commands_to_a_paused_run(start: Callable[..., Terminal]) -> None:
+    terminal = start("run", "walk", *RUN, "--pace", "1")
+    terminal.shows("▶ walk")
+    terminal.press(":")
+    terminal.shows("paused by keyboard: a key was pressed")
+    terminal.press("show\n")
+    terminal.shows("▶ walk\n")
+    terminal.press(":set walk.raise_after = 5\n:parameters walk\n")
+    terminal.shows("set walk/emergency_stop/walk.raise_after = 5")
+    terminal.shows("raise_after = 5")
+    terminal.press(":fly\n")
+    terminal.shows("unknown command 'fly'")
+    terminal.press(":force walk FAILURE\nc")
+    terminal.shows("✗ walk forced to FAILURE by keyboard")
+    assert terminal.ends() == 1
+    assert terminal.settings == terminal.before

@@ -213,7 +213,7 @@ def test_an_attended_run_waits_until_another_thread_continues_it() -> None:
     report = session.run(attended=True)
     assert report.outcome == "failure"
     assert [event["text"] for event in report.events][:2] == [
-        "paused by keyboard: to go on step by step; c continues, n is one tick",
+        "paused by keyboard: to go on step by step; c continues, n is one tick, : takes commands",
         "continued by keyboard",
     ]
     assert report.sim_time == pytest.approx(0.4 + 0.2 - 0.02)
@@ -322,3 +322,116 @@ def test_a_run_that_nobody_continues_does_not_begin() -> None:
     session.break_at("walk")
     with pytest.raises(hbt.HumanoidBtError, match=r"run_until\(\) returns there"):
         session.run()
+
+
+# ---- setting and forcing --------------------------------------------------------------------------------------------
+
+SETTABLE = """\
+format: 1
+parameters: {patience: 1 s, goal: 3}
+blackboard: {n: 0, far: 2 m}
+root:
+  emergency_stop:
+    sequence:
+      - timeout: {duration: $patience, walk: }
+      - condition: n < goal and far < 9 m
+      - wave: {hand: left}
+      - retry: {attempts: 2, give_up: }
+"""
+
+
+@pytest.fixture
+def settable(project: Path) -> hbt.Session:
+    (project / "trees" / "settable.yaml").write_text(SETTABLE, encoding="utf-8")
+    return hbt.Session("settable")
+
+
+def test_keys_and_parameters_are_set_in_the_units_of_trees(settable: hbt.Session) -> None:
+    with settable as session:
+        session.step()
+        session.set("n", "2", source="keyboard")
+        session.set("far", "45 cm")
+        session.set("timeout.duration", "400 ms")
+        session.set("retry.attempts", 3)
+        assert dict(session.blackboard) == {"n": 2, "far": 0.45}
+        session.run_until(0.5)
+        assert session.node("walk").feedback == "halted: timed out after 0.4 s"
+    told = [event["text"] for event in session.report.events]
+    assert told[:4] == [
+        "set n = 2 by keyboard",
+        "set far = 0.45 m by program",
+        "set settable/emergency_stop/sequence/timeout.duration = 0.4 s by program",
+        "set settable/emergency_stop/sequence/retry.attempts = 3 by program",
+    ]
+
+
+def test_a_parameter_of_the_tree_is_set_where_it_was_given(settable: hbt.Session) -> None:
+    with settable as session:
+        session.step()
+        session.set("patience", "0.3 s")
+        session.run_until(0.4)
+    assert session.node("walk").feedback == "halted: timed out after 0.3 s"
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "said"),
+    [
+        ("m", 1, "the tree has no key or parameter 'm'"),
+        ("far", "2 s", "m, cm, mm"),
+        ("wave.times", "0", "'times'"),
+        ("retry.attempt", 2, "did you mean 'attempts'?"),
+        ("rety.attempts", 2, "did you mean 'retry'?"),
+        ("goal", 7, "the parameter 'goal' must be known before the run: 'settable/emergency_stop/sequence/condition'"),
+        ("condition.expression", "n < 1", "must be known before the run"),
+        ("wave.hand", "right", "it decides what the node commands"),
+    ],
+)
+def test_what_cannot_be_set_is_refused(settable: hbt.Session, name: str, value: Any, said: str) -> None:
+    with settable as session:
+        session.step()
+        with pytest.raises(hbt.UserError) as told:
+            session.set(name, value)
+        assert said in str(told.value)
+    assert not [event for event in session.report.events if event["text"].startswith("set ")]
+
+
+def test_a_leaf_is_forced_once(settable: hbt.Session) -> None:
+    with settable as session:
+        session.run_until(0.1)
+        session.force("walk", "failure")
+        session.step()
+        walk = session.node("walk")
+        assert (walk.status, walk.feedback) == (Status.FAILURE, "forced to FAILURE by program")
+    assert session.outcome == "failure"
+    assert "forced settable/emergency_stop/sequence/timeout/walk to FAILURE by program" in events(session)
+
+
+def test_a_branch_is_forced_and_what_runs_below_it_is_halted(settable: hbt.Session) -> None:
+    with settable as session:
+        session.run_until(0.1)
+        session.pause()
+        session.force("timeout", Status.SUCCESS, source="keyboard")
+        session.wait(0.1)
+        assert session.node("walk").status is Status.RUNNING  # its next tick, not before
+        session.step()
+        assert session.node("timeout").status is Status.SUCCESS
+        assert session.node("walk").feedback == "halted: forced to SUCCESS by keyboard"
+        assert session.node("wave").status is Status.RUNNING
+
+
+def test_it_is_forced_once(project: Path) -> None:
+    (project / "trees" / "again.yaml").write_text("format: 1\nroot: {repeat: {pause: }}\n", encoding="utf-8")
+    with hbt.Session("again") as session:
+        session.force("pause", Status.SUCCESS)  # before it ever ran
+        session.step()
+        assert session.node("pause").status is Status.SUCCESS
+        session.step()
+        assert (session.node("pause").status, session.node("pause").feedback) == (Status.RUNNING, "waiting")
+
+
+@pytest.mark.parametrize(("path", "status", "said"), [("walc", "FAILURE", "'walk'"), ("walk", "RUNNING", "SUCCESS, ")])
+def test_what_cannot_be_forced_is_refused(path: str, status: str, said: str) -> None:
+    with hbt.Session("walks") as session:
+        session.step()
+        with pytest.raises(hbt.UserError, match=said):
+            session.force(path, status)

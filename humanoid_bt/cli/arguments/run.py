@@ -21,6 +21,7 @@ keys in its terminal:
   space, e  emergency stop    p  pause the run, or continue it
   r         reset             n  one tick, then pause again
   q         end the run       c  continue
+                              :  a command to a paused run; help lists them
 """
 
 
