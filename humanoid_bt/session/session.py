@@ -11,7 +11,6 @@ from types import TracebackType
 from typing import Any, Literal, Self
 
 import numpy as np
-from py_trees.common import Status
 
 from humanoid_bt.core.errors import HumanoidBtError, UserError
 from humanoid_bt.core.messages import Pause, State
@@ -20,6 +19,7 @@ from humanoid_bt.perception.track import Track
 from humanoid_bt.realtime.decision_side import HOLD_TIME
 from humanoid_bt.session import limits
 from humanoid_bt.session.blackboard import Blackboard, Percepts
+from humanoid_bt.session.debugging import Debugging
 from humanoid_bt.session.drive import Drive
 from humanoid_bt.session.engine import Engine
 from humanoid_bt.session.loader import workspace_of
@@ -33,7 +33,7 @@ from humanoid_bt.tree.tree import Tree
 _AT = 1e-9  # s; engine times are sums of floats
 
 
-class Session:
+class Session(Debugging):
     """One tree on one robot, ready to run once.
 
     As a context manager it begins when it is entered. However it is left, the robot is brought to a stand, the
@@ -239,73 +239,6 @@ class Session:
         self._interruption = self._interruption or reason or "no reason was given"
         self._drive.ticks.interrupted(self._interruption)
 
-    def pause(self, reason: str = "asked for by the program", *, source: str = "program") -> None:
-        """Let the tree stand still from the next tick on, and control hold the robot. From any thread.
-
-        Raises:
-            HumanoidBtError: the session has been left.
-        """
-        self._not_left("paused")
-        self._drive.debugger.ask_pause(source, reason)
-
-    def resume(self, *, source: str = "program") -> None:
-        """Let a paused tree go on with its next tick. From any thread."""
-        self._drive.debugger.resume(source)
-
-    def break_at(self, what: str) -> None:
-        """Pause the run, after the tick, where something happens.
-
-        Args:
-            what: a node, by its path or the end of it: when it starts; ``reach=FAILURE``: when it gets that status,
-                RUNNING, SUCCESS, FAILURE or HALTED; or an expression as in a condition: when it becomes true.
-
-        Raises:
-            UserError: it names no node of the tree, and is no expression either.
-        """
-        self._drive.debugger.break_at(what, self.tree, self.engine.scene.config.percepts)
-
-    @property
-    def breakpoints(self) -> tuple[str, ...]:
-        """Where the run pauses, as it was given to :meth:`break_at`."""
-        return tuple(point.text for point in self._drive.debugger.breakpoints)
-
-    def clear_breakpoints(self) -> None:
-        """Pause nowhere by itself any more."""
-        self._drive.debugger.breakpoints.clear()
-
-    def set(self, name: str, value: Any, *, source: str = "program") -> None:
-        """Set a key of the blackboard or a parameter, between two steps; the run tells who did.
-
-        Args:
-            name: of a key; ``reach.timeout``: of a parameter of a node; or of a parameter of the tree, set wherever
-                a node is given it as ``$name``.
-            value: plain, in SI units, or text as after ``--set``, "5 s".
-
-        Raises:
-            UserError: there is none of this name, it takes no such value, or it must be known before the run.
-        """
-        self._drive.debugger.assign(self.tree, name, value, source)
-
-    def force(self, path: str, status: Status | str, *, source: str = "program") -> None:
-        """Let the next tick of a node give a result, once, whatever it would do; what runs below it is halted then.
-
-        Args:
-            path: the node's, or the end of it.
-            status: SUCCESS or FAILURE.
-
-        Raises:
-            UserError: there is no such node, or that is no result.
-        """
-        self._drive.debugger.force(self.tree, path, status, source)
-
-    def between_ticks(self, action: Callable[[], None]) -> None:
-        """Do something before the next tick, in the thread that steps. From any thread."""
-        self._drive.debugger.ask(action)
-
-    def request_step(self, *, source: str = "program") -> None:
-        """Let a paused tree that another thread runs have one tick; one that is not paused is. From any thread."""
-        self._drive.debugger.ask_step(source)
-
     def close(self) -> None:
         """Bring the robot to a stand and close the recording; leaving the session does it. Twice is once."""
         self._drive.close()
@@ -404,11 +337,6 @@ class Session:
         return self.tree.node(path)
 
     @property
-    def paused(self) -> Pause | None:
-        """Who paused the run, and why; None while it goes on."""
-        return None if self.outcome else self._drive.debugger.pause
-
-    @property
     def outcome(self) -> str:
         """How the run ended, as in the report; "" while it goes on."""
         return self._drive.end.outcome if self._drive.end else ""
@@ -447,10 +375,6 @@ class Session:
     def __repr__(self) -> str:
         now = self.outcome or ("running" if self._drive.running else "not begun")
         return f"<Session of {self.tree.name!r}: {now}, {self.time:.2f} s>"
-
-    def _not_left(self, what: str) -> None:
-        if self._drive.report is not None:
-            raise HumanoidBtError(f"the session of {self.tree.name!r} has been left: nothing can be {what} any more")
 
     def _why_no_step(self) -> str:
         if self.outcome:

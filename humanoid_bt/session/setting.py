@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
+from py_trees.common import Status
+
 from humanoid_bt.core.errors import Place, UserError, nearest
 from humanoid_bt.core.params import Param
 from humanoid_bt.core.reading import convert
@@ -38,7 +40,7 @@ def assign_value(tree: Tree, name: str, value: Any) -> str:
     """
     keys = {key.name: key for key in tree.keys}
     if name in keys:
-        return _set_key(keys[name], value)
+        return _set_key(keys[name], value, begun=tree.root.status is not Status.INVALID)
     if name in tree.parameters:
         return _set_everywhere(tree, name, value)
     path, dot, parameter = name.rpartition(".")
@@ -54,11 +56,13 @@ def assign_value(tree: Tree, name: str, value: Any) -> str:
     return f"{node.path}.{parameter} = {readable(converted, node.type.params[parameter].unit)}"
 
 
-def _set_key(key: Key, value: Any) -> str:
+def _set_key(key: Key, value: Any, begun: bool) -> str:
     spec = key.spec or Param(key.name, Any)
     if key.spec is None and isinstance(value, str) and (unit := base_unit(value)):
         spec = Param(key.name, float, unit=unit)
     key.set(_converted(spec, key.name, value))
+    if not begun:
+        key.initial = key.value
     return f"{key.name} = {readable(key.value, spec.unit)}"
 
 
