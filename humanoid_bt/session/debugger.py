@@ -66,6 +66,11 @@ class Debugger:
             self.ask_pause(source, "to go on step by step")
         else:
             self._steps += 1
+            self.stepped(source)
+
+    def stepped(self, source: str) -> None:
+        """Take note that a paused tree has a tick."""
+        self._news.append(f"one tick by {source}")
 
     def standing(self) -> Pause | None:
         """Return why there is no tick now, None if there is one; it takes a step that was asked for."""
@@ -132,7 +137,8 @@ class Debugger:
 
     def tell(self) -> None:
         """Do and tell what was asked for since the last time."""
-        while self._actions:
-            self._actions.popleft()()
-        while self._news:
-            self._teller.event("info", self._news.popleft())
+        while self._news or self._actions:
+            while self._news:
+                self._teller.event("info", self._news.popleft())
+            if self._actions:
+                self._actions.popleft()()

@@ -90,7 +90,7 @@ class Debugging:
         self._drive.debugger.ask(action)
 
     def request_step(self, *, source: str = "program") -> None:
-        """Let a paused tree that another thread runs have one tick; one that is not paused is. From any thread."""
+        """Let a paused tree that another thread runs have one tick; pause it if it goes on. From any thread."""
         self._drive.debugger.ask_step(source)
 
     def _not_left(self, what: str) -> None:

@@ -138,6 +138,8 @@ class Session(Debugging):
         Raises:
             HumanoidBtError: the session has not begun, or the run has ended.
         """
+        if self.paused is not None:
+            self._drive.debugger.stepped("program")
         return self._go(None)
 
     def wait(self, duration: float) -> bool:

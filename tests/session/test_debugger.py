@@ -155,7 +155,7 @@ def test_who_pauses_first_is_told_once() -> None:
         session.step()
         session.resume(source="keyboard")
         session.step()
-    assert events(session)[:2] == ["paused by keyboard: first", "continued by keyboard"]
+    assert events(session)[:3] == ["paused by keyboard: first", "one tick by program", "continued by keyboard"]
 
 
 def test_the_run_is_the_same_each_time() -> None:
@@ -212,8 +212,9 @@ def test_an_attended_run_waits_until_another_thread_continues_it() -> None:
     session = keyboard.session = hbt.Session("limited", listener=keyboard)
     report = session.run(attended=True)
     assert report.outcome == "failure"
-    assert [event["text"] for event in report.events][:2] == [
+    assert [event["text"] for event in report.events][:3] == [
         "paused by keyboard: to go on step by step; c continues, n is one tick, : takes commands",
+        "one tick by keyboard",
         "continued by keyboard",
     ]
     assert report.sim_time == pytest.approx(0.4 + 0.2 - 0.02)
