@@ -133,7 +133,7 @@ class Debugger:
                 point.find(tree)
             except UserError as error:
                 self.breakpoints.remove(point)
-                self._teller.event("warning", f"the breakpoint at {point.text} is gone: {error}")
+                self._teller.event("warning", f"the breakpoint at {point.text} is gone: {error.problems[0].message}")
 
     def tell(self) -> None:
         """Do and tell what was asked for since the last time."""
