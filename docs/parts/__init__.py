@@ -15,7 +15,7 @@ PARTS_BY_NAME: dict[str, Callable[[], str]] = {
         *(config_files.robot_keys, config_files.scene_keys),
         *(library.trees, library.library),
         *(python.handle, python.track, python.state, python.rig, python.rig_result),
-        *(api.api, api.session, api.report),
+        *(api.api, api.session, api.debugging, api.report),
         *(codes.codes, codes.code_examples),
         *(promises.costs, promises.reactions),
         *(units.units, units.clocks),

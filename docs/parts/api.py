@@ -9,6 +9,7 @@ from typing import Any, cast
 
 import humanoid_bt
 from humanoid_bt.core import messages, params
+from humanoid_bt.session.debugging import Debugging
 from humanoid_bt.session.report import Report
 from humanoid_bt.session.session import Session
 from parts.markdown import members, summary, table
@@ -30,6 +31,11 @@ def api() -> str:
 def session() -> str:
     """Return what a session offers."""
     return members(Session)
+
+
+def debugging() -> str:
+    """Return what a session offers to those who debug its tree."""
+    return members(Debugging)
 
 
 def report() -> str:

@@ -1,4 +1,4 @@
-"""Keys in the terminal of a run: stop, reset, quit."""
+"""Single keys, heard in a terminal while a program runs."""
 
 from __future__ import annotations
 
@@ -11,12 +11,19 @@ import threading
 import tty
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-
-HELP = "keys: space or e emergency stop, r reset, q quit"
+from typing import NamedTuple
 
 _POLL = 0.1  # s between looks whether the run is over
 _LONGEST = 64  # bytes taken at once
+_LONGEST_LINE = 4096
 _SEQUENCE = re.compile(r"\x1b(\[[0-?]*[ -/]*[@-~]|O.)?")  # what arrows and function keys send; see ECMA-48
+
+
+class Prompt(NamedTuple):
+    """What takes a line that is typed: told when it begins, and given the line; both from another thread."""
+
+    begin: Callable[[], None]
+    take: Callable[[str], None]
 
 
 def available() -> bool:
@@ -29,18 +36,19 @@ def available() -> bool:
 
 
 @contextmanager
-def listening(actions: Mapping[str, Callable[[], None]]) -> Iterator[None]:
+def listening(actions: Mapping[str, Callable[[], None]], prompts: Mapping[str, Prompt] | None = None) -> Iterator[None]:
     """Call an action per key pressed, in a thread of its own: a key works while a skill hangs.
 
     The terminal is as it was afterwards, whatever happens in between.
 
     Args:
         actions: key -> what it does; from another thread.
+        prompts: key -> what takes a line that is typed behind it.
     """
     descriptor = sys.stdin.fileno()
     before = termios.tcgetattr(descriptor)
     over = threading.Event()
-    thread = threading.Thread(target=_listen, args=(descriptor, actions, over), name="keys", daemon=True)
+    thread = threading.Thread(target=_listen, args=(descriptor, actions, prompts or {}, over), name="keys", daemon=True)
     try:
         tty.setcbreak(descriptor, termios.TCSADRAIN)
         thread.start()
@@ -52,7 +60,12 @@ def listening(actions: Mapping[str, Callable[[], None]]) -> Iterator[None]:
         termios.tcsetattr(descriptor, termios.TCSADRAIN, before)
 
 
-def _listen(descriptor: int, actions: Mapping[str, Callable[[], None]], over: threading.Event) -> None:
+def _listen(
+    descriptor: int,
+    actions: Mapping[str, Callable[[], None]],
+    prompts: Mapping[str, Prompt],
+    over: threading.Event,
+) -> None:
     while not over.is_set():
         try:
             ready, _, _ = select.select([descriptor], [], [], _POLL)
@@ -64,6 +77,35 @@ def _listen(descriptor: int, actions: Mapping[str, Callable[[], None]], over: th
             return  # the terminal is gone
         if not pressed:
             return
-        for key in _SEQUENCE.sub("", pressed.decode(errors="ignore")).lower():
+        keys = _SEQUENCE.sub("", pressed.decode(errors="ignore"))
+        while keys:
+            key, keys = keys[0].lower(), keys[1:]
             if key in actions:
                 actions[key]()
+            elif key in prompts:
+                prompts[key].begin()
+                line, keys = _line(descriptor, keys, over)
+                prompts[key].take(line)
+
+
+def _line(descriptor: int, begun: str, over: threading.Event) -> tuple[str, str]:
+    """Return a line as the terminal lets one be typed and mended, and what came behind it; "" if the run is over.
+
+    Args:
+        descriptor: of the terminal.
+        begun: what has been typed already.
+        over: when to give up.
+    """
+    raw = termios.tcgetattr(descriptor)
+    edited = termios.tcgetattr(descriptor)
+    edited[tty.LFLAG] |= termios.ICANON | termios.ECHO
+    try:
+        termios.tcsetattr(descriptor, termios.TCSADRAIN, edited)
+        while "\n" not in begun and not over.is_set():
+            if select.select([descriptor], [], [], _POLL)[0]:
+                typed = os.read(descriptor, _LONGEST_LINE).decode(errors="ignore")
+                begun += typed or "\n"  # the end of input is that of the line
+    finally:
+        termios.tcsetattr(descriptor, termios.TCSADRAIN, raw)
+    line, _, behind = begun.partition("\n")
+    return ("" if over.is_set() else line), behind

@@ -51,6 +51,7 @@ class Printer(Listener):
     def __init__(self, console: Console, quiet: bool) -> None:
         self._console, self._quiet = console, quiet
         self._live: Live | None = None
+        self._suspended = False
         self._began = self._last = time.monotonic()
         self._nodes: dict[str, Node] = {}
         self._tree: tuple[Node, ...] = ()
@@ -81,6 +82,19 @@ class Printer(Listener):
         if self._live is not None:
             self._live.stop()
 
+    def suspend(self) -> None:
+        """Show no progress, from any thread, until :meth:`resume`: somebody types."""
+        self._suspended = True
+        if self._live is not None:
+            self._live.update(Text(""), refresh=True)
+            self._live.stop()
+
+    def resume(self) -> None:
+        """Show progress again."""
+        if self._live is not None:
+            self._live.start()
+        self._suspended = False
+
     def node_changed(self, change: NodeChange) -> None:
         """Take what a skill or condition became, to be printed with what else came in its tick."""
         if self._quiet or change.path not in self._nodes:
@@ -107,7 +121,7 @@ class Printer(Listener):
     def progress(self, time: float, running: str) -> None:
         """Show where the run is."""
         self._print_tick()
-        if self._live is None:
+        if self._live is None or self._suspended:
             return
         now = _wall()
         if now - self._last >= _REFRESH:

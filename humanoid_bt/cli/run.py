@@ -8,25 +8,23 @@ import os
 import signal
 import sys
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from pathlib import Path
 from types import FrameType
 
-from rich.console import Console
 from rich.text import Text
 
-from humanoid_bt.cli import keys
+from humanoid_bt.cli import keyboard, keys
 from humanoid_bt.cli.console import SafeConsole
 from humanoid_bt.cli.findings import print_findings
 from humanoid_bt.cli.overrides import overrides
 from humanoid_bt.cli.printer import Printer, print_summary
 from humanoid_bt.core import forks
-from humanoid_bt.core.errors import HumanoidBtError, UserError
+from humanoid_bt.core.errors import UserError
 from humanoid_bt.files.whole import make_way
 from humanoid_bt.session.report import ExitCode, Report
 from humanoid_bt.session.session import Session
 
-_KEYBOARD = "keyboard"
 _SIGNALS = {signal.SIGINT: "Ctrl-C", signal.SIGTERM: "SIGTERM", signal.SIGHUP: "the terminal was closed"}
 
 
@@ -36,15 +34,20 @@ def run(arguments: argparse.Namespace) -> int:
         _make_way(arguments.report)
     console = SafeConsole()
     printer = Printer(console, arguments.quiet)
+    if arguments.breakpoints and not keys.available():
+        message = "--break pauses the run, and nobody is at a terminal to continue it"
+        raise UserError(message, hint="run it in a terminal, or from Python: session.break_at()")
     session = _session(arguments, printer)
+    for where in arguments.breakpoints:
+        session.break_at(where)
     if not arguments.quiet:
         print_findings(session.tree.warnings, stderr=True)
     printer.show(session.tree)
     if not arguments.quiet:
         where = f" on {session.robot_name} in {session.scene_name}, seed {arguments.seed}"
         console.print(Text.assemble((session.tree.name, "bold"), where))
-    with printer, _interruptions(session), _keys(session, console, arguments.quiet):
-        report = _report(session)
+    with printer, _interruptions(session), keyboard.connected(session, console, printer, arguments.quiet) as attended:
+        report = _report(session, attended)
     if report.traceback and report.reason.startswith("internal error"):
         print(report.traceback, file=sys.stderr)
     print_summary(console, report)
@@ -78,14 +81,14 @@ def _session(arguments: argparse.Namespace, printer: Printer) -> Session:
     )
 
 
-def _report(session: Session) -> Report:
+def _report(session: Session, attended: bool) -> Report:
     """Run to the end; return the report, which is there too if somebody does not wait for it.
 
     Raises:
         KeyboardInterrupt: there is none, for the run had not begun.
     """
     try:
-        return session.run()
+        return session.run(attended=attended)
     except KeyboardInterrupt:
         if not session.outcome:
             raise
@@ -120,32 +123,6 @@ def _written(report: Report, path: Path) -> bool:
         print_findings(error.problems, stderr=True)
         return False
     return True
-
-
-@contextmanager
-def _keys(session: Session, console: Console, quiet: bool) -> Iterator[None]:
-    """Let keys stop and reset the robot and end the run, if somebody sits at a terminal."""
-    if not keys.available():
-        yield
-        return
-
-    def stop() -> None:
-        with suppress(HumanoidBtError):  # the robot stands, and the run is over
-            session.raise_estop("a key was pressed", source=_KEYBOARD)
-
-    def reset() -> None:
-        try:
-            session.request_reset(source=_KEYBOARD)
-        except HumanoidBtError as error:
-            print(f"error: no reset: {error}", file=sys.stderr)
-
-    def end() -> None:
-        session.interrupt("the key q")
-
-    with keys.listening({" ": stop, "e": stop, "r": reset, "q": end}):
-        if not quiet:
-            console.print(keys.HELP, style="dim")
-        yield
 
 
 @contextmanager

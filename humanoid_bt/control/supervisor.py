@@ -18,6 +18,7 @@ from humanoid_bt.core.messages import (
     HandTarget,
     Measurement,
     Mode,
+    Pause,
     PostureTarget,
     Target,
 )
@@ -32,6 +33,8 @@ NO_SOLUTION_TIMEOUT = 0.200
 """Time without a new valid setpoint [s] after which the robot goes to a protective stop."""
 
 _MOST = 1000  # stops, and refusals, that are kept
+_COMMANDED = (Mode.RUN, Mode.PAUSED)  # decision is heard, and nothing stops the robot
+
 _WORKSPACE = 1000.0  # m from the world's origin beyond which a target is malformed
 _HEIGHT_OFFSET = 0.5  # m
 
@@ -116,7 +119,7 @@ class Supervisor:
 
         Once per silence, and not when the robot is stopped already: nothing starts it but a fresh command.
         """
-        if self._heard_cycle is not None and not self._forgiven and self.mode is Mode.RUN:
+        if self._heard_cycle is not None and not self._forgiven and self.mode in _COMMANDED:
             self._heard_cycle = self._cycle
             self._forgiven = True
 
@@ -156,6 +159,8 @@ class Supervisor:
         now = self._cycle * SERVO_PERIOD
         if not math.isfinite(command.stamp) or abs(command.stamp - now) > DECISION_TIMEOUT:
             return f"stamped {command.stamp:.3f} s at {now:.3f} s"
+        if not isinstance(command.pause, Pause | None):
+            return f"malformed: {command.pause!r} is no pause"
         for resource, target in command.targets.items():
             if resource not in RESOURCES or not isinstance(target, _TARGET_TYPES[resource]):
                 return f"{resource!r} cannot take a {type(target).__name__}"
@@ -183,11 +188,13 @@ class Supervisor:
             self._stop(Mode.DAMP, self._falling, "supervisor")
         elif self._estop is not None:
             self._stop(Mode.EMERGENCY_STOP, self._estop[1], self._estop[0])
-        elif self.mode in (Mode.RUN, Mode.PROTECTIVE_STOP):
+        elif self.mode in (*_COMMANDED, Mode.PROTECTIVE_STOP):
             cause = self._protective_cause(setpoint_fault)
             if cause:
                 self._stop(Mode.PROTECTIVE_STOP, *cause)
-            elif self.mode is Mode.PROTECTIVE_STOP:
+            elif self.command is not None and (pause := self.command.pause) is not None:
+                self.mode, self.reason, self.source = Mode.PAUSED, pause.reason, pause.source
+            elif self.mode is not Mode.RUN:
                 self.mode, self.reason, self.source = Mode.RUN, "", ""
 
     def _protective_cause(self, setpoint_fault: str) -> tuple[str, str] | None:

@@ -37,6 +37,25 @@ class Clock(Protocol):
         ...
 
 
+class TreeClock:
+    """The engine's time without the time for which the tree stood still: what its timers see.
+
+    Args:
+        engine: the engine's clock.
+
+    Attributes:
+        stood: for how long it stood still so far [s].
+    """
+
+    def __init__(self, engine: Clock) -> None:
+        self._engine = engine
+        self.stood = 0.0
+
+    def now(self) -> float:
+        """Return the tree's time [s]."""
+        return self._engine.now() - self.stood
+
+
 class CycleClock:
     """Simulation time: the number of servo cycles since the run began."""
 

@@ -78,6 +78,22 @@ Target = BaseTarget | HandTarget | GazeTarget | PostureTarget
 
 
 @dataclass(frozen=True, slots=True)
+class Pause:
+    """Who wants the robot held while the tree stands still, and why.
+
+    Attributes:
+        source: who: "keyboard", "program", "break at PATH".
+        reason: why.
+    """
+
+    source: str
+    reason: str
+
+    def __str__(self) -> str:
+        return f"paused by {self.source}: {self.reason}"
+
+
+@dataclass(frozen=True, slots=True)
 class Command:
     """What decision asks of control, once per tick. A resource without a target is released.
 
@@ -86,12 +102,14 @@ class Command:
         stamp: engine time of the tick [s].
         targets: resource -> target.
         sources: resource -> path of the tree node that asked for it.
+        pause: who wants the robot held instead, None if nobody does.
     """
 
     sequence: int
     stamp: float
     targets: Mapping[str, Target] = field(default_factory=dict)
     sources: Mapping[str, str] = field(default_factory=dict)
+    pause: Pause | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -156,6 +174,7 @@ class Mode(Enum):
     """What the supervisor allows."""
 
     RUN = "run"
+    PAUSED = "paused"
     PROTECTIVE_STOP = "protective_stop"
     EMERGENCY_STOP = "emergency_stop"
     DAMP = "damp"

@@ -9,11 +9,12 @@ import logging
 import math
 from collections import deque
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from humanoid_bt.core.clock import Clock
+from humanoid_bt.core.clock import Clock, TreeClock
 from humanoid_bt.core.errors import HumanoidBtError, ResourceConflict, nearest
 from humanoid_bt.core.geometry import rotation_matrix
 from humanoid_bt.core.messages import (
@@ -50,6 +51,9 @@ class Robot:
         raise_estop: called at once with source and reason when a node raises the emergency stop.
         log: called at once with source, level and text when a node has something to tell; the program's log if None.
         unseen: answers with the percepts that were never published so far, and why.
+
+    Attributes:
+        clock: the tree's clock, which stands still while the run is paused.
     """
 
     def __init__(
@@ -64,7 +68,8 @@ class Robot:
         self._unseen = unseen
         self._tell = log or _to_log
         self.config = config
-        self.clock = clock
+        self._engine_clock = clock
+        self.clock = TreeClock(clock)
         self._state: State | None = None
         self._percepts: dict[str, tuple[Percept, Array]] = {}
         self._tracks: dict[str, Track] = {}  # those that were asked for in this tick
@@ -72,6 +77,11 @@ class Robot:
         self._past: deque[State] = deque(maxlen=_POSE_HISTORY)
         self._commanding: dict[RobotHandle, None] = {}  # handles that set a target in this tick, in that order
         self._sequence = 0
+
+    @property
+    def now(self) -> float:
+        """The engine's time [s]."""
+        return self._engine_clock.now()
 
     @property
     def state(self) -> State:
@@ -138,7 +148,7 @@ class Robot:
     def begin_tick(self, state: State, percepts: Mapping[str, Percept]) -> None:
         """Take the snapshot that the whole tick sees, and forget the targets of the last one."""
         self._state = state
-        self._now = self.clock.now()
+        self._now = self._engine_clock.now()
         self._past.append(state)
         for name, percept in percepts.items():
             known = self._percepts.get(name)
@@ -175,6 +185,18 @@ class Robot:
             handle.targets.clear()
         return self.commit()
 
+    def stand_still(self, state: State, percepts: Mapping[str, Percept]) -> None:
+        """Take a snapshot as :meth:`begin_tick`, of a time that does not pass for the tree."""
+        before = self._now if self._state is not None else self._engine_clock.now()
+        self.begin_tick(state, percepts)
+        self.clock.stood += self._now - before
+
+    def repeat(self, command: Command) -> Command:
+        """Return a command of an earlier tick as one of now."""
+        again = replace(command, sequence=self._sequence, stamp=self.state.time)
+        self._sequence += 1
+        return again
+
     def take_over(self, other: Robot) -> None:
         """Go on where another tree's view of the same robot ends.
 
@@ -182,6 +204,7 @@ class Robot:
         """
         self._state, self._now, self._past = other._state, other._now, other._past
         self._percepts, self._sequence = other._percepts, other._sequence
+        self.clock.stood = other.clock.stood
 
     def note(self, handle: RobotHandle) -> None:
         """Take note that a handle has set a target in this tick."""
@@ -218,7 +241,7 @@ class RobotHandle:
 
     @property
     def clock(self) -> Clock:
-        """The engine's clock."""
+        """The tree's clock: the engine's, which stands still while the run is paused."""
         return self._robot.clock
 
     def track(self, name: str) -> Track | None:

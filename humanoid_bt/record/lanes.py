@@ -31,6 +31,7 @@ _Look = Mapping[str, Color]
 _BODY: Mapping[str, _Look] = {
     "mode": {
         Mode.RUN.value: STATUS_COLORS["SUCCESS"].dark,
+        Mode.PAUSED.value: (129, 162, 255),
         Mode.PROTECTIVE_STOP.value: (255, 183, 77),
         Mode.EMERGENCY_STOP.value: STATUS_COLORS["FAILURE"].dark,
         Mode.DAMP.value: (224, 156, 255),

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from contextlib import ExitStack, nullcontext, suppress
 from dataclasses import replace
 from pathlib import Path
 
 from humanoid_bt.core.ctrl_c import is_ctrl_c
 from humanoid_bt.core.errors import ControlLost, UserError
+from humanoid_bt.core.messages import Pause
 from humanoid_bt.core.plain import plain
 from humanoid_bt.decision.robot import Robot
 from humanoid_bt.files.workspace import Workspace
@@ -33,7 +34,7 @@ from humanoid_bt.session.tick_watch import TickWatch
 from humanoid_bt.session.tree_runner import TreeRunner
 from humanoid_bt.session.watch import Watch
 from humanoid_bt.session.wiring import new_engine
-from humanoid_bt.tree.ticking.executor import Executor
+from humanoid_bt.tree.ticking.executor import Executor, NodeChange
 from humanoid_bt.tree.tree import Tree
 
 
@@ -50,6 +51,7 @@ class Drive:
         engine: control, plant and perception.
         runner: what runs the tree.
         ticks: how long its ticks take.
+        debugger: who paused it.
         end: how the run ends, None while it goes on.
         report: what happened, None until it is closed.
         begun: whether it was ever begun.
@@ -77,6 +79,7 @@ class Drive:
         self._pace = Pace(options.pace)
         self.ticks = TickWatch()
         self.loop = Loop(self.engine, self.runner, self._teller, self._pace, self.ticks)
+        self.debugger = self.loop.debugger
         self._ending = Ending(self.engine, self.runner, self._teller, self._pace, self.ticks)
         self._stack: ExitStack | None = None
         self._tracks: Mapping[str, Track] | None = None
@@ -90,9 +93,13 @@ class Drive:
         engine = self.engine
         raise_estop, tells = engine.supervisor.raise_estop, self._teller.node_tells
         robot = Robot(engine.robot.config, engine.clock, raise_estop, tells, lambda: engine.unseen)
-        executor = Executor(tree, robot, self._teller.node_changed)
+        executor = Executor(tree, robot, self._node_changed)
         executor.setup()
         return executor
+
+    def _node_changed(self, change: NodeChange) -> None:
+        self._teller.node_changed(change)
+        self.debugger.node_changed(change)
 
     @property
     def running(self) -> bool:
@@ -139,9 +146,16 @@ class Drive:
         Raises:
             KeyboardInterrupt: Ctrl-C; a first one when the tick is over, a second one at once.
         """
+        self._go(self.loop.tick)
+
+    def stand_still(self, pause: Pause) -> None:
+        """Let a tick's time pass in which control holds the robot; raises as :meth:`tick`."""
+        self._go(lambda: self.loop.stand_still(pause))
+
+    def _go(self, on: Callable[[], End | None]) -> None:
         with WholeTick(self.ticks.interrupted):
             try:
-                self.end = self.loop.tick()
+                self.end = on()
             except KeyboardInterrupt as interrupt:
                 if is_ctrl_c(interrupt):
                     self.end = self._ending.torn(interrupt)

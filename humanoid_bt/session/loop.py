@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import math
 import time
+from collections.abc import Mapping
+from dataclasses import replace
 
 from py_trees.common import Status
 
 from humanoid_bt.core.clock import DECISION_PERIOD
 from humanoid_bt.core.errors import HumanoidBtError
-from humanoid_bt.core.messages import Mode, State
+from humanoid_bt.core.messages import Command, Mode, Pause, Percept, State
+from humanoid_bt.session.debugger import Debugger
 from humanoid_bt.session.engine import Engine
 from humanoid_bt.session.outcome import End, failed
 from humanoid_bt.session.pace import Pace
@@ -17,6 +20,8 @@ from humanoid_bt.session.reload import Reloader
 from humanoid_bt.session.teller import Teller
 from humanoid_bt.session.tick_watch import TickWatch
 from humanoid_bt.session.tree_runner import TreeRunner
+
+_ENDED = (Status.SUCCESS, Status.FAILURE)
 
 
 class Loop:
@@ -30,6 +35,7 @@ class Loop:
         ticks: watches how long ticks take.
 
     Attributes:
+        debugger: says when the tree stands still.
         limit: longest time from the first tick on [s].
         waits: whether an emergency stop is waited for, until its reset; else it ends the run.
         reloader: puts edited trees in the tree's place, if anybody looks for edits.
@@ -41,6 +47,9 @@ class Loop:
     def __init__(self, engine: Engine, runner: TreeRunner, teller: Teller, pace: Pace, ticks: TickWatch) -> None:
         self._engine, self._runner, self._teller, self._pace = engine, runner, teller, pace
         self._ticks = ticks
+        self.debugger = Debugger(teller)
+        self._command = Command(0, 0.0)  # of the last tick
+        self._held: Pace | None = None  # how fast time goes while control holds the robot for a pause
         self.limit, self.waits = math.inf, False
         self.reloader: Reloader | None = None
         self.state: State | None = None
@@ -49,57 +58,113 @@ class Loop:
     def tick(self) -> End | None:
         """Let the time since the last tick pass, then tick the tree; return how the run ends, None if it goes on.
 
+        While the run is paused, what the tick commands is withheld until the next one.
+
         Raises:
             ControlLost: control is gone.
         """
-        engine, runner, teller = self._engine, self._runner, self._teller
-        first = self.state is None
-        if first:
-            teller.warn_of_percepts(runner.tree)
-        else:
-            engine.advance()
-            self._pace.keep(engine.clock.now())
-            if self.reloader is not None:
-                self.reloader.look()
-        state, percepts = engine.sense()
-        self.state = state
-        if first:
-            self.began, self.began_at = state.time, time.monotonic()
-        teller.happened(state.time)
+        runner, teller = self._runner, self._teller
+        if self._held is not None and runner.status in _ENDED and not runner.ended and self.state is not None:
+            return self._end(self.state, None)  # the tree has ended, and only now may the run
+        state, percepts = self._sense() if self._held is None else self._release()
         self._ticks.begin()
         command, end = None, None
         try:
-            command = runner.tick(state, percepts)
+            self._command = command = runner.tick(state, percepts)
         except HumanoidBtError as error:
             end = failed(error)
         finally:
             slow = self._ticks.finish(state.time)
         if slow:
             teller.event("warning", slow)
-        if command is not None:
-            teller.trace.tick(state, command)
-            end = self._end(state)
-            if end is None:
-                engine.submit(command)  # before anybody is told of it
-        teller.ticked(runner, state, percepts, command, self._ticks.took)
+        if command is None:
+            teller.ticked(runner, state, percepts, None, self._ticks.took)
+            return end
+        self.debugger.ticked(runner)
+        self.debugger.tell()
+        pause = self.debugger.pause
+        if pause is not None:
+            command = self._hold(pause)
+        return self._finish(state, percepts, command, pause, self._ticks.took)
+
+    def stand_still(self, pause: Pause) -> End | None:
+        """Let a tick's time pass without a tick: control holds the robot; return as :meth:`tick`.
+
+        Raises:
+            ControlLost: control is gone.
+        """
+        state, percepts = self._sense()
+        self._runner.robot.stand_still(state, percepts)
+        return self._finish(state, percepts, self._hold(pause), pause)
+
+    def _sense(self) -> tuple[State, Mapping[str, Percept]]:
+        """Let the time since the last tick pass, and look."""
+        engine, teller, first = self._engine, self._teller, self.state is None
+        if first:
+            teller.warn_of_percepts(self._runner.tree)
+        else:
+            engine.advance()
+            (self._held or self._pace).keep(engine.clock.now())
+            if self.reloader is not None and self._held is None:
+                self.reloader.look()
+        state, percepts = engine.sense()
+        self.state = state
+        if first:
+            self.began, self.began_at = state.time, time.monotonic()
+        teller.happened(state.time)
+        self.debugger.tell()
+        return state, percepts
+
+    def _finish(
+        self,
+        state: State,
+        percepts: Mapping[str, Percept],
+        command: Command,
+        pause: Pause | None,
+        took: float = 0.0,
+    ) -> End | None:
+        """Give a tick's command to control unless the run ends, then tell of it."""
+        self._teller.trace.tick(state, command)
+        end = self._end(state, pause)
+        if end is None:
+            self._engine.submit(command)  # before anybody is told of it
+        self._teller.ticked(self._runner, state, percepts, command, took)
         return end
+
+    def _hold(self, pause: Pause) -> Command:
+        """Return the command with which control holds the robot, in place of what the tree wants."""
+        if self._held is None:
+            self._held = self._pace if self._pace.speed else Pace(1.0 if self.debugger.attended else None)
+        return replace(self._runner.robot.release_all(), pause=pause)
+
+    def _release(self) -> tuple[State, Mapping[str, Percept]]:
+        """Let what the last tick commanded be in force again, as if nothing had been since; then as :meth:`_sense`."""
+        robot = self._runner.robot
+        self._engine.submit(robot.repeat(self._command))
+        state, percepts = self._sense()
+        while state.mode is Mode.PAUSED:  # control has not heard of it yet
+            robot.stand_still(state, percepts)
+            self._engine.submit(robot.repeat(self._command))
+            state, percepts = self._sense()
+        self._held = None
+        return state, percepts
 
     def leave(self, outcome: str, reason: str) -> End:
         """Return how the run ends that somebody ends between two ticks."""
         return self._stopped(reason) or self._runner.ended or End(outcome, reason)
 
-    def _end(self, state: State) -> End | None:
-        """Return how the run ends after this tick, None if it goes on."""
+    def _end(self, state: State, pause: Pause | None) -> End | None:
+        """Return how the run ends after this tick, None if it goes on; in a pause the end of the tree is kept back."""
         runner, status = self._runner, self._runner.status
         if state.mode is Mode.DAMP or (state.mode is Mode.EMERGENCY_STOP and not self.waits):
             return self._stopped()
-        if status in (Status.SUCCESS, Status.FAILURE) and not runner.ended:
+        if status in _ENDED and not runner.ended and pause is None:
             outcome, otherwise = ("success", "succeeded") if status is Status.SUCCESS else ("failure", "failed")
-            end = End(outcome, self._teller.trace.why(status, state.time) or f"the tree {otherwise}")
+            end = End(outcome, self._teller.trace.why(status, self._command.stamp) or f"the tree {otherwise}")
             if self.reloader is None:
                 return self._stopped("the tree ended") or end
             self._rest(end)
-        if state.time - self.began >= self.limit - DECISION_PERIOD / 2:
+        if state.time - self.began - runner.robot.clock.stood >= self.limit - DECISION_PERIOD / 2:
             return self._stopped("the time was up before a reset") or runner.ended or self._unfinished()
         return None
 

@@ -13,13 +13,14 @@ from typing import Any, Literal, Self
 import numpy as np
 
 from humanoid_bt.core.errors import HumanoidBtError, UserError
-from humanoid_bt.core.messages import State
+from humanoid_bt.core.messages import Pause, State
 from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.perception.track import Track
 from humanoid_bt.realtime.decision_side import HOLD_TIME
 from humanoid_bt.record.parts import PART_SIZE
 from humanoid_bt.session import limits
 from humanoid_bt.session.blackboard import Blackboard, Percepts
+from humanoid_bt.session.debugging import Debugging
 from humanoid_bt.session.drive import Drive
 from humanoid_bt.session.engine import Engine
 from humanoid_bt.session.loader import workspace_of
@@ -33,7 +34,7 @@ from humanoid_bt.tree.tree import Tree
 _AT = 1e-9  # s; engine times are sums of floats
 
 
-class Session:
+class Session(Debugging):
     """One tree on one robot, ready to run once.
 
     As a context manager it begins when it is entered. However it is left, the robot is brought to a stand, the
@@ -133,22 +134,52 @@ class Session:
         outcome "error" and the traceback in the report; it is not raised here. Ctrl-C is raised when the tick is
         over.
 
+        A paused tree gets its tick too, and stands still again after it.
+
         In realtime mode it waits for the next tick. Who takes longer than 100 ms between two steps leaves the robot
         without commands, and the supervisor stops it until the next one.
 
         Raises:
             HumanoidBtError: the session has not begun, or the run has ended.
         """
+        if self.paused is not None:
+            self._drive.debugger.stepped("program")
+        return self._go(None)
+
+    def wait(self, duration: float) -> bool:
+        """Let time pass without a tick while the run is paused, and control holds the robot; return as :meth:`step`.
+
+        It is over when the run is not paused any more, or ends.
+
+        Args:
+            duration: how long [s].
+
+        Raises:
+            UserError: the duration is none.
+            HumanoidBtError: as :meth:`step`, or the run is not paused.
+        """
+        until = self.time + limits.POSITIVE.take(duration, "duration") - _AT
+        if self._drive.running and self.paused is None:
+            raise HumanoidBtError("the run is not paused: step() and run_until() let time pass")
+        goes_on = True
+        while goes_on and self.time < until and (pause := self.paused) is not None:
+            goes_on = self._go(pause)
+        return goes_on
+
+    def _go(self, pause: Pause | None) -> bool:
+        """Tick the tree once, or let the time of a tick pass in a pause; return whether the run goes on."""
         if not self._drive.running:
             raise HumanoidBtError(self._why_no_step())
         if self._interruption:
             self._drive.leave("interrupted", self._interruption)
-        else:
+        elif pause is None:
             self._drive.tick()
+        else:
+            self._drive.stand_still(pause)
         return self._drive.running
 
     def run_until(self, condition: float | Callable[[Session], object], timeout: float | None = None) -> bool:
-        """Step until something holds or the run ends; return whether it holds.
+        """Step until something holds, the run is paused, or ends; return whether it holds.
 
         Args:
             condition: an engine time [s], or what is asked after each step and answers whether it holds.
@@ -164,7 +195,7 @@ class Session:
         if self._drive.running and self._ticked and holds():
             return True
         until = None if timeout is None else self.time + timeout - _AT
-        while until is None or self.time < until:
+        while self.paused is None and (until is None or self.time < until):
             goes_on = self.step()
             if holds():
                 return True
@@ -179,22 +210,31 @@ class Session:
             return lambda: self.time >= condition - _AT
         raise UserError(f"'condition' must be a time [s] or a function of the session, not {condition!r}")
 
-    def run(self) -> Report:
+    def run(self, *, attended: bool = False) -> Report:
         """Step to the end, bring the robot to a stand, close the recording; return the report.
 
         A report comes back whatever the tree does. Ctrl-C brings the robot to a stand too, and is raised after it; a
         second one ends the run at once.
 
+        Args:
+            attended: whether another thread, as one that reads keys, is there to continue the run when it is paused.
+
         Raises:
             UserError: the recording or the view cannot be opened.
+            HumanoidBtError: it is paused, and nobody is there to continue it.
             KeyboardInterrupt: somebody ended it; :attr:`report` is there all the same.
         """
         if not self._drive.begun or self._drive.report is not None:
             self.start()  # refuses a second time
+        if self.breakpoints and not attended:
+            raise HumanoidBtError("nobody continues a run() at its breakpoints: run_until() returns there")
+        self._drive.debugger.attended = attended
         with ExitStack() as leaving:
             leaving.push(self)
             while not self.outcome:
-                self.step()
+                if self.paused is not None and not attended:
+                    raise HumanoidBtError(f"{self.paused}, and nobody continues it: run_until() returns then")
+                self._go(self._drive.debugger.standing())
         return self.report
 
     def interrupt(self, reason: str) -> None:
@@ -341,10 +381,6 @@ class Session:
     def __repr__(self) -> str:
         now = self.outcome or ("running" if self._drive.running else "not begun")
         return f"<Session of {self.tree.name!r}: {now}, {self.time:.2f} s>"
-
-    def _not_left(self, what: str) -> None:
-        if self._drive.report is not None:
-            raise HumanoidBtError(f"the session of {self.tree.name!r} has been left: nothing can be {what} any more")
 
     def _why_no_step(self) -> str:
         if self.outcome:

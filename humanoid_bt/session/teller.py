@@ -155,7 +155,7 @@ class Teller:
         command: Command | None = None,
         took: float = 0.0,
     ) -> None:
-        """Tell what a tick saw and did.
+        """Tell what a tick saw and did, or that there was none because the run is paused.
 
         Args:
             runner: what runs the tree.
@@ -180,7 +180,8 @@ class Teller:
             self.news(self.recorder)
         resting = "waiting for an edit" if runner.ended else "coming to a stand"
         doing = f"{tip.name}: {shortened(tip.feedback_message)}" if tip is not None else resting
-        self._listener.progress(state.time, doing)
+        pause = command.pause if command is not None else None
+        self._listener.progress(state.time, doing if pause is None else f"{pause}; at {doing}")
         self._ticks += 1
         if self._ticks % _STATUS_TICKS == 1:
             self._publish(state, runner)

@@ -15,6 +15,8 @@ from pathlib import Path
 
 import pytest
 
+from humanoid_bt.cli import main
+
 PATIENCE = 20.0  # s
 
 
@@ -94,7 +96,7 @@ RUN = ("--no-record", "--no-view", "--duration", "60")
 @pytest.mark.parametrize("key", [" ", "e"])
 def test_a_key_stops_the_robot(key: str, start: Callable[..., Terminal]) -> None:
     terminal = start("run", "walk", *RUN, "--pace", "1", "--on-estop", "end")
-    terminal.shows("keys: space or e emergency stop, r reset, q quit")
+    terminal.shows("keys: space or e emergency stop, r reset, p pause, q quit")
     terminal.shows("▶ walk")
     assert terminal.settings != terminal.before
     terminal.press("\x1b[A")  # an arrow is none of the keys
@@ -115,4 +117,51 @@ def test_keys_reset_and_quit_in_realtime_mode(project: Path, start: Callable[...
     terminal.press("q")
     terminal.shows("interrupted: the key q")
     assert terminal.ends() == 130
+    assert terminal.settings == terminal.before
+
+
+def test_keys_pause_step_and_continue(start: Callable[..., Terminal]) -> None:
+    terminal = start("run", "walk", *RUN, "--pace", "1")
+    terminal.shows("▶ walk")
+    terminal.press("p")
+    terminal.shows("paused by keyboard: a key was pressed; c continues, n is one tick")
+    terminal.press("n")
+    terminal.press("c")
+    terminal.shows("continued by keyboard")
+    terminal.press("n")
+    terminal.shows("paused by keyboard: to go on step by step")
+    terminal.press("p")
+    terminal.press("q")
+    terminal.shows("interrupted: the key q")
+    assert terminal.ends() == 130
+    assert terminal.text.count("continued by keyboard") == 2
+
+
+def test_a_run_pauses_at_a_breakpoint(start: Callable[..., Terminal]) -> None:
+    terminal = start("run", "walk", *RUN, "--break", "walk")
+    terminal.shows("paused by break at walk/emergency_stop/walk: RUNNING: walking; c")
+    terminal.press("q")
+    assert terminal.ends() == 130
+
+
+def test_a_breakpoint_needs_somebody_who_continues(project: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["run", "walk", "--no-record", "--no-view", "--break", "walk"]) == 2
+    assert "nobody is at a terminal to continue it" in capsys.readouterr().err
+
+
+def test_commands_to_a_paused_run(start: Callable[..., Terminal]) -> None:
+    terminal = start("run", "walk", *RUN, "--pace", "1")
+    terminal.shows("▶ walk")
+    terminal.press(":")
+    terminal.shows("paused by keyboard: a key was pressed")
+    terminal.press("show\n")
+    terminal.shows("▶ walk\n")
+    terminal.press(":set walk.raise_after = 5\n:parameters walk\n")
+    terminal.shows("set walk/emergency_stop/walk.raise_after = 5")
+    terminal.shows("raise_after = 5")
+    terminal.press(":fly\n")
+    terminal.shows("unknown command 'fly'")
+    terminal.press(":force walk FAILURE\nc")
+    terminal.shows("✗ walk forced to FAILURE by keyboard")
+    assert terminal.ends() == 1
     assert terminal.settings == terminal.before

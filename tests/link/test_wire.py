@@ -19,6 +19,7 @@ from humanoid_bt.core.messages import (
     GazeTarget,
     HandTarget,
     Mode,
+    Pause,
     Percept,
     PostureTarget,
     State,
@@ -114,11 +115,12 @@ CASES: list[tuple[Callable[[Any], bytes], Callable[[Any], Any], Any]] = [
     (wire.encode_state, wire.decode_state, BARE_STATE),
     (wire.encode_command, wire.decode_command, COMMAND),
     (wire.encode_command, wire.decode_command, Command(0, 0.0)),
+    (wire.encode_command, wire.decode_command, Command(3, 0.06, pause=Pause("break at fetch/reach", "Größe"))),
     (wire.encode_percepts, wire.decode_percepts, wire.Sight(PERCEPTS, {"cup": "hidden", "Ø": ""})),
     (wire.encode_percepts, wire.decode_percepts, wire.Sight([], {})),
     (wire.encode_event, wire.decode_event, EVENT),
 ]
-NAMES = ["state", "bare state", "command", "empty command", "percepts", "no percepts", "event"]
+NAMES = ["state", "bare state", "command", "empty command", "pause", "percepts", "no percepts", "event"]
 each_message = pytest.mark.parametrize(("encode", "decode", "message"), CASES, ids=NAMES)
 
 
@@ -209,6 +211,8 @@ def test_what_people_read_is_cut_and_what_names_something_is_not() -> None:
     state = wire.decode_state(wire.encode_state(replace(STATE, stop_reason="ü" * 5000, stop_source="x" * 3000)))
     assert state.stop_reason == "ü" * (wire.MAX_TEXT // 2)
     assert state.stop_source == "x" * wire.MAX_TEXT
+    paused = wire.decode_command(wire.encode_command(Command(0, 0.0, pause=Pause("x" * 9000, "ü" * 9000))))
+    assert paused.pause == Pause("x" * 1024, "ü" * 512)
     assert wire.decode_event(wire.encode_event(replace(EVENT, text="\udcff" * 900))).text.startswith("\\udcff")
     with pytest.raises(WireError, match="a text of 70000 bytes, at most 65535"):
         wire.encode_percepts(wire.Sight([], {"x" * 70000: "hidden"}))
@@ -224,6 +228,7 @@ def test_what_people_read_is_cut_and_what_names_something_is_not() -> None:
         Command(0, 0.0, {"posture": "low"}),  # type: ignore[dict-item]
         Command(0, 0.0, {"posture": PostureTarget("low")}),  # type: ignore[arg-type]
         Command(2**64, 0.0),
+        Command(0, 0.0, pause=Pause("keyboard", None)),  # type: ignore[arg-type]
     ],
 )
 def test_a_command_that_has_no_bytes_is_refused(command: Command) -> None:

@@ -113,11 +113,11 @@ def recorder(monkeypatch: pytest.MonkeyPatch) -> Iterator[RemoteRecorder]:
 
 
 def test_a_pause_of_decision_does_not_count_as_the_recorders(recorder: RemoteRecorder) -> None:
-    for time in (0.0, 0.02):
-        recorder.sample(Tick(make_state(time)), {}, {})
+    for at in (0.0, 0.02):
+        recorder.sample(Tick(make_state(at)), {}, {})
     recorder._written = 0.0  # the last batch is not written yet
-    for time in (10.0, 10.02):
-        recorder.sample(Tick(make_state(time)), {}, {})
+    for at in (10.0, 10.02):
+        recorder.sample(Tick(make_state(at)), {}, {})
     assert recorder.take_news() == []
     assert recorder._handed == 10.02
 

@@ -10,10 +10,10 @@ import mink
 import numpy as np
 
 from humanoid_bt.core.clock import cycles
-from humanoid_bt.core.messages import BaseTarget, Command, HandTarget, Mode
+from humanoid_bt.core.messages import BaseTarget, Command, HandTarget, Mode, Pause
 from tests.safety.machine import Machine, intact, resent, seconds
 
-STOP, PROTECT, DAMP, RUN = Mode.EMERGENCY_STOP, Mode.PROTECTIVE_STOP, Mode.DAMP, Mode.RUN
+STOP, PROTECT, DAMP, RUN, PAUSED = Mode.EMERGENCY_STOP, Mode.PROTECTIVE_STOP, Mode.DAMP, Mode.RUN, Mode.PAUSED
 
 Fault = Callable[[Machine, np.random.Generator], None]
 
@@ -82,6 +82,21 @@ def stuck(machine: Machine, _: np.random.Generator) -> None:
 
 def garbage(command: Command) -> list[Any]:
     return [None, 7, "go", *(damage(command) for damage in DAMAGES.values()), Command("x", 0.0, None)]  # type: ignore[arg-type]
+
+
+def paused(machine: Machine, _: np.random.Generator) -> None:
+    """Every command asks for a pause from now on, instead of what decision wants."""
+    machine.line = lambda command: [resent(command, targets={}, sources={}, pause=Pause("keyboard", "a key"))]
+
+
+def paused_for_a_while(machine: Machine, rng: np.random.Generator) -> None:
+    paused(machine, rng)
+    machine.after(1.0, lambda: setattr(machine, "line", intact))
+
+
+def killed_while_paused(machine: Machine, rng: np.random.Generator) -> None:
+    paused(machine, rng)
+    machine.after(0.5, lambda: killed(machine, rng))
 
 
 # ---- commands -------------------------------------------------------------------------------------------------------
@@ -175,6 +190,8 @@ ROWS = {
         Row("a node raised an exception", tree_failed, (PROTECT,), "the run's end"),
         Row("decision killed", killed, (PROTECT,), NEVER),
         Row("decision stopped for 0.5 s", stopped, (PROTECT, RUN), FRESH, lasts=1.2, releases=True),
+        Row("paused for 1 s", paused_for_a_while, (PAUSED, RUN), "commands again", lasts=1.5, releases=True),
+        Row("decision killed while paused", killed_while_paused, (PAUSED, PROTECT), NEVER, lasts=0.8),
         Row("decision stuck, then garbage", stuck, (PROTECT,), NEVER, lasts=0.6),
         *(Row(f"commands {name}", damaged(damage), (PROTECT,), NEVER) for name, damage in DAMAGES.items()),
         Row("single bad commands", some_damaged, (), "the next good command", lasts=0.5, releases=True),

@@ -355,7 +355,8 @@ def test_setup_gets_the_robot(workspace: Workspace) -> None:
     (workspace.root / "skills" / "curious.py").write_text(CURIOUS, encoding="utf-8")
     curious = run(workspace, "curious")
     assert vars(curious.tree.root)["got"] == {"robot": curious.robot}
-    assert curious.robot.clock is curious.clock
+    curious.clock.cycle = 40
+    assert curious.robot.clock.now() == curious.clock.now() == 0.04
     keyed = run(workspace, "{set_blackboard: {key: k, value: 1}}")
     assert isinstance(vars(keyed.tree.root)["key"], Key)
 

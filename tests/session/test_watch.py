@@ -282,3 +282,16 @@ def test_warnings_that_the_old_tree_did_not_have_are_told(root: Path) -> None:
     assert len(told) == 1
     assert "project/trees/mine.yaml:2:14: warning: " in told[0] and "[unused-key]" in told[0]
     assert "no-time-limit" not in told[0]
+
+
+def test_an_edit_waits_while_the_run_is_paused_and_takes_breakpoints_along(root: Path) -> None:
+    def script(run: Session) -> Script:
+        breaks: Script = {1: lambda: run.break_at("walk"), 2: lambda: run.break_at("emergency_stop=SUCCESS")}
+        return breaks | {3: run.pause, 4: tree(root, WAIT), 30: run.resume, 40: lambda: "end"}
+
+    ran = watched(root, WALK, script)
+    (swap,) = ran.report.reloads
+    assert 0.6 < swap.time < 0.7
+    (gone,) = (text for text in texts(ran) if "is gone" in text)
+    assert gone.startswith("the breakpoint at walk is gone: the tree 'mine' has no node 'walk'")
+    assert ran.session.breakpoints == ("emergency_stop=SUCCESS",)

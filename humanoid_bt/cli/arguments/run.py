@@ -16,6 +16,13 @@ examples:
   humanoid-bt run fetch --scene random_target --seed 7
   humanoid-bt run trees/mine.yaml --serve   watch it in a browser
   humanoid-bt run trees/mine.yaml --watch   edit it while it runs
+  humanoid-bt run fetch --break reach       pause when it reaches; c continues, n is one tick
+
+keys in its terminal:
+  space, e  emergency stop    p  pause the run, or continue it
+  r         reset             n  one tick, then pause again
+  q         end the run       c  continue
+                              :  a command to a paused run; help lists them
 """
 
 
@@ -32,6 +39,15 @@ def add_run(commands: Commands) -> None:
         metavar="NAME=VALUE",
         dest="overrides",
         help="set a parameter of the tree; may be given several times",
+    )
+    run.add_argument(
+        "--break",
+        action="append",
+        default=[],
+        metavar="WHERE",
+        dest="breakpoints",
+        help="pause where a node starts (reach), gets a status (reach=FAILURE; or RUNNING, SUCCESS, HALTED), or an "
+        "expression becomes true ('distance(target) < 0.5 m'); may be given several times; needs a terminal",
     )
     run.add_argument("--seed", type=number(SEED), default=0, metavar="N", help="of everything random; default 0")
     run.add_argument(

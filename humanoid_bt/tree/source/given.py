@@ -65,7 +65,7 @@ def overrides(
             problems.append(Problem(f"the parameter {name!r} is a node", place, hint, "wrong-type"))
             continue
         try:
-            item = _item(spec, value, place)
+            item = written_item(spec, value, place)
             found[name] = Argument(convert(spec, item), place, written=item.plain())
         except UserError as error:
             problems += error.problems
@@ -80,7 +80,7 @@ def _meant(name: str, declared: Collection[str], arguments: Collection[str]) -> 
     return nearest(name, declared) or "the tree declares no parameters"
 
 
-def _item(spec: Param, value: Any, place: Place) -> Item:
+def written_item(spec: Param, value: Any, place: Place) -> Item:
     """Return a value that was given from outside, text read as YAML.
 
     Raises:

@@ -155,7 +155,7 @@ class Executor:
         """
         seen = Seen()
         raised = self._halt_all(reason, seen)
-        self._tell(seen, self.robot.clock.now())
+        self._tell(seen, self.robot.now)
         if raised is not None:
             raise NodeError(self._nodes[raised.node], raised.error) from raised.error
 

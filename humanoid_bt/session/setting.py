@@ -1,0 +1,108 @@
+"""Setting keys and parameters of a tree while it runs, as text says it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+from py_trees.common import Status
+
+from humanoid_bt.core.errors import Place, UserError, nearest
+from humanoid_bt.core.params import Param
+from humanoid_bt.core.reading import convert
+from humanoid_bt.core.units import base_unit, readable
+from humanoid_bt.decision.assign import keys_read
+from humanoid_bt.decision.blackboard import Key, names_key
+from humanoid_bt.tree.expressions.expression import Expression
+from humanoid_bt.tree.expressions.grammar import names
+from humanoid_bt.tree.expressions.template import Template, expressions_of
+from humanoid_bt.tree.node import Node
+from humanoid_bt.tree.node_type import names_percepts
+from humanoid_bt.tree.source.given import written_item
+from humanoid_bt.tree.tree import Tree
+
+_BEFORE = "must be known before the run"
+
+
+def assign_value(tree: Tree, name: str, value: Any) -> str:
+    """Give a key of the blackboard, or a parameter of a node or of the tree, a value; return it in words.
+
+    A node reads a parameter when it needs it: a time-out in each tick, most skills when they start.
+
+    Args:
+        tree: the tree that runs.
+        name: of the key; ``reach.timeout``, the end of a node's path and a parameter; or of a parameter of the tree,
+            which is set wherever nodes are given it as ``$name``.
+        value: plain, in SI units, or text as after ``--set``.
+
+    Raises:
+        UserError: there is none of this name, it takes no such value, or it must be known before the run.
+    """
+    keys = {key.name: key for key in tree.keys}
+    if name in keys:
+        return _set_key(keys[name], value, begun=tree.root.status is not Status.INVALID)
+    if name in tree.parameters:
+        return _set_everywhere(tree, name, value)
+    path, dot, parameter = name.rpartition(".")
+    if not dot:
+        hint = nearest(name, [*keys, *tree.parameters]) or "the tree has neither"
+        raise UserError(f"the tree has no key or parameter {name!r}", hint=f"{hint}; of a node: NODE.PARAMETER")
+    node = tree.node(path)
+    if parameter not in node.type.params:
+        hint = nearest(parameter, node.type.params) or "it has none"
+        raise UserError(f"{node.path!r} has no parameter {parameter!r}", hint=hint, code="unknown-parameter")
+    converted = _checked(node, parameter, value)
+    setattr(node.behaviour, parameter, converted)
+    return f"{node.path}.{parameter} = {readable(converted, node.type.params[parameter].unit)}"
+
+
+def _set_key(key: Key, value: Any, begun: bool) -> str:
+    spec = key.spec or Param(key.name, Any)
+    if key.spec is None and isinstance(value, str) and (unit := base_unit(value)):
+        spec = Param(key.name, float, unit=unit)
+    key.set(_converted(spec, key.name, value))
+    if not begun:
+        key.initial = key.value
+    return f"{key.name} = {readable(key.value, spec.unit)}"
+
+
+def _set_everywhere(tree: Tree, name: str, value: Any) -> str:
+    """Set a parameter of the tree wherever it was put in."""
+    own = [node for node in tree.nodes if node.place.file == tree.nodes[0].place.file]  # sub-trees have their own names
+    uses = [(node, parameter) for node in own for parameter, of in node.references.items() if of == name]
+    in_expressions = [node.path for node in own if _asks(node, name)]
+    fixed = in_expressions + [node.path for node, _ in uses if node.kind == "subtree"]
+    if fixed or not uses:
+        where = f"{fixed[0]!r} has taken its value" if fixed else "no node is given it as a whole"
+        raise UserError(f"the parameter {name!r} {_BEFORE}: {where}", hint="set NODE.PARAMETER, or run it with --set")
+    values = [_checked(node, parameter, value) for node, parameter in uses]
+    for (node, parameter), converted in zip(uses, values, strict=True):
+        setattr(node.behaviour, parameter, converted)
+    node, parameter = uses[0]
+    return f"{name} = {readable(values[0], node.type.params[parameter].unit)}"
+
+
+def _asks(node: Node, name: str) -> bool:
+    """Return whether an expression of a node names something."""
+    return any(name in names(part.syntax) for value in node.values.values() for part in expressions_of(value))
+
+
+def _checked(node: Node, parameter: str, value: Any) -> Any:
+    """Return a value for a parameter of a node that may change while it runs."""
+    spec, what = node.type.params[parameter], f"{parameter!r} of {node.path!r}"
+    if (key := keys_read(node.behaviour).get(parameter)) is not None:
+        raise UserError(f"{what} is read from the blackboard when the node starts", hint=f"set {key.name}")
+    kinds = (spec.type, *getattr(spec.type, "__args__", ()))
+    expression = any(isinstance(kind, type) and issubclass(kind, (Expression, Template)) for kind in kinds)
+    if node.kind == "subtree" or expression or names_percepts(spec.type) or names_key(spec.type):
+        raise UserError(
+            f"{what} {_BEFORE}", hint="edit the tree's file; with --watch it is swapped in", code="not-dynamic"
+        )
+    converted = _converted(spec, parameter, value)
+    if node.type.commands(node.values) != node.type.commands({**node.values, parameter: converted}):
+        raise UserError(f"{what} {_BEFORE}: it decides what the node commands", code="not-dynamic")
+    return converted
+
+
+def _converted(spec: Param, name: str, value: Any) -> Any:
+    return convert(replace(spec, name=name), written_item(spec, value, Place(f"{name} = {value}")))
