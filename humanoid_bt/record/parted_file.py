@@ -101,7 +101,7 @@ class PartedFile:
         self._feed.add(self._stream, time)
         self._flush()  # from now on it can be read, whatever happens
         self.began = time
-        _disconnect(stream)
+        _disconnect(stream, FLUSH_TIMEOUT)
         before.check_end()
         if before.trouble:
             self._tell("error", before.trouble)
@@ -137,7 +137,7 @@ class PartedFile:
         return stream
 
 
-def _disconnect(stream: Any, patience: float | None = None) -> None:
+def _disconnect(stream: Any, patience: float | None) -> None:
     """Close a stream; where its file could not be written the library may never come back, and is left [s]."""
 
     def close() -> None:
