@@ -44,7 +44,7 @@ class Debugger:
         self.breakpoints: list[Breakpoint] = []
         self._statuses: dict[str, Status] = {}  # of the nodes that have changed, while there are breakpoints
         self._tree: Tree | None = None  # in which they were looked up
-        self._steps = 0  # ticks that a paused tree may still have
+        self._steps: deque[str] = deque()  # who wants a paused tree to have a tick
         self._news: deque[str] = deque()
         self._actions: deque[Callable[[], None]] = deque()
 
@@ -57,7 +57,8 @@ class Debugger:
     def resume(self, source: str) -> None:
         """Let the tree go on."""
         if self.pause is not None:
-            self.pause, self._steps = None, 0
+            self.pause = None
+            self._steps.clear()
             self._news.append(f"continued by {source}")
 
     def ask_step(self, source: str) -> None:
@@ -65,8 +66,7 @@ class Debugger:
         if self.pause is None:
             self.ask_pause(source, "to go on step by step")
         else:
-            self._steps += 1
-            self.stepped(source)
+            self._steps.append(source)
 
     def stepped(self, source: str) -> None:
         """Take note that a paused tree has a tick."""
@@ -75,7 +75,7 @@ class Debugger:
     def standing(self) -> Pause | None:
         """Return why there is no tick now, None if there is one; it takes a step that was asked for."""
         if self._steps and self.pause is not None:
-            self._steps -= 1
+            self.stepped(self._steps.popleft())
             return None
         return self.pause
 
