@@ -17,6 +17,7 @@ from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.perception.track import Track
 from humanoid_bt.plant.scene import Scene, load_scene
 from humanoid_bt.record.folder import report_beside
+from humanoid_bt.session.debugger import Debugger
 from humanoid_bt.session.edits import Edits
 from humanoid_bt.session.ending import Ending
 from humanoid_bt.session.interrupt import WholeTick
@@ -75,11 +76,11 @@ class Drive:
         options.sinks.check()
         self.engine = new_engine(options, loader.robot, scene, loader.first.name)
         self._teller = Teller(listener, self.engine, options.parameters)
+        self.debugger = Debugger(self._teller)
         self.runner = TreeRunner(self._prepare(loader.first))
         self._pace = Pace(options.pace)
         self.ticks = TickWatch()
-        self.loop = Loop(self.engine, self.runner, self._teller, self._pace, self.ticks)
-        self.debugger = self.loop.debugger
+        self.loop = Loop(self.engine, self.runner, self._teller, self._pace, ticks=self.ticks, debugger=self.debugger)
         self._ending = Ending(self.engine, self.runner, self._teller, self._pace, self.ticks)
         self._stack: ExitStack | None = None
         self._tracks: Mapping[str, Track] | None = None
@@ -93,13 +94,9 @@ class Drive:
         engine = self.engine
         raise_estop, tells = engine.supervisor.raise_estop, self._teller.node_tells
         robot = Robot(engine.robot.config, engine.clock, raise_estop, tells, lambda: engine.unseen)
-        executor = Executor(tree, robot, self._node_changed)
+        executor = Executor(tree, robot, _both(self._teller.node_changed, self.debugger.node_changed))
         executor.setup()
         return executor
-
-    def _node_changed(self, change: NodeChange) -> None:
-        self._teller.node_changed(change)
-        self.debugger.node_changed(change)
 
     @property
     def running(self) -> bool:
@@ -230,3 +227,13 @@ class Drive:
         if self._pace.speed is None and sinks.live and self._options.mode == "lockstep":
             self._pace.speed = 1.0
         return sinks.live
+
+
+def _both(first: Callable[[NodeChange], None], second: Callable[[NodeChange], None]) -> Callable[[NodeChange], None]:
+    """Return what tells both; it holds neither the drive nor what that holds."""
+
+    def tell(change: NodeChange) -> None:
+        first(change)
+        second(change)
+
+    return tell

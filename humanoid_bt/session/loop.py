@@ -33,9 +33,10 @@ class Loop:
         teller: is told what happens.
         pace: how fast simulated time goes.
         ticks: watches how long ticks take.
+        debugger: says when the tree stands still.
 
     Attributes:
-        debugger: says when the tree stands still.
+        debugger: the same.
         limit: longest time from the first tick on [s].
         waits: whether an emergency stop is waited for, until its reset; else it ends the run.
         reloader: puts edited trees in the tree's place, if anybody looks for edits.
@@ -44,10 +45,19 @@ class Loop:
         began_at: when that was on the monotonic clock [s].
     """
 
-    def __init__(self, engine: Engine, runner: TreeRunner, teller: Teller, pace: Pace, ticks: TickWatch) -> None:
+    def __init__(
+        self,
+        engine: Engine,
+        runner: TreeRunner,
+        teller: Teller,
+        pace: Pace,
+        *,
+        ticks: TickWatch,
+        debugger: Debugger,
+    ) -> None:
         self._engine, self._runner, self._teller, self._pace = engine, runner, teller, pace
         self._ticks = ticks
-        self.debugger = Debugger(teller)
+        self.debugger = debugger
         self._command = Command(0, 0.0)  # of the last tick
         self._held: Pace | None = None  # how fast time goes while control holds the robot for a pause
         self.limit, self.waits = math.inf, False

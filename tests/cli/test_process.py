@@ -78,7 +78,7 @@ from humanoid_bt.cli import main
 signal.signal(signal.SIGHUP, signal.SIG_IGN)
 from humanoid_bt.session.session import Session
 run = Session.run
-Session.run = lambda session: (signal.raise_signal(signal.SIGHUP), run(session))[1]
+Session.run = lambda session, **more: (signal.raise_signal(signal.SIGHUP), run(session, **more))[1]
 sys.exit(main())
 """
 
