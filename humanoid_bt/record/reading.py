@@ -170,14 +170,19 @@ class FlightLog:
     @cached_property
     def news(self) -> list[News]:
         """Everything that happened, in the order in which it was told."""
-        found = []
+        return list(self.news_of())
+
+    def news_of(self, *kinds: str) -> Iterator[News]:
+        """Yield what happened of some kinds, of all if none is named; the others are not decoded."""
+        heads = tuple(json.dumps(kind).encode() for kind in kinds)
         for message in self._messages("news"):
+            if heads and not message.partition(b", ")[2].startswith(heads):
+                continue
             try:
                 time, kind, value = json.loads(message)
-                found.append(News(float(time), str(kind), value))
+                yield News(float(time), str(kind), value)
             except (ValueError, TypeError, RecursionError):
                 self.damaged += 1
-        return found
 
     @property
     def span(self) -> tuple[float, float]:
@@ -262,7 +267,8 @@ def _values(path: Path) -> Iterator[tuple[str, float, Any]]:
     for chunk in _chunks(path):
         batch = chunk.to_record_batch()
         names = batch.schema.names
-        times = batch.column(_TIMELINE).cast("int64").to_pylist() if _TIMELINE in names else [0] * batch.num_rows
+        timed = _TIMELINE in names
+        times = [time.value for time in batch.column(_TIMELINE)] if timed else [0] * batch.num_rows  # a cast costs more
         for column in (*_STATIC, *_BLOCKS):
             if column in names:
                 for time, row in zip(times, batch.column(column).to_pylist(), strict=True):
