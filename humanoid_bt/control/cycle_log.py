@@ -5,8 +5,8 @@ One table has a row for each servo cycle, another one a row for each plan of the
 
 from __future__ import annotations
 
-from collections.abc import Container
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -59,10 +59,20 @@ class Row:
         self.width = sum(len(column.labels) for column in columns)
         self.resolution: Array = np.concatenate([[c.resolution] * len(c.labels) for c in columns])
 
-    def places(self, names: Container[str]) -> list[int]:
-        """Return where the numbers of some columns are in a row."""
-        owners = [column.name for column in self.columns for _ in column.labels]
-        return [place for place, name in enumerate(owners) if name in names]
+    def only(self, columns: Sequence[str] | None, labels: Sequence[str] | None = None) -> Row:
+        """Return a row of some of the columns, and of these only the numbers with some labels; itself for all."""
+        if columns is None and labels is None:
+            return self
+        chosen = [column for column in self.columns if columns is None or column.name in columns]
+        if labels is None:
+            return Row(*chosen)
+        return Row(*(replace(of, labels=tuple(label for label in of.labels if label in labels)) for of in chosen))
+
+    def places(self, part: Row) -> list[int]:
+        """Return where the numbers of a part of it are."""
+        wanted = {(column.name, label) for column in part.columns for label in column.labels}
+        numbers = [(column.name, label) for column in self.columns for label in column.labels]
+        return [place for place, number in enumerate(numbers) if number in wanted]
 
     def split(self, rows: Array) -> dict[str, Array]:
         """Return views of the columns of rows, shape (..., width), by name."""

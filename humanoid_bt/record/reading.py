@@ -94,6 +94,7 @@ class FlightLog:
         begin: float = -math.inf,
         end: float = math.inf,
         columns: Sequence[str] | None = None,
+        labels: Sequence[str] | None = None,
     ) -> Cycles:
         """Return servo cycles, or with ``kind="plans"`` plans of the whole body.
 
@@ -101,14 +102,14 @@ class FlightLog:
             kind: which of both.
             begin, end: engine times [s], both included; nothing else is unpacked.
             columns: names of those that are wanted, all if None.
+            labels: of the numbers of these columns that are wanted, all if None.
 
         Raises:
             UserError: the recording does not say what is in them.
         """
         row = self.row(kind)
-        names = {column.name for column in row.columns} if columns is None else set(columns)
-        kept = [column for column in row.columns if column.name in names]
-        only = None if columns is None else [0, *row.places(names)]  # the first number is the cycle's
+        kept = row.only(columns, labels)
+        only = None if kept is row else [0, *row.places(kept)]  # the first number is the cycle's
         parts, damaged = [np.zeros((0, row.width if only is None else len(only)))], 0
         for block in self._blocks(kind, begin):
             try:
@@ -123,8 +124,8 @@ class FlightLog:
         time = rows[:, 0] * SERVO_PERIOD
         inside = (time >= begin - _AT) & (time <= end + _AT)
         rows, time = (rows, time) if inside.all() else (rows[inside], time[inside])
-        split = (row if only is None else Row(*kept)).split(rows if only is None else rows[:, 1:])
-        return Cycles(time, split, {column.name: column for column in kept}, damaged)
+        split = kept.split(rows if only is None else rows[:, 1:])
+        return Cycles(time, split, {column.name: column for column in kept.columns}, damaged)
 
     def row(self, kind: str) -> Row:
         """Return what a row of cycles or plans holds.

@@ -66,8 +66,8 @@ class Push(NamedTuple):
 
     def __str__(self) -> str:
         return (
-            f"base accelerated {self.direction} by {self.acceleration:.1f} m/s² from {self.begin:.3f} to "
-            f"{self.end:.3f} s, before that by at most {self.before:.1f}"
+            f"base accelerated {self.direction} by {self.acceleration:.1f} m/s², {self.begin:.3f} to "
+            f"{self.end:.3f} s; before that by at most {self.before:.1f}"
         )
 
 
@@ -128,16 +128,14 @@ class Motion:
         if not sudden.any():
             return None
         seed = int(np.argmax(sudden))
-        peak = min(seed + int(np.argmax(strength[seed : seed + 2 * _WINDOW])), len(strength) - 1)
         fine = np.linalg.norm(self._acceleration(_FINE), axis=1)
-        strong = fine > 0.5 * strength[peak]
-        middle = min(peak + _WINDOW // 2, len(fine) - 1)
-        first = last = middle
-        while first > max(0, peak - 2 * _WINDOW) and strong[first - 1]:
-            first -= 1
-        while last < min(len(fine) - 1, peak + 4 * _WINDOW) and strong[last + 1]:
-            last += 1
-        end = min(last + _FINE, len(self.time) - 1)
+        strong = fine > max(_PUSH, _TIMES * float(fine[: max(seed, 1)].max()))
+        after = np.flatnonzero(strong[seed : seed + 2 * _WINDOW])
+        if not len(after):
+            return None
+        first = seed + int(after[0]) + _FINE // 2
+        peak = first + int(np.argmax(strength[first : first + 2 * _WINDOW])) if first < len(strength) else first
+        end = min(peak + _WINDOW, len(self.time) - 1)
         change = (self._velocity[end] - self._velocity[first]) / max(self.time[end] - self.time[first], 1e-3)
         largest = float(known[seed])
         acceleration = float(np.linalg.norm(change))

@@ -140,7 +140,9 @@ class History:
     def acting(self, time: float) -> list[Change]:
         """Return the deepest of the nodes that ran at a time [s]."""
         running = self.running(time)
-        return [change for path, change in running.items() if not any(other.startswith(path + "/") for other in running)]
+        return [
+            change for path, change in running.items() if not any(other.startswith(path + "/") for other in running)
+        ]
 
     # ---- ticks ------------------------------------------------------------------------------------------------------
 
@@ -174,13 +176,18 @@ class History:
     def _percepts(self, time: float) -> set[str]:
         """Return the percepts that nodes name, if they are all that can have been seen."""
         named = {
-            str(value).removeprefix("$")
+            str(self.value(written, time))
             for node in self.nodes(time).values()
-            for key, value in node.get("values", {}).items()
-            if key in ("percept", "target") and isinstance(value, str)
+            for key, written in node.get("values", {}).items()
+            if key in ("percept", "target") and isinstance(written, str)
         }
-        parameters = self.tree(time).get("parameters", {})
-        return {str(parameters.get(name, {}).get("value", name)) for name in named}
+        return named
+
+    def value(self, written: Any, time: float = math.inf) -> Any:
+        """Return what a node's parameter is, which may be written as ``$name``."""
+        if not (isinstance(written, str) and written.startswith("$")):
+            return written
+        return self.tree(time).get("parameters", {}).get(written[1:], {}).get("value", written)
 
     # ---- modes ------------------------------------------------------------------------------------------------------
 
@@ -193,12 +200,9 @@ class History:
         starts = [0, *(np.flatnonzero(np.diff(numbers)) + 1).tolist()]
         ends = [*starts[1:], len(numbers)]
         names = self.log.layout["modes"]
+        began = (cycles.time - SERVO_PERIOD).tolist()  # a row is written when its cycle is over
         return [
-            Span(
-                float(cycles.time[first]),
-                float(cycles.time[after] if after < len(numbers) else cycles.time[-1] + SERVO_PERIOD),
-                names[numbers[first]],
-            )
+            Span(began[first], began[after] if after < len(numbers) else float(cycles.time[-1]), names[numbers[first]])
             for first, after in zip(starts, ends, strict=True)
         ]
 
