@@ -8,23 +8,25 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from humanoid_bt.control.body.whole_body import WholeBody
-from humanoid_bt.control.servo import Servo
-from humanoid_bt.control.supervisor import Supervisor
 from humanoid_bt.core.clock import DECISION_PERIOD, WHOLE_BODY_PERIOD, cycles
 from humanoid_bt.core.messages import SIDES, Array, Gait, Measurement, Mode
 from humanoid_bt.link.table import LocalTable, TableWriter
-from humanoid_bt.robot.model import BASE_COORDINATES, BASE_DOFS
+
+if TYPE_CHECKING:  # who reads a recording needs no simulator
+    from humanoid_bt.control.body.whole_body import WholeBody
+    from humanoid_bt.control.servo import Servo
+    from humanoid_bt.control.supervisor import Supervisor
 
 Table = TableWriter | LocalTable
 MODES, GAITS = tuple(Mode), tuple(Gait)
 NONE = -1.0
 """Stands for the error of a hand that nothing commands, and for the command before the first."""
 
+_POSE, _TWIST = 3 + 4, 3 + 3  # numbers of the base: position and quaternion, velocity and rate
 _LATE = 4.0  # s that a reader may be late before it misses something
 
 
@@ -147,7 +149,7 @@ class CycleLog:
         self._plans, self._cycles = plans, servo_cycles
         joints = len(layout.joints)
         self._plan_rows = _parts(plans.rows, 4 + len(SIDES), *[joints] * 4)
-        self._cycle_rows = _parts(servo_cycles.rows, 3, BASE_COORDINATES + joints, BASE_DOFS + joints, joints)
+        self._cycle_rows = _parts(servo_cycles.rows, 3, _POSE + joints, _TWIST + joints, joints)
         self._command: object = None
         self._mode, self._mode_number = MODES[0], 0  # an enumeration is slow to look up
 

@@ -32,6 +32,7 @@ _ENTITY, _TIMELINE = "/flight", "sim_time"
 _AT = 1e-7  # s; engine times are sums of floats
 _STATIC = ("layout", "setup")
 _BLOCKS = ("plans", "cycles", "ticks", "news")
+_LATE = 2.0  # s by which news may come later than it happened
 _OLDER = "another program made it, or an older version"
 
 
@@ -173,22 +174,33 @@ class FlightLog:
         """Everything that happened, in the order in which it was told."""
         return list(self.news_of())
 
-    def news_of(self, *kinds: str) -> Iterator[News]:
-        """Yield what happened of some kinds, of all if none is named; the others are not decoded."""
+    def news_of(self, *kinds: str, begin: float = -math.inf, end: float = math.inf) -> Iterator[News]:
+        """Yield what happened of some kinds, of all if none is named; nothing else is decoded.
+
+        Args:
+            kinds: of news.
+            begin, end: engine times [s], both included.
+        """
         heads = tuple(json.dumps(kind).encode() for kind in kinds)
-        for message in self._messages("news"):
+        last = bisect_left(self.until["news"], end + _LATE)
+        for message in self._messages("news", begin, last + 1):
             if heads and not message.partition(b", ")[2].startswith(heads):
                 continue
             try:
                 time, kind, value = json.loads(message)
-                yield News(float(time), str(kind), value)
+                found = News(float(time), str(kind), value)
             except (ValueError, TypeError, RecursionError):
                 self.damaged += 1
+                continue
+            if begin - _AT <= found.time <= end + _AT:
+                yield found
 
     @property
     def span(self) -> tuple[float, float]:
         """The engine times [s] of the first and the last servo cycle that the file has; both 0 if it has none."""
-        first, last = (self.cycles("cycles", *at, ("servo",)).time for at in ((0.0, self._first), (self._last, math.inf)))
+        first, last = (
+            self.cycles("cycles", *at, ("servo",)).time for at in ((0.0, self._first), (self._last, math.inf))
+        )
         return (float(first[0]), float(last[-1])) if len(first) and len(last) else (0.0, 0.0)
 
     @property
@@ -199,12 +211,12 @@ class FlightLog:
     def _last(self) -> float:
         return self.until["cycles"][-2] if len(self.until["cycles"]) > 1 else 0.0
 
-    def _blocks(self, name: str, begin: float) -> list[bytes]:
-        """Return the blocks in which something may be from a time [s] on."""
-        return self.blocks[name][bisect_left(self.until[name], begin - _AT) :]
+    def _blocks(self, name: str, begin: float, last: int | None = None) -> list[bytes]:
+        """Return the blocks, up to a number, in which something may be from a time [s] on."""
+        return self.blocks[name][bisect_left(self.until[name], begin - _AT) : last]
 
-    def _messages(self, name: str, begin: float = -math.inf) -> Iterator[bytes]:
-        for block in self._blocks(name, begin):
+    def _messages(self, name: str, begin: float = -math.inf, last: int | None = None) -> Iterator[bytes]:
+        for block in self._blocks(name, begin, last):
             try:
                 yield from unbundle(block)
             except (BlockError, zlib.error):

@@ -13,6 +13,7 @@ from humanoid_bt.review.history import AT, History
 from humanoid_bt.review.words import changed
 
 _MOST = 9  # lines
+_OVER = "halted: the run ended"  # which is no news
 _LEANS = 0.2  # rad of tilt that no robot that walks has
 _Ranked = tuple[int, Moment]  # how much a line matters, 0 the most
 
@@ -29,7 +30,7 @@ def before(history: History, begin: float, end: float, most: int = _MOST) -> lis
 
 def _told(history: History, begin: float, end: float) -> Iterator[_Ranked]:
     for change in history.changes:
-        if begin - AT <= change.time <= end + AT and change.said:
+        if begin - AT <= change.time <= end + AT and change.said and change.said != _OVER:
             kind = history.kind(change.path, change.time).get("kind", "")
             yield {"skill": 1, "condition": 1}.get(kind, 2), Moment(change.time, changed(change))
     for event in history.events:

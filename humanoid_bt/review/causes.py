@@ -58,10 +58,8 @@ def _ending(history: History) -> Cause:
     if outcome == "failure":
         return failures.failed(history, time)
     if outcome == "success":
-        return Cause(
-            "success", f"nothing: the run succeeded after {time - history.begin:.2f} s: {cut(end['reason'])}", time
-        )
-    if refused := _refusals(history):
+        return Cause("success", f"nothing stopped it: the run succeeded at {when(time)}: {cut(end['reason'])}", time)
+    if refused := _refusals(history, time):
         return refused
     return failures.without_result(history, time, outcome, end["reason"])
 
@@ -190,7 +188,7 @@ def _fall(history: History, stop: Stopped) -> Cause:
     commander = stop.resources.get("base", "") or _commander(stop)
     during = f" while '{last(commander)}' commanded the base" if "base" in stop.resources else ""
     height = f"its base was {motion.height[-1]:.2f} m high, tilted by {readable(float(motion.tilt[-1]), 'rad')}"
-    rows = [("shown by", f"{stop.reason.removeprefix('the robot is falling: ')}: {height}")]
+    rows = [("shown by", height)]
     torques = [limited for limited in motion.limited() if limited.what == "torque"]
     if push := motion.push():
         rows.insert(0, ("shown by", str(push)))
@@ -221,10 +219,10 @@ def _refused(history: History) -> list[Happened]:
     return [event for event in history.events if event.text.startswith("refused a command: ")]
 
 
-def _refusals(history: History) -> Cause | None:
+def _refusals(history: History, time: float) -> Cause | None:
     """Commands were refused until the end, and the robot never obeyed."""
     refused = _refused(history)
-    tick = history.last_tick
+    tick = history.tick(time)
     if not refused or tick is None or tick.state.command_sequence >= 0:
         return None
     fault = refused[0].text.removeprefix("refused a command: ")

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from os import PathLike
 from typing import Any
 
+from humanoid_bt.core.clock import SERVO_PERIOD
 from humanoid_bt.core.errors import UserError, relative
 from humanoid_bt.record.reading import read_flight
 from humanoid_bt.review.before import before
@@ -125,19 +126,20 @@ def _after(history: History, cause: Cause) -> Iterator[Row]:
         for number, stop in enumerate(history.stops[:_STOPS]):
             text = f"{when(stop.time)} {stop.mode.replace('_', ' ')}: {cut(stop.reason, 80)} ({cut(stop.source, 40)})"
             yield "stops" if number == 0 else "", text
-        if left := len(history.stops) - _STOPS:
-            if left > 0:
-                yield "", f"and {left} more"
+        if len(history.stops) > _STOPS:
+            yield "", f"and {len(history.stops) - _STOPS} more"
     file = shlex.quote(relative(history.log.path))
-    yield "look", f"rerun {file}, then put the cursor of sim_time at {cause.time:.2f} s"
+    yield "look", f"rerun {file}"
+    yield "", f"and put the cursor of sim_time at {cause.time:.2f} s"
     for number, hint in enumerate(HINTS.get(cause.kind, ())):
         yield "helps" if number == 0 else "", hint
-    yield "more", f"{PAGE}; humanoid-bt explain --at {cause.time:.2f} {file}"
+    yield "more", f"humanoid-bt explain --at {cause.time:.2f} {file}"
+    yield "", PAGE
 
 
 def modes_told(history: History, time: float) -> str:
     """Return what the supervisor did around a time [s], to the millisecond."""
-    spans = history.modes(time - _BEFORE, time + _AFTER)
+    spans = history.modes(time - _BEFORE, min(time + _AFTER, history.until))
     if not spans:
         return "no servo cycle of that time is recorded"
     return ", ".join(_span(span, number == 0, span is spans[-1]) for number, span in enumerate(spans[:4]))
@@ -146,12 +148,10 @@ def modes_told(history: History, time: float) -> str:
 def _span(span: Span, first: bool, final: bool) -> str:
     mode = span.mode.replace("_", " ")
     if first and final:
-        return f"{mode} all the time, until {when(span.until)}"
+        return f"{mode} all the time, to the end, {when(span.until)}"
     if first:
         return f"{mode} until {when(span.until)}"
-    return f"{mode} from {when(span.begin)}" + (
-        f" to {when(span.until)}, the end of what is recorded of it" if final else ""
-    )
+    return f"{mode} from {when(span.begin)}" + (f" to the end, {when(span.until)}" if final else "")
 
 
 def _data(history: History, cause: Cause) -> dict[str, Any]:

@@ -11,7 +11,7 @@ from humanoid_bt.core.texts import printable
 from humanoid_bt.review.cause import Row
 
 _WIDTH = 80
-_NAME = 10  # columns of a row's name
+_NAME = 11  # columns of a row's name
 _BESIDE = 40  # columns that a text must have beside its name
 
 

@@ -15,7 +15,8 @@ from humanoid_bt.core.messages import Percept
 from humanoid_bt.record.reading import FlightLog
 from humanoid_bt.record.tick import Tick
 
-_TICKS = 0.5  # s before a moment in which the last tick is looked for first
+_TICKS = (0.5, 10.0, math.inf)  # s before a moment in which its last tick is looked for, one after the other
+_SIGHTS = 60.0  # s for which percepts are looked for
 AT = 1e-6
 """Times [s] that differ by less are the same."""
 
@@ -148,8 +149,9 @@ class History:
 
     def tick(self, time: float) -> Tick | None:
         """Return the last tick up to a time [s]."""
-        for since in (time - _TICKS, -math.inf):
-            ticks = list(self.log.ticks(since, time + AT))
+        latest = min(time, self.log.until["ticks"][-1]) if self.log.until["ticks"] else time
+        for window in _TICKS:
+            ticks = list(self.log.ticks(latest - window, time + AT))
             if ticks:
                 return ticks[-1]
         return None
@@ -157,7 +159,7 @@ class History:
     @cached_property
     def last_tick(self) -> Tick | None:
         """The last tick in the recording."""
-        return self.tick(math.inf) if self.until == 0 else self.tick(self.until + 1.0)
+        return self.tick(math.inf)
 
     def sights(self, time: float) -> list[Sight]:
         """Return what was known of each percept at a time [s], the freshest first."""
@@ -165,7 +167,7 @@ class History:
         names = self._percepts(time)
         for percept in self.log.seen_before(time):
             found.setdefault(percept.name, percept)
-            if names and names <= found.keys():
+            if time - percept.stamp > _SIGHTS or (names and names <= found.keys()):
                 break
         sights = [
             Sight(percept.name, max(time - percept.stamp, 0.0), percept.confidence, _distance(percept))
@@ -208,8 +210,8 @@ class History:
 
     def results(self, path: str, begin: float = -math.inf, end: float = math.inf) -> Iterator[tuple[float, list[Any]]]:
         """Yield what a skill reported: time [s], and name, value, unit of each result."""
-        for time, _, (of, results) in self.log.news_of("results"):
-            if of == path and begin - AT <= time <= end + AT:
+        for time, _, (of, results) in self.log.news_of("results", begin=begin, end=end):
+            if of == path:
                 yield time, results
 
 

@@ -31,8 +31,8 @@ def moment_explained(history: History, time: float) -> Explanation:
         UserError: the recording has nothing of that time.
     """
     begin, until = history.begin, history.until
-    if not (math.isfinite(time) and begin - 1e-3 <= time <= until + 1e-3):
-        raise UserError(f"the recording has no {time:g} s", hint=f"valid: {begin:.2f} to {until:.2f} s")
+    if not (isinstance(time, (int, float)) and math.isfinite(time) and begin - 1e-3 <= time <= until + 1e-3):
+        raise UserError(f"the recording has nothing of {time} s", hint=f"valid: {begin:.2f} to {until:.2f} s")
     acting = history.acting(time)
     mode = history.modes(time - 0.05, time + 0.001)
     now = mode[-1].mode.replace("_", " ") if mode else "unknown"

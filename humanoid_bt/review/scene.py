@@ -61,16 +61,9 @@ def body_row(history: History, time: float) -> Row:
 
 def hand_row(history: History, time: float) -> Row | None:
     """Return how far hands were from their targets, None if none was commanded."""
-    errors = history.log.cycles("plans", time - 0.1, time + AT, ["hand_error"])
-    if not len(errors.time):
-        return None
-    sides = errors.described["hand_error"].labels
-    last = errors.columns["hand_error"][-1]
-    told = [
-        f"{side} {readable(float(error), 'm')} from its target"
-        for side, error in zip(sides, last, strict=True)
-        if error >= 0
-    ]
+    tick = history.tick(time)
+    errors = tick.state.hand_errors if tick else {}
+    told = [f"{side} {readable(error, 'm')} from its target" for side, error in errors.items()]
     return ("hands", ", ".join(told)) if told else None
 
 
