@@ -6,12 +6,13 @@ Whatever became of the file, cut, damaged, still being written: what is intact i
 from __future__ import annotations
 
 import json
+import math
 import warnings
 import zlib
-from collections.abc import Iterator
+from bisect import bisect_left
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from itertools import chain
 from os import PathLike
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -21,15 +22,18 @@ import numpy as np
 from humanoid_bt.control.cycle_log import Column, Row
 from humanoid_bt.core.clock import SERVO_PERIOD
 from humanoid_bt.core.errors import UserError, relative
-from humanoid_bt.core.messages import Array
+from humanoid_bt.core.messages import Array, Percept
 from humanoid_bt.link.wire import WireError
+from humanoid_bt.record.cut_file import whole_part
 from humanoid_bt.record.packing import BlockError, unbundle, unpack
 from humanoid_bt.record.parts import is_recording, parts_of
-from humanoid_bt.record.tick import Tick
+from humanoid_bt.record.tick import Tick, percepts_of
 
-_ENTITY = "/flight"
+_ENTITY, _TIMELINE = "/flight", "sim_time"
+_AT = 1e-7  # s; engine times are sums of floats
 _STATIC = ("layout", "setup")
 _BLOCKS = ("plans", "cycles", "ticks", "news")
+_LATE = 2.0  # s by which news may come later than it happened
 _OLDER = "another program made it, or an older version"
 
 
@@ -72,7 +76,8 @@ class FlightLog:
         path: the file.
         setup: what was run, see :func:`~humanoid_bt.session.setup.run_setup`.
         layout: what the rows of plans and cycles hold.
-        blocks: name -> blocks as they are in the file.
+        blocks: name -> blocks as they are in the file, packed.
+        until: name -> the engine time [s] that no row of the block at the same place is beyond.
         damaged: how many blocks could not be read so far.
         cut: why the file could not be read to its end, "" if it could.
     """
@@ -81,21 +86,48 @@ class FlightLog:
     setup: dict[str, Any] = field(default_factory=dict)
     layout: dict[str, Any] = field(default_factory=dict)
     blocks: dict[str, list[bytes]] = field(default_factory=lambda: {name: [] for name in _BLOCKS})
+    until: dict[str, list[float]] = field(default_factory=lambda: {name: [] for name in _BLOCKS})
     damaged: int = 0
     cut: str = ""
 
-    def cycles(self, kind: str = "cycles") -> Cycles:
-        """Return every servo cycle, or with ``kind="plans"`` every plan of the whole body."""
+    def cycles(
+        self,
+        kind: str = "cycles",
+        begin: float = -math.inf,
+        end: float = math.inf,
+        columns: Sequence[str] | None = None,
+        labels: Sequence[str] | None = None,
+    ) -> Cycles:
+        """Return servo cycles, or with ``kind="plans"`` plans of the whole body.
+
+        Args:
+            kind: which of both.
+            begin, end: engine times [s], both included; nothing else is unpacked.
+            columns: names of those that are wanted, all if None.
+            labels: of the numbers of these columns that are wanted, all if None.
+
+        Raises:
+            UserError: the recording does not say what is in them.
+        """
         row = self.row(kind)
-        parts, damaged = [np.zeros((0, row.width))], 0
-        for block in self.blocks[kind]:
+        kept = row.only(columns, labels)
+        only = None if kept is row else [0, *row.places(kept)]  # the first number is the cycle's
+        parts, damaged = [np.zeros((0, row.width if only is None else len(only)))], 0
+        for block in self._blocks(kind, begin):
             try:
-                parts.append(unpack(block, row.resolution))
-            except BlockError:
+                part = unpack(block, row.resolution, only)
+            except (BlockError, zlib.error):
                 damaged += 1
+                continue
+            if len(part) and part[0, 0] * SERVO_PERIOD > end + _AT:
+                break
+            parts.append(part)
         rows = np.concatenate(parts)
-        described = {column.name: column for column in row.columns}
-        return Cycles(rows[:, 0] * SERVO_PERIOD, row.split(rows), described, damaged)
+        time = rows[:, 0] * SERVO_PERIOD
+        inside = (time >= begin - _AT) & (time <= end + _AT)
+        rows, time = (rows, time) if inside.all() else (rows[inside], time[inside])
+        split = kept.split(rows if only is None else rows[:, 1:])
+        return Cycles(time, split, {column.name: column for column in kept.columns}, damaged)
 
     def row(self, kind: str) -> Row:
         """Return what a row of cycles or plans holds.
@@ -109,28 +141,83 @@ class FlightLog:
             shown = relative(self.path)
             raise UserError(f"the recording {shown!r} has no servo cycles", hint=_OLDER) from None
 
-    def ticks(self) -> Iterator[Tick]:
-        """Yield every tick, in the order of time."""
-        for message in self._messages("ticks"):
+    def ticks(self, begin: float = -math.inf, end: float = math.inf) -> Iterator[Tick]:
+        """Yield ticks, in the order of time.
+
+        Args:
+            begin, end: engine times [s], both included.
+        """
+        for message in self._messages("ticks", begin):
             try:
-                yield Tick.decode(message)
+                tick = Tick.decode(message)
             except WireError:
                 self.damaged += 1
+                continue
+            if tick.state.time > end + _AT:
+                return
+            if tick.state.time >= begin - _AT:
+                yield tick
+
+    def seen_before(self, time: float) -> Iterator[Percept]:
+        """Yield percepts that came up to an engine time [s], the latest first."""
+        blocks, until = self.blocks["ticks"], self.until["ticks"]
+        for number in range(min(bisect_left(until, time - _AT), len(blocks) - 1), -1, -1):
+            try:
+                messages = unbundle(blocks[number])
+                percepts = [percept for message in messages for percept in percepts_of(message)]
+            except (BlockError, WireError, zlib.error):
+                self.damaged += 1
+                continue
+            yield from (percept for percept in reversed(percepts) if percept.stamp <= time + _AT)
 
     @cached_property
     def news(self) -> list[News]:
         """Everything that happened, in the order in which it was told."""
-        found = []
-        for message in self._messages("news"):
+        return list(self.news_of())
+
+    def news_of(self, *kinds: str, begin: float = -math.inf, end: float = math.inf) -> Iterator[News]:
+        """Yield what happened of some kinds, of all if none is named; nothing else is decoded.
+
+        Args:
+            kinds: of news.
+            begin, end: engine times [s], both included.
+        """
+        heads = tuple(json.dumps(kind).encode() for kind in kinds)
+        last = bisect_left(self.until["news"], end + _LATE)
+        for message in self._messages("news", begin, last + 1):
+            if heads and not message.partition(b", ")[2].startswith(heads):
+                continue
             try:
                 time, kind, value = json.loads(message)
-                found.append(News(float(time), str(kind), value))
+                found = News(float(time), str(kind), value)
             except (ValueError, TypeError, RecursionError):
                 self.damaged += 1
-        return found
+                continue
+            if begin - _AT <= found.time <= end + _AT:
+                yield found
 
-    def _messages(self, name: str) -> Iterator[bytes]:
-        for block in self.blocks[name]:
+    @property
+    def span(self) -> tuple[float, float]:
+        """The engine times [s] of the first and the last servo cycle that the file has; both 0 if it has none."""
+        first, last = (
+            self.cycles("cycles", *at, ("servo",)).time for at in ((0.0, self._first), (self._last, math.inf))
+        )
+        return (float(first[0]), float(last[-1])) if len(first) and len(last) else (0.0, 0.0)
+
+    @property
+    def _first(self) -> float:
+        return self.until["cycles"][0] if self.until["cycles"] else 0.0
+
+    @property
+    def _last(self) -> float:
+        return self.until["cycles"][-2] if len(self.until["cycles"]) > 1 else 0.0
+
+    def _blocks(self, name: str, begin: float, last: int | None = None) -> list[bytes]:
+        """Return the blocks, up to a number, in which something may be from a time [s] on."""
+        return self.blocks[name][bisect_left(self.until[name], begin - _AT) : last]
+
+    def _messages(self, name: str, begin: float = -math.inf, last: int | None = None) -> Iterator[bytes]:
+        for block in self._blocks(name, begin, last):
             try:
                 yield from unbundle(block)
             except (BlockError, zlib.error):
@@ -145,13 +232,10 @@ def read_flight(path: str | PathLike[str]) -> FlightLog:
     """
     log = FlightLog(Path(path))
     try:
-        for column, value in chain.from_iterable(map(_values, _parts(log.path))):
-            if column in _STATIC:
-                setattr(log, column, _data(value))
-            else:
-                log.blocks[column].append(value)
+        for part in _parts(log.path):
+            _take(log, part)
     except (RuntimeError, OSError, ValueError) as error:
-        log.cut = str(error).strip().split("\n", maxsplit=1)[0]
+        log.cut = log.cut or _why(error)
         if not log.layout:
             raise UserError(f"{relative(log.path)!r} is no recording that can be read: {log.cut}") from error
     if not log.layout:
@@ -177,23 +261,60 @@ def _parts(path: Path) -> list[Path]:
     return [part for part in parts_of(path) if is_recording(part)] or [path]
 
 
+def _take(log: FlightLog, part: Path) -> None:
+    """Take what a file holds into a log, also of one that is cut short."""
+    known = sum(map(len, log.blocks.values()))
+    try:
+        _fill(log, part)
+    except RuntimeError as error:
+        log.cut = _why(error)
+        if known == sum(map(len, log.blocks.values())):  # of a file that ends within a message nothing is read
+            with whole_part(part) as whole:
+                _fill(log, whole)
+
+
+def _fill(log: FlightLog, path: Path) -> None:
+    """Take what a file holds into a log."""
+    for column, time, value in _values(path):
+        if column in _STATIC:
+            setattr(log, column, _data(value))
+        else:
+            log.blocks[column].append(value)
+            log.until[column].append(max(time, log.until[column][-1]) if log.until[column] else time)
+
+
+def _why(error: Exception) -> str:
+    return str(error).strip().split("\n", maxsplit=1)[0]
+
+
 def _data(text: str) -> dict[str, Any]:
     data = json.loads(text)
     return data if isinstance(data, dict) else {}
 
 
-def _values(path: Path) -> Iterator[tuple[str, Any]]:
-    """Yield column and value of all that is kept exactly, in the order of the file."""
+def _values(path: Path) -> Iterator[tuple[str, float, Any]]:
+    """Yield column, time [s] and value of all that is kept exactly, in the order of the file."""
+    for chunk in _chunks(path):
+        batch = chunk.to_record_batch()
+        names = batch.schema.names
+        timed = _TIMELINE in names
+        times = [time.value for time in batch.column(_TIMELINE)] if timed else [0] * batch.num_rows  # a cast costs more
+        for column in (*_STATIC, *_BLOCKS):
+            if column in names:
+                for time, row in zip(times, batch.column(column).to_pylist(), strict=True):
+                    for value in row or ():
+                        yield column, time * 1e-9, value
+
+
+def _chunks(path: Path) -> Iterator[Any]:
+    """Yield the chunks with what is kept exactly; of a whole file nothing else is read."""
     import rerun as rr  # noqa: PLC0415  # it takes half a second, and most programs read nothing
 
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # of a recording that is still written, or was never closed
         reader = rr.chunk.RrdReader(path)
-    for chunk in reader.stream():
-        if chunk.entity_path == _ENTITY:
-            batch = chunk.to_record_batch()
-            for column in (*_STATIC, *_BLOCKS):
-                if column in batch.schema.names:
-                    for row in batch.column(column):
-                        for value in row.as_py() or ():
-                            yield column, value
+        try:
+            whole = reader.store().stream()
+        except (RuntimeError, ValueError):  # no list of chunks at its end: it is still written, or was never closed
+            whole = reader.stream()
+    yield from whole.filter(content=_ENTITY)
