@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -10,7 +11,7 @@ from typing import Any
 from py_trees.common import Status
 
 from humanoid_bt.core.errors import HumanoidBtError
-from humanoid_bt.core.messages import Percept
+from humanoid_bt.core.messages import Mode, Percept
 from humanoid_bt.decision.robot import Robot
 from humanoid_bt.realtime.remote_supervisor import StateClock
 from humanoid_bt.record.reading import FlightLog, News
@@ -19,6 +20,8 @@ from humanoid_bt.review.difference import Difference, decided_differently
 from humanoid_bt.robot.config import load_robot_config
 from humanoid_bt.tree.ticking.executor import Executor, NodeChange
 from humanoid_bt.tree.tree import Tree
+
+_AT = 1e-9  # s; engine times are sums of floats
 
 
 @dataclass
@@ -75,9 +78,9 @@ def decide_again(log: FlightLog, tree: Tree, robot: Path) -> Done:
         except HumanoidBtError as error:
             command, done.outcome, done.reason = None, "error", str(error)
         if done.difference is None:
-            done.difference = _nodes_differ(clock.time, news, changes) or decided_differently(
-                tick, Tick(tick.state, tick.percepts, command)
-            )
+            done.difference = _nodes_differ(
+                clock.time, news, changes, clock.time >= inputs.until - _AT
+            ) or decided_differently(tick, Tick(tick.state, tick.percepts, command))
         if command is None:
             break
         if executor.status is not Status.RUNNING:
@@ -86,49 +89,61 @@ def decide_again(log: FlightLog, tree: Tree, robot: Path) -> Done:
             done.outcome = "success" if ended else "failure"
             done.reason = said or f"the tree {'succeeded' if ended else 'failed'}"
             break
-    if inputs.edited:
-        done.notes.append(f"the tree was edited at {inputs.edited:.2f} s: nothing after it is compared")
+    if inputs.broken_off:
+        done.notes.append(inputs.broken_off)
     return done
+
+
+def is_paused(tick: Tick) -> bool:
+    """Return whether control held the robot, or was to, because somebody paused the run."""
+    return tick.state.mode is Mode.PAUSED or (tick.command is not None and tick.command.pause is not None)
 
 
 class _Recorded:
     """Ticks of a tree, with the news of each.
 
     Attributes:
-        edited: when another tree took its place [s], 0 if none did.
+        until: engine time at which the tree ended [s].
+        broken_off: why nothing comes from some time on, "" if all came.
     """
 
     def __init__(self, log: FlightLog) -> None:
         self._log = log
-        self.edited = 0.0
+        self.broken_off = ""
+        end: Any = next((one.value for one in log.news if one.kind == "end"), None)
+        ended = end.get("tree_ended") if isinstance(end, dict) else None
+        self.until = ended if isinstance(ended, float) else math.inf
 
     def ticks(self) -> Iterator[tuple[Tick, list[News]]]:
         """Yield the ticks up to the tree's end."""
         news, last = iter(self._log.news), None
-        end: Any = next((one.value for one in self._log.news if one.kind == "end"), {})
-        until = end.get("tree_ended") if isinstance(end, dict) else None
         waiting: list[News] = []
         for tick in self._log.ticks():
-            if until is not None and tick.state.time > until + 1e-9:
+            if tick.state.time > self.until + _AT:
                 return
-            while last is None or last.time <= tick.state.time + 1e-9:
+            if is_paused(tick):
+                self.broken_off = (
+                    f"somebody paused the run at {tick.state.time:.2f} s: nothing from there on is compared"
+                )
+                return
+            while last is None or last.time <= tick.state.time + _AT:
                 if last is not None:
                     waiting.append(last)
                 last = next(news, None)
                 if last is None:
                     last = News(float("inf"), "", None)
             if any(one.kind == "tree" for one in waiting):
-                self.edited = tick.state.time
+                self.broken_off = f"the tree was edited at {tick.state.time:.2f} s: nothing after it is compared"
                 return
             yield tick, waiting
             waiting = []
 
 
-def _nodes_differ(now: float, news: list[News], changes: list[NodeChange]) -> Difference | None:
+def _nodes_differ(now: float, news: list[News], changes: list[NodeChange], last: bool) -> Difference | None:
     """Return the first node that changed otherwise, None if all did as recorded."""
-    before = [(one.value[0], one.value[1]) for one in news if one.kind == "node" and abs(one.time - now) < 1e-9]
+    before = [(one.value[0], one.value[1]) for one in news if one.kind == "node" and abs(one.time - now) < _AT]
     after = [(change.path, change.status.name) for change in changes]
-    if all(status == Status.INVALID.name for _, status in before[len(after) :]):
+    if last and all(status == Status.INVALID.name for _, status in before[len(after) :]):
         del before[len(after) :]  # a tree that is halted when its run ends is halted after its last tick
     for index in range(max(len(before), len(after))):
         one = before[index] if index < len(before) else None

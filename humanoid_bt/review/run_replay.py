@@ -19,7 +19,7 @@ from humanoid_bt.perception.track import Track
 from humanoid_bt.record.reading import FlightLog
 from humanoid_bt.record.subject import TreeView
 from humanoid_bt.record.tick import Tick
-from humanoid_bt.review.decision_replay import Done
+from humanoid_bt.review.decision_replay import Done, is_paused
 from humanoid_bt.review.difference import Difference, first_difference
 from humanoid_bt.review.recorded_files import RecordedFiles
 from humanoid_bt.session.drive import Drive
@@ -59,8 +59,8 @@ def run_again(log: FlightLog, files: RecordedFiles, given: Mapping[str, Any]) ->
         on_estop="wait" if limits.get("waits") else "end",
         camera=False,
     )
-    edited = next((news.time for news in log.news if news.kind == "tree"), math.inf)
-    comparison = Comparison(log, whole=end is not None and edited == math.inf, until=edited)
+    until, why = _broken_off(log)
+    comparison = Comparison(log, whole=end is not None and not why, until=until)
     drive = Drive(options, files.workspace, Listener(), comparison)
     engine = drive.engine
     assert isinstance(engine, Lockstep)
@@ -79,8 +79,18 @@ def run_again(log: FlightLog, files: RecordedFiles, given: Mapping[str, Any]) ->
     report = drive.report
     assert report is not None
     comparison.finish()
-    notes = [] if edited == math.inf else [f"the tree was edited at {edited:.2f} s: nothing after it is compared"]
+    notes = [why] if why else []
     return Done(comparison.difference, comparison.count, comparison.lasted, report.outcome, report.reason, notes)
+
+
+def _broken_off(log: FlightLog) -> tuple[float, str]:
+    """Return the engine time [s] up to which a run can be run again, and why no longer; infinity, "" for all of it."""
+    edited = next((news.time for news in log.news if news.kind == "tree"), math.inf)
+    paused = next((tick.state.time for tick in log.ticks() if is_paused(tick)), math.inf)
+    if min(edited, paused) == math.inf:
+        return math.inf, ""
+    what = "the tree was edited" if edited < paused else "somebody paused the run"
+    return min(edited, paused), f"{what} at {min(edited, paused):.2f} s: nothing from there on is compared"
 
 
 class _Outside:
