@@ -78,9 +78,8 @@ def decide_again(log: FlightLog, tree: Tree, robot: Path) -> Done:
         except HumanoidBtError as error:
             command, done.outcome, done.reason = None, "error", str(error)
         if done.difference is None:
-            done.difference = _nodes_differ(
-                clock.time, news, changes, clock.time >= inputs.until - _AT
-            ) or decided_differently(tick, Tick(tick.state, tick.percepts, command))
+            last, again = clock.time >= inputs.until - _AT, Tick(tick.state, tick.percepts, command)
+            done.difference = _nodes_differ(clock.time, news, changes, last) or decided_differently(tick, again)
         if command is None:
             break
         if executor.status is not Status.RUNNING:
@@ -123,7 +122,7 @@ class _Recorded:
                 return
             if is_paused(tick):
                 self.broken_off = (
-                    f"somebody paused the run at {tick.state.time:.2f} s: nothing from there on is compared"
+                    f"somebody paused the run at {tick.state.time:.2f} s: the rest is not compared"
                 )
                 return
             while last is None or last.time <= tick.state.time + _AT:
@@ -133,7 +132,7 @@ class _Recorded:
                 if last is None:
                     last = News(float("inf"), "", None)
             if any(one.kind == "tree" for one in waiting):
-                self.broken_off = f"the tree was edited at {tick.state.time:.2f} s: nothing after it is compared"
+                self.broken_off = f"the tree was edited at {tick.state.time:.2f} s: the rest is not compared"
                 return
             yield tick, waiting
             waiting = []

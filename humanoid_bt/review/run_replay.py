@@ -90,7 +90,7 @@ def _broken_off(log: FlightLog) -> tuple[float, str]:
     if min(edited, paused) == math.inf:
         return math.inf, ""
     what = "the tree was edited" if edited < paused else "somebody paused the run"
-    return min(edited, paused), f"{what} at {min(edited, paused):.2f} s: nothing from there on is compared"
+    return min(edited, paused), f"{what} at {min(edited, paused):.2f} s: the rest is not compared"
 
 
 class _Outside:
