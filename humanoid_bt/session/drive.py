@@ -15,6 +15,7 @@ from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.perception.track import Track
 from humanoid_bt.plant.scene import Scene, load_scene
 from humanoid_bt.record.remote_recorder import RemoteRecorder
+from humanoid_bt.session.debugger import Debugger
 from humanoid_bt.session.edits import Edits
 from humanoid_bt.session.ending import Ending
 from humanoid_bt.session.interrupt import WholeTick
@@ -68,11 +69,11 @@ class Drive:
         options.sinks.check()
         self.engine = new_engine(options, loader.robot, scene, loader.first.name)
         self._teller = Teller(listener, self.engine)
+        self.debugger = Debugger(self._teller)
         self.runner = TreeRunner(self._prepare(loader.first))
         self._pace = Pace(options.pace)
         self.ticks = TickWatch()
-        self.loop = Loop(self.engine, self.runner, self._teller, self._pace, self.ticks)
-        self.debugger = self.loop.debugger
+        self.loop = Loop(self.engine, self.runner, self.debugger, self._pace, self.ticks)
         self._ending = Ending(self.engine, self.runner, self._teller, self._pace, self.ticks)
         self._stack: ExitStack | None = None
         self._tracks: Mapping[str, Track] | None = None
@@ -86,13 +87,15 @@ class Drive:
         engine = self.engine
         raise_estop, tells = engine.supervisor.raise_estop, self._teller.node_tells
         robot = Robot(engine.robot.config, engine.clock, raise_estop, tells, lambda: engine.unseen)
-        executor = Executor(tree, robot, self._node_changed)
+        teller, debugger = self._teller, self.debugger  # not self: whoever forgets a run shall be rid of it at once
+
+        def changed(change: NodeChange) -> None:
+            teller.node_changed(change)
+            debugger.node_changed(change)
+
+        executor = Executor(tree, robot, changed)
         executor.setup()
         return executor
-
-    def _node_changed(self, change: NodeChange) -> None:
-        self._teller.node_changed(change)
-        self.debugger.node_changed(change)
 
     @property
     def running(self) -> bool:
