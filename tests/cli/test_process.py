@@ -78,7 +78,7 @@ from humanoid_bt.cli import main
 signal.signal(signal.SIGHUP, signal.SIG_IGN)
 from humanoid_bt.session.session import Session
 run = Session.run
-Session.run = lambda session: (signal.raise_signal(signal.SIGHUP), run(session))[1]
+Session.run = lambda session, **how: (signal.raise_signal(signal.SIGHUP), run(session, **how))[1]
 sys.exit(main())
 """
 
