@@ -121,9 +121,7 @@ class _Recorded:
             if tick.state.time > self.until + _AT:
                 return
             if is_paused(tick):
-                self.broken_off = (
-                    f"somebody paused the run at {tick.state.time:.2f} s: the rest is not compared"
-                )
+                self.broken_off = f"somebody paused the run at {tick.state.time:.2f} s: the rest is not compared"
                 return
             while last is None or last.time <= tick.state.time + _AT:
                 if last is not None:

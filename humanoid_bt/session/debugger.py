@@ -32,13 +32,14 @@ class Debugger:
         teller: is told who did what.
 
     Attributes:
+        teller: is told who did what.
         pause: who wants the tree to stand still, and why; None while it goes on.
         breakpoints: where it pauses by itself.
         attended: whether a person is there to continue it: simulated time goes on at the pace of real time meanwhile.
     """
 
     def __init__(self, teller: Teller) -> None:
-        self._teller = teller
+        self.teller = teller
         self.pause: Pause | None = None
         self.attended = False
         self.breakpoints: list[Breakpoint] = []
@@ -133,12 +134,12 @@ class Debugger:
                 point.find(tree)
             except UserError as error:
                 self.breakpoints.remove(point)
-                self._teller.event("warning", f"the breakpoint at {point.text} is gone: {error.problems[0].message}")
+                self.teller.event("warning", f"the breakpoint at {point.text} is gone: {error.problems[0].message}")
 
     def tell(self) -> None:
         """Do and tell what was asked for since the last time."""
         while self._news or self._actions:
             while self._news:
-                self._teller.event("info", self._news.popleft())
+                self.teller.event("info", self._news.popleft())
             if self._actions:
                 self._actions.popleft()()

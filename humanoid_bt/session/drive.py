@@ -80,7 +80,7 @@ class Drive:
         self.runner = TreeRunner(self._prepare(loader.first))
         self._pace = Pace(options.pace)
         self.ticks = TickWatch()
-        self.loop = Loop(self.engine, self.runner, self._teller, self._pace, ticks=self.ticks, debugger=self.debugger)
+        self.loop = Loop(self.engine, self.runner, self.debugger, self._pace, self.ticks)
         self._ending = Ending(self.engine, self.runner, self._teller, self._pace, self.ticks)
         self._stack: ExitStack | None = None
         self._tracks: Mapping[str, Track] | None = None
@@ -94,7 +94,13 @@ class Drive:
         engine = self.engine
         raise_estop, tells = engine.supervisor.raise_estop, self._teller.node_tells
         robot = Robot(engine.robot.config, engine.clock, raise_estop, tells, lambda: engine.unseen)
-        executor = Executor(tree, robot, _both(self._teller.node_changed, self.debugger.node_changed))
+        teller, debugger = self._teller, self.debugger  # not self: whoever forgets a run shall be rid of it at once
+
+        def changed(change: NodeChange) -> None:
+            teller.node_changed(change)
+            debugger.node_changed(change)
+
+        executor = Executor(tree, robot, changed)
         executor.setup()
         return executor
 
@@ -227,13 +233,3 @@ class Drive:
         if self._pace.speed is None and sinks.live and self._options.mode == "lockstep":
             self._pace.speed = 1.0
         return sinks.live
-
-
-def _both(first: Callable[[NodeChange], None], second: Callable[[NodeChange], None]) -> Callable[[NodeChange], None]:
-    """Return what tells both; it holds neither the drive nor what that holds."""
-
-    def tell(change: NodeChange) -> None:
-        first(change)
-        second(change)
-
-    return tell

@@ -17,7 +17,6 @@ from humanoid_bt.session.engine import Engine
 from humanoid_bt.session.outcome import End, failed
 from humanoid_bt.session.pace import Pace
 from humanoid_bt.session.reload import Reloader
-from humanoid_bt.session.teller import Teller
 from humanoid_bt.session.tick_watch import TickWatch
 from humanoid_bt.session.tree_runner import TreeRunner
 
@@ -30,13 +29,11 @@ class Loop:
     Args:
         engine: control, plant and perception.
         runner: what runs the tree.
-        teller: is told what happens.
+        debugger: says when the tree stands still, and who is told what happens.
         pace: how fast simulated time goes.
         ticks: watches how long ticks take.
-        debugger: says when the tree stands still.
 
     Attributes:
-        debugger: the same.
         limit: longest time from the first tick on [s].
         waits: whether an emergency stop is waited for, until its reset; else it ends the run.
         reloader: puts edited trees in the tree's place, if anybody looks for edits.
@@ -45,19 +42,9 @@ class Loop:
         began_at: when that was on the monotonic clock [s].
     """
 
-    def __init__(
-        self,
-        engine: Engine,
-        runner: TreeRunner,
-        teller: Teller,
-        pace: Pace,
-        *,
-        ticks: TickWatch,
-        debugger: Debugger,
-    ) -> None:
-        self._engine, self._runner, self._teller, self._pace = engine, runner, teller, pace
-        self._ticks = ticks
-        self.debugger = debugger
+    def __init__(self, engine: Engine, runner: TreeRunner, debugger: Debugger, pace: Pace, ticks: TickWatch) -> None:
+        self._engine, self._runner, self._debugger, self._pace = engine, runner, debugger, pace
+        self._teller, self._ticks = debugger.teller, ticks
         self._command = Command(0, 0.0)  # of the last tick
         self._held: Pace | None = None  # how fast time goes while control holds the robot for a pause
         self.limit, self.waits = math.inf, False
@@ -90,9 +77,9 @@ class Loop:
         if command is None:
             teller.ticked(runner, state, percepts, None, self._ticks.took)
             return end
-        self.debugger.ticked(runner)
-        self.debugger.tell()
-        pause = self.debugger.pause
+        self._debugger.ticked(runner)
+        self._debugger.tell()
+        pause = self._debugger.pause
         if pause is not None:
             command = self._hold(pause)
         return self._finish(state, percepts, command, pause, self._ticks.took)
@@ -122,7 +109,7 @@ class Loop:
         if first:
             self.began, self.began_at = state.time, time.monotonic()
         teller.happened(state.time)
-        self.debugger.tell()
+        self._debugger.tell()
         return state, percepts
 
     def _finish(
@@ -144,7 +131,7 @@ class Loop:
     def _hold(self, pause: Pause) -> Command:
         """Return the command with which control holds the robot, in place of what the tree wants."""
         if self._held is None:
-            self._held = self._pace if self._pace.speed else Pace(1.0 if self.debugger.attended else None)
+            self._held = self._pace if self._pace.speed else Pace(1.0 if self._debugger.attended else None)
         return replace(self._runner.robot.release_all(), pause=pause)
 
     def _release(self) -> tuple[State, Mapping[str, Percept]]:

@@ -25,7 +25,7 @@ def test_two_processes_give_the_same_trace(project: Path, tmp_path: Path) -> Non
     for number in ("1", "2"):
         file = tmp_path / f"{number}.json"
         subprocess.run(
-            [*PROGRAM, "run", "fetch", "--seed", "5", "--no-record", "--duration", "0.8", "--quiet", "--report", file],
+            [*PROGRAM, "run", "fetch", "--seed", "5", "--no-record", "--duration", "1.5", "--quiet", "--report", file],
             cwd=project,
             env=environment(PYTHONHASHSEED=number),
             check=False,
@@ -39,7 +39,7 @@ def test_two_processes_give_the_same_trace(project: Path, tmp_path: Path) -> Non
 def test_a_signal_brings_the_robot_to_a_stand(number: signal.Signals, project: Path, tmp_path: Path) -> None:
     report, recording = tmp_path / "report.json", tmp_path / "run.rrd"
     process = subprocess.Popen(
-        [*PROGRAM, "run", "walk", "--pace", "2", "--report", report, "--record", recording, "--camera", "off"],
+        [*PROGRAM, "run", "walk", "--pace", "2", "--report", report, "--record", recording],
         cwd=project,
         env=environment(PYTHONUNBUFFERED="1"),
         stdout=subprocess.PIPE,
@@ -78,7 +78,7 @@ from humanoid_bt.cli import main
 signal.signal(signal.SIGHUP, signal.SIG_IGN)
 from humanoid_bt.session.session import Session
 run = Session.run
-Session.run = lambda session, **more: (signal.raise_signal(signal.SIGHUP), run(session, **more))[1]
+Session.run = lambda session, **how: (signal.raise_signal(signal.SIGHUP), run(session, **how))[1]
 sys.exit(main())
 """
 

@@ -241,7 +241,7 @@ def test_the_key_q_ends_the_run(
     project: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     @contextmanager
-    def press_q(actions: Mapping[str, Callable[[], None]], _prompts: object = None) -> Iterator[None]:
+    def press_q(actions: Mapping[str, Callable[[], None]], _prompts: object) -> Iterator[None]:
         actions["q"]()
         yield
 
