@@ -186,7 +186,7 @@ def test_a_message_of_another_kind_or_version_is_refused() -> None:
     with pytest.raises(WireError, match=r"kind 2 where state \(1\) is expected"):
         wire.decode_state(data)
     with pytest.raises(WireError, match="not a message of version 2"):
-        wire.decode_command(data[:2] + b"\2" + data[3:])
+        wire.decode_command(data[:2] + b"\3" + data[3:])
     assert issubclass(WireError, HumanoidBtError)
 
 
