@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from humanoid_bt.record.recorder import Recorder
 
 _NICE = 5  # behind the run, before what is only meant to fill idle cores
-_PAUSE = 0.02  # s between two looks at what came in
+_PAUSE = 0.01  # s between two looks at what came in
 _SAVE = 0.03  # s after which what came in stands in the file, if it is what must not be lost
 _SILENCE = 1.0  # s without a call after which what came otherwise is written
 _CHUNK = 1 << 16  # bytes that are read at once
