@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 
 from humanoid_bt.core.clock import DECISION_PERIOD
 from humanoid_bt.core.units import readable
@@ -12,6 +13,10 @@ from humanoid_bt.review.cause import Cause
 from humanoid_bt.review.history import AT, Happened, History, Stopped
 from humanoid_bt.review.words import cut, doing, last, line_of, when
 
+STOPS = ("fall", "push", "estop", "estop_node", "slow_tick", "silent", "refused", "ik", "stop")
+"""Kinds of causes that are stops."""
+
+_LATCHED = ("fall", "push", "estop", "estop_node")
 _LOOK_BACK = 4.0  # s before a fall in which its reason is looked for
 _GONE = "the process of the run ended without closing the recording"
 _SILENT = 0.08  # s that a tick must take to explain that decision was silent for 0.1 s
@@ -22,11 +27,15 @@ _PERSON = ("keyboard", "humanoid-bt estop", "program", "test")
 def cause_of(history: History) -> Cause:
     """Return why a run ended as it did."""
     ending = _ending(history)
-    stop = first_stop(history, ending.time)
-    if stop is not None and ending.kind not in ("killed", "cut"):
+    if ending.kind in ("killed", "cut"):
+        return ending
+    if stop := first_stop(history, ending.time):
         began = _of_stop(history, stop)
-        if began.kind in ("fall", "estop", "estop_node") or began.time < ending.time - AT:
-            return began
+        return began if began.kind in _LATCHED or began.time < ending.time - AT else ending
+    if history.stops and ending.kind in ("unfinished", "interrupted"):  # each was recovered, and nothing else is told
+        began = _of_stop(history, history.stops[0])
+        times = f", the first of {len(history.stops)} times" if len(history.stops) > 1 else ""
+        return replace(began, headline=f"{began.headline}{times}; {ending.headline}")
     return ending
 
 
@@ -126,13 +135,7 @@ def _estop(history: History, stop: Stopped) -> Cause:
     during = f" while {during} ran" if during else ""
     if stop.source in history.nodes(stop.time):
         text = f"'{last(stop.source)}' raised the emergency stop at {when(stop.time)}: {cut(stop.reason)}"
-        return Cause(
-            "estop_node",
-            text,
-            stop.time,
-            stop.source,
-            [("raised by", f"{stop.source}  {history.place(stop.source, stop.time)}")],
-        )
+        return Cause("estop_node", text, stop.time, stop.source)
     by = f"by {stop.source}" if stop.source.startswith(_PERSON) else f"by {stop.source!r}"
     text = f"the emergency stop was raised at {when(stop.time)} {cut(by)}: {cut(stop.reason)}"
     return Cause(

@@ -7,12 +7,11 @@ from collections.abc import Iterator
 from os import PathLike
 from typing import Any
 
-from humanoid_bt.core.clock import SERVO_PERIOD
 from humanoid_bt.core.errors import UserError, relative
 from humanoid_bt.record.reading import read_flight
 from humanoid_bt.review.before import before
-from humanoid_bt.review.cause import Cause, Row
-from humanoid_bt.review.causes import cause_of
+from humanoid_bt.review.cause import Cause, Row, unrepeated
+from humanoid_bt.review.causes import STOPS, cause_of
 from humanoid_bt.review.explanation import Explanation
 from humanoid_bt.review.hints import HINTS, PAGE
 from humanoid_bt.review.history import History, Span
@@ -64,7 +63,7 @@ def _explained(history: History, cause: Cause) -> Explanation:
             cause.kind,
             cause.headline,
             cause.time,
-            rows=list(near_trouble(history)),
+            rows=list(unrepeated(near_trouble(history))),
             data=_data(history, cause),
         )
     begin = (cause.time if cause.began is None else min(cause.began, cause.time)) - _BEFORE
@@ -88,7 +87,7 @@ def _rows(history: History, cause: Cause) -> Iterator[Row]:
     yield "run", _run(history)
     if cause.node:
         yield "node", f"{cause.node}  {line_of(history.place(cause.node, cause.time))}"
-    yield from _unrepeated(cause.rows)
+    yield from unrepeated(cause.rows)
     if told := command_in_force(history, cause.time):
         yield "command", cut(told, 240)
     if hands := hand_row(history, cause.time):
@@ -98,14 +97,6 @@ def _rows(history: History, cause: Cause) -> Iterator[Row]:
         yield "joint", joint_text(loads[0])
     yield from sight_rows(history, cause.time)
     yield body_row(history, cause.time)
-
-
-def _unrepeated(rows: list[Row]) -> Iterator[Row]:
-    """Yield rows, the name of several in a row only once."""
-    before = ""
-    for name, text in rows:
-        yield "" if name == before else name, text
-        before = name
 
 
 def _run(history: History) -> str:
@@ -122,7 +113,7 @@ def _lasted(history: History) -> float:
 
 def _after(history: History, cause: Cause) -> Iterator[Row]:
     yield "control", modes_told(history, cause.time)
-    if len(history.stops) > 1:
+    if len(history.stops) > 1 or (history.stops and cause.kind not in STOPS):
         for number, stop in enumerate(history.stops[:_STOPS]):
             text = f"{when(stop.time)} {stop.mode.replace('_', ' ')}: {cut(stop.reason, 80)} ({cut(stop.source, 40)})"
             yield "stops" if number == 0 else "", text

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+
 from humanoid_bt.core.clock import DECISION_PERIOD
 from humanoid_bt.core.units import readable
 from humanoid_bt.review.body import Motion
@@ -33,8 +35,10 @@ def failed(history: History, time: float) -> Cause:
         text = f"'{last(first.path)}' failed at {when(time)}: {cut(first.said)}"
         return Cause("percept_lost", text, time, first.path, scene_rows(history, 0.0, time))
     if kind == "confident":
-        text = f"'{last(first.path)}' failed at {when(time)}: the percept was doubtful, {cut(first.said)}"
-        return Cause("percept_doubtful", text, time, first.path, scene_rows(history, time, time))
+        scene = scene_rows(history, time, time)
+        why = f" ({scene[-1][1]})" if scene else ""
+        text = f"'{last(first.path)}' failed at {when(time)}: the percept was doubtful, {cut(first.said)}{why}"
+        return Cause("percept_doubtful", text, time, first.path, scene)
     return _skill_failed(history, first)
 
 
@@ -167,18 +171,17 @@ def flapping(history: History, time: float) -> Cause | None:
     """Return the condition that changed its mind again and again before a time [s], None if none did."""
     found: dict[str, list[Change]] = {}
     for change in history.changes:
-        if time - _FLAPPING <= change.time <= time + AT and history.kind(change.path).get("kind") == "condition":
+        recent = time - _FLAPPING <= change.time <= time + AT and change.status in ("SUCCESS", "FAILURE")
+        if recent and history.kind(change.path).get("kind") == "condition":
             found.setdefault(change.path, []).append(change)
     path, changes = max(found.items(), key=lambda item: len(item[1]), default=("", []))
-    flips = sum(one.status != other.status for one, other in zip(changes, changes[1:], strict=False))
+    flips = sum(one.status != other.status for one, other in itertools.pairwise(changes))
     if flips < _FLAPS:
         return None
     first, end = changes[0], changes[-1]
-    text = f"'{last(path)}' changed its mind {flips} times from {first.time:.2f} to {end.time:.2f} s: {cut(end.said)}"
-    rows: list[Row] = [
-        ("shown by", "; ".join(f"{change.time:.2f} s {cut(change.said, 40)}" for change in changes[-3:]))
-    ]
-    return Cause("percept_doubtful", text, end.time, path, rows, first.time)
+    told = ", then ".join(cut(change.said, 40) for change in changes[-2:])
+    text = f"'{last(path)}' changed its mind {flips} times from {first.time:.2f} to {end.time:.2f} s: {told}"
+    return Cause("percept_doubtful", text, end.time, path, [], first.time)
 
 
 def scene_rows(history: History, begin: float, end: float) -> list[Row]:

@@ -48,7 +48,7 @@ def _lost(history: History) -> Iterator[Row]:
     before: dict[str, str] = {}
     for change in history.changes:
         kind = history.kind(change.path).get("type")
-        gave_up = kind == "watchdog" and change.status == "FAILURE"
+        gave_up = kind == "watchdog" and change.status == "FAILURE" and change.said
         doubtful = kind == "confident" and change.status == "FAILURE" and before.get(change.path) == "SUCCESS"
         stale = history.kind(change.path).get("branch") == "on_stale" and change.status == "RUNNING"
         if gave_up or doubtful or stale:
