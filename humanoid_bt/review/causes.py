@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import json
 import re
 from dataclasses import replace
+from pathlib import Path
 
 from humanoid_bt.core.clock import DECISION_PERIOD
 from humanoid_bt.core.units import readable
@@ -80,10 +82,10 @@ def _without_end(history: History) -> Cause:
     during = f" while {acting} ran" if acting else ""
     if any(event.text == _GONE for event in history.events):
         rows = [("shown by", f"the last tick is of {when(ticked)}, servo cycles go on until {when(history.until)}")]
-        if silent := [event for event in history.events if "a tick lasts" in event.text]:
-            rows.append(("before", cut(silent[-1].text)))
-        text = f"the program that runs the tree was killed after its tick of {when(ticked)}{during}"
-        return Cause("killed", text, ticked, _actor(history, ticked), rows)
+        stop = next((span for span in history.modes(ticked, ticked + 1.0) if span.mode != "run"), None)
+        then = f"; control stopped the robot at {when(stop.begin)}" if stop else ""
+        text = f"the program that runs the tree was killed after its tick of {when(ticked)}{during}{then}"
+        return Cause("killed", text, ticked, _actor(history, ticked), [*rows, *_noted(history)])
     if history.log.cut:
         why = "in the midst of a message: its disk was full, it may not grow, or the recorder was killed"
     else:
@@ -110,7 +112,9 @@ def _error(history: History, time: float) -> Cause:
     if "process" in reason and ("ended" in reason or "silent" in reason):
         who = "control" if "control" in reason else "a process of the run"
         text = f"{who} was lost at {when(history.until)}: {reason}"
-        return Cause("control", text, history.until, _actor(history, time), _notices(history, history.until))
+        rows = [*_notices(history, history.until), *_noted(history)]
+        ticked = history.last_tick.state.time if history.last_tick else time
+        return Cause("control", text, history.until, _actor(history, ticked - DECISION_PERIOD / 2), rows)
     return Cause("error", f"{reason}, at {when(time)}", time, _actor(history, time), [])
 
 
@@ -244,6 +248,21 @@ def _notices(history: History, time: float) -> list[tuple[str, str]]:
         for event in history.events
         if "stalled" in event.text and abs(event.time - time) < 2.0
     ]
+
+
+def control_log(history: History) -> Path:
+    """Return the file in which control notes what happens, in realtime mode."""
+    return history.log.path.with_suffix(".control.log")
+
+
+def _noted(history: History) -> list[tuple[str, str]]:
+    """Return what control noted last, if it noted anything."""
+    try:
+        lines = control_log(history).read_text(encoding="utf-8").splitlines()[-2:]
+        notes = [json.loads(line) for line in lines]
+        return [("noted", cut(f"{when(note['time'])} {note['text']}")) for note in notes]
+    except (OSError, ValueError, KeyError, TypeError):
+        return []
 
 
 def _named(history: History, text: str) -> str:

@@ -11,9 +11,9 @@ from humanoid_bt.core.errors import UserError, relative
 from humanoid_bt.record.reading import read_flight
 from humanoid_bt.review.before import before
 from humanoid_bt.review.cause import Cause, Row, unrepeated
-from humanoid_bt.review.causes import STOPS, cause_of
+from humanoid_bt.review.causes import STOPS, cause_of, control_log
 from humanoid_bt.review.explanation import Explanation
-from humanoid_bt.review.hints import HINTS, PAGE
+from humanoid_bt.review.hints import CONTROL_LOG, HINTS, PAGE
 from humanoid_bt.review.history import History, Span
 from humanoid_bt.review.joint import joint_explained
 from humanoid_bt.review.life import life_explained
@@ -90,7 +90,8 @@ def _rows(history: History, cause: Cause) -> Iterator[Row]:
     yield from unrepeated(cause.rows)
     if told := command_in_force(history, cause.time):
         yield "command", cut(told, 240)
-    if hands := hand_row(history, cause.time):
+    hands = hand_row(history, cause.time)
+    if hands and not any(name == "hand error" for name, _ in cause.rows):
         yield hands
     loads = joint_loads(history, cause.time)
     if loads and loads[0]["load"] >= _LOADED:
@@ -122,8 +123,9 @@ def _after(history: History, cause: Cause) -> Iterator[Row]:
     file = shlex.quote(relative(history.log.path))
     yield "look", f"rerun {file}"
     yield "", f"and put the cursor of sim_time at {cause.time:.2f} s"
+    log = relative(control_log(history))
     for number, hint in enumerate(HINTS.get(cause.kind, ())):
-        yield "helps" if number == 0 else "", hint
+        yield "helps" if number == 0 else "", hint.replace(CONTROL_LOG, log)
     yield "more", f"humanoid-bt explain --at {cause.time:.2f} {file}"
     yield "", PAGE
 

@@ -15,6 +15,7 @@ _FLAPS = 4  # changes of a condition that are more than a change of mind
 _FLAPPING = 5.0  # s in which they count
 _STRUGGLE = 1.0  # s before a failure in which a joint at its torque limit explains it
 _STRUGGLED = 0.2  # s that it must have been there
+_WARNINGS = 3  # that are told
 _SCENE = 1.0  # s around the last sight in which the scene's script explains that nothing followed
 
 
@@ -130,12 +131,19 @@ def without_result(history: History, time: float, outcome: str, reason: str) -> 
         began, text = _stale_since(history, time - DECISION_PERIOD)
         return Cause("percept_lost", f"{text}; the run ended at {when(time)}", began, actor, stale, began)
     during = f" while {doing(acting)} ran" if acting else ""
+    rows = warned(history)
     if outcome == "interrupted":
-        return Cause("interrupted", f"the run was ended at {when(time)}{during}: {cut(reason)}", time, actor)
+        return Cause("interrupted", f"the run was ended at {when(time)}{during}: {cut(reason)}", time, actor, rows)
     limit = history.setup.get("duration")
     said = f" ({cut(_said_last(history, actor, time))})" if actor else ""
     up = f"its {limit:g} s were up" if limit else "its time was up"
-    return Cause("unfinished", f"the run was ended at {when(time)}, {up}{during}{said}", time, actor)
+    return Cause("unfinished", f"the run was ended at {when(time)}, {up}{during}{said}", time, actor, rows)
+
+
+def warned(history: History) -> list[Row]:
+    """Return the first warnings of a run that tell of more than how it ended."""
+    found = [event for event in history.events if event.level != "info" and not event.text.startswith("the tree ended")]
+    return [("warned", f"{when(event.time)} {cut(event.text)}") for event in found[:_WARNINGS]]
 
 
 def stale_rows(history: History, time: float) -> list[Row]:

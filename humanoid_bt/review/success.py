@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 from humanoid_bt.review.body import clamped
 from humanoid_bt.review.cause import Row
+from humanoid_bt.review.failures import warned
 from humanoid_bt.review.history import History
 from humanoid_bt.review.words import cut, last, when
 
@@ -28,10 +29,8 @@ def near_trouble(history: History) -> Iterator[Row]:
             f"{slow['count']} ticks took longer than 20 ms, the longest {worst['duration']:.3f} s at {worst['time']:.2f} s{where}",
         )
     yield from _lost(history)
-    warnings = [event for event in history.events if event.level != "info" and "a tick took" not in event.text]
-    stops = {stop.time for stop in history.stops}
-    for event in [event for event in warnings if event.time not in stops][:_MOST]:
-        yield "warned", f"{when(event.time)} {cut(event.text)}"
+    stops = {f"{when(stop.time)} " for stop in history.stops}
+    yield from (row for row in warned(history) if not row[1].startswith(tuple(stops)))
     joints = sorted(clamped(history.log), key=lambda joint: -joint.duration)
     if joints:
         told = ", ".join(f"{joint.joint} {joint.duration:.2f} s" for joint in joints[:_MOST])
