@@ -159,21 +159,22 @@ def _silence(history: History, stop: Stopped) -> Cause:
         for event in history.events
         if (found := _SLOW.match(event.text)) and event.time <= stop.time + AT
     ]
+    stopped = f"the robot was stopped at {when(stop.time)}"
     ticks = [tick for tick in history.log.ticks(stop.time - 0.5, stop.time) if tick.took >= _SILENT]
     if ticks:
         tick = ticks[-1]
         path, line = _slow_node(history, tick.state.time, slow)
         name = f" in '{last(path)}'" if path else ""
         where = f", {line_of(line)}" if line else ""
-        text = f"one tick took {tick.took:.2f} s at {when(tick.state.time)}{name}{where}: the robot was stopped at {when(stop.time)}"
+        text = f"one tick took {tick.took:.2f} s at {when(tick.state.time)}{name}{where}: {stopped}"
         return Cause("slow_tick", text, stop.time, path, [("shown by", f"{stop.reason}; a tick has 20 ms")])
     if refused:
         fault = refused[0].text.removeprefix("refused a command: ")
-        text = f"commands were refused from {when(refused[0].time)} on: {cut(fault)}; the robot was stopped at {when(stop.time)}"
+        text = f"commands were refused from {when(refused[0].time)} on: {cut(fault)}; {stopped}"
         return Cause("refused", text, refused[0].time, _named(history, fault) or _commander(stop), [])
     ticked = history.tick(stop.time)
     since = f"; the last tick before it is of {when(ticked.state.time)}" if ticked else ""
-    text = f"the robot was stopped at {when(stop.time)}: {stop.reason}{since}"
+    text = f"{stopped}: {stop.reason}{since}"
     return Cause("silent", text, stop.time, _commander(stop), _notices(history, stop.time))
 
 

@@ -1,4 +1,4 @@
-"""Why a tree failed, or came to no result: a time-out, a percept that was lost or doubtful, a hand that got no nearer."""
+"""Why a tree failed, or came to no result: a time-out, a percept lost or doubtful, a hand that got no nearer."""
 
 from __future__ import annotations
 
@@ -25,33 +25,28 @@ def failed(history: History, time: float) -> Cause:
     if not failures:
         return Cause("failed", f"the tree failed at {when(time)}: {cut(history.end['reason'])}", time)
     first = next((change for change in failures if change.said), failures[0])
-    kind = str(history.kind(first.path, time).get("type", ""))
     if flap := flapping(history, time):
         return flap
-    if kind == "watchdog":
-        return _lost(history, first, time)
-    if kind == "timeout":
-        return _timed_out(history, first)
-    if "was never seen" in first.said:
-        text = f"'{last(first.path)}' failed at {when(time)}: {cut(first.said)}"
-        return Cause("percept_lost", text, time, first.path, scene_rows(history, 0.0, time))
-    if kind == "confident":
-        scene = scene_rows(history, time, time)
-        why = f" ({scene[-1][1]})" if scene else ""
-        text = f"'{last(first.path)}' failed at {when(time)}: the percept was doubtful, {cut(first.said)}{why}"
-        return Cause("percept_doubtful", text, time, first.path, scene)
-    return _skill_failed(history, first)
+    kind = str(history.kind(first.path, time).get("type", ""))
+    if kind == "watchdog" or "was never seen" in first.said:
+        return _lost(history, first)
+    return {"timeout": _timed_out, "confident": _doubted}.get(kind, _skill_failed)(history, first)
+
+
+def _doubted(history: History, change: Change) -> Cause:
+    """A percept was not sure enough."""
+    scene = scene_rows(history, change.time, change.time)
+    why = f" ({scene[-1][1]})" if scene else ""
+    text = f"'{last(change.path)}' failed at {when(change.time)}: the percept was doubtful, {cut(change.said)}{why}"
+    return Cause("percept_doubtful", text, change.time, change.path, scene)
 
 
 def _skill_failed(history: History, change: Change) -> Cause:
     """A skill failed: perhaps a joint had no more to give, or a hand came no nearer."""
     motion = Motion(history.log, change.time - _STRUGGLE, change.time)
     struggling = [joint for joint in motion.limited() if joint.what == "torque" and joint.duration >= _STRUGGLED]
-    results = dict(
-        (name, (value, unit))
-        for _, found in history.results(change.path, change.time, change.time)
-        for name, value, unit in found
-    )
+    reported = [result for _, found in history.results(change.path, change.time, change.time) for result in found]
+    results = {name: (value, unit) for name, value, unit in reported}
     text = f"'{last(change.path)}' failed at {when(change.time)}: {cut(change.said.split(';')[0])}"
     rows: list[Row] = [(name.replace("_", " "), readable(*of)) for name, of in results.items()]
     if struggling:
@@ -72,24 +67,20 @@ def _skill_failed(history: History, change: Change) -> Cause:
             if name == "hand_error"
         ]
         if errors:
-            rows.append(
-                (
-                    "shown by",
-                    f"the hand was {readable(min(errors), 'm')} to {readable(max(errors), 'm')} away in the last second",
-                )
-            )
+            nearest, farthest = readable(min(errors), "m"), readable(max(errors), "m")
+            rows.append(("shown by", f"the hand was {nearest} to {farthest} away in the last second"))
         return Cause("out_of_reach", text, change.time, change.path, rows)
     return Cause("failed", text, change.time, change.path, rows)
 
 
 def _timed_out(history: History, change: Change) -> Cause:
-    before = [
-        acting for acting in history.acting(change.time - DECISION_PERIOD) if acting.path.startswith(change.path + "/")
-    ]
-    still = (
-        f" while {doing(before)} still ran ({cut(_said_last(history, before[-1].path, change.time))})" if before else ""
-    )
-    text = f"'{last(change.path)}' {cut(change.said.replace('timed out', 'ran out of time'))} at {when(change.time)}{still}"
+    acting = history.acting(change.time - DECISION_PERIOD)
+    before = [one for one in acting if one.path.startswith(change.path + "/")]
+    still = ""
+    if before:
+        still = f" while {doing(before)} still ran ({cut(_said_last(history, before[-1].path, change.time))})"
+    said = cut(change.said.replace("timed out", "ran out of time"))
+    text = f"'{last(change.path)}' {said} at {when(change.time)}{still}"
     rows: list[Row] = stale_rows(history, change.time - DECISION_PERIOD)
     return Cause("timeout", text, change.time, before[-1].path if before else change.path, rows)
 
@@ -102,8 +93,9 @@ def _said_last(history: History, path: str, time: float) -> str:
     return next((change.said for change in reversed(history.changes) if change.path == path and change.time < time), "")
 
 
-def _lost(history: History, change: Change, time: float) -> Cause:
-    """A watchdog gave up a percept."""
+def _lost(history: History, change: Change) -> Cause:
+    """A percept that was needed was lost, or never seen."""
+    time = change.time
     name = str(change.said.split("'")[1]) if change.said.count("'") >= 2 else "a percept"
     if "was never seen" in change.said:
         text = f"{cut(change.said)}: '{last(change.path)}' failed at {when(time)}"

@@ -95,6 +95,7 @@ FLICKER = (
 )
 
 WATCHED = "{watchdog: {percept: target, max_age: 0.3 s, "
+SURE = "{confident: {percept: target, above: 0.6, hysteresis: 0.1}}"
 TREES = {
     "alarm": ("empty", "{parallel: [walk, alarm]}"),
     "nan": ("empty", "{wild: {target: nan}}"),
@@ -110,14 +111,11 @@ TREES = {
     "unseen": ("never", WATCHED + "approach: {target: target}}}"),
     "doubtful": (
         "hidden",
-        WATCHED
-        + "reactive_sequence: [{confident: {percept: target, above: 0.6, hysteresis: 0.1}}, {approach: {target: target}}]}}",
+        WATCHED + f"reactive_sequence: [{SURE}, {{approach: {{target: target}}}}]}}}}",
     ),
     "flapping": (
         "flicker",
-        WATCHED
-        + "reactive_selector: [{reactive_sequence: [{confident: {percept: target, above: 0.6, hysteresis: 0.1}}, idle]}, "
-        "{wait: 60 s}]}}",
+        WATCHED + f"reactive_selector: [{{reactive_sequence: [{SURE}, idle]}}, {{wait: 60 s}}]}}}}",
     ),
     "far": ("ball_on_stand", WATCHED + "reach: {target: target, hand: left, patience: 0.2 s}}}"),
 }

@@ -67,14 +67,14 @@ CASES: dict[str, tuple[str, str, dict[str, Any], str]] = {
         "refused",
         "refused",
         {},
-        r"commands were refused from 0\.320 s on: the target of 'left_hand' is out of range \(from 'refused/.*/wild'\); "
+        r"commands were refused from 0\.320 s on: the target of 'left_hand' is out of range \(from 'refused/.*wild'\); "
         r"the robot was stopped at 0\.380 s, the first of 2 times; .*",
     ),
     "refused from the start": (
         "nowhere",
         "refused",
         {"duration": 0.2},
-        r"every command was refused from 0\.020 s on, so that the robot did nothing: the target of 'left_hand' is out .*",
+        r"every command was refused from 0\.020 s on, so that the robot did nothing: the target of 'left_hand' .*",
     ),
     "two owners": (
         "thieves",
