@@ -102,7 +102,7 @@ def _error(history: History, time: float) -> Cause:
     if path := end.get("node", ""):
         where = f", in {line_of(line)}" if line else ""
         kind = "not_finite" if "must be finite" in end["error"] else "exception"
-        text = f"'{last(path)}' raised {cut(end['error'], 90)} at {when(time)}{where}"
+        text = f"'{last(path)}' raised {cut(end['error'], 160)} at {when(time)}{where}"
         return Cause(kind, text, time, path, [("raised at", line)] if line else [])
     if "commanded by two nodes at once" in reason:
         paths = re.findall(r"'([^']*/[^']*)'", reason)

@@ -61,7 +61,7 @@ def test_the_direction_of_a_push_is_as_the_robot_sees_it(
 def test_a_moment_tells_node_command_percepts_and_joints(seen: Path) -> None:
     found = hbt.explain(seen, at=0.3)
     assert found.headline == "at 0.300 s: 'approach' ran, mode run"
-    assert found.place == "trees/doubtful.yaml:4:112"
+    assert found.place.startswith("trees/doubtful.yaml:4:")
     rows = dict(found.rows)
     assert rows["command"].startswith("#14: 'approach': ")
     assert rows["percepts"].startswith("target seen ")
@@ -79,7 +79,7 @@ def test_percepts_of_a_moment_are_those_of_that_time(seen: Path) -> None:
 
 def test_the_life_of_a_node(seen: Path) -> None:
     found = hbt.explain(seen, node="approach")
-    assert found.headline.startswith("'approach' ran once from 0.000 s to 0.400 s: was halted: halted: preempted by")
+    assert found.headline.startswith("'approach' ran once from 0.000 s to 0.400 s: was halted: preempted by")
     (life,) = found.data["lives"]
     assert [name for name, _, _ in life["results"]] == ["target_distance", "bearing_error"]
     rows = dict(found.rows)
