@@ -12,7 +12,7 @@ from humanoid_bt.review.explanation import Moment
 from humanoid_bt.review.history import AT, History
 from humanoid_bt.review.words import changed
 
-_MOST = 9  # lines
+_MOST = 7  # lines
 _OVER = "halted: the run ended"  # which is no news
 _LEANS = 0.2  # rad of tilt that no robot that walks has
 _Ranked = tuple[int, Moment]  # how much a line matters, 0 the most

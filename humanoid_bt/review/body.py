@@ -99,8 +99,11 @@ class Motion:
         self._torque, self.foot_force = columns["torque"], columns["foot_force"]
 
     def limited(self) -> list[Limited]:
-        """Return the joints that were at their torque limit, or whose setpoints were clamped, in the order of time."""
-        return sorted([*self._at_torque_limit(), *clamped(self._log, self._begin, self._end)], key=lambda it: it.begin)
+        """Return the joints that were at their torque limit, or else whose setpoints were clamped, in order of time."""
+        full = self._at_torque_limit()
+        named = {limited.joint for limited in full}
+        others = [limited for limited in clamped(self._log, self._begin, self._end) if limited.joint not in named]
+        return sorted([*full, *others], key=lambda limited: limited.begin)
 
     def _at_torque_limit(self) -> list[Limited]:
         joints = self._log.setup.get("robot", {}).get("joints", [])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 
 Row = tuple[str, str]
@@ -27,3 +28,11 @@ class Cause:
     node: str = ""
     rows: list[Row] = field(default_factory=list)
     began: float | None = None
+
+
+def unrepeated(rows: Iterable[Row]) -> Iterator[Row]:
+    """Yield rows, the name of several in a row only once."""
+    before = ""
+    for name, text in rows:
+        yield "" if name == before else name, text
+        before = name

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import json
 import re
+from dataclasses import replace
+from pathlib import Path
 
 from humanoid_bt.core.clock import DECISION_PERIOD
 from humanoid_bt.core.units import readable
@@ -12,6 +15,10 @@ from humanoid_bt.review.cause import Cause
 from humanoid_bt.review.history import AT, Happened, History, Stopped
 from humanoid_bt.review.words import cut, doing, last, line_of, when
 
+STOPS = ("fall", "push", "estop", "estop_node", "slow_tick", "silent", "refused", "ik", "stop")
+"""Kinds of causes that are stops."""
+
+_LATCHED = ("fall", "push", "estop", "estop_node")
 _LOOK_BACK = 4.0  # s before a fall in which its reason is looked for
 _GONE = "the process of the run ended without closing the recording"
 _SILENT = 0.08  # s that a tick must take to explain that decision was silent for 0.1 s
@@ -22,11 +29,15 @@ _PERSON = ("keyboard", "humanoid-bt estop", "program", "test")
 def cause_of(history: History) -> Cause:
     """Return why a run ended as it did."""
     ending = _ending(history)
-    stop = first_stop(history, ending.time)
-    if stop is not None and ending.kind not in ("killed", "cut"):
+    if ending.kind in ("killed", "cut"):
+        return ending
+    if stop := first_stop(history, ending.time):
         began = _of_stop(history, stop)
-        if began.kind in ("fall", "estop", "estop_node") or began.time < ending.time - AT:
-            return began
+        return began if began.kind in _LATCHED or began.time < ending.time - AT else ending
+    if history.stops and ending.kind in ("unfinished", "interrupted"):  # each was recovered, and nothing else is told
+        began = _of_stop(history, history.stops[0])
+        times = f", the first of {len(history.stops)} times" if len(history.stops) > 1 else ""
+        return replace(began, headline=f"{began.headline}{times}; {ending.headline}")
     return ending
 
 
@@ -71,10 +82,10 @@ def _without_end(history: History) -> Cause:
     during = f" while {acting} ran" if acting else ""
     if any(event.text == _GONE for event in history.events):
         rows = [("shown by", f"the last tick is of {when(ticked)}, servo cycles go on until {when(history.until)}")]
-        if silent := [event for event in history.events if "a tick lasts" in event.text]:
-            rows.append(("before", cut(silent[-1].text)))
-        text = f"the program that runs the tree was killed after its tick of {when(ticked)}{during}"
-        return Cause("killed", text, ticked, _actor(history, ticked), rows)
+        stop = next((span for span in history.modes(ticked, ticked + 1.0) if span.mode != "run"), None)
+        then = f"; control stopped the robot at {when(stop.begin)}" if stop else ""
+        text = f"the program that runs the tree was killed after its tick of {when(ticked)}{during}{then}"
+        return Cause("killed", text, ticked, _actor(history, ticked), [*rows, *_noted(history)])
     if history.log.cut:
         why = "in the midst of a message: its disk was full, it may not grow, or the recorder was killed"
     else:
@@ -91,7 +102,7 @@ def _error(history: History, time: float) -> Cause:
     if path := end.get("node", ""):
         where = f", in {line_of(line)}" if line else ""
         kind = "not_finite" if "must be finite" in end["error"] else "exception"
-        text = f"'{last(path)}' raised {cut(end['error'], 90)} at {when(time)}{where}"
+        text = f"'{last(path)}' raised {cut(end['error'], 160)} at {when(time)}{where}"
         return Cause(kind, text, time, path, [("raised at", line)] if line else [])
     if "commanded by two nodes at once" in reason:
         paths = re.findall(r"'([^']*/[^']*)'", reason)
@@ -101,7 +112,9 @@ def _error(history: History, time: float) -> Cause:
     if "process" in reason and ("ended" in reason or "silent" in reason):
         who = "control" if "control" in reason else "a process of the run"
         text = f"{who} was lost at {when(history.until)}: {reason}"
-        return Cause("control", text, history.until, _actor(history, time), _notices(history, history.until))
+        rows = [*_notices(history, history.until), *_noted(history)]
+        ticked = history.last_tick.state.time if history.last_tick else time
+        return Cause("control", text, history.until, _actor(history, ticked - DECISION_PERIOD / 2), rows)
     return Cause("error", f"{reason}, at {when(time)}", time, _actor(history, time), [])
 
 
@@ -126,13 +139,7 @@ def _estop(history: History, stop: Stopped) -> Cause:
     during = f" while {during} ran" if during else ""
     if stop.source in history.nodes(stop.time):
         text = f"'{last(stop.source)}' raised the emergency stop at {when(stop.time)}: {cut(stop.reason)}"
-        return Cause(
-            "estop_node",
-            text,
-            stop.time,
-            stop.source,
-            [("raised by", f"{stop.source}  {history.place(stop.source, stop.time)}")],
-        )
+        return Cause("estop_node", text, stop.time, stop.source)
     by = f"by {stop.source}" if stop.source.startswith(_PERSON) else f"by {stop.source!r}"
     text = f"the emergency stop was raised at {when(stop.time)} {cut(by)}: {cut(stop.reason)}"
     return Cause(
@@ -152,21 +159,22 @@ def _silence(history: History, stop: Stopped) -> Cause:
         for event in history.events
         if (found := _SLOW.match(event.text)) and event.time <= stop.time + AT
     ]
+    stopped = f"the robot was stopped at {when(stop.time)}"
     ticks = [tick for tick in history.log.ticks(stop.time - 0.5, stop.time) if tick.took >= _SILENT]
     if ticks:
         tick = ticks[-1]
         path, line = _slow_node(history, tick.state.time, slow)
         name = f" in '{last(path)}'" if path else ""
         where = f", {line_of(line)}" if line else ""
-        text = f"one tick took {tick.took:.2f} s at {when(tick.state.time)}{name}{where}: the robot was stopped at {when(stop.time)}"
+        text = f"one tick took {tick.took:.2f} s at {when(tick.state.time)}{name}{where}: {stopped}"
         return Cause("slow_tick", text, stop.time, path, [("shown by", f"{stop.reason}; a tick has 20 ms")])
     if refused:
         fault = refused[0].text.removeprefix("refused a command: ")
-        text = f"commands were refused from {when(refused[0].time)} on: {cut(fault)}; the robot was stopped at {when(stop.time)}"
+        text = f"commands were refused from {when(refused[0].time)} on: {cut(fault)}; {stopped}"
         return Cause("refused", text, refused[0].time, _named(history, fault) or _commander(stop), [])
     ticked = history.tick(stop.time)
     since = f"; the last tick before it is of {when(ticked.state.time)}" if ticked else ""
-    text = f"the robot was stopped at {when(stop.time)}: {stop.reason}{since}"
+    text = f"{stopped}: {stop.reason}{since}"
     return Cause("silent", text, stop.time, _commander(stop), _notices(history, stop.time))
 
 
@@ -241,6 +249,21 @@ def _notices(history: History, time: float) -> list[tuple[str, str]]:
         for event in history.events
         if "stalled" in event.text and abs(event.time - time) < 2.0
     ]
+
+
+def control_log(history: History) -> Path:
+    """Return the file in which control notes what happens, in realtime mode."""
+    return history.log.path.with_suffix(".control.log")
+
+
+def _noted(history: History) -> list[tuple[str, str]]:
+    """Return what control noted last, if it noted anything."""
+    try:
+        lines = control_log(history).read_text(encoding="utf-8").splitlines()[-2:]
+        notes = [json.loads(line) for line in lines]
+        return [("noted", cut(f"{when(note['time'])} {note['text']}")) for note in notes]
+    except (OSError, ValueError, KeyError, TypeError):
+        return []
 
 
 def _named(history: History, text: str) -> str:

@@ -10,10 +10,10 @@ from typing import Any
 from humanoid_bt.core.errors import UserError, relative
 from humanoid_bt.record.reading import read_flight
 from humanoid_bt.review.before import before
-from humanoid_bt.review.cause import Cause, Row
-from humanoid_bt.review.causes import cause_of
+from humanoid_bt.review.cause import Cause, Row, unrepeated
+from humanoid_bt.review.causes import STOPS, cause_of, control_log
 from humanoid_bt.review.explanation import Explanation
-from humanoid_bt.review.hints import HINTS, PAGE
+from humanoid_bt.review.hints import CONTROL_LOG, HINTS, PAGE
 from humanoid_bt.review.history import History, Span
 from humanoid_bt.review.joint import joint_explained
 from humanoid_bt.review.life import life_explained
@@ -63,7 +63,7 @@ def _explained(history: History, cause: Cause) -> Explanation:
             cause.kind,
             cause.headline,
             cause.time,
-            rows=list(near_trouble(history)),
+            rows=list(unrepeated(near_trouble(history))),
             data=_data(history, cause),
         )
     begin = (cause.time if cause.began is None else min(cause.began, cause.time)) - _BEFORE
@@ -87,24 +87,17 @@ def _rows(history: History, cause: Cause) -> Iterator[Row]:
     yield "run", _run(history)
     if cause.node:
         yield "node", f"{cause.node}  {line_of(history.place(cause.node, cause.time))}"
-    yield from _unrepeated(cause.rows)
+    yield from unrepeated(cause.rows)
     if told := command_in_force(history, cause.time):
         yield "command", cut(told, 240)
-    if hands := hand_row(history, cause.time):
+    hands = hand_row(history, cause.time)
+    if hands and not any(name == "hand error" for name, _ in cause.rows):
         yield hands
     loads = joint_loads(history, cause.time)
     if loads and loads[0]["load"] >= _LOADED:
         yield "joint", joint_text(loads[0])
     yield from sight_rows(history, cause.time)
     yield body_row(history, cause.time)
-
-
-def _unrepeated(rows: list[Row]) -> Iterator[Row]:
-    """Yield rows, the name of several in a row only once."""
-    before = ""
-    for name, text in rows:
-        yield "" if name == before else name, text
-        before = name
 
 
 def _run(history: History) -> str:
@@ -121,7 +114,7 @@ def _lasted(history: History) -> float:
 
 def _after(history: History, cause: Cause) -> Iterator[Row]:
     yield "control", modes_told(history, cause.time)
-    if len(history.stops) > 1:
+    if len(history.stops) > 1 or (history.stops and cause.kind not in STOPS):
         for number, stop in enumerate(history.stops[:_STOPS]):
             text = f"{when(stop.time)} {stop.mode.replace('_', ' ')}: {cut(stop.reason, 80)} ({cut(stop.source, 40)})"
             yield "stops" if number == 0 else "", text
@@ -130,8 +123,9 @@ def _after(history: History, cause: Cause) -> Iterator[Row]:
     file = shlex.quote(relative(history.log.path))
     yield "look", f"rerun {file}"
     yield "", f"and put the cursor of sim_time at {cause.time:.2f} s"
+    log = relative(control_log(history))
     for number, hint in enumerate(HINTS.get(cause.kind, ())):
-        yield "helps" if number == 0 else "", hint
+        yield "helps" if number == 0 else "", hint.replace(CONTROL_LOG, log)
     yield "more", f"humanoid-bt explain --at {cause.time:.2f} {file}"
     yield "", PAGE
 

@@ -1,6 +1,8 @@
-"""Why a tree failed, or came to no result: a time-out, a percept that was lost or doubtful, a hand that got no nearer."""
+"""Why a tree failed, or came to no result: a time-out, a percept lost or doubtful, a hand that got no nearer."""
 
 from __future__ import annotations
+
+import itertools
 
 from humanoid_bt.core.clock import DECISION_PERIOD
 from humanoid_bt.core.units import readable
@@ -13,6 +15,7 @@ _FLAPS = 4  # changes of a condition that are more than a change of mind
 _FLAPPING = 5.0  # s in which they count
 _STRUGGLE = 1.0  # s before a failure in which a joint at its torque limit explains it
 _STRUGGLED = 0.2  # s that it must have been there
+_WARNINGS = 3  # that are told
 _SCENE = 1.0  # s around the last sight in which the scene's script explains that nothing followed
 
 
@@ -22,31 +25,28 @@ def failed(history: History, time: float) -> Cause:
     if not failures:
         return Cause("failed", f"the tree failed at {when(time)}: {cut(history.end['reason'])}", time)
     first = next((change for change in failures if change.said), failures[0])
-    kind = str(history.kind(first.path, time).get("type", ""))
     if flap := flapping(history, time):
         return flap
-    if kind == "watchdog":
-        return _lost(history, first, time)
-    if kind == "timeout":
-        return _timed_out(history, first)
-    if "was never seen" in first.said:
-        text = f"'{last(first.path)}' failed at {when(time)}: {cut(first.said)}"
-        return Cause("percept_lost", text, time, first.path, scene_rows(history, 0.0, time))
-    if kind == "confident":
-        text = f"'{last(first.path)}' failed at {when(time)}: the percept was doubtful, {cut(first.said)}"
-        return Cause("percept_doubtful", text, time, first.path, scene_rows(history, time, time))
-    return _skill_failed(history, first)
+    kind = str(history.kind(first.path, time).get("type", ""))
+    if kind == "watchdog" or "was never seen" in first.said:
+        return _lost(history, first)
+    return {"timeout": _timed_out, "confident": _doubted}.get(kind, _skill_failed)(history, first)
+
+
+def _doubted(history: History, change: Change) -> Cause:
+    """A percept was not sure enough."""
+    scene = scene_rows(history, change.time, change.time)
+    why = f" ({scene[-1][1]})" if scene else ""
+    text = f"'{last(change.path)}' failed at {when(change.time)}: the percept was doubtful, {cut(change.said)}{why}"
+    return Cause("percept_doubtful", text, change.time, change.path, scene)
 
 
 def _skill_failed(history: History, change: Change) -> Cause:
     """A skill failed: perhaps a joint had no more to give, or a hand came no nearer."""
     motion = Motion(history.log, change.time - _STRUGGLE, change.time)
     struggling = [joint for joint in motion.limited() if joint.what == "torque" and joint.duration >= _STRUGGLED]
-    results = dict(
-        (name, (value, unit))
-        for _, found in history.results(change.path, change.time, change.time)
-        for name, value, unit in found
-    )
+    reported = [result for _, found in history.results(change.path, change.time, change.time) for result in found]
+    results = {name: (value, unit) for name, value, unit in reported}
     text = f"'{last(change.path)}' failed at {when(change.time)}: {cut(change.said.split(';')[0])}"
     rows: list[Row] = [(name.replace("_", " "), readable(*of)) for name, of in results.items()]
     if struggling:
@@ -67,24 +67,20 @@ def _skill_failed(history: History, change: Change) -> Cause:
             if name == "hand_error"
         ]
         if errors:
-            rows.append(
-                (
-                    "shown by",
-                    f"the hand was {readable(min(errors), 'm')} to {readable(max(errors), 'm')} away in the last second",
-                )
-            )
+            nearest, farthest = readable(min(errors), "m"), readable(max(errors), "m")
+            rows.append(("shown by", f"the hand was {nearest} to {farthest} away in the last second"))
         return Cause("out_of_reach", text, change.time, change.path, rows)
     return Cause("failed", text, change.time, change.path, rows)
 
 
 def _timed_out(history: History, change: Change) -> Cause:
-    before = [
-        acting for acting in history.acting(change.time - DECISION_PERIOD) if acting.path.startswith(change.path + "/")
-    ]
-    still = (
-        f" while {doing(before)} still ran ({cut(_said_last(history, before[-1].path, change.time))})" if before else ""
-    )
-    text = f"'{last(change.path)}' {cut(change.said.replace('timed out', 'ran out of time'))} at {when(change.time)}{still}"
+    acting = history.acting(change.time - DECISION_PERIOD)
+    before = [one for one in acting if one.path.startswith(change.path + "/")]
+    still = ""
+    if before:
+        still = f" while {doing(before)} still ran ({cut(_said_last(history, before[-1].path, change.time))})"
+    said = cut(change.said.replace("timed out", "ran out of time"))
+    text = f"'{last(change.path)}' {said} at {when(change.time)}{still}"
     rows: list[Row] = stale_rows(history, change.time - DECISION_PERIOD)
     return Cause("timeout", text, change.time, before[-1].path if before else change.path, rows)
 
@@ -97,8 +93,9 @@ def _said_last(history: History, path: str, time: float) -> str:
     return next((change.said for change in reversed(history.changes) if change.path == path and change.time < time), "")
 
 
-def _lost(history: History, change: Change, time: float) -> Cause:
-    """A watchdog gave up a percept."""
+def _lost(history: History, change: Change) -> Cause:
+    """A percept that was needed was lost, or never seen."""
+    time = change.time
     name = str(change.said.split("'")[1]) if change.said.count("'") >= 2 else "a percept"
     if "was never seen" in change.said:
         text = f"{cut(change.said)}: '{last(change.path)}' failed at {when(time)}"
@@ -126,12 +123,19 @@ def without_result(history: History, time: float, outcome: str, reason: str) -> 
         began, text = _stale_since(history, time - DECISION_PERIOD)
         return Cause("percept_lost", f"{text}; the run ended at {when(time)}", began, actor, stale, began)
     during = f" while {doing(acting)} ran" if acting else ""
+    rows = warned(history)
     if outcome == "interrupted":
-        return Cause("interrupted", f"the run was ended at {when(time)}{during}: {cut(reason)}", time, actor)
+        return Cause("interrupted", f"the run was ended at {when(time)}{during}: {cut(reason)}", time, actor, rows)
     limit = history.setup.get("duration")
     said = f" ({cut(_said_last(history, actor, time))})" if actor else ""
     up = f"its {limit:g} s were up" if limit else "its time was up"
-    return Cause("unfinished", f"the run was ended at {when(time)}, {up}{during}{said}", time, actor)
+    return Cause("unfinished", f"the run was ended at {when(time)}, {up}{during}{said}", time, actor, rows)
+
+
+def warned(history: History) -> list[Row]:
+    """Return the first warnings of a run that tell of more than how it ended."""
+    found = [event for event in history.events if event.level != "info" and not event.text.startswith("the tree ended")]
+    return [("warned", f"{when(event.time)} {cut(event.text)}") for event in found[:_WARNINGS]]
 
 
 def stale_rows(history: History, time: float) -> list[Row]:
@@ -167,18 +171,17 @@ def flapping(history: History, time: float) -> Cause | None:
     """Return the condition that changed its mind again and again before a time [s], None if none did."""
     found: dict[str, list[Change]] = {}
     for change in history.changes:
-        if time - _FLAPPING <= change.time <= time + AT and history.kind(change.path).get("kind") == "condition":
+        recent = time - _FLAPPING <= change.time <= time + AT and change.status in ("SUCCESS", "FAILURE")
+        if recent and history.kind(change.path).get("kind") == "condition":
             found.setdefault(change.path, []).append(change)
     path, changes = max(found.items(), key=lambda item: len(item[1]), default=("", []))
-    flips = sum(one.status != other.status for one, other in zip(changes, changes[1:], strict=False))
+    flips = sum(one.status != other.status for one, other in itertools.pairwise(changes))
     if flips < _FLAPS:
         return None
     first, end = changes[0], changes[-1]
-    text = f"'{last(path)}' changed its mind {flips} times from {first.time:.2f} to {end.time:.2f} s: {cut(end.said)}"
-    rows: list[Row] = [
-        ("shown by", "; ".join(f"{change.time:.2f} s {cut(change.said, 40)}" for change in changes[-3:]))
-    ]
-    return Cause("percept_doubtful", text, end.time, path, rows, first.time)
+    told = ", then ".join(cut(change.said, 40) for change in changes[-2:])
+    text = f"'{last(path)}' changed its mind {flips} times from {first.time:.2f} to {end.time:.2f} s: {told}"
+    return Cause("percept_doubtful", text, end.time, path, [], first.time)
 
 
 def scene_rows(history: History, begin: float, end: float) -> list[Row]:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 PAGE = "docs/what-stopped-my-robot.md"
+CONTROL_LOG = "RECORDING.control.log"
+"""Stands for the file in which control notes what happens."""
 
 HINTS: dict[str, tuple[str, ...]] = {
     "success": (),

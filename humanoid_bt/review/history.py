@@ -83,6 +83,7 @@ class History:
         stops: every stop that decision was told of.
         end: how the run ended, empty if the recording does not say.
         begin, until: engine times of the first and last servo cycle in it [s].
+        ticked_from: engine time of the first tick [s]; in realtime mode control has run for a while by then.
     """
 
     def __init__(self, log: FlightLog) -> None:
@@ -95,6 +96,7 @@ class History:
         self._trees = [(-math.inf, self.setup.get("tree", {}))]
         self._trees += [(time, value) for time, kind, value in news if kind == "tree"]
         self.begin, self.until = log.span
+        self.ticked_from = self.changes[0].time if self.changes else self.begin
 
     # ---- nodes ------------------------------------------------------------------------------------------------------
 

@@ -15,7 +15,7 @@ from humanoid_bt.review.cause import Row
 from humanoid_bt.review.explanation import Explanation, Moment
 from humanoid_bt.review.history import History
 from humanoid_bt.review.scene import command_in_force
-from humanoid_bt.review.words import cut, doing
+from humanoid_bt.review.words import cut, doing, several, when
 
 _MOST = 8  # times at a limit that are told
 _APART = 0.5  # s between two of them
@@ -52,7 +52,7 @@ def joint_explained(history: History, joint: str) -> Explanation:
     return Explanation(
         recording=relative(history.log.path),
         kind="joint",
-        headline=_headline(joint, limits, torque, worst, len(full), len(clamped)),
+        headline=f"{joint} bore {_most(torque, worst, limits)}; {_often(len(full), len(clamped))}",
         time=worst,
         rows=[*_rows(parts, limits), *_then(history, worst)],
         title="at limits" if len(moments) <= _MOST else f"at limits, the first {_MOST} of {len(moments)} times",
@@ -66,16 +66,16 @@ def joint_explained(history: History, joint: str) -> Explanation:
     )
 
 
-def _headline(joint: str, limits: dict[str, Any], torque: Array, worst: float, full: int, clamped: int) -> str:
+def _most(torque: Array, worst: float, limits: dict[str, Any]) -> str:
     if not len(torque):
-        return f"{joint}: no servo cycle is recorded"
-    times = [
-        f"{count} time{'s' * (count > 1)} {what}"
-        for count, what in ((full, "at its torque limit"), (clamped, "clamped"))
-        if count
-    ]
-    most = f"at most {torque.max():.1f} of {limits.get('torque', 0):g} Nm, at {worst:.3f} s"
-    return f"{joint} bore {most}; {' and '.join(times) or 'never at a limit'}"
+        return "nothing that is recorded"
+    limit = f" of {limits['torque']:g}" if limits.get("torque") else ""
+    return f"at most {torque.max():.1f}{limit} Nm, at {when(worst)}"
+
+
+def _often(full: int, clamped: int) -> str:
+    counts = ((full, "at its torque limit"), (clamped, "clamped"))
+    return " and ".join(f"{several(count, 'time')} {what}" for count, what in counts if count) or "never at a limit"
 
 
 def _extremes(time: Array, values: Array, _unit: str) -> dict[str, float]:

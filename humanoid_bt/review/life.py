@@ -59,6 +59,8 @@ def _lives(history: History, path: str) -> Iterator[Life]:
         if change.status == "RUNNING":
             begin = begin or change
             continue
+        if begin is None and change.status == "INVALID":
+            continue  # what it had answered is forgotten: its branch was left
         since = begin.time if begin else change.time
         found = [results for time, results in reported if since - AT <= time <= change.time + AT]
         yield Life(path, since, change, change.said, found[-1] if found else [])
@@ -76,8 +78,15 @@ def _summary(lives: list[Life]) -> str:
     if life.end is None:
         return f"ran {often}, from {when(life.begin)} on, and still ran when the recording ended"
     if life.end.time - life.begin < AT:
-        return f"was asked {often} at {when(life.begin)}: {_ENDED[life.end.status]}: {cut(life.said)}"
-    return f"ran {often} from {when(life.begin)} to {when(life.end.time)}: {_ENDED[life.end.status]}: {cut(life.said)}"
+        return f"was asked {often} at {when(life.begin)}: {_ended(life.end)}"
+    return f"ran {often} from {when(life.begin)} to {when(life.end.time)}: {_ended(life.end)}"
+
+
+def _ended(change: Change) -> str:
+    """Return how a node ended, and what it said."""
+    if change.said.startswith("raised "):
+        return cut(change.said)
+    return cut(f"{_ENDED[change.status]}: {change.said.removeprefix('halted: ')}")
 
 
 def _rows(history: History, paths: list[str], lives: list[Life]) -> Iterator[Row]:
@@ -116,8 +125,8 @@ def _told(life: Life, named: bool) -> Iterator[Moment]:
     if life.end is None or life.end.time - life.begin > AT:
         yield Moment(life.begin, f"{SIGNS['RUNNING']} {name}began")
     if life.end is not None:
-        took = f" after {life.end.time - life.begin:.2f} s" if life.end.time - life.begin > AT else ""
-        yield Moment(life.end.time, cut(f"{SIGNS[life.end.status]} {name}{_ENDED[life.end.status]}{took}: {life.said}"))
+        took = f" (after {life.end.time - life.begin:.2f} s)" if life.end.time - life.begin > AT else ""
+        yield Moment(life.end.time, f"{SIGNS[life.end.status]} {name}{_ended(life.end)}{took}")
 
 
 def _plain(life: Life) -> dict[str, Any]:

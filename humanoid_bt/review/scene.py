@@ -50,13 +50,13 @@ def body_row(history: History, time: float) -> Row:
     """Return what the body did: gait, speed, tilt, height, load of the feet."""
     motion = Motion(history.log, time - 0.05, time + AT)
     tick = history.tick(time)
-    gait = f"gait {tick.state.gait.value}, " if tick else ""
+    gait = tick.state.gait.value if tick else ""
     if not len(motion.time):
-        return "body", gait.rstrip(", ") or "unknown"
+        return "body", gait or "nothing is recorded of it"
     left, right = motion.foot_force[-1]
     tilt = readable(float(motion.tilt[-1]), "rad")
-    base = f"speed {motion.speed[-1]:.2f} m/s, tilt {tilt}, base {motion.height[-1]:.2f} m high"
-    return "body", f"{gait}{base}, feet carry {left:.0f} and {right:.0f} N"
+    base = f"{motion.speed[-1]:.2f} m/s, tilt {tilt}, base {motion.height[-1]:.2f} m high"
+    return "body", f"{gait}, {base}, feet {left:.0f} and {right:.0f} N"
 
 
 def hand_row(history: History, time: float) -> Row | None:

@@ -6,8 +6,9 @@ from collections.abc import Iterator
 
 from humanoid_bt.review.body import clamped
 from humanoid_bt.review.cause import Row
+from humanoid_bt.review.failures import warned
 from humanoid_bt.review.history import History
-from humanoid_bt.review.words import cut, last, when
+from humanoid_bt.review.words import cut, last, several, when
 
 _MOST = 3  # rows of a kind
 
@@ -15,31 +16,23 @@ _MOST = 3  # rows of a kind
 def near_trouble(history: History) -> Iterator[Row]:
     """Yield stops that were recovered, slow ticks, lost percepts, warnings, and joints at limits."""
     for stop in history.stops[:_MOST]:
-        yield (
-            "stopped",
-            f"{when(stop.time)} {stop.mode.replace('_', ' ')}: {cut(stop.reason)} ({cut(stop.source, 40)}); it was recovered",
-        )
+        mode, why = stop.mode.replace("_", " "), cut(f"{stop.reason} ({stop.source})")
+        yield "stopped", f"{when(stop.time)} {mode}: {why}; it was recovered"
     slow = history.end.get("slow_ticks") or {}
     if slow.get("count"):
         worst = slow["worst"]
         where = f" in '{last(worst['node'])}'" if worst["node"] else ""
-        yield (
-            "slow",
-            f"{slow['count']} ticks took longer than 20 ms, the longest {worst['duration']:.3f} s at {worst['time']:.2f} s{where}",
-        )
+        longest = f"the longest {worst['duration']:.3f} s at {worst['time']:.2f} s{where}"
+        yield "slow", f"{several(slow['count'], 'tick')} took longer than 20 ms, {longest}"
     yield from _lost(history)
-    warnings = [event for event in history.events if event.level != "info" and "a tick took" not in event.text]
-    stops = {stop.time for stop in history.stops}
-    for event in [event for event in warnings if event.time not in stops][:_MOST]:
-        yield "warned", f"{when(event.time)} {cut(event.text)}"
+    stops = {f"{when(stop.time)} " for stop in history.stops}
+    yield from (row for row in warned(history) if not row[1].startswith(tuple(stops)))
     joints = sorted(clamped(history.log), key=lambda joint: -joint.duration)
     if joints:
         told = ", ".join(f"{joint.joint} {joint.duration:.2f} s" for joint in joints[:_MOST])
         left = f" and {len(joints) - _MOST} more" if len(joints) > _MOST else ""
-        yield (
-            "limits",
-            f"setpoints were clamped: {told}{left}; the first at {when(min(joint.begin for joint in joints))}",
-        )
+        first = when(min(joint.begin for joint in joints))
+        yield "limits", f"setpoints were clamped: {told}{left}; the first at {first}"
 
 
 def _lost(history: History) -> Iterator[Row]:
@@ -48,7 +41,7 @@ def _lost(history: History) -> Iterator[Row]:
     before: dict[str, str] = {}
     for change in history.changes:
         kind = history.kind(change.path).get("type")
-        gave_up = kind == "watchdog" and change.status == "FAILURE"
+        gave_up = kind == "watchdog" and change.status == "FAILURE" and change.said
         doubtful = kind == "confident" and change.status == "FAILURE" and before.get(change.path) == "SUCCESS"
         stale = history.kind(change.path).get("branch") == "on_stale" and change.status == "RUNNING"
         if gave_up or doubtful or stale:

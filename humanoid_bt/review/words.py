@@ -32,6 +32,11 @@ def when(time: float) -> str:
     return f"{time:.3f} s"
 
 
+def several(number: int, noun: str) -> str:
+    """Return a number of things."""
+    return f"{number} {noun}" if number == 1 else f"{number} {noun}s"
+
+
 def line_of(place: str) -> str:
     """Return file and line of a place, without the column."""
     return place.rsplit(":", 1)[0] if _LINE.search(place) else place
