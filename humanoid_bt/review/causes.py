@@ -32,13 +32,25 @@ def cause_of(history: History) -> Cause:
     if ending.kind in ("killed", "cut"):
         return ending
     if stop := first_stop(history, ending.time):
-        began = _of_stop(history, stop)
+        began = _and_fell(history, stop, _of_stop(history, stop))
         return began if began.kind in _LATCHED or began.time < ending.time - AT else ending
     if history.stops and ending.kind in ("unfinished", "interrupted"):  # each was recovered, and nothing else is told
         began = _of_stop(history, history.stops[0])
         times = f", the first of {len(history.stops)} times" if len(history.stops) > 1 else ""
         return replace(began, headline=f"{began.headline}{times}; {ending.headline}")
     return ending
+
+
+def _and_fell(history: History, stop: Stopped, cause: Cause) -> Cause:
+    """Return why a stopped robot lies, if it fell in the stop: a push that came later is what explains it."""
+    fall = next((later for later in history.stops if later.mode == "damp" and later.time > stop.time), None)
+    if fall is None or stop.mode == "damp":
+        return cause
+    fell = _fall(history, fall)
+    if fell.began is not None and fell.began > stop.time:
+        mode = stop.mode.replace("_", " ")
+        return replace(fell, headline=f"{fell.headline}, in the {mode} since {when(stop.time)}")
+    return replace(cause, headline=f"{cause.headline}; the robot fell at {when(fall.time)}")
 
 
 def first_stop(history: History, time: float) -> Stopped | None:
@@ -195,6 +207,8 @@ def _fall(history: History, stop: Stopped) -> Cause:
     motion = Motion(history.log, stop.time - _LOOK_BACK, stop.time)
     commander = stop.resources.get("base", "") or _commander(stop)
     during = f" while '{last(commander)}' commanded the base" if "base" in stop.resources else ""
+    if not len(motion.time):
+        return Cause("fall", f"{stop.reason}, at {when(stop.time)}{during}", stop.time, commander)
     height = f"its base was {motion.height[-1]:.2f} m high, tilted by {readable(float(motion.tilt[-1]), 'rad')}"
     rows = [("shown by", height)]
     torques = [limited for limited in motion.limited() if limited.what == "torque"]

@@ -116,7 +116,8 @@ def _after(history: History, cause: Cause) -> Iterator[Row]:
     yield "control", modes_told(history, cause.time)
     if len(history.stops) > 1 or (history.stops and cause.kind not in STOPS):
         for number, stop in enumerate(history.stops[:_STOPS]):
-            text = f"{when(stop.time)} {stop.mode.replace('_', ' ')}: {cut(stop.reason, 80)} ({cut(stop.source, 40)})"
+            by = "" if stop.source == "supervisor" else f" ({cut(stop.source, 40)})"
+            text = f"{when(stop.time)} {stop.mode.replace('_', ' ')}: {cut(stop.reason, 80)}{by}"
             yield "stops" if number == 0 else "", text
         if len(history.stops) > _STOPS:
             yield "", f"and {len(history.stops) - _STOPS} more"

@@ -91,7 +91,7 @@ class History:
         news = list(log.news_of("node", "event", "stop", "tree", "end"))
         self.changes = [Change(time, *value) for time, kind, value in news if kind == "node"]
         self.events = [Happened(time, *value) for time, kind, value in news if kind == "event"]
-        self.stops = [Stopped(**value) for _, kind, value in news if kind == "stop"]
+        self.stops = [_stopped(value) for _, kind, value in news if kind == "stop"]
         self.end: dict[str, Any] = next((value for _, kind, value in news if kind == "end"), {})
         self._trees = [(-math.inf, self.setup.get("tree", {}))]
         self._trees += [(time, value) for time, kind, value in news if kind == "tree"]
@@ -215,6 +215,10 @@ class History:
         for time, _, (of, results) in self.log.news_of("results", begin=begin, end=end):
             if of == path:
                 yield time, results
+
+
+def _stopped(value: Mapping[str, Any]) -> Stopped:
+    return Stopped(*(value[name] for name in Stopped._fields))
 
 
 def _distance(percept: Percept) -> float:
