@@ -10,7 +10,7 @@ from humanoid_bt.core.units import readable
 from humanoid_bt.review.body import Motion
 from humanoid_bt.review.explanation import Moment
 from humanoid_bt.review.history import AT, History
-from humanoid_bt.review.words import changed
+from humanoid_bt.review.words import changed, cut
 
 _MOST = 7  # lines
 _OVER = "halted: the run ended"  # which is no news
@@ -35,7 +35,12 @@ def _told(history: History, begin: float, end: float) -> Iterator[_Ranked]:
             yield {"skill": 1, "condition": 1}.get(kind, 2), Moment(change.time, changed(change))
     for event in history.events:
         if begin - AT <= event.time <= end + AT and not event.text.startswith("the tree ended"):
-            yield int(event.level == "info"), Moment(event.time, f"• {event.text}"[:200])
+            yield int(event.level == "info"), Moment(event.time, f"• {_short(event.text)}")
+
+
+def _short(text: str) -> str:
+    """Return an event without what it says a person can do."""
+    return cut(text.partition("; waiting for a reset")[0].removesuffix(" (supervisor)"))
 
 
 def _measured(history: History, begin: float, end: float) -> Iterator[_Ranked]:

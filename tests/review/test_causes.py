@@ -185,7 +185,7 @@ def test_the_first_line_says_what_stopped_the_robot(play: Play, name: str) -> No
     assert (("", "and 2 more") in found.after) == (len(found.data["stops"]) == 7)  # of which five are listed
     for width in (60, 80):
         lines = found.text(width).splitlines()
-        assert len(lines) <= (30 if width == 80 else 42), found.text(width)
+        assert len(lines) <= (30 if width == 80 else 45), found.text(width)
         assert "\x1b" not in found.text(width)
 
 
