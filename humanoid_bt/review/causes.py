@@ -57,6 +57,9 @@ def first_stop(history: History, time: float) -> Stopped | None:
     """Return the stop with which the robot ceased to run, if it did not run at a time [s]; the first of its chain."""
     chain: Stopped | None = None
     until = time
+    now = history.modes(time - 0.05, time)
+    if now and now[-1].mode == "run":
+        return None
     for stop in reversed(history.stops):
         if stop.time > time + AT:
             continue
