@@ -183,6 +183,8 @@ def print_summary(console: Console, report: Report) -> None:
         if len(report.recording_parts) > 1:
             files = files.with_suffix(".*rrd")
         rows.append(("open it", f"{_viewer_command()} {files}"))
+        if report.outcome not in ("success", "interrupted"):
+            rows.append(("explain it", f"humanoid-bt explain {report.recording}"))
     for line in aligned(rows):
         console.print(line, soft_wrap=True, markup=False)
 

@@ -10,21 +10,24 @@ from humanoid_bt.core.units import readable
 from humanoid_bt.review.body import Motion
 from humanoid_bt.review.explanation import Moment
 from humanoid_bt.review.history import AT, History
-from humanoid_bt.review.words import changed
+from humanoid_bt.review.words import changed, cut
 
-_MOST = 7  # lines
 _OVER = "halted: the run ended"  # which is no news
 _LEANS = 0.2  # rad of tilt that no robot that walks has
 _Ranked = tuple[int, Moment]  # how much a line matters, 0 the most
 
 
-def before(history: History, begin: float, end: float, most: int = _MOST) -> list[Moment]:
-    """Return what happened between two times [s], in the order of time; of many lines those that matter most."""
+def before(history: History, begin: float, end: float) -> list[Moment]:
+    """Return what happened between two times [s], what matters most first, of that the latest."""
     ranked = [*_told(history, begin, end), *_measured(history, begin, end)]
-    ranked.sort(key=lambda item: (item[0], -item[1].time))
-    kept = sorted(moment for _, moment in ranked[:most])
-    if left := len(ranked) - len(kept):
-        kept.append(Moment(end, f"... and {left} more: nodes over time, and events, in the viewer"))
+    return [moment for _, moment in sorted(ranked, key=lambda item: (item[0], -item[1].time))]
+
+
+def chosen(moments: list[Moment], most: int) -> list[Moment]:
+    """Return so many of the moments that matter most, in the order of time, and how many are left out."""
+    kept = sorted(moments[:most])
+    if left := len(moments) - len(kept):
+        kept.append(Moment(kept[-1].time, f"... and {left} more: nodes over time, and events, in the viewer"))
     return kept
 
 
@@ -35,7 +38,12 @@ def _told(history: History, begin: float, end: float) -> Iterator[_Ranked]:
             yield {"skill": 1, "condition": 1}.get(kind, 2), Moment(change.time, changed(change))
     for event in history.events:
         if begin - AT <= event.time <= end + AT and not event.text.startswith("the tree ended"):
-            yield int(event.level == "info"), Moment(event.time, f"• {event.text}"[:200])
+            yield int(event.level == "info"), Moment(event.time, f"• {_short(event.text)}")
+
+
+def _short(text: str) -> str:
+    """Return an event without what it says a person can do."""
+    return cut(text.partition("; waiting for a reset")[0].removesuffix(" (supervisor)"))
 
 
 def _measured(history: History, begin: float, end: float) -> Iterator[_Ranked]:

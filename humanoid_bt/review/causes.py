@@ -32,7 +32,7 @@ def cause_of(history: History) -> Cause:
     if ending.kind in ("killed", "cut"):
         return ending
     if stop := first_stop(history, ending.time):
-        began = _of_stop(history, stop)
+        began = _and_fell(history, stop, _of_stop(history, stop))
         return began if began.kind in _LATCHED or began.time < ending.time - AT else ending
     if history.stops and ending.kind in ("unfinished", "interrupted"):  # each was recovered, and nothing else is told
         began = _of_stop(history, history.stops[0])
@@ -41,10 +41,25 @@ def cause_of(history: History) -> Cause:
     return ending
 
 
+def _and_fell(history: History, stop: Stopped, cause: Cause) -> Cause:
+    """Return why a stopped robot lies, if it fell in the stop: a push that came later is what explains it."""
+    fall = next((later for later in history.stops if later.mode == "damp" and later.time > stop.time), None)
+    if fall is None or stop.mode == "damp":
+        return cause
+    fell = _fall(history, fall)
+    if fell.began is not None and fell.began > stop.time:
+        mode = stop.mode.replace("_", " ")
+        return replace(fell, headline=f"{fell.headline}, in the {mode} since {when(stop.time)}")
+    return replace(cause, headline=f"{cause.headline}; the robot fell at {when(fall.time)}")
+
+
 def first_stop(history: History, time: float) -> Stopped | None:
     """Return the stop with which the robot ceased to run, if it did not run at a time [s]; the first of its chain."""
     chain: Stopped | None = None
     until = time
+    now = history.modes(time - 0.05, time)
+    if now and now[-1].mode == "run":
+        return None
     for stop in reversed(history.stops):
         if stop.time > time + AT:
             continue
@@ -195,6 +210,8 @@ def _fall(history: History, stop: Stopped) -> Cause:
     motion = Motion(history.log, stop.time - _LOOK_BACK, stop.time)
     commander = stop.resources.get("base", "") or _commander(stop)
     during = f" while '{last(commander)}' commanded the base" if "base" in stop.resources else ""
+    if not len(motion.time):
+        return Cause("fall", f"{stop.reason}, at {when(stop.time)}{during}", stop.time, commander)
     height = f"its base was {motion.height[-1]:.2f} m high, tilted by {readable(float(motion.tilt[-1]), 'rad')}"
     rows = [("shown by", height)]
     torques = [limited for limited in motion.limited() if limited.what == "torque"]

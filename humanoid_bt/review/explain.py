@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import shlex
 from collections.abc import Iterator
+from dataclasses import replace
 from os import PathLike
 from typing import Any
 
 from humanoid_bt.core.errors import UserError, relative
 from humanoid_bt.record.reading import read_flight
-from humanoid_bt.review.before import before
+from humanoid_bt.review.before import before, chosen
 from humanoid_bt.review.cause import Cause, Row, unrepeated
 from humanoid_bt.review.causes import STOPS, cause_of, control_log
 from humanoid_bt.review.explanation import Explanation
@@ -25,6 +26,8 @@ from humanoid_bt.review.words import cut, line_of, when
 _BEFORE = 2.0  # s before the moment that are told
 _AFTER = 10.0  # s after it in which control is followed
 _STOPS = 5  # that are listed
+_SCREEN = 30  # lines
+_MOST, _LEAST = 7, 3  # lines about what led up to it
 _LOADED = 0.5  # share of a limit from which on a joint is worth a line
 
 
@@ -68,7 +71,7 @@ def _explained(history: History, cause: Cause) -> Explanation:
         )
     begin = (cause.time if cause.began is None else min(cause.began, cause.time)) - _BEFORE
     moments = before(history, max(begin, cause.time - 2 * _BEFORE), cause.time)
-    return Explanation(
+    found = Explanation(
         recording=relative(history.log.path),
         kind=cause.kind,
         headline=cause.headline,
@@ -77,10 +80,14 @@ def _explained(history: History, cause: Cause) -> Explanation:
         place=history.place(cause.node, cause.time),
         rows=list(_rows(history, cause)),
         title="before it",
-        moments=moments,
         after=list(_after(history, cause)),
         data=_data(history, cause),
     )
+    for most in range(_MOST, _LEAST - 1, -1):  # what matters least is left out until it fits
+        found = replace(found, moments=chosen(moments, most))
+        if len(found.text().splitlines()) <= _SCREEN:
+            break
+    return found
 
 
 def _rows(history: History, cause: Cause) -> Iterator[Row]:
@@ -116,7 +123,8 @@ def _after(history: History, cause: Cause) -> Iterator[Row]:
     yield "control", modes_told(history, cause.time)
     if len(history.stops) > 1 or (history.stops and cause.kind not in STOPS):
         for number, stop in enumerate(history.stops[:_STOPS]):
-            text = f"{when(stop.time)} {stop.mode.replace('_', ' ')}: {cut(stop.reason, 80)} ({cut(stop.source, 40)})"
+            by = "" if stop.source == "supervisor" else f" ({cut(stop.source, 40)})"
+            text = f"{when(stop.time)} {stop.mode.replace('_', ' ')}: {cut(stop.reason, 80)}{by}"
             yield "stops" if number == 0 else "", text
         if len(history.stops) > _STOPS:
             yield "", f"and {len(history.stops) - _STOPS} more"

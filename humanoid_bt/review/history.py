@@ -91,10 +91,11 @@ class History:
         news = list(log.news_of("node", "event", "stop", "tree", "end"))
         self.changes = [Change(time, *value) for time, kind, value in news if kind == "node"]
         self.events = [Happened(time, *value) for time, kind, value in news if kind == "event"]
-        self.stops = [Stopped(**value) for _, kind, value in news if kind == "stop"]
+        self.stops = [_stopped(value) for _, kind, value in news if kind == "stop"]
         self.end: dict[str, Any] = next((value for _, kind, value in news if kind == "end"), {})
         self._trees = [(-math.inf, self.setup.get("tree", {}))]
         self._trees += [(time, value) for time, kind, value in news if kind == "tree"]
+        self._nodes = [(since, {node["path"]: node for node in tree.get("nodes", ())}) for since, tree in self._trees]
         self.begin, self.until = log.span
         self.ticked_from = self.changes[0].time if self.changes else self.begin
 
@@ -106,7 +107,7 @@ class History:
 
     def nodes(self, time: float = math.inf) -> dict[str, Mapping[str, Any]]:
         """Return what is kept of the nodes of the tree that ran at a time [s], by path."""
-        return {node["path"]: node for node in self.tree(time).get("nodes", ())}
+        return next((nodes for since, nodes in reversed(self._nodes) if since <= time + AT), {})
 
     def kind(self, path: str, time: float = math.inf) -> Mapping[str, Any]:
         """Return what is kept of a node, nothing if it is unknown."""
@@ -122,8 +123,8 @@ class History:
         Raises:
             UserError: no node is named so.
         """
-        known = dict.fromkeys(path for _, tree in self._trees for path in (node["path"] for node in tree["nodes"]))
-        types = {node["path"]: node["type"] for _, tree in self._trees for node in tree["nodes"]}
+        types = {path: node["type"] for _, nodes in self._nodes for path, node in nodes.items()}
+        known = list(types)
         found = [path for path in known if path == name or path.endswith("/" + name)]
         found = found or [path for path in known if types[path] == name]
         if not found:
@@ -215,6 +216,10 @@ class History:
         for time, _, (of, results) in self.log.news_of("results", begin=begin, end=end):
             if of == path:
                 yield time, results
+
+
+def _stopped(value: Mapping[str, Any]) -> Stopped:
+    return Stopped(*(value[name] for name in Stopped._fields))
 
 
 def _distance(percept: Percept) -> float:

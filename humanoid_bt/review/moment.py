@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator
 
 from humanoid_bt.core.errors import UserError, relative
-from humanoid_bt.review.before import before
+from humanoid_bt.review.before import before, chosen
 from humanoid_bt.review.cause import Row
 from humanoid_bt.review.explanation import Explanation
 from humanoid_bt.review.history import History
@@ -21,6 +21,7 @@ from humanoid_bt.review.scene import (
 )
 from humanoid_bt.review.words import cut, doing, when
 
+_MOST = 12  # moments
 _AROUND = 1.0  # s before and after a moment that are told
 
 
@@ -48,7 +49,7 @@ def moment_explained(history: History, time: float) -> Explanation:
         place=history.place(acting[-1].path, time) if acting else "",
         rows=list(_rows(history, time)),
         title="around it",
-        moments=before(history, time - _AROUND, min(time + _AROUND, until), 12),
+        moments=chosen(before(history, time - _AROUND, min(time + _AROUND, until)), _MOST),
         data={
             "mode": mode[-1].mode if mode else "",
             "gait": tick.state.gait.value if tick else "",

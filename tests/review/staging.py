@@ -64,11 +64,11 @@ class Sleepy(Skill):
     resources = ("base",)
 
     def initialise(self) -> None:
-        self._since, self._slept = self.robot.clock.now(), False
+        self._since = self.robot.clock.now()
 
     def update(self) -> Status:
         self.robot.walk_to((3.0, 0.0), 0.0)
-        if not self._slept and self.robot.clock.now() - self._since >= 0.3:
+        if not getattr(self, "_slept", False) and self.robot.clock.now() - self._since >= 0.3:
             self._slept = True
             time.sleep(0.5)
         return self.running("walking")

@@ -16,6 +16,7 @@ import pytest
 from humanoid_bt.review.explain import explain
 from humanoid_bt.session.session import Session
 from humanoid_bt.testing.rig import ScriptedPerception
+from tests.safety.rows import Contradiction
 
 Play = Callable[..., Path]
 
@@ -30,6 +31,19 @@ def pushed(session: Session) -> None:
 
 def blinded(session: Session) -> None:
     session.engine.perception = ScriptedPerception()  # type: ignore[attr-defined]
+
+
+def pressed_then_pushed(session: Session) -> None:
+    pressed(session)
+    session.run_until(0.92)
+    session.push((0.0, 600.0, 0.0), 0.2)
+
+
+def unsolvable(session: Session) -> None:
+    limits = session.engine.controller.whole_body.kinematics.limits  # type: ignore[attr-defined]
+    limits.append(Contradiction())
+    session.run_until(0.7)
+    del limits[-1]
 
 
 CASES: dict[str, tuple[str, str, dict[str, Any], str]] = {
@@ -51,6 +65,19 @@ CASES: dict[str, tuple[str, str, dict[str, Any], str]] = {
         {"at": 1.0, "do": pushed, "duration": 4.0},
         r"the robot fell at 1\.4\d\d s: something pushed it to the right at 1\.00 s while 'walk' commanded the base",
     ),
+    "fall in an emergency stop": (
+        "walk",
+        "push",
+        {"at": 0.3, "do": pressed_then_pushed, "duration": 4.0, "on_estop": "wait"},
+        r"the robot fell at \d\.\d+ s: something pushed it to the left at 0\.9\d s, "
+        r"in the emergency stop since 0\.300 s",
+    ),
+    "no solution": (
+        "walk",
+        "ik",
+        {"at": 0.3, "do": unsolvable, "duration": 1.0},
+        r"the robot was stopped at 0\.50\d s: inverse kinematics without a solution for more than 200 ms; .*",
+    ),
     "exception": (
         "raise",
         "exception",
@@ -66,9 +93,9 @@ CASES: dict[str, tuple[str, str, dict[str, Any], str]] = {
     "refused": (
         "refused",
         "refused",
-        {},
-        r"commands were refused from 0\.320 s on: the target of 'left_hand' is out of range \(from 'refused/.*wild'\); "
-        r"the robot was stopped at 0\.380 s, the first of 2 times; .*",
+        {"duration": 3.0},
+        r"commands were refused from 0\.320 s on: the target of 'left_hand' is out of range .*; "
+        r"the robot was stopped at 0\.380 s, the first of 7 times; .*",
     ),
     "refused from the start": (
         "nowhere",
@@ -155,10 +182,25 @@ def test_the_first_line_says_what_stopped_the_robot(play: Play, name: str) -> No
     found = explain(play(tree, **how))
     assert re.fullmatch(headline, found.headline), found.headline
     assert found.kind == kind
+    assert (("", "and 2 more") in found.after) == (len(found.data["stops"]) == 7)  # of which five are listed
     for width in (60, 80):
         lines = found.text(width).splitlines()
-        assert len(lines) <= (30 if width == 80 else 42), found.text(width)
+        assert len(lines) <= (30 if width == 80 else 45), found.text(width)
         assert "\x1b" not in found.text(width)
+
+
+def test_a_recording_that_is_still_written_is_explained(stage: Path, tmp_path: Path) -> None:
+    file = tmp_path / "run.rrd"
+    with Session("walk", workspace=stage, record=file, camera=False) as session:
+        session.run_until(1.5)
+        recorder = session._drive._recorder
+        assert recorder is not None
+        while recorder._written < 1.0:
+            recorder._follow()
+        found = explain(file)
+    assert found.headline.endswith(
+        "s, and does not say how the run ended: it is still being written, or the recorder was killed"
+    )
 
 
 _KILLED = """
