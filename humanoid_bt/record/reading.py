@@ -161,7 +161,8 @@ class FlightLog:
     def seen_before(self, time: float) -> Iterator[Percept]:
         """Yield percepts that came up to an engine time [s], the latest first."""
         blocks, until = self.blocks["ticks"], self.until["ticks"]
-        for number in range(min(bisect_left(until, time - _AT), len(blocks) - 1), -1, -1):
+        first = bisect_left(until, time - _AT) + 1  # a tick may stand in the block after the cycles of its time
+        for number in range(min(first, len(blocks) - 1), -1, -1):
             try:
                 messages = unbundle(blocks[number])
                 percepts = [percept for message in messages for percept in percepts_of(message)]

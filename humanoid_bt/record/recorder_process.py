@@ -91,9 +91,9 @@ class RecorderProcess:
         """Do what decision asks; return whether more can come."""
         self._heard = time.monotonic()
         getattr(recorder, method)(*arguments)
-        if method == "sample":
+        if method == "sample":  # a tick is whole
             self._last = arguments[0].time
-        self._save()
+            self._save()
         self._tell(recorder)
         if method == "close":
             self.say("closed")
