@@ -35,6 +35,9 @@ __all__ = [  # noqa: RUF022 (grouped as a reader looks for them)
     "nodes",
     "skills",
     "Key",
+    # Looking back
+    "open_recording",
+    "Recording",
     # Skills
     "Skill",
     "Status",
@@ -90,6 +93,8 @@ if TYPE_CHECKING:
     from humanoid_bt.decision.skill import of_hand as of_hand
     from humanoid_bt.files.workspace import Workspace as Workspace
     from humanoid_bt.perception.track import Track as Track
+    from humanoid_bt.review.recording import Recording as Recording
+    from humanoid_bt.review.recording import open_recording as open_recording
     from humanoid_bt.session.prepare import check as check
     from humanoid_bt.session.prepare import load as load
     from humanoid_bt.session.prepare import skills as skills
@@ -118,6 +123,7 @@ else:
         "humanoid_bt.decision.result": "result",
         "humanoid_bt.decision.robot": "RobotHandle",
         "humanoid_bt.perception.track": "Track",
+        "humanoid_bt.review.recording": "Recording open_recording",
         "humanoid_bt.session.report": "Report",
         "humanoid_bt.session.run": "run",
         "humanoid_bt.session.session": "Session",

@@ -66,9 +66,7 @@ def unpack(packed: bytes, resolution: Array) -> Array:
     size = rows * columns * (4 if form == _ROUNDED else 8)
     if columns != len(resolution) or size > _LARGEST:
         raise BlockError(f"a block has {columns} columns, not {len(resolution)}")
-    raw = zlib.decompress(body, bufsize=max(size, 1))
-    if len(raw) != size:
-        raise BlockError(f"a block of {rows} rows holds {len(raw)} bytes, not {size}")
+    raw = _inflated(body, size)
     if form == _EXACT:
         return np.frombuffer(raw, "<f8").reshape(rows, columns).copy()
     bytes_of = np.frombuffer(raw, np.uint8).reshape(4, columns, rows)
@@ -95,14 +93,36 @@ def unbundle(packed: bytes) -> list[bytes]:
     body = packed[_BUNDLE.size :]
     if zlib.crc32(body) != check or size > _LARGEST:
         raise BlockError("a bundle is damaged")
-    raw, messages, offset = zlib.decompress(body, bufsize=max(size, 1)), list[bytes](), 0
-    while offset < len(raw):
+    raw, messages, offset = _inflated(body, size), list[bytes](), 0
+    while offset + _SIZE.size <= size:
         (length,) = _SIZE.unpack_from(raw, offset)
         messages.append(raw[offset + _SIZE.size : offset + _SIZE.size + length])
         offset += _SIZE.size + length
-    if len(messages) != count or len(raw) != size:
+    if len(messages) != count or offset != size:
         raise BlockError(f"a bundle of {count} messages holds {len(messages)}")
     return messages
+
+
+def is_whole(packed: bytes, bundled: bool) -> bool:
+    """Return whether the bytes of a block, or of a bundle, are as they were written."""
+    header = _BUNDLE if bundled else _HEADER
+    return len(packed) >= header.size and zlib.crc32(packed[header.size :]) == header.unpack_from(packed)[-1]
+
+
+def _inflated(body: bytes, size: int) -> bytes:
+    """Return so many bytes that were compressed: bytes that claim to be few cannot become many.
+
+    Raises:
+        BlockError: they are not so many, or were not compressed.
+    """
+    stream = zlib.decompressobj()
+    try:
+        raw = stream.decompress(body, size + 1)
+    except zlib.error as error:
+        raise BlockError(f"a block is damaged: {error}") from error
+    if len(raw) != size or not stream.eof:
+        raise BlockError(f"a block holds {len(raw)} bytes or more, not {size}")
+    return raw
 
 
 def _by_byte(steps: Array) -> bytes:

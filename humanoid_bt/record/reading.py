@@ -6,6 +6,7 @@ Whatever became of the file, cut, damaged, still being written: what is intact i
 from __future__ import annotations
 
 import json
+import math
 import warnings
 import zlib
 from collections.abc import Iterator
@@ -26,6 +27,7 @@ from humanoid_bt.record.packing import BlockError, unbundle, unpack
 from humanoid_bt.record.tick import Tick
 
 _ENTITY = "/flight"
+_AT = 1e-7  # s; engine times are sums of floats
 _STATIC = ("layout", "setup")
 _BLOCKS = ("plans", "cycles", "ticks", "news")
 _OLDER = "another program made it, or an older version"
@@ -82,15 +84,23 @@ class FlightLog:
     damaged: int = 0
     cut: str = ""
 
-    def cycles(self, kind: str = "cycles") -> Cycles:
-        """Return every servo cycle, or with ``kind="plans"`` every plan of the whole body."""
+    def cycles(self, kind: str = "cycles", begin: float = -math.inf, end: float = math.inf) -> Cycles:
+        """Return servo cycles, or with ``kind="plans"`` plans of the whole body.
+
+        Args:
+            kind: which of both.
+            begin, end: engine times [s], both included.
+        """
         row = self.row(kind)
         parts, damaged = [np.zeros((0, row.width))], 0
         for block in self.blocks[kind]:
             try:
-                parts.append(unpack(block, row.resolution))
+                part = unpack(block, row.resolution)
             except BlockError:
                 damaged += 1
+                continue
+            time = part[:, 0] * SERVO_PERIOD
+            parts.append(part[(time >= begin - _AT) & (time <= end + _AT)])
         rows = np.concatenate(parts)
         described = {column.name: column for column in row.columns}
         return Cycles(rows[:, 0] * SERVO_PERIOD, row.split(rows), described, damaged)
@@ -107,13 +117,26 @@ class FlightLog:
             shown = relative(self.path)
             raise UserError(f"the recording {shown!r} has no servo cycles", hint=_OLDER) from None
 
-    def ticks(self) -> Iterator[Tick]:
-        """Yield every tick, in the order of time."""
+    def ticks(self, begin: float = -math.inf, end: float = math.inf) -> Iterator[Tick]:
+        """Yield ticks, in the order of time.
+
+        Args:
+            begin, end: engine times [s], both included.
+        """
         for message in self._messages("ticks"):
             try:
-                yield Tick.decode(message)
+                tick = Tick.decode(message)
             except WireError:
                 self.damaged += 1
+                continue
+            if begin - _AT <= tick.state.time <= end + _AT:
+                yield tick
+
+    @property
+    def span(self) -> tuple[float, float]:
+        """The engine times [s] of the first and the last servo cycle that the file has; both 0 if it has none."""
+        time = self.cycles().time
+        return (float(time[0]), float(time[-1])) if len(time) else (0.0, 0.0)
 
     @cached_property
     def news(self) -> list[News]:

@@ -37,7 +37,7 @@ def run_setup(tree: Tree, engine: Engine, options: RunOptions, robot: Path, scen
         options: as they were asked for.
         robot, scene: their files.
     """
-    joints = list(engine.robot.joint_names)
+    robot_model = engine.robot
     return {
         "format": 1,
         "began": datetime.now(UTC).isoformat(timespec="seconds"),
@@ -48,7 +48,19 @@ def run_setup(tree: Tree, engine: Engine, options: RunOptions, robot: Path, scen
         "watch": options.watch,
         "workspace": str((tree.workspace or Workspace()).root),
         "tree": tree_setup(tree, options.parameters),
-        "robot": {"name": engine.robot.config.name, "file": _name(robot, tree), "joints": joints},
+        "robot": {
+            "name": robot_model.config.name,
+            "file": _name(robot, tree),
+            "joints": list(robot_model.joint_names),
+            "limits": plain(
+                {
+                    "torque": robot_model.torque_limit,
+                    "speed": robot_model.speed_limit,
+                    "lower": robot_model.lower,
+                    "upper": robot_model.upper,
+                }
+            ),
+        },
         "scene": {"name": engine.scene.config.name, "file": _name(scene, tree)},
         "files": list(_files(tree, robot, scene)),
         "versions": versions(),
