@@ -7,8 +7,6 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-_GIVEN = "given"
-
 
 @dataclass(frozen=True)
 class NodeInfo:
@@ -41,11 +39,6 @@ class ParameterInfo:
     value: Any
     written: Any = None
     origin: str = ""
-
-    @property
-    def is_given(self) -> bool:
-        """Whether it was given from outside, so that it is not the tree's default."""
-        return self.origin.startswith(_GIVEN)
 
 
 def part(data: Any, *keys: str) -> dict[str, Any]:
