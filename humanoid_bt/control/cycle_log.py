@@ -5,6 +5,7 @@ One table has a row for each servo cycle, another one a row for each plan of the
 
 from __future__ import annotations
 
+from collections.abc import Container
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -57,6 +58,11 @@ class Row:
         self.columns = columns
         self.width = sum(len(column.labels) for column in columns)
         self.resolution: Array = np.concatenate([[c.resolution] * len(c.labels) for c in columns])
+
+    def places(self, names: Container[str]) -> list[int]:
+        """Return where the numbers of some columns are in a row."""
+        owners = [column.name for column in self.columns for _ in column.labels]
+        return [place for place, name in enumerate(owners) if name in names]
 
     def split(self, rows: Array) -> dict[str, Array]:
         """Return views of the columns of rows, shape (..., width), by name."""

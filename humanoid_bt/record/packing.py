@@ -13,6 +13,7 @@ from __future__ import annotations
 import struct
 import zlib
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
@@ -51,8 +52,13 @@ def pack(block: Array, resolution: Array) -> bytes:
     return _HEADER.pack(form, rows, columns, zlib.crc32(packed)) + packed
 
 
-def unpack(packed: bytes, resolution: Array) -> Array:
+def unpack(packed: bytes, resolution: Array, only: Sequence[int] | None = None) -> Array:
     """Return a packed block, shape (rows, columns): each number within half of its resolution, or exact.
+
+    Args:
+        packed: the block.
+        resolution: of each of its columns, shape (columns,).
+        only: the columns that are wanted; all if None. What is left out costs little.
 
     Raises:
         BlockError: the bytes are cut, changed, or were packed for other columns.
@@ -67,11 +73,12 @@ def unpack(packed: bytes, resolution: Array) -> Array:
     if columns != len(resolution) or size > _LARGEST:
         raise BlockError(f"a block has {columns} columns, not {len(resolution)}")
     raw = _inflated(body, size)
+    wanted: Any = slice(None) if only is None else list(only)
     if form == _EXACT:
-        return np.frombuffer(raw, "<f8").reshape(rows, columns).copy()
-    bytes_of = np.frombuffer(raw, np.uint8).reshape(4, columns, rows)
-    steps = np.ascontiguousarray(bytes_of.transpose(2, 1, 0)).view("<i4").reshape(rows, columns)
-    return np.cumsum(steps, axis=0, dtype=np.int32) * resolution
+        return np.frombuffer(raw, "<f8").reshape(rows, columns)[:, wanted].copy()
+    bytes_of = np.frombuffer(raw, np.uint8).reshape(4, columns, rows)[:, wanted]
+    steps = np.ascontiguousarray(bytes_of.transpose(2, 1, 0)).view("<i4").reshape(rows, bytes_of.shape[1])
+    return np.cumsum(steps, axis=0, dtype=np.int32) * resolution[wanted]
 
 
 def bundle(messages: Sequence[bytes]) -> bytes:

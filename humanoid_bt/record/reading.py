@@ -9,7 +9,8 @@ import json
 import math
 import warnings
 import zlib
-from collections.abc import Iterator
+from bisect import bisect_left
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from os import PathLike
@@ -21,12 +22,13 @@ import numpy as np
 from humanoid_bt.control.cycle_log import Column, Row
 from humanoid_bt.core.clock import SERVO_PERIOD
 from humanoid_bt.core.errors import UserError, relative
-from humanoid_bt.core.messages import Array
+from humanoid_bt.core.messages import Array, Percept
 from humanoid_bt.link.wire import WireError
+from humanoid_bt.record.cut_file import whole_part
 from humanoid_bt.record.packing import BlockError, unbundle, unpack
-from humanoid_bt.record.tick import Tick
+from humanoid_bt.record.tick import Tick, percepts_of
 
-_ENTITY = "/flight"
+_ENTITY, _TIMELINE = "/flight", "sim_time"
 _AT = 1e-7  # s; engine times are sums of floats
 _STATIC = ("layout", "setup")
 _BLOCKS = ("plans", "cycles", "ticks", "news")
@@ -38,7 +40,7 @@ class News(NamedTuple):
 
     Attributes:
         time: engine time [s].
-        kind: limits, node, results, event, key, unseen, input, stop, tree, end.
+        kind: node, results, event, key, unseen, stop, tree, end.
         value: what happened, as plain data.
     """
 
@@ -72,7 +74,8 @@ class FlightLog:
         path: the file.
         setup: what was run, see :func:`~humanoid_bt.session.setup.run_setup`.
         layout: what the rows of plans and cycles hold.
-        blocks: name -> blocks as they are in the file.
+        blocks: name -> blocks as they are in the file, packed.
+        until: name -> the engine time [s] that no row of the block at the same place is beyond.
         damaged: how many blocks could not be read so far.
         cut: why the file could not be read to its end, "" if it could.
     """
@@ -81,29 +84,47 @@ class FlightLog:
     setup: dict[str, Any] = field(default_factory=dict)
     layout: dict[str, Any] = field(default_factory=dict)
     blocks: dict[str, list[bytes]] = field(default_factory=lambda: {name: [] for name in _BLOCKS})
+    until: dict[str, list[float]] = field(default_factory=lambda: {name: [] for name in _BLOCKS})
     damaged: int = 0
     cut: str = ""
 
-    def cycles(self, kind: str = "cycles", begin: float = -math.inf, end: float = math.inf) -> Cycles:
+    def cycles(
+        self,
+        kind: str = "cycles",
+        begin: float = -math.inf,
+        end: float = math.inf,
+        columns: Sequence[str] | None = None,
+    ) -> Cycles:
         """Return servo cycles, or with ``kind="plans"`` plans of the whole body.
 
         Args:
             kind: which of both.
-            begin, end: engine times [s], both included.
+            begin, end: engine times [s], both included; nothing else is unpacked.
+            columns: names of those that are wanted, all if None.
+
+        Raises:
+            UserError: the recording does not say what is in them.
         """
         row = self.row(kind)
-        parts, damaged = [np.zeros((0, row.width))], 0
-        for block in self.blocks[kind]:
+        names = {column.name for column in row.columns} if columns is None else set(columns)
+        kept = [column for column in row.columns if column.name in names]
+        only = None if columns is None else [0, *row.places(names)]  # the first number is the cycle's
+        parts, damaged = [np.zeros((0, row.width if only is None else len(only)))], 0
+        for block in self._blocks(kind, begin):
             try:
-                part = unpack(block, row.resolution)
-            except BlockError:
+                part = unpack(block, row.resolution, only)
+            except (BlockError, zlib.error):
                 damaged += 1
                 continue
-            time = part[:, 0] * SERVO_PERIOD
-            parts.append(part[(time >= begin - _AT) & (time <= end + _AT)])
+            if len(part) and part[0, 0] * SERVO_PERIOD > end + _AT:
+                break
+            parts.append(part)
         rows = np.concatenate(parts)
-        described = {column.name: column for column in row.columns}
-        return Cycles(rows[:, 0] * SERVO_PERIOD, row.split(rows), described, damaged)
+        time = rows[:, 0] * SERVO_PERIOD
+        inside = (time >= begin - _AT) & (time <= end + _AT)
+        rows, time = (rows, time) if inside.all() else (rows[inside], time[inside])
+        split = (row if only is None else Row(*kept)).split(rows if only is None else rows[:, 1:])
+        return Cycles(time, split, {column.name: column for column in kept}, damaged)
 
     def row(self, kind: str) -> Row:
         """Return what a row of cycles or plans holds.
@@ -123,35 +144,66 @@ class FlightLog:
         Args:
             begin, end: engine times [s], both included.
         """
-        for message in self._messages("ticks"):
+        for message in self._messages("ticks", begin):
             try:
                 tick = Tick.decode(message)
             except WireError:
                 self.damaged += 1
                 continue
-            if begin - _AT <= tick.state.time <= end + _AT:
+            if tick.state.time > end + _AT:
+                return
+            if tick.state.time >= begin - _AT:
                 yield tick
 
-    @property
-    def span(self) -> tuple[float, float]:
-        """The engine times [s] of the first and the last servo cycle that the file has; both 0 if it has none."""
-        time = self.cycles().time
-        return (float(time[0]), float(time[-1])) if len(time) else (0.0, 0.0)
+    def seen_before(self, time: float) -> Iterator[Percept]:
+        """Yield percepts that came up to an engine time [s], the latest first."""
+        blocks, until = self.blocks["ticks"], self.until["ticks"]
+        for number in range(min(bisect_left(until, time - _AT), len(blocks) - 1), -1, -1):
+            try:
+                messages = unbundle(blocks[number])
+                percepts = [percept for message in messages for percept in percepts_of(message)]
+            except (BlockError, WireError, zlib.error):
+                self.damaged += 1
+                continue
+            yield from (percept for percept in reversed(percepts) if percept.stamp <= time + _AT)
 
     @cached_property
     def news(self) -> list[News]:
         """Everything that happened, in the order in which it was told."""
-        found = []
+        return list(self.news_of())
+
+    def news_of(self, *kinds: str) -> Iterator[News]:
+        """Yield what happened of some kinds, of all if none is named; the others are not decoded."""
+        heads = tuple(json.dumps(kind).encode() for kind in kinds)
         for message in self._messages("news"):
+            if heads and not message.partition(b", ")[2].startswith(heads):
+                continue
             try:
                 time, kind, value = json.loads(message)
-                found.append(News(float(time), str(kind), value))
+                yield News(float(time), str(kind), value)
             except (ValueError, TypeError, RecursionError):
                 self.damaged += 1
-        return found
 
-    def _messages(self, name: str) -> Iterator[bytes]:
-        for block in self.blocks[name]:
+    @property
+    def span(self) -> tuple[float, float]:
+        """The engine times [s] of the first and the last servo cycle that the file has; both 0 if it has none."""
+        first, last = (self.cycles("cycles", *at, ("servo",)).time for at in ((0.0, self._first), (self._last, math.inf)))
+        return (float(first[0]), float(last[-1])) if len(first) and len(last) else (0.0, 0.0)
+
+    @property
+    def _first(self) -> float:
+        return self.until["cycles"][0] if self.until["cycles"] else 0.0
+
+    @property
+    def _last(self) -> float:
+        return self.until["cycles"][-2] if len(self.until["cycles"]) > 1 else 0.0
+
+    def _blocks(self, name: str, begin: float) -> list[bytes]:
+        """Return the blocks in which something may be from a time [s] on."""
+        return self.blocks[name][bisect_left(self.until[name], begin - _AT) :]
+
+    def _messages(self, name: str, begin: float = -math.inf) -> Iterator[bytes]:
+        for block in self._blocks(name, begin):
             try:
                 yield from unbundle(block)
             except (BlockError, zlib.error):
@@ -166,13 +218,15 @@ def read_flight(path: str | PathLike[str]) -> FlightLog:
     """
     log = FlightLog(Path(path))
     try:
-        for column, value in _values(log.path):
-            if column in _STATIC:
-                setattr(log, column, _data(value))
-            else:
-                log.blocks[column].append(value)
+        try:
+            _fill(log, log.path)
+        except RuntimeError as error:
+            log.cut = _why(error)
+            if not log.layout:  # of a file that ends within a message nothing is read
+                with whole_part(log.path) as part:
+                    _fill(log, part)
     except (RuntimeError, OSError, ValueError) as error:
-        log.cut = str(error).strip().split("\n", maxsplit=1)[0]
+        log.cut = log.cut or _why(error)
         if not log.layout:
             raise UserError(f"{relative(log.path)!r} is no recording that can be read: {log.cut}") from error
     if not log.layout:
@@ -189,23 +243,48 @@ def read_cycles(path: str | PathLike[str], kind: str = "cycles") -> Cycles:
     return read_flight(path).cycles(kind)
 
 
+def _fill(log: FlightLog, path: Path) -> None:
+    """Take what a file holds into a log."""
+    for column, time, value in _values(path):
+        if column in _STATIC:
+            setattr(log, column, _data(value))
+        else:
+            log.blocks[column].append(value)
+            log.until[column].append(max(time, log.until[column][-1]) if log.until[column] else time)
+
+
+def _why(error: Exception) -> str:
+    return str(error).strip().split("\n", maxsplit=1)[0]
+
+
 def _data(text: str) -> dict[str, Any]:
     data = json.loads(text)
     return data if isinstance(data, dict) else {}
 
 
-def _values(path: Path) -> Iterator[tuple[str, Any]]:
-    """Yield column and value of all that is kept exactly, in the order of the file."""
+def _values(path: Path) -> Iterator[tuple[str, float, Any]]:
+    """Yield column, time [s] and value of all that is kept exactly, in the order of the file."""
+    for chunk in _chunks(path):
+        batch = chunk.to_record_batch()
+        names = batch.schema.names
+        timed = _TIMELINE in names
+        times = [time.value for time in batch.column(_TIMELINE)] if timed else [0] * batch.num_rows  # a cast costs more
+        for column in (*_STATIC, *_BLOCKS):
+            if column in names:
+                for time, row in zip(times, batch.column(column).to_pylist(), strict=True):
+                    for value in row or ():
+                        yield column, time * 1e-9, value
+
+
+def _chunks(path: Path) -> Iterator[Any]:
+    """Yield the chunks with what is kept exactly; of a whole file nothing else is read."""
     import rerun as rr  # noqa: PLC0415  # it takes half a second, and most programs read nothing
 
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # of a recording that is still written, or was never closed
         reader = rr.chunk.RrdReader(path)
-    for chunk in reader.stream():
-        if chunk.entity_path == _ENTITY:
-            batch = chunk.to_record_batch()
-            for column in (*_STATIC, *_BLOCKS):
-                if column in batch.schema.names:
-                    for row in batch.column(column):
-                        for value in row.as_py() or ():
-                            yield column, value
+        try:
+            whole = reader.store().stream()
+        except (RuntimeError, ValueError):  # no list of chunks at its end: it is still written, or was never closed
+            whole = reader.stream()
+    yield from whole.filter(content=_ENTITY)

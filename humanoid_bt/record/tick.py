@@ -55,9 +55,18 @@ class Tick:
         Raises:
             WireError: they hold none.
         """
-        took, state, percepts, command = _parts(data)
-        seen = decode_percepts(percepts).percepts if percepts else ()
-        return cls(decode_state(state), seen, decode_command(command) if command else None, took)
+        took, state, _, command = _parts(data)
+        return cls(decode_state(state), percepts_of(data), decode_command(command) if command else None, took)
+
+
+def percepts_of(data: bytes) -> Sequence[Percept]:
+    """Return what was perceived since the tick before the one that bytes hold.
+
+    Raises:
+        WireError: they hold none.
+    """
+    percepts = _parts(data)[2]
+    return decode_percepts(percepts).percepts if percepts else ()
 
 
 def state_of(data: bytes) -> State:

@@ -215,7 +215,7 @@ TABLES: dict[str, TableSpec] = {
         (_TIME, Column("kind", "text", "push or reset"), Column("value", "text", _JSON)),
     ),
     "limits": TableSpec(
-        "A joint's limits.",
+        "A joint's limits; null where it has none.",
         (
             Column("joint", "text", "the joint"),
             Column("torque", "number", "largest torque of the drive", "Nm"),

@@ -54,7 +54,7 @@ def is_recording(path: Path) -> bool:
 def given_parameters(path: Path) -> dict[str, Any]:
     """Return what a file of parameters, or a recording, gives a tree, by name.
 
-    Values of a file have their places. Of a recording all come, the defaults of its tree too: these may be others today.
+    Values of a file have their places. Of a recording all come: its tree's defaults may be others today.
 
     Raises:
         UserError: it cannot be read, or is neither.
@@ -88,9 +88,7 @@ def as_yaml(recording: Recording) -> str:
     return "\n".join([*(one_line(line) for line in head.splitlines()), *(body or ["{}"])]) + "\n"
 
 
-def changed_parameters(
-    before: dict[str, ParameterInfo], after: dict[str, ParameterInfo]
-) -> Iterator[ParameterChange]:
+def changed_parameters(before: dict[str, ParameterInfo], after: dict[str, ParameterInfo]) -> Iterator[ParameterChange]:
     """Yield the parameters that have different values, or are only on one side."""
     for name in dict.fromkeys((*before, *after)):
         one, other = before.get(name), after.get(name)

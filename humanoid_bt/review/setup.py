@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
@@ -90,8 +89,6 @@ def joints(setup: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
 
 
 def _at(values: Any, number: int) -> float | None:
-    """Return a number of a list; JSON has no form for one that is infinite."""
+    """Return a number of a list, None for one that is infinite."""
     value = values[number] if isinstance(values, list) and number < len(values) else None
-    if isinstance(value, str) and value in ("inf", "-inf"):
-        return math.inf if value == "inf" else -math.inf
     return float(value) if isinstance(value, (int, float)) and not isinstance(value, bool) else None

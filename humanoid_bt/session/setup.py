@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import hashlib
+import math
 import os
 import platform
 import sys
@@ -19,6 +20,7 @@ from humanoid_bt.core.plain import plain
 from humanoid_bt.decision.skill_files import class_file
 from humanoid_bt.files import document
 from humanoid_bt.files.workspace import Workspace
+from humanoid_bt.robot.model import RobotModel
 from humanoid_bt.session.engine import Engine
 from humanoid_bt.session.options import RunOptions
 from humanoid_bt.session.report import versions
@@ -37,7 +39,6 @@ def run_setup(tree: Tree, engine: Engine, options: RunOptions, robot: Path, scen
         options: as they were asked for.
         robot, scene: their files.
     """
-    robot_model = engine.robot
     return {
         "format": 1,
         "began": datetime.now(UTC).isoformat(timespec="seconds"),
@@ -48,24 +49,21 @@ def run_setup(tree: Tree, engine: Engine, options: RunOptions, robot: Path, scen
         "watch": options.watch,
         "workspace": str((tree.workspace or Workspace()).root),
         "tree": tree_setup(tree, options.parameters),
-        "robot": {
-            "name": robot_model.config.name,
-            "file": _name(robot, tree),
-            "joints": list(robot_model.joint_names),
-            "limits": plain(
-                {
-                    "torque": robot_model.torque_limit,
-                    "speed": robot_model.speed_limit,
-                    "lower": robot_model.lower,
-                    "upper": robot_model.upper,
-                }
-            ),
-        },
+        "robot": {"name": engine.robot.config.name, "file": _name(robot, tree), **_body(engine.robot)},
         "scene": {"name": engine.scene.config.name, "file": _name(scene, tree)},
         "files": list(_files(tree, robot, scene)),
         "versions": versions(),
         "machine": _machine(),
     }
+
+
+def _body(robot: RobotModel) -> dict[str, Any]:
+    """Return the joints of a robot and what limits each: soft limits [rad], torque [Nm], speed [rad/s]; its mass [kg]."""
+    limits = {"lower": robot.lower, "upper": robot.upper, "torque": robot.torque_limit, "speed": robot.speed_limit}
+    # JSON has no infinity: a joint that turns without end has no limit
+    finite = {name: [value if math.isfinite(value) else None for value in of.tolist()] for name, of in limits.items()}
+    fall = {"tilt": robot.config.fall.tilt, "height": robot.config.fall.height}
+    return {"joints": list(robot.joint_names), "limits": finite, "mass": robot.mass, "fall": fall}
 
 
 def tree_setup(tree: Tree, given: Mapping[str, Any]) -> dict[str, Any]:

@@ -12,7 +12,7 @@ import rerun as rr
 from humanoid_bt.control.cycle_log import Layout
 from humanoid_bt.core.errors import UserError
 from humanoid_bt.link.table import TableWriter
-from humanoid_bt.record.reading import read_cycles
+from humanoid_bt.record.reading import read_cycles, read_flight
 from humanoid_bt.record.recorder import Recorder
 from humanoid_bt.session.session import Session
 from tests.record.conftest import JOINTS
@@ -98,3 +98,42 @@ def test_a_file_without_them_is_answered(tmp_path: Path) -> None:
     for path in (damaged, tmp_path / "missing.rrd"):
         with pytest.raises(UserError, match="no recording that can be read"):
             read_cycles(path)
+
+
+@pytest.fixture(scope="module")
+def stood(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The recording of a short run."""
+    file = tmp_path_factory.mktemp("stood") / "run.rrd"
+    with Session("stand", duration=1.0, record=file, camera=False) as session:
+        session.run()
+    return file
+
+
+def test_a_part_of_the_cycles_is_as_in_all_of_them(stood: Path) -> None:
+    log = read_flight(stood)
+    for kind in ("cycles", "plans"):
+        whole, part = log.cycles(kind), log.cycles(kind, 0.3, 0.7)
+        inside = (whole.time > 0.2999) & (whole.time < 0.7001)
+        np.testing.assert_array_equal(part.time, whole.time[inside])
+        for name, values in part.columns.items():
+            np.testing.assert_array_equal(values, whole.columns[name][inside])
+    torque = log.cycles("cycles", 0.3, 0.7, ["torque"])
+    assert list(torque.columns) == ["torque"]
+    np.testing.assert_array_equal(torque.columns["torque"], log.cycles("cycles", 0.3, 0.7).columns["torque"])
+
+
+def test_a_part_of_the_ticks_is_as_in_all_of_them(stood: Path) -> None:
+    log = read_flight(stood)
+    times = [tick.state.time for tick in log.ticks() if 0.2999 < tick.state.time < 0.7001]
+    assert [tick.state.time for tick in log.ticks(0.3, 0.7)] == times
+    assert log.span == pytest.approx((0.001, 1.0), abs=0.03)
+
+
+@pytest.mark.parametrize("share", [0.5, 0.9, 0.999])
+def test_a_file_that_was_cut_is_read_as_far_as_it_goes(stood: Path, tmp_path: Path, share: float) -> None:
+    cut = tmp_path / "cut.rrd"
+    cut.write_bytes(stood.read_bytes()[: int(share * stood.stat().st_size)])
+    whole, part = read_flight(stood), read_flight(cut)
+    assert part.setup == whole.setup
+    assert 0 < len(part.blocks["cycles"]) <= len(whole.blocks["cycles"])
+    assert part.blocks["cycles"] == whole.blocks["cycles"][: len(part.blocks["cycles"])]
