@@ -68,6 +68,7 @@ _COMMANDS = {
     "skills": "inspect",
     "scenes": "inspect",
     "robots": "inspect",
+    "params": "params",
     "estop": "estop",
     "reset": "remote",
     "status": "remote",

@@ -11,6 +11,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from types import FrameType
+from typing import Any
 
 from rich.console import Console
 from rich.text import Text
@@ -60,7 +61,7 @@ def _session(arguments: argparse.Namespace, printer: Printer) -> Session:
         workspace=arguments.workspace,
         robot=arguments.robot,
         scene=arguments.scene,
-        parameters=_overrides(arguments.overrides),
+        parameters=_parameters(arguments),
         seed=arguments.seed,
         duration=arguments.duration,
         on_estop=arguments.on_estop,
@@ -88,6 +89,16 @@ def _report(session: Session) -> Report:
         if not session.outcome:
             raise
         return session.report
+
+
+def _parameters(arguments: argparse.Namespace) -> dict[str, Any]:
+    """Return what the tree's parameters are given."""
+    values = _overrides(arguments.overrides)
+    if arguments.params is None:
+        return values
+    from humanoid_bt.review.parameters import given_parameters
+
+    return {**given_parameters(arguments.params), **values}
 
 
 def _overrides(texts: list[str]) -> dict[str, str]:

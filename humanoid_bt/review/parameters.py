@@ -135,14 +135,16 @@ def _items(path: Path) -> dict[str, Item]:
 
 
 def _line(name: str, parameter: ParameterInfo) -> str:
-    """Return a parameter as YAML."""
-    try:
-        text = yaml.safe_dump(
-            {name: _written(parameter)}, sort_keys=False, allow_unicode=True, width=math.inf, default_flow_style=None
-        )
-    except yaml.YAMLError:  # half characters, which no YAML has
-        text = json.dumps({name: str(parameter.value)}, ensure_ascii=True)[1:-1]
-    return text.strip()
+    """Return a parameter as YAML, on one line."""
+    return f"{_yaml(name)}: {_yaml(_written(parameter))}"
+
+
+def _yaml(value: Any) -> str:
+    """Return a value as YAML on one line; text with characters that nobody sees in quotes, with these written out."""
+    plain = str(value).isprintable() and "\\" not in str(value)
+    style: dict[str, Any] = {"allow_unicode": True} if plain else {"default_style": '"'}
+    text: str = yaml.safe_dump(value, sort_keys=False, width=math.inf, default_flow_style=True, **style)
+    return text.removesuffix("...\n").strip()
 
 
 def _written(parameter: ParameterInfo) -> Any:

@@ -9,6 +9,7 @@ from humanoid_bt.cli.arguments.bench import add_bench
 from humanoid_bt.cli.arguments.check import add_check
 from humanoid_bt.cli.arguments.fmt import add_fmt
 from humanoid_bt.cli.arguments.lists import add_lists
+from humanoid_bt.cli.arguments.params import add_params
 from humanoid_bt.cli.arguments.parsing import EXIT_CODES, Commands, Parser
 from humanoid_bt.cli.arguments.remote import add_estop, add_reset, add_status
 from humanoid_bt.cli.arguments.run import add_run
@@ -18,6 +19,7 @@ from humanoid_bt.cli.arguments.show import add_show
 _COMMANDS = (
     *(add_run, add_check, add_fmt, add_show),
     *(add_lists, add_schema),
+    add_params,
     *(add_estop, add_reset, add_status),
     add_bench,
 )
