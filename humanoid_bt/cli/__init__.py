@@ -68,6 +68,7 @@ _COMMANDS = {
     "skills": "inspect",
     "scenes": "inspect",
     "robots": "inspect",
+    "export": "export",
     "params": "params",
     "estop": "estop",
     "reset": "remote",

@@ -7,6 +7,7 @@ import argparse
 from humanoid_bt import __version__
 from humanoid_bt.cli.arguments.bench import add_bench
 from humanoid_bt.cli.arguments.check import add_check
+from humanoid_bt.cli.arguments.export import add_export
 from humanoid_bt.cli.arguments.fmt import add_fmt
 from humanoid_bt.cli.arguments.lists import add_lists
 from humanoid_bt.cli.arguments.params import add_params
@@ -19,7 +20,7 @@ from humanoid_bt.cli.arguments.show import add_show
 _COMMANDS = (
     *(add_run, add_check, add_fmt, add_show),
     *(add_lists, add_schema),
-    add_params,
+    *(add_export, add_params),
     *(add_estop, add_reset, add_status),
     add_bench,
 )
