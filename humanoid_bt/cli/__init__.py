@@ -68,6 +68,7 @@ _COMMANDS = {
     "skills": "inspect",
     "scenes": "inspect",
     "robots": "inspect",
+    "diff": "diff",
     "export": "export",
     "params": "params",
     "estop": "estop",

@@ -17,6 +17,7 @@ import pyarrow as pa
 from humanoid_bt.core.errors import UserError, nearest, relative
 from humanoid_bt.record.packing import is_whole
 from humanoid_bt.record.reading import FlightLog, read_flight
+from humanoid_bt.record.tick import Tick
 from humanoid_bt.review import samples, setup
 from humanoid_bt.review import ticks as ticking
 from humanoid_bt.review.columns import TABLES, TableSpec
@@ -39,11 +40,12 @@ class Recording:
 
     Attributes:
         path: the file.
+        happened: what was told during the run, as rows; tables have the same.
     """
 
     def __init__(self, log: FlightLog) -> None:
         self._log = log
-        self._happened = Happened(log)
+        self.happened = Happened(log)
         self.path = log.path
 
     # ---- what was run -----------------------------------------------------------------------------------------------
@@ -61,22 +63,22 @@ class Recording:
     @property
     def outcome(self) -> str:
         """How the run ended: success, failure, unfinished, stopped, error or interrupted; "" if nobody knows."""
-        return setup.text(self._happened.end, "outcome")
+        return setup.text(self.happened.end, "outcome")
 
     @property
     def reason(self) -> str:
         """Why it ended, in words."""
-        return setup.text(self._happened.end, "reason")
+        return setup.text(self.happened.end, "reason")
 
     @cached_property
     def duration(self) -> float:
         """Engine time of the last that was recorded [s]."""
-        return max(self._log.span[1], self._happened.last)
+        return max(self._log.span[1], self.happened.last)
 
     @property
     def ended(self) -> float:
         """Engine time at which the tree ended [s]; the robot is brought to a stand after it."""
-        told = self._happened.end.get("tree_ended")
+        told = self.happened.end.get("tree_ended")
         return float(told) if isinstance(told, (int, float)) else self.duration
 
     @property
@@ -88,8 +90,8 @@ class Recording:
                 found.append(f"{count} of {len(blocks)} blocks of {name} are damaged")
         if self._log.cut:
             found.append(f"the file is damaged, and read up to {self.duration:.2f} s: {self._log.cut}")
-        if self._happened.odd:
-            found.append(f"{self._happened.odd} entries cannot be understood")
+        if self.happened.odd:
+            found.append(f"{self.happened.odd} entries cannot be understood")
         return found
 
     # ---- tables -----------------------------------------------------------------------------------------------------
@@ -196,6 +198,10 @@ class Recording:
         for part in parts:
             yield pa.RecordBatch.from_arrays([part[field.name] for field in schema], schema=schema)
 
+    def every_tick(self) -> Iterator[Tick]:
+        """Yield every tick as it was: what it saw, what it commanded."""
+        return self._log.ticks()
+
     def _sampled(self, name: str, begin: float, end: float, step: int) -> Iterator[dict[str, Any]]:
         make: Callable[..., Iterator[dict[str, Any]]] = {"joints": samples.joints, "body": samples.body}[name]
         spec = TABLES[name]
@@ -211,7 +217,7 @@ class Recording:
             yield {c.name: _array([row.get(c.name) for row in kept], spec, c.name) for c in spec.columns}
 
     def _rows(self, name: str, begin: float, end: float) -> Iterable[Row]:
-        happened = self._happened
+        happened = self.happened
         ticks = partial(self._log.ticks, begin, end)
         makers: dict[str, Callable[[], Iterable[Row]]] = {
             "ticks": lambda: ticking.ticks(ticks(), happened.nodes),

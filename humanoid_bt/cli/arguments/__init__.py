@@ -7,6 +7,7 @@ import argparse
 from humanoid_bt import __version__
 from humanoid_bt.cli.arguments.bench import add_bench
 from humanoid_bt.cli.arguments.check import add_check
+from humanoid_bt.cli.arguments.diff import add_diff
 from humanoid_bt.cli.arguments.export import add_export
 from humanoid_bt.cli.arguments.fmt import add_fmt
 from humanoid_bt.cli.arguments.lists import add_lists
@@ -20,7 +21,7 @@ from humanoid_bt.cli.arguments.show import add_show
 _COMMANDS = (
     *(add_run, add_check, add_fmt, add_show),
     *(add_lists, add_schema),
-    *(add_export, add_params),
+    *(add_diff, add_export, add_params),
     *(add_estop, add_reset, add_status),
     add_bench,
 )

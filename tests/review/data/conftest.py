@@ -26,6 +26,11 @@ def other(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return short_run(tmp_path_factory.mktemp("recorded") / "other.rrd", parameters={"stop_distance": "35 cm"})
 
 
+@pytest.fixture(scope="session")
+def again(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return short_run(tmp_path_factory.mktemp("recorded") / "again.rrd")
+
+
 @pytest.fixture
 def recording(file: Path) -> Recording:
     return open_recording(file)

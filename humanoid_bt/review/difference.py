@@ -1,0 +1,72 @@
+"""How two recorded runs differ: in what was run, and in what happened."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass, field
+from typing import Any
+
+from humanoid_bt.core.errors import UserError
+from humanoid_bt.review import setup
+from humanoid_bt.review.compare_run import NodeShift, Parting, first_parting, node_shifts, result_changes
+from humanoid_bt.review.compare_setup import Change, setup_changes
+from humanoid_bt.review.recording import Recording
+
+TICK = 0.02
+"""Times of nodes that differ by no more [s] are the same, unless another tolerance is asked for."""
+
+
+@dataclass(frozen=True)
+class Difference:
+    """How two recorded runs differ.
+
+    Attributes:
+        changes: settings, parameters, files, nodes of the tree, versions, machine; results and outcome.
+        parting: the first moment in which they are not the same, None if there is none.
+        nodes: the first change of each node that is not the same, in the order of time.
+    """
+
+    changes: list[Change] = field(default_factory=list)
+    parting: Parting | None = None
+    nodes: list[NodeShift] = field(default_factory=list)
+
+    @property
+    def is_none(self) -> bool:
+        """Whether the runs are the same."""
+        return not (self.changes or self.nodes or self.parting)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return everything as plain data for JSON."""
+        return {
+            "same": self.is_none,
+            "changes": [asdict(change) for change in self.changes],
+            "parting": None if self.parting is None else self.parting._asdict(),
+            "nodes": [shift._asdict() for shift in self.nodes],
+        }
+
+
+def difference(one: Recording, other: Recording, tolerance: float = 0.0, within: float = TICK) -> Difference:
+    """Return how two runs differ.
+
+    Args:
+        one, other: their recordings.
+        tolerance: numbers of states, percepts, commands and results that differ by no more are the same.
+        within: times of nodes that differ by no more [s] are the same.
+
+    Raises:
+        UserError: a tolerance is negative.
+    """
+    if not (tolerance >= 0 and within >= 0):
+        raise UserError(f"a tolerance must be a number, 0 or more, not {min(tolerance, within)}")
+    joints = [row["joint"] for row in setup.joints(one.setup)]
+    changes = list(setup_changes(one.setup, other.setup))
+    changes += result_changes(one.happened.results, other.happened.results, tolerance)
+    for name, before, after in (("outcome", one.outcome, other.outcome), ("reason", one.reason, other.reason)):
+        if before != after:
+            changes.append(Change("outcome", name, before or None, after or None))
+    return Difference(
+        changes,
+        first_parting(
+            (one.every_tick(), one.happened.nodes), (other.every_tick(), other.happened.nodes), joints, tolerance
+        ),
+        node_shifts(one.happened.nodes, other.happened.nodes, within),
+    )
