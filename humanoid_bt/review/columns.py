@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import pyarrow as pa
@@ -49,7 +50,7 @@ class TableSpec:
     columns: tuple[Column, ...]
     sampled: bool = False
 
-    @property
+    @cached_property
     def schema(self) -> Any:
         """The table's ``pyarrow.Schema``, with unit and meaning of each column in its metadata."""
         return pa.schema(

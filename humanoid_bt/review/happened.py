@@ -205,4 +205,4 @@ def _text(value: Any) -> str:
     """
     if not isinstance(value, str):
         raise TypeError(f"{value!r} is no text")
-    return value.encode(errors="replace").decode()  # half characters, which no file takes
+    return value

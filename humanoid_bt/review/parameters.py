@@ -16,11 +16,11 @@ from humanoid_bt.core.items import Item
 from humanoid_bt.core.texts import one_line
 from humanoid_bt.core.units import quantity
 from humanoid_bt.files import document
+from humanoid_bt.record.rrd import MAGIC
 from humanoid_bt.review import setup
 from humanoid_bt.review.recording import Recording, open_recording
 from humanoid_bt.review.setup import ParameterInfo
 
-_MAGIC = b"RRF2"  # what a recording begins with
 _NOISE = 1e-9  # relative; a unit's factor leaves as much in a number
 
 
@@ -46,7 +46,7 @@ def is_recording(path: Path) -> bool:
         if not path.is_file():  # a pipe would wait for somebody who writes
             return False
         with path.open("rb") as file:
-            return file.read(len(_MAGIC)) == _MAGIC
+            return file.read(len(MAGIC)) == MAGIC
     except (OSError, ValueError):
         return False
 

@@ -9,7 +9,6 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import cached_property, partial
 from itertools import islice
 from os import PathLike
-from pathlib import Path
 from typing import Any
 
 import pyarrow as pa
@@ -20,11 +19,12 @@ from humanoid_bt.record.reading import FlightLog, read_flight
 from humanoid_bt.record.tick import Tick
 from humanoid_bt.review import samples, setup
 from humanoid_bt.review import ticks as ticking
-from humanoid_bt.review.columns import TABLES, TableSpec
+from humanoid_bt.review.columns import TABLES
 from humanoid_bt.review.happened import Happened, Row
 
 Between = tuple[float, float]
 _BATCH = 2000  # rows
+_NO_SENSE = (TypeError, ValueError, LookupError, ArithmeticError, pa.ArrowException)
 _BUNDLED = ("ticks", "news")
 
 
@@ -73,7 +73,10 @@ class Recording:
     @cached_property
     def duration(self) -> float:
         """Engine time of the last that was recorded [s]."""
-        return max(self._log.span[1], self.happened.last)
+        try:
+            return max(self._log.span[1], self.happened.last)
+        except _NO_SENSE:  # it has no servo cycles
+            return self.happened.last
 
     @property
     def ended(self) -> float:
@@ -89,9 +92,9 @@ class Recording:
             if count := sum(not is_whole(block, name in _BUNDLED) for block in blocks):
                 found.append(f"{count} of {len(blocks)} blocks of {name} are damaged")
         if self._log.cut:
-            found.append(f"the file is damaged, and read up to {self.duration:.2f} s: {self._log.cut}")
-        if self.happened.odd:
-            found.append(f"{self.happened.odd} entries cannot be understood")
+            found.append(f"the file was read up to {self.duration:.2f} s: {self._log.cut}")
+        if unread := self.happened.odd + self._log.damaged:
+            found.append(f"{unread} entries cannot be read")
         return found
 
     # ---- tables -----------------------------------------------------------------------------------------------------
@@ -192,29 +195,33 @@ class Recording:
         """
         schema, spec = _chosen(name, columns), TABLES[name]
         begin, end = _times(between)
-        parts = (
-            self._sampled(name, begin, end, samples.step_of(rate)) if spec.sampled else self._listed(name, begin, end)
-        )
-        for part in parts:
-            yield pa.RecordBatch.from_arrays([part[field.name] for field in schema], schema=schema)
+        if spec.sampled:
+            yield from self._sampled(name, begin, end, samples.step_of(rate), schema)
+        else:
+            yield from self._listed(name, begin, end, schema)
 
     def every_tick(self) -> Iterator[Tick]:
         """Yield every tick as it was: what it saw, what it commanded."""
         return self._log.ticks()
 
-    def _sampled(self, name: str, begin: float, end: float, step: int) -> Iterator[dict[str, Any]]:
+    def _sampled(self, name: str, begin: float, end: float, step: int, schema: Any) -> Iterator[Any]:
         make: Callable[..., Iterator[dict[str, Any]]] = {"joints": samples.joints, "body": samples.body}[name]
-        spec = TABLES[name]
-        for part in make(self._log, begin, end, step):
-            yield {c.name: _array(part[c.name], spec, c.name) for c in spec.columns}
+        try:
+            for part in make(self._log, begin, end, step):
+                yield pa.RecordBatch.from_arrays([_array(part[f.name], f.type) for f in schema], schema=schema)
+        except UserError:
+            raise
+        except _NO_SENSE as error:
+            why = str(error).split("\n", maxsplit=1)[0]
+            raise UserError(f"{relative(self.path)!r} has servo cycles that make no sense: {why}") from error
 
-    def _listed(self, name: str, begin: float, end: float) -> Iterator[dict[str, Any]]:
-        spec = TABLES[name]
+    def _listed(self, name: str, begin: float, end: float, schema: Any) -> Iterator[Any]:
         rows = iter(self._rows(name, begin, end))
-        timed = spec.columns[0].name == "time"
+        timed = TABLES[name].columns[0].name == "time"
         while batch := list(islice(rows, _BATCH)):
             kept = [row for row in batch if not timed or _is_between(row, begin, end)]
-            yield {c.name: _array([row.get(c.name) for row in kept], spec, c.name) for c in spec.columns}
+            columns = [pa.array([_whole(row.get(f.name)) for row in kept], f.type) for f in schema]
+            yield pa.RecordBatch.from_arrays(columns, schema=schema)
 
     def _rows(self, name: str, begin: float, end: float) -> Iterable[Row]:
         happened = self.happened
@@ -257,14 +264,7 @@ def open_recording(path: str | PathLike[str]) -> Recording:
     """
     if not isinstance(path, (str, os.PathLike)):
         raise UserError(f"a recording is opened by its file, not by {path!r}")
-    try:
-        return Recording(read_flight(path))
-    except UserError:
-        raise
-    except BaseException as error:  # what the library panics with is no Exception
-        if type(error).__name__ != "PanicException":
-            raise
-        raise UserError(f"{relative(Path(path))!r} is no recording that can be read: {error}") from error
+    return Recording(read_flight(path))
 
 
 def _chosen(name: str, columns: Sequence[str] | None) -> Any:
@@ -308,7 +308,11 @@ def _is_between(row: Row, begin: float, end: float) -> bool:
     return first <= end and last >= begin
 
 
-def _array(values: Any, spec: TableSpec, name: str) -> Any:
+def _whole(value: Any) -> Any:
+    """Return a value without half characters, which no file takes."""
+    return value.encode(errors="replace").decode() if isinstance(value, str) and not value.isascii() else value
+
+
+def _array(values: Any, kind: Any) -> Any:
     """Return values as an array of their column's type."""
-    kind = spec.schema.field(name).type
     return values.cast(kind) if isinstance(values, pa.Array) else pa.array(values, kind)

@@ -97,21 +97,16 @@ def _windows(log: FlightLog, begin: float, end: float, step: int) -> Iterator[tu
     first, last = log.span
     last = min(last, first + _LONGEST_BLOCK * len(log.blocks["cycles"]))  # a damaged number is no reason to wait
     at, end = max(begin, first), min(end, last)
-    while at <= end + _QUARTER:
+    while at <= end + _QUARTER and math.isfinite(at):
         until = min(at + _WINDOW, end + SERVO_PERIOD)
-        try:
-            cycles = log.cycles("cycles", at - _QUARTER, until - 3 * _QUARTER)
-            plans = log.cycles("plans", at - _HELD, until)
-            chosen = np.round(cycles.time / SERVO_PERIOD).astype(np.int64) % step == 0
-            kept = {name: numbers[chosen] for name, numbers in cycles.columns.items()}
-            found = Cycles(cycles.time[chosen], kept, cycles.described, cycles.damaged)
-            latest = np.searchsorted(plans.time, found.time + _QUARTER, side="right") - 1
-            if len(found.time):
-                yield found, plans, latest
-        except (TypeError, ValueError, KeyError, IndexError) as error:  # a layout of another kind
-            if isinstance(error, UserError):
-                raise
-            raise UserError(f"the recording has servo cycles that cannot be understood: {error}") from error
+        cycles = log.cycles("cycles", at - _QUARTER, until - 3 * _QUARTER)
+        plans = log.cycles("plans", at - _HELD, until)
+        chosen = np.round(cycles.time / SERVO_PERIOD).astype(np.int64) % step == 0
+        kept = {name: numbers[chosen] for name, numbers in cycles.columns.items()}
+        found = Cycles(cycles.time[chosen], kept, cycles.described, cycles.damaged)
+        latest = np.searchsorted(plans.time, found.time + _QUARTER, side="right") - 1
+        if len(found.time):
+            yield found, plans, latest
         at = until
 
 
