@@ -6,7 +6,7 @@ import json
 import math
 import os
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from functools import cached_property, partial
+from functools import partial
 from itertools import islice
 from os import PathLike
 from typing import Any
@@ -70,7 +70,7 @@ class Recording:
         """Why it ended, in words."""
         return setup.text(self.happened.end, "reason")
 
-    @cached_property
+    @property
     def duration(self) -> float:
         """Engine time of the last that was recorded [s]."""
         try:
