@@ -12,8 +12,8 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
 from humanoid_bt.cli.console import SafeConsole
 from humanoid_bt.core.errors import UserError, relative
-from humanoid_bt.review import export as exporting
-from humanoid_bt.review.export import Wanted
+from humanoid_bt.review.export import Progress as Tell
+from humanoid_bt.review.export import Wanted, export_tables
 from humanoid_bt.review.newest import newest_recording
 from humanoid_bt.review.recording import Recording, open_recording
 from humanoid_bt.session.report import ExitCode
@@ -37,16 +37,19 @@ def export(arguments: argparse.Namespace) -> int:
     return ExitCode.SUCCESS
 
 
-def _write(
-    arguments: argparse.Namespace, recording: Recording, wanted: Wanted, progress: exporting.Progress
-) -> list[Path]:
+def _write(arguments: argparse.Namespace, recording: Recording, wanted: Wanted, progress: Tell) -> list[Path]:
+    if arguments.to == "mcap":
+        from humanoid_bt.review.mcap_file import export_mcap
+
+        file = arguments.output or recording.path.with_suffix(".mcap")
+        return export_mcap(recording, file, wanted, force=arguments.force, progress=progress)
     beside = recording.path.with_suffix("")
     folder = arguments.output or (beside if beside != recording.path else beside.with_name(f"{beside.name}-tables"))
-    return exporting.export_tables(recording, arguments.to, folder, wanted, force=arguments.force, progress=progress)
+    return export_tables(recording, arguments.to, folder, wanted, force=arguments.force, progress=progress)
 
 
 @contextmanager
-def _progress(recording: Recording, wanted: Wanted) -> Iterator[exporting.Progress]:
+def _progress(recording: Recording, wanted: Wanted) -> Iterator[Tell]:
     """Show how far an export is, at a terminal."""
     console = SafeConsole(stderr=True)
     if not console.is_terminal:

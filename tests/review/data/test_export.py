@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import json
+import sys
 from pathlib import Path
+from typing import Any
 
+import jsonschema
 import pytest
 from pyarrow import csv, parquet
 
@@ -75,3 +78,62 @@ def test_wrong_arguments_are_answered(
     assert export(file, "--to", "csv", "-o", tmp_path / "out", *arguments) == 2
     assert answer in capsys.readouterr().err
     assert not list(tmp_path.rglob("*.csv*"))
+
+
+@pytest.fixture(scope="module")
+def messages(file: Path, tmp_path_factory: pytest.TempPathFactory) -> dict[str, list[Any]]:
+    reader = pytest.importorskip("mcap.reader")
+    path = tmp_path_factory.mktemp("mcap") / "run.mcap"
+    assert export(file, "--to", "mcap", "-o", path, "--between", 0, 3.2, "--rate", 100) == 0
+    found: dict[str, list[Any]] = {}
+    with path.open("rb") as stream:
+        made = reader.make_reader(stream, validate_crcs=True)
+        for schema, channel, message in made.iter_messages():
+            value = json.loads(message.data)
+            told = found.setdefault(channel.topic, [])
+            if len(told) < 3:
+                jsonschema.validate(value, {**json.loads(schema.data), "additionalProperties": False})
+            told.append((message.log_time, schema.name, value))
+        found["metadata"] = list(made.iter_metadata())
+        found["attachments"] = list(made.iter_attachments())
+    return found
+
+
+def test_joints_in_mcap_are_those_of_the_recording(messages: dict[str, list[Any]], recording: Recording) -> None:
+    table = recording.joints(rate=100, between=(1.5, 1.5)).to_pylist()
+    _, schema, value = next(found for found in messages["/joints"] if found[0] == 1_500_000_000)
+    assert schema == "foxglove.JointStates" and value["timestamp"] == {"sec": 1, "nsec": 500_000_000}
+    assert [(j["name"], j["position"], j["effort"]) for j in value["joints"]] == [
+        (row["joint"], row["position"], row["torque"]) for row in table
+    ]
+    assert len(messages["/joints"]) == len(messages["/tf"]) == 320
+
+
+def test_what_happened_is_told_under_known_schemas(messages: dict[str, list[Any]]) -> None:
+    assert {schema for topic in ("/events", "/nodes") for _, schema, _ in messages[topic]} == {"foxglove.Log"}
+    assert [(at, value["message"]) for at, _, value in messages["/events"]] == [(3_000_000_000, "scene: ball hidden")]
+    failed = next(value for _, _, value in messages["/nodes"] if value["level"] == 3)
+    assert failed["file"].endswith("fetch.yaml") and failed["line"] > 20
+    assert messages["/percepts/target"][0][2]["frame_id"] == "base"
+    assert {"/ticks", "/body", "/commands/base", "/commands/gaze"} <= messages.keys()
+    assert any(topic.startswith("/results/fetch/") and topic.endswith("/target_distance") for topic in messages)
+
+
+def test_an_mcap_file_says_what_was_run(messages: dict[str, list[Any]], recording: Recording) -> None:
+    assert messages["metadata"][0].metadata["outcome"] == "unfinished"
+    assert json.loads(messages["attachments"][0].data) == recording.setup
+
+
+def test_times_in_mcap_never_go_back(messages: dict[str, list[Any]]) -> None:
+    for topic, found in messages.items():
+        if topic.startswith("/"):
+            assert [at for at, _, _ in found] == sorted(at for at, _, _ in found)
+
+
+def test_a_missing_package_is_told_with_what_brings_it(
+    file: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, "mcap.writer", None)
+    assert export(file, "--to", "mcap", "-o", tmp_path / "run.mcap") == 2
+    assert "pip install 'humanoid-bt[mcap]'" in capsys.readouterr().err
+    assert not list(tmp_path.iterdir())
