@@ -186,7 +186,9 @@ class FlightLog:
     @property
     def span(self) -> tuple[float, float]:
         """The engine times [s] of the first and the last servo cycle that the file has; both 0 if it has none."""
-        first, last = (self.cycles("cycles", *at, ("servo",)).time for at in ((0.0, self._first), (self._last, math.inf)))
+        first, last = (
+            self.cycles("cycles", *at, ("servo",)).time for at in ((0.0, self._first), (self._last, math.inf))
+        )
         return (float(first[0]), float(last[-1])) if len(first) and len(last) else (0.0, 0.0)
 
     @property

@@ -172,6 +172,8 @@ def _state_difference(one: State, other: State, joints: Sequence[str], tolerance
         if field.name in _NOT_COMPARED:
             continue
         values = getattr(one, field.name), getattr(other, field.name)
+        if isinstance(values[0], np.ndarray) and np.array_equal(*values):
+            continue
         if field.name.startswith(("joint_", "setpoint_")) and len(joints) == len(values[0]) == len(values[1]):
             values = dict(zip(joints, values[0], strict=True)), dict(zip(joints, values[1], strict=True))
         if found := _first_difference(field.name, *values, tolerance):
