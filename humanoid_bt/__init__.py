@@ -22,6 +22,8 @@ __all__ = [  # noqa: RUF022 (grouped as a reader looks for them)
     "run",
     "Session",
     "Report",
+    "explain",
+    "Explanation",
     "Listener",
     "NodeChange",
     "check",
@@ -93,6 +95,8 @@ if TYPE_CHECKING:
     from humanoid_bt.decision.skill import of_hand as of_hand
     from humanoid_bt.files.workspace import Workspace as Workspace
     from humanoid_bt.perception.track import Track as Track
+    from humanoid_bt.review.explain import explain as explain
+    from humanoid_bt.review.explanation import Explanation as Explanation
     from humanoid_bt.review.recording import Recording as Recording
     from humanoid_bt.review.recording import open_recording as open_recording
     from humanoid_bt.session.prepare import check as check
@@ -124,6 +128,8 @@ else:
         "humanoid_bt.decision.robot": "RobotHandle",
         "humanoid_bt.perception.track": "Track",
         "humanoid_bt.review.recording": "Recording open_recording",
+        "humanoid_bt.review.explain": "explain",
+        "humanoid_bt.review.explanation": "Explanation",
         "humanoid_bt.session.report": "Report",
         "humanoid_bt.session.run": "run",
         "humanoid_bt.session.session": "Session",

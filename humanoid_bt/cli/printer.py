@@ -166,6 +166,8 @@ def print_summary(console: Console, report: Report) -> None:
     rows = report.summary
     if report.recording and Path(report.recording).exists():
         rows.append(("open it", f"{_viewer_command()} {report.recording}"))
+        if report.outcome not in ("success", "interrupted"):
+            rows.append(("explain it", f"humanoid-bt explain {report.recording}"))
     for line in aligned(rows):
         console.print(line, soft_wrap=True, markup=False)
 

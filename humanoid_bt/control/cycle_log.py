@@ -5,26 +5,28 @@ One table has a row for each servo cycle, another one a row for each plan of the
 
 from __future__ import annotations
 
-from collections.abc import Container
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from humanoid_bt.control.body.whole_body import WholeBody
-from humanoid_bt.control.servo import Servo
-from humanoid_bt.control.supervisor import Supervisor
 from humanoid_bt.core.clock import DECISION_PERIOD, WHOLE_BODY_PERIOD, cycles
 from humanoid_bt.core.messages import SIDES, Array, Gait, Measurement, Mode
 from humanoid_bt.link.table import LocalTable, TableWriter
-from humanoid_bt.robot.model import BASE_COORDINATES, BASE_DOFS
+
+if TYPE_CHECKING:  # who reads a recording needs no simulator
+    from humanoid_bt.control.body.whole_body import WholeBody
+    from humanoid_bt.control.servo import Servo
+    from humanoid_bt.control.supervisor import Supervisor
 
 Table = TableWriter | LocalTable
 MODES, GAITS = tuple(Mode), tuple(Gait)
 NONE = -1.0
 """Stands for the error of a hand that nothing commands, and for the command before the first."""
 
+_POSE, _TWIST = 3 + 4, 3 + 3  # numbers of the base: position and quaternion, velocity and rate
 _LATE = 4.0  # s that a reader may be late before it misses something
 
 
@@ -59,10 +61,20 @@ class Row:
         self.width = sum(len(column.labels) for column in columns)
         self.resolution: Array = np.concatenate([[c.resolution] * len(c.labels) for c in columns])
 
-    def places(self, names: Container[str]) -> list[int]:
-        """Return where the numbers of some columns are in a row."""
-        owners = [column.name for column in self.columns for _ in column.labels]
-        return [place for place, name in enumerate(owners) if name in names]
+    def only(self, columns: Sequence[str] | None, labels: Sequence[str] | None = None) -> Row:
+        """Return a row of some of the columns, and of these only the numbers with some labels; itself for all."""
+        if columns is None and labels is None:
+            return self
+        chosen = [column for column in self.columns if columns is None or column.name in columns]
+        if labels is None:
+            return Row(*chosen)
+        return Row(*(replace(of, labels=tuple(label for label in of.labels if label in labels)) for of in chosen))
+
+    def places(self, part: Row) -> list[int]:
+        """Return where the numbers of a part of it are."""
+        wanted = {(column.name, label) for column in part.columns for label in column.labels}
+        numbers = [(column.name, label) for column in self.columns for label in column.labels]
+        return [place for place, number in enumerate(numbers) if number in wanted]
 
     def split(self, rows: Array) -> dict[str, Array]:
         """Return views of the columns of rows, shape (..., width), by name."""
@@ -137,7 +149,7 @@ class CycleLog:
         self._plans, self._cycles = plans, servo_cycles
         joints = len(layout.joints)
         self._plan_rows = _parts(plans.rows, 4 + len(SIDES), *[joints] * 4)
-        self._cycle_rows = _parts(servo_cycles.rows, 3, BASE_COORDINATES + joints, BASE_DOFS + joints, joints)
+        self._cycle_rows = _parts(servo_cycles.rows, 3, _POSE + joints, _TWIST + joints, joints)
         self._command: object = None
         self._mode, self._mode_number = MODES[0], 0  # an enumeration is slow to look up
 

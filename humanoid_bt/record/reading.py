@@ -31,6 +31,7 @@ _ENTITY, _TIMELINE = "/flight", "sim_time"
 _AT = 1e-7  # s; engine times are sums of floats
 _STATIC = ("layout", "setup")
 _BLOCKS = ("plans", "cycles", "ticks", "news")
+_LATE = 2.0  # s by which news may come later than it happened
 _OLDER = "another program made it, or an older version"
 
 
@@ -93,6 +94,7 @@ class FlightLog:
         begin: float = -math.inf,
         end: float = math.inf,
         columns: Sequence[str] | None = None,
+        labels: Sequence[str] | None = None,
     ) -> Cycles:
         """Return servo cycles, or with ``kind="plans"`` plans of the whole body.
 
@@ -100,14 +102,14 @@ class FlightLog:
             kind: which of both.
             begin, end: engine times [s], both included; nothing else is unpacked.
             columns: names of those that are wanted, all if None.
+            labels: of the numbers of these columns that are wanted, all if None.
 
         Raises:
             UserError: the recording does not say what is in them.
         """
         row = self.row(kind)
-        names = {column.name for column in row.columns} if columns is None else set(columns)
-        kept = [column for column in row.columns if column.name in names]
-        only = None if columns is None else [0, *row.places(names)]  # the first number is the cycle's
+        kept = row.only(columns, labels)
+        only = None if kept is row else [0, *row.places(kept)]  # the first number is the cycle's
         parts, damaged = [np.zeros((0, row.width if only is None else len(only)))], 0
         for block in self._blocks(kind, begin):
             try:
@@ -122,8 +124,8 @@ class FlightLog:
         time = rows[:, 0] * SERVO_PERIOD
         inside = (time >= begin - _AT) & (time <= end + _AT)
         rows, time = (rows, time) if inside.all() else (rows[inside], time[inside])
-        split = (row if only is None else Row(*kept)).split(rows if only is None else rows[:, 1:])
-        return Cycles(time, split, {column.name: column for column in kept}, damaged)
+        split = kept.split(rows if only is None else rows[:, 1:])
+        return Cycles(time, split, {column.name: column for column in kept.columns}, damaged)
 
     def row(self, kind: str) -> Row:
         """Return what a row of cycles or plans holds.
@@ -171,17 +173,26 @@ class FlightLog:
         """Everything that happened, in the order in which it was told."""
         return list(self.news_of())
 
-    def news_of(self, *kinds: str) -> Iterator[News]:
-        """Yield what happened of some kinds, of all if none is named; the others are not decoded."""
+    def news_of(self, *kinds: str, begin: float = -math.inf, end: float = math.inf) -> Iterator[News]:
+        """Yield what happened of some kinds, of all if none is named; nothing else is decoded.
+
+        Args:
+            kinds: of news.
+            begin, end: engine times [s], both included.
+        """
         heads = tuple(json.dumps(kind).encode() for kind in kinds)
-        for message in self._messages("news"):
+        last = bisect_left(self.until["news"], end + _LATE)
+        for message in self._messages("news", begin, last + 1):
             if heads and not message.partition(b", ")[2].startswith(heads):
                 continue
             try:
                 time, kind, value = json.loads(message)
-                yield News(float(time), str(kind), value)
+                found = News(float(time), str(kind), value)
             except (ValueError, TypeError, RecursionError):
                 self.damaged += 1
+                continue
+            if begin - _AT <= found.time <= end + _AT:
+                yield found
 
     @property
     def span(self) -> tuple[float, float]:
@@ -199,12 +210,12 @@ class FlightLog:
     def _last(self) -> float:
         return self.until["cycles"][-2] if len(self.until["cycles"]) > 1 else 0.0
 
-    def _blocks(self, name: str, begin: float) -> list[bytes]:
-        """Return the blocks in which something may be from a time [s] on."""
-        return self.blocks[name][bisect_left(self.until[name], begin - _AT) :]
+    def _blocks(self, name: str, begin: float, last: int | None = None) -> list[bytes]:
+        """Return the blocks, up to a number, in which something may be from a time [s] on."""
+        return self.blocks[name][bisect_left(self.until[name], begin - _AT) : last]
 
-    def _messages(self, name: str, begin: float = -math.inf) -> Iterator[bytes]:
-        for block in self._blocks(name, begin):
+    def _messages(self, name: str, begin: float = -math.inf, last: int | None = None) -> Iterator[bytes]:
+        for block in self._blocks(name, begin, last):
             try:
                 yield from unbundle(block)
             except (BlockError, zlib.error):

@@ -79,6 +79,8 @@ class RrdFile:
                 begin = file.tell()
                 if kind == _END:
                     return
+                if length > size - begin:
+                    size = os.fstat(file.fileno()).st_size  # it may have grown meanwhile
                 if kind not in _KINDS or length > min(size - begin, _LARGEST):
                     after = _next(file, begin - _MESSAGE.size + 1, size)
                     if after is None:

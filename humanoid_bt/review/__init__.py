@@ -1,1 +1,1 @@
-"""Looking back at a run from its recording: why it stopped, what it did, how it differs from another."""
+"""Looking back at a run from its recording: why it stopped, how it differs from another."""

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 from humanoid_bt.core.errors import HumanoidBtError, Place
 from humanoid_bt.core.messages import Mode
 from humanoid_bt.core.plain import plain
-from humanoid_bt.core.texts import shortened
+from humanoid_bt.core.texts import one_line, shortened, told
 from humanoid_bt.decision.skill_files import class_file, place_in_file
 from humanoid_bt.perception.track import Track
 from humanoid_bt.session.engine import Engine
@@ -31,19 +31,27 @@ class End(NamedTuple):
         reason: why, in words.
         failure: what went wrong in a few words, as the reason of a stop; "" if nothing did.
         traceback: of the exception that ended the run.
+        node: path of the node that raised it, "" if none did.
+        error: that exception in one line.
+        line: the line of the skill's file that raised it, "" if it came from elsewhere.
     """
 
     outcome: str
     reason: str
     failure: str = ""
     traceback: str = ""
+    node: str = ""
+    error: str = ""
+    line: str = ""
 
 
 def failed(error: HumanoidBtError) -> End:
     """Return the end of a run whose tree raised an error."""
     if not isinstance(error, NodeError):
         return End("error", str(error), "two nodes command one resource")
-    return End("error", str(error), "a node raised an exception", "".join(traceback.format_exception(error.error)))
+    trace = "".join(traceback.format_exception(error.error))
+    raised = {"node": error.path, "error": one_line(told(error.error)), "line": str(error.where or "")}
+    return End("error", str(error), "a node raised an exception", trace, **raised)
 
 
 def internal(error: Exception) -> End:

@@ -59,7 +59,7 @@ def run_setup(tree: Tree, engine: Engine, options: RunOptions, robot: Path, scen
 
 
 def _body(robot: RobotModel) -> dict[str, Any]:
-    """Return the joints of a robot and what limits each: soft limits [rad], torque [Nm], speed [rad/s]; its mass [kg]."""
+    """Return the joints of a robot and what limits each (soft limits, torque, speed), its mass, when it falls; SI."""
     limits = {"lower": robot.lower, "upper": robot.upper, "torque": robot.torque_limit, "speed": robot.speed_limit}
     # JSON has no infinity: a joint that turns without end has no limit
     finite = {name: [value if math.isfinite(value) else None for value in of.tolist()] for name, of in limits.items()}

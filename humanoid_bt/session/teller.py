@@ -194,7 +194,7 @@ class Teller:
             slow_ticks: ticks that took longer than their period.
         """
         if self.recorder is not None:
-            said = {"outcome": end.outcome, "reason": shortened(end.reason), "traceback": shortened(end.traceback)}
+            said = {name: shortened(text) for name, text in end._asdict().items()}
             self.recorder.news(self.now, "end", {**said, "tree_ended": began, "slow_ticks": plain(slow_ticks)})
 
     def _publish(self, state: State, runner: TreeRunner) -> None:

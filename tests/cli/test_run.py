@@ -80,6 +80,13 @@ def test_the_exit_code_tells_the_outcome(tree: str, code: int, says: str, capsys
     assert told.count(" ".join(says.split())) == 1
 
 
+def test_a_run_that_failed_says_how_to_find_out_why(project: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["run", "give_up", "--no-view", "--record", "failed.rrd"]) == 1
+    assert "explain it humanoid-bt explain failed.rrd" in " ".join(capsys.readouterr().out.split())
+    assert main(["explain", "failed.rrd"]) == 0
+    assert capsys.readouterr().out.startswith("'give_up' failed at 0.000 s: the thing is not there\n")
+
+
 def test_an_exception_is_told_once(project: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["run", "raise", "--no-record", "--report", "raised.json"]) == 4
     out, err = capsys.readouterr()

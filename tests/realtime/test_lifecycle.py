@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import signal
 import subprocess
 import sys
@@ -19,6 +20,7 @@ from humanoid_bt.link.run_folder import RunFolder, RunInfo, default_root
 from humanoid_bt.realtime import channels
 from humanoid_bt.realtime.channels import RunSpec
 from humanoid_bt.record.reading import read_cycles
+from humanoid_bt.review.explain import explain
 from humanoid_bt.session.session import Session
 from tests.realtime.helpers import PATIENCE, Live, command, told, until
 
@@ -66,6 +68,11 @@ def test_a_killed_control_process_ends_the_run(live: Start) -> None:
     run.kill("control")
     assert run.ends() == 4
     assert run.report["reason"] == "the control process ended (killed by signal 9)"
+    told = explain(run.recording)
+    assert re.fullmatch(
+        r"control was lost at [\d.]+ s: the control process ended \(killed by signal 9\)", told.headline
+    )
+    assert told.node == "walk/emergency_stop/walk"
     assert "Traceback" not in run.output
     assert is_whole(run)
 
@@ -110,6 +117,12 @@ def test_when_decision_is_killed_control_stops_holds_and_ends_by_itself(live: St
     assert (np.diff(cycles.columns["servo"][:, 0]) == 1).all()  # every one
     stopped = cycles.columns["servo"][:, 1] == MODES.index(Mode.PROTECTIVE_STOP)
     assert cycles.time[stopped][0] == pytest.approx(stop["time"], abs=0.002)
+    found = explain(run.recording)
+    killed = r"the program that runs the tree was killed after its tick of ([\d.]+) s while 'walk' ran; "
+    told = re.fullmatch(killed + r"control stopped the robot at ([\d.]+) s", found.headline)
+    assert told, found.headline
+    assert float(told[2]) == pytest.approx(stop["time"], abs=0.002)
+    assert "control ended: decision died before" in found.text()
 
 
 def test_a_stopped_decision_and_an_estop_are_waited_for(live: Start) -> None:

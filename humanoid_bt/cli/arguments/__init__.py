@@ -8,6 +8,7 @@ from humanoid_bt import __version__
 from humanoid_bt.cli.arguments.bench import add_bench
 from humanoid_bt.cli.arguments.check import add_check
 from humanoid_bt.cli.arguments.diff import add_diff
+from humanoid_bt.cli.arguments.explain import add_explain
 from humanoid_bt.cli.arguments.export import add_export
 from humanoid_bt.cli.arguments.fmt import add_fmt
 from humanoid_bt.cli.arguments.lists import add_lists
@@ -19,7 +20,7 @@ from humanoid_bt.cli.arguments.schema import add_schema
 from humanoid_bt.cli.arguments.show import add_show
 
 _COMMANDS = (
-    *(add_run, add_check, add_fmt, add_show),
+    *(add_run, add_explain, add_check, add_fmt, add_show),
     *(add_lists, add_schema),
     *(add_diff, add_export, add_params),
     *(add_estop, add_reset, add_status),

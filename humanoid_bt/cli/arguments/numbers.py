@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import argparse
+import math
 from collections.abc import Callable
 from typing import Any
 
 from humanoid_bt.session.limits import Limit
 
 PHASE = Limit(float, "a number from 0.1 to 3600", lambda value: 0.1 <= value <= 3600, "s")
+TIME = Limit(float, "a time in seconds, 0 or more", lambda value: 0 <= value < math.inf, "s")
 COUNT = Limit(int, "a whole number above 0", lambda value: value > 0)
 
 

@@ -1,0 +1,297 @@
+"""Why a run ended as it did: what came first and explains the rest."""
+
+from __future__ import annotations
+
+import json
+import re
+from dataclasses import replace
+from pathlib import Path
+
+from humanoid_bt.core.clock import DECISION_PERIOD
+from humanoid_bt.core.units import readable
+from humanoid_bt.review import failures
+from humanoid_bt.review.body import Motion
+from humanoid_bt.review.cause import Cause
+from humanoid_bt.review.history import AT, Happened, History, Stopped
+from humanoid_bt.review.words import cut, doing, last, line_of, when
+
+STOPS = ("fall", "push", "estop", "estop_node", "slow_tick", "silent", "refused", "ik", "stop")
+"""Kinds of causes that are stops."""
+
+_LATCHED = ("fall", "push", "estop", "estop_node")
+_LOOK_BACK = 4.0  # s before a fall in which its reason is looked for
+_GONE = "the process of the run ended without closing the recording"
+_SILENT = 0.08  # s that a tick must take to explain that decision was silent for 0.1 s
+_SLOW = re.compile(r"a tick took (\d+) ms.*: the node '(.*?)'(?:, at (.*))?$")
+_PERSON = ("keyboard", "humanoid-bt estop", "program", "test")
+
+
+def cause_of(history: History) -> Cause:
+    """Return why a run ended as it did."""
+    ending = _ending(history)
+    if ending.kind in ("killed", "cut"):
+        return ending
+    if stop := first_stop(history, ending.time):
+        began = _and_fell(history, stop, _of_stop(history, stop))
+        return began if began.kind in _LATCHED or began.time < ending.time - AT else ending
+    if history.stops and ending.kind in ("unfinished", "interrupted"):  # each was recovered, and nothing else is told
+        began = _of_stop(history, history.stops[0])
+        times = f", the first of {len(history.stops)} times" if len(history.stops) > 1 else ""
+        return replace(began, headline=f"{began.headline}{times}; {ending.headline}")
+    return ending
+
+
+def _and_fell(history: History, stop: Stopped, cause: Cause) -> Cause:
+    """Return why a stopped robot lies, if it fell in the stop: a push that came later is what explains it."""
+    fall = next((later for later in history.stops if later.mode == "damp" and later.time > stop.time), None)
+    if fall is None or stop.mode == "damp":
+        return cause
+    fell = _fall(history, fall)
+    if fell.began is not None and fell.began > stop.time:
+        mode = stop.mode.replace("_", " ")
+        return replace(fell, headline=f"{fell.headline}, in the {mode} since {when(stop.time)}")
+    return replace(cause, headline=f"{cause.headline}; the robot fell at {when(fall.time)}")
+
+
+def first_stop(history: History, time: float) -> Stopped | None:
+    """Return the stop with which the robot ceased to run, if it did not run at a time [s]; the first of its chain."""
+    chain: Stopped | None = None
+    until = time
+    now = history.modes(time - 0.05, time)
+    if now and now[-1].mode == "run":
+        return None
+    for stop in reversed(history.stops):
+        if stop.time > time + AT:
+            continue
+        if any(span.mode == "run" for span in history.modes(stop.time + 2e-3, until)):
+            break
+        chain, until = stop, stop.time
+    return chain
+
+
+# ---- how it ended ---------------------------------------------------------------------------------------------------
+
+
+def _ending(history: History) -> Cause:
+    end = history.end
+    if not end:
+        return _without_end(history)
+    time = end.get("tree_ended")
+    time = history.until if time is None else float(time)
+    outcome = end["outcome"]
+    if outcome == "error":
+        return _error(history, time)
+    if outcome == "failure":
+        return failures.failed(history, time)
+    if outcome == "success":
+        return Cause("success", f"nothing stopped it: the run succeeded at {when(time)}: {cut(end['reason'])}", time)
+    if refused := _refusals(history, time):
+        return refused
+    return failures.without_result(history, time, outcome, end["reason"])
+
+
+def _without_end(history: History) -> Cause:
+    """The recording does not say how the run ended."""
+    ticked = history.last_tick.state.time if history.last_tick else 0.0
+    acting = doing(history.acting(ticked))
+    during = f" while {acting} ran" if acting else ""
+    if any(event.text == _GONE for event in history.events):
+        rows = [("shown by", f"the last tick is of {when(ticked)}, servo cycles go on until {when(history.until)}")]
+        stop = next((span for span in history.modes(ticked, ticked + 1.0) if span.mode != "run"), None)
+        then = f"; control stopped the robot at {when(stop.begin)}" if stop else ""
+        text = f"the program that runs the tree was killed after its tick of {when(ticked)}{during}{then}"
+        return Cause("killed", text, ticked, _actor(history, ticked), [*rows, *_noted(history)])
+    if history.log.cut:
+        why = "in the midst of a message: its disk was full, it may not grow, or the recorder was killed"
+    else:
+        why = "and does not say how the run ended: it is still being written, or the recorder was killed"
+    return Cause(
+        "cut", f"the recording ends at {when(history.until)}, {why}", history.until, _actor(history, ticked), []
+    )
+
+
+def _error(history: History, time: float) -> Cause:
+    """A node raised an exception, two nodes commanded one resource, or a process was lost."""
+    end = history.end
+    reason, line = cut(end["reason"], 300), end.get("line", "")
+    if path := end.get("node", ""):
+        where = f", in {line_of(line)}" if line else ""
+        kind = "not_finite" if "must be finite" in end["error"] else "exception"
+        text = f"'{last(path)}' raised {cut(end['error'], 160)} at {when(time)}{where}"
+        return Cause(kind, text, time, path, [("raised at", line)] if line else [])
+    if "commanded by two nodes at once" in reason:
+        paths = re.findall(r"'([^']*/[^']*)'", reason)
+        short = re.sub(r"'([^']*/[^']*)'", lambda found: f"'{last(found[1])}'", reason)
+        rows = [("nodes", "; ".join(f"{path}  {history.place(path)}" for path in paths))]
+        return Cause("conflict", f"{short}, at {when(time)}", time, paths[-1] if paths else "", rows)
+    if "process" in reason and ("ended" in reason or "silent" in reason):
+        who = "control" if "control" in reason else "a process of the run"
+        text = f"{who} was lost at {when(history.until)}: {reason}"
+        rows = [*_notices(history, history.until), *_noted(history)]
+        ticked = history.last_tick.state.time if history.last_tick else time
+        return Cause("control", text, history.until, _actor(history, ticked - DECISION_PERIOD / 2), rows)
+    return Cause("error", f"{reason}, at {when(time)}", time, _actor(history, time), [])
+
+
+# ---- stops ----------------------------------------------------------------------------------------------------------
+
+
+def _of_stop(history: History, stop: Stopped) -> Cause:
+    if stop.mode == "damp":
+        return _fall(history, stop)
+    if stop.mode == "emergency_stop":
+        return _estop(history, stop)
+    if stop.reason.startswith("decision silent"):
+        return _silence(history, stop)
+    if stop.source != "supervisor":
+        return Cause("stop", f"the robot was stopped at {when(stop.time)}: {stop.reason} ({stop.source})", stop.time)
+    text = f"the robot was stopped at {when(stop.time)}: {stop.reason}"
+    return Cause("ik", text, stop.time, _commander(stop), _refused_rows(history, stop.time))
+
+
+def _estop(history: History, stop: Stopped) -> Cause:
+    during = doing(history.acting(stop.time - DECISION_PERIOD))
+    during = f" while {during} ran" if during else ""
+    if stop.source in history.nodes(stop.time):
+        text = f"'{last(stop.source)}' raised the emergency stop at {when(stop.time)}: {cut(stop.reason)}"
+        return Cause("estop_node", text, stop.time, stop.source)
+    by = f"by {stop.source}" if stop.source.startswith(_PERSON) else f"by {stop.source!r}"
+    text = f"the emergency stop was raised at {when(stop.time)} {cut(by)}: {cut(stop.reason)}"
+    return Cause(
+        "estop",
+        text,
+        stop.time,
+        _commander(stop) or _actor(history, stop.time - DECISION_PERIOD),
+        [("while", during[7:])] if during else [],
+    )
+
+
+def _silence(history: History, stop: Stopped) -> Cause:
+    """Decision sent nothing that control took: its tick took too long, or what it sent was refused."""
+    refused = [event for event in _refused(history) if abs(event.time - stop.time) < 1.0]
+    slow = [
+        (event, found)
+        for event in history.events
+        if (found := _SLOW.match(event.text)) and event.time <= stop.time + AT
+    ]
+    stopped = f"the robot was stopped at {when(stop.time)}"
+    ticks = [tick for tick in history.log.ticks(stop.time - 0.5, stop.time) if tick.took >= _SILENT]
+    if ticks:
+        tick = ticks[-1]
+        path, line = _slow_node(history, tick.state.time, slow)
+        name = f" in '{last(path)}'" if path else ""
+        where = f", {line_of(line)}" if line else ""
+        text = f"one tick took {tick.took:.2f} s at {when(tick.state.time)}{name}{where}: {stopped}"
+        return Cause("slow_tick", text, stop.time, path, [("shown by", f"{stop.reason}; a tick has 20 ms")])
+    if refused:
+        fault = refused[0].text.removeprefix("refused a command: ")
+        text = f"commands were refused from {when(refused[0].time)} on: {cut(fault)}; {stopped}"
+        return Cause("refused", text, refused[0].time, _named(history, fault) or _commander(stop), [])
+    ticked = history.tick(stop.time)
+    since = f"; the last tick before it is of {when(ticked.state.time)}" if ticked else ""
+    text = f"{stopped}: {stop.reason}{since}"
+    return Cause("silent", text, stop.time, _commander(stop), _notices(history, stop.time))
+
+
+def _slow_node(history: History, time: float, told: list[tuple[Happened, re.Match[str]]]) -> tuple[str, str]:
+    """Return which node a slow tick was in and the line of its skill, as far as it was told."""
+    for event, found in reversed(told):
+        if abs(event.time - time) < 1.0 or len(told) == 1:
+            return found[2], found[3] or ""
+    worst = (history.end.get("slow_ticks") or {}).get("worst") or {}
+    if worst and abs(worst["time"] - time) < DECISION_PERIOD:
+        return worst["node"], ""
+    acting = history.acting(time)
+    return (acting[-1].path, "") if len(acting) == 1 else ("", "")
+
+
+def _fall(history: History, stop: Stopped) -> Cause:
+    """The robot fell: a push that is seen, a joint that gave all it had, or what the numbers say."""
+    motion = Motion(history.log, stop.time - _LOOK_BACK, stop.time)
+    commander = stop.resources.get("base", "") or _commander(stop)
+    during = f" while '{last(commander)}' commanded the base" if "base" in stop.resources else ""
+    if not len(motion.time):
+        return Cause("fall", f"{stop.reason}, at {when(stop.time)}{during}", stop.time, commander)
+    height = f"its base was {motion.height[-1]:.2f} m high, tilted by {readable(float(motion.tilt[-1]), 'rad')}"
+    rows = [("shown by", height)]
+    torques = [limited for limited in motion.limited() if limited.what == "torque"]
+    if push := motion.push():
+        rows.insert(0, ("shown by", str(push)))
+        text = (
+            f"the robot fell at {when(stop.time)}: something pushed it {push.direction} at {push.begin:.2f} s{during}"
+        )
+        return Cause("push", text, stop.time, commander, rows, push.begin)
+    upright = [limited for limited in torques if _tilt(motion, limited.begin) < 0.3]
+    if upright:
+        first = upright[0]
+        rows.insert(0, ("shown by", f"{first}, first at {when(first.begin)}"))
+        text = (
+            f"the robot fell at {when(stop.time)}: {first.joint} was at its torque limit at {first.begin:.2f} s{during}"
+        )
+        return Cause("fall", text, stop.time, commander, rows, first.begin)
+    text = f"the robot fell at {when(stop.time)}{during}: {height}; no push and no joint at its limit is seen before it"
+    return Cause("fall", text, stop.time, commander, rows)
+
+
+def _tilt(motion: Motion, time: float) -> float:
+    return float(motion.tilt[int(motion.time.searchsorted(time).clip(0, len(motion.time) - 1))])
+
+
+# ---- what is told beside --------------------------------------------------------------------------------------------
+
+
+def _refused(history: History) -> list[Happened]:
+    return [event for event in history.events if event.text.startswith("refused a command: ")]
+
+
+def _refusals(history: History, time: float) -> Cause | None:
+    """Commands were refused until the end, and the robot never obeyed."""
+    refused = _refused(history)
+    tick = history.tick(time)
+    if not refused or tick is None or tick.state.command_sequence >= 0:
+        return None
+    fault = refused[0].text.removeprefix("refused a command: ")
+    text = f"every command was refused from {when(refused[0].time)} on, so that the robot did nothing: {cut(fault)}"
+    return Cause("refused", text, refused[0].time, _named(history, fault), [])
+
+
+def _refused_rows(history: History, time: float) -> list[tuple[str, str]]:
+    near = [event for event in _refused(history) if abs(event.time - time) < 1.0]
+    return [("refused", cut(event.text, 200)) for event in near[:2]]
+
+
+def _notices(history: History, time: float) -> list[tuple[str, str]]:
+    return [
+        ("told", cut(event.text, 200))
+        for event in history.events
+        if "stalled" in event.text and abs(event.time - time) < 2.0
+    ]
+
+
+def control_log(history: History) -> Path:
+    """Return the file in which control notes what happens, in realtime mode."""
+    return history.log.path.with_suffix(".control.log")
+
+
+def _noted(history: History) -> list[tuple[str, str]]:
+    """Return what control noted last, if it noted anything."""
+    try:
+        lines = control_log(history).read_text(encoding="utf-8").splitlines()[-2:]
+        notes = [json.loads(line) for line in lines]
+        return [("noted", cut(f"{when(note['time'])} {note['text']}")) for note in notes]
+    except (OSError, ValueError, KeyError, TypeError):
+        return []
+
+
+def _named(history: History, text: str) -> str:
+    """Return the node whose path stands in a text, "" if none does."""
+    return next((path for path in re.findall(r"'([^']*/[^']*)'", text) if history.kind(path)), "")
+
+
+def _commander(stop: Stopped) -> str:
+    return next(iter(stop.resources.values()), "")
+
+
+def _actor(history: History, time: float) -> str:
+    acting = history.acting(time)
+    return acting[-1].path if acting else ""

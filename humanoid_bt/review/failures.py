@@ -1,0 +1,194 @@
+"""Why a tree failed, or came to no result: a time-out, a percept lost or doubtful, a hand that got no nearer."""
+
+from __future__ import annotations
+
+import itertools
+
+from humanoid_bt.core.clock import DECISION_PERIOD
+from humanoid_bt.core.units import readable
+from humanoid_bt.review.body import Motion
+from humanoid_bt.review.cause import Cause, Row
+from humanoid_bt.review.history import AT, Change, History
+from humanoid_bt.review.words import cut, doing, last, line_of, when
+
+_FLAPS = 4  # changes of a condition that are more than a change of mind
+_FLAPPING = 5.0  # s in which they count
+_STRUGGLE = 1.0  # s before a failure in which a joint at its torque limit explains it
+_STRUGGLED = 0.2  # s that it must have been there
+_WARNINGS = 3  # that are told
+_SCENE = 1.0  # s around the last sight in which the scene's script explains that nothing followed
+
+
+def failed(history: History, time: float) -> Cause:
+    """Return why a tree failed at a time [s]."""
+    failures = [change for change in history.changes if change.status == "FAILURE" and abs(change.time - time) < AT]
+    if not failures:
+        return Cause("failed", f"the tree failed at {when(time)}: {cut(history.end['reason'])}", time)
+    first = next((change for change in failures if change.said), failures[0])
+    if flap := flapping(history, time):
+        return flap
+    kind = str(history.kind(first.path, time).get("type", ""))
+    if kind == "watchdog" or "was never seen" in first.said:
+        return _lost(history, first)
+    return {"timeout": _timed_out, "confident": _doubted}.get(kind, _skill_failed)(history, first)
+
+
+def _doubted(history: History, change: Change) -> Cause:
+    """A percept was not sure enough."""
+    scene = scene_rows(history, change.time, change.time)
+    why = f" ({scene[-1][1]})" if scene else ""
+    text = f"'{last(change.path)}' failed at {when(change.time)}: the percept was doubtful, {cut(change.said)}{why}"
+    return Cause("percept_doubtful", text, change.time, change.path, scene)
+
+
+def _skill_failed(history: History, change: Change) -> Cause:
+    """A skill failed: perhaps a joint had no more to give, or a hand came no nearer."""
+    motion = Motion(history.log, change.time - _STRUGGLE, change.time)
+    struggling = [joint for joint in motion.limited() if joint.what == "torque" and joint.duration >= _STRUGGLED]
+    reported = [result for _, found in history.results(change.path, change.time, change.time) for result in found]
+    results = {name: (value, unit) for name, value, unit in reported}
+    text = f"'{last(change.path)}' failed at {when(change.time)}: {cut(change.said.split(';')[0])}"
+    rows: list[Row] = [(name.replace("_", " "), readable(*of)) for name, of in results.items()]
+    if struggling:
+        most = max(struggling, key=lambda joint: joint.duration)
+        rows.insert(0, ("shown by", f"{most}, in the {_STRUGGLE:g} s before"))
+        return Cause(
+            "torque_limit",
+            f"{text}; {most.joint} was at its torque limit, {most.limit:g} Nm",
+            change.time,
+            change.path,
+            rows,
+        )
+    if "hand_error" in results:
+        errors = [
+            value
+            for _, found in history.results(change.path, change.time - 1.0, change.time)
+            for name, value, _ in found
+            if name == "hand_error"
+        ]
+        if errors:
+            nearest, farthest = readable(min(errors), "m"), readable(max(errors), "m")
+            rows.append(("shown by", f"the hand was {nearest} to {farthest} away in the last second"))
+        return Cause("out_of_reach", text, change.time, change.path, rows)
+    return Cause("failed", text, change.time, change.path, rows)
+
+
+def _timed_out(history: History, change: Change) -> Cause:
+    acting = history.acting(change.time - DECISION_PERIOD)
+    before = [one for one in acting if one.path.startswith(change.path + "/")]
+    still = ""
+    if before:
+        still = f" while {doing(before)} still ran ({cut(_said_last(history, before[-1].path, change.time))})"
+    said = cut(change.said.replace("timed out", "ran out of time"))
+    text = f"'{last(change.path)}' {said} at {when(change.time)}{still}"
+    rows: list[Row] = stale_rows(history, change.time - DECISION_PERIOD)
+    return Cause("timeout", text, change.time, before[-1].path if before else change.path, rows)
+
+
+def _said_last(history: History, path: str, time: float) -> str:
+    """Return what a node said last while it ran, from its change or its results."""
+    results = [found for _, found in history.results(path, time - 0.1, time)]
+    if results and results[-1]:
+        return ", ".join(f"{name.replace('_', ' ')} {readable(value, unit)}" for name, value, unit in results[-1][:2])
+    return next((change.said for change in reversed(history.changes) if change.path == path and change.time < time), "")
+
+
+def _lost(history: History, change: Change) -> Cause:
+    """A percept that was needed was lost, or never seen."""
+    time = change.time
+    name = str(change.said.split("'")[1]) if change.said.count("'") >= 2 else "a percept"
+    if "was never seen" in change.said:
+        text = f"{cut(change.said)}: '{last(change.path)}' failed at {when(time)}"
+        return Cause("percept_lost", text, time, change.path, scene_rows(history, 0.0, time))
+    since = _last_seen(history, name, time)
+    seen = f"was last seen at {since:.2f} s" if since is not None else "was lost"
+    scene = scene_rows(history, time if since is None else since, time)
+    why = f", {scene[-1][1]}" if scene else ""
+    text = f"'{name}' {seen}{why}: '{last(change.path)}' failed at {when(time)}"
+    return Cause("percept_lost", text, time, change.path, [("shown by", cut(change.said)), *scene], since)
+
+
+def _last_seen(history: History, name: str, time: float) -> float | None:
+    return next((percept.stamp for percept in history.log.seen_before(time) if percept.name == name), None)
+
+
+def without_result(history: History, time: float, outcome: str, reason: str) -> Cause:
+    """Return why a run ended without a result at a time [s]: its time was up, or somebody ended it."""
+    acting = history.acting(time - DECISION_PERIOD)
+    actor = acting[-1].path if acting else ""
+    stale = stale_rows(history, time - DECISION_PERIOD)
+    if flap := flapping(history, time):
+        return flap
+    if stale:
+        began, text = _stale_since(history, time - DECISION_PERIOD)
+        return Cause("percept_lost", f"{text}; the run ended at {when(time)}", began, actor, stale, began)
+    during = f" while {doing(acting)} ran" if acting else ""
+    rows = warned(history)
+    if outcome == "interrupted":
+        return Cause("interrupted", f"the run was ended at {when(time)}{during}: {cut(reason)}", time, actor, rows)
+    limit = history.setup.get("duration")
+    said = f" ({cut(_said_last(history, actor, time))})" if actor else ""
+    up = f"its {limit:g} s were up" if limit else "its time was up"
+    return Cause("unfinished", f"the run was ended at {when(time)}, {up}{during}{said}", time, actor, rows)
+
+
+def warned(history: History) -> list[Row]:
+    """Return the first warnings of a run that tell of more than how it ended."""
+    found = [event for event in history.events if event.level != "info" and not event.text.startswith("the tree ended")]
+    return [("warned", f"{when(event.time)} {cut(event.text)}") for event in found[:_WARNINGS]]
+
+
+def stale_rows(history: History, time: float) -> list[Row]:
+    """Return which watchdogs waited for their percept at a time [s]."""
+    rows: list[Row] = []
+    for path in _stale(history, time):
+        began = history.running(time)[path]
+        rows.append(("lost", f"'{last(path)}' of {line_of(history.place(path, time))} ran from {when(began.time)} on"))
+        rows += scene_rows(history, began.time, began.time)
+    return rows
+
+
+def _stale_since(history: History, time: float) -> tuple[float, str]:
+    path = _stale(history, time)[0]
+    began = history.running(time)[path]
+    nodes = list(history.nodes(time).values())
+    watchdog = nodes[history.kind(path, time)["parent"]]
+    name = str(history.value(watchdog["values"].get("percept", "the percept"), time))
+    since = _last_seen(history, name, began.time)
+    seen = f"was last seen at {since:.2f} s" if since is not None else "was not seen"
+    scene = scene_rows(history, began.time if since is None else since, began.time)
+    why = f", {scene[-1][1]}" if scene else ""
+    return began.time, f"'{name}' {seen}{why}: '{last(path)}' ran instead from {when(began.time)} on"
+
+
+def _stale(history: History, time: float) -> list[str]:
+    """Return the nodes that ran at a time [s] because a percept was lost."""
+    nodes = history.nodes(time)
+    return [path for path in history.running(time) if nodes.get(path, {}).get("branch") == "on_stale"]
+
+
+def flapping(history: History, time: float) -> Cause | None:
+    """Return the condition that changed its mind again and again before a time [s], None if none did."""
+    found: dict[str, list[Change]] = {}
+    for change in history.changes:
+        recent = time - _FLAPPING <= change.time <= time + AT and change.status in ("SUCCESS", "FAILURE")
+        if recent and history.kind(change.path).get("kind") == "condition":
+            found.setdefault(change.path, []).append(change)
+    path, changes = max(found.items(), key=lambda item: len(item[1]), default=("", []))
+    flips = sum(one.status != other.status for one, other in itertools.pairwise(changes))
+    if flips < _FLAPS:
+        return None
+    first, end = changes[0], changes[-1]
+    told = ", then ".join(cut(change.said, 40) for change in changes[-2:])
+    text = f"'{last(path)}' changed its mind {flips} times from {first.time:.2f} to {end.time:.2f} s: {told}"
+    return Cause("percept_doubtful", text, end.time, path, [], first.time)
+
+
+def scene_rows(history: History, begin: float, end: float) -> list[Row]:
+    """Return what the scene's script did around these times [s]."""
+    inside = (event for event in history.events if begin - _SCENE <= event.time <= end + AT)
+    return [
+        ("scene", f"{event.text.removeprefix('scene: ')} at {event.time:.2f} s (the scene's script)")
+        for event in inside
+        if event.text.startswith("scene: ")
+    ]

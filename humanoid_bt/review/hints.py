@@ -1,0 +1,46 @@
+"""What would help, for each kind of cause."""
+
+from __future__ import annotations
+
+PAGE = "docs/what-stopped-my-robot.md"
+CONTROL_LOG = "RECORDING.control.log"
+"""Stands for the file in which control notes what happens."""
+
+HINTS: dict[str, tuple[str, ...]] = {
+    "success": (),
+    "estop": ("humanoid-bt reset lets it go on, once the reason is gone; --on-estop wait keeps the run for it",),
+    "estop_node": ("look at the condition above that node: what it asked for is what stopped the robot",),
+    "killed": (
+        "look at what killed the program: dmesg (out of memory), a supervisor of services, a second Ctrl-C",
+        "RECORDING.control.log beside the recording says what control did afterwards",
+    ),
+    "slow_tick": (
+        "a skill must return at once: take what it waits for into a thread, and look at it in each update()",
+        "docs/realtime.md says what a tick may take",
+    ),
+    "silent": ("decision had no processor, or the program paused between two steps: docs/realtime.md",),
+    "refused": ("correct what the node commands; docs/safety.md says what is refused",),
+    "not_finite": ("a division by zero or a percept that was not there: check numbers before you command them",),
+    "percept_lost": (
+        "docs/scenes.md says what perception sees; a longer max_age bridges gaps, on_stale says what to do meanwhile",
+    ),
+    "percept_doubtful": (
+        "more hysteresis, a lower threshold, or look at the target from nearer: docs/tree-reference.md",
+    ),
+    "out_of_reach": ("walk nearer before reaching (approach), or to where the other hand gets there",),
+    "torque_limit": ("a heavy load or a stretched arm: go nearer, or see 'drives' in robot.yaml (docs/robots.md)",),
+    "push": ("nothing in the tree did it: look at what touched the robot; docs/safety.md says what it withstands",),
+    "fall": ("look at the seconds before in the viewer; slower walking and nearer targets leave more balance",),
+    "ik": ("a target that cannot be met together with the others: command fewer, or nearer ones",),
+    "exception": ("catch it in the skill, or put on_error above the node; the traceback is in the report (--report)",),
+    "conflict": ("only one node at a time may command a resource: docs/concepts.md",),
+    "timeout": ("a longer duration, or find out why the node did not end: humanoid-bt explain --node NAME",),
+    "failed": ("humanoid-bt explain --node NAME shows what the node did; docs/tree-reference.md has recovery",),
+    "control": ("RECORDING.control.log says what control noted last; dmesg says whether the system killed it",),
+    "cut": ("free the disk, or raise 'ulimit -f'; the run's report and RECORDING.control.log know the rest",),
+    "stop": ("look at who asked for the stop",),
+    "error": ("the traceback is in the report (--report)",),
+    "interrupted": (),
+    "unfinished": ("a longer --duration lets it go on; humanoid-bt explain --node NAME shows what held it up",),
+}
+"""Kind of a cause -> what would help, the most likely first."""

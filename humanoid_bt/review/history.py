@@ -1,0 +1,226 @@
+"""What a recording says of a run: which node did what and when, what was seen, commanded and stopped."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from functools import cached_property
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from humanoid_bt.core.clock import SERVO_PERIOD
+from humanoid_bt.core.errors import UserError, nearest
+from humanoid_bt.core.messages import Percept
+from humanoid_bt.record.reading import FlightLog
+from humanoid_bt.record.tick import Tick
+
+_TICKS = (0.5, 10.0, math.inf)  # s before a moment in which its last tick is looked for, one after the other
+_SIGHTS = 60.0  # s for which percepts are looked for
+AT = 1e-6
+"""Times [s] that differ by less are the same."""
+
+
+class Change(NamedTuple):
+    """A node's status changed: when [s], which node, to what, and what it said."""
+
+    time: float
+    path: str
+    status: str
+    said: str
+
+
+class Happened(NamedTuple):
+    """Something happened: when [s], how bad, and what."""
+
+    time: float
+    level: str
+    text: str
+
+
+class Stopped(NamedTuple):
+    """The supervisor ordered a stop.
+
+    Attributes:
+        time: when [s].
+        mode: the kind of stop.
+        reason, source: why, and by whom.
+        resources: resource -> path of the node whose command was in force.
+    """
+
+    time: float
+    mode: str
+    reason: str
+    source: str
+    resources: Mapping[str, str]
+
+
+class Span(NamedTuple):
+    """How long the supervisor was in a mode: from, until [s]; ``until`` is the next mode's begin."""
+
+    begin: float
+    until: float
+    mode: str
+
+
+class Sight(NamedTuple):
+    """What was known of a percept: its age [s], its confidence, and how far away it was from the base [m]."""
+
+    name: str
+    age: float
+    confidence: float
+    distance: float
+
+
+class History:
+    """A run, as its recording has it.
+
+    Args:
+        log: the recording.
+
+    Attributes:
+        setup: what was run.
+        stops: every stop that decision was told of.
+        end: how the run ended, empty if the recording does not say.
+        begin, until: engine times of the first and last servo cycle in it [s].
+        ticked_from: engine time of the first tick [s]; in realtime mode control has run for a while by then.
+    """
+
+    def __init__(self, log: FlightLog) -> None:
+        self.log, self.setup = log, log.setup
+        news = list(log.news_of("node", "event", "stop", "tree", "end"))
+        self.changes = [Change(time, *value) for time, kind, value in news if kind == "node"]
+        self.events = [Happened(time, *value) for time, kind, value in news if kind == "event"]
+        self.stops = [_stopped(value) for _, kind, value in news if kind == "stop"]
+        self.end: dict[str, Any] = next((value for _, kind, value in news if kind == "end"), {})
+        self._trees = [(-math.inf, self.setup.get("tree", {}))]
+        self._trees += [(time, value) for time, kind, value in news if kind == "tree"]
+        self._nodes = [(since, {node["path"]: node for node in tree.get("nodes", ())}) for since, tree in self._trees]
+        self.begin, self.until = log.span
+        self.ticked_from = self.changes[0].time if self.changes else self.begin
+
+    # ---- nodes ------------------------------------------------------------------------------------------------------
+
+    def tree(self, time: float = math.inf) -> Mapping[str, Any]:
+        """Return what is kept of the tree that ran at a time [s]."""
+        return next((tree for since, tree in reversed(self._trees) if since <= time + AT), {})
+
+    def nodes(self, time: float = math.inf) -> dict[str, Mapping[str, Any]]:
+        """Return what is kept of the nodes of the tree that ran at a time [s], by path."""
+        return next((nodes for since, nodes in reversed(self._nodes) if since <= time + AT), {})
+
+    def kind(self, path: str, time: float = math.inf) -> Mapping[str, Any]:
+        """Return what is kept of a node, nothing if it is unknown."""
+        return self.nodes(time).get(path, {})
+
+    def place(self, path: str, time: float = math.inf) -> str:
+        """Return where a node stands in its file, "" if that is not known."""
+        return str(self.kind(path, time).get("place", ""))
+
+    def matching(self, name: str) -> list[str]:
+        """Return the paths of the nodes that a name means: a path, its end, or the node's type.
+
+        Raises:
+            UserError: no node is named so.
+        """
+        types = {path: node["type"] for _, nodes in self._nodes for path, node in nodes.items()}
+        known = list(types)
+        found = [path for path in known if path == name or path.endswith("/" + name)]
+        found = found or [path for path in known if types[path] == name]
+        if not found:
+            names = {path.rsplit("/", 1)[-1] for path in known}
+            raise UserError(f"no node of {self.tree().get('name')!r} is named {name!r}", hint=nearest(name, names))
+        return found
+
+    def running(self, time: float) -> dict[str, Change]:
+        """Return the nodes that ran at a time [s], by path, each with the change that began it."""
+        last: dict[str, Change] = {}
+        for change in self.changes:
+            if change.time > time + AT:
+                break
+            last[change.path] = change
+        return {path: change for path, change in last.items() if change.status == "RUNNING"}
+
+    def acting(self, time: float) -> list[Change]:
+        """Return the deepest of the nodes that ran at a time [s]."""
+        running = self.running(time)
+        return [
+            change for path, change in running.items() if not any(other.startswith(path + "/") for other in running)
+        ]
+
+    # ---- ticks ------------------------------------------------------------------------------------------------------
+
+    def tick(self, time: float) -> Tick | None:
+        """Return the last tick up to a time [s]."""
+        latest = min(time, self.log.until["ticks"][-1]) if self.log.until["ticks"] else time
+        for window in _TICKS:
+            ticks = list(self.log.ticks(latest - window, time + AT))
+            if ticks:
+                return ticks[-1]
+        return None
+
+    @cached_property
+    def last_tick(self) -> Tick | None:
+        """The last tick in the recording."""
+        return self.tick(math.inf)
+
+    def sights(self, time: float) -> list[Sight]:
+        """Return what was known of each percept at a time [s], the freshest first."""
+        found: dict[str, Percept] = {}
+        names = self._percepts(time)
+        for percept in self.log.seen_before(time):
+            found.setdefault(percept.name, percept)
+            if time - percept.stamp > _SIGHTS or (names and names <= found.keys()):
+                break
+        sights = [
+            Sight(percept.name, max(time - percept.stamp, 0.0), percept.confidence, _distance(percept))
+            for percept in found.values()
+        ]
+        return sorted(sights, key=lambda sight: (sight.age, sight.name))
+
+    def _percepts(self, time: float) -> set[str]:
+        """Return the percepts that nodes name, if they are all that can have been seen."""
+        named = {
+            str(self.value(written, time))
+            for node in self.nodes(time).values()
+            for key, written in node.get("values", {}).items()
+            if key in ("percept", "target") and isinstance(written, str)
+        }
+        return named
+
+    def value(self, written: Any, time: float = math.inf) -> Any:
+        """Return what a node's parameter is, which may be written as ``$name``."""
+        if not (isinstance(written, str) and written.startswith("$")):
+            return written
+        return self.tree(time).get("parameters", {}).get(written[1:], {}).get("value", written)
+
+    # ---- modes ------------------------------------------------------------------------------------------------------
+
+    def modes(self, begin: float, end: float) -> list[Span]:
+        """Return the modes of the supervisor between two times [s], to the servo cycle."""
+        cycles = self.log.cycles("cycles", begin, end, ["servo"])
+        if not len(cycles.time):
+            return []
+        numbers = cycles.columns["servo"][:, 1].astype(int)
+        starts = [0, *(np.flatnonzero(np.diff(numbers)) + 1).tolist()]
+        ends = [*starts[1:], len(numbers)]
+        names = self.log.layout["modes"]
+        began = (cycles.time - SERVO_PERIOD).tolist()  # a row is written when its cycle is over
+        return [
+            Span(began[first], began[after] if after < len(numbers) else float(cycles.time[-1]), names[numbers[first]])
+            for first, after in zip(starts, ends, strict=True)
+        ]
+
+    def results(self, path: str, begin: float = -math.inf, end: float = math.inf) -> Iterator[tuple[float, list[Any]]]:
+        """Yield what a skill reported: time [s], and name, value, unit of each result."""
+        for time, _, (of, results) in self.log.news_of("results", begin=begin, end=end):
+            if of == path:
+                yield time, results
+
+
+def _stopped(value: Mapping[str, Any]) -> Stopped:
+    return Stopped(*(value[name] for name in Stopped._fields))
+
+
+def _distance(percept: Percept) -> float:
+    return math.hypot(*percept.position[:2].tolist())

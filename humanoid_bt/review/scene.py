@@ -1,0 +1,121 @@
+"""What was going on at a moment of a run: nodes, command, percepts, joints, as rows of an explanation."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from humanoid_bt.core.units import readable
+from humanoid_bt.record.tick import Tick
+from humanoid_bt.review.body import Motion
+from humanoid_bt.review.cause import Row
+from humanoid_bt.review.history import AT, History
+from humanoid_bt.review.words import command, cut, sight
+
+_MOST = 3  # percepts, joints that are told
+_RECENT = 0.2  # s before a moment in which joints are looked at
+_COMMANDS = 1.0  # s before a moment in which the command in force was given
+_NEAR = 0.02  # share of a joint's range from which on it is not near its limit
+
+
+def command_in_force(history: History, time: float) -> str:
+    """Return the command that control followed at a time [s], "" if there was none."""
+    number = _number(history, time)
+    if number < 0:
+        return ""
+    before: Tick | None = None
+    for tick in history.log.ticks(time - _COMMANDS, time + AT):
+        if tick.command is not None and tick.command.sequence == number:
+            return command(number, tick.command.targets, tick.command.sources)
+        before = tick
+    if before is None or before.state.command_sequence != number:
+        before = history.tick(time)
+    return command(number, before.state.targets, before.state.command_sources) if before else f"#{number}"
+
+
+def _number(history: History, time: float) -> int:
+    servo = history.log.cycles("cycles", time - 0.05, time + AT, ["servo"]).columns["servo"]
+    return int(servo[-1, 2]) if len(servo) else -1
+
+
+def sight_rows(history: History, time: float) -> Iterator[Row]:
+    """Yield what was known of the freshest percepts."""
+    for number, seen in enumerate(history.sights(time)[:_MOST]):
+        yield "percepts" if number == 0 else "", sight(seen)
+
+
+def body_row(history: History, time: float) -> Row:
+    """Return what the body did: gait, speed, tilt, height, load of the feet."""
+    motion = Motion(history.log, time - 0.05, time + AT)
+    tick = history.tick(time)
+    gait = tick.state.gait.value if tick else ""
+    if not len(motion.time):
+        return "body", gait or "nothing is recorded of it"
+    left, right = motion.foot_force[-1]
+    tilt = readable(float(motion.tilt[-1]), "rad")
+    base = f"{motion.speed[-1]:.2f} m/s, tilt {tilt}, base {motion.height[-1]:.2f} m high"
+    return "body", f"{gait}, {base}, feet {left:.0f} and {right:.0f} N"
+
+
+def hand_row(history: History, time: float) -> Row | None:
+    """Return how far hands were from their targets, None if none was commanded."""
+    tick = history.tick(time)
+    errors = tick.state.hand_errors if tick else {}
+    told = [f"{side} {readable(error, 'm')} from its target" for side, error in errors.items()]
+    return ("hands", ", ".join(told)) if told else None
+
+
+def joint_loads(history: History, time: float) -> list[dict[str, Any]]:
+    """Return what each joint bore in the moments before a time [s], the one nearest to a limit first.
+
+    Returns:
+        joint, torque and torque_limit [Nm], position, lower and upper [rad], load: largest share of a limit.
+    """
+    robot = history.setup.get("robot", {})
+    limits = robot.get("limits", {})
+    cycles = history.log.cycles("cycles", time - _RECENT, time + AT, ["position", "torque"])
+    if not len(cycles.time) or not limits:
+        return []
+    torque, position = cycles.columns["torque"], cycles.columns["position"][-1]
+    peak = torque[np.abs(torque).argmax(axis=0), np.arange(torque.shape[1])]
+    found = []
+    for number, joint in enumerate(robot["joints"]):
+        lower, upper = limits["lower"][number], limits["upper"][number]
+        most = limits["torque"][number]
+        load = abs(float(peak[number])) / most if most else 0.0
+        if lower is not None and upper is not None and upper > lower:
+            inside = min(position[number] - lower, upper - position[number]) / (upper - lower)
+            load = max(load, 1.0 - max(float(inside), 0.0) / _NEAR if inside < _NEAR else 0.0)
+        found.append(
+            {
+                "joint": joint,
+                "load": round(load, 4),
+                "torque": round(float(peak[number]), 3),
+                "torque_limit": most,
+                "position": round(float(position[number]), 5),
+                "lower": lower,
+                "upper": upper,
+            }
+        )
+    return sorted(found, key=lambda joint: -joint["load"])
+
+
+def joint_text(joint: dict[str, Any]) -> str:
+    """Return what a joint bore, as a line."""
+    text = f"{joint['joint']} {joint['torque']:.1f} of {joint['torque_limit']:g} Nm"
+    if joint["lower"] is not None and joint["upper"] is not None:
+        bounds = f"{readable(joint['lower'], 'rad')} to {readable(joint['upper'], 'rad')}"
+        text += f", at {readable(joint['position'], 'rad')} in {bounds}"
+    return text
+
+
+def node_rows(history: History, time: float) -> Iterator[Row]:
+    """Yield the nodes that acted at a time [s]."""
+    for number, change in enumerate(history.acting(time)[:_MOST]):
+        place = history.place(change.path, time)
+        yield (
+            "nodes" if number == 0 else "",
+            cut(f"{change.path}  {place}: {change.said} (since {change.time:.2f} s)", 240),
+        )

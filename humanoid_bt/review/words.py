@@ -1,0 +1,86 @@
+"""How a review words what it found: names of nodes, commands, percepts, moments."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Mapping
+
+from humanoid_bt.core.messages import BaseTarget, GazeTarget, HandTarget, PostureTarget, Target
+from humanoid_bt.core.texts import one_line
+from humanoid_bt.core.units import readable
+from humanoid_bt.review.history import Change, Sight
+
+SIGNS = {"RUNNING": "▶", "SUCCESS": "✓", "FAILURE": "✗", "INVALID": "○"}
+_LONGEST = 120  # characters of what a node says
+_LINE = re.compile(r":\d+:\d+$")
+
+
+def last(path: str) -> str:
+    """Return the last name of a node's path."""
+    return path.rsplit("/", 1)[-1]
+
+
+def cut(text: str, longest: int = _LONGEST) -> str:
+    """Return a text as one line of limited length."""
+    text = one_line(text).strip()
+    return text if len(text) <= longest else text[: longest - 1] + "…"
+
+
+def when(time: float) -> str:
+    """Return a moment to the millisecond."""
+    return f"{time:.3f} s"
+
+
+def several(number: int, noun: str) -> str:
+    """Return a number of things."""
+    return f"{number} {noun}" if number == 1 else f"{number} {noun}s"
+
+
+def line_of(place: str) -> str:
+    """Return file and line of a place, without the column."""
+    return place.rsplit(":", 1)[0] if _LINE.search(place) else place
+
+
+def changed(change: Change) -> str:
+    """Return a change of a node's status as a line."""
+    return cut(f"{SIGNS.get(change.status, '?')} {last(change.path)}  {change.said}")
+
+
+def doing(acting: list[Change]) -> str:
+    """Return the names of nodes that act, quoted; "" if none does."""
+    return " and ".join(f"'{last(change.path)}'" for change in acting[-2:])
+
+
+def target(resource: str, of: Target) -> str:
+    """Return what is commanded of a resource."""
+    name = resource.replace("_", " ")
+    match of:
+        case BaseTarget(position=position, heading=heading):
+            return f"{name} to {_point(position)}, heading {math.degrees(heading):.0f} deg"
+        case HandTarget(position=position):
+            return f"{name} to {_point(position)}"
+        case GazeTarget(point=point):
+            return f"{name} at {_point(point)}"
+        case PostureTarget(height=height):
+            return f"{name} {height * 100:+.1f} cm"
+
+
+def command(number: int, targets: Mapping[str, Target], sources: Mapping[str, str]) -> str:
+    """Return a command with who asked for each part of it."""
+    if not targets:
+        return f"#{number}: nothing is asked for, the robot stands"
+    by_node: dict[str, list[str]] = {}
+    for resource, of in targets.items():
+        by_node.setdefault(last(sources.get(resource, "?")), []).append(target(resource, of))
+    return f"#{number}: " + "; ".join(f"'{node}': {', '.join(parts)}" for node, parts in by_node.items())
+
+
+def sight(of: Sight) -> str:
+    """Return what was known of a percept."""
+    age = "just now" if of.age < 5e-4 else f"{of.age:.2f} s ago"
+    return f"{of.name} seen {age}, confidence {of.confidence:.2f}, {readable(of.distance, 'm')} away"
+
+
+def _point(position: object) -> str:
+    return "(" + ", ".join(f"{number:.2f}" for number in position.tolist()) + ") m"  # type: ignore[attr-defined]

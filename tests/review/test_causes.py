@@ -1,0 +1,242 @@
+"""The first line of an explanation, for each thing that stops a robot, staged."""
+
+from __future__ import annotations
+
+import os
+import re
+import signal
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from humanoid_bt.review.explain import explain
+from humanoid_bt.session.session import Session
+from humanoid_bt.testing.rig import ScriptedPerception
+from tests.safety.rows import Contradiction
+
+Play = Callable[..., Path]
+
+
+def pressed(session: Session) -> None:
+    session.raise_estop("too near", source="humanoid-bt estop (me@pts/3, pid 4711)")
+
+
+def pushed(session: Session) -> None:
+    session.push((0.0, -400.0, 0.0), 0.2)
+
+
+def blinded(session: Session) -> None:
+    session.engine.perception = ScriptedPerception()  # type: ignore[attr-defined]
+
+
+def pressed_then_pushed(session: Session) -> None:
+    pressed(session)
+    session.run_until(0.92)
+    session.push((0.0, 600.0, 0.0), 0.2)
+
+
+def unsolvable(session: Session) -> None:
+    limits = session.engine.controller.whole_body.kinematics.limits  # type: ignore[attr-defined]
+    limits.append(Contradiction())
+    session.run_until(0.7)
+    del limits[-1]
+
+
+CASES: dict[str, tuple[str, str, dict[str, Any], str]] = {
+    "estop by hand": (
+        "walk",
+        "estop",
+        {"at": 0.3, "do": pressed, "on_estop": "end"},
+        r"the emergency stop was raised at 0\.300 s by humanoid-bt estop \(me@pts/3, pid 4711\): too near",
+    ),
+    "estop by a node": (
+        "alarm",
+        "estop_node",
+        {"on_estop": "end"},
+        r"'alarm' raised the emergency stop at 0\.300 s: somebody is too near",
+    ),
+    "push and fall": (
+        "walk",
+        "push",
+        {"at": 1.0, "do": pushed, "duration": 4.0},
+        r"the robot fell at 1\.4\d\d s: something pushed it to the right at 1\.00 s while 'walk' commanded the base",
+    ),
+    "fall in an emergency stop": (
+        "walk",
+        "push",
+        {"at": 0.3, "do": pressed_then_pushed, "duration": 4.0, "on_estop": "wait"},
+        r"the robot fell at \d\.\d+ s: something pushed it to the left at 0\.9\d s, "
+        r"in the emergency stop since 0\.300 s",
+    ),
+    "no solution": (
+        "walk",
+        "ik",
+        {"at": 0.3, "do": unsolvable, "duration": 1.0},
+        r"the robot was stopped at 0\.50\d s: inverse kinematics without a solution for more than 200 ms; .*",
+    ),
+    "exception": (
+        "raise",
+        "exception",
+        {"duration": 2.0},
+        r"'walk' raised KeyError: 'missing' at 1\.000 s, in .*mine\.py:\d+",
+    ),
+    "not finite": (
+        "nan",
+        "not_finite",
+        {},
+        r"'wild' raised ValueError: a target's position must be finite, not \[nan, 0\.0, 0\.0\] at 0\.300 s, in .*",
+    ),
+    "refused": (
+        "refused",
+        "refused",
+        {"duration": 3.0},
+        r"commands were refused from 0\.320 s on: the target of 'left_hand' is out of range .*; "
+        r"the robot was stopped at 0\.380 s, the first of 7 times; .*",
+    ),
+    "refused from the start": (
+        "nowhere",
+        "refused",
+        {"duration": 0.2},
+        r"every command was refused from 0\.020 s on, so that the robot did nothing: the target of 'left_hand' .*",
+    ),
+    "two owners": (
+        "thieves",
+        "conflict",
+        {},
+        r"'base' is commanded by two nodes at once: 'walk' and 'thief', at 0\.000 s",
+    ),
+    "time-out": (
+        "late",
+        "timeout",
+        {},
+        r"'timeout' ran out of time after 0\.5 s \(limit 0\.5 s\) at 0\.500 s while 'walk' still ran \(walking\)",
+    ),
+    "percept lost": (
+        "fails_when_lost",
+        "percept_lost",
+        {"at": 0.4, "do": blinded},
+        r"'target' was last seen at 0\.40 s: 'watchdog' failed at 0\.720 s",
+    ),
+    "percept lost, something else runs": (
+        "waits_when_lost",
+        "percept_lost",
+        {"at": 0.4, "do": blinded, "duration": 1.0},
+        r"'target' was last seen at 0\.40 s: 'blind' ran instead from 0\.720 s on; the run ended at 1\.000 s",
+    ),
+    "percept never seen": (
+        "unseen",
+        "percept_lost",
+        {},
+        r"'target' was never seen: hidden: 'watchdog' failed at 0\.000 s",
+    ),
+    "hidden by the scene": (
+        "doubtful",
+        "percept_doubtful",
+        {},
+        r"'confident' failed at 0\.400 s: the percept was doubtful, confidence 0\.\d+ < 0\.5 "
+        r"\(ball hidden at 0\.40 s \(the scene's script\)\)",
+    ),
+    "flapping": (
+        "flapping",
+        "percept_doubtful",
+        {"duration": 2.6},
+        r"'confident' changed its mind 8 times from 0\.00 to 2\.40 s: confidence 0\.\d+ < 0\.5, then .*",
+    ),
+    "out of reach": (
+        "far",
+        "out_of_reach",
+        {"duration": 6.0},
+        r"'reach' failed at 3\.\d+ s: left hand comes no nearer than 1\d\d cm",
+    ),
+    "torque limit": (
+        "far",
+        "torque_limit",
+        {"duration": 6.0, "robot": "weak"},
+        r"'reach' failed at \d\.\d+ s: left hand comes no nearer than \d+ cm; "
+        r"left_shoulder_pitch was at its torque limit, 2 Nm",
+    ),
+    "failure": ("give_up", "failed", {}, r"'give_up' failed at 0\.000 s: the thing is not there"),
+    "time is up": (
+        "wait",
+        "unfinished",
+        {"duration": 0.1},
+        r"the run was ended at 0\.100 s, its 0\.1 s were up while 'pause' .*",
+    ),
+    "interrupted": (
+        "walk",
+        "interrupted",
+        {"at": 0.2, "do": lambda session: session.interrupt("enough")},
+        r"the run was ended at 0\.200 s while 'walk' ran: enough",
+    ),
+    "success": ("wait", "success", {}, r"nothing stopped it: the run succeeded at 0\.200 s: pause: waited"),
+}
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_the_first_line_says_what_stopped_the_robot(play: Play, name: str) -> None:
+    tree, kind, how, headline = CASES[name]
+    found = explain(play(tree, **how))
+    assert re.fullmatch(headline, found.headline), found.headline
+    assert found.kind == kind
+    assert (("", "and 2 more") in found.after) == (len(found.data["stops"]) == 7)  # of which five are listed
+    for width in (60, 80):
+        lines = found.text(width).splitlines()
+        assert len(lines) <= (30 if width == 80 else 45), found.text(width)
+        assert "\x1b" not in found.text(width)
+
+
+def test_a_recording_that_is_still_written_is_explained(stage: Path, tmp_path: Path) -> None:
+    file = tmp_path / "run.rrd"
+    with Session("walk", workspace=stage, record=file, camera=False) as session:
+        session.run_until(1.5)
+        recorder = session._drive._recorder
+        assert recorder is not None
+        while recorder._written < 1.0:
+            recorder._follow()
+        found = explain(file)
+    assert found.headline.endswith(
+        "s, and does not say how the run ended: it is still being written, or the recorder was killed"
+    )
+
+
+_KILLED = """
+import os, signal, sys
+from humanoid_bt import Session
+
+with Session("walk", workspace=sys.argv[1], record=sys.argv[2], camera=False) as session:
+    session.run_until(0.5)
+    os.kill(os.getpid(), signal.SIGKILL)
+"""
+
+
+def test_a_program_that_was_killed_is_told(stage: Path, tmp_path: Path) -> None:
+    file = tmp_path / "run.rrd"
+    subprocess.run([sys.executable, "-c", _KILLED, stage, file], capture_output=True, check=False, timeout=60)
+    found = explain(file)
+    assert found.headline == "the program that runs the tree was killed after its tick of 0.500 s while 'walk' ran"
+    assert found.node == "walk/emergency_stop/walk"
+
+
+def test_a_recorder_that_was_killed_leaves_a_recording_that_ends_early(stage: Path, tmp_path: Path) -> None:
+    file = tmp_path / "run.rrd"
+    with Session("walk", workspace=stage, record=file, camera=False, duration=2.0) as session:
+        session.run_until(1.5)
+        recorder = session._drive._recorder
+        assert recorder is not None
+        os.kill(recorder._process.pid, signal.SIGKILL)
+        session.run_until(1.8)
+    found = explain(file)
+    assert re.match(r"the recording ends at [01]\.\d+ s, ", found.headline)
+    assert found.kind == "cut"
+
+
+def test_a_recording_on_a_full_disk_ends_in_the_midst_of_a_message(play: Play, tmp_path: Path) -> None:
+    whole, cut = play("walk", duration=0.5), tmp_path / "cut.rrd"
+    cut.write_bytes(whole.read_bytes()[: whole.stat().st_size // 2])
+    found = explain(cut)
+    assert "in the midst of a message: its disk was full" in found.headline
+    assert found.data["cut"]

@@ -1,0 +1,173 @@
+"""What else an explanation tells: moments, nodes, joints, data for programs, wrong names."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import humanoid_bt as hbt
+from humanoid_bt.cli import main
+from humanoid_bt.record.reading import read_flight
+from humanoid_bt.review.body import Motion
+from humanoid_bt.session.session import Session
+
+Play = Callable[..., Path]
+
+
+@pytest.fixture(scope="module")
+def fallen(play: Play) -> Path:
+    """A robot that walked for a second and was pushed over."""
+    return play("walk", duration=4.0, at=1.0, do=lambda session: session.push((0.0, -400.0, 0.0), 0.2))
+
+
+@pytest.fixture(scope="module")
+def seen(play: Play) -> Path:
+    """A robot that approached a ball until the scene hid it at 0.4 s."""
+    return play("doubtful")
+
+
+def test_modes_are_those_of_the_servo_cycles(fallen: Path) -> None:
+    found = hbt.explain(fallen)
+    run, damp = found.data["modes"]
+    (stop,) = found.data["stops"]
+    assert (run["mode"], damp["mode"]) == ("run", "damp")
+    assert damp["begin"] == pytest.approx(stop["time"], abs=1e-6)
+    assert f"damp from {stop['time']:.3f} s to the end" in found.text(200)
+    assert found.time == pytest.approx(stop["time"])
+
+
+def test_a_push_is_found_where_it_was_and_steps_are_none(fallen: Path) -> None:
+    log = read_flight(fallen)
+    push = Motion(log, 0.0, 1.4).push()
+    assert push is not None
+    assert push.begin == pytest.approx(1.0, abs=0.02)
+    assert push.end == pytest.approx(1.2, abs=0.05)
+    assert push.direction == "to the right"
+    assert Motion(log, 0.0, 0.99).push() is None
+
+
+@pytest.mark.parametrize(("force", "direction"), [((400.0, 0.0, 0.0), "forward"), ((0.0, 400.0, 0.0), "to the left")])
+def test_the_direction_of_a_push_is_as_the_robot_sees_it(
+    play: Play, force: tuple[float, float, float], direction: str
+) -> None:
+    found = hbt.explain(play("stand", duration=3.0, at=0.5, do=lambda session: session.push(force, 0.2)))
+    assert f"something pushed it {direction} at 0." in found.headline
+
+
+def test_a_moment_tells_node_command_percepts_and_joints(seen: Path) -> None:
+    found = hbt.explain(seen, at=0.3)
+    assert found.headline == "at 0.300 s: 'approach' ran, mode run"
+    assert found.place.startswith("trees/doubtful.yaml:4:")
+    rows = dict(found.rows)
+    assert rows["command"].startswith("#14: 'approach': ")
+    assert rows["percepts"].startswith("target seen ")
+    assert [joint["load"] for joint in found.data["joints"]] == sorted(
+        (joint["load"] for joint in found.data["joints"]), reverse=True
+    )
+    assert len(found.data["joints"]) == len(read_flight(seen).setup["robot"]["joints"])
+
+
+def test_percepts_of_a_moment_are_those_of_that_time(seen: Path) -> None:
+    before, after = (hbt.explain(seen, at=at).data["percepts"][0] for at in (0.3, 0.4))
+    assert before["confidence"] > 0.8
+    assert after["confidence"] < 0.2
+
+
+def test_the_life_of_a_node(seen: Path) -> None:
+    found = hbt.explain(seen, node="approach")
+    assert found.headline.startswith("'approach' ran once from 0.000 s to 0.400 s: was halted: preempted by")
+    (life,) = found.data["lives"]
+    assert [name for name, _, _ in life["results"]] == ["target_distance", "bearing_error"]
+    rows = dict(found.rows)
+    assert "base to" in rows["first"] and "base to" in rows["at last"]
+    assert rows["type"] == "approach, target: target"
+
+
+def test_a_node_that_never_had_its_turn(play: Play) -> None:
+    found = hbt.explain(play("waits_when_lost", duration=0.1), node="blind")
+    assert found.headline == "'blind' never had its turn"
+    assert found.time is None
+
+
+def test_the_extremes_of_a_joint_are_those_of_all_servo_cycles(fallen: Path) -> None:
+    log = read_flight(fallen)
+    found = hbt.explain(fallen, joint="right_knee")
+    number = log.setup["robot"]["joints"].index("right_knee")
+    cycles = log.cycles()
+    for name in ("position", "torque"):
+        values = cycles.columns[name][:, number]
+        extremes = found.data["extremes"][name]
+        assert (extremes["least"], extremes["most"]) == (values.min(), values.max())
+        assert extremes["most_at"] == cycles.time[values.argmax()]
+    assert found.data["limits"]["torque"] == 150
+    assert found.data["at_torque_limit"]
+    assert "at its torque limit" in found.headline
+
+
+def test_the_setup_has_the_limits_of_the_robot(fallen: Path) -> None:
+    with Session("stand") as session:
+        session.step()
+        robot = session.engine.robot
+    kept = read_flight(fallen).setup["robot"]
+    assert kept["joints"] == list(robot.joint_names)
+    np.testing.assert_array_equal(kept["limits"]["torque"], robot.torque_limit)
+    np.testing.assert_array_equal(kept["limits"]["lower"], robot.lower)
+    assert kept["mass"] == robot.mass
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (["--node", "aproach"], "did you mean 'approach'?"),
+        (["--joint", "right_elbw"], "did you mean 'right_elbow'?"),
+        (["--at", "99"], "valid: 0.00 to "),
+        (["--at", "-1"], "must be a time in seconds, 0 or more"),
+        (["--at", "1", "--node", "x"], "not allowed with argument"),
+    ],
+)
+def test_a_wrong_name_or_time_is_answered(
+    seen: Path, options: list[str], said: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    try:
+        code = main(["explain", str(seen), *options])
+    except SystemExit as end:
+        code = end.code  # type: ignore[assignment]
+    out, err = capsys.readouterr()
+    assert (code, out) == (2, "")
+    assert said in err
+
+
+def test_the_newest_recording_is_explained(
+    seen: Path, fallen: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert main(["explain"]) == 2
+    assert "no recording in 'runs'" in capsys.readouterr().err
+    (tmp_path / "runs").mkdir()
+    for file in (seen, fallen):
+        (tmp_path / "runs" / file.name).write_bytes(file.read_bytes())
+    assert main(["explain", "--json"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert told["kind"] == "push"
+    assert told["recording"] == f"runs/{fallen.name}"
+    assert told["headline"] == hbt.explain(fallen).headline
+
+
+def test_what_is_no_recording_is_answered(tmp_path: Path) -> None:
+    other = tmp_path / "other.rrd"
+    other.write_text("nothing")
+    for path in (other, tmp_path / "missing.rrd"):
+        with pytest.raises(hbt.UserError, match="no recording that can be read"):
+            hbt.explain(path)
+    with pytest.raises(hbt.UserError, match="only one of"):
+        hbt.explain(other, at=1.0, node="x")
+
+
+def test_of_a_run_without_trouble_nothing_else_is_told(play: Play) -> None:
+    clean = hbt.explain(play("wait"))
+    assert clean.kind == "success"
+    assert clean.rows == []
