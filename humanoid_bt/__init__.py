@@ -37,6 +37,9 @@ __all__ = [  # noqa: RUF022 (grouped as a reader looks for them)
     "nodes",
     "skills",
     "Key",
+    # Looking back
+    "open_recording",
+    "Recording",
     # Skills
     "Skill",
     "Status",
@@ -97,6 +100,8 @@ if TYPE_CHECKING:
     from humanoid_bt.perception.track import Track as Track
     from humanoid_bt.review.explain import explain as explain
     from humanoid_bt.review.explanation import Explanation as Explanation
+    from humanoid_bt.review.recording import Recording as Recording
+    from humanoid_bt.review.recording import open_recording as open_recording
     from humanoid_bt.review.replay import Replay as Replay
     from humanoid_bt.review.replay import replay as replay
     from humanoid_bt.session.prepare import check as check
@@ -127,6 +132,7 @@ else:
         "humanoid_bt.decision.result": "result",
         "humanoid_bt.decision.robot": "RobotHandle",
         "humanoid_bt.perception.track": "Track",
+        "humanoid_bt.review.recording": "Recording open_recording",
         "humanoid_bt.review.explain": "explain",
         "humanoid_bt.review.explanation": "Explanation",
         "humanoid_bt.session.report": "Report",

@@ -24,6 +24,7 @@ GIVEN = {
     "Node",
     "NodeChange",
     "NodeError",
+    "Recording",
     "Report",
     "RigResult",
     "RobotHandle",

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import partial
 
-from parts import api, codes, config_files, house, library, nodes, promises, python, tree_files, units
+from parts import api, codes, config_files, house, library, nodes, promises, python, tables, tree_files, units
 
 PARTS_BY_NAME: dict[str, Callable[[], str]] = {
     maker.__name__: maker
@@ -18,6 +18,7 @@ PARTS_BY_NAME: dict[str, Callable[[], str]] = {
         *(api.api, api.session, api.debugging, api.report),
         *(codes.codes, codes.code_examples),
         *(promises.costs, promises.reactions),
+        *(tables.data_tables, tables.recording),
         *(units.units, units.clocks),
         *(house.rooms, house.inner_rooms, house.percept_way, house.command_way),
     )

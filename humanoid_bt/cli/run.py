@@ -11,6 +11,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from types import FrameType
+from typing import Any
 
 from rich.text import Text
 
@@ -64,7 +65,7 @@ def _session(arguments: argparse.Namespace, printer: Printer) -> Session:
         workspace=arguments.workspace,
         robot=arguments.robot,
         scene=arguments.scene,
-        parameters=overrides(arguments.overrides),
+        parameters=_parameters(arguments),
         seed=arguments.seed,
         duration=arguments.duration,
         on_estop=arguments.on_estop,
@@ -93,6 +94,16 @@ def _report(session: Session, attended: bool) -> Report:
         if not session.outcome:
             raise
         return session.report
+
+
+def _parameters(arguments: argparse.Namespace) -> dict[str, Any]:
+    """Return what the tree's parameters are given."""
+    values = overrides(arguments.overrides)
+    if arguments.params is None:
+        return values
+    from humanoid_bt.review.parameters import given_parameters
+
+    return {**given_parameters(arguments.params), **values}
 
 
 def _make_way(path: Path) -> None:

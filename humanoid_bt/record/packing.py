@@ -72,15 +72,14 @@ def unpack(packed: bytes, resolution: Array, only: Sequence[int] | None = None) 
     size = rows * columns * (4 if form == _ROUNDED else 8)
     if columns != len(resolution) or size > _LARGEST:
         raise BlockError(f"a block has {columns} columns, not {len(resolution)}")
-    raw = zlib.decompress(body, bufsize=max(size, 1))
-    if len(raw) != size:
-        raise BlockError(f"a block of {rows} rows holds {len(raw)} bytes, not {size}")
+    raw = _inflated(body, size)
     wanted: Any = slice(None) if only is None else list(only)
     if form == _EXACT:
         return np.frombuffer(raw, "<f8").reshape(rows, columns)[:, wanted].copy()
     bytes_of = np.frombuffer(raw, np.uint8).reshape(4, columns, rows)[:, wanted]
     steps = np.ascontiguousarray(bytes_of.transpose(2, 1, 0)).view("<i4").reshape(rows, bytes_of.shape[1])
-    return np.cumsum(steps, axis=0, dtype=np.int32) * resolution[wanted]
+    numbers: Array = np.cumsum(steps, axis=0, dtype=np.int32) * resolution[wanted]
+    return numbers
 
 
 def bundle(messages: Sequence[bytes]) -> bytes:
@@ -102,14 +101,36 @@ def unbundle(packed: bytes) -> list[bytes]:
     body = packed[_BUNDLE.size :]
     if zlib.crc32(body) != check or size > _LARGEST:
         raise BlockError("a bundle is damaged")
-    raw, messages, offset = zlib.decompress(body, bufsize=max(size, 1)), list[bytes](), 0
-    while offset < len(raw):
+    raw, messages, offset = _inflated(body, size), list[bytes](), 0
+    while offset + _SIZE.size <= size:
         (length,) = _SIZE.unpack_from(raw, offset)
         messages.append(raw[offset + _SIZE.size : offset + _SIZE.size + length])
         offset += _SIZE.size + length
-    if len(messages) != count or len(raw) != size:
+    if len(messages) != count or offset != size:
         raise BlockError(f"a bundle of {count} messages holds {len(messages)}")
     return messages
+
+
+def is_whole(packed: bytes, bundled: bool) -> bool:
+    """Return whether the bytes of a block, or of a bundle, are as they were written."""
+    header = _BUNDLE if bundled else _HEADER
+    return len(packed) >= header.size and zlib.crc32(packed[header.size :]) == header.unpack_from(packed)[-1]
+
+
+def _inflated(body: bytes, size: int) -> bytes:
+    """Return so many bytes that were compressed: bytes that claim to be few cannot become many.
+
+    Raises:
+        BlockError: they are not so many, or were not compressed.
+    """
+    stream = zlib.decompressobj()
+    try:
+        raw = stream.decompress(body, size + 1)
+    except zlib.error as error:
+        raise BlockError(f"a block is damaged: {error}") from error
+    if len(raw) != size or not stream.eof:
+        raise BlockError(f"a block holds {len(raw)} bytes or more, not {size}")
+    return raw
 
 
 def _by_byte(steps: Array) -> bytes:

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import json
 import math
-import warnings
 import zlib
 from bisect import bisect_left
 from collections.abc import Iterator, Sequence
@@ -24,9 +23,9 @@ from humanoid_bt.core.clock import SERVO_PERIOD
 from humanoid_bt.core.errors import UserError, relative
 from humanoid_bt.core.messages import Array, Percept
 from humanoid_bt.link.wire import WireError
-from humanoid_bt.record.cut_file import whole_part
 from humanoid_bt.record.packing import BlockError, unbundle, unpack
 from humanoid_bt.record.parts import is_recording, parts_of
+from humanoid_bt.record.rrd import RrdFile
 from humanoid_bt.record.tick import Tick, percepts_of
 
 _ENTITY, _TIMELINE = "/flight", "sim_time"
@@ -42,7 +41,7 @@ class News(NamedTuple):
 
     Attributes:
         time: engine time [s].
-        kind: limits, node, results, event, key, unseen, input, stop, tree, end.
+        kind: node, results, event, key, unseen, stop, tree, end.
         value: what happened, as plain data.
     """
 
@@ -137,7 +136,7 @@ class FlightLog:
         """
         try:
             return Row(*(Column(**{**column, "labels": tuple(column["labels"])}) for column in self.layout[kind]))
-        except (KeyError, TypeError, AttributeError):
+        except (KeyError, TypeError, AttributeError, ValueError):
             shown = relative(self.path)
             raise UserError(f"the recording {shown!r} has no servo cycles", hint=_OLDER) from None
 
@@ -234,11 +233,12 @@ def read_flight(path: str | PathLike[str]) -> FlightLog:
     log = FlightLog(Path(path))
     try:
         for part in _parts(log.path):
-            _take(log, part)
-    except (RuntimeError, OSError, ValueError) as error:
-        log.cut = log.cut or _why(error)
-        if not log.layout:
-            raise UserError(f"{relative(log.path)!r} is no recording that can be read: {log.cut}") from error
+            file = RrdFile(part)
+            _fill(log, file)
+            log.cut, log.damaged = log.cut or file.cut, log.damaged + file.damaged
+    except (OSError, ValueError) as error:
+        why = getattr(error, "strerror", None) or error
+        raise UserError(f"{relative(log.path)!r} is no recording that can be read: {why}") from error
     if not log.layout:
         raise UserError(f"the recording {relative(log.path)!r} is none of a run", hint=_OLDER)
     return log
@@ -262,60 +262,37 @@ def _parts(path: Path) -> list[Path]:
     return [part for part in parts_of(path) if is_recording(part)] or [path]
 
 
-def _take(log: FlightLog, part: Path) -> None:
-    """Take what a file holds into a log, also of one that is cut short."""
-    known = sum(map(len, log.blocks.values()))
-    try:
-        _fill(log, part)
-    except RuntimeError as error:
-        log.cut = _why(error)
-        if known == sum(map(len, log.blocks.values())):  # of a file that ends within a message nothing is read
-            with whole_part(part) as whole:
-                _fill(log, whole)
-
-
-def _fill(log: FlightLog, path: Path) -> None:
+def _fill(log: FlightLog, file: RrdFile) -> None:
     """Take what a file holds into a log."""
-    for column, time, value in _values(path):
-        if column in _STATIC:
-            setattr(log, column, _data(value))
-        else:
-            log.blocks[column].append(value)
-            log.until[column].append(max(time, log.until[column][-1]) if log.until[column] else time)
-
-
-def _why(error: Exception) -> str:
-    return str(error).strip().split("\n", maxsplit=1)[0]
+    for batch in file.batches(_ENTITY):
+        for column, time, value in _values(batch):
+            if column not in _STATIC:
+                log.blocks[column].append(value)
+                log.until[column].append(max(time, log.until[column][-1]) if log.until[column] else time)
+            elif data := _data(value):
+                setattr(log, column, data)
+            else:
+                log.damaged += 1
 
 
 def _data(text: str) -> dict[str, Any]:
-    data = json.loads(text)
+    """Return the mapping that a text holds, an empty one if it holds none."""
+    try:
+        data = json.loads(text)
+    except (ValueError, RecursionError):
+        return {}
     return data if isinstance(data, dict) else {}
 
 
-def _values(path: Path) -> Iterator[tuple[str, float, Any]]:
-    """Yield column, time [s] and value of all that is kept exactly, in the order of the file."""
-    for chunk in _chunks(path):
-        batch = chunk.to_record_batch()
-        names = batch.schema.names
-        timed = _TIMELINE in names
-        times = [time.value for time in batch.column(_TIMELINE)] if timed else [0] * batch.num_rows  # a cast costs more
-        for column in (*_STATIC, *_BLOCKS):
-            if column in names:
-                for time, row in zip(times, batch.column(column).to_pylist(), strict=True):
-                    for value in row or ():
-                        yield column, time * 1e-9, value
-
-
-def _chunks(path: Path) -> Iterator[Any]:
-    """Yield the chunks with what is kept exactly; of a whole file nothing else is read."""
-    import rerun as rr  # noqa: PLC0415  # it takes half a second, and most programs read nothing
-
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # of a recording that is still written, or was never closed
-        reader = rr.chunk.RrdReader(path)
-        try:
-            whole = reader.store().stream()
-        except (RuntimeError, ValueError):  # no list of chunks at its end: it is still written, or was never closed
-            whole = reader.stream()
-    yield from whole.filter(content=_ENTITY)
+def _values(batch: Any) -> Iterator[tuple[str, float, Any]]:
+    """Yield column, time [s] and value of all that is kept exactly."""
+    names = batch.schema.names
+    timed = _TIMELINE in names
+    times = [time.value for time in batch.column(_TIMELINE)] if timed else [0] * batch.num_rows  # a cast costs more
+    for column in (*_STATIC, *_BLOCKS):
+        if column in names:
+            wanted = str if column in _STATIC else bytes
+            for time, row in zip(times, batch.column(column).to_pylist(), strict=True):
+                for value in row or ():
+                    if isinstance(value, wanted):
+                        yield column, (time or 0) * 1e-9, value

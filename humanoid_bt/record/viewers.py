@@ -55,9 +55,15 @@ def _rerun_program() -> str:
     return str(Path(package.submodule_search_locations[0]) / "rerun")
 
 
-def start_viewer(port: int) -> subprocess.Popen[bytes]:
-    """Open the native viewer; it listens on loopback only and outlives this program."""
-    options = ["--bind", LOOPBACK, "--port", str(port), "--hide-welcome-screen", "--expect-data-soon"]
+def start_viewer(port: int, *files: Path) -> subprocess.Popen[bytes]:
+    """Open the native viewer; it listens on loopback only and outlives this program.
+
+    Args:
+        port: at which it listens.
+        files: recordings that it shows; data will be sent to it if there are none.
+    """
+    shows = [str(file.absolute()) for file in files] or ["--expect-data-soon"]
+    options = ["--bind", LOOPBACK, "--port", str(port), "--hide-welcome-screen", *shows]
     with tempfile.TemporaryFile() as messages:
         viewer = _start(options, messages)
         _wait_until_open(viewer, port, "the viewer", messages)

@@ -16,7 +16,7 @@ from humanoid_bt.decision.robot import Robot
 from humanoid_bt.realtime.remote_supervisor import StateClock
 from humanoid_bt.record.reading import FlightLog, News
 from humanoid_bt.record.tick import Tick
-from humanoid_bt.review.difference import Difference, decided_differently
+from humanoid_bt.review.compare_run import Parting, command_parting
 from humanoid_bt.robot.config import load_robot_config
 from humanoid_bt.tree.ticking.executor import Executor, NodeChange
 from humanoid_bt.tree.tree import Tree
@@ -37,7 +37,7 @@ class Done:
         notes: what was not compared, and why.
     """
 
-    difference: Difference | None = None
+    difference: Parting | None = None
     ticks: int = 0
     duration: float = 0.0
     outcome: str = "unfinished"
@@ -78,8 +78,9 @@ def decide_again(log: FlightLog, tree: Tree, robot: Path) -> Done:
         except HumanoidBtError as error:
             command, done.outcome, done.reason = None, "error", str(error)
         if done.difference is None:
-            last, again = clock.time >= inputs.until - _AT, Tick(tick.state, tick.percepts, command)
-            done.difference = _nodes_differ(clock.time, news, changes, last) or decided_differently(tick, again)
+            last = clock.time >= inputs.until - _AT
+            differ = _nodes_differ(clock.time, news, changes, last)
+            done.difference = differ or command_parting(clock.time, tick.command, command)
         if command is None:
             break
         if executor.status is not Status.RUNNING:
@@ -136,7 +137,7 @@ class _Recorded:
             waiting = []
 
 
-def _nodes_differ(now: float, news: list[News], changes: list[NodeChange], last: bool) -> Difference | None:
+def _nodes_differ(now: float, news: list[News], changes: list[NodeChange], last: bool) -> Parting | None:
     """Return the first node that changed otherwise, None if all did as recorded."""
     before = [(one.value[0], one.value[1]) for one in news if one.kind == "node" and abs(one.time - now) < _AT]
     after = [(change.path, change.status.name) for change in changes]
@@ -146,7 +147,7 @@ def _nodes_differ(now: float, news: list[News], changes: list[NodeChange], last:
         one = before[index] if index < len(before) else None
         other = after[index] if index < len(after) else None
         if one != other:
-            return Difference(now, f"node {(one or other or ('',))[0]}", _status(one, other), _status(other, one))
+            return Parting(now, f"node {(one or other or ('',))[0]}", _status(one, other), _status(other, one))
     return None
 
 

@@ -1,104 +1,72 @@
-"""The first quantity in which two ticks differ, by name."""
+"""How two recorded runs differ: in what was run, and in what happened."""
 
 from __future__ import annotations
 
-import dataclasses
-from collections.abc import Iterator, Mapping, Sequence
-from enum import Enum
-from typing import Any, NamedTuple
+from dataclasses import asdict, dataclass, field
+from typing import Any
 
-import numpy as np
+from humanoid_bt.core.errors import UserError
+from humanoid_bt.review import setup
+from humanoid_bt.review.compare_run import NodeShift, Parting, first_parting, node_shifts, result_changes
+from humanoid_bt.review.compare_setup import Change, setup_changes
+from humanoid_bt.review.recording import Recording
 
-from humanoid_bt.core.messages import State
-from humanoid_bt.record.tick import Tick
-
-_XYZ, _WXYZ = "xyz", "wxyz"
+TICK = 0.02
+"""Times of nodes that differ by no more [s] are the same, unless another tolerance is asked for."""
 
 
-class Difference(NamedTuple):
-    """Where two runs part.
+@dataclass(frozen=True)
+class Difference:
+    """How two recorded runs differ.
 
     Attributes:
-        time: engine time [s].
-        quantity: what differs: ``state joint_positions[left_knee]``, ``command base``, ``node fetch/reach``.
-        before: its value in the one.
-        after: its value in the other.
+        changes: settings, parameters, files, nodes of the tree, versions, machine; results and outcome.
+        parting: the first moment in which they are not the same, None if there is none.
+        nodes: the first change of each node that is not the same, in the order of time.
     """
 
-    time: float
-    quantity: str
-    before: Any
-    after: Any
+    changes: list[Change] = field(default_factory=list)
+    parting: Parting | None = None
+    nodes: list[NodeShift] = field(default_factory=list)
 
-    def __str__(self) -> str:
-        return f"at {self.time:.3f} s {self.quantity}: {_told(self.before)} became {_told(self.after)}"
+    @property
+    def is_none(self) -> bool:
+        """Whether the runs are the same."""
+        return not (self.changes or self.nodes or self.parting)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return everything as plain data for JSON."""
+        return {
+            "same": self.is_none,
+            "changes": [asdict(change) for change in self.changes],
+            "parting": None if self.parting is None else self.parting._asdict(),
+            "nodes": [shift._asdict() for shift in self.nodes],
+        }
 
 
-def first_difference(before: Tick, after: Tick, joints: Sequence[str] = ()) -> Difference | None:
-    """Return the first quantity in which two ticks differ to the bit, None if there is none.
-
-    How long the tree took is no such quantity. What was sensed comes before what was decided.
+def difference(one: Recording, other: Recording, tolerance: float = 0.0, within: float = TICK) -> Difference:
+    """Return how two runs differ.
 
     Args:
-        before, after: the ticks.
-        joints: the robot's joints.
+        one, other: their recordings.
+        tolerance: numbers of states, percepts, commands and results that differ by no more are the same.
+        within: times of nodes that differ by no more [s] are the same.
+
+    Raises:
+        UserError: a tolerance is negative.
     """
-    ours, theirs = dict(_quantities(before, joints)), dict(_quantities(after, joints))
-    for name in {**ours, **theirs}:
-        if not _same(one := ours.get(name), other := theirs.get(name)):
-            return Difference(before.state.time, name, one, other)
-    return None
-
-
-def decided_differently(before: Tick, after: Tick) -> Difference | None:
-    """Return what two ticks command differently, None if they command the same."""
-    ours, theirs = dict(_commanded(before)), dict(_commanded(after))
-    for name in {**ours, **theirs}:
-        if not _same(one := ours.get(name), other := theirs.get(name)):
-            return Difference(before.state.time, name, one, other)
-    return None
-
-
-def _quantities(tick: Tick, joints: Sequence[str]) -> Iterator[tuple[str, Any]]:
-    for field in dataclasses.fields(State):
-        yield from _parts(f"state {field.name}", getattr(tick.state, field.name), joints)
-    for percept in tick.percepts:
-        yield from _parts(f"percept {percept.name}", percept, ())
-    yield from _commanded(tick)
-
-
-def _commanded(tick: Tick) -> Iterator[tuple[str, Any]]:
-    if tick.command is None:
-        return
-    for resource, target in tick.command.targets.items():
-        yield from _parts(f"command {resource}", target, ())
-    for resource, source in tick.command.sources.items():
-        yield f"command {resource} from", source
-
-
-def _parts(name: str, value: Any, joints: Sequence[str]) -> Iterator[tuple[str, Any]]:
-    """Yield the numbers and texts of a value, each with its name."""
-    if isinstance(value, np.ndarray):
-        labels = joints if len(joints) == len(value) else _WXYZ if len(value) == 4 else _XYZ
-        for index, number in enumerate(value.tolist()):
-            yield f"{name}[{labels[index] if len(labels) == len(value) else index}]", number
-    elif dataclasses.is_dataclass(value) and not isinstance(value, type):
-        for field in dataclasses.fields(value):
-            yield from _parts(f"{name} {field.name}", getattr(value, field.name), joints)
-    elif isinstance(value, Mapping):
-        for key, part in value.items():
-            yield from _parts(f"{name}[{key}]", part, joints)
-    elif isinstance(value, (tuple, list)):
-        for index, part in enumerate(value):
-            yield from _parts(f"{name}[{index}]", part, joints)
-    else:
-        yield name, value.value if isinstance(value, Enum) else value
-
-
-def _same(one: Any, other: Any) -> bool:
-    """Return whether two values are equal to the bit; a number that is none is equal to itself."""
-    return bool(one == other) or (one != one and other != other)  # noqa: PLR0124
-
-
-def _told(value: Any) -> str:
-    return "nothing" if value is None else repr(value)
+    if not (tolerance >= 0 and within >= 0):
+        raise UserError(f"a tolerance must be a number, 0 or more, not {min(tolerance, within)}")
+    joints = [row["joint"] for row in setup.joints(one.setup)]
+    changes = list(setup_changes(one.setup, other.setup))
+    changes += result_changes(one.happened.results, other.happened.results, tolerance)
+    for name, before, after in (("outcome", one.outcome, other.outcome), ("reason", one.reason, other.reason)):
+        if before != after:
+            changes.append(Change("outcome", name, before or None, after or None))
+    return Difference(
+        changes,
+        first_parting(
+            (one.every_tick(), one.happened.nodes), (other.every_tick(), other.happened.nodes), joints, tolerance
+        ),
+        node_shifts(one.happened.nodes, other.happened.nodes, within),
+    )

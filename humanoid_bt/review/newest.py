@@ -1,4 +1,4 @@
-"""The recording that is meant when none is named: the newest one."""
+"""Which recording is meant where none is named: the newest one."""
 
 from __future__ import annotations
 
@@ -8,14 +8,15 @@ from humanoid_bt.core.errors import UserError
 from humanoid_bt.session.options import RUNS
 
 
-def newest_recording() -> Path:
-    """Return the newest recording of the folder of recordings.
+def newest_recording(folder: Path = RUNS) -> Path:
+    """Return the recording in a folder that was written last.
 
     Raises:
         UserError: there is none.
     """
-    found = sorted(RUNS.glob("*.rrd"), key=lambda path: path.stat().st_mtime)
-    if not found:
-        message = f"there is no recording in {str(RUNS.absolute())!r}"
-        raise UserError(message, hint="name one, or make one: humanoid-bt run fetch")
-    return found[-1]
+    try:
+        found = [path for path in folder.glob("*.rrd") if path.is_file() and path.stat().st_size]
+        return max(found, key=lambda path: (path.stat().st_mtime_ns, path.name))
+    except (ValueError, OSError):
+        hint = "name one, or record a run: humanoid-bt run TREE"
+        raise UserError(f"there is no recording in {str(folder)!r}", hint=hint) from None

@@ -15,8 +15,8 @@ from humanoid_bt.core.errors import UserError, relative
 from humanoid_bt.core.plain import plain
 from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.record.reading import FlightLog, read_flight
+from humanoid_bt.review.compare_run import Parting
 from humanoid_bt.review.decision_replay import decide_again
-from humanoid_bt.review.difference import Difference
 from humanoid_bt.review.recorded_files import RecordedFiles, lay_out
 from humanoid_bt.review.run_replay import run_again
 from humanoid_bt.tree.tree import Tree
@@ -44,7 +44,7 @@ class Replay:
 
     recording: str
     whole: bool
-    difference: Difference | None
+    difference: Parting | None
     ticks: int
     duration: float
     speed: float

@@ -19,8 +19,8 @@ from humanoid_bt.perception.track import Track
 from humanoid_bt.record.reading import FlightLog
 from humanoid_bt.record.subject import TreeView
 from humanoid_bt.record.tick import Tick
+from humanoid_bt.review.compare_run import Parting, tick_parting
 from humanoid_bt.review.decision_replay import Done, is_paused
-from humanoid_bt.review.difference import Difference, first_difference
 from humanoid_bt.review.recorded_files import RecordedFiles
 from humanoid_bt.session.drive import Drive
 from humanoid_bt.session.lockstep import Lockstep
@@ -157,7 +157,7 @@ class Comparison:
         self._next = next(self._ticks, None)
         self._nodes = deque((one.time, *one.value) for one in log.news if one.kind == "node" and one.time < until)
         self._first = self._next.state.time if self._next is not None else 0.0
-        self.difference: Difference | None = None
+        self.difference: Parting | None = None
         self.count, self.lasted, self.exhausted = 0, 0.0, self._next is None
         self.url, self.missing = "", 0.0
 
@@ -168,11 +168,11 @@ class Comparison:
         recorded = self._next
         if recorded is None:
             if self._whole:
-                self._note(Difference(tick.state.time, "the run", "ended", "went on"))
+                self._note(Parting(tick.state.time, "the run", "ended", "went on"))
             return
         self.count, self.lasted = self.count + 1, tick.state.time - self._first
         if self.difference is None:
-            self._note(first_difference(recorded, tick, self._joints))
+            self._note(tick_parting(recorded, tick, self._joints))
         self._next = next(self._ticks, None)
         self.exhausted = self._next is None and not self._whole
 
@@ -180,20 +180,20 @@ class Comparison:
         """Compare a node's change of status."""
         if not self._nodes:
             if self._whole:
-                self._note(Difference(time, f"node {path}", "no change", status))
+                self._note(Parting(time, f"node {path}", "no change", status))
             return
         at, known, was, said = self._nodes.popleft()
         if (at, known, was) != (time, path, status):
-            self._note(Difference(time, f"node {path}", f"{known} {was} at {at:.3f} s", status))
+            self._note(Parting(time, f"node {path}", f"{known} {was} at {at:.3f} s", status))
         elif said != feedback:
-            self._note(Difference(time, f"node {path} says", said, feedback))
+            self._note(Parting(time, f"node {path} says", said, feedback))
 
     def finish(self) -> None:
         """Note what was recorded and did not come again."""
         if self._whole and self._next is not None:
-            self._note(Difference(self._next.state.time, "the run", "went on", "ended"))
+            self._note(Parting(self._next.state.time, "the run", "went on", "ended"))
 
-    def _note(self, difference: Difference | None) -> None:
+    def _note(self, difference: Parting | None) -> None:
         self.difference = self.difference or difference
 
     # ---- what is not compared: it follows from the rest --------------------------------------------------------------

@@ -16,6 +16,7 @@ from typing import Any
 import mujoco
 
 from humanoid_bt.core.errors import UserError, relative, resolved
+from humanoid_bt.core.items import Item
 from humanoid_bt.core.plain import plain
 from humanoid_bt.decision.skill_files import class_file
 from humanoid_bt.files import document
@@ -101,8 +102,12 @@ def _parameters(tree: Tree, given: Mapping[str, Any]) -> Iterator[tuple[str, dic
         written = declared.get(name)
         if isinstance(written, dict):
             written = written.get("default")
-        origin = "given" if name in given else places.get(name, "")
+        origin = _origin(given[name]) if name in given else places.get(name, "")
         yield name, {"value": plain(value), "written": plain(written), "from": origin}
+
+
+def _origin(given: Any) -> str:
+    return f"given in {given.place}" if isinstance(given, Item) else "given"
 
 
 def _places(tree: Tree) -> dict[str, str]:

@@ -7,9 +7,12 @@ import argparse
 from humanoid_bt import __version__
 from humanoid_bt.cli.arguments.bench import add_bench
 from humanoid_bt.cli.arguments.check import add_check
+from humanoid_bt.cli.arguments.diff import add_diff
 from humanoid_bt.cli.arguments.explain import add_explain
+from humanoid_bt.cli.arguments.export import add_export
 from humanoid_bt.cli.arguments.fmt import add_fmt
 from humanoid_bt.cli.arguments.lists import add_lists
+from humanoid_bt.cli.arguments.params import add_params
 from humanoid_bt.cli.arguments.parsing import EXIT_CODES, Commands, Parser
 from humanoid_bt.cli.arguments.recordings import add_keep, add_recordings
 from humanoid_bt.cli.arguments.remote import add_estop, add_reset, add_status
@@ -21,6 +24,7 @@ from humanoid_bt.cli.arguments.show import add_show
 _COMMANDS = (
     *(add_run, add_explain, add_check, add_fmt, add_show),
     *(add_lists, add_schema),
+    *(add_diff, add_export, add_params),
     *(add_estop, add_reset, add_status),
     *(add_recordings, add_keep, add_replay),
     add_bench,

@@ -13,6 +13,7 @@ _EXAMPLES = """\
 examples:
   humanoid-bt run fetch                     the built-in demo
   humanoid-bt run fetch --set stop_distance=0.35
+  humanoid-bt run fetch --params runs/fetch-20260101-120000.rrd    as then
   humanoid-bt run fetch --scene random_target --seed 7
   humanoid-bt run trees/mine.yaml --serve   watch it in a browser
   humanoid-bt run trees/mine.yaml --watch   edit it while it runs
@@ -39,6 +40,12 @@ def add_run(commands: Commands) -> None:
         metavar="NAME=VALUE",
         dest="overrides",
         help="set a parameter of the tree; may be given several times",
+    )
+    run.add_argument(
+        "--params",
+        type=Path,
+        metavar="FILE",
+        help="take the tree's parameters from this file of 'name: value' lines, or from a recording; --set wins",
     )
     run.add_argument(
         "--break",

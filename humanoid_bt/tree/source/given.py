@@ -46,20 +46,21 @@ def overrides(
 
     Args:
         declared: what the tree declares.
-        values: plain values, or text as after ``--set``, by name.
+        values: plain values, text as after ``--set``, or values of a file with their places, by name.
         problems: takes every mistake.
         arguments: what else could have been given beside the parameters.
     """
     found: dict[str, Argument] = {}
     for name, value in values.items():
-        place = Place(textwrap.shorten(f"{name}={value}", _SHOWN))
+        place = value.place if isinstance(value, Item) else Place(textwrap.shorten(f"{name}={value}", _SHOWN))
         if name not in declared:
             hint = _meant(name, declared, arguments)
             problems.append(Problem(f"the tree has no parameter {name!r}", place, hint, "unknown-parameter"))
             continue
         spec = declared[name].spec
-        if spec.type is float and not spec.unit and isinstance(value, str):
-            spec = replace(spec, unit=base_unit(value) or "")
+        text = value.value if isinstance(value, Item) else value
+        if spec.type is float and not spec.unit and isinstance(text, str):
+            spec = replace(spec, unit=base_unit(text) or "")
         if spec.type is NodeItem:
             hint = "only a tree that uses this one can give it"
             problems.append(Problem(f"the parameter {name!r} is a node", place, hint, "wrong-type"))
@@ -81,11 +82,13 @@ def _meant(name: str, declared: Collection[str], arguments: Collection[str]) -> 
 
 
 def written_item(spec: Param, value: Any, place: Place) -> Item:
-    """Return a value that was given from outside, text read as YAML.
+    """Return a value that was given from outside, text read as YAML; one of a file is that already.
 
     Raises:
         UserError: no file could hold the value.
     """
+    if isinstance(value, Item):
+        return value
     return _written(spec, value, place) if isinstance(value, str) else plain_item(spec.name, value, place)
 
 

@@ -1,0 +1,83 @@
+"""Every tick of a recording as rows of tables."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator
+from typing import Any
+
+from humanoid_bt.core.messages import SIDES, BaseTarget, GazeTarget, HandTarget, PostureTarget, Target
+from humanoid_bt.record.tick import Tick
+from humanoid_bt.review.happened import Row, Running
+
+_BETWEEN = " | "  # several names in one text
+
+
+def ticks(found: Iterable[Tick], changes: Iterable[Row]) -> Iterator[Row]:
+    """Yield a row for each tick.
+
+    Args:
+        found: the ticks.
+        changes: of nodes, from the beginning of the run on.
+    """
+    running = Running(changes)
+    for tick in found:
+        state = tick.state
+        hands = {f"hand_{side}_": state.hands[side] for side in SIDES if side in state.hands}
+        yield {
+            "time": state.time,
+            "took": tick.took or None,
+            "running": running.at(state.time),
+            "mode": state.mode.value,
+            "gait": state.gait.value,
+            "settled": state.base_settled,
+            "command": None if tick.command is None else tick.command.sequence,
+            **dict(zip(("stance_x", "stance_y", "stance_heading"), map(float, state.stance), strict=False)),
+            **{
+                f"{name}{axis}": float(x)
+                for name, at in {"com_": state.com, **hands}.items()
+                for axis, x in zip("xyz", at, strict=False)
+            },
+            "limited": _BETWEEN.join(state.limit_flags),
+            "stop_reason": state.stop_reason,
+        }
+
+
+def percepts(found: Iterable[Tick]) -> Iterator[Row]:
+    """Yield a row for each percept, with the time at which the tree had it."""
+    for tick in found:
+        for percept in tick.percepts:
+            x, y, z = map(float, percept.position)
+            yield {
+                "time": tick.state.time,
+                "name": percept.name,
+                "stamp": percept.stamp,
+                "age": tick.state.time - percept.stamp,
+                **{"x": x, "y": y, "z": z, "distance": math.hypot(x, y)},
+                "confidence": percept.confidence,
+            }
+
+
+def commands(found: Iterable[Tick]) -> Iterator[Row]:
+    """Yield a row for each resource that a tick commanded."""
+    for tick in found:
+        if tick.command is not None:
+            for resource, target in tick.command.targets.items():
+                yield {
+                    "time": tick.state.time,
+                    "sequence": tick.command.sequence,
+                    "resource": resource,
+                    "node": tick.command.sources.get(resource),
+                    **target_values(target),
+                }
+
+
+def target_values(target: Target) -> dict[str, Any]:
+    """Return the numbers of a target by the names of their columns."""
+    match target:
+        case BaseTarget(position, heading):
+            return {"x": float(position[0]), "y": float(position[1]), "heading": heading}
+        case HandTarget(position) | GazeTarget(position):
+            return dict(zip("xyz", map(float, position), strict=False))
+        case PostureTarget(height):
+            return {"height": height}

@@ -1,0 +1,191 @@
+"""Damaged recordings, and files that are none: a clear answer or what is intact, from whatever looks at them."""
+
+from __future__ import annotations
+
+import json
+import os
+import random
+import zlib
+from collections.abc import Iterator
+from itertools import islice
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from humanoid_bt.cli import main
+from humanoid_bt.core.errors import UserError
+from humanoid_bt.record.packing import BlockError, bundle, unbundle, unpack
+from humanoid_bt.record.reading import FlightLog, read_flight
+from humanoid_bt.review.columns import TABLES
+from humanoid_bt.review.difference import difference
+from humanoid_bt.review.parameters import as_yaml
+from humanoid_bt.review.recording import Recording, open_recording
+from tests.review.data.conftest import short_run
+
+ALL, SAMPLE = 500, 60
+COUNT = int(os.environ.get("HUMANOID_BT_DAMAGED", SAMPLE))
+
+
+@pytest.fixture(scope="module")
+def file(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return short_run(tmp_path_factory.mktemp("recorded") / "short.rrd", duration=0.3)
+
+
+def damaged(whole: bytes, count: int) -> Iterator[bytes]:
+    """Yield recordings that something has happened to."""
+    chance = random.Random(7)
+    for number in range(count):
+        data = bytearray(whole)
+        at = chance.randrange(len(data))
+        match number % 6:
+            case 0:
+                data = data[:at]
+            case 1:
+                for _ in range(chance.choice([1, 3, 30])):
+                    data[chance.randrange(len(data))] = chance.randrange(256)
+            case 2:
+                data[at : at + chance.choice([8, 500, 50_000])] = chance.randbytes(chance.choice([8, 500, 50_000]))
+            case 3:
+                data[at:at] = chance.randbytes(chance.choice([1, 1000]))
+            case 4:
+                data[at : at + chance.choice([1, 1000])] = b""
+            case 5:
+                end = chance.randrange(len(data))
+                data[at : at + 4096] = data[end : end + 4096]
+        yield bytes(data)
+
+
+def look_at_everything(recording: Recording, whole: Recording) -> None:
+    """Ask for everything there is; what cannot be had is a clear answer."""
+    for name in TABLES:
+        try:
+            recording.table(name, between=(0, 0.4)).validate(full=True)
+        except UserError:
+            continue
+    as_yaml(recording)
+    repr(recording)
+    difference(whole, recording)
+
+
+def test_a_damaged_recording_is_answered(file: Path, tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    whole, broken = open_recording(file), tmp_path / "broken.rrd"
+    opened = told = 0
+    for data in damaged(file.read_bytes(), COUNT):
+        broken.write_bytes(data)
+        try:
+            recording = open_recording(broken)
+        except UserError as error:
+            assert "that can be read" in str(error) or "is none of a run" in str(error)
+            continue
+        look_at_everything(recording, whole)
+        opened += 1
+        told += bool(recording.damage)
+    assert opened > COUNT // 3 and told > COUNT // 6
+    assert capfd.readouterr().err == ""
+
+
+def test_commands_answer_too(file: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    broken = tmp_path / "broken.rrd"
+    for number, data in enumerate(islice(damaged(file.read_bytes(), ALL), 12)):
+        broken.write_bytes(data)
+        export = ["export", str(broken), "--to", "csv", "-o", str(tmp_path / f"{number}"), "--between", "0", "0.1"]
+        assert main(export) in (0, 2)
+        assert main(["params", str(broken)]) in (0, 2)
+        assert main(["diff", str(file), str(broken)]) in (0, 1, 2)
+    assert "Traceback" not in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("content", [b"", b"RRF2", b"hello\n" * 1000, b"PK\x03\x04" + bytes(5000), bytes(4096), None])
+def test_what_is_no_recording_is_answered(content: bytes | None, tmp_path: Path) -> None:
+    path = tmp_path / "run.rrd"
+    if content is None:
+        path.mkdir()
+    else:
+        path.write_bytes(content)
+    with pytest.raises(UserError, match=r"is no recording that can be read|is none of a run"):
+        open_recording(path)
+
+
+# ---- what a block holds ---------------------------------------------------------------------------------------------
+
+ODD: list[Any] = [None, True, -1, 1e308, "text", "\ud800", [], [None], {}, {"a": 1}, [[[]]], {"path": 3, "value": {}}]
+
+
+def log_with(setup: dict[str, Any], news: list[Any], layout: dict[str, Any]) -> FlightLog:
+    log = FlightLog(Path("made.rrd"), setup=setup, layout=layout)
+    log.blocks["news"] = [bundle([json.dumps(entry).encode() for entry in news])]
+    log.until["news"] = [1.0]
+    return log
+
+
+def test_entries_of_other_shapes_are_left_out_and_counted(file: Path) -> None:
+    chance, whole = random.Random(3), open_recording(file)
+    kinds = ["node", "results", "event", "key", "unseen", "input", "stop", "tree", "end", "limits"]
+    for _ in range(200):
+        times = [chance.choice([0.5, -1.0, 1e300, float("nan"), float("inf")]) for _ in range(5)]
+        news = [[time, chance.choice(kinds), chance.choice(ODD)] for time in times]
+        setup = {key: mangled(value, chance) for key, value in whole.setup.items()}
+        recording = Recording(log_with(setup, news, {}))
+        look_at_everything(recording, whole)
+
+
+def mangled(data: Any, chance: random.Random) -> Any:
+    """Return data in which something here and there is something else."""
+    if chance.random() < 0.03:
+        return chance.choice(ODD)
+    if isinstance(data, dict):
+        return {key: mangled(value, chance) for key, value in data.items()}
+    if isinstance(data, list):
+        return [mangled(value, chance) for value in data]
+    return data
+
+
+@pytest.mark.filterwarnings("ignore:overflow")
+def test_a_layout_that_is_none_is_answered(file: Path) -> None:
+    chance, log = random.Random(5), read_flight(file)
+    whole = log.layout
+    for _ in range(100):
+        log.layout = mangled(whole, chance)
+        if isinstance(log.layout, dict):
+            for name in ("joints", "body"):
+                try:
+                    Recording(log).table(name, between=(0, 0.1)).validate(full=True)
+                except UserError as error:
+                    assert "servo cycles" in str(error)
+
+
+def test_damaged_blocks_are_counted(file: Path) -> None:
+    log = read_flight(file)
+    for name in ("cycles", "ticks"):
+        log.blocks[name][2] = log.blocks[name][2][:-9] + b"something"
+    recording = Recording(log)
+    count = len(log.blocks["cycles"]), len(log.blocks["ticks"])
+    assert recording.damage == [
+        f"1 of {count[0]} blocks of cycles are damaged",
+        f"1 of {count[1]} blocks of ticks are damaged",
+    ]
+    assert 0 < recording.joints().num_rows < open_recording(file).joints().num_rows
+
+
+def test_few_bytes_cannot_become_many() -> None:
+    packed = zlib.compress(bytes(20_000_000), 9)
+    for small in (1, 1000):
+        with pytest.raises(BlockError):
+            unbundle(reading_header(small, packed))
+    columns = 10
+    with pytest.raises(BlockError):
+        unpack(block_header(columns, packed), [1.0] * columns)  # type: ignore[arg-type]
+    with pytest.raises(BlockError):
+        unbundle(reading_header(3, zlib.compress(b"abc")))
+
+
+def reading_header(size: int, packed: bytes) -> bytes:
+    """Return a bundle that claims to be so many bytes."""
+    return (1).to_bytes(4, "little") + size.to_bytes(4, "little") + zlib.crc32(packed).to_bytes(8, "little") + packed
+
+
+def block_header(columns: int, packed: bytes) -> bytes:
+    """Return a block that claims to have two rows."""
+    numbers = b"\x01" + (2).to_bytes(4, "little") + columns.to_bytes(4, "little")
+    return numbers + zlib.crc32(packed).to_bytes(8, "little") + packed

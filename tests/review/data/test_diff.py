@@ -1,0 +1,152 @@
+"""Two runs beside each other: what was run, where they part, what came of it."""
+
+from __future__ import annotations
+
+import json
+import re
+from dataclasses import replace
+from itertools import islice
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from humanoid_bt.cli import main
+from humanoid_bt.record.tick import Tick
+from humanoid_bt.review.compare_run import NodeShift, first_parting, node_shifts
+from humanoid_bt.review.compare_setup import setup_changes
+from humanoid_bt.review.recording import Recording, open_recording
+
+
+def test_two_runs_of_one_seed_are_the_same(file: Path, again: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["diff", str(file), str(again)]) == 0
+    assert capsys.readouterr().out.endswith("\n\nthe runs are the same\n")
+
+
+def test_a_parameter_and_what_it_leads_to_are_told(
+    file: Path, other: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for name in ("DISPLAY", "WAYLAND_DISPLAY"):
+        monkeypatch.delenv(name, raising=False)
+    assert main(["diff", str(file), str(other), "--view"]) == 1
+    out = re.sub(r"\s+", " ", capsys.readouterr().out)
+    assert "parameters stop_distance 0.4 m → 35 cm" in out
+    assert "tree …/get near/approach distance 0.4 m → 35 cm" in out
+    assert "first apart at 0.00 s command targets base position x 1.497 → 1.54" in out
+    assert f"where there is one: rerun {file} {other}" in out
+    assert main(["diff", str(file), str(other), "--json"]) == 1
+    found = json.loads(capsys.readouterr().out)
+    assert (found["same"], found["parting"]["quantity"]) == (False, "command targets base position x")
+    assert {change["part"] for change in found["changes"]} == {"parameters", "tree", "results"}
+
+
+def test_a_recording_that_is_none_is_told(file: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["diff", str(file), str(tmp_path)]) == 2
+    assert "is no recording that can be read" in capsys.readouterr().err
+
+
+def ticks(recording: Recording) -> list[Tick]:
+    return list(islice(recording.every_tick(), 20))
+
+
+def parting(one: list[Tick], other: list[Tick], tolerance: float = 0.0) -> tuple[float, str, str, str] | None:
+    return first_parting((iter(one), []), (iter(other), []), ["hip", "knee"], tolerance)
+
+
+def test_the_first_moment_is_the_first_whatever_differs(recording: Recording) -> None:
+    one = ticks(recording)
+    assert parting(one, ticks(recording)) is None
+    turned = one[7].state.joint_positions.copy()
+    turned[3] += 1e-6
+    other = [*one[:7], replace(one[7], state=replace(one[7].state, joint_positions=turned)), *one[8:]]
+    found = parting(one, other)
+    assert found is not None and found[:2] == (one[7].state.time, "joint_positions 3")
+    assert float(found[3]) - float(found[2]) == pytest.approx(1e-6, rel=1e-3)
+    assert parting(one, other, tolerance=1e-5) is None
+    unseen = [replace(one[0], percepts=()), *other[1:]]
+    assert parting(one, unseen) == (0.0, "percept target", "Percept", "none")
+    assert parting(one, one[:10]) == (one[10].state.time, "the recording", "goes on", "has ended")
+
+
+def change(node: str, status: str, time: float) -> dict[str, Any]:
+    return {"node": f"tree/{node}", "status": status, "time": time}
+
+
+def test_nodes_are_aligned_by_their_own_histories() -> None:
+    one = [
+        change("a", "RUNNING", 0.0),
+        change("b", "RUNNING", 1.0),
+        change("b", "SUCCESS", 2.0),
+        change("c", "FAILURE", 3.0),
+    ]
+    other = [change("a", "RUNNING", 0.0), change("b", "RUNNING", 1.02), change("b", "FAILURE", 2.0)]
+    assert node_shifts(one, one, 0.0) == []
+    assert node_shifts(one, other, 0.02) == [
+        NodeShift("b", ("SUCCESS", 2.0), ("FAILURE", 2.0)),
+        NodeShift("c", ("FAILURE", 3.0), None),
+    ]
+    assert node_shifts(one, other, 0.0)[0] == NodeShift("b", ("RUNNING", 1.0), ("RUNNING", 1.02))
+
+
+def test_what_a_node_does_parts_runs_before_the_command(recording: Recording) -> None:
+    one = ticks(recording)
+    command = one[0].command
+    assert command is not None
+    other = [replace(one[0], command=replace(command, stamp=9.0)), *one[1:]]
+    changes = [change("a", "RUNNING", 0.0)], [change("a", "FAILURE", 0.0)]
+    found = first_parting((iter(one), changes[0]), (iter(other), changes[1]), [])
+    assert found == (0.0, "node", "a RUNNING", "a FAILURE")
+
+
+def tree(*nodes: tuple[str, str, dict[str, Any]]) -> dict[str, Any]:
+    return {"tree": {"nodes": [{"path": path, "type": kind, "values": values} for path, kind, values in nodes]}}
+
+
+def changes(one: dict[str, Any], other: dict[str, Any]) -> list[tuple[str, str | None, str | None]]:
+    return [(c.name, c.before, c.after) for c in setup_changes(one, other) if c.part == "tree"]
+
+
+def test_trees_are_compared_by_their_nodes() -> None:
+    old = tree(("t/s", "sequence", {}), ("t/s/a", "wait", {"d": "1 s"}), ("t/s/b", "idle", {}), ("t/s/x", "turn", {}))
+    new = tree(
+        ("u/s", "selector", {}),
+        ("u/s/b", "idle", {}),
+        ("u/s/a", "wait", {"d": "2 s"}),
+        ("u/s/r", "repeat", {"times": 2}),
+        ("u/s/r/x", "turn", {}),
+    )
+    assert changes(old, new) == [
+        ("x moved", "s/x", "s/r/x"),
+        ("s/r", None, "repeat times: 2"),
+        ("s type", "sequence", "selector"),
+        ("s/a d", "1 s", "2 s"),
+        ("s order", "a, b", "b, a"),
+    ]
+    assert changes(new, new) == []
+    assert [c[1:] for c in changes(new, tree(("u/s", "selector", {})))] == [
+        ("idle", None),
+        ("wait d: 2 s", None),
+        ("repeat times: 2", None),
+        ("turn", None),
+    ]
+
+
+def test_files_and_versions_are_compared(recording: Recording) -> None:
+    edited = json.loads(json.dumps(recording.setup))
+    edited["files"][0]["sha256"] = "0" * 64
+    edited["versions"]["mujoco"] = "3.0"
+    edited["seed"] = 7
+    found = [(c.part, c.name, c.after) for c in setup_changes(recording.setup, edited)]
+    assert found == [
+        ("settings", "seed", "7"),
+        ("files", "tree trees/fetch.yaml", "0" * 12),
+        ("versions", "mujoco", "3.0"),
+    ]
+
+
+def test_not_a_number_is_like_itself(recording: Recording) -> None:
+    one = ticks(recording)
+    broken = replace(one[0], state=replace(one[0].state, com=np.full(3, np.nan)))
+    assert parting([broken], [replace(broken, state=replace(broken.state, com=np.full(3, np.nan)))]) is None
+    assert open_recording(recording.path).outcome == recording.outcome

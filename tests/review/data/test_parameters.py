@@ -1,0 +1,122 @@
+"""Parameters out of a recording, into the next run, and beside those of another."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+
+import pytest
+import yaml
+from hypothesis import given
+from hypothesis import strategies as st
+
+from humanoid_bt.cli import main
+from humanoid_bt.core.items import Item
+from humanoid_bt.files import document
+from humanoid_bt.review import parameters
+from humanoid_bt.review.recording import open_recording
+from humanoid_bt.review.setup import ParameterInfo
+
+
+@pytest.fixture
+def written(other: Path, tmp_path: Path) -> Path:
+    """The parameters of the run that was given one, as a file."""
+    path = tmp_path / "yesterday.yaml"
+    path.write_text(parameters.as_yaml(open_recording(other)), encoding="utf-8")
+    return path
+
+
+def test_the_file_says_what_the_run_had_and_where_from(written: Path, other: Path) -> None:
+    text = written.read_text(encoding="utf-8")
+    assert yaml.safe_load(text)["stop_distance"] == "35 cm"
+    lines = {line.split(":")[0]: line for line in text.splitlines()}
+    assert lines["stop_distance"].endswith("# given") and lines["look"].endswith("fetch.yaml:18:9")
+    assert other.name in text.splitlines()[1]
+
+
+def run_report(tmp_path: Path, *arguments: str) -> tuple[int, dict[str, object]]:
+    report = tmp_path / "report.json"
+    common = ["--no-record", "--no-view", "--quiet", "--duration", "0.02", "--report", str(report)]
+    code = main(["run", "fetch", *common, *arguments])
+    return code, json.loads(report.read_text())["parameters"] if report.exists() else {}
+
+
+def test_a_run_takes_the_file_and_set_wins(written: Path, other: Path, tmp_path: Path) -> None:
+    for source in (written, other):
+        code, values = run_report(tmp_path, "--params", str(source), "--set", "look=4 s")
+        assert code == 5
+        assert parameters.same(values, open_recording(other).parameters | {"look": 4.0})
+
+
+def test_mistakes_are_told_with_their_places(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("p.yaml").write_text("stop_distance: 30 kg\nlok: 3\n", encoding="utf-8")
+    code, values = run_report(tmp_path, "--params", "p.yaml")
+    told = capsys.readouterr().err
+    assert (code, values) == (2, {})
+    assert (
+        "p.yaml:1:16: error: 'stop_distance'" in told and "p.yaml:2:6: error: the tree has no parameter 'lok'" in told
+    )
+    assert "did you mean 'look'?" in told
+    Path("p.yaml").write_text("- 3\n", encoding="utf-8")
+    assert run_report(tmp_path, "--params", "p.yaml")[0] == 2
+    assert "p.yaml:1:1: error: a file of parameters is a mapping, not a list" in capsys.readouterr().err
+
+
+def test_where_a_value_is_from_is_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("p.yaml").write_text("stop_distance: 30 cm\n", encoding="utf-8")
+    main(["run", "fetch", "--no-view", "--quiet", "--duration", "0.02", "--params", "p.yaml", "--camera", "off"])
+    assert "stop_distance: 30 cm    # given in p.yaml:1:16\n" in parameters.as_yaml(
+        open_recording(*tmp_path.glob("runs/*"))
+    )
+
+
+def test_differences_are_those_that_matter(
+    file: Path, other: Path, written: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["params", "diff", str(other), str(written)]) == 0
+    assert capsys.readouterr().out == ""
+    assert main(["params", "diff", str(file), str(other)]) == 1
+    *names, line = capsys.readouterr().out.splitlines()
+    assert names == [f"A  {file}", f"B  {other}"]
+    assert line.startswith("   stop_distance  0.4 m → 35 cm") and line.endswith(" → given")
+
+
+def test_the_newest_recording_is_meant(
+    file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert main(["params"]) == 2
+    assert "no recording in 'runs'" in capsys.readouterr().err
+    Path("runs").mkdir()
+    Path("runs/one.rrd").symlink_to(file)
+    assert main(["params"]) == 0
+    assert "runs/one.rrd" in capsys.readouterr().out
+
+
+PLAIN = st.none() | st.booleans() | st.integers() | st.floats(allow_nan=False) | st.text(st.characters(codec="utf-8"))
+
+
+@given(st.dictionaries(st.from_regex(r"[a-z_]\w*", fullmatch=True), PLAIN | st.lists(PLAIN, max_size=3), max_size=4))
+def test_any_value_comes_back(values: dict[str, object]) -> None:
+    """What the file holds is read as it was, whatever characters are in it."""
+
+    class Held:
+        title, path = "a run", Path("a.rrd")
+        setup = {"tree": {"parameters": {name: {"value": value} for name, value in values.items()}}}  # noqa: RUF012
+
+    text = parameters.as_yaml(Held())  # type: ignore[arg-type]
+    read = document.parse(text, "a.yaml")
+    assert isinstance(read, Item)
+    assert parameters.same(read.plain(), values)
+
+
+def test_numbers_are_the_same_but_for_noise() -> None:
+    assert parameters.same(35 * 0.01, 0.35) and parameters.same([1, math.inf], [1.0, math.inf])
+    assert not parameters.same(True, 1) and not parameters.same(0.35, 0.36) and not parameters.same("a", 1)
+    changes = parameters.changed_parameters({"a": ParameterInfo(1)}, {"b": ParameterInfo(1)})
+    assert [(c.name, c.before is None, c.after is None) for c in changes] == [("a", False, True), ("b", True, False)]

@@ -1,0 +1,117 @@
+"""A recording as tables: everything that the run had, in the units that are written on it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pyarrow.compute as pc
+import pytest
+
+import humanoid_bt as hbt
+from humanoid_bt.core.errors import UserError
+from humanoid_bt.record.reading import read_flight
+from humanoid_bt.review.columns import TABLES
+from humanoid_bt.review.recording import Recording
+from humanoid_bt.session.run import run
+
+
+@pytest.mark.parametrize("name", TABLES)
+def test_a_table_has_the_columns_that_are_declared(name: str, recording: Recording) -> None:
+    table = recording.table(name)
+    assert table.schema.equals(TABLES[name].schema, check_metadata=True)
+    table.validate(full=True)
+    filled = {c for c in table.column_names if table[c].null_count < table.num_rows}
+    if name in ("blackboard", "stops", "inputs"):  # the demo has none of them
+        assert table.num_rows == 0
+    else:
+        never = {"heading", "height", "text", "hand_error_left", "hand_error_right"}
+        assert table.num_rows and set(table.column_names) - filled <= never
+
+
+def test_units_are_in_the_schema(recording: Recording) -> None:
+    schema = recording.joints(between=(1, 1.1)).schema
+    assert schema.field("torque").metadata[b"unit"] == b"Nm"
+    assert schema.field("position").metadata[b"description"] == b"measured"
+
+
+def test_joints_are_what_was_recorded_to_the_bit(file: Path, recording: Recording) -> None:
+    flight, table = read_flight(file), recording.joints(rate=1000)
+    cycles, plans = flight.cycles(), flight.cycles("plans")
+    names = list(cycles.described["position"].labels)
+    assert table.num_rows == len(cycles.time) * len(names)
+    knee = table.filter(pc.field("joint") == "left_knee")
+    place = names.index("left_knee")
+    for name in ("position", "velocity", "torque"):
+        np.testing.assert_array_equal(knee[name], cycles.columns[name][:, place].astype(np.float32))
+    latest = np.searchsorted(plans.time, cycles.time + 1e-6) - 1
+    np.testing.assert_array_equal(knee["setpoint"], plans.columns["setpoint"][latest, place].astype(np.float32))
+
+
+def test_a_window_at_a_rate_is_cut_out_of_the_whole(recording: Recording) -> None:
+    whole = recording.body(rate=1000)
+    inside = whole.filter((pc.field("time") >= 0.9995) & (pc.field("time") <= 2.0005))
+    assert recording.body(rate=1000, between=(1, 2)).combine_chunks().equals(inside.combine_chunks())
+    times = np.asarray(recording.body(rate=50, between=(1, 2))["time"])
+    np.testing.assert_allclose(times, np.arange(1.0, 2.001, 0.02))
+
+
+def test_ticks_tell_what_ran(recording: Recording) -> None:
+    ticks = recording.ticks().to_pylist()
+    assert {t["running"].rsplit("/", 1)[-1] for t in ticks if t["time"] < 3.0} == {"approach"}
+    assert {t["running"].rsplit("/", 1)[-1] for t in ticks if 3.05 < t["time"] < 3.3} == {"idle"}
+    assert all((t["took"] or 0) > 0 for t in ticks if t["time"] < 3.3)
+    assert ticks[-1]["took"] is None  # the robot comes to a stand, without a tree
+
+
+def test_spans_follow_from_changes(recording: Recording) -> None:
+    spans = {s["name"]: s for s in recording.spans().to_pylist() if s["kind"] in ("skill", "action")}
+    assert list(spans) == ["approach", "idle"]
+    assert (spans["approach"]["time"], spans["approach"]["ended"]) == (0.0, 3.0)
+    assert spans["approach"]["status"] == "INVALID" and "preempted" in spans["approach"]["text"]
+    assert spans["idle"]["duration"] == pytest.approx(0.3)
+    assert recording.spans(between=(3.2, 3.3)).num_rows < recording.spans().num_rows
+
+
+def test_limits_are_those_of_the_robot(recording: Recording) -> None:
+    limits = {row["joint"]: row for row in recording.limits().to_pylist()}
+    assert limits["left_knee"]["torque"] == 150.0
+    assert limits["left_hip_yaw"]["lower"] < 0 < limits["left_hip_yaw"]["upper"]
+
+
+def test_a_run_takes_the_parameters_of_another(other: Path) -> None:
+    report = run("fetch", duration=0.02, parameters=hbt.open_recording(other).parameters)
+    assert report.parameters["stop_distance"] == pytest.approx(0.35)
+
+
+def test_a_recording_says_what_it_is(recording: Recording) -> None:
+    assert recording.outcome == "unfinished" and "3.3 s" in recording.reason
+    assert repr(recording).endswith("fetch on humanoid in ball_on_stand, seed 0: unfinished after 3.30 s")
+    assert recording.damage == []
+
+
+@pytest.mark.parametrize(
+    ("ask", "answer"),
+    [
+        (lambda r: r.table("joint"), "no table 'joint'.*did you mean 'joints'"),
+        (lambda r: r.joints(columns=["torqe"]), "no column 'torqe'.*did you mean 'torque'"),
+        (lambda r: r.joints(rate=300), "rate of 300 Hz.*divides the 1000 Hz"),
+        (lambda r: r.joints(rate="fast"), "rate of 'fast' Hz"),
+        (lambda r: r.ticks(between=(3, 1)), "earlier one first"),
+        (lambda r: r.ticks(between=3), "two engine times"),
+        (lambda r: hbt.open_recording(3), "not by 3"),
+    ],
+)
+def test_wrong_questions_are_answered(ask: Callable[[Recording], Any], answer: str, recording: Recording) -> None:
+    with pytest.raises(UserError, match=f"(?s){answer}"):
+        ask(recording)
+
+
+def test_long_runs_pass_in_small_parts(recording: Recording) -> None:
+    parts = list(recording.batches("joints", rate=1000))
+    assert len(parts) == math.ceil(recording.duration / 5)
+    assert max(part.num_rows for part in parts) <= 5000 * recording.limits().num_rows
+    assert sum(part.num_rows for part in parts) == recording.joints(rate=1000).num_rows
