@@ -77,7 +77,7 @@ class Explanation:
 
     def to_dict(self) -> dict[str, Any]:
         """Return everything as plain data for JSON."""
-        values = plain(asdict(self))  # numbers that are none become text
+        values: dict[str, Any] = plain(asdict(self))  # numbers that are none become text
         values["rows"] = [{"name": name, "text": text} for name, text in self.rows]
         values["moments"] = [{"time": plain(moment.time), "text": moment.text} for moment in self.moments]
         values["after"] = [{"name": name, "text": text} for name, text in self.after]
