@@ -80,7 +80,8 @@ def unpack(packed: bytes, resolution: Array, only: Sequence[int] | None = None) 
         return np.frombuffer(raw, "<f8").reshape(rows, columns)[:, wanted].copy()
     bytes_of = np.frombuffer(raw, np.uint8).reshape(4, columns, rows)[:, wanted]
     steps = np.ascontiguousarray(bytes_of.transpose(2, 1, 0)).view("<i4").reshape(rows, bytes_of.shape[1])
-    return np.cumsum(steps, axis=0, dtype=np.int32) * resolution[wanted]
+    block: Array = np.cumsum(steps, axis=0, dtype=np.int32) * resolution[wanted]
+    return block
 
 
 def bundle(messages: Sequence[bytes]) -> bytes:
