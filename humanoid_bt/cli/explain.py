@@ -18,7 +18,7 @@ def explain(arguments: argparse.Namespace) -> int:
     recording = arguments.recording or _newest(RUNS)
     found = explained(recording, at=arguments.at, node=arguments.node, joint=arguments.joint)
     if arguments.json:
-        print(json.dumps(found.to_dict(), indent=2))
+        print(json.dumps(found.to_dict(), indent=2, allow_nan=False))
     else:
         print_lines(found.text(width()).splitlines())
     return ExitCode.SUCCESS

@@ -15,10 +15,10 @@ from humanoid_bt.review.cause import Cause
 from humanoid_bt.review.history import AT, Happened, History, Stopped
 from humanoid_bt.review.words import cut, doing, last, line_of, when
 
-STOPS = ("fall", "push", "estop", "estop_node", "slow_tick", "silent", "refused", "ik", "stop")
+STOPS = ("state", "fall", "push", "estop", "estop_node", "slow_tick", "silent", "refused", "ik", "stop")
 """Kinds of causes that are stops."""
 
-_LATCHED = ("fall", "push", "estop", "estop_node")
+_LATCHED = ("state", "fall", "push", "estop", "estop_node")
 _LOOK_BACK = 4.0  # s before a fall in which its reason is looked for
 _GONE = "the process of the run ended without closing the recording"
 _SILENT = 0.08  # s that a tick must take to explain that decision was silent for 0.1 s
@@ -137,6 +137,9 @@ def _error(history: History, time: float) -> Cause:
 
 
 def _of_stop(history: History, stop: Stopped) -> Cause:
+    if stop.mode == "damp" and "falling" not in stop.reason:
+        text = f"the drives were let go at {when(stop.time)}: {stop.reason}"
+        return Cause("state", text, stop.time, _commander(stop))
     if stop.mode == "damp":
         return _fall(history, stop)
     if stop.mode == "emergency_stop":

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import asdict, dataclass, field
 from typing import Any, NamedTuple
 
+from humanoid_bt.core.plain import plain
 from humanoid_bt.core.texts import printable
 from humanoid_bt.review.cause import Row
 
@@ -76,9 +77,9 @@ class Explanation:
 
     def to_dict(self) -> dict[str, Any]:
         """Return everything as plain data for JSON."""
-        values = asdict(self)
+        values: dict[str, Any] = plain(asdict(self))  # numbers that are none become text
         values["rows"] = [{"name": name, "text": text} for name, text in self.rows]
-        values["moments"] = [moment._asdict() for moment in self.moments]
+        values["moments"] = [{"time": plain(moment.time), "text": moment.text} for moment in self.moments]
         values["after"] = [{"name": name, "text": text} for name, text in self.after]
         return values
 

@@ -8,11 +8,14 @@ import signal
 import subprocess
 import sys
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
+from humanoid_bt.core.messages import Measurement
 from humanoid_bt.review.explain import explain
 from humanoid_bt.session.session import Session
 from humanoid_bt.testing.rig import ScriptedPerception
@@ -46,6 +49,17 @@ def unsolvable(session: Session) -> None:
     del limits[-1]
 
 
+def deluded(session: Session) -> None:
+    """Let the supervisor be given a velocity that is no number."""
+    supervisor = session.engine.controller.supervisor  # type: ignore[attr-defined]
+    check = supervisor.check
+
+    def deluded_check(cycle: int, measurement: Measurement, fault: str = "") -> None:
+        check(cycle, replace(measurement, qvel=np.full_like(measurement.qvel, np.nan)), fault)
+
+    supervisor.check = deluded_check
+
+
 CASES: dict[str, tuple[str, str, dict[str, Any], str]] = {
     "estop by hand": (
         "walk",
@@ -71,6 +85,12 @@ CASES: dict[str, tuple[str, str, dict[str, Any], str]] = {
         {"at": 0.3, "do": pressed_then_pushed, "duration": 4.0, "on_estop": "wait"},
         r"the robot fell at \d\.\d+ s: something pushed it to the left at 0\.9\d s, "
         r"in the emergency stop since 0\.300 s",
+    ),
+    "no finite state": (
+        "walk",
+        "state",
+        {"at": 0.3, "do": deluded},
+        r"the drives were let go at 0\.30\d s: the measured state is not finite",
     ),
     "no solution": (
         "walk",
