@@ -71,7 +71,7 @@ def test_where_a_value_is_from_is_kept(tmp_path: Path, monkeypatch: pytest.Monke
     Path("p.yaml").write_text("stop_distance: 30 cm\n", encoding="utf-8")
     main(["run", "fetch", "--no-view", "--quiet", "--duration", "0.02", "--params", "p.yaml", "--camera", "off"])
     assert "stop_distance: 30 cm    # given in p.yaml:1:16\n" in parameters.as_yaml(
-        open_recording(*tmp_path.glob("runs/*"))
+        open_recording(*tmp_path.glob("runs/*.rrd"))
     )
 
 
