@@ -149,6 +149,7 @@ def test_a_breakpoint_needs_somebody_who_continues(project: Path, capsys: pytest
     assert "nobody is at a terminal to continue it" in capsys.readouterr().err
 
 
+@pytest.mark.trials
 def test_commands_to_a_paused_run(start: Callable[..., Terminal]) -> None:
     terminal = start("run", "walk", *RUN, "--pace", "1")
     terminal.shows("▶ walk")

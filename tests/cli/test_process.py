@@ -20,6 +20,7 @@ def environment(**values: str) -> dict[str, str]:
     return kept | {"PYTHONIOENCODING": "utf-8"} | values
 
 
+@pytest.mark.trials
 def test_two_processes_give_the_same_trace(project: Path, tmp_path: Path) -> None:
     hashes = []
     for number in ("1", "2"):
@@ -35,7 +36,10 @@ def test_two_processes_give_the_same_trace(project: Path, tmp_path: Path) -> Non
     assert hashes[0] == hashes[1]
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+@pytest.mark.parametrize(
+    "number",
+    [signal.SIGINT, *(pytest.param(number, marks=pytest.mark.trials) for number in (signal.SIGTERM, signal.SIGHUP))],
+)
 def test_a_signal_brings_the_robot_to_a_stand(number: signal.Signals, project: Path, tmp_path: Path) -> None:
     report, recording = tmp_path / "report.json", tmp_path / "run.rrd"
     process = subprocess.Popen(

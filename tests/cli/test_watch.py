@@ -86,6 +86,7 @@ def test_a_broken_edit_and_its_fix(watch: Callable[..., Watched]) -> None:
     assert "reloads    1, 1 refused" in run.output.read_text(encoding="utf-8")
 
 
+@pytest.mark.trials
 @pytest.mark.realtime
 def test_an_edit_in_realtime_mode_moves_the_robot_on(watch: Callable[..., Watched]) -> None:
     run = watch("--mode", "realtime", "--no-record")

@@ -36,6 +36,7 @@ def is_whole(run: Live) -> bool:
     return sum(1 for _ in rr.chunk.RrdReader(run.recording).stream()) > 0
 
 
+@pytest.mark.trials
 def test_ctrl_c_brings_the_robot_to_a_stand_the_second_without_decision_and_two_runs_do_not_meet(live: Start) -> None:
     one, other = live("walk", wait=False), live("walk", wait=False)
     one.ready()

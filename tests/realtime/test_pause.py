@@ -35,6 +35,7 @@ def paused_walk(project: Path) -> hbt.Report:
         return session.run()
 
 
+@pytest.mark.trials
 @pytest.mark.realtime
 def test_a_walking_robot_is_paused_and_goes_on_to_a_success(project: Path) -> None:
     (project / "trees" / "ahead.yaml").write_text(THERE_AND_ON, encoding="utf-8")

@@ -36,6 +36,7 @@ def grown(work: Callable[[int], object]) -> int:
         tracemalloc.stop()
 
 
+@pytest.mark.trials
 @pytest.mark.parametrize("part_size", [1, 10_000_000], ids=["parts", "one file"])
 def test_the_recorder_keeps_nothing_of_what_it_has_written(record: Maker, tmp_path: Path, part_size: int) -> None:
     """A round is a second: six of them have 1 MB of servo cycles alone."""

@@ -8,6 +8,7 @@ from typing import Any
 import pytest
 
 from humanoid_bt.session.session import Session
+from tests.review.direct import recorded_directly
 from tests.review.staging import make_stage
 
 Play = Callable[..., Path]
@@ -30,6 +31,7 @@ def play(stage: Path, tmp_path_factory: pytest.TempPathFactory) -> Play:
         file = folder / f"{tree}-{len(list(folder.iterdir()))}.rrd"
         with (
             contextlib.chdir(stage),
+            recorded_directly(),
             Session(tree, workspace=stage, record=file, camera=False, duration=duration, **options) as session,
         ):
             if do is not None:

@@ -195,8 +195,22 @@ CASES: dict[str, tuple[str, str, dict[str, Any], str]] = {
     "success": ("wait", "success", {}, r"nothing stopped it: the run succeeded at 0\.200 s: pause: waited"),
 }
 
+TELLING = (
+    "estop by hand",
+    "push and fall",
+    "exception",
+    "refused",
+    "two owners",
+    "percept lost",
+    "flapping",
+    "success",
+)
+"""Those that ``make test`` tries; the others are in ``make test-trials``."""
 
-@pytest.mark.parametrize("name", CASES)
+
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=() if name in TELLING else pytest.mark.trials) for name in CASES]
+)
 def test_the_first_line_says_what_stopped_the_robot(play: Play, name: str) -> None:
     tree, kind, how, headline = CASES[name]
     found = explain(play(tree, **how))

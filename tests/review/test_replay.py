@@ -15,6 +15,7 @@ from humanoid_bt.record.reading import read_flight
 from humanoid_bt.review.replay import replay
 from humanoid_bt.session.session import Session
 from tests.projects import make_project
+from tests.review.direct import recorded_directly
 
 TREE = """\
 format: 1
@@ -39,7 +40,7 @@ def project(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def disturbed(project: Path) -> Path:
     """The recording of a run that was pushed, stopped and reset from outside, and left."""
     file = project / "disturbed.rrd"
-    with Session("walk", workspace=project, record=file, camera=False, on_estop="wait", seed=3) as session:
+    with recorded_directly(), Session("walk", workspace=project, record=file, camera=False, on_estop="wait") as session:
         session.run_until(0.5)
         session.push((0.0, 60.0, 0.0), 0.1)
         session.run_until(0.9)
@@ -54,7 +55,7 @@ def disturbed(project: Path) -> Path:
 def raising(project: Path) -> Path:
     """The recording of a run in which a skill raises an exception."""
     file = project / "raising.rrd"
-    with Session("late", workspace=project, record=file, camera=False, stay=0.2) as session:
+    with recorded_directly(), Session("late", workspace=project, record=file, camera=False, stay=0.2) as session:
         session.run()
     return file
 

@@ -28,6 +28,7 @@ def test_a_fault_does_what_its_row_says(row: str, activity: str, seed: int) -> N
         assert outcome.as_told, outcome
 
 
+@pytest.mark.trials
 def test_the_same_seed_gives_the_same_outcome() -> None:
     first = trial("decision stopped for 0.5 s", "walking straight", 3)
     trial("knocked over, 600 N for 0.2 s", "standing still", 0)

@@ -69,6 +69,7 @@ def test_a_recorder_that_is_killed_is_told_at_once(project: Path, tmp_path: Path
     assert ("recording", f"{file}  ({report.recording_missing:.1f} s are missing)") in report.summary
 
 
+@pytest.mark.trials
 def test_a_recorder_that_hangs_is_waited_for_but_not_for_ever(
     project: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -98,7 +99,7 @@ def test_a_recorder_that_takes_nothing_is_given_up_in_the_midst_of_a_run(
     assert errors(report)[0][1].startswith("the recorder took nothing for 0.3 s and was ended: nothing is recorded")
 
 
-@pytest.mark.parametrize("folder", [False, True])
+@pytest.mark.parametrize("folder", [False, pytest.param(True, marks=pytest.mark.trials)])
 def test_a_recording_that_is_deleted_is_told(project: Path, tmp_path: Path, folder: bool) -> None:
     file = tmp_path / "mine" / "run.rrd"
     file.parent.mkdir()
@@ -172,6 +173,7 @@ def test_a_session_that_is_never_entered_leaves_no_process(project: Path) -> Non
     assert process.poll() == -signal.SIGKILL
 
 
+@pytest.mark.trials
 def test_two_runs_of_the_same_second_have_recordings_of_their_own(
     project: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

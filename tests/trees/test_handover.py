@@ -28,6 +28,7 @@ def test_walks_up_holds_the_hand_out_and_steps_back(run_tree: RunTree) -> None:
     assert hands_are_back(run)
 
 
+@pytest.mark.trials
 def test_fails_with_the_hand_back_when_nobody_comes(run_tree: RunTree) -> None:
     run = run_tree(HANDOVER.format(", patience: 1 s, taken: {wait: 60 s}"), "visitor_ahead")
     assert run.report.outcome == "failure"

@@ -29,6 +29,7 @@ def test_finds_what_is_low_and_straight_behind(run_tree: RunTree) -> None:
     assert run.report.outcome == "success", run.report.reason
 
 
+@pytest.mark.trials
 def test_goes_the_other_way_round_with_a_negative_step(run_tree: RunTree) -> None:
     run = run_tree("subtree: {tree: search, target: target, look: 1 s, step: -60 deg}", "ball_behind")
     assert run.report.outcome == "success", run.report.reason

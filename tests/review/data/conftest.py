@@ -8,11 +8,13 @@ import pytest
 
 from humanoid_bt.review.recording import Recording, open_recording
 from humanoid_bt.session.run import run
+from tests.review.direct import recorded_directly
 
 
 def short_run(file: Path, **changes: object) -> Path:
     """Record the demo until it has lost sight of the ball."""
-    run("fetch", **{"duration": 3.3, "record": file, "camera": False, **changes})  # type: ignore[arg-type]
+    with recorded_directly():
+        run("fetch", **{"duration": 3.3, "record": file, "camera": False, **changes})  # type: ignore[arg-type]
     return file
 
 
