@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -17,6 +16,7 @@ from humanoid_bt.realtime.remote_supervisor import StateClock
 from humanoid_bt.record.reading import FlightLog, News
 from humanoid_bt.record.tick import Tick
 from humanoid_bt.review.compare_run import Parting, command_parting
+from humanoid_bt.review.recorded_run import RecordedRun
 from humanoid_bt.robot.config import load_robot_config
 from humanoid_bt.tree.ticking.executor import Executor, NodeChange
 from humanoid_bt.tree.tree import Tree
@@ -45,11 +45,12 @@ class Done:
     notes: list[str] = field(default_factory=list)
 
 
-def decide_again(log: FlightLog, tree: Tree, robot: Path) -> Done:
+def decide_again(log: FlightLog, run: RecordedRun, tree: Tree, robot: Path) -> Done:
     """Tick a tree on what was recorded, until it ends or the recording does.
 
     Args:
         log: what was recorded.
+        run: what it says about its run.
         tree: to tick, which no session had before.
         robot: file of the robot.
 
@@ -62,7 +63,7 @@ def decide_again(log: FlightLog, tree: Tree, robot: Path) -> Done:
     view = Robot(load_robot_config(robot), clock, lambda *_: None, lambda *_: None, lambda: unseen)
     executor = Executor(tree, view, changes.append)
     executor.setup()
-    inputs, percepts, first = _Recorded(log), dict[str, Percept](), None
+    inputs, percepts, first = _Recorded(log, run), dict[str, Percept](), None
     for tick, news in inputs.ticks():
         clock.time = tick.state.time
         first = clock.time if first is None else first
@@ -107,12 +108,10 @@ class _Recorded:
         broken_off: why nothing comes from some time on, "" if all came.
     """
 
-    def __init__(self, log: FlightLog) -> None:
+    def __init__(self, log: FlightLog, run: RecordedRun) -> None:
         self._log = log
         self.broken_off = ""
-        end: Any = next((one.value for one in log.news if one.kind == "end"), None)
-        ended = end.get("tree_ended") if isinstance(end, dict) else None
-        self.until = ended if isinstance(ended, float) else math.inf
+        self.until = run.tree_ended
 
     def ticks(self) -> Iterator[tuple[Tick, list[News]]]:
         """Yield the ticks up to the tree's end."""
@@ -139,7 +138,8 @@ class _Recorded:
 
 def _nodes_differ(now: float, news: list[News], changes: list[NodeChange], last: bool) -> Parting | None:
     """Return the first node that changed otherwise, None if all did as recorded."""
-    before = [(one.value[0], one.value[1]) for one in news if one.kind == "node" and abs(one.time - now) < _AT]
+    nodes = [one.value for one in news if one.kind == "node" and abs(one.time - now) < _AT]
+    before = [(path, status) for path, status, *_ in (value for value in nodes if _is_change(value))]
     after = [(change.path, change.status.name) for change in changes]
     if last and all(status == Status.INVALID.name for _, status in before[len(after) :]):
         del before[len(after) :]  # a tree that is halted when its run ends is halted after its last tick
@@ -156,3 +156,8 @@ def _status(own: tuple[str, str] | None, other: tuple[str, str] | None) -> str:
     if own is None:
         return "no change"
     return own[1] if other is None or own[0] == other[0] else f"{own[0]} {own[1]}"
+
+
+def _is_change(value: Any) -> bool:
+    """Return whether this is the change of a node's status, whoever wrote it."""
+    return isinstance(value, list) and list(map(type, value)) == [str] * 3

@@ -48,9 +48,9 @@ def lay_out(setup: Mapping[str, Any], folder: Path) -> RecordedFiles:
                 continue
             place.parent.mkdir(parents=True, exist_ok=True)
             place.write_bytes(content)
-        names = [setup["tree"]["file"], setup["robot"]["file"], setup["scene"]["file"]]
-    except (KeyError, TypeError, AttributeError) as error:
-        raise UserError(f"the recording does not say what was run: {error} is missing") from None
+        names = [str(setup[kind]["file"]) for kind in ("tree", "robot", "scene")]
+    except (KeyError, TypeError, AttributeError, ValueError, OSError) as error:
+        raise UserError(f"the recording does not say what was run: {type(error).__name__}: {error}") from None
     if missing:
         message = f"{len(missing)} files of the run are not in the recording, and not as they were: {missing[0]!r}"
         raise UserError(message, hint="meshes are not recorded: run it where they are")

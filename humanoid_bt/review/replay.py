@@ -18,6 +18,7 @@ from humanoid_bt.record.reading import FlightLog, read_flight
 from humanoid_bt.review.compare_run import Parting
 from humanoid_bt.review.decision_replay import decide_again
 from humanoid_bt.review.recorded_files import RecordedFiles, lay_out
+from humanoid_bt.review.recorded_run import recorded_run
 from humanoid_bt.review.run_replay import run_again
 from humanoid_bt.tree.tree import Tree
 
@@ -108,20 +109,21 @@ def replay(
         NodeError: a skill raised an exception in ``setup``.
     """
     log = read_flight(recording)
+    run = recorded_run(log)
     with tempfile.TemporaryDirectory(prefix="humanoid-bt-replay-") as folder:
         now = tree is not None or files == "current"
         found = _current(log, workspace) if now else lay_out(log.setup, Path(folder))
-        given = {**({} if tree is not None else _given(log)), **(parameters or {})}  # another tree has others
-        whole = log.setup.get("mode") == "lockstep" and tree is None and not parameters
+        whole = run.mode == "lockstep" and tree is None and not parameters
         begin = time.perf_counter()
         if whole:
-            done = run_again(log, found, given)
+            done = run_again(log, run, found)
         else:
+            given = {**({} if tree is not None else run.given), **(parameters or {})}  # another tree has others
             loaded = _load(found, tree, given)
             begin = time.perf_counter()
-            done = decide_again(log, loaded, found.robot)
+            done = decide_again(log, run, loaded, found.robot)
         took = time.perf_counter() - begin
-    end: Any = next((news.value for news in reversed(log.news) if news.kind == "end"), {})
+    damaged = [f"{log.damaged} blocks of the recording are damaged"] if log.damaged else []
     return Replay(
         recording=relative(log.path),
         whole=whole,
@@ -131,16 +133,10 @@ def replay(
         speed=done.duration / max(took, 1e-9),
         outcome=done.outcome,
         reason=done.reason,
-        recorded_outcome=str(end.get("outcome", "")),
-        recorded_reason=str(end.get("reason", "")),
-        notes=done.notes,
+        recorded_outcome=run.outcome,
+        recorded_reason=run.reason,
+        notes=[*done.notes, *damaged],
     )
-
-
-def _given(log: FlightLog) -> dict[str, Any]:
-    """Return the parameters that the run was given from outside, as they were written."""
-    parameters = log.setup.get("tree", {}).get("parameters", {})
-    return {name: entry["written"] for name, entry in parameters.items() if entry.get("from") == "given"}
 
 
 def _current(log: FlightLog, workspace: str | PathLike[str] | Workspace | None) -> RecordedFiles:

@@ -12,8 +12,8 @@ from typing import Any, Self
 
 import numpy as np
 
-from humanoid_bt.core.clock import DECISION_PERIOD, SERVO_PERIOD
-from humanoid_bt.core.messages import Array, Level, Measurement, Mode
+from humanoid_bt.core.clock import DECISION_PERIOD
+from humanoid_bt.core.messages import Array, Level, Measurement
 from humanoid_bt.decision.result import Reported
 from humanoid_bt.perception.track import Track
 from humanoid_bt.record.reading import FlightLog
@@ -22,6 +22,7 @@ from humanoid_bt.record.tick import Tick
 from humanoid_bt.review.compare_run import Parting, tick_parting
 from humanoid_bt.review.decision_replay import Done, is_paused
 from humanoid_bt.review.recorded_files import RecordedFiles
+from humanoid_bt.review.recorded_run import RecordedRun
 from humanoid_bt.session.drive import Drive
 from humanoid_bt.session.lockstep import Lockstep
 from humanoid_bt.session.options import RunOptions
@@ -32,45 +33,40 @@ _AT = 1e-9  # s; engine times are sums of floats
 _LEAD = {"reset": DECISION_PERIOD}  # s by which an input is given before it counts: a reset waits for the next tick
 
 
-def run_again(log: FlightLog, files: RecordedFiles, given: Mapping[str, Any]) -> Done:
+def run_again(log: FlightLog, run: RecordedRun, files: RecordedFiles) -> Done:
     """Run a recorded run again and compare every tick.
 
     Args:
         log: what was recorded.
+        run: what it says about its run.
         files: what it was made of.
-        given: the parameters that were given from outside.
 
     Raises:
         UserError: the tree, robot or scene has mistakes.
         NodeError: a skill raised an exception in ``setup``.
     """
-    kinds: dict[str, list[Any]] = {}
-    for news in log.news:
-        kinds.setdefault(news.kind, []).append(news.value)
-    limits = kinds.get("limits", [{}])[0]
-    end = kinds.get("end", [None])[-1]
     options = RunOptions(
         tree=str(files.tree),
         robot=str(files.robot),
         scene=str(files.scene),
-        parameters=given,
-        seed=log.setup["seed"],
-        duration=limits["duration"] if isinstance(limits.get("duration"), float) else _FOREVER,
-        on_estop="wait" if limits.get("waits") else "end",
+        parameters=run.given,
+        seed=run.seed,
+        duration=min(run.duration, _FOREVER),
+        on_estop="wait" if run.waits else "end",
         camera=False,
     )
-    until, why = _broken_off(log)
-    comparison = Comparison(log, whole=end is not None and not why, until=until)
+    until, why = _broken_off(log, run)
+    comparison = Comparison(log, run, whole=run.ended and not why, until=until)
     drive = Drive(options, files.workspace, Listener(), comparison)
     engine = drive.engine
     assert isinstance(engine, Lockstep)
-    outside = _Outside(engine, kinds.get("stop", []), kinds.get("input", []))
+    outside = _Outside(engine, run)
     drive.start()
     try:
         while drive.running:
-            if comparison.exhausted or (end and drive.loop.state and drive.loop.state.time > end["tree_ended"] - _AT):
-                outcome = (end or {}).get("outcome", "unfinished")
-                drive.leave(outcome, (end or {}).get("reason", "the recording ends"))
+            state = drive.loop.state
+            if comparison.exhausted or (state is not None and state.time > run.tree_ended - _AT):
+                drive.leave(run.outcome or "unfinished", run.reason or "the recording ends")
             else:
                 outside.act()
                 drive.tick()
@@ -83,14 +79,14 @@ def run_again(log: FlightLog, files: RecordedFiles, given: Mapping[str, Any]) ->
     return Done(comparison.difference, comparison.count, comparison.lasted, report.outcome, report.reason, notes)
 
 
-def _broken_off(log: FlightLog) -> tuple[float, str]:
+def _broken_off(log: FlightLog, run: RecordedRun) -> tuple[float, str]:
     """Return the engine time [s] up to which a run can be run again, and why no longer; infinity, "" for all of it."""
-    edited = next((news.time for news in log.news if news.kind == "tree"), math.inf)
     paused = next((tick.state.time for tick in log.ticks() if is_paused(tick)), math.inf)
-    if min(edited, paused) == math.inf:
+    until = min(run.edited, paused)
+    if until == math.inf:
         return math.inf, ""
-    what = "the tree was edited" if edited < paused else "somebody paused the run"
-    return min(edited, paused), f"{what} at {min(edited, paused):.2f} s: the rest is not compared"
+    what = "the tree was edited" if run.edited < paused else "somebody paused the run"
+    return until, f"{what} at {until:.2f} s: the rest is not compared"
 
 
 class _Outside:
@@ -98,18 +94,12 @@ class _Outside:
 
     Args:
         engine: of the run.
-        stops: every stop that was recorded.
-        inputs: what else came.
+        run: what was recorded of it.
     """
 
-    def __init__(self, engine: Lockstep, stops: Sequence[Any], inputs: Sequence[Any]) -> None:
+    def __init__(self, engine: Lockstep, run: RecordedRun) -> None:
         self._engine, self._supervisor = engine, engine.supervisor
-        self._inputs = deque(inputs)
-        self._estops = deque(
-            (round(stop["time"] / SERVO_PERIOD), stop["source"], stop["reason"])
-            for stop in stops
-            if stop["mode"] == Mode.EMERGENCY_STOP.name.lower()
-        )
+        self._inputs, self._estops = deque(run.inputs), deque(run.estops)
         check = self._supervisor.check
 
         def raised_again(cycle: int, measurement: Measurement, setpoint_fault: str = "") -> None:
@@ -122,7 +112,7 @@ class _Outside:
     def act(self) -> None:
         """Do what comes before the next tick."""
         now = self._engine.clock.now()
-        while self._inputs and self._inputs[0][0] - _LEAD.get(self._inputs[0][1], 0.0) <= now + _AT:
+        while self._inputs and self._inputs[0].time - _LEAD.get(self._inputs[0].kind, 0.0) <= now + _AT:
             _, kind, value = self._inputs.popleft()
             match kind:
                 case "push":
@@ -139,6 +129,7 @@ class Comparison:
 
     Args:
         log: the recording.
+        run: what it says about its run.
         whole: whether the run came to its end when it was recorded, and is compared up to that.
         until: engine time up to which it is compared [s].
 
@@ -150,12 +141,12 @@ class Comparison:
         url, missing: nothing is shown, and nothing is lost.
     """
 
-    def __init__(self, log: FlightLog, whole: bool, until: float) -> None:
+    def __init__(self, log: FlightLog, run: RecordedRun, whole: bool, until: float) -> None:
         self._whole = whole
-        self._joints = log.setup.get("robot", {}).get("joints", ())
+        self._joints = run.joints
         self._ticks = takewhile(lambda tick: tick.state.time < until, log.ticks())
         self._next = next(self._ticks, None)
-        self._nodes = deque((one.time, *one.value) for one in log.news if one.kind == "node" and one.time < until)
+        self._nodes = deque(node for node in run.nodes if node[0] < until)
         self._first = self._next.state.time if self._next is not None else 0.0
         self.difference: Parting | None = None
         self.count, self.lasted, self.exhausted = 0, 0.0, self._next is None

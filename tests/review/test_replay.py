@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import math
+import random
 import runpy
 import shutil
 from pathlib import Path
@@ -15,6 +17,7 @@ from humanoid_bt.record.reading import read_flight
 from humanoid_bt.review.replay import replay
 from humanoid_bt.session.session import Session
 from tests.projects import make_project
+from tests.review.data.test_damage import ODD, log_with, mangled
 from tests.review.direct import recorded_directly
 
 TREE = """\
@@ -168,6 +171,26 @@ def test_what_is_missing_is_told(raising: Path, project: Path, monkeypatch: pyte
     log.setup.clear()
     with pytest.raises(UserError, match="does not say what was run"):
         replay(raising)
+
+
+def test_a_recording_that_says_something_else_is_answered(raising: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    chance, whole, answered = random.Random(3), read_flight(raising), 0
+    times, kinds = [0.1, -1.0, 1e300, math.nan], ["node", "unseen", "input", "stop", "tree", "end", "limits"]
+    for number in range(18):
+        log = read_flight(raising)
+        if number % 2:
+            log.setup = {key: mangled(value, chance) for key, value in whole.setup.items()}
+        else:
+            odd = [[chance.choice(times), chance.choice(kinds), chance.choice(ODD)] for _ in range(5)]
+            more = log_with({}, odd, {})
+            log.blocks["news"] += more.blocks["news"]
+            log.until["news"] += more.until["news"]
+        monkeypatch.setattr("humanoid_bt.review.replay.read_flight", lambda _, log=log: log)
+        try:
+            str(replay(raising, parameters={} if number % 6 == 0 else {"stay": "0.1 s"}))
+        except UserError:
+            answered += 1
+    assert 0 < answered < 9
 
 
 @pytest.mark.realtime

@@ -17,7 +17,7 @@ import pytest
 from humanoid_bt.core.errors import UserError
 from humanoid_bt.record import remote_recorder
 from humanoid_bt.record.parts import MAGIC
-from humanoid_bt.record.reading import read_cycles
+from humanoid_bt.record.reading import read_cycles, read_flight
 from humanoid_bt.session import options
 from humanoid_bt.session.report import Report
 from humanoid_bt.session.run import run
@@ -286,3 +286,19 @@ def test_the_robot_does_not_notice_what_becomes_of_the_recorder(
     assert killed.startswith("the recorder process ended (killed by signal 9): nothing is recorded from ")
     assert missing.endswith(" s are missing in the recording")
     assert report.recording_missing > 1.0
+
+
+@pytest.mark.trials
+@pytest.mark.realtime
+def test_what_was_handed_over_stands_in_the_file_at_once(project: Path, tmp_path: Path) -> None:
+    lost = []
+    for number in range(3):
+        file = tmp_path / f"run{number}.rrd"
+        with Session("walk", workspace=project, mode="realtime", record=file, camera=False) as session:
+            session.step()
+            session.run_until(session.time + 0.5 + 0.013 * number)
+            recorder_of(session).kill()
+            recorder_of(session).wait()
+            *_, last = read_flight(file).ticks()
+            lost.append(session.time - last.state.time)
+    assert sorted(lost)[1] < 0.1  # 40 to 60 ms, the last tick itself included; a busy machine takes longer

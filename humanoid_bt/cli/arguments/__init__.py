@@ -22,11 +22,11 @@ from humanoid_bt.cli.arguments.schema import add_schema
 from humanoid_bt.cli.arguments.show import add_show
 
 _COMMANDS = (
-    *(add_run, add_explain, add_check, add_fmt, add_show),
+    *(add_run, add_check, add_fmt, add_show),
     *(add_lists, add_schema),
-    *(add_diff, add_export, add_params),
+    *(add_explain, add_replay, add_diff, add_params, add_export),
+    *(add_recordings, add_keep),
     *(add_estop, add_reset, add_status),
-    *(add_recordings, add_keep, add_replay),
     add_bench,
 )
 """What declares each command, in the order of the help."""

@@ -19,6 +19,7 @@ from humanoid_bt.record.packing import BlockError, bundle, unbundle, unpack
 from humanoid_bt.record.reading import FlightLog, read_flight
 from humanoid_bt.review.columns import TABLES
 from humanoid_bt.review.difference import difference
+from humanoid_bt.review.explain import explain
 from humanoid_bt.review.parameters import as_yaml
 from humanoid_bt.review.recording import Recording, open_recording
 from tests.review.data.conftest import short_run
@@ -79,6 +80,7 @@ def test_a_damaged_recording_is_answered(file: Path, tmp_path: Path, capfd: pyte
             assert "that can be read" in str(error) or "is none of a run" in str(error)
             continue
         look_at_everything(recording, whole)
+        str(explain(broken))
         opened += 1
         told += bool(recording.damage)
     assert opened > COUNT // 3 and told > COUNT // 6
