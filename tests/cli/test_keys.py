@@ -106,6 +106,7 @@ def test_a_key_stops_the_robot(key: str, start: Callable[..., Terminal]) -> None
     assert terminal.settings == terminal.before
 
 
+@pytest.mark.trials
 @pytest.mark.realtime
 def test_keys_reset_and_quit_in_realtime_mode(project: Path, start: Callable[..., Terminal]) -> None:
     terminal = start("run", "walk", *RUN, "--mode", "realtime")

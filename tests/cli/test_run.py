@@ -35,6 +35,7 @@ def fetched(project: Path, tmp_path_factory: pytest.TempPathFactory) -> tuple[in
     return code, out.read_text(encoding="utf-8").splitlines(), report
 
 
+@pytest.mark.trials
 def test_the_demo_succeeds(fetched: tuple[int, list[str], dict[str, object]]) -> None:
     code, lines, report = fetched
     assert code == report["exit_code"] == 0
@@ -46,6 +47,7 @@ def test_the_demo_succeeds(fetched: tuple[int, list[str], dict[str, object]]) ->
     assert f"{report['recording']}" in summary
 
 
+@pytest.mark.trials
 def test_events_come_in_order_with_causes_before_effects(fetched: tuple[int, list[str], dict[str, object]]) -> None:
     _, lines, _ = fetched
     events = lines[1 : lines.index("")]
@@ -58,6 +60,7 @@ def test_events_come_in_order_with_causes_before_effects(fetched: tuple[int, lis
     assert events[lost + 3].split()[2:4] == ["▶", "idle"]
 
 
+@pytest.mark.trials
 def test_what_was_not_running_is_not_halted(fetched: tuple[int, list[str], dict[str, object]]) -> None:
     _, lines, _ = fetched
     assert not [line for line in lines if line.rstrip().endswith("halted")]

@@ -70,6 +70,7 @@ def watch(project: Path, tmp_path: Path) -> Iterator[Callable[..., Watched]]:
         run.process.wait()
 
 
+@pytest.mark.trials
 def test_a_broken_edit_and_its_fix(watch: Callable[..., Watched]) -> None:
     run = watch("--no-record", "--pace", "2")
     run.says("▶ walk")

@@ -140,6 +140,7 @@ def test_silent_decision_while_walking_ends_in_a_stand(rig: ControlRig) -> None:
     assert rig.state.mode is Mode.RUN
 
 
+@pytest.mark.trials
 def test_a_hand_is_let_go_when_its_target_stays_behind_a_walking_robot(rig: ControlRig) -> None:
     assert rig.run(12.0, {**FAR, **REACH}, until=lambda state: state.time > 2 and state.base_settled)
     state = rig.state

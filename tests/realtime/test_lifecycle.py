@@ -126,6 +126,7 @@ def test_when_decision_is_killed_control_stops_holds_and_ends_by_itself(live: St
     assert "control ended: decision died before" in found.text()
 
 
+@pytest.mark.trials
 def test_a_stopped_decision_and_an_estop_are_waited_for(live: Start) -> None:
     run = live("walk")
     run.walks()

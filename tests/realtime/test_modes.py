@@ -34,6 +34,7 @@ class Skills(Listener):
             self.told.append((name, change.status))
 
 
+@pytest.mark.trials
 @pytest.mark.realtime
 def test_the_same_tree_gives_the_same_sequence_of_skills(tmp_path: Path) -> None:
     (tmp_path / "sim" / "scenes").mkdir(parents=True)

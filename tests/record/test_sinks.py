@@ -160,6 +160,7 @@ outlet.close()
 """
 
 
+@pytest.mark.trials
 @pytest.mark.skipif(sys.platform != "linux", reason="other systems do not say what is on the way to a browser")
 def test_who_is_slow_gets_the_end_of_the_run_too(tmp_path: Path, request: pytest.FixtureRequest) -> None:
     """Nothing moves before the run waits for it, or is over."""

@@ -223,6 +223,7 @@ def test_the_first_line_says_what_stopped_the_robot(play: Play, name: str) -> No
         assert "\x1b" not in found.text(width)
 
 
+@pytest.mark.trials
 def test_a_recording_that_is_still_written_is_explained(stage: Path, tmp_path: Path) -> None:
     file = tmp_path / "run.rrd"
     with Session("walk", workspace=stage, record=file, camera=False) as session:
@@ -255,6 +256,7 @@ def test_a_program_that_was_killed_is_told(stage: Path, tmp_path: Path) -> None:
     assert found.node == "walk/emergency_stop/walk"
 
 
+@pytest.mark.trials
 def test_a_recorder_that_was_killed_leaves_a_recording_that_ends_early(stage: Path, tmp_path: Path) -> None:
     file = tmp_path / "run.rrd"
     with Session("walk", workspace=stage, record=file, camera=False, duration=2.0) as session:

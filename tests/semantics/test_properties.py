@@ -74,6 +74,7 @@ def test_an_exception_anywhere_ends_everything(workspace: Workspace, story: Stor
             assert life.robot.commit().targets == {}
 
 
+@pytest.mark.trials
 @random_lives
 @given(story=stories())
 def test_py_trees_own_functions_work_on_the_trees(workspace: Workspace, story: Story) -> None:

@@ -83,6 +83,7 @@ def test_a_recorder_that_hangs_is_waited_for_but_not_for_ever(
     assert report.recording_missing > 0
 
 
+@pytest.mark.trials
 def test_a_recorder_that_takes_nothing_is_given_up_in_the_midst_of_a_run(
     project: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -99,6 +100,7 @@ def test_a_recorder_that_takes_nothing_is_given_up_in_the_midst_of_a_run(
     assert errors(report)[0][1].startswith("the recorder took nothing for 0.3 s and was ended: nothing is recorded")
 
 
+@pytest.mark.trials
 @pytest.mark.parametrize("folder", [False, pytest.param(True, marks=pytest.mark.trials)])
 def test_a_recording_that_is_deleted_is_told(project: Path, tmp_path: Path, folder: bool) -> None:
     file = tmp_path / "mine" / "run.rrd"
@@ -190,6 +192,7 @@ def test_two_runs_of_the_same_second_have_recordings_of_their_own(
     assert [last_time(Path(name)) > 0.05 for name in names] == [True] * 2
 
 
+@pytest.mark.trials
 def test_two_runs_cannot_write_one_file(project: Path, tmp_path: Path) -> None:
     file = tmp_path / "run.rrd"
     with Session("stand", workspace=project, record=file, camera=False) as first:

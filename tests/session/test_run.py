@@ -131,6 +131,7 @@ def test_a_tree_that_goes_on_is_unfinished(project: Path) -> None:
     assert (report.outcome, report.exit_code, report.sim_time) == ("unfinished", 5, 0.1)
 
 
+@pytest.mark.trials
 def test_a_run_that_waits_for_a_reset_goes_on_after_it(project: Path) -> None:
     told = Told()
     session = Session("walk", duration=5.0, workspace=project, on_estop="wait", listener=told)
@@ -277,6 +278,7 @@ def test_the_same_run_has_the_same_hash_and_another_seed_another(project: Path) 
     assert hashes[0] == hashes[1] != hashes[2]
 
 
+@pytest.mark.trials
 def test_a_view_that_cannot_be_opened_is_a_mistake_only_if_asked_for(
     project: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

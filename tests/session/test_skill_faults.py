@@ -138,6 +138,7 @@ def test_forked_children_end_alone(faulty: Path) -> None:
     assert said == ["RuntimeError: in the child", f"RuntimeError: {came_back}", "KeyboardInterrupt"]
 
 
+@pytest.mark.trials
 def test_a_thread_that_does_not_end_does_not_keep_the_program(faulty: Path) -> None:
     tree(faulty, "stray: ")
     command = [sys.executable, "-m", "humanoid_bt", "run", "faulty", "--no-record", "--no-view"]

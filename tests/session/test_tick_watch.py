@@ -94,7 +94,9 @@ def test_what_a_tick_waits_for_a_processor_does_not_count(monkeypatch: pytest.Mo
     assert ticks.to_dict() == {"count": 1, "worst": {"time": 0.5, "node": "", "duration": 0.021}}
 
 
-@pytest.mark.parametrize("mode", ["lockstep", pytest.param("realtime", marks=pytest.mark.realtime)])
+@pytest.mark.parametrize(
+    "mode", ["lockstep", pytest.param("realtime", marks=(pytest.mark.realtime, pytest.mark.trials))]
+)
 def test_a_skill_that_never_returns_is_named_and_a_second_ctrl_c_ends_it(place: Path, mode: str) -> None:
     process = subprocess.Popen(
         [sys.executable, "-m", "humanoid_bt", "run", "hang", "--no-record", "--no-view", "--mode", mode],

@@ -175,6 +175,7 @@ def test_a_run_that_waits_for_an_edit_waits_for_a_reset_too(root: Path) -> None:
     assert (ran.report.outcome, ran.report.exit_code, ran.report.sim_time) == ("stopped", 3, 2.0)
 
 
+@pytest.mark.trials
 def test_a_tree_that_waits_for_a_reset_can_be_replaced(root: Path) -> None:
     walk = "format: 1\nroot:\n  emergency_stop: walk\n"
 
@@ -228,6 +229,7 @@ def test_a_percept_that_never_comes_is_told_of_an_edited_tree(root: Path) -> Non
     assert "the scene 'empty' publishes no percept 'ball' (it publishes none)" in texts(ran)
 
 
+@pytest.mark.trials
 def test_the_hash_covers_the_edits(root: Path) -> None:
     def of(*edits: tuple[int, str]) -> str:
         return watched(root, STAND, edited(root, *edits), duration=0.7).report.trace_hash
@@ -236,6 +238,7 @@ def test_the_hash_covers_the_edits(root: Path) -> None:
     assert of((20, BROKEN)) != of()
 
 
+@pytest.mark.trials
 def test_the_recording_follows_the_tree(root: Path, tmp_path: Path) -> None:
     both = "format: 1\nroot:\n  emergency_stop: {sequence: [{wait: {duration: 0.2}}, walk]}\n"
     file = tmp_path / "run.rrd"

@@ -44,6 +44,7 @@ def test_stops_within_a_step_when_halted(rig: Rig) -> None:
     assert settled.stance[0] - where < 0.35
 
 
+@pytest.mark.trials
 def test_follows_a_target_that_moves(rig: Rig) -> None:
     rig.at(1.5, lambda: rig.see("target", (0.9, 0.6, 0.9)))
     result = rig.run("approach", target=(1.0, 0.0, 0.9), distance=0.4, timeout=15)

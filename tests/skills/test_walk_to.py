@@ -17,6 +17,7 @@ def test_stands_at_the_place_and_faces_where_it_is_told(rig: Rig, x: float, y: f
     assert not result.stops
 
 
+@pytest.mark.trials
 def test_faces_where_it_walked_to_without_a_heading(rig: Rig) -> None:
     result = rig.run("walk_to", x=0.4, y=0.4)
     assert result.succeeded, result.feedback

@@ -36,6 +36,7 @@ def test_goes_the_other_way_round_with_a_negative_step(run_tree: RunTree) -> Non
     assert stance(run)[2] < 0
 
 
+@pytest.mark.trials
 def test_fails_when_it_has_turned_as_often_as_told(run_tree: RunTree) -> None:
     run = run_tree("subtree: {tree: search, target: nothing, look: 0.2 s, step: 40 deg, turns: 2}")
     assert run.report.outcome == "failure"

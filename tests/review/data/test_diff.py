@@ -19,6 +19,7 @@ from humanoid_bt.review.compare_setup import setup_changes
 from humanoid_bt.review.recording import Recording, open_recording
 
 
+@pytest.mark.trials
 def test_two_runs_of_one_seed_are_the_same(file: Path, again: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["diff", str(file), str(again)]) == 0
     assert capsys.readouterr().out.endswith("\n\nthe runs are the same\n")

@@ -82,6 +82,7 @@ def test_limits_are_those_of_the_robot(recording: Recording) -> None:
     assert limits["left_hip_yaw"]["lower"] < 0 < limits["left_hip_yaw"]["upper"]
 
 
+@pytest.mark.trials
 def test_a_run_takes_the_parameters_of_another(other: Path) -> None:
     report = run("fetch", duration=0.02, parameters=hbt.open_recording(other).parameters)
     assert report.parameters["stop_distance"] == pytest.approx(0.35)
