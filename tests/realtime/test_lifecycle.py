@@ -130,6 +130,7 @@ def test_when_decision_is_killed_control_stops_holds_and_ends_by_itself(live: St
 def test_a_stopped_decision_and_an_estop_are_waited_for(live: Start) -> None:
     run = live("walk")
     run.walks()
+    until("status tells of ticks", lambda: " Hz" in told("status", "--run", run.run_id))  # after the command is given
     run.process.send_signal(signal.SIGSTOP)
     run.shows("protective_stop")
     until("status tells it", lambda: "no tick for" in told("status", "--run", run.run_id))
