@@ -1,14 +1,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
 
-from humanoid_bt.control.supervisor import Supervisor
 from humanoid_bt.core.messages import (
     BaseTarget,
     Command,
@@ -16,59 +14,9 @@ from humanoid_bt.core.messages import (
     HandTarget,
     Measurement,
     Mode,
-    Pause,
     PostureTarget,
-    Target,
 )
-from humanoid_bt.robot.config import FallConfig
-
-HEIGHT = 0.7
-UPRIGHT = Measurement(
-    time=0.0,
-    qpos=np.array([0, 0, HEIGHT, 1, 0, 0, 0, 0.1, -0.1]),
-    qvel=np.zeros(8),
-    joint_torque=np.zeros(2),
-    foot_force=np.zeros(2),
-)
-HAND: Mapping[str, Target] = {"left_hand": HandTarget(np.array([0.4, 0.1, 0.9]))}
-SOURCES = {"left_hand": "root/reach"}
-
-
-def lying(pitch: float = 1.5, height: float = HEIGHT) -> Measurement:
-    qpos = UPRIGHT.qpos.copy()
-    qpos[2:7] = [height, math.cos(pitch / 2), 0, math.sin(pitch / 2), 0]
-    return replace(UPRIGHT, qpos=qpos)
-
-
-class Run:
-    """A supervisor and its cycles."""
-
-    def __init__(self) -> None:
-        self.supervisor = Supervisor(FallConfig())
-        self.supervisor.reset_run(HEIGHT)
-        self.cycle = -1
-        self.sequence = 0
-        self.go()
-
-    @property
-    def mode(self) -> Mode:
-        return self.supervisor.mode
-
-    def go(self, cycles: int = 1, measurement: Measurement = UPRIGHT, fault: str = "", alive: bool = False) -> None:
-        """Pass some cycles; ``alive``: decision sends a command in each of them."""
-        for _ in range(cycles):
-            self.cycle += 1
-            self.supervisor.check(self.cycle, measurement, fault)
-            if alive:
-                self.send()
-
-    def send(
-        self, targets: Any = HAND, sequence: int | None = None, age: float = 0.0, pause: Pause | None = None
-    ) -> bool:
-        if sequence is None:
-            self.sequence += 1
-            sequence = self.sequence
-        return self.supervisor.submit(Command(sequence, self.cycle * 1e-3 - age, targets, SOURCES, pause))
+from tests.control.supervised import HAND, HEIGHT, SOURCES, UPRIGHT, Run, lying
 
 
 @pytest.fixture
@@ -395,69 +343,3 @@ def test_a_new_run_forgets_everything(run: Run) -> None:
     run.supervisor.check(0, UPRIGHT)
     assert run.supervisor.mode is Mode.RUN
     assert run.supervisor.submit(Command(0, 0.0, HAND, SOURCES))
-
-
-PAUSE = Pause("keyboard", "a key was pressed")
-
-
-def test_a_pause_holds_the_robot_until_a_command_without_one(run: Run) -> None:
-    run.send(pause=PAUSE)
-    run.go()
-    assert (run.mode, run.supervisor.reason, run.supervisor.source) == (Mode.PAUSED, PAUSE.reason, PAUSE.source)
-    assert run.supervisor.hold
-    assert run.supervisor.targets == {}
-    run.send()
-    run.go()
-    assert (run.mode, run.supervisor.reason) == (Mode.RUN, "")
-    assert run.supervisor.targets == HAND
-    assert run.supervisor.stops == []
-
-
-def test_silence_and_a_fault_outrank_a_pause(run: Run) -> None:
-    run.send(pause=PAUSE)
-    run.go(100)
-    assert run.mode is Mode.PAUSED
-    run.go()
-    assert run.mode is Mode.PROTECTIVE_STOP
-    run.send(pause=PAUSE)
-    run.go()
-    assert run.mode is Mode.PAUSED
-    for _ in range(201):
-        run.send(pause=PAUSE)
-        run.go(fault="no solution")
-    assert run.mode is Mode.PROTECTIVE_STOP
-    run.send(pause=PAUSE)
-    run.go()
-    assert run.mode is Mode.PAUSED
-    run.supervisor.request_stop("the tree", "it raised")
-    run.go()
-    assert (run.mode, run.supervisor.reason) == (Mode.PROTECTIVE_STOP, "it raised")
-
-
-def test_a_stop_of_a_paused_robot_stays_until_its_reset(run: Run) -> None:
-    run.send(pause=PAUSE)
-    run.go()
-    run.supervisor.raise_estop("test", "pressed")
-    run.go()
-    run.send(pause=PAUSE)
-    run.go()
-    assert run.mode is Mode.EMERGENCY_STOP
-    assert run.supervisor.reset() == ""
-    run.go()
-    assert run.mode is Mode.RUN
-    run.send(pause=PAUSE)
-    run.go(measurement=lying())
-    assert run.mode is Mode.DAMP
-
-
-def test_a_stall_of_control_is_forgiven_in_a_pause_too(run: Run) -> None:
-    run.send(pause=PAUSE)
-    run.go(90)
-    run.supervisor.forgive_silence()
-    run.go(90)
-    assert run.mode is Mode.PAUSED
-
-
-def test_what_is_no_pause_is_refused(run: Run) -> None:
-    assert not run.send(pause="please")  # type: ignore[arg-type]
-    assert "'please' is no pause" in run.supervisor.rejected[0]
