@@ -62,6 +62,8 @@ __all__ = [  # noqa: RUF022 (grouped as a reader looks for them)
     # Tests of skills
     "Rig",
     "RigResult",
+    "check_skill",
+    "SkillCheck",
     # Looking back
     "replay",
     "Replay",
@@ -111,6 +113,8 @@ if TYPE_CHECKING:
     from humanoid_bt.session.run import run as run
     from humanoid_bt.session.session import Session as Session
     from humanoid_bt.session.teller import Listener as Listener
+    from humanoid_bt.testing.check_skill import check_skill as check_skill
+    from humanoid_bt.testing.check_skill_result import SkillCheck as SkillCheck
     from humanoid_bt.testing.rig import Rig as Rig
     from humanoid_bt.testing.rig import RigResult as RigResult
     from humanoid_bt.tree import nodes as nodes
@@ -142,6 +146,8 @@ else:
         "humanoid_bt.decision.signals": "Improving Lasting Steady",
         "humanoid_bt.decision.skill": "Skill Status of_gaze of_hand",
         "humanoid_bt.review.replay": "Replay replay",
+        "humanoid_bt.testing.check_skill": "check_skill",
+        "humanoid_bt.testing.check_skill_result": "SkillCheck",
         "humanoid_bt.testing.rig": "Rig RigResult",
         "humanoid_bt.tree.source.compose": "make_tree",
         "humanoid_bt.tree.ticking.executor": "NodeChange NodeError",

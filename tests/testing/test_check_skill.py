@@ -1,0 +1,86 @@
+"""``check_skill``: skills broken on purpose are caught, each by its rule, and the built-in ones pass."""
+
+from __future__ import annotations
+
+import pytest
+
+import humanoid_bt as hbt
+from humanoid_bt.testing.check_skill_result import RULES
+from tests.testing.broken_skills import SKILLS
+
+BALL = (0.4, -0.2, 1.0)
+
+
+@pytest.fixture(scope="module")
+def rig(tmp_path_factory: pytest.TempPathFactory) -> hbt.Rig:
+    folder = tmp_path_factory.mktemp("workspace")
+    (folder / "skills").mkdir()
+    (folder / "skills" / "broken.py").write_text(SKILLS, encoding="utf-8")
+    return hbt.Rig(folder)
+
+
+BROKEN = {
+    "exceptions": ("exceptions", "raised ZeroDivisionError", "1 // 0"),
+    "blocking": ("blocking", "p99 of 6 updates 2", "time.sleep(0.02)"),
+    "halting": ("halting", "halted in tick 1 (0.00 s) it still commanded right_hand", ""),
+    "restarting": ("restarting", "it was SUCCESS ('8 ticks'), before RUNNING", ""),
+    "ending": ("ending", "it declares ends = False, and succeeded after 0.10 s", ""),
+    "commands": ("commands", "it commands gaze, and declares right_hand", ""),
+    "percepts": ("percepts", "it asks for 'door', and declares 'target'", ""),
+    "snapshot": ("snapshot", "it wrote over state.hands", ""),
+    "reasons": ("reasons", "it failed with 'not possible'", ""),
+    "sameness": ("sameness", "it throws the dice of random", ""),
+    "estop": ("estop", "while the robot was stopped it raised RuntimeError", "the hand does not move"),
+    "lost": ("lost", "when it had never seen anything it raised AttributeError", "self.bearing ="),
+}
+"""Skill -> the rule that it breaks, what is said of it, what its line there holds."""
+
+FURTHER = {
+    "stubborn": ("halting", "raised RuntimeError: not now", "not now"),
+    "remembering": ("restarting", "in its second life, in tick 1 (0.00 s) it commanded right_hand", ""),
+    "unseeded": ("sameness", "another instance, shown the same, did otherwise: in tick 1", ""),
+    "clock": ("sameness", "reads time.monotonic()", "time.monotonic()"),
+    "hanging": ("blocking", "tick 1 did not come back", "time.sleep(0.01)"),
+}
+"""The same of skills that break one in another way."""
+
+
+def caught(rig: hbt.Rig, skill: str, rule: str, said: str, line: str) -> None:
+    check = rig.check_skill(skill, target=BALL)
+    assert check.failed == (rule,), str(check)
+    result = check.rules[rule]
+    assert said in result.evidence
+    assert f"broken.py:{line_of(line)}:" in result.evidence if line else "broken.py" not in result.evidence
+    assert result.advice in RULES[rule][1] and result.advice
+    assert not check.passed
+    with pytest.raises(AssertionError, match=f"✗ {result.title}"):
+        check.assert_passed()
+
+
+def line_of(text: str) -> int:
+    """Return the line of the skills' file that holds a text, counted from 1."""
+    return next(number for number, line in enumerate(SKILLS.splitlines(), 1) if text in line)
+
+
+def test_every_rule_has_a_skill_that_breaks_it() -> None:
+    assert list(RULES) == [rule for rule, *_ in BROKEN.values()]
+
+
+def test_a_good_skill_keeps_all(rig: hbt.Rig) -> None:
+    check = rig.check_skill("good", target=BALL)
+    check.assert_passed()
+    assert check.passed and not check.failed
+    assert "6 updates" in check.rules["blocking"].evidence
+    assert check.rules["reasons"].evidence.startswith("\"'target' was never seen")
+    assert rig.time < 0.2, "the robot stands at its start afterwards"
+
+
+@pytest.mark.parametrize("skill", BROKEN)
+def test_a_broken_skill_is_caught_by_its_rule_alone(rig: hbt.Rig, skill: str) -> None:
+    caught(rig, skill, *BROKEN[skill])
+
+
+@pytest.mark.trials
+@pytest.mark.parametrize("skill", FURTHER)
+def test_so_is_one_that_is_broken_in_another_way(rig: hbt.Rig, skill: str) -> None:
+    caught(rig, skill, *FURTHER[skill])
