@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+pytest_plugins = ["humanoid_bt.testing.plugin_coverage"]
+
 if TYPE_CHECKING:
     from humanoid_bt.testing.rig import Rig
 

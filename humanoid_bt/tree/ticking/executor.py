@@ -17,6 +17,7 @@ from humanoid_bt.core.texts import shortened, told
 from humanoid_bt.decision.result import Reported, reported
 from humanoid_bt.decision.robot import Robot
 from humanoid_bt.decision.skill_files import class_file, place_in_file
+from humanoid_bt.tree import coverage
 from humanoid_bt.tree.node import Node
 from humanoid_bt.tree.ticking.catching import Catcher, catch
 from humanoid_bt.tree.ticking.tick import INVALID, RUNNING, Raised, Seen, halt_alone, tick
@@ -80,6 +81,7 @@ class Executor:
         self._nodes: dict[Behaviour, Node] = {node.behaviour: node for node in tree.nodes}
         self._children_first = [behaviour for behaviour in tree.root.iterate() if behaviour in self._nodes]
         self._told: dict[Behaviour, Status | None] = dict.fromkeys(self._nodes, INVALID)
+        self._tally = coverage.tally(tree)
         for node in tree.nodes:
             if isinstance(node.behaviour, Catcher):
                 node.behaviour.on_caught = partial(self._tell_caught, node)
@@ -183,6 +185,8 @@ class Executor:
             before = told[behaviour]
             if before is not status:
                 told[behaviour] = status
+                if self._tally is not None:
+                    self._tally.told(self._nodes[behaviour].path, before, status)
                 if self._on_change is not None:
                     path, feedback = self._nodes[behaviour].path, shortened(behaviour.feedback_message)
                     left = status is INVALID and before is not None and before is not RUNNING  # it had ended before
