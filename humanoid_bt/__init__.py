@@ -59,11 +59,18 @@ __all__ = [  # noqa: RUF022 (grouped as a reader looks for them)
     "Lasting",
     "Improving",
     "rotation_matrix",
-    # Tests of skills
+    # Tests of skills and trees
     "Rig",
     "RigResult",
     "check_skill",
     "SkillCheck",
+    "Stage",
+    "TreeRun",
+    "Watcher",
+    "View",
+    "Event",
+    "Conditions",
+    "Replacement",
     # Looking back
     "replay",
     "Replay",
@@ -115,8 +122,15 @@ if TYPE_CHECKING:
     from humanoid_bt.session.teller import Listener as Listener
     from humanoid_bt.testing.check_skill import check_skill as check_skill
     from humanoid_bt.testing.check_skill_result import SkillCheck as SkillCheck
+    from humanoid_bt.testing.conditions import Conditions as Conditions
+    from humanoid_bt.testing.events import Event as Event
     from humanoid_bt.testing.rig import Rig as Rig
     from humanoid_bt.testing.rig import RigResult as RigResult
+    from humanoid_bt.testing.stage import Stage as Stage
+    from humanoid_bt.testing.substitution import Replacement as Replacement
+    from humanoid_bt.testing.tree_run import TreeRun as TreeRun
+    from humanoid_bt.testing.tree_run import View as View
+    from humanoid_bt.testing.tree_run import Watcher as Watcher
     from humanoid_bt.tree import nodes as nodes
     from humanoid_bt.tree.node import Node as Node
     from humanoid_bt.tree.show import svg_tree as svg_tree
@@ -149,6 +163,11 @@ else:
         "humanoid_bt.testing.check_skill": "check_skill",
         "humanoid_bt.testing.check_skill_result": "SkillCheck",
         "humanoid_bt.testing.rig": "Rig RigResult",
+        "humanoid_bt.testing.stage": "Stage",
+        "humanoid_bt.testing.tree_run": "TreeRun View Watcher",
+        "humanoid_bt.testing.events": "Event",
+        "humanoid_bt.testing.conditions": "Conditions",
+        "humanoid_bt.testing.substitution": "Replacement",
         "humanoid_bt.tree.source.compose": "make_tree",
         "humanoid_bt.tree.ticking.executor": "NodeChange NodeError",
         "humanoid_bt.tree.show": "svg_tree unicode_tree",
