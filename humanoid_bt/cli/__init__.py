@@ -63,6 +63,7 @@ _COMMANDS = {
     "schema": "schema",
     "show": "show",
     "check": "check",
+    "coverage": "coverage",
     "explain": "explain",
     "trees": "inspect",
     "nodes": "inspect",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import shutil
 import tempfile
@@ -10,9 +11,9 @@ from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from humanoid_bt.core.errors import UserError, relative, resolved
+from humanoid_bt.files.whole import write_whole
 from humanoid_bt.files.workspace import Workspace, yaml_files
 from humanoid_bt.tree.coverage import FOLDER, Coverage, FileCoverage, NodeCoverage, digest_of, recorder
 from humanoid_bt.tree.source.load import load_tree
@@ -45,13 +46,30 @@ def coverage_in(*places: Path) -> Coverage:
     """Return all that was counted in files, and in the files of folders.
 
     Raises:
-        UserError: one of them cannot be read, or holds something else.
+        UserError: one of them cannot be read, holds something else, or nothing.
     """
     found = Coverage()
     for place in places:
-        for path in sorted(place.glob("*.json")) if place.is_dir() else [place]:
+        files = sorted(place.glob("*.json")) if place.is_dir() else [place]
+        if not files:
+            hint = f"it is filled while {FOLDER} names it and trees run"
+            raise UserError(f"nothing was counted in {relative(place)!r}", hint=hint, code="no-file")
+        for path in files:
             found.merge(Coverage.read(path))
     return found
+
+
+def write(path: Path, text: str) -> None:
+    """Write a file whole or not at all.
+
+    Raises:
+        UserError: it cannot be written.
+    """
+    try:
+        write_whole(path, text.encode())
+    except OSError as error:
+        hint = "valid: a file in a folder that is there and that you may write"
+        raise UserError(f"{str(path)!r} cannot be written: {error.strerror}", hint=hint) from error
 
 
 @dataclass(frozen=True)
@@ -87,12 +105,12 @@ class TreeCoverage:
             return self.problems[0] if self.problems else ""
         return f"{self.percent:.1f} % of what nodes can do was tried, less than {least:g} %"
 
-    def to_dict(self) -> dict[str, Any]:
-        """Return it as plain data, from which :meth:`Coverage.read` reads again."""
+    def to_json(self) -> str:
+        """Return it as text that :meth:`Coverage.read` reads again."""
         whole = Coverage()
         whole.files = {(file.path, file.digest): file for file in self.files}
         totals = {"seen": self.seen, "possible": self.possible, "percent": round(self.percent, 2)}
-        return {**whole.to_dict(), "totals": totals}
+        return json.dumps({**whole.to_dict(), "totals": totals}, indent=2) + "\n"
 
     def text(self, width: int | None = None) -> str:
         """Return a table of the files, and below each the lines whose nodes never did all that they can.

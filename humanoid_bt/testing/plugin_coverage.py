@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import json
+import argparse
 from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -26,7 +26,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         help="count for these trees (file, folder or name; default: the workspace's), =PATH; can be repeated",
     )
     group.addoption(
-        "--tree-coverage-fail-under", type=float, metavar="N", help="fail if less than N percent of them were tried"
+        "--tree-coverage-fail-under", type=_percent, metavar="N", help="fail if less than N percent of them were tried"
     )
     group.addoption("--tree-coverage-html", type=Path, metavar="FILE", help="write their source with marks")
     group.addoption("--tree-coverage-json", type=Path, metavar="FILE", help="write it for programs, and for merging")
@@ -40,6 +40,17 @@ def pytest_configure(config: pytest.Config) -> None:
         config.getoption(f"tree_coverage{name}") not in (None, []) for name in ("", "_fail_under", "_html", "_json")
     ):
         config.pluginmanager.register(_Counter(config), "humanoid_bt_tree_coverage")
+
+
+def _percent(text: str) -> float:
+    """Read a share."""
+    try:
+        share = float(text)
+    except ValueError:
+        share = -1.0
+    if not 0 <= share <= 100:
+        raise argparse.ArgumentTypeError(f"must be a number from 0 to 100, not {text!r}")
+    return share
 
 
 class _Worker:
@@ -77,7 +88,7 @@ class _Counter:
         try:
             self._report = tree_coverage(coverage_in(self._folder), paths, self._workspace())
             self._write(self._report)
-        except (UserError, OSError) as error:
+        except UserError as error:
             self._problem = str(error)
         else:
             self._problem = self._report.missed(self._least) if self._least is not None else ""
@@ -97,13 +108,14 @@ class _Counter:
         self._stack.close()
 
     def _write(self, report: TreeCoverage) -> None:
+        from humanoid_bt.testing.coverage import write
         from humanoid_bt.testing.coverage_page import page
 
         html, data = (self._config.getoption(f"tree_coverage_{kind}") for kind in ("html", "json"))
         if html is not None:
-            html.write_text(page(report), encoding="utf-8")
+            write(html, page(report))
         if data is not None:
-            data.write_text(json.dumps(report.to_dict(), indent=2), encoding="utf-8")
+            write(data, report.to_json())
 
     def _workspace(self) -> Path:
         from humanoid_bt.files.workspace import workspace_above

@@ -13,10 +13,12 @@ import logging
 import os
 import uuid
 from collections.abc import Callable, Iterable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from py_trees.behaviour import Behaviour
 from py_trees.behaviours import Dummy
 from py_trees.common import Status
 
@@ -160,7 +162,7 @@ class Coverage:
                 file = FileCoverage(resolved(Path(entry["file"])), entry["digest"])
                 for node in entry["nodes"]:
                     place = node["line"], node["column"]
-                    sets = {deed for deed in node["possible"] if deed in DEEDS}, set(node["seen"])
+                    sets = (set(DEEDS) & set(node[what]) for what in ("possible", "seen"))
                     file.nodes[place] = NodeCoverage(*place, node["name"], node["type"], *sets)
                 found.files[file.path, file.digest] = file
         except OSError as error:
@@ -191,17 +193,22 @@ class Tally:
     """
 
     def __init__(self, recorder: Recorder, tree: Tree) -> None:
-        self._recorder, self._root = recorder, tree.nodes[0].path
-        self._nodes = recorder.coverage.add(tree)
+        self._recorder, self._root = recorder, tree.root
+        at = recorder.coverage.add(tree)
+        self._nodes = {node.behaviour: at[node.path] for node in tree.nodes if node.path in at}
+        self._before: dict[Behaviour, Status] = {}
 
-    def told(self, path: str, before: Status | None, status: Status) -> None:
-        """Count a change of a node's status."""
-        node = self._nodes.get(path)
-        deed = _DEED_OF.get(status, "halted" if before is Status.RUNNING else "")
-        if node is not None and deed and deed not in node.seen:
-            node.seen.add(deed)
-            self._recorder.changed = True
-        if path == self._root and status is not Status.RUNNING:
+    def touched(self, behaviour: Behaviour) -> None:
+        """Count what a node has just done: it was ticked, or halted."""
+        node, status = self._nodes.get(behaviour), behaviour.status
+        before = self._before.get(behaviour)
+        if node is not None and before is not status:
+            self._before[behaviour] = status
+            deed = _DEED_OF.get(status) or _halted(behaviour, before)
+            if deed and deed not in node.seen:
+                node.seen.add(deed)
+                self._recorder.changed = True
+        if behaviour is self._root and status is not Status.RUNNING:
             self._recorder.save()
 
 
@@ -209,16 +216,21 @@ class Recorder:
     """Counts for one process, and writes it down whenever a tree has ended that did something new.
 
     Args:
-        folder: where to; one file.
+        name: the folder that takes its file.
 
     Attributes:
+        folder: the same, wherever the process goes.
+        process: whom it counts for.
         coverage: what was counted so far.
         changed: whether there is something to write.
     """
 
-    def __init__(self, folder: Path) -> None:
-        self.folder, self.process = folder, os.getpid()
+    def __init__(self, name: str) -> None:
+        self.name, self.process = name, os.getpid()
+        self.folder = folder = resolved(Path(name))
         self.coverage, self.changed = Coverage(), True
+        with suppress(OSError):  # it shows when something is written
+            folder.mkdir(parents=True, exist_ok=True)
         self._file = folder / f"{self.process}-{uuid.uuid4().hex[:8]}.json"
 
     def save(self) -> None:
@@ -238,11 +250,13 @@ _recorder: Recorder | None = None
 def recorder() -> Recorder | None:
     """Return who counts in this process, None if nobody is to."""
     global _recorder  # noqa: PLW0603 (one for the whole process, as the environment is)
-    folder = os.environ.get(FOLDER)
-    if not folder:
+    folder, process = os.environ.get(FOLDER, ""), os.getpid()
+    if _recorder is not None and (_recorder.name, _recorder.process) != (folder, process):
+        if _recorder.process == process and _recorder.folder.is_dir():
+            _recorder.save()
         _recorder = None
-    elif _recorder is None or str(_recorder.folder) != folder or _recorder.process != os.getpid():
-        _recorder = Recorder(Path(folder))
+    if _recorder is None and folder:
+        _recorder = Recorder(folder)
     return _recorder
 
 
@@ -253,6 +267,11 @@ def tally(tree: Tree) -> Tally | None:
 
 
 # ---- details --------------------------------------------------------------------------------------------------------
+
+
+def _halted(behaviour: Behaviour, before: Status | None) -> str:
+    """Return the deed of a node that runs no more: what raised has not been halted."""
+    return "halted" if before is Status.RUNNING and str(behaviour.feedback_message).startswith("halted: ") else ""
 
 
 def _file(name: str, files: Iterable[Path]) -> Path | None:

@@ -20,6 +20,7 @@ from humanoid_bt.decision.skill_files import class_file, place_in_file
 from humanoid_bt.tree import coverage
 from humanoid_bt.tree.node import Node
 from humanoid_bt.tree.ticking.catching import Catcher, catch
+from humanoid_bt.tree.ticking.counted import Counted
 from humanoid_bt.tree.ticking.tick import INVALID, RUNNING, Raised, Seen, halt_alone, tick
 from humanoid_bt.tree.tree import Tree
 
@@ -128,7 +129,7 @@ class Executor:
         if self._root.status is not RUNNING:
             for key in self.tree.keys:
                 key.reset()
-        seen = Seen()
+        seen = self._seen()
         try:
             tick(self._root, seen)
             command = self.robot.commit()
@@ -155,11 +156,14 @@ class Executor:
         Raises:
             NodeError: a node raised an exception while it was halted; the others have been halted all the same.
         """
-        seen = Seen()
+        seen = self._seen()
         raised = self._halt_all(reason, seen)
         self._tell(seen, self.robot.now)
         if raised is not None:
             raise NodeError(self._nodes[raised.node], raised.error) from raised.error
+
+    def _seen(self) -> Seen:
+        return Seen() if self._tally is None else Counted(self._tally)
 
     def _halt_all(self, reason: str, seen: Seen) -> Raised | None:
         """Halt every node, whatever state an interrupted tick left them in; return the first exception not caught."""
@@ -185,8 +189,6 @@ class Executor:
             before = told[behaviour]
             if before is not status:
                 told[behaviour] = status
-                if self._tally is not None:
-                    self._tally.told(self._nodes[behaviour].path, before, status)
                 if self._on_change is not None:
                     path, feedback = self._nodes[behaviour].path, shortened(behaviour.feedback_message)
                     left = status is INVALID and before is not None and before is not RUNNING  # it had ended before
