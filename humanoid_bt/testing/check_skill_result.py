@@ -137,7 +137,9 @@ class SkillCheck:
 
     def _lines(self, width: int) -> Iterator[str]:
         kept = sum(result.verdict == "passed" for result in self.rules.values())
-        yield f"{self.skill} keeps {kept} of {len(self.rules)} rules of skills ({self.place})"
+        yield from textwrap.wrap(
+            f"{self.skill} keeps {kept} of {len(self.rules)} rules of skills ({self.place})", width
+        )
         column = max(len(result.title) for result in self.rules.values())
         for result in self.rules.values():
             head = f"  {_MARKS[result.verdict]} {result.title.ljust(column)}  "

@@ -54,8 +54,9 @@ def _exceptions(_subject: Subject, seen: Evidence) -> str:
     if seen.first.hung:
         raise NotTried(_NOT_TRIED)
     if seen.first.error is not None:
-        raise Broken(f"in tick {len(seen.first.moments) + 1} it {seen.first.raised}")
-    return f"{_ended(seen.first)}"
+        where = f"tick {len(seen.first.moments) + 1}" if seen.lives else "setup"
+        raise Broken(f"in {where} it {seen.first.raised}")
+    return _ended(seen.first)
 
 
 def _blocking(_subject: Subject, seen: Evidence) -> str:
@@ -76,7 +77,7 @@ def _halting(_subject: Subject, seen: Evidence) -> str:
         raise Broken(seen.halts.problem)
     if not seen.halts.ticks:
         return "it never runs for more than a tick"
-    return f"halted in {_several(seen.halts.ticks, 'tick')}, nothing was commanded any more"
+    return f"halted in {seen.halts.ticks} of {_several(seen.halts.of, 'tick')}, nothing was commanded any more"
 
 
 def _restarting(_subject: Subject, seen: Evidence) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import random
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -15,7 +15,8 @@ from humanoid_bt.core.errors import Place
 from humanoid_bt.core.messages import Mode
 from humanoid_bt.decision.skill_files import class_file
 from humanoid_bt.testing.check_skill_lives import Actor, Life, Moment, Repeater, Subject, live
-from humanoid_bt.testing.check_skill_time import clocks_read
+from humanoid_bt.testing.check_skill_time import TooLong, clocks_read
+from humanoid_bt.tree.ticking.executor import NodeError
 
 LONGEST_TICK = DECISION_PERIOD / 4
 """Time [s] that 99 of 100 ticks of a skill take at most: other nodes have their share of the period, too."""
@@ -23,7 +24,7 @@ LONGEST_TICK = DECISION_PERIOD / 4
 _EARLY = 25  # 0.5 s
 _AFTERWARDS = 50  # ticks in which it is watched after a stop or a loss: 1 s
 _UNSEEN = 25  # ticks in which it sees nothing
-_HALTS = 24  # ticks in which it is halted, of a long life
+_HALTED_LIVES = 4000  # ticks of all lives that end with a halt: every tick of a life of 1.8 s ends one
 
 
 @dataclass
@@ -32,11 +33,13 @@ class Halts:
 
     Attributes:
         ticks: how many ticks it was halted in.
+        of: in how many it ran.
         problem: what was wrong in the first that was not right.
         restart: what it did otherwise when it was started after one, "" if nothing.
     """
 
     ticks: int = 0
+    of: int = 0
     problem: str = ""
     restart: str = ""
 
@@ -105,7 +108,10 @@ class Trial:
     def run(self) -> Evidence:
         """Return what was seen; a skill that raises in its first life is not tried further."""
         seen = self.seen
-        self._first_lives()
+        try:
+            self._first_lives()
+        except NodeError as error:
+            seen.first = Life([], error)
         if seen.first.error is None:
             self._repeat()
             self._halt()
@@ -115,14 +121,17 @@ class Trial:
         return seen
 
     def _first_lives(self) -> None:
-        """Let it live as it would, and again from where it ended."""
+        """Let it live as it would, and again from where it ended; raises NodeError if ``setup`` does."""
         seen, subject = self.seen, self._subject
         subject.begin()
         actor = Actor(subject, subject.lockstep.clock, guarded=True)
         seen.first = self._lived("with all it wants", live(subject, actor, self._ticks))
-        if seen.first.error is None:
-            if seen.first.status is Status.RUNNING:
+        if seen.first.status is Status.RUNNING and seen.first.error is None:
+            try:
                 actor.halt("it is being checked")
+            except (NodeError, TooLong) as error:
+                seen.halts.problem = f"halted after {len(seen.first.moments)} ticks it {Life([], error).raised}"
+        if seen.first.error is None and not seen.halts.problem:
             seen.again = self._lived("again", live(subject, actor, min(len(seen.first.moments), _AFTERWARDS)))
         self._note(actor)
 
@@ -152,7 +161,11 @@ class Trial:
         """Halt it in one tick after the other, and let it begin anew each time."""
         seen, moments = self.seen, self.seen.first.moments
         halts, repeater = seen.halts, self._repeater()
-        for index in _ticks_to_halt(moments, 3 if seen.p99 > LONGEST_TICK else _HALTS):
+        if halts.problem:
+            return
+        runs = [index for index, moment in enumerate(moments) if moment.status is Status.RUNNING]
+        halts.of = len(runs)
+        for index in _some(runs, 3 if seen.p99 > LONGEST_TICK else 2 * _HALTED_LIVES // max(len(runs), 1)):
             life = repeater.live(moments[: index + 1])
             halts.restart = halts.restart or life.differs(Life(moments[: index + 1]))
             if life.error is not None:
@@ -183,6 +196,7 @@ class Trial:
 
         def meanwhile(index: int) -> None:
             if index == early:
+                lockstep.sense()  # what is seen in this moment would be missed
                 lockstep.supervisor.raise_estop("check_skill", "raised to see what the skill does")
                 lockstep.advance()
             elif index == ticks - _AFTERWARDS // 5:
@@ -228,14 +242,11 @@ def estop_in_force(life: Life) -> list[Moment]:
     return [moment for moment in life.moments if moment.state.mode is Mode.EMERGENCY_STOP]
 
 
-def _ticks_to_halt(moments: list[Moment], most: int) -> Iterator[int]:
-    """Yield ticks in which it runs: all of few; of many the first, those where it changes, and some in between."""
-    runs = [index for index, moment in enumerate(moments) if moment.status is Status.RUNNING]
-    if len(runs) > most:
-        turns = [index for index in runs[1:] if set(moments[index].targets) != set(moments[index - 1].targets)]
-        spread = np.linspace(0, len(runs) - 1, most * 2 // 3).round().astype(int).tolist()
-        runs = sorted({*(runs[index] for index in spread), *turns[: most // 3]})
-    yield from runs
+def _some(items: list[int], most: int) -> list[int]:
+    """Return all items if they are few, else the first, the last and some in between."""
+    if len(items) <= most:
+        return items
+    return [items[index] for index in np.linspace(0, len(items) - 1, most).round().astype(int).tolist()]
 
 
 def _dice() -> dict[str, object]:

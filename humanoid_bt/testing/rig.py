@@ -341,6 +341,8 @@ class Rig:
 
     def _convert(self, node_type: NodeType, values: dict[str, Any]) -> dict[str, Any]:
         converted: dict[str, Any] = {}
+        if missing := [name for name, spec in node_type.params.items() if spec.required and name not in values]:
+            raise UserError(f"the skill {node_type.type_name!r} needs the parameter {missing[0]!r}")
         for name, value in values.items():
             spec = node_type.params.get(name)
             if spec is None:

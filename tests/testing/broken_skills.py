@@ -80,6 +80,22 @@ class Stubborn(Good):
             raise RuntimeError("not now")
 
 
+class Endless(Stubborn):
+    """Raise when it is halted, and never end by itself."""
+
+    def update(self) -> Status:
+        status = super().update()
+        return self.running("on and on") if status is Status.SUCCESS else status
+
+
+class Unready(Good):
+    """Raise in setup."""
+
+    def setup(self, **kwargs) -> None:
+        super().setup(**kwargs)
+        raise OSError("no such device")
+
+
 class Restarting(Good):
     """Count ticks over all of its lives."""
 

@@ -37,6 +37,8 @@ BROKEN = {
 
 FURTHER = {
     "stubborn": ("halting", "raised RuntimeError: not now", "not now"),
+    "endless": ("halting", "halted after 25 ticks it raised RuntimeError: not now", "not now"),
+    "unready": ("exceptions", "in setup it raised OSError: no such device", "no such device"),
     "remembering": ("restarting", "in its second life, in tick 1 (0.00 s) it commanded right_hand", ""),
     "unseeded": ("sameness", "another instance, shown the same, did otherwise: in tick 1", ""),
     "clock": ("sameness", "reads time.monotonic()", "time.monotonic()"),
@@ -46,7 +48,7 @@ FURTHER = {
 
 
 def caught(rig: hbt.Rig, skill: str, rule: str, said: str, line: str) -> None:
-    check = rig.check_skill(skill, target=BALL)
+    check = rig.check_skill(skill, target=BALL, timeout=0.5)
     assert check.failed == (rule,), str(check)
     result = check.rules[rule]
     assert said in result.evidence
@@ -84,3 +86,30 @@ def test_a_broken_skill_is_caught_by_its_rule_alone(rig: hbt.Rig, skill: str) ->
 @pytest.mark.parametrize("skill", FURTHER)
 def test_so_is_one_that_is_broken_in_another_way(rig: hbt.Rig, skill: str) -> None:
     caught(rig, skill, *FURTHER[skill])
+
+
+def test_what_is_missing_or_unknown_is_one_message(rig: hbt.Rig) -> None:
+    for skill, values, said in [
+        ("reach", {}, "the skill 'reach' needs the parameter 'target'"),
+        ("reech", {}, "no skill named 'reech'"),
+        ("good", {"width": 1}, "has no parameter 'width'"),
+    ]:
+        with pytest.raises(hbt.UserError, match=said):
+            rig.check_skill(skill, **values)
+
+
+def test_what_was_shown_before_is_seen_in_every_life(rig: hbt.Rig) -> None:
+    rig.reset()
+    rig.see("ball", BALL)
+    rig.check_skill("good", target="ball").assert_passed()
+
+
+def test_a_narrow_terminal_wraps(rig: hbt.Rig) -> None:
+    text = rig.check_skill("reasons", target=BALL).text(40)
+    assert max(map(len, text.splitlines())) <= 40
+
+
+@pytest.mark.trials
+def test_one_call_makes_a_rig_of_its_own(rig: hbt.Rig) -> None:
+    check = hbt.check_skill("commands", workspace=rig.workspace, target=BALL)
+    assert check.failed == ("commands",)
