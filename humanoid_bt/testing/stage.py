@@ -209,7 +209,7 @@ def _sample(drive: Drive, engine: Staged, listener: _Changes) -> Sample | None:
     state, command, changes = drive.loop.state, drive.loop.command, listener.take()
     if state is None:
         return None
-    results = {change.path: {name: value for name, value, _ in change.results} for change in changes}
+    results = {change.path: {name: value for name, value, _ in change.results} for change in changes if change.results}
     for path, skill in drive.runner.reporting:
         if skill.status is Status.RUNNING:
             results[path] = dict(results_of(skill))
