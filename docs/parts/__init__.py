@@ -5,20 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import partial
 
-from parts import (
-    api,
-    codes,
-    config_files,
-    house,
-    library,
-    nodes,
-    promises,
-    python,
-    skill_check,
-    tables,
-    tree_files,
-    units,
-)
+from parts import api, codes, config_files, house, library, nodes, promises, python, tables, testing, tree_files, units
 
 PARTS_BY_NAME: dict[str, Callable[[], str]] = {
     maker.__name__: maker
@@ -28,11 +15,11 @@ PARTS_BY_NAME: dict[str, Callable[[], str]] = {
         *(config_files.robot_keys, config_files.scene_keys),
         *(library.trees, library.library),
         *(python.handle, python.track, python.state, python.rig, python.rig_result),
-        skill_check.skill_rules,
         *(api.api, api.session, api.debugging, api.report),
         *(codes.codes, codes.code_examples),
         *(promises.costs, promises.reactions),
         *(tables.data_tables, tables.recording),
+        *(testing.skill_rules, testing.faults, testing.conditions, testing.answers, testing.tree_run, testing.view),
         *(units.units, units.clocks),
         *(house.rooms, house.inner_rooms, house.percept_way, house.command_way),
     )
