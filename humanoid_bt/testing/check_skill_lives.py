@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import itertools
+import threading
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -27,6 +28,8 @@ from humanoid_bt.tree.tree import Tree
 
 LONGEST = 2.0
 """Time [s] after which a tick is taken for one that never ends."""
+
+_PAUSE = 0.02  # s for threads
 
 
 class Subject(Protocol):
@@ -164,7 +167,10 @@ class Actor:
         self._ticks = itertools.count()
 
     def start(self) -> None:
-        """Forget what was seen: another life begins."""
+        """Begin another life: halt it if it runs, forget what was seen, and what was said of the halt."""
+        if self._executor.status is Status.RUNNING:
+            self.halt("it begins anew")
+        self._executor.tree.root.feedback_message = ""
         self.robot.take_over(Robot(self._blank.config, self._clock))
 
     def tick(self, state: State, percepts: Mapping[str, Percept], longest: float = LONGEST) -> Moment:
@@ -211,19 +217,18 @@ def live(subject: Subject, actor: Actor, ticks: int, meanwhile: Callable[[int], 
         meanwhile: called before each tick with its index.
     """
     life, lockstep = Life(), subject.lockstep
-    actor.start()
-    for index in range(ticks):
-        meanwhile(index)
-        state, percepts = lockstep.sense()
-        try:
+    try:
+        actor.start()
+        for index in range(ticks):
+            meanwhile(index)
+            state, percepts = lockstep.sense()
             life.moments.append(actor.tick(state, percepts))
-        except (NodeError, TooLong) as error:
-            life.error = error
-            break
-        if life.status is not Status.RUNNING:
-            break
-        lockstep.submit(actor.command)
-        lockstep.advance()
+            if life.status is not Status.RUNNING:
+                break
+            lockstep.submit(actor.command)
+            lockstep.advance()
+    except (NodeError, TooLong) as error:
+        life.error = error
     return life
 
 
@@ -247,19 +252,19 @@ class Repeater:
 
     def __init__(self, subject: Subject, guarded: bool = False) -> None:
         self._clock = _HeldClock()
+        self._threads = threading.active_count()
         self.actor = Actor(subject, self._clock, guarded)
 
     def live(self, moments: Sequence[Moment], longest: float = LONGEST) -> Life:
         """Start it, and let it see what was seen in these moments."""
         life = Life()
-        self.actor.start()
-        for moment in moments:
-            self._clock.time = moment.now
-            try:
+        try:
+            self.actor.start()
+            for moment in moments:
+                self._clock.time = moment.now
                 life.moments.append(self.actor.tick(moment.state, moment.percepts, longest))
-            except (NodeError, TooLong) as error:
-                life.error = error
-                break
+        except (NodeError, TooLong) as error:
+            life.error = error
         return life
 
     def halted(self, moment: Moment) -> str:
@@ -271,6 +276,8 @@ class Repeater:
         if kept:
             return f"still commanded {', '.join(kept)}"
         self.actor.robot.begin_tick(moment.state, moment.percepts)
+        if threading.active_count() > self._threads:
+            time.sleep(_PAUSE)  # a thread that it has left behind may command on
         later = tuple(self.actor.robot.commit().targets)
         return f"commanded {', '.join(later)} in the tick after it" if later else ""
 

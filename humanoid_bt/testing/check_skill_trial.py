@@ -83,6 +83,11 @@ class Evidence:
         return float(np.percentile(self.took, 99, method="higher")) if self.took else 0.0
 
     @property
+    def slow(self) -> bool:
+        """Whether ticks take too long: one of 100, or any of them longer than their whole period."""
+        return self.p99 > LONGEST_TICK or max(self.took, default=0.0) > DECISION_PERIOD
+
+    @property
     def early(self) -> int:
         """The tick, early in its life, in which it is disturbed."""
         return min(len(self.first.moments) // 3, _EARLY)
@@ -165,7 +170,7 @@ class Trial:
             return
         runs = [index for index, moment in enumerate(moments) if moment.status is Status.RUNNING]
         halts.of = len(runs)
-        for index in _some(runs, 3 if seen.p99 > LONGEST_TICK else 2 * _HALTED_LIVES // max(len(runs), 1)):
+        for index in _some(runs, 3 if seen.slow else 2 * _HALTED_LIVES // max(len(runs), 1)):
             life = repeater.live(moments[: index + 1])
             halts.restart = halts.restart or life.differs(Life(moments[: index + 1]))
             if life.error is not None:
@@ -180,11 +185,11 @@ class Trial:
         """Look twice more at ticks that took too long, and where they did."""
         seen, moments = self.seen, self.seen.first.moments
         for _ in range(2):
-            if seen.p99 <= LONGEST_TICK:
+            if not seen.slow:
                 return
             again = self._repeater().live(moments)
             seen.took = [min(took, moment.took) for took, moment in zip(seen.took, again.moments, strict=False)]
-        if seen.p99 > LONGEST_TICK:
+        if seen.slow:
             seen.slow_at = self._repeater().live(moments, LONGEST_TICK).hung_at
 
     def _stopped(self) -> None:

@@ -2,6 +2,7 @@
 
 SKILLS = '''
 import random
+import threading
 import time
 
 import numpy as np
@@ -94,6 +95,42 @@ class Unready(Good):
     def setup(self, **kwargs) -> None:
         super().setup(**kwargs)
         raise OSError("no such device")
+
+
+class SlowStart(Good):
+    """Read a file when it starts, and never end."""
+
+    def initialise(self) -> None:
+        super().initialise()
+        time.sleep(0.03)
+
+    def update(self) -> Status:
+        status = super().update()
+        return self.running("on and on") if status is Status.SUCCESS else status
+
+
+class Leaving(Good):
+    """Leave a thread behind that commands on."""
+
+    def initialise(self) -> None:
+        super().initialise()
+        threading.Thread(target=self.command_on, daemon=True).start()
+
+    def command_on(self) -> None:
+        until = time.monotonic() + 1.0
+        while time.monotonic() < until:
+            self.robot.move_hand("right", [0.3, -0.2, 1.0])
+            time.sleep(0.001)
+
+
+class Wordless(Good):
+    """Say nothing while it waits."""
+
+    def update(self) -> Status:
+        status = super().update()
+        if status is Status.RUNNING:
+            self.feedback_message = ""
+        return status
 
 
 class Restarting(Good):

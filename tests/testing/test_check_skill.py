@@ -39,9 +39,10 @@ FURTHER = {
     "stubborn": ("halting", "raised RuntimeError: not now", "not now"),
     "endless": ("halting", "halted after 25 ticks it raised RuntimeError: not now", "not now"),
     "unready": ("exceptions", "in setup it raised OSError: no such device", "no such device"),
+    "slow_start": ("blocking", "p99 of 25 updates 3", "time.sleep(0.03)"),
     "remembering": ("restarting", "in its second life, in tick 1 (0.00 s) it commanded right_hand", ""),
     "unseeded": ("sameness", "another instance, shown the same, did otherwise: in tick 1", ""),
-    "clock": ("sameness", "reads time.monotonic()", "time.monotonic()"),
+    "clock": ("sameness", "reads time.monotonic()", "self._began = time.monotonic()"),
     "hanging": ("blocking", "tick 1 did not come back", "time.sleep(0.01)"),
 }
 """The same of skills that break one in another way."""
@@ -86,6 +87,20 @@ def test_a_broken_skill_is_caught_by_its_rule_alone(rig: hbt.Rig, skill: str) ->
 @pytest.mark.parametrize("skill", FURTHER)
 def test_so_is_one_that_is_broken_in_another_way(rig: hbt.Rig, skill: str) -> None:
     caught(rig, skill, *FURTHER[skill])
+
+
+@pytest.mark.trials
+def test_one_that_waits_without_a_word_does_so_whatever_it_waits_for(rig: hbt.Rig) -> None:
+    check = rig.check_skill("wordless", target=BALL)
+    assert check.failed == ("estop", "lost")
+    assert all("it ran on without a word" in check.rules[rule].evidence for rule in check.failed)
+
+
+@pytest.mark.trials
+def test_a_thread_that_commands_on_is_noticed(rig: hbt.Rig) -> None:
+    check = rig.check_skill("leaving", target=BALL)
+    assert "halting" in check.failed
+    assert "commanded right_hand in the tick after it" in check.rules["halting"].evidence
 
 
 def test_what_is_missing_or_unknown_is_one_message(rig: hbt.Rig) -> None:
