@@ -15,7 +15,8 @@ from pathlib import Path
 from humanoid_bt.core.errors import UserError, relative, resolved
 from humanoid_bt.files.whole import write_whole
 from humanoid_bt.files.workspace import Workspace, yaml_files
-from humanoid_bt.tree.coverage import FOLDER, Coverage, FileCoverage, NodeCoverage, digest_of, recorder
+from humanoid_bt.tree.counting import FOLDER, recorder
+from humanoid_bt.tree.coverage import Coverage, FileCoverage, NodeCoverage, digest_of
 from humanoid_bt.tree.source.load import load_tree
 
 _NARROW = 40  # columns, at least

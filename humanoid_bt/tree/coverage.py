@@ -1,41 +1,31 @@
-"""What the nodes of tree files did while somebody counted: noted while trees run, kept as JSON that can be merged.
+"""What the nodes of tree files did while somebody counted, of all that they can do; as JSON it can be merged.
 
-A process counts while the environment names a folder for it (:data:`FOLDER`), and writes a file of its own there: so
-do all processes that it starts. Nodes are known by where they are written, so that a sub-tree's belong to its own file,
-whoever uses it.
+Nodes are known by where they are written, so that a sub-tree's belong to its own file, whoever uses it.
 """
 
 from __future__ import annotations
 
 import hashlib
 import json
-import logging
-import os
-import uuid
 from collections.abc import Callable, Iterable, Mapping
-from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from py_trees.behaviour import Behaviour
 from py_trees.behaviours import Dummy
 from py_trees.common import Status
 
 from humanoid_bt.core.errors import UserError, relative, resolved
-from humanoid_bt.files.whole import write_whole
 from humanoid_bt.tree.results import ANYTHING, Below, Results
 from humanoid_bt.tree.tree import Tree
-
-FOLDER = "HUMANOID_BT_TREE_COVERAGE"
-"""Name of the environment variable: the folder into which what was counted is written."""
 
 DEEDS = ("success", "failure", "running", "halted")
 """What a node can do."""
 
+DEED_OF: Mapping[Status, str] = {status: status.name.lower() for status in ANYTHING}
+"""What a node does whose tick returns a status."""
+
 _FORMAT = 1
-_DEED_OF: Mapping[Status, str] = {status: status.name.lower() for status in ANYTHING}
-_log = logging.getLogger(__name__)
 
 
 @dataclass
@@ -126,7 +116,7 @@ class Coverage:
             file = self.files.setdefault((path, digests[path]), FileCoverage(path, digests[path]))
             place = node.place.line, node.place.column
             counted = file.nodes.setdefault(place, NodeCoverage(*place, node.name, node.type_name))
-            counted.possible |= {_DEED_OF[status] for status in results}
+            counted.possible |= {DEED_OF[status] for status in results}
             if Status.RUNNING in results:
                 counted.possible.add("halted")
             found[node.path] = counted
@@ -181,97 +171,7 @@ def digest_of(path: Path) -> str:
         return ""
 
 
-# ---- while trees run ------------------------------------------------------------------------------------------------
-
-
-class Tally:
-    """Counts what the nodes of one tree do.
-
-    Args:
-        recorder: whom it counts for.
-        tree: the tree.
-    """
-
-    def __init__(self, recorder: Recorder, tree: Tree) -> None:
-        self._recorder, self._root = recorder, tree.root
-        at = recorder.coverage.add(tree)
-        self._nodes = {node.behaviour: at[node.path] for node in tree.nodes if node.path in at}
-        self._before: dict[Behaviour, Status] = {}
-
-    def touched(self, behaviour: Behaviour) -> None:
-        """Count what a node has just done: it was ticked, or halted."""
-        node, status = self._nodes.get(behaviour), behaviour.status
-        before = self._before.get(behaviour)
-        if node is not None and before is not status:
-            self._before[behaviour] = status
-            deed = _DEED_OF.get(status) or _halted(behaviour, before)
-            if deed and deed not in node.seen:
-                node.seen.add(deed)
-                self._recorder.changed = True
-        if behaviour is self._root and status is not Status.RUNNING:
-            self._recorder.save()
-
-
-class Recorder:
-    """Counts for one process, and writes it down whenever a tree has ended that did something new.
-
-    Args:
-        name: the folder that takes its file.
-
-    Attributes:
-        folder: the same, wherever the process goes.
-        process: whom it counts for.
-        coverage: what was counted so far.
-        changed: whether there is something to write.
-    """
-
-    def __init__(self, name: str) -> None:
-        self.name, self.process = name, os.getpid()
-        self.folder = folder = resolved(Path(name))
-        self.coverage, self.changed = Coverage(), True
-        with suppress(OSError):  # it shows when something is written
-            folder.mkdir(parents=True, exist_ok=True)
-        self._file = folder / f"{self.process}-{uuid.uuid4().hex[:8]}.json"
-
-    def save(self) -> None:
-        """Write what was counted, if it is more than before."""
-        if not self.changed:
-            return
-        self.changed = False
-        try:
-            write_whole(self._file, json.dumps(self.coverage.to_dict(str)).encode())
-        except OSError as error:
-            _log.warning("tree coverage is not written: %s", error)
-
-
-_recorder: Recorder | None = None
-
-
-def recorder() -> Recorder | None:
-    """Return who counts in this process, None if nobody is to."""
-    global _recorder  # noqa: PLW0603 (one for the whole process, as the environment is)
-    folder, process = os.environ.get(FOLDER, ""), os.getpid()
-    if _recorder is not None and (_recorder.name, _recorder.process) != (folder, process):
-        if _recorder.process == process and _recorder.folder.is_dir():
-            _recorder.save()
-        _recorder = None
-    if _recorder is None and folder:
-        _recorder = Recorder(folder)
-    return _recorder
-
-
-def tally(tree: Tree) -> Tally | None:
-    """Return what counts the nodes of a tree that is about to run, None if nobody is to."""
-    found = recorder()
-    return None if found is None else Tally(found, tree)
-
-
 # ---- details --------------------------------------------------------------------------------------------------------
-
-
-def _halted(behaviour: Behaviour, before: Status | None) -> str:
-    """Return the deed of a node that runs no more: what raised has not been halted."""
-    return "halted" if before is Status.RUNNING and str(behaviour.feedback_message).startswith("halted: ") else ""
 
 
 def _file(name: str, files: Iterable[Path]) -> Path | None:

@@ -13,7 +13,8 @@ import humanoid_bt.testing.rig  # noqa: F401 (the inner pytest forgets what it i
 from humanoid_bt.cli import main
 from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.testing.coverage import counting, coverage_in, save, tree_coverage
-from humanoid_bt.tree.coverage import FOLDER, Coverage
+from humanoid_bt.tree.counting import FOLDER
+from humanoid_bt.tree.coverage import Coverage
 from humanoid_bt.tree.source.load import load_tree
 from tests.tree.helpers import Run as ByHand
 from tests.tree.helpers import make_workspace, write

@@ -11,7 +11,8 @@ from hypothesis import given
 
 from humanoid_bt.core.errors import UserError
 from humanoid_bt.files.workspace import Workspace
-from humanoid_bt.tree.coverage import FOLDER, Coverage, FileCoverage, Recorder, recorder
+from humanoid_bt.tree.counting import FOLDER, Recorder, recorder
+from humanoid_bt.tree.coverage import Coverage, FileCoverage
 from humanoid_bt.tree.source.load import load_tree
 from humanoid_bt.tree.ticking import executor
 from tests.semantics.lives import Life, random_lives

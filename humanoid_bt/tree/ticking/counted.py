@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from py_trees.behaviour import Behaviour
 
-from humanoid_bt.tree.coverage import Tally
+from humanoid_bt.tree.counting import Tally
 from humanoid_bt.tree.ticking.tick import Seen
 
 

@@ -17,7 +17,7 @@ from humanoid_bt.core.texts import shortened, told
 from humanoid_bt.decision.result import Reported, reported
 from humanoid_bt.decision.robot import Robot
 from humanoid_bt.decision.skill_files import class_file, place_in_file
-from humanoid_bt.tree import coverage
+from humanoid_bt.tree.counting import tally
 from humanoid_bt.tree.node import Node
 from humanoid_bt.tree.ticking.catching import Catcher, catch
 from humanoid_bt.tree.ticking.counted import Counted
@@ -82,7 +82,7 @@ class Executor:
         self._nodes: dict[Behaviour, Node] = {node.behaviour: node for node in tree.nodes}
         self._children_first = [behaviour for behaviour in tree.root.iterate() if behaviour in self._nodes]
         self._told: dict[Behaviour, Status | None] = dict.fromkeys(self._nodes, INVALID)
-        self._tally = coverage.tally(tree)
+        self._tally = tally(tree)
         for node in tree.nodes:
             if isinstance(node.behaviour, Catcher):
                 node.behaviour.on_caught = partial(self._tell_caught, node)
