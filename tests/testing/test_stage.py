@@ -6,7 +6,8 @@ import pytest
 from py_trees.common import Status
 
 import humanoid_bt as hbt
-from humanoid_bt import Stage, UserError, Workspace
+from humanoid_bt import Conditions, Stage, UserError, Workspace
+from humanoid_bt.testing.engines import Engines
 
 SHORT = {"duration": 0.2}
 
@@ -38,6 +39,15 @@ def test_things_placed_by_chance_stand_where_the_seed_says():
         assert looker.distances[-1] == seen.get("target", {}).get("distance")
         distances.append(looker.distances[-1])
     assert distances[0] == distances[2] is not None
+
+
+def test_the_stand_below_a_thing_stands_where_the_seed_says_too():
+    engines, tree = Engines(Workspace(), None, "random_target", dry=False), hbt.load("stand")
+    for seed in (1, 2):
+        engine = engines.ready(tree, seed, Conditions()).engine
+        expected = engine.scene.object_position("ball", 0.0)[:2]
+        assert engine.model.body("stand_ball").pos[:2] == pytest.approx(expected)
+    assert engine is engines.ready(tree, 2, Conditions(friction=0.5)).engine  # it is loaded once
 
 
 @pytest.mark.trials
