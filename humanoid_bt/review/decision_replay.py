@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
 
 from py_trees.common import Status
 
@@ -70,7 +69,7 @@ def decide_again(log: FlightLog, run: RecordedRun, tree: Tree, robot: Path) -> D
         done.ticks, done.duration = done.ticks + 1, clock.time - first
         percepts |= {percept.name: percept for percept in tick.percepts}
         for one in news:
-            if one.kind == "unseen" and isinstance(one.value, dict):
+            if one.kind == "unseen":
                 unseen.clear()
                 unseen.update(one.value)
         changes.clear()
@@ -139,7 +138,7 @@ class _Recorded:
 def _nodes_differ(now: float, news: list[News], changes: list[NodeChange], last: bool) -> Parting | None:
     """Return the first node that changed otherwise, None if all did as recorded."""
     nodes = [one.value for one in news if one.kind == "node" and abs(one.time - now) < _AT]
-    before = [(path, status) for path, status, *_ in (value for value in nodes if _is_change(value))]
+    before = [(path, status) for path, status, _ in nodes]
     after = [(change.path, change.status.name) for change in changes]
     if last and all(status == Status.INVALID.name for _, status in before[len(after) :]):
         del before[len(after) :]  # a tree that is halted when its run ends is halted after its last tick
@@ -156,8 +155,3 @@ def _status(own: tuple[str, str] | None, other: tuple[str, str] | None) -> str:
     if own is None:
         return "no change"
     return own[1] if other is None or own[0] == other[0] else f"{own[0]} {own[1]}"
-
-
-def _is_change(value: Any) -> bool:
-    """Return whether this is the change of a node's status, whoever wrote it."""
-    return isinstance(value, list) and list(map(type, value)) == [str] * 3

@@ -14,6 +14,7 @@ import pytest
 from humanoid_bt.cli import main
 from humanoid_bt.core.errors import UserError
 from humanoid_bt.record.reading import read_flight
+from humanoid_bt.record.shape import SETUP
 from humanoid_bt.review.replay import replay
 from humanoid_bt.session.session import Session
 from tests.projects import make_project
@@ -168,7 +169,7 @@ def test_what_is_missing_is_told(raising: Path, project: Path, monkeypatch: pyte
         replay(raising)
     with pytest.raises(UserError, match=r"'trees/late\.yaml' of the run is not in"):
         replay(raising, files="current", workspace=project.parent)
-    log.setup.clear()
+    log.setup = SETUP({})
     with pytest.raises(UserError, match="does not say what was run"):
         replay(raising)
 
@@ -179,7 +180,7 @@ def test_a_recording_that_says_something_else_is_answered(raising: Path, monkeyp
     for number in range(18):
         log = read_flight(raising)
         if number % 2:
-            log.setup = {key: mangled(value, chance) for key, value in whole.setup.items()}
+            log.setup = SETUP({key: mangled(value, chance) for key, value in whole.setup.items()})
         else:
             odd = [[chance.choice(times), chance.choice(kinds), chance.choice(ODD)] for _ in range(5)]
             more = log_with({}, odd, {})

@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 from humanoid_bt.cli import main
+from humanoid_bt.record.shape import SETUP
 from humanoid_bt.record.tick import Tick
 from humanoid_bt.review.compare_run import NodeShift, first_parting, node_shifts
 from humanoid_bt.review.compare_setup import setup_changes
@@ -101,7 +102,8 @@ def test_what_a_node_does_parts_runs_before_the_command(recording: Recording) ->
 
 
 def tree(*nodes: tuple[str, str, dict[str, Any]]) -> dict[str, Any]:
-    return {"tree": {"nodes": [{"path": path, "type": kind, "values": values} for path, kind, values in nodes]}}
+    described = [{"path": path, "type": kind, "values": values} for path, kind, values in nodes]
+    return dict(SETUP({"tree": {"nodes": described}}))
 
 
 def changes(one: dict[str, Any], other: dict[str, Any]) -> list[tuple[str, str | None, str | None]]:
