@@ -231,17 +231,21 @@ LAYOUT: Shape = filled(parts(modes=every(text), gaits=every(text), cycles=_COLUM
 _STOP = parts({"time": time, "mode": text, "reason": text, "source": text, "resources": named(text)})
 _SLOW = parts(count=whole, worst=optional(parts({"time": number, "node": text, "duration": number})))
 _END = ("outcome", "reason", "failure", "traceback", "node", "error", "line")
-_PUSH = row(time, one_of("push"), row(text, row(number, number, number), number))
-_RESET = row(time, one_of("reset", "reset_after_tick"), text)
-
-
-def _input(data: Any) -> Any:
-    return (_PUSH if isinstance(data, list) and data[1:2] == ["push"] else _RESET)(data)
 
 
 def _key(data: Any) -> Any:
     """Take a key of the blackboard, with its value if it has one."""
     return row(text, *(anything for _ in _list(data)[1:2]))(data)
+
+
+_PUSH = row(time, one_of("push"), row(text, row(number, number, number), number))
+_SET = row(time, one_of("key"), _key)
+_RESET = row(time, one_of("reset", "reset_after_tick"), text)
+
+
+def _input(data: Any) -> Any:
+    kind = _list(data)[1:2]
+    return (_PUSH if kind == ["push"] else _SET if kind == ["key"] else _RESET)(data)
 
 
 NEWS: dict[str, Shape] = {

@@ -64,6 +64,33 @@ def raising(project: Path) -> Path:
     return file
 
 
+KEYED = """\
+format: 1
+blackboard: { go: { type: integer, default: 0 }, seen: { type: integer, default: 3 } }
+root:
+  emergency_stop:
+    timeout:
+      duration: 0.6 s
+      reactive_selector:
+        - condition: go > 1 and seen == 5
+        - idle
+"""
+
+
+@pytest.mark.parametrize("alone", [False, True])
+def test_what_a_program_sets_on_the_blackboard_comes_again(project: Path, alone: bool) -> None:
+    (project / "trees/keyed.yaml").write_text(KEYED, encoding="utf-8")
+    file = project / f"keyed-{alone}.rrd"
+    with recorded_directly(), Session("keyed", workspace=project, record=file, camera=False) as session:
+        session.blackboard["seen"] = 5
+        session.run_until(0.2)
+        session.blackboard["go"] = 2
+        assert session.run().outcome == "success"
+    again = replay(file, **({"tree": "keyed", "workspace": project} if alone else {}))
+    assert (again.whole, again.outcome) == (not alone, "success")
+    assert again.identical
+
+
 def test_a_run_again_is_the_same_to_the_bit(disturbed: Path) -> None:
     again = replay(disturbed)
     assert again.difference is None
