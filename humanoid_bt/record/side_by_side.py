@@ -66,7 +66,11 @@ def _chunks(file: Path, name: str) -> Iterator[Any]:
     second = name == NAMES[1]
     left_out = (*_LEFT_OUT, _TWICE) if second else _LEFT_OUT
     for entity, batch in RrdFile(file).batches_of(lambda entity: bool(entity) and not entity.startswith(left_out)):
-        for chunk in rr.chunk.Chunk.from_record_batch(_renamed(batch, name, second)):
+        try:
+            chunks = rr.chunk.Chunk.from_record_batch(_renamed(batch, name, second))
+        except (pa.ArrowException, ValueError, TypeError, RuntimeError):  # it is damaged: the others are shown
+            continue
+        for chunk in chunks:
             yield chunk.with_entity_path(f"/{name}{entity}")
 
 
