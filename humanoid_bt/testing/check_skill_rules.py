@@ -66,6 +66,8 @@ def _blocking(_subject: Subject, seen: Evidence) -> str:
         raise Broken(f"tick {len(seen.first.moments) + 1} did not come back{at}; {limit}")
     if seen.first.error is not None:
         raise NotTried(_NOT_TRIED)
+    if not seen.took:
+        raise NotTried("it cannot be made more than once")
     measured = f"p99 of {len(seen.took)} updates {seen.p99 * 1000:.2f} ms"
     if seen.slow:
         measured += f", the longest {max(seen.took) * 1000:.2f} ms" if len(seen.took) > 1 else ""
@@ -76,6 +78,8 @@ def _blocking(_subject: Subject, seen: Evidence) -> str:
 def _halting(_subject: Subject, seen: Evidence) -> str:
     if seen.halts.problem:
         raise Broken(seen.halts.problem)
+    if not seen.took:
+        raise NotTried("it cannot be made more than once")
     if not seen.halts.ticks:
         return "it never runs for more than a tick"
     return f"halted in {seen.halts.ticks} of {_several(seen.halts.of, 'tick')}, nothing was commanded any more"
@@ -154,7 +158,7 @@ def _sameness(_subject: Subject, seen: Evidence) -> str:
 
 
 def _estop(subject: Subject, seen: Evidence) -> str:
-    life = seen.lives["stopped"]
+    life = _life(seen, "stopped")
     stopped = estop_in_force(life)
     _survived(life, "while the robot was stopped", stopped)
     return _came_of(life, stopped) if stopped else f"{_ended(life)} before the robot was stopped"
@@ -163,10 +167,17 @@ def _estop(subject: Subject, seen: Evidence) -> str:
 def _lost(subject: Subject, seen: Evidence) -> str:
     if not seen.read:
         return "it asks for none"
-    lost, unseen = seen.lives["lost"], seen.lives["never seen"]
+    lost, unseen = _life(seen, "lost"), _life(seen, "never seen")
     _survived(lost, "after its percepts were lost", lost.moments[seen.early :])
     _survived(unseen, "when it had never seen anything", unseen.moments)
     return f"lost: {_came_of(lost, lost.moments)}; never seen: {_came_of(unseen, unseen.moments)}"
+
+
+def _life(seen: Evidence, name: str) -> Life:
+    """Return a life; raises NotTried if it came to none."""
+    if name not in seen.lives:
+        raise NotTried("it cannot be made more than once")
+    return seen.lives[name]
 
 
 def _survived(life: Life, when: str, moments: list[Moment]) -> None:

@@ -118,11 +118,10 @@ class Trial:
         except NodeError as error:
             seen.first = Life([], error)
         if seen.first.error is None:
-            self._repeat()
-            self._halt()
-            self._measure()
-            self._stopped()
-            self._blind()
+            try:
+                self._further_lives()
+            except NodeError as error:
+                seen.repeated = f"set up once more, it {Life([], error).raised}"
         return seen
 
     def _first_lives(self) -> None:
@@ -139,6 +138,14 @@ class Trial:
         if seen.first.error is None and not seen.halts.problem:
             seen.again = self._lived("again", live(subject, actor, min(len(seen.first.moments), _AFTERWARDS)))
         self._note(actor)
+
+    def _further_lives(self) -> None:
+        """Let other instances live; raises NodeError if they cannot be set up."""
+        self._repeat()
+        self._halt()
+        self._measure()
+        self._stopped()
+        self._blind()
 
     def _repeat(self) -> None:
         """Let other instances see what the first saw, then the same instance once more."""
@@ -196,8 +203,8 @@ class Trial:
         """Raise the emergency stop early in its life; reset it in the end."""
         subject = self._subject
         early, lockstep = self.seen.early, subject.lockstep
-        patient = not getattr(subject.node_type.cls, "bounded", False)
-        ticks = early + (_AFTERWARDS if patient else max(self._ticks, _AFTERWARDS))
+        gives_up = getattr(subject.node_type.cls, "bounded", False)
+        ticks = early + (max(self._ticks, _AFTERWARDS) if gives_up else _AFTERWARDS)
 
         def meanwhile(index: int) -> None:
             if index == early:

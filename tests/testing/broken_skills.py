@@ -97,6 +97,18 @@ class Unready(Good):
         raise OSError("no such device")
 
 
+class OnlyOnce(Good):
+    """Take in setup what there is only one of."""
+
+    taken = []
+
+    def setup(self, **kwargs) -> None:
+        super().setup(**kwargs)
+        if self.taken:
+            raise OSError("the device is busy")
+        self.taken.append(self)
+
+
 class SlowStart(Good):
     """Read a file when it starts, and never end."""
 

@@ -39,6 +39,7 @@ FURTHER = {
     "stubborn": ("halting", "raised RuntimeError: not now", "not now"),
     "endless": ("halting", "halted after 25 ticks it raised RuntimeError: not now", "not now"),
     "unready": ("exceptions", "in setup it raised OSError: no such device", "no such device"),
+    "only_once": ("sameness", "set up once more, it raised OSError", "the device is busy"),
     "slow_start": ("blocking", "p99 of 25 updates 3", "time.sleep(0.03)"),
     "remembering": ("restarting", "in its second life, in tick 1 (0.00 s) it commanded right_hand", ""),
     "unseeded": ("sameness", "another instance, shown the same, did otherwise: in tick 1", ""),
