@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 import shutil
 import tempfile
@@ -97,14 +98,19 @@ class TreeCoverage:
 
     @property
     def percent(self) -> float:
-        """The same in percent: 100 only if nothing is missing."""
+        """The same in percent."""
         return percent(self.seen, self.possible) if not self.problems else 0.0
+
+    @property
+    def shown(self) -> str:
+        """The same for people: 100 only if nothing is missing."""
+        return f"{math.floor(self.percent * 10) / 10:g}"
 
     def missed(self, least: float) -> str:
         """Return that less was tried than so many percent, for people; "" if it was not."""
         if self.problems or self.percent >= least:
             return self.problems[0] if self.problems else ""
-        return f"{self.percent:.1f} % of what nodes can do was tried, less than {least:g} %"
+        return f"{self.shown} % of what nodes can do was tried, less than {least:g} %"
 
     def to_json(self) -> str:
         """Return it as text that :meth:`Coverage.read` reads again."""
@@ -137,8 +143,8 @@ class TreeCoverage:
                     yield from textwrap.wrap(text, width, initial_indent=head, subsequent_indent=" " * len(head))
         if len(self.files) != 1:
             yield _row("all", column, self.seen, self.possible)
-        for problem in self.problems:
-            yield from textwrap.wrap(problem, width, subsequent_indent="    ")
+        for line in "\n".join(self.problems).splitlines():
+            yield from textwrap.wrap(line, width, subsequent_indent="    ")
 
 
 def tree_files(paths: Sequence[str], root: Path) -> list[Path]:
