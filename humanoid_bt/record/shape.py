@@ -196,6 +196,7 @@ def _robot(data: Any) -> dict[str, Any]:
     return robot
 
 
+_STAGED = filled(parts(dry=truth, told=several(text)), dry=False, told=[])
 SETUP: Shape = filled(
     parts(
         began=text,
@@ -206,6 +207,7 @@ SETUP: Shape = filled(
         tree=_TREE,
         robot=_robot,
         scene=_SCENE,
+        staged=_STAGED,
         files=several(parts({"name": text, "role": text, "sha256": text}, text=text)),
         versions=named(text),
         machine=named(anything),
@@ -218,6 +220,7 @@ SETUP: Shape = filled(
     tree=_TREE({}),
     robot=_robot({}),
     scene=_SCENE({}),
+    staged=_STAGED({}),
     files=[],
     versions={},
     machine={},
