@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 from py_trees.common import Status
 
 from humanoid_bt.control.supervisor import Stop
 from humanoid_bt.core.errors import HumanoidBtError
-from humanoid_bt.core.messages import Mode
+from humanoid_bt.core.messages import Mode, State
 from humanoid_bt.decision.result import ResultValue
 from humanoid_bt.decision.robot import Robot
-from humanoid_bt.testing.tree_run import TreeRun, View
 from humanoid_bt.tree.node import Node
+from humanoid_bt.tree.ticking.executor import NodeChange
 from humanoid_bt.tree.tree import Tree
 
 _ENDS = {Status.SUCCESS: "succeeded", Status.FAILURE: "failed"}
@@ -21,6 +21,60 @@ _ENDS = {Status.SUCCESS: "succeeded", Status.FAILURE: "failed"}
 
 class NoValue(HumanoidBtError):  # noqa: N818 (the name says it)
     """Something was asked that has no value yet: how a run ended that goes on, a result that nothing has reported."""
+
+
+class View(Protocol):
+    """A run after a tick."""
+
+    robot: Robot
+    statuses: dict[str, Status]
+
+    @property
+    def time(self) -> float:
+        """Engine time of the tick [s]."""
+
+    @property
+    def state(self) -> State:
+        """What the tick saw of the robot."""
+
+    @property
+    def changes(self) -> Sequence[NodeChange]:
+        """The nodes whose status the tick changed."""
+
+    @property
+    def results(self) -> Mapping[str, Mapping[str, ResultValue]]:
+        """What the skills that ran in it have reported by then: path -> name -> value, in SI units."""
+
+
+class Run(Protocol):
+    """A run that is over."""
+
+    @property
+    def tree(self) -> Tree:
+        """What ran."""
+
+    @property
+    def stops(self) -> Sequence[Stop]:
+        """Every stop the supervisor ordered."""
+
+    @property
+    def outcome(self) -> str:
+        """How it ended."""
+
+    @property
+    def reason(self) -> str:
+        """Why, in words."""
+
+    @property
+    def time(self) -> float:
+        """Simulated time from the first tick until the tree ended [s]."""
+
+    @property
+    def fell(self) -> bool:
+        """Whether the robot fell, also if that was after the tree had ended."""
+
+    def views(self) -> Iterator[View]:
+        """Yield it after each tick."""
 
 
 class End(NamedTuple):
@@ -62,7 +116,7 @@ class Life:
     def said(self) -> str:
         """What it does, or how it ended last and what it said then."""
         does = "runs" if self.runs else self.ended or "never ran"
-        return f"{does}: {self.feedback}" if self.feedback and not self.runs else does
+        return does if self.runs or not self.feedback else f"{does}: {self.feedback.removeprefix('halted: ')}"
 
     def look(self, view: View) -> None:
         """Look at the node after a tick."""
@@ -72,7 +126,7 @@ class Life:
         self.begins = now is not before and now is not Status.INVALID and before is not Status.RUNNING
         if self.begins:
             self.results = {}
-        self.results = view.sample.results.get(path) or self.results
+        self.results = view.results.get(path) or self.results
         if now is before:
             return
         self.ran = self.ran or now is not Status.INVALID
@@ -116,7 +170,7 @@ class Course:
         for life in self._lives.values():
             life.look(view)
 
-    def finish(self, run: TreeRun) -> None:
+    def finish(self, run: Run) -> None:
         """Take how the run ended; what nodes did last stays as it was before they were halted for that."""
         self._end, self.fell = End(run.outcome, run.reason), run.fell
         self.time = max(self.time, run.time)

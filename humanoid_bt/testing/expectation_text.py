@@ -1,4 +1,4 @@
-"""Reading expectations: from text, ``within 20 s: outcome == success``, or from YAML, where that is a key and a value."""
+"""Reading expectations: from text, ``within 20 s: outcome == success``, or from YAML, as a key and a value."""
 
 from __future__ import annotations
 
@@ -158,7 +158,7 @@ def _of_kind(head: _Text, rest: _Text, steps: list[_Text]) -> Expectation:
     kind, text = _kind(head), f"{head.text}: {rest.text}"
     if kind not in KINDS:
         raise head.mistake(f"{kind!r} is no kind of expectation", nearest(kind, KINDS) + "; without one: at the end")
-    if kind != "within" and head.text != kind:
+    if kind not in ("within", head.text):
         example = "order: [approach, reach]" if kind == "order" else f"{kind}: P while Q"
         raise head.mistake(
             f"{head.text[len(kind) :].strip()!r} is not expected behind {kind!r}", example, len(kind) + 1

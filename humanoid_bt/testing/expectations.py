@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import Any
 
 from humanoid_bt.core.errors import Place, Problem, UserError
 from humanoid_bt.core.items import Item
 from humanoid_bt.testing.claim import RunNames
-from humanoid_bt.testing.course import Course
+from humanoid_bt.testing.course import Course, Run
 from humanoid_bt.testing.expectation import Broken, Expectation
 from humanoid_bt.testing.expectation_text import expectation, expectations_in
-from humanoid_bt.testing.tree_run import TreeRun
 from humanoid_bt.tree.tree import Tree
 
 
@@ -56,7 +54,7 @@ class Expectations:
     def __init__(self, all_: Iterable[Expectation]) -> None:
         self._all = tuple(all_)
 
-    def __iter__(self) -> Any:
+    def __iter__(self) -> Iterator[Expectation]:
         return iter(self._all)
 
     def __len__(self) -> int:
@@ -72,7 +70,7 @@ class Expectations:
         """Return the expectations that texts say; raises UserError."""
         return cls(expectation(text) for text in texts)
 
-    def check(self, tree: Tree, percepts: Iterable[str] | None = None) -> None:
+    def check(self, tree: Tree, percepts: Collection[str] | None = None) -> None:
         """Look up all names in a tree.
 
         Args:
@@ -82,7 +80,7 @@ class Expectations:
         Raises:
             UserError: with every name that means nothing, and every type or unit that does not go with another.
         """
-        names = RunNames(Course(tree), None if percepts is None else list(percepts))
+        names = RunNames(Course(tree), percepts)
         problems: list[Problem] = []
         for one in self._all:
             try:
@@ -92,14 +90,18 @@ class Expectations:
         if problems:
             raise UserError(problems)
 
-    def failures(self, run: TreeRun) -> list[Failure]:
+    def failures(self, run: Run, percepts: Collection[str] | None = None) -> list[Failure]:
         """Judge a run that is over; return what it has not met.
+
+        Args:
+            run: it.
+            percepts: those that there may be; any if None.
 
         Raises:
             UserError: a name means nothing in its tree, or types or units do not go together.
         """
         course = Course(run.tree, run.stops)
-        names = RunNames(course)
+        names = RunNames(course, percepts)
         for one in self._all:
             one.begin(names)
         for view in run.views():
@@ -116,19 +118,20 @@ class Expectations:
         return found
 
 
-def expect(run: TreeRun, *texts: str) -> None:
+def expect(run: Run, texts: Iterable[str], percepts: Collection[str]) -> None:
     """Judge a run by expectations.
 
     Args:
         run: it.
-        texts: them, such as "within 20 s: outcome == success".
+        texts: them.
+        percepts: those that there may be.
 
     Raises:
         AssertionError: it has not met all of them; with the moment and the values then.
         UserError: a text says none.
     """
     __tracebackhide__ = True
-    failures = Expectations.of(texts).failures(run)
+    failures = Expectations.of(texts).failures(run, percepts)
     if failures:
         raise AssertionError("\n".join([*map(str, failures), f"{run.outcome}: {run.reason}"]))
 

@@ -7,7 +7,7 @@ import re
 from humanoid_bt.core.errors import Place, UserError, nearest
 from humanoid_bt.testing.claim import VERBS, Claim, RunNames
 from humanoid_bt.testing.course import Course, Life
-from humanoid_bt.tree.expressions.linking import CODE
+from humanoid_bt.tree.expressions.linking import CODE, within
 
 _NAME = re.compile(r"[^<>=!()+*.'\"]+")  # no claim but a node's name or path
 
@@ -25,7 +25,7 @@ class Step:
     """
 
     def __init__(self, text: str, place: Place, text_at: int | None) -> None:
-        self.text, self._place = text, place
+        self.text, self._place = text, within(place, text_at, 0)
         self._claim = None if self._is_name else Claim.parse(text, place, text_at)
         self._lives: list[Life] = []
         self._held = False

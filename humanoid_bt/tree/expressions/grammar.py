@@ -23,6 +23,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
+from humanoid_bt.core.errors import nearest
 from humanoid_bt.tree.expressions.quantities import read_quantity
 
 MAX_DEPTH = 50
@@ -197,8 +198,11 @@ class _Parser:
 
     def whole(self) -> Syntax:
         syntax = self._or()
-        if self._token.kind != "end":
-            raise _unexpected(self._token.text, self._token.start)
+        token = self._token
+        if token.kind == "name" and token.text not in _MEANT and self._verbs:
+            raise SyntaxMistake(f"{token.text!r} is not expected there", token.start, nearest(token.text, self._verbs))
+        if token.kind != "end":
+            raise _unexpected(token.text, token.start)
         return syntax
 
     @property
