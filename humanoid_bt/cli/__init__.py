@@ -60,6 +60,7 @@ _COMMANDS = {
     "run": "run",
     "bench": "bench",
     "fmt": "fmt",
+    "test": "test",
     "schema": "schema",
     "show": "show",
     "check": "check",
