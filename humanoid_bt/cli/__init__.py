@@ -70,6 +70,7 @@ _COMMANDS = {
     "skills": "inspect",
     "scenes": "inspect",
     "robots": "inspect",
+    "scenarios": "inspect",
     "diff": "diff",
     "export": "export",
     "params": "params",

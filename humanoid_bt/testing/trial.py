@@ -58,12 +58,12 @@ class Trial:
     @property
     def lines(self) -> list[str]:
         """What failed, where it is recorded and how it is tried again, as lines."""
-        found = [f"{self.outcome}: {self.reason}"]
+        found: list[str] = []
         for failure in self.failures:
             found += [f"{failure.place}: {failure.expectation}" if failure.place.file else failure.expectation]
             found += [f"    {failure.moment}", *(f"    {name}: {value}" for name, value in failure.values.items())]
-        found += [f"{name:<11} {text}" for name, text in self.further]
-        return found
+        rows = [("the run", f"{self.outcome}: {self.reason}"), *self.further]
+        return found + [f"{name:<11} {text}" for name, text in rows]
 
     @property
     def further(self) -> list[tuple[str, str]]:
