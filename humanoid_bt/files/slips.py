@@ -181,7 +181,9 @@ def _brackets(page: _Page) -> Slip | None:
     words = before.split()[-1:] if rest.startswith(":") else rest.split()[:1]
     if not words:
         return None
-    column = page.here.raw.rindex(words[0], 0, page.column + len(words[0]))
+    column = page.here.raw.rfind(words[0], 0, page.column + len(words[0]))
+    if column < 0:  # YAML counts other columns behind a byte order mark
+        return None
     return page.here.slip(f"a comma is missing before {words[0]!r}", f", {words[0]}", column)
 
 

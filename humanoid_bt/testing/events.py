@@ -57,7 +57,7 @@ class Event:
     @classmethod
     def from_item(cls, item: Item, _name: str = "") -> Event:
         """Read an event from a YAML mapping; raises UserError with everything that is wrong with it."""
-        event: Event = read(cls, item, "the event")
+        event: Event = read(cls, _filled(item), "the event")
         return replace(event, place=item.place)
 
     @staticmethod
@@ -98,6 +98,15 @@ class Event:
         """The fault."""
         faults: list[Fault] = [found for name in _FIELDS if (found := getattr(self, name)) is not None]
         return faults[0]
+
+
+def _filled(item: Item) -> Item:
+    """Return an event's mapping with ``estop:`` for ``estop: {}``, and without a moment that is none."""
+    if not isinstance(item.value, dict):
+        return item
+    given = {key: part for key, part in item.value.items() if part.value is not None or key not in _MOMENTS}
+    empty = {key: Item({}, part.place) for key, part in given.items() if part.value is None and key in FAULTS}
+    return Item({**given, **empty}, item.place, item.key_places)
 
 
 _FIELDS = tuple(name for name in Event.__dataclass_fields__ if name not in (*_MOMENTS, "place"))
