@@ -18,7 +18,7 @@ from humanoid_bt.testing.check_files import KINDS
 from tests.testing.test_scenario import WHOLE
 from tests.tree.mutations import Mutator
 
-MUTATIONS = int(os.environ.get("HUMANOID_BT_MUTATIONS", "200"))
+MUTATIONS = int(os.environ.get("HUMANOID_BT_MUTATIONS", "80"))
 BATCHES = 2
 
 
