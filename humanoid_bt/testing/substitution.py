@@ -14,7 +14,7 @@ from humanoid_bt.core.errors import Place, Problem, UserError, nearest
 from humanoid_bt.core.items import Item, item_of
 from humanoid_bt.core.params import Param, param
 from humanoid_bt.core.reading import convert, read
-from humanoid_bt.decision.result import Result, ResultValue, declared_results
+from humanoid_bt.decision.result import Reported, Result, ResultValue, declared_results
 from humanoid_bt.decision.robot import Robot
 from humanoid_bt.record.reading import read_flight
 from humanoid_bt.review.happened import Happened
@@ -202,8 +202,13 @@ def _in_si(answer: Answer, declared: Mapping[str, Result], place: Place) -> Answ
     if unknown := [name for name in answer.results if name not in declared]:
         hint = nearest(unknown[0], declared) or "it reports nothing"
         raise UserError(f"the skill reports no {unknown[0]!r}", place, hint, "unknown-key")
+    words = {"true": True, "false": False}  # as a recording has them
+    given = {
+        name: words.get(value, value) if declared[name].type is bool and isinstance(value, str) else value
+        for name, value in answer.results.items()
+    }
     specs = {name: Param(name, declared[name].type, unit=declared[name].unit) for name in answer.results}
-    results = {name: convert(spec, item_of(answer.results[name], place)) for name, spec in specs.items()}
+    results = {name: convert(spec, item_of(given[name], place)) for name, spec in specs.items()}
     return replace(answer, results=results)
 
 
@@ -219,11 +224,11 @@ def _recorded(file: Path, path: str) -> Iterator[Answer]:
     if not changes:
         ran = {change["node"] for change in happened.nodes}
         raise UserError(f"{path!r} does not run in the recording {str(file)!r}", hint=nearest(path, ran))
-    reported: dict[float, dict[str, Any]] = {}
+    reported: dict[float, list[Reported]] = {}
     for row in happened.results:
         if row["node"] == path:
             value = row["value"] if row["text"] is None else row["text"]
-            reported.setdefault(row["time"], {})[row["result"]] = value
+            reported.setdefault(row["time"], []).append(Reported(row["result"], value, row["unit"]))
     began: float | None = None
     for change in changes:
         time, status = change["time"], change["status"]
@@ -231,8 +236,10 @@ def _recorded(file: Path, path: str) -> Iterator[Answer]:
             began = time
         elif status in ("SUCCESS", "FAILURE"):
             after = 0.0 if began is None else time - began
-            results = reported.get(time, {})
-            yield Answer(status=status.lower(), after=after, feedback=change["text"], results=results)
+            results = reported.get(time, [])
+            said = change["text"].removesuffix("; ".join(map(str, results))).removesuffix("; ")  # both are told as one
+            answered = {result.name: result.value for result in results}
+            yield Answer(status=status.lower(), after=after, feedback=said, results=answered)
             began = None
         elif began is not None:
             yield Answer(status="running", feedback="halted here when it was recorded")
