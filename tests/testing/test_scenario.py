@@ -91,7 +91,7 @@ MISTAKES = {
     "a fault": ("push:", "pusch:", "11:15: error: unknown key 'pusch' of the event", "did you mean 'push'?"),
     "no moment": ("at: 2 s, ", "", "11:5: error: an event happens at a time or when", "write at: 2 s, or when:"),
     "a percept of a fault": ("lose: target", "lose: taget", "12:5: error: the scene publishes no percept", "'target'"),
-    "a moment": ("(target) < 1", "(taget) < 1", "12:5: error: in 'distance(taget) < 1 m': the scene", "'target'"),
+    "a moment": ("(target) < 1", "(taget) < 1", "12:12: error: in 'distance(taget) < 1 m': there is no", "'target'"),
     "physics in a dry run": ("seeds: 0-2, 7", "dry: true", "11:5: error: 'push' needs a body", "run it without dry"),
     "a node to replace": (
         "  approach:",
