@@ -38,6 +38,11 @@ class Step:
         return bool(_NAME.fullmatch(self.text)) and not {"and", "or", "not", *VERBS}.intersection(words)
 
     @property
+    def is_claim(self) -> bool:
+        """Whether it is a claim, and no node."""
+        return self._claim is not None
+
+    @property
     def _parsed(self) -> Claim:
         return Claim.parse(self.text, self._place, self._text_at)
 
