@@ -197,6 +197,7 @@ def _robot(data: Any) -> dict[str, Any]:
 
 
 _STAGED = filled(parts(dry=truth, told=several(text)), dry=False, told=[])
+
 SETUP: Shape = filled(
     parts(
         began=text,

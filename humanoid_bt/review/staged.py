@@ -16,20 +16,14 @@ _LINES = 5  # that are told
 _OVER = "over: "
 
 
-def told(run: Mapping[str, Any]) -> list[str]:
-    """Return what a test did to a run, in words; nothing if it was no test.
+def told(setup: Mapping[str, Any]) -> list[str]:
+    """Return what a test did to a run, in words; nothing if it did nothing.
 
     Args:
-        run: what was run, as the recording has it.
+        setup: what was run, as the recording has it.
     """
-    lines: list[str] = run["staged"]["told"]
+    lines: list[str] = setup["staged"]["told"]
     return lines
-
-
-def is_dry(run: Mapping[str, Any]) -> bool:
-    """Return whether a run was without physics."""
-    dry: bool = run["staged"]["dry"]
-    return dry
 
 
 def staged_rows(history: History) -> list[Row]:
@@ -50,4 +44,4 @@ def staged_before(history: History, time: float) -> str:
     ]
     if faults:
         return f"; a test staged at {when(faults[-1].time)}: {cut(faults[-1].text.removeprefix(PREFIX))}"
-    return "; a dry run, without physics" if is_dry(history.setup) else "; a test staged the run"
+    return "; a dry run, without physics" if history.setup["staged"]["dry"] else "; a test staged the run"
