@@ -191,4 +191,6 @@ def test_the_rig_runs_whole_trees(rig):
     run = rig.run_tree("fetch", percepts={"target": (0.4, 0.2, 0.9)}, dry=True, look="1 s")
     assert run.succeeded, run.reason
     assert run.report.scene == "empty"
+    with pytest.raises(UserError, match="the percept 'target': error: 'position' must have 3 values, not 2"):
+        rig.run_tree("fetch", percepts={"target": (0.4, 0.2)}, dry=True)
     assert rig.run_tree("fetch", scene="ball_on_stand", dry=True, replace={"reach": "success"}).succeeded
