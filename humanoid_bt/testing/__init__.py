@@ -1,4 +1,4 @@
-"""Tests of skills and trees on a real simulated robot: the rig, the stage, the pytest plugin.
+"""Tests of skills and trees on a simulated robot: the rig, the stage, the pytest plugin.
 
     def test_reach_touches_what_it_sees(rig):
         result = rig.run("reach", target=(0.4, 0.2, 0.9))

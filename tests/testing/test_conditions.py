@@ -39,6 +39,15 @@ def test_a_plant_that_was_altered_is_as_before_when_it_is_no_more(plant):
         np.testing.assert_array_equal(value, before[name], err_msg=name)
 
 
+def test_drives_that_were_let_go_hold_the_robot_when_it_is_placed_again(plant):
+    plant.place(plant.start)
+    before, zeros = arrays(plant.model), np.zeros_like(plant.start[7:])
+    plant.step(JointCommand(plant.start[7:], zeros, zeros, plant.robot.damping, zeros))
+    assert not np.array_equal(plant.model.actuator_biasprm, before["actuator_biasprm"])
+    plant.place(plant.start)
+    np.testing.assert_array_equal(plant.model.actuator_biasprm, before["actuator_biasprm"])
+
+
 def test_a_payload_is_carried_by_the_feet(stage):
     def weight(run):
         return sum(run.states[-1].foot_force.values())

@@ -55,6 +55,14 @@ def test_a_stopped_robot_does_not_do_what_it_is_told(dry):
     assert run.succeeded
 
 
+def test_a_stopped_robot_stays_as_it_is(dry):
+    run = dry.run("fetch", script=[{"at": 0.1, "estop": {}}, {"at": 0.3, "reset": {}}])
+    at = {round(state.time, 2): state for state in run.states}
+    assert at[0.2].mode is Mode.EMERGENCY_STOP
+    assert at[0.1].hands["right"][2] > 0.8
+    np.testing.assert_array_equal(at[0.28].hands["right"], at[0.1].hands["right"])
+
+
 def test_states_cannot_be_written_to(dry):
     state = dry.run("fetch").states[-1]
     arrays = [value for name in dir(state) if isinstance(value := getattr(state, name), np.ndarray)]
