@@ -180,8 +180,11 @@ def test_ctrl_c_tells_what_was_done(folder: Path, tmp_path: Path, jobs: str) -> 
     timer.start()
     out, err = process.communicate(timeout=60)
     assert (process.returncode, err) == (130, "")
-    assert re.fullmatch(r"0 scenarios passed, interrupted after \d+ of 100 runs\n", out)
-    assert (tmp_path / "junit.xml").read_text().startswith("<?xml")
+    told = r"○ long  (\d+) seeds? of 100, .*\n0 scenarios passed, interrupted after (\d+) of 100 runs\n"
+    found = re.fullmatch(told, out)
+    assert found is not None, out
+    assert found[1] == found[2]
+    assert len(ElementTree.parse(tmp_path / "junit.xml").getroot()[0]) == int(found[1])
 
 
 @pytest.mark.trials

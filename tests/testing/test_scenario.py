@@ -155,6 +155,14 @@ def test_all_mistakes_are_told_in_one_round(folder: Path) -> None:
     assert [problem.place.line for problem in problems if problem.place] == [17, 18]
 
 
+def test_files_are_looked_for_beside_it(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (folder / "odd").mkdir()
+    (folder / "odd" / "tree.yaml").write_text("format: 1\nroot: {emergency_stop: idle}\n", encoding="utf-8")
+    path = write(folder, "format: 1\ntree: ../odd/tree.yaml\nexpect: idle runs\n")
+    monkeypatch.chdir(folder.parent)
+    checked_scenario(path, Workspace(folder))
+
+
 def test_mistakes_of_its_tree_are_told_in_the_tree(folder: Path) -> None:
     (folder / "trees").mkdir()
     (folder / "trees" / "odd.yaml").write_text("format: 1\nroot: {emergency_stop: idel}\n", encoding="utf-8")
