@@ -155,6 +155,26 @@ def test_all_mistakes_are_told_in_one_round(folder: Path) -> None:
     assert [problem.place.line for problem in problems if problem.place] == [17, 18]
 
 
+def test_a_fault_without_parameters_has_its_defaults(folder: Path) -> None:
+    text = "format: 1\ntree: stand\nexpect: fell\nscript:\n  - {at: 1 s, estop: }\n  - {at: 2 s, reset: {}}\n"
+    scenario = checked_scenario(write(folder, text), Workspace(folder))
+    assert [event.name for event in scenario.script] == ["estop", "reset"]
+
+
+@pytest.mark.parametrize(
+    ("event", "message"),
+    [
+        ("{at: 1 s, lose: }", "4:25: error: the key 'percept' of 'lose' is missing"),
+        ("{at: , estop: }", "4:10: error: an event happens at a time or when something becomes true"),
+        ("{when: }", "4:10: error: an event happens at a time or when something becomes true"),
+    ],
+)
+def test_what_an_event_lacks_is_told(folder: Path, event: str, message: str) -> None:
+    with pytest.raises(UserError) as raised:
+        checked_scenario(write(folder, f"format: 1\ntree: fetch\nexpect: fell\nscript: [{event}]\n"), Workspace(folder))
+    assert message in str(raised.value)
+
+
 def test_files_are_looked_for_beside_it(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (folder / "odd").mkdir()
     (folder / "odd" / "tree.yaml").write_text("format: 1\nroot: {emergency_stop: idle}\n", encoding="utf-8")
