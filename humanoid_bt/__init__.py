@@ -62,6 +62,8 @@ __all__ = [  # noqa: RUF022 (grouped as a reader looks for them)
     # Tests of skills and trees
     "Rig",
     "RigResult",
+    "check_skill",
+    "SkillCheck",
     "Stage",
     "TreeRun",
     "Watcher",
@@ -120,6 +122,8 @@ if TYPE_CHECKING:
     from humanoid_bt.session.teller import Listener as Listener
     from humanoid_bt.testing import faults as faults
     from humanoid_bt.testing.check_files import check as check
+    from humanoid_bt.testing.check_skill import check_skill as check_skill
+    from humanoid_bt.testing.check_skill_result import SkillCheck as SkillCheck
     from humanoid_bt.testing.conditions import Conditions as Conditions
     from humanoid_bt.testing.events import Event as Event
     from humanoid_bt.testing.rig import Rig as Rig
@@ -159,6 +163,8 @@ else:
         "humanoid_bt.decision.signals": "Improving Lasting Steady",
         "humanoid_bt.decision.skill": "Skill Status of_gaze of_hand",
         "humanoid_bt.review.replay": "Replay replay",
+        "humanoid_bt.testing.check_skill": "check_skill",
+        "humanoid_bt.testing.check_skill_result": "SkillCheck",
         "humanoid_bt.testing.rig": "Rig RigResult",
         "humanoid_bt.testing.stage": "Stage",
         "humanoid_bt.testing.tree_run": "TreeRun View Watcher",

@@ -33,7 +33,7 @@ PARTS_BY_NAME: dict[str, Callable[[], str]] = {
         *(codes.codes, codes.code_examples),
         *(promises.costs, promises.reactions),
         *(tables.data_tables, tables.recording),
-        *(testing.faults, testing.conditions, testing.answers, testing.tree_run, testing.view),
+        *(testing.skill_rules, testing.faults, testing.conditions, testing.answers, testing.tree_run, testing.view),
         *(scenarios.scenario_keys, scenarios.run_words, scenarios.node_verbs),
         *(units.units, units.clocks),
         *(house.rooms, house.inner_rooms, house.percept_way, house.command_way),

@@ -64,6 +64,7 @@ _COMMANDS = {
     "schema": "schema",
     "show": "show",
     "check": "check",
+    "coverage": "coverage",
     "explain": "explain",
     "trees": "inspect",
     "nodes": "inspect",

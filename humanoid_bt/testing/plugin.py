@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from humanoid_bt.testing.plugin_scenarios import pytest_collect_file  # noqa: F401 (a hook of pytest)
+pytest_plugins = ["humanoid_bt.testing.plugin_coverage", "humanoid_bt.testing.plugin_scenarios"]
 
 if TYPE_CHECKING:
     from humanoid_bt.testing.rig import Rig
