@@ -1,8 +1,8 @@
-"""Takes the pictures of the docs from runs of the demo: ``python docs/pictures.py [view] [demo] [reach]``.
+"""Takes the pictures of the docs from runs of the demo: ``python docs/pictures.py [view] [demo] [reach] [coverage]``.
 
 Without arguments it takes all of them. It needs a software renderer where there is no graphics card (Debian:
-mesa-vulkan-drivers, libegl1, libgl1-mesa-dri), and some minutes. Not part of ``make docs``: pictures differ a little
-from one machine to the next.
+mesa-vulkan-drivers, libegl1, libgl1-mesa-dri), for the last one chromium, and some minutes. Not part of ``make docs``:
+pictures differ a little from one machine to the next.
 """
 
 from __future__ import annotations
@@ -38,6 +38,8 @@ from humanoid_bt.robot.model import RobotModel
 from humanoid_bt.session.run import run
 from humanoid_bt.session.session import Session
 from humanoid_bt.session.teller import Listener
+from humanoid_bt.testing.coverage import counting, coverage_in, tree_coverage
+from humanoid_bt.testing.coverage_page import page
 from humanoid_bt.testing.rig import Rig
 
 IMAGES = Path(__file__).parent / "images"
@@ -58,6 +60,7 @@ STATUS_COLORS = {"running": (92, 176, 255), "success": (92, 206, 120)}
 
 BALL = (0.40, -0.16, 0.95)  # m
 REACH_SIZE = (1000, 750)
+COVERAGE_SIZE = (1180, 1130)
 
 
 # ---- the viewer ------------------------------------------------------------------------------------------------------
@@ -236,7 +239,29 @@ def _render(renderer: mujoco.Renderer, plant: MujocoPlant, state: State, camera:
     return Image.fromarray(renderer.render())
 
 
-PICTURES = {"view": (view, "view.png"), "demo": (demo, "demo.webp"), "reach": (reach, "reach.png")}
+# ---- tree coverage ---------------------------------------------------------------------------------------------------
+
+
+def coverage(path: Path) -> None:
+    """Take a picture of the page of a run of the demo, in a Chromium without a display."""
+    with counting() as folder:
+        run("fetch", workspace=builtin_root())
+        page_file = folder / "coverage.html"
+        os.chdir(builtin_root())
+        page_file.write_text(page(tree_coverage(coverage_in(folder), ["fetch", "stand"], builtin_root())), "utf-8")
+        size = f"--window-size={COVERAGE_SIZE[0]},{COVERAGE_SIZE[1]}"
+        options = ["--headless", "--no-sandbox", "--disable-gpu", "--hide-scrollbars", size, f"--screenshot={path}"]
+        subprocess.run(["chromium", *options, page_file.as_uri()], check=True, stderr=subprocess.DEVNULL)
+    shot = Image.open(path).convert("RGB")
+    shot.quantize(128).save(path, optimize=True)
+
+
+PICTURES = {
+    "view": (view, "view.png"),
+    "demo": (demo, "demo.webp"),
+    "reach": (reach, "reach.png"),
+    "coverage": (coverage, "coverage.png"),
+}
 
 
 def main() -> None:

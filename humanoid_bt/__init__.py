@@ -62,6 +62,8 @@ __all__ = [  # noqa: RUF022 (grouped as a reader looks for them)
     # Tests of skills and trees
     "Rig",
     "RigResult",
+    "check_skill",
+    "SkillCheck",
     "Stage",
     "TreeRun",
     "Watcher",
@@ -112,7 +114,6 @@ if TYPE_CHECKING:
     from humanoid_bt.review.recording import open_recording as open_recording
     from humanoid_bt.review.replay import Replay as Replay
     from humanoid_bt.review.replay import replay as replay
-    from humanoid_bt.session.prepare import check as check
     from humanoid_bt.session.prepare import load as load
     from humanoid_bt.session.prepare import skills as skills
     from humanoid_bt.session.report import Report as Report
@@ -120,6 +121,9 @@ if TYPE_CHECKING:
     from humanoid_bt.session.session import Session as Session
     from humanoid_bt.session.teller import Listener as Listener
     from humanoid_bt.testing import faults as faults
+    from humanoid_bt.testing.check_files import check as check
+    from humanoid_bt.testing.check_skill import check_skill as check_skill
+    from humanoid_bt.testing.check_skill_result import SkillCheck as SkillCheck
     from humanoid_bt.testing.conditions import Conditions as Conditions
     from humanoid_bt.testing.events import Event as Event
     from humanoid_bt.testing.rig import Rig as Rig
@@ -139,7 +143,8 @@ if TYPE_CHECKING:
     from humanoid_bt.tree.tree import Tree as Tree
 else:
     _HOMES = {
-        "humanoid_bt.session.prepare": "check load skills",
+        "humanoid_bt.session.prepare": "load skills",
+        "humanoid_bt.testing.check_files": "check",
         "humanoid_bt.decision.blackboard": "Key",
         "humanoid_bt.core.errors": "HumanoidBtError Place Problem UserError",
         "humanoid_bt.core.geometry": "rotation_matrix",
@@ -158,6 +163,8 @@ else:
         "humanoid_bt.decision.signals": "Improving Lasting Steady",
         "humanoid_bt.decision.skill": "Skill Status of_gaze of_hand",
         "humanoid_bt.review.replay": "Replay replay",
+        "humanoid_bt.testing.check_skill": "check_skill",
+        "humanoid_bt.testing.check_skill_result": "SkillCheck",
         "humanoid_bt.testing.rig": "Rig RigResult",
         "humanoid_bt.testing.stage": "Stage",
         "humanoid_bt.testing.tree_run": "TreeRun View Watcher",

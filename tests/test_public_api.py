@@ -28,6 +28,7 @@ GIVEN = {
     "Report",
     "RigResult",
     "RobotHandle",
+    "SkillCheck",
     "State",
     "Track",
     "Tree",

@@ -1,16 +1,23 @@
-"""What tests of trees can do to a run: faults, conditions, and what they get back."""
+"""What skills are tried for, and what tests of trees can do to a run: faults, conditions, what they get back."""
 
 from __future__ import annotations
 
 from dataclasses import fields
 
 from humanoid_bt.core.params import params_of
+from humanoid_bt.testing.check_skill_result import RULES
 from humanoid_bt.testing.conditions import Conditions
 from humanoid_bt.testing.events import FAULTS, Event
 from humanoid_bt.testing.substitution import Answer
 from humanoid_bt.testing.tree_run import Sample, TreeRun, View
 from parts.markdown import attributes, docstring, members, summary, table
 from parts.parameters import Row, parameter_row, parameter_table
+
+
+def skill_rules() -> str:
+    """Return the rules of the contract of skills."""
+    rows = [(f"`{rule}`", title, advice) for rule, (title, advice) in RULES.items()]
+    return table(("rule", "a skill", "what to do about one that does not"), rows)
 
 
 def faults() -> str:

@@ -208,10 +208,10 @@ SETUP: Shape = filled(
         tree=_TREE,
         robot=_robot,
         scene=_SCENE,
+        staged=_STAGED,
         files=several(parts({"name": text, "role": text, "sha256": text}, text=text)),
         versions=named(text),
         machine=named(anything),
-        staged=optional(_STAGED),
     ),
     began="",
     mode="",
@@ -221,10 +221,10 @@ SETUP: Shape = filled(
     tree=_TREE({}),
     robot=_robot({}),
     scene=_SCENE({}),
+    staged=_STAGED({}),
     files=[],
     versions={},
     machine={},
-    staged=None,
 )
 """What was run."""
 

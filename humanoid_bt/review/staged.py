@@ -22,7 +22,7 @@ def told(setup: Mapping[str, Any]) -> list[str]:
     Args:
         setup: what was run, as the recording has it.
     """
-    lines: list[str] = setup["staged"]["told"] if setup["staged"] else []
+    lines: list[str] = setup["staged"]["told"]
     return lines
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import math
 import types
 import typing
@@ -29,6 +30,8 @@ from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.plant.scene import Scene, load_scene
 from humanoid_bt.session.lockstep import Lockstep
 from humanoid_bt.session.options import OnEStop
+from humanoid_bt.testing.check_skill_result import SkillCheck
+from humanoid_bt.testing.check_skill_rules import tried
 from humanoid_bt.testing.conditions import Conditions
 from humanoid_bt.testing.events import Event
 from humanoid_bt.testing.stage import Stage
@@ -98,6 +101,11 @@ class ScriptedPerception:
     def lose(self, name: str) -> None:
         """Publish nothing of a thing from now on; its last percept grows old."""
         self._seen.pop(name, None)
+
+    @property
+    def shown(self) -> dict[str, tuple[Array, float]]:
+        """What is published now: name -> position, shape (3,), world frame [m], and confidence."""
+        return dict(self._seen)
 
     def observe(self, state: State) -> list[Percept]:
         """Return what is published now, in the robot's base frame."""
@@ -202,7 +210,8 @@ class Rig:
             UserError: there is no such skill or parameter, or a value has the wrong type.
             NodeError: the skill raised an exception.
         """
-        tree = self._tree(skill, values)
+        node_type = self._skill(skill)
+        tree = _alone(node_type, self._convert(node_type, values))
         changes: list[NodeChange] = []
         executor = Executor(tree, self._robot, changes.append)
         executor.setup()
@@ -223,6 +232,23 @@ class Rig:
         stops = list(self._lockstep.controller.supervisor.stops)
         results = dict(results_of(behaviour))
         return RigResult(status, feedback, self.time - begin, results, states, commands, changes, stops)
+
+    def check_skill(self, skill: str, *, timeout: float = 10.0, **values: Any) -> SkillCheck:
+        """Try a skill against the contract, rule by rule; raise nothing for what it breaks.
+
+        It lives many times, each time from the start of the robot, which then stands there again: undisturbed,
+        started anew, halted in many ticks, with an emergency stop, without the percepts it asks for. What the robot
+        has been shown it sees in all of them.
+
+        Args:
+            skill: its name in trees.
+            timeout: longest simulated time of one life [s].
+            values: its parameters, as for :meth:`run`; best such with which it succeeds.
+
+        Raises:
+            UserError: there is no such skill or parameter, or a value has the wrong type.
+        """
+        return tried(_Tried(self, skill, values), timeout)
 
     def run_tree(
         self,
@@ -309,20 +335,18 @@ class Rig:
             self._lockstep.submit(command)
         self._lockstep.advance()
 
-    def _tree(self, skill: str, values: dict[str, Any]) -> Tree:
-        node_type = self._registry.get(skill)
+    def _skill(self, name: str) -> NodeType:
+        node_type = self._registry.get(name)
         if node_type is None or node_type.kind != "skill":
             known = [name for name, kind in self._registry.items() if kind.kind == "skill"]
             where = f"the workspace {relative(self.workspace.root)!r}, nor among the built-in ones"
-            raise UserError(f"no skill named {skill!r} in {where}", hint=nearest(skill, known))
-        converted = self._convert(node_type, values)
-        behaviour = node_type.cls(name=skill, **converted)
-        behaviour.path = skill  # type: ignore[attr-defined]  # plain behaviours know their path too
-        node = Node(skill, skill, node_type, converted, _PLACE, behaviour, -1)
-        return Tree(skill, node_type.doc, Path(_PLACE.file), None, None, {}, "", (node,))
+            raise UserError(f"no skill named {name!r} in {where}", hint=nearest(name, known))
+        return node_type
 
     def _convert(self, node_type: NodeType, values: dict[str, Any]) -> dict[str, Any]:
         converted: dict[str, Any] = {}
+        if missing := [name for name, spec in node_type.params.items() if spec.required and name not in values]:
+            raise UserError(f"the skill {node_type.type_name!r} needs the parameter {missing[0]!r}")
         for name, value in values.items():
             spec = node_type.params.get(name)
             if spec is None:
@@ -349,3 +373,38 @@ def _seen(name: str, position: Any) -> Event:
     written = position.tolist() if isinstance(position, np.ndarray) else position
     place = Place(f"the percept {name!r}")
     return Event.from_item(item_of({"at": 0, "see": {"percept": name, "position": written}}, place))
+
+
+class _Tried:
+    """A skill that is tried on a rig, with what the rig has been shown."""
+
+    def __init__(self, rig: Rig, skill: str, values: dict[str, Any]) -> None:
+        self.node_type = rig._skill(skill)
+        self.values = rig._convert(self.node_type, values)
+        self._rig, self._shown = rig, rig._perception.shown
+        self.lockstep = rig._lockstep
+
+    def make(self) -> Tree:
+        """Return a tree of the skill alone, made anew."""
+        return _alone(self.node_type, copy.deepcopy(self.values))
+
+    def begin(self) -> None:
+        """Let the robot stand at its start and see what it was shown."""
+        self._rig.reset()
+        for name, (position, confidence) in self._shown.items():
+            self._rig.see(name, position, confidence)
+        self._rig._wait_for_perception()
+
+    def lose(self) -> None:
+        """Let perception of everything end."""
+        for name in self._shown:
+            self._rig.lose(name)
+
+
+def _alone(node_type: NodeType, values: Mapping[str, Any]) -> Tree:
+    """Return a tree of nothing but a skill."""
+    name = node_type.type_name
+    behaviour = node_type.cls(name=name, **values)
+    behaviour.path = name  # type: ignore[attr-defined]  # plain behaviours know their path too
+    node = Node(name, name, node_type, values, _PLACE, behaviour, -1)
+    return Tree(name, node_type.doc, Path(_PLACE.file), None, None, {}, "", (node,))

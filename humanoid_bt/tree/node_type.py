@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import inspect
 import types
 import typing
 from collections.abc import Callable, Mapping
@@ -17,6 +18,7 @@ from humanoid_bt.decision.blackboard import Key, names_key
 from humanoid_bt.decision.result import Result, declared_results
 from humanoid_bt.decision.skill import Skill
 from humanoid_bt.tree.expressions.expression import Expression
+from humanoid_bt.tree.results import ANYTHING, AT_ONCE, NEVER_ENDS, Below, Results
 from humanoid_bt.tree.slots import Slot, Takes
 
 Kind = Literal["composite", "decorator", "subtree", "condition", "action", "skill"]
@@ -77,6 +79,23 @@ class NodeType:
     def complete(self, values: Mapping[str, Any]) -> dict[str, Any]:
         """Return a node's parameter values with the defaults of those that are not given."""
         return {name: spec.default for name, spec in self.params.items() if not spec.required} | dict(values)
+
+    def possible_results(self, values: Mapping[str, Any] | None, below: Below) -> Results:
+        """Return what a node can answer when it is ticked; see :mod:`~humanoid_bt.tree.results`.
+
+        Args:
+            values: its parameters, None if a mistake leaves them open.
+            below: what can come from the nodes below it.
+        """
+        if not getattr(self.cls, "ends", True):
+            return NEVER_ENDS
+        if not getattr(self.cls, "runs", True):
+            return AT_ONCE
+        declared = getattr(self.cls, "possible_results", None)
+        if values is None or not inspect.ismethod(declared):
+            return AT_ONCE if self.kind == "condition" else ANYTHING
+        results: Results = declared(self.complete(values), below)
+        return results
 
     def commands(self, values: Mapping[str, Any]) -> tuple[str, ...]:
         """Return the resources that a node with these parameter values may command."""

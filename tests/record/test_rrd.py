@@ -70,6 +70,18 @@ def test_a_damaged_head_costs_one_message(file: Path, tmp_path: Path) -> None:
     assert reader.cut.startswith("it ends within a message")
 
 
+def test_a_damaged_content_costs_its_message_and_is_counted(file: Path, tmp_path: Path) -> None:
+    data, path = file.read_bytes(), tmp_path / "broken.rrd"
+    everything = found(file, "/flight")
+    costs = set()
+    for begin in messages(data)[-60:]:
+        path.write_bytes(data[: begin + 16] + b"\xff" * 40 + data[begin + 56 :])
+        reader = RrdFile(path)
+        costs.add(len(everything) - len(list(reader.batches("/flight"))))
+        assert (reader.damaged, reader.cut) == (1, "")
+    assert costs == {0, 1}
+
+
 def test_where_a_cut_file_ends_is_told(file: Path, tmp_path: Path) -> None:
     data = file.read_bytes()
     path = tmp_path / "cut.rrd"

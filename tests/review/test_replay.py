@@ -91,6 +91,21 @@ def test_what_a_program_sets_on_the_blackboard_comes_again(project: Path, alone:
     assert again.identical
 
 
+@pytest.mark.parametrize("alone", [False, True])
+def test_a_run_that_was_paused_is_compared_up_to_that(project: Path, alone: bool) -> None:
+    file = project / f"paused-{alone}.rrd"
+    with recorded_directly(), Session("late", workspace=project, record=file, camera=False) as session:
+        session.run_until(0.2)
+        session.pause()
+        session.wait(0.2)
+        session.resume()
+        session.run_until(0.5)
+    again = replay(file, **({"tree": "late", "workspace": project} if alone else {}))
+    assert again.identical
+    assert again.notes[0].startswith("somebody paused the run at 0.2")
+    assert again.duration == pytest.approx(0.2, abs=0.021)
+
+
 def test_a_run_again_is_the_same_to_the_bit(disturbed: Path) -> None:
     again = replay(disturbed)
     assert again.difference is None

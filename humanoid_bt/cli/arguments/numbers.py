@@ -13,6 +13,7 @@ from humanoid_bt.session.limits import Limit
 
 PHASE = Limit(float, "a number from 0.1 to 3600", lambda value: 0.1 <= value <= 3600, "s")
 TIME = Limit(float, "a time in seconds, 0 or more", lambda value: 0 <= value < math.inf, "s")
+PERCENT = Limit(float, "a number from 0 to 100", lambda value: 0 <= value <= 100)
 COUNT = Limit(int, "a whole number above 0", lambda value: value > 0)
 
 

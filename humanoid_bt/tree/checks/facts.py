@@ -10,7 +10,7 @@ from py_trees.common import Status
 
 from humanoid_bt.core.errors import Problem
 from humanoid_bt.tree.draft import Draft
-from humanoid_bt.tree.results import ANYTHING, AT_ONCE, NEVER_ENDS, NOTHING, Below, Results
+from humanoid_bt.tree.results import AT_ONCE, NEVER_ENDS, NOTHING, Below, Results
 
 
 class Facts:
@@ -83,16 +83,8 @@ class Facts:
         self._bounded[key] = self._bounded_of(draft, below)
 
     def _results_of(self, draft: Draft) -> Results:
-        node_type = draft.type
-        if not getattr(node_type.cls, "ends", True):
-            return NEVER_ENDS
-        if not getattr(node_type.cls, "runs", True):
-            return AT_ONCE
-        declared = getattr(node_type.cls, "possible_results", None)
-        if not draft.sound or not inspect.ismethod(declared):
-            return AT_ONCE if node_type.kind == "condition" else ANYTHING
-        results: Results = declared(node_type.complete(draft.values), _below(draft, self._results))
-        return results
+        values = draft.values if draft.sound else None
+        return draft.type.possible_results(values, _below(draft, self._results))
 
     def _at_once_of(self, draft: Draft) -> Results:
         cls, results = draft.type.cls, self._results[id(draft)]

@@ -17,8 +17,10 @@ from humanoid_bt.core.texts import shortened, told
 from humanoid_bt.decision.result import Reported, reported
 from humanoid_bt.decision.robot import Robot
 from humanoid_bt.decision.skill_files import class_file, place_in_file
+from humanoid_bt.tree.counting import tally
 from humanoid_bt.tree.node import Node
 from humanoid_bt.tree.ticking.catching import Catcher, catch
+from humanoid_bt.tree.ticking.counted import Counted
 from humanoid_bt.tree.ticking.tick import INVALID, RUNNING, Raised, Seen, halt_alone, tick
 from humanoid_bt.tree.tree import Tree
 
@@ -80,6 +82,7 @@ class Executor:
         self._nodes: dict[Behaviour, Node] = {node.behaviour: node for node in tree.nodes}
         self._children_first = [behaviour for behaviour in tree.root.iterate() if behaviour in self._nodes]
         self._told: dict[Behaviour, Status | None] = dict.fromkeys(self._nodes, INVALID)
+        self._tally = tally(tree)
         for node in tree.nodes:
             if isinstance(node.behaviour, Catcher):
                 node.behaviour.on_caught = partial(self._tell_caught, node)
@@ -126,7 +129,7 @@ class Executor:
         if self._root.status is not RUNNING:
             for key in self.tree.keys:
                 key.reset()
-        seen = Seen()
+        seen = self._seen()
         try:
             tick(self._root, seen)
             command = self.robot.commit()
@@ -153,11 +156,14 @@ class Executor:
         Raises:
             NodeError: a node raised an exception while it was halted; the others have been halted all the same.
         """
-        seen = Seen()
+        seen = self._seen()
         raised = self._halt_all(reason, seen)
         self._tell(seen, self.robot.now)
         if raised is not None:
             raise NodeError(self._nodes[raised.node], raised.error) from raised.error
+
+    def _seen(self) -> Seen:
+        return Seen() if self._tally is None else Counted(self._tally)
 
     def _halt_all(self, reason: str, seen: Seen) -> Raised | None:
         """Halt every node, whatever state an interrupted tick left them in; return the first exception not caught."""

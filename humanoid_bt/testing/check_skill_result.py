@@ -1,0 +1,149 @@
+"""What came of trying a skill against the contract: every rule, what shows it, and what to do."""
+
+from __future__ import annotations
+
+import shutil
+import textwrap
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Literal
+
+Verdict = Literal["passed", "failed", "not tried"]
+"""What came of one rule; not tried is what an earlier failure stands in the way of."""
+
+RULES: Mapping[str, tuple[str, str]] = {
+    "exceptions": (
+        "raises nothing",
+        "Answer what can go wrong with `return self.fail(...)`: an exception stops the robot and ends the run.",
+    ),
+    "blocking": (
+        "does not block",
+        "Return RUNNING and go on in the next tick. Do what takes long beforehand, in `setup`, or in a thread that "
+        "`update` only looks at.",
+    ),
+    "halting": (
+        "lets go when halted",
+        "Leave `stop` alone; clean up in `terminate`, which must neither raise nor leave a thread that commands on.",
+    ),
+    "restarting": (
+        "starts anew",
+        "Set in `initialise` everything that `update` changes; parameters are set when the skill is made, and stay.",
+    ),
+    "ending": (
+        "ends as it declares",
+        "Say it in the class: `ends = False` of a skill that never succeeds or fails, `runs = False` of one that "
+        "answers at once. Checks of trees rely on it.",
+    ),
+    "commands": (
+        "commands what it declares",
+        "Name it in `resources`, and let `resources_for` return it for these parameters.",
+    ),
+    "percepts": (
+        "reads what it declares",
+        "Make the percept's name a parameter of type `PerceptName`, so that checks see to a watchdog above it.",
+    ),
+    "snapshot": (
+        "leaves the snapshot alone",
+        "Work on a copy, `position.copy()`, or write `a = a + b` for `a += b`: all nodes of a tick see the same state.",
+    ),
+    "reasons": (
+        "says why it fails",
+        "Tell a person who was not there: `return self.fail(f'comes no nearer than {error * 100:.0f} cm')`.",
+    ),
+    "sameness": (
+        "does the same again",
+        "Take time from `self.robot.clock.now()`, random numbers from a generator made in `initialise` with a seed of "
+        "its own, and keep nothing in the class or the module.",
+    ),
+    "estop": (
+        "survives an emergency stop",
+        "Let `update` go on while the robot stands still: it waits and says for what, or gives up and says why.",
+    ),
+    "lost": (
+        "survives lost percepts",
+        "Ask `self.robot.track(name)` in every tick; it is None while the thing was never seen: "
+        "`return self.fail(self.robot.why_unseen(name))`.",
+    ),
+}
+"""Rule -> what a skill that keeps it does, and what to do about one that does not."""
+
+_MARKS: Mapping[Verdict, str] = {"passed": "✓", "failed": "✗", "not tried": "○"}
+
+
+@dataclass(frozen=True)
+class RuleResult:
+    """What came of one rule.
+
+    Attributes:
+        rule: its name.
+        verdict: passed, failed or not tried.
+        evidence: what shows it.
+    """
+
+    rule: str
+    verdict: Verdict
+    evidence: str
+
+    @property
+    def title(self) -> str:
+        """What a skill that keeps the rule does."""
+        return RULES[self.rule][0]
+
+    @property
+    def advice(self) -> str:
+        """What to do if it failed, else ""."""
+        return RULES[self.rule][1] if self.verdict == "failed" else ""
+
+
+@dataclass(frozen=True)
+class SkillCheck:
+    """What came of trying a skill against the contract.
+
+    Attributes:
+        skill: its name in trees.
+        place: where it is written.
+        rules: what came of each rule, by its name.
+    """
+
+    skill: str
+    place: str
+    rules: Mapping[str, RuleResult]
+
+    @property
+    def passed(self) -> bool:
+        """Whether it keeps every rule."""
+        return all(result.verdict == "passed" for result in self.rules.values())
+
+    @property
+    def failed(self) -> tuple[str, ...]:
+        """The rules that it breaks."""
+        return tuple(name for name, result in self.rules.items() if result.verdict == "failed")
+
+    def assert_passed(self) -> None:
+        """Fail a test unless the skill keeps every rule.
+
+        Raises:
+            AssertionError: it breaks some; all of it as text.
+        """
+        if not self.passed:
+            raise AssertionError(str(self))
+
+    def text(self, width: int | None = None) -> str:
+        """Return every rule with what shows it and what to do, in lines of at most ``width`` characters."""
+        return "\n".join(self._lines(max(width or shutil.get_terminal_size().columns, 40)))
+
+    def __str__(self) -> str:
+        return self.text()
+
+    def _lines(self, width: int) -> Iterator[str]:
+        kept = sum(result.verdict == "passed" for result in self.rules.values())
+        yield from textwrap.wrap(
+            f"{self.skill} keeps {kept} of {len(self.rules)} rules of skills ({self.place})", width
+        )
+        column = max(len(result.title) for result in self.rules.values())
+        for result in self.rules.values():
+            head = f"  {_MARKS[result.verdict]} {result.title.ljust(column)}  "
+            indent = " " * (len(head) if width >= 2 * len(head) else 6)
+            yield from textwrap.wrap(head + result.evidence, width, subsequent_indent=indent)
+            if result.advice:
+                yield from textwrap.wrap(f"→ {result.advice}", width, initial_indent=indent, subsequent_indent=indent)
