@@ -23,7 +23,7 @@ from humanoid_bt.testing.seeds import Seeds
 from humanoid_bt.testing.suite import Result, Suite
 from humanoid_bt.testing.trial import Trial
 
-_GOOD, _BAD = ("✓", "green"), ("✗", "red")
+_GOOD, _BAD, _CUT = ("✓", "green"), ("✗", "red"), ("○", "yellow")
 _MOST_SEEDS = 10
 """Most failing seeds of a scenario that are told in full."""
 
@@ -113,8 +113,10 @@ class _Teller:
         """Print what came of a scenario."""
         if self._quiet:
             return
-        (sign, color), trials = _BAD if result.failed else _GOOD, result.trials
-        count = several(len(trials), "seed")
+        (sign, color), trials = _BAD if result.failed else _GOOD if result.whole else _CUT, result.trials
+        count = several(len(trials), "seed") + (
+            "" if result.whole else f" of {len(self._suite.seeds(result.scenario))}"
+        )
         if result.failed and len(trials) > 1:
             count = f"{len(result.failed)} of {count} failed"
         simulated, taken = sum(trial.time for trial in trials), sum(trial.wall_time for trial in trials)
@@ -156,7 +158,7 @@ class _Teller:
     def summary(self, results: list[Result], interrupted: bool) -> None:
         """Print how many passed."""
         failed = [result for result in results if result.failed]
-        passed = len(results) - len(failed)
+        passed = sum(result.whole and not result.failed for result in results)
         parts = [f"{several(passed, 'scenario')} passed"] if passed or not failed else []
         parts += [f"{several(len(failed), 'scenario')} failed"] if failed else []
         if interrupted:

@@ -29,7 +29,9 @@ _STOPPED = (Mode.PROTECTIVE_STOP, Mode.EMERGENCY_STOP, Mode.DAMP)
 
 WORDS: Mapping[str, Word[Course]] = {
     "outcome": Word(
-        f"How the run ended: {', '.join(OUTCOMES)}. Before that it has no value.", TEXT, lambda run: run.end.outcome
+        f"How the run ended: {', '.join(OUTCOMES)}. Before that it has no value.",
+        TEXT,
+        lambda course: course.end.outcome,
     ),
     "reason": Word("Why it ended so; ask contains(reason, 'text').", TEXT, lambda course: course.end.reason),
     "time": Word("Time since the run began.", number("s"), lambda course: course.time),

@@ -32,7 +32,8 @@ class Conditions:
         """Return conditions that may be written as in YAML; raises UserError."""
         if isinstance(given, Conditions):
             return given
-        conditions: Conditions = read(cls, item_of(dict(given or {}), Place("conditions")), "the conditions")
+        written = dict(given) if isinstance(given, Mapping) else {} if given is None else given
+        conditions: Conditions = read(cls, item_of(written, Place("conditions")), "the conditions")
         return conditions
 
     @property

@@ -64,7 +64,10 @@ def expectation(text: str) -> Expectation:
     """
     if not isinstance(text, str) or not text.strip():
         raise UserError(f"an expectation is text, not {text!r}", hint=EXAMPLES, code="wrong-type")
-    whole = _Text(text, Place("expectation", 1, 1), 0).part(0)
+    return _of_text(_Text(text, Place("expectation", 1, 1), 0).part(0))
+
+
+def _of_text(whole: _Text) -> Expectation:
     head, rest = whole.split(_COLON)
     if rest is None:
         return AtEnd(whole.text, whole.place, whole.claim)
@@ -109,8 +112,7 @@ class _Entry(NamedTuple):
 
     def __call__(self) -> Expectation:
         if self.key is None:
-            claim = Claim.from_item(self.value, self.name)
-            return AtEnd(claim.text, claim.place, claim)
+            return _of_text(_text(self.value, self.name))
         if _kind(self.key) == "order" and isinstance(self.value.value, list):
             steps = [_text(step, "a step") for step in self.value.value]
             return _of_kind(self.key, _Text(f"[{', '.join(step.text for step in steps)}]", *self.key[1:]), steps)
@@ -132,9 +134,8 @@ def _entries(item: Item, name: str) -> Iterator[_Entry]:
 
 
 def _text(item: Item, what: str) -> _Text:
-    claim = Claim.from_item if not isinstance(item.value, str) else None
-    if claim is not None:  # a number or a boolean is a claim too; all else is refused there
-        return _Text(claim(item, what).text, item.place, None)
+    if not isinstance(item.value, str):  # a boolean is a claim too; what is none is refused there
+        return _Text(Claim.from_item(item, what).text, item.place, None)
     return _Text(item.value, item.place, item.text_at).part(0)
 
 

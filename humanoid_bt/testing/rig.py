@@ -34,7 +34,6 @@ from humanoid_bt.testing.check_skill_result import SkillCheck
 from humanoid_bt.testing.check_skill_rules import tried
 from humanoid_bt.testing.conditions import Conditions
 from humanoid_bt.testing.events import Event
-from humanoid_bt.testing.faults import See
 from humanoid_bt.testing.stage import Stage
 from humanoid_bt.testing.tree_run import TreeRun, Watcher
 from humanoid_bt.tree.node import Node
@@ -297,7 +296,7 @@ class Rig:
         stage = self._stages.get((where, dry))
         if stage is None:
             stage = self._stages[where, dry] = Stage(self.workspace, self._robot_name, where, dry)
-        seen = [Event(at=0.0, see=See(percept=name, position=place)) for name, place in (percepts or {}).items()]
+        seen = [_seen(name, position) for name, position in (percepts or {}).items()]
         return stage.run(
             tree,
             seed=seed,
@@ -367,6 +366,13 @@ class Rig:
             state, percepts = self._sense()
             self._robot.begin_tick(state, percepts)
             self._advance(self._robot.release_all())
+
+
+def _seen(name: str, position: Any) -> Event:
+    """Return the event with which a thing is seen at a position from the beginning; raises UserError if it is none."""
+    written = position.tolist() if isinstance(position, np.ndarray) else position
+    place = Place(f"the percept {name!r}")
+    return Event.from_item(item_of({"at": 0, "see": {"percept": name, "position": written}}, place))
 
 
 class _Tried:

@@ -13,6 +13,7 @@ from humanoid_bt.core.items import Item
 from humanoid_bt.core.params import param
 from humanoid_bt.core.reading import read
 from humanoid_bt.files import document
+from humanoid_bt.files.reading import is_file
 from humanoid_bt.testing.conditions import Conditions
 from humanoid_bt.testing.events import Event
 from humanoid_bt.testing.expectation import Within
@@ -96,8 +97,15 @@ def load_scenario(path: Path) -> Scenario:
     """
     item = document.load(path)
     scenario: Scenario = read(Scenario, item, "the scenario")
-    beside = {name: _beside(path, stand_in) for name, stand_in in scenario.replace.items()}
-    return dataclasses.replace(scenario, replace=beside, path=path, item=item)
+    beside: dict[str, Any] = {key: _file(path, getattr(scenario, key)) for key in ("tree", "robot", "scene")}
+    beside["replace"] = {name: _beside(path, stand_in) for name, stand_in in scenario.replace.items()}
+    return dataclasses.replace(scenario, **beside, path=path, item=item)
+
+
+def _file(path: Path, name: str | None) -> str | None:
+    """Return the file that a path in a scenario's file names, beside that one if there is one, else the name."""
+    beside = path.parent / (name or "")
+    return str(beside) if name and "/" in name and is_file(beside) else name
 
 
 def _beside(path: Path, stand_in: Replacement) -> Replacement:

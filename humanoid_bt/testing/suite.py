@@ -31,10 +31,12 @@ class Result:
     Attributes:
         scenario: it.
         trials: its seeds, in their order.
+        whole: whether all of them were tried.
     """
 
     scenario: Scenario
     trials: tuple[Trial, ...]
+    whole: bool = True
 
     @property
     def failed(self) -> list[Trial]:
@@ -93,12 +95,17 @@ class Suite:
         Raises:
             UserError: a scenario has mistakes that show only when it runs.
             HumanoidBtError: a process has died.
+            KeyboardInterrupt: Ctrl-C, after what came of the seeds of a scenario that were tried before it.
         """
         runs = self._in_processes(jobs) if jobs > 1 and self.total > 1 else self._here()
         for scenario in self.scenarios:
             trials: list[Trial] = []
             for _ in self.seeds(scenario):
-                trials.append(next(runs))
+                try:
+                    trials.append(next(runs))
+                except KeyboardInterrupt:
+                    yield Result(scenario, tuple(trials), whole=False)
+                    raise
                 if progress is not None:
                     progress(scenario, trials[-1])
             failed = [index for index, trial in enumerate(trials) if not trial.passed]

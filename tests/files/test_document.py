@@ -76,6 +76,7 @@ def test_kinds_in_words() -> None:
         ("a: &a {<<: *a}", "f.yaml:1:4", "an alias refers to a value that contains it"),
         ("a: {<<: 3}", "f.yaml:1:9", "only mappings can be merged"),
         ("a: *nothing", "f.yaml:1:4", "plain text cannot begin with '*'"),
+        ("a: {b: c, d\ufeff [1, 2]}", "f.yaml:1:13", "not valid YAML: while parsing a flow mapping"),
         ("a: !!python/object/apply:os.system [ls]", "f.yaml:1:4", "the tag '!!python/object/apply:os.system'"),
         ("a: !mine x", "f.yaml:1:4", "the tag '!mine' is not supported"),
         ("a: !!set {x}", "f.yaml:1:4", "the tag '!!set' is not supported"),

@@ -100,6 +100,7 @@ def test_percepts_are_noisier_by_a_factor_with_the_same_random_numbers(dry):
     ("conditions", "message"),
     [
         ({"frict": 1}, "did you mean 'friction'"),
+        ("ice", "the conditions must be a mapping, not text"),
         ({"payload": "3 m"}, "'payload' has the unit 'm'"),
         ({"drives": -1}, "'drives' must be >= 0"),
     ],

@@ -66,7 +66,7 @@ def test_a_whole_file_is_read(folder: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    "expect", ["fell", "[fell]", "{never: fell}", "[never: fell, order: 'idle, approach']", "true"]
+    "expect", ["fell", "[fell]", "{never: fell}", "['never: fell']", "[never: fell, order: 'idle, approach']", "true"]
 )
 def test_what_is_expected_may_be_one_thing_or_more(folder: Path, expect: str) -> None:
     checked_scenario(write(folder, f"format: 1\ntree: fetch\nexpect: {expect}\n"), Workspace(folder))
@@ -153,6 +153,34 @@ def test_all_mistakes_are_told_in_one_round(folder: Path) -> None:
     text = WHOLE.replace("[fell,", "[fel,").replace("aproach", "aproch").replace("idle,", "idel,")
     problems = check(str(write(folder, text)))
     assert [problem.place.line for problem in problems if problem.place] == [17, 18]
+
+
+def test_a_fault_without_parameters_has_its_defaults(folder: Path) -> None:
+    text = "format: 1\ntree: stand\nexpect: fell\nscript:\n  - {at: 1 s, estop: }\n  - {at: 2 s, reset: {}}\n"
+    scenario = checked_scenario(write(folder, text), Workspace(folder))
+    assert [event.name for event in scenario.script] == ["estop", "reset"]
+
+
+@pytest.mark.parametrize(
+    ("event", "message"),
+    [
+        ("{at: 1 s, lose: }", "4:25: error: the key 'percept' of 'lose' is missing"),
+        ("{at: , estop: }", "4:10: error: an event happens at a time or when something becomes true"),
+        ("{when: }", "4:10: error: an event happens at a time or when something becomes true"),
+    ],
+)
+def test_what_an_event_lacks_is_told(folder: Path, event: str, message: str) -> None:
+    with pytest.raises(UserError) as raised:
+        checked_scenario(write(folder, f"format: 1\ntree: fetch\nexpect: fell\nscript: [{event}]\n"), Workspace(folder))
+    assert message in str(raised.value)
+
+
+def test_files_are_looked_for_beside_it(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (folder / "odd").mkdir()
+    (folder / "odd" / "tree.yaml").write_text("format: 1\nroot: {emergency_stop: idle}\n", encoding="utf-8")
+    path = write(folder, "format: 1\ntree: ../odd/tree.yaml\nexpect: idle runs\n")
+    monkeypatch.chdir(folder.parent)
+    checked_scenario(path, Workspace(folder))
 
 
 def test_mistakes_of_its_tree_are_told_in_the_tree(folder: Path) -> None:

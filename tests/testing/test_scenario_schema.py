@@ -25,7 +25,7 @@ _SEEN = (
     "no tree",
     "nothing expected",
     "a stand-in",
-    "no seeds",
+    "seeds of another kind",
 )
 """Of the mistakes those that a schema can know."""
 
