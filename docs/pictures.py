@@ -38,7 +38,7 @@ from humanoid_bt.robot.model import RobotModel
 from humanoid_bt.session.run import run
 from humanoid_bt.session.session import Session
 from humanoid_bt.session.teller import Listener
-from humanoid_bt.testing.coverage import counting, coverage_in, tree_coverage
+from humanoid_bt.testing.coverage import counting, coverage_in, tree_coverage, tree_files
 from humanoid_bt.testing.coverage_page import page
 from humanoid_bt.testing.rig import Rig
 
@@ -248,7 +248,8 @@ def coverage(path: Path) -> None:
         run("fetch", workspace=builtin_root())
         page_file = folder / "coverage.html"
         os.chdir(builtin_root())
-        page_file.write_text(page(tree_coverage(coverage_in(folder), ["fetch", "stand"], builtin_root())), "utf-8")
+        files = tree_files(["fetch", "stand"], builtin_root())
+        page_file.write_text(page(tree_coverage(coverage_in(folder), files)), "utf-8")
         size = f"--window-size={COVERAGE_SIZE[0]},{COVERAGE_SIZE[1]}"
         options = ["--headless", "--no-sandbox", "--disable-gpu", "--hide-scrollbars", size, f"--screenshot={path}"]
         subprocess.run(["chromium", *options, page_file.as_uri()], check=True, stderr=subprocess.DEVNULL)

@@ -8,13 +8,14 @@ from pathlib import Path
 
 from humanoid_bt.cli.output import width
 from humanoid_bt.session.report import ExitCode
-from humanoid_bt.testing.coverage import coverage_in, tree_coverage, write
+from humanoid_bt.testing.coverage import coverage_in, tree_coverage, tree_files, write
 from humanoid_bt.testing.coverage_page import page
 
 
 def coverage(arguments: argparse.Namespace) -> int:
     """Show what was tried, and write it if asked to; return the exit code."""
-    report = tree_coverage(coverage_in(*arguments.data), arguments.trees, arguments.workspace or Path.cwd())
+    files = tree_files(arguments.trees, arguments.workspace or Path.cwd())
+    report = tree_coverage(coverage_in(*arguments.data), files)
     print(report.text(width()))
     if arguments.html is not None:
         write(arguments.html, page(report))

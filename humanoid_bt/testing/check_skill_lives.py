@@ -26,7 +26,7 @@ from humanoid_bt.tree.node_type import NodeType
 from humanoid_bt.tree.ticking.executor import Executor, NodeError
 from humanoid_bt.tree.tree import Tree
 
-LONGEST = 2.0
+LONGEST = 5.0
 """Time [s] after which a tick is taken for one that never ends."""
 
 _PAUSE = 0.02  # s for threads

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 import shutil
 import tempfile
@@ -70,7 +71,7 @@ def write(path: Path, text: str) -> None:
         write_whole(path, text.encode())
     except OSError as error:
         hint = "valid: a file in a folder that is there and that you may write"
-        raise UserError(f"{str(path)!r} cannot be written: {error.strerror}", hint=hint) from error
+        raise UserError(f"{relative(path)!r} cannot be written: {error.strerror}", hint=hint) from error
 
 
 @dataclass(frozen=True)
@@ -97,14 +98,19 @@ class TreeCoverage:
 
     @property
     def percent(self) -> float:
-        """The same in percent: 100 only if nothing is missing."""
+        """The same in percent."""
         return percent(self.seen, self.possible) if not self.problems else 0.0
+
+    @property
+    def shown(self) -> str:
+        """The same for people: 100 only if nothing is missing."""
+        return f"{math.floor(self.percent * 10) / 10:g}"
 
     def missed(self, least: float) -> str:
         """Return that less was tried than so many percent, for people; "" if it was not."""
         if self.problems or self.percent >= least:
             return self.problems[0] if self.problems else ""
-        return f"{self.percent:.1f} % of what nodes can do was tried, less than {least:g} %"
+        return f"{self.shown} % of what nodes can do was tried, less than {least:g} %"
 
     def to_json(self) -> str:
         """Return it as text that :meth:`Coverage.read` reads again."""
@@ -137,23 +143,44 @@ class TreeCoverage:
                     yield from textwrap.wrap(text, width, initial_indent=head, subsequent_indent=" " * len(head))
         if len(self.files) != 1:
             yield _row("all", column, self.seen, self.possible)
-        for problem in self.problems:
-            yield from textwrap.wrap(problem, width, subsequent_indent="    ")
+        for line in "\n".join(self.problems).splitlines():
+            yield from textwrap.wrap(line, width, subsequent_indent="    ")
 
 
-def tree_coverage(counted: Coverage, paths: Sequence[str], root: Path) -> TreeCoverage:
-    """Return what of tree files was tried.
+def tree_files(paths: Sequence[str], root: Path) -> list[Path]:
+    """Return the tree files that are meant, without links, in the order of their names.
 
     Args:
-        counted: what was counted. Of files that have changed since then nothing was.
         paths: tree files, folders of them, or names of trees; none: all trees of the workspace.
         root: the workspace.
 
     Raises:
         UserError: there is no such file, or none in a folder.
     """
+    found: dict[Path, None] = {}
+    workspace = Workspace(root)
+    for name in paths or [str(workspace.root)]:
+        folder = Path(name)
+        if not folder.is_dir():
+            found[resolved(workspace.find_tree(name))] = None
+            continue
+        inside = [path for path in yaml_files(folder) if "sim" not in path.relative_to(folder).parts]
+        if not inside:
+            hint = "valid: a tree's file or name, or a folder with trees"
+            raise UserError(f"there are no tree files in {name!r}", hint=hint, code="no-file")
+        found |= dict.fromkeys(map(resolved, inside))
+    return sorted(found)
+
+
+def tree_coverage(counted: Coverage, paths: Iterable[Path]) -> TreeCoverage:
+    """Return what of tree files was tried.
+
+    Args:
+        counted: what was counted. Of files that have changed since then nothing was.
+        paths: the files, without links.
+    """
     files, problems = [], []
-    for path in _tree_files(paths, Workspace(root)):
+    for path in paths:
         whole, digest = Coverage(), digest_of(path)
         try:
             whole.add(load_tree(path, Workspace.of_tree(path)))  # all its nodes, run or not
@@ -181,19 +208,3 @@ def never(node: NodeCoverage) -> str:
 def _row(name: str, column: int, seen: int, possible: int) -> str:
     share = int(percent(seen, possible))  # 99.9 is not yet 100
     return f"{name:<{column}}  {f'{seen}/{possible}':>9}  {share:>3} %"
-
-
-def _tree_files(paths: Iterable[str], workspace: Workspace) -> list[Path]:
-    """Return the tree files that are meant, without links, in the order of their names."""
-    found: dict[Path, None] = {}
-    for name in paths or [str(workspace.root)]:
-        folder = Path(name)
-        if not folder.is_dir():
-            found[resolved(workspace.find_tree(name))] = None
-            continue
-        inside = [path for path in yaml_files(folder) if "sim" not in path.relative_to(folder).parts]
-        if not inside:
-            hint = "valid: a tree's file or name, or a folder with trees"
-            raise UserError(f"there are no tree files in {name!r}", hint=hint, code="no-file")
-        found |= dict.fromkeys(map(resolved, inside))
-    return sorted(found)

@@ -98,11 +98,10 @@ $files
 
 def page(coverage: TreeCoverage) -> str:
     """Return what was tried as an HTML page that needs nothing else."""
-    whole = f"{coverage.percent:.1f}".removesuffix(".0")
     problems = "".join(f'<p class="problem">{escape(problem)}</p>\n' for problem in coverage.problems)
     legend = [f"{_mark(deed, True)} {deed}" for deed in _GLYPHS]
     return _PAGE.substitute(
-        percent=whole,
+        percent=coverage.shown,
         share=f"{coverage.percent:.2f}",
         seen=coverage.seen,
         possible=coverage.possible,

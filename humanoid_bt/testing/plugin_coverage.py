@@ -34,12 +34,10 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 def pytest_configure(config: pytest.Config) -> None:
     """Begin to count, if it is asked for; tests that run in other processes count too."""
-    if hasattr(config, "workerinput"):
-        config.pluginmanager.register(_Worker(), "humanoid_bt_tree_coverage")
-    elif any(
-        config.getoption(f"tree_coverage{name}") not in (None, []) for name in ("", "_fail_under", "_html", "_json")
-    ):
-        config.pluginmanager.register(_Counter(config), "humanoid_bt_tree_coverage")
+    options = (config.getoption(f"tree_coverage{name}") for name in ("", "_fail_under", "_html", "_json"))
+    if any(option not in (None, []) for option in options):
+        counts = _Worker() if hasattr(config, "workerinput") else _Counter(config)
+        config.pluginmanager.register(counts, "humanoid_bt_tree_coverage")
 
 
 def _percent(text: str) -> float:
@@ -68,9 +66,18 @@ class _Counter:
     """Counts in the process that the user has started, and reports."""
 
     def __init__(self, config: pytest.Config) -> None:
-        from humanoid_bt.testing.coverage import counting
+        from humanoid_bt.core.errors import UserError
+        from humanoid_bt.testing.coverage import counting, tree_files
 
-        self._config = config
+        paths = [path for path in config.getoption("tree_coverage") if path]
+        try:
+            self._files = tree_files(paths, _workspace(config))
+        except UserError as error:
+            raise pytest.UsageError(f"--tree-coverage: {_told(error)}") from error
+        here = config.invocation_params.dir
+        self._html, self._json = (
+            path and here / path for path in map(config.getoption, ("tree_coverage_html", "tree_coverage_json"))
+        )
         self._least: float | None = config.getoption("tree_coverage_fail_under")
         self._stack = ExitStack()
         self._folder = self._stack.enter_context(counting())
@@ -84,12 +91,11 @@ class _Counter:
         from humanoid_bt.testing.coverage import coverage_in, save, tree_coverage
 
         save()
-        paths = [path for path in self._config.getoption("tree_coverage") if path]
         try:
-            self._report = tree_coverage(coverage_in(self._folder), paths, self._workspace())
+            self._report = tree_coverage(coverage_in(self._folder), self._files)
             self._write(self._report)
         except UserError as error:
-            self._problem = str(error)
+            self._problem = _told(error)
         else:
             self._problem = self._report.missed(self._least) if self._least is not None else ""
         if self._problem and session.exitstatus == pytest.ExitCode.OK:
@@ -111,14 +117,19 @@ class _Counter:
         from humanoid_bt.testing.coverage import write
         from humanoid_bt.testing.coverage_page import page
 
-        html, data = (self._config.getoption(f"tree_coverage_{kind}") for kind in ("html", "json"))
-        if html is not None:
-            write(html, page(report))
-        if data is not None:
-            write(data, report.to_json())
+        if self._html is not None:
+            write(self._html, page(report))
+        if self._json is not None:
+            write(self._json, report.to_json())
 
-    def _workspace(self) -> Path:
-        from humanoid_bt.files.workspace import workspace_above
 
-        root, named = self._config.rootpath, self._config.getini("humanoid_bt_workspace")
-        return root / named if named else workspace_above(root) or root
+def _told(error: Exception) -> str:
+    """Return what is wrong, to be put behind a word that says so."""
+    return str(error).removeprefix("error: ")
+
+
+def _workspace(config: pytest.Config) -> Path:
+    from humanoid_bt.files.workspace import workspace_above
+
+    root, named = config.rootpath, config.getini("humanoid_bt_workspace")
+    return root / named if named else workspace_above(root) or root
