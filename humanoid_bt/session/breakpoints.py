@@ -100,7 +100,7 @@ class ExpressionBreak:
 
     def find(self, tree: Tree) -> None:
         """Look up what it asks for; raises UserError."""
-        self._expression.link(_NamesOf(tree))
+        self._expression.link(NamesOf(tree))
         for name in self._expression.percepts:
             if name not in self._percepts:
                 hint = nearest(name, self._percepts) or "it publishes none"
@@ -150,7 +150,7 @@ def _breakpoint(text: str, tree: Tree, percepts: Collection[str]) -> Breakpoint:
             message = f"{text!r} pauses at no status of a node: {at_status['status']!r}"
             raise UserError(message, hint=nearest(status, STATUSES), code="wrong-choice")
         return NodeBreak(text, at_status["node"].strip(), STATUSES[status])
-    names = _NamesOf(tree)
+    names = NamesOf(tree)
     if any(f"/{node.path}".endswith(f"/{text}") for node in tree.nodes):
         return NodeBreak(text, text, None)
     if _NODE.fullmatch(text) and not set(re.findall(r"\w+", text)) & {"and", "or", "not", *names.known}:
@@ -162,7 +162,7 @@ def _place() -> Place:
     return Place("breakpoint", 1, 1)
 
 
-class _NamesOf:
+class NamesOf:
     """What names mean in an expression that is asked of a tree from outside.
 
     Args:

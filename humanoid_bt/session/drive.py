@@ -20,6 +20,7 @@ from humanoid_bt.record.folder import report_beside
 from humanoid_bt.session.debugger import Debugger
 from humanoid_bt.session.edits import Edits
 from humanoid_bt.session.ending import Ending
+from humanoid_bt.session.engine import Engine
 from humanoid_bt.session.interrupt import WholeTick
 from humanoid_bt.session.loader import TreeLoader
 from humanoid_bt.session.loop import Loop
@@ -47,6 +48,7 @@ class Drive:
         workspace: where names are looked up.
         listener: who is told what happens.
         recorder: takes what would be recorded, instead of a recorder that writes it as the options say.
+        engine: what is loaded already and stands at the start; None to load what the options name.
 
     Attributes:
         engine: control, plant and perception.
@@ -63,18 +65,22 @@ class Drive:
     """
 
     def __init__(
-        self, options: RunOptions, workspace: Workspace, listener: Listener, recorder: RunRecorder | None = None
+        self,
+        options: RunOptions,
+        workspace: Workspace,
+        listener: Listener,
+        recorder: RunRecorder | None = None,
+        engine: Engine | None = None,
     ) -> None:
         self._options, self._listener = options, listener
         self._recorder: RunRecorder | None = recorder or new_recorder(options)
         loader = TreeLoader(options, workspace)
         self._files = loader.robot, loader.scene
         self._watch = Watch(Edits(loader, self._prepare)) if options.watch else None
-        scene = Scene(load_scene(loader.scene), options.seed)
         if options.numbered:
             make_folder()
         options.sinks.check()
-        self.engine = new_engine(options, loader.robot, scene, loader.first.name)
+        self.engine = engine or _engine(options, loader)
         self._teller = Teller(listener, self.engine, options.parameters)
         self.debugger = Debugger(self._teller)
         self.runner = TreeRunner(self._prepare(loader.first))
@@ -233,3 +239,9 @@ class Drive:
         if self._pace.speed is None and sinks.live and self._options.mode == "lockstep":
             self._pace.speed = 1.0
         return sinks.live
+
+
+def _engine(options: RunOptions, loader: TreeLoader) -> Engine:
+    """Return what a run needs below its tree, loaded for it."""
+    scene = Scene(load_scene(loader.scene), options.seed)
+    return new_engine(options, loader.robot, scene, loader.first.name)

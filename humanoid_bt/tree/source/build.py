@@ -4,17 +4,18 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from keyword import iskeyword
 
 from py_trees.behaviour import Behaviour
 from py_trees.behaviours import Dummy
 
-from humanoid_bt.core.errors import Problem
+from humanoid_bt.core.errors import Problem, UserError
 from humanoid_bt.decision.skill_files import class_file, place_in_file
 from humanoid_bt.tree.draft import Draft
 from humanoid_bt.tree.node import Node
 from humanoid_bt.tree.nodes.subtree import SubTree
+from humanoid_bt.tree.tree import Tree
 
 
 def build(root: Draft, tree_name: str, problems: list[Problem]) -> tuple[Node, ...]:
@@ -29,6 +30,25 @@ def build(root: Draft, tree_name: str, problems: list[Problem]) -> tuple[Node, .
     if make(root, made, problems) is None:
         return ()
     return collect(root, tree_name, made)
+
+
+def remade(tree: Tree, root: Draft) -> Tree:
+    """Return a tree whose nodes are made anew, as if its file had been loaded once more.
+
+    Args:
+        tree: it; its keys are those of the new one too, and have their initial values again.
+        root: its draft, or another in its place.
+
+    Raises:
+        UserError: a skill's constructor raised an exception this time.
+    """
+    problems: list[Problem] = []
+    nodes = build(root, tree.name, problems)
+    if problems:
+        raise UserError(problems)
+    for key in tree.keys:
+        key.reset()
+    return replace(tree, nodes=nodes)
 
 
 def sketch(root: Draft, tree_name: str) -> tuple[Node, ...]:
