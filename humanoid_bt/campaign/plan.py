@@ -41,6 +41,7 @@ class Plan:
         events: what happens in every trial, as its file has it.
         description: one line for people.
         files: digest of each file that what is run depends on, by path.
+        workspace: where names are looked up, "" for the working directory.
     """
 
     name: str
@@ -52,6 +53,7 @@ class Plan:
     events: tuple[Mapping[str, Any], ...] = ()
     description: str = ""
     files: Mapping[str, str] = field(default_factory=dict)
+    workspace: str = ""
 
     def __post_init__(self) -> None:
         if len(self) > MOST:

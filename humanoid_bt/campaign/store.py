@@ -166,7 +166,7 @@ def _changes(before: dict[str, Any], after: dict[str, Any]) -> Iterator[str]:
         if name == "files":
             changed = {path for path in (*before[name], *after[name]) if before[name].get(path) != after[name].get(path)}
             yield from (f"{path} has changed" for path in sorted(changed))
-        elif name not in ("name", "description") and before[name] != after[name]:
+        elif name not in ("name", "description", "workspace") and before[name] != after[name]:
             yield f"its {name} are others" if name.endswith("s") else f"its {name} is another"
 
 
