@@ -9,12 +9,12 @@ from typing import Protocol
 
 from humanoid_bt.campaign.causes import Cause, causes
 from humanoid_bt.campaign.result import Explained
-from humanoid_bt.campaign.store import Store
+from humanoid_bt.campaign.store import RECORDINGS, Store
 from humanoid_bt.campaign.summary import Summary
 from humanoid_bt.campaign.table import Row, Table
 from humanoid_bt.campaign.trial import Task
 from humanoid_bt.campaign.workers import Done
-from humanoid_bt.core.errors import UserError
+from humanoid_bt.core.errors import UserError, relative
 
 
 class Runners(Protocol):
@@ -60,7 +60,7 @@ def conduct(store: Store, runners: Runners, recordings: int, progress: Progress)
         return
     progress.explaining(len(again))
     before = {row.trial.number: row.result for row in again}
-    for done in runners.run([Task(row.trial, _recording(store, row)) for row in again]):
+    for done in runners.run([Task(row.trial, recording_of(store.folder, row)) for row in again]):
         number = done.task.trial.number
         explained = done.explained or Explained("", done.result.reason)
         store.explain(number, replace(explained, same=done.result == before[number]))
@@ -93,8 +93,15 @@ def _chosen(cause: Cause, recordings: int) -> tuple[Row, ...]:
     return cause.rows[:recordings] if cause.can_be_recorded else ()
 
 
-def _recording(store: Store, row: Row) -> str:
-    """Return where a trial is recorded; nothing is there yet."""
-    file: Path = store.recordings / f"{row.trial.number:06}-{row.trial.id}.rrd"
-    file.unlink(missing_ok=True)
+def recording_of(folder: Path, row: Row) -> str:
+    """Return where a trial of the campaign in a folder is recorded; nothing is there yet.
+
+    Raises:
+        UserError: what is there cannot be removed.
+    """
+    file = folder / RECORDINGS / f"{row.trial.number:06}-{row.trial.id}.rrd"
+    try:
+        file.unlink(missing_ok=True)
+    except OSError as error:
+        raise UserError(f"{relative(file)!r} cannot be recorded anew: {error.strerror}") from error
     return str(file.absolute())

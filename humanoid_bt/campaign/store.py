@@ -20,7 +20,8 @@ from humanoid_bt.files.whole import write_whole
 
 RESULTS, COSTS = "results.csv", "wall_clock.csv"
 _ABOUT, _JOURNAL, _EXPLAINED = "campaign.json", "journal.jsonl", "explained.jsonl"
-_LOGS, _RECORDINGS = "workers", "recordings"
+RECORDINGS = "recordings"
+_LOGS = "workers"
 
 
 class Store:
@@ -62,7 +63,7 @@ class Store:
     @property
     def recordings(self) -> Path:
         """Where recordings of failures are."""
-        return self.folder / _RECORDINGS
+        return self.folder / RECORDINGS
 
     @property
     def results(self) -> Mapping[int, Result]:
@@ -148,7 +149,7 @@ def _refuse(folder: Path, plan: Plan, resume: bool) -> None:
     """See that nothing else is in a folder than the campaign that goes on."""
     there = _plan(folder)
     if there is None:
-        if folder.is_dir() and any(path.name not in (_JOURNAL, _EXPLAINED, _LOGS, _RECORDINGS) for path in folder.iterdir()):
+        if folder.is_dir() and any(path.name not in (_JOURNAL, _EXPLAINED, _LOGS, RECORDINGS) for path in folder.iterdir()):
             raise UserError(f"{relative(folder)!r} is there already and holds no campaign", hint="choose another --out")
         if resume and not folder.is_dir():
             raise UserError(f"there is no campaign in {relative(folder)!r} to resume", hint="begin it without --resume")

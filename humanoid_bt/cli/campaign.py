@@ -14,7 +14,6 @@ from types import FrameType
 from typing import NoReturn
 
 from humanoid_bt.campaign.conduct import conduct, summary
-from humanoid_bt.campaign.journal import Unwritable
 from humanoid_bt.campaign.plan import Plan
 from humanoid_bt.campaign.planning import Planned, planned
 from humanoid_bt.campaign.report_html import html
@@ -30,7 +29,7 @@ from humanoid_bt.cli.campaign_given import campaign_given, workspace_given
 from humanoid_bt.cli.campaign_progress import CampaignProgress, duration
 from humanoid_bt.cli.console import SafeConsole
 from humanoid_bt.cli.output import hanging, print_lines
-from humanoid_bt.core.errors import UserError, relative
+from humanoid_bt.core.errors import HumanoidBtError, UserError, relative
 from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.session.options import RUNS
 from humanoid_bt.session.report import ExitCode, aligned
@@ -66,14 +65,15 @@ def _run(arguments: argparse.Namespace) -> int:
         began, interrupted = time.monotonic(), False
         workers = _workers(arguments, given.time_limit, store, workspace)
         try:
-            with _interruptions(), _progress(console, arguments, store) as progress:
-                conduct(store, workers, given.recordings, progress)
-        except KeyboardInterrupt:
-            interrupted = True
-        except Unwritable as error:
-            _kept(store, f"error: {error}")
-            return ExitCode.ERROR
-        code = _told(console, arguments, found, store, time.monotonic() - began)
+            try:
+                with _interruptions(), _progress(console, arguments, store) as progress:
+                    conduct(store, workers, given.recordings, progress)
+            except KeyboardInterrupt:
+                interrupted = True
+            code = _told(console, arguments, found, store, time.monotonic() - began)
+        except HumanoidBtError as error:
+            _kept(store, "not done")
+            raise
         if interrupted:
             _kept(store, "interrupted")
     return ExitCode.INTERRUPTED if interrupted else code
@@ -139,8 +139,8 @@ def _print(console: SafeConsole, said: Summary, verdicts: Sequence[Verdict], sto
 
 def _kept(store: Store, why: str) -> None:
     """Say what is kept of a campaign that is not done."""
-    done, of = len(store.results), len(store.plan)
-    print(f"{why}: {done} of {of} trials are kept; go on with --out {relative(store.folder)} --resume", file=sys.stderr)
+    kept = f"{len(store.results)} of {len(store.plan)} trials are kept"
+    print(f"{why}: {kept}; the same command with --out {relative(store.folder)} --resume goes on", file=sys.stderr)
 
 
 @contextmanager
