@@ -111,13 +111,13 @@ if TYPE_CHECKING:
     from humanoid_bt.review.recording import open_recording as open_recording
     from humanoid_bt.review.replay import Replay as Replay
     from humanoid_bt.review.replay import replay as replay
-    from humanoid_bt.session.prepare import check as check
     from humanoid_bt.session.prepare import load as load
     from humanoid_bt.session.prepare import skills as skills
     from humanoid_bt.session.report import Report as Report
     from humanoid_bt.session.run import run as run
     from humanoid_bt.session.session import Session as Session
     from humanoid_bt.session.teller import Listener as Listener
+    from humanoid_bt.testing.check_files import check as check
     from humanoid_bt.testing.conditions import Conditions as Conditions
     from humanoid_bt.testing.events import Event as Event
     from humanoid_bt.testing.rig import Rig as Rig
@@ -137,7 +137,8 @@ if TYPE_CHECKING:
     from humanoid_bt.tree.tree import Tree as Tree
 else:
     _HOMES = {
-        "humanoid_bt.session.prepare": "check load skills",
+        "humanoid_bt.session.prepare": "load skills",
+        "humanoid_bt.testing.check_files": "check",
         "humanoid_bt.decision.blackboard": "Key",
         "humanoid_bt.core.errors": "HumanoidBtError Place Problem UserError",
         "humanoid_bt.core.geometry": "rotation_matrix",

@@ -1,4 +1,4 @@
-"""``humanoid-bt schema``: a JSON Schema of tree files for editors."""
+"""``humanoid-bt schema``: JSON Schemas of tree files and of scenario files, for editors."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ import json
 from humanoid_bt.core.errors import UserError
 from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.session.report import ExitCode
+from humanoid_bt.testing.scenario_schema import scenario_schema
 from humanoid_bt.tree.nodes.registry import Registry
 from humanoid_bt.tree.source.load import subtree_types
 from humanoid_bt.tree.source.schema import tree_schema
@@ -16,8 +17,12 @@ from humanoid_bt.tree.source.schema import tree_schema
 def schema(arguments: argparse.Namespace) -> int:
     """Print the schema, or write it to a file."""
     workspace = Workspace(arguments.workspace)
-    registry = Registry.of(workspace)
-    text = json.dumps(tree_schema(registry, subtree_types(workspace, registry)), indent=1)
+    if arguments.of == "scenarios":
+        made, told = scenario_schema(workspace), "scenarios"
+    else:
+        registry = Registry.of(workspace)
+        made, told = tree_schema(registry, subtree_types(workspace, registry)), f"{len(registry)} node types"
+    text = json.dumps(made, indent=1)
     if arguments.output is None:
         print(text)
         return ExitCode.SUCCESS
@@ -26,5 +31,5 @@ def schema(arguments: argparse.Namespace) -> int:
         arguments.output.write_text(text + "\n", encoding="utf-8")
     except OSError as error:
         raise UserError(f"the schema cannot be written to {str(arguments.output)!r}: {error.strerror}") from error
-    print(f"{arguments.output}: {len(registry)} node types")
+    print(f"{arguments.output}: {told}")
     return ExitCode.SUCCESS

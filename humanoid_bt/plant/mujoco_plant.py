@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
 
 import mujoco
 import numpy as np
@@ -54,8 +53,8 @@ class MujocoPlant:
         self._qpos, self._qvel, self._torque = data.qpos[: self._nq], data.qvel[: self._nv], data.actuator_force
         self._feet = [data.sensor(foot_sensor(side)).data[2:] for side in SIDES]
         self._stiffness, self._damping = robot.stiffness, robot.damping
-        self._strength = np.ones(joints)  # what each drive gives of the torque that it is asked for
         self._drives, self._payload = 1.0, 0.0
+        self._strength = np.ones(joints)  # what each drive gives of the torque that it is asked for
         self._friction, self._mass = self.model.geom_friction.copy(), self.model.body_mass.copy()
         self._command: JointCommand | None = None  # which the drives have
         self._pushes: dict[int, tuple[float, Array]] = {}
@@ -78,7 +77,7 @@ class MujocoPlant:
         """
         x, y, heading = self.scene.start_pose
         self._stiffness, self._damping = self.robot.stiffness, self.robot.damping
-        self.weaken(range(len(self._strength)), self._drives)
+        self.set_strength(np.ones(len(self.robot.joint_names)))
         mujoco.mj_resetData(self.model, self.data)
         start = qpos.copy()
         cos, sin = math.cos(heading), math.sin(heading)
@@ -153,15 +152,13 @@ class MujocoPlant:
             mujoco.mj_setConst(self.model, self.data)
         self._drives = drives
 
-    def weaken(self, joints: Iterable[int], strength: float) -> None:
-        """Let the drives of some joints give a part of the torque that they are asked for, and of the largest.
+    def set_strength(self, strength: Array) -> None:
+        """Let drives give a part of the torque that they are asked for, and of the largest, until :meth:`place`.
 
         Args:
-            joints: their numbers, in the robot's order.
-            strength: that part; 1 for a drive that is as it should be.
+            strength: that part of each, shape (nj,); 1 for a drive that is as it should be.
         """
-        which = list(joints)
-        self._strength[which] = strength
+        self._strength = self._drives * strength
         limits = self._strength * self.robot.torque_limit
         self.model.actuator_forcerange[:, 0], self.model.actuator_forcerange[:, 1] = -limits, limits
         self.model.actuator_gainprm[:, 0] = self._strength

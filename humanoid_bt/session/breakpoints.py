@@ -112,12 +112,16 @@ class ExpressionBreak:
 
     def ticked(self, robot: Robot) -> Pause | None:
         """Pause when it is true and was not before; what was never seen, or has no value, is not true."""
-        try:
-            holds = bool(self._expression.evaluate(robot))
-        except (Unseen, HumanoidBtError, TypeError, ArithmeticError):
-            holds = False
-        before, self._held = self._held, holds
-        return Pause(f"break at {self.text}", self._expression.explain()) if holds and not before else None
+        before, self._held = self._held, holds(self._expression, robot)
+        return Pause(f"break at {self.text}", self._expression.explain()) if self._held and not before else None
+
+
+def holds(expression: Truth, robot: Robot) -> bool:
+    """Return whether an expression is true; what was never seen, or has no value, is not."""
+    try:
+        return bool(expression.evaluate(robot))
+    except (Unseen, HumanoidBtError, TypeError, ArithmeticError):
+        return False
 
 
 def breakpoint_at(text: str, tree: Tree, percepts: Collection[str]) -> Breakpoint:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping
-from contextlib import ExitStack, nullcontext, suppress
+from contextlib import AbstractContextManager, ExitStack, nullcontext, suppress
 from dataclasses import replace
 from pathlib import Path
 
@@ -49,6 +49,7 @@ class Drive:
         listener: who is told what happens.
         recorder: takes what would be recorded, instead of a recorder that writes it as the options say.
         engine: what is loaded already and stands at the start; None to load what the options name.
+        looks: whether somebody looks where a tick is that lasts, and Ctrl-C waits for its end.
 
     Attributes:
         engine: control, plant and perception.
@@ -71,6 +72,7 @@ class Drive:
         listener: Listener,
         recorder: RunRecorder | None = None,
         engine: Engine | None = None,
+        looks: bool = True,
     ) -> None:
         self._options, self._listener = options, listener
         self._recorder: RunRecorder | None = recorder or new_recorder(options)
@@ -85,7 +87,7 @@ class Drive:
         self.debugger = Debugger(self._teller)
         self.runner = TreeRunner(self._prepare(loader.first))
         self._pace = Pace(options.pace)
-        self.ticks = TickWatch()
+        self.ticks = TickWatch(looks)
         self.loop = Loop(self.engine, self.runner, self.debugger, self._pace, self.ticks)
         self._ending = Ending(self.engine, self.runner, self._teller, self._pace, self.ticks)
         self._stack: ExitStack | None = None
@@ -162,7 +164,7 @@ class Drive:
         self._go(lambda: self.loop.stand_still(pause))
 
     def _go(self, on: Callable[[], End | None]) -> None:
-        with WholeTick(self.ticks.interrupted):
+        with self._whole_tick():
             try:
                 self.end = on()
             except KeyboardInterrupt as interrupt:
@@ -224,11 +226,15 @@ class Drive:
         """Bring the robot to a stand; return whether somebody pressed Ctrl-C meanwhile. A first one waits for it."""
         before = self._ending.interrupted
         try:
-            with nullcontext() if self._asked else WholeTick(self.ticks.interrupted):
+            with nullcontext() if self._asked else self._whole_tick():
                 self.end = self._ending.bring_to_stand(end, moved)
         except KeyboardInterrupt:
             return True
         return self._ending.interrupted is not before
+
+    def _whole_tick(self) -> AbstractContextManager[None]:
+        """Return what holds Ctrl-C back until a tick is over."""
+        return WholeTick(self.ticks.interrupted) if self.ticks.looks else nullcontext()
 
     def _open(self, recorder: RunRecorder) -> bool:
         """Open the recording; return whether anybody can watch."""

@@ -8,8 +8,9 @@ from typing import Any
 
 from humanoid_bt.core.errors import Place
 from humanoid_bt.core.items import item_of
-from humanoid_bt.core.params import param
+from humanoid_bt.core.params import param, params_of
 from humanoid_bt.core.reading import read
+from humanoid_bt.core.units import readable
 from humanoid_bt.plant.scene_config import SceneConfig
 
 
@@ -38,6 +39,15 @@ class Conditions:
     def of_body(self) -> dict[str, float]:
         """Those that the simulated body feels, as arguments of ``MujocoPlant.alter``."""
         return {"friction": self.friction, "drives": self.drives, "payload": self.payload}
+
+    @property
+    def changed(self) -> dict[str, float]:
+        """Those that are not as the robot and the scene say, by name."""
+        return {name: value for name, value in vars(self).items() if value != params_of(Conditions)[name].default}
+
+    def __str__(self) -> str:
+        specs = params_of(Conditions)
+        return ", ".join(f"{name} {readable(value, specs[name].unit)}" for name, value in self.changed.items())
 
     def seen(self, scene: SceneConfig) -> SceneConfig:
         """Return a scene as it is seen under these conditions."""

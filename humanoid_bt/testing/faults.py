@@ -2,47 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar, Self
+import fnmatch
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar, Self
 
-from humanoid_bt.core.errors import UserError
+import numpy as np
+
+from humanoid_bt.core.errors import Problem, UserError, nearest
+from humanoid_bt.core.geometry import rotation_matrix
 from humanoid_bt.core.items import Item
+from humanoid_bt.core.messages import Array, Percept, State
 from humanoid_bt.core.params import param
-from humanoid_bt.core.reading import read
-
-if TYPE_CHECKING:
-    from humanoid_bt.testing.staged import Staged
+from humanoid_bt.session.setting import assign_value
+from humanoid_bt.testing.fault import Acting, Fault, Known
 
 _FOR_GOOD = "; for good if not given."
 
 
-class Fault:
-    """Base of the faults; a subclass is a frozen dataclass that declares its parameters.
-
-    Attributes:
-        main: the parameter that is meant where no mapping is written (``lose: target``), "" for none.
-        physical: whether it needs a simulated body.
-    """
-
-    main: ClassVar[str] = ""
-    physical: ClassVar[bool] = False
-
-    @classmethod
-    def from_item(cls, item: Item, name: str) -> Self:
-        """Read a fault from a YAML value: a mapping of its parameters, or its main one.
-
-        Raises:
-            UserError: with everything that is wrong with it.
-        """
-        if cls.main and not isinstance(item.value, dict):
-            item = Item({cls.main: item}, item.place, {cls.main: item.place})
-        fault: Self = read(cls, item, repr(name))
-        return fault
-
-    def begin(self, staged: Staged) -> str:
-        """Let it happen from the next tick on; return what it is, for people."""
-        raise NotImplementedError
+# ---- the robot ------------------------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -57,76 +36,15 @@ class Push(Fault):
     duration: float = param(0.1, above=0, unit="s", doc="How long.")
     body: str = param("", doc="The body of the robot's model that is pushed; the torso if not given.")
 
+    def misnamed(self, known: Known) -> Iterator[Problem]:
+        """Yield that there is no such body."""
+        if self.body and self.body not in known.bodies:
+            hint = nearest(self.body, known.bodies)
+            yield Problem(f"there is no body {self.body!r} to push", hint=hint, code="unknown-body")
 
-@dataclass(frozen=True, kw_only=True)
-class EStop(Fault):
-    """Raise the emergency stop."""
-
-    main: ClassVar[str] = "reason"
-
-    reason: str = param("raised by the test", doc="Why.")
-
-
-@dataclass(frozen=True, kw_only=True)
-class Reset(Fault):
-    """Ask for the reset of a latched stop."""
-
-    main: ClassVar[str] = "source"
-
-    source: str = param("the test", doc="Who asks.")
-
-
-@dataclass(frozen=True, kw_only=True)
-class Lose(Fault):
-    """Let perception of a thing end: its last percept grows old."""
-
-    main: ClassVar[str] = "percept"
-
-    percept: str = param(doc="The percept.")
-    duration: float | None = param(None, above=0, unit="s", doc="How long" + _FOR_GOOD)
-
-
-@dataclass(frozen=True, kw_only=True)
-class See(Fault):
-    """Let the robot see a thing at a place, whatever the scene has of this name."""
-
-    percept: str = param(doc="The percept.")
-    position: tuple[float, float, float] = param(unit="m", doc="Where, x y z in the world.")
-    confidence: float = param(0.95, minimum=0, maximum=1, doc="How sure perception is.")
-    duration: float | None = param(None, above=0, unit="s", doc="How long" + _FOR_GOOD)
-
-
-@dataclass(frozen=True, kw_only=True)
-class Noise(Fault):
-    """Let a percept be seen worse than it is."""
-
-    main: ClassVar[str] = "percept"
-
-    percept: str = param("", doc="The percept; all of them if not given.")
-    sigma: float = param(0.0, minimum=0, unit="m", doc="Standard deviation of what is added to each coordinate.")
-    drop_out: float = param(0.0, minimum=0, maximum=1, doc="Probability that an observation is lost.")
-    confidence: float = param(1.0, minimum=0, maximum=1, doc="Factor of the confidence.")
-    delay: float = param(0.0, minimum=0, unit="s", doc="How much later it arrives.")
-    duration: float | None = param(None, above=0, unit="s", doc="How long" + _FOR_GOOD)
-
-
-@dataclass(frozen=True, kw_only=True)
-class Silence(Fault):
-    """Let no command reach control, as if decision were stuck."""
-
-    main: ClassVar[str] = "duration"
-
-    duration: float = param(above=0, unit="s", doc="How long.")
-
-
-@dataclass(frozen=True, kw_only=True)
-class Delay(Fault):
-    """Let every command reach control later, in whole ticks."""
-
-    main: ClassVar[str] = "by"
-
-    by: float = param(above=0, unit="s", doc="How much later.")
-    duration: float | None = param(None, above=0, unit="s", doc="How long" + _FOR_GOOD)
+    def begin(self, on: Acting) -> None:
+        """Push."""
+        on.push(self.body or on.known.torso, np.array(self.force), self.duration)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -139,6 +57,164 @@ class Weaken(Fault):
     to: float = param(minimum=0, maximum=1, doc="What they still give, of what they are asked for and at most.")
     duration: float | None = param(None, above=0, unit="s", doc="How long" + _FOR_GOOD)
 
+    def misnamed(self, known: Known) -> Iterator[Problem]:
+        """Yield which joints there are not."""
+        for pattern in self.joints:
+            if not fnmatch.filter(known.joints, pattern):
+                hint = nearest(pattern, known.joints)
+                yield Problem(f"the robot has no joint {pattern!r}", hint=hint, code="unknown-joint")
+
+    def strength(self, joints: Sequence[str]) -> Array:
+        """Return what each drive still gives."""
+        weak = {name for pattern in self.joints for name in fnmatch.filter(joints, pattern)}
+        return np.array([self.to if name in weak else 1.0 for name in joints])
+
+
+@dataclass(frozen=True, kw_only=True)
+class EStop(Fault):
+    """Raise the emergency stop."""
+
+    main: ClassVar[str] = "reason"
+
+    reason: str = param("raised by the test", doc="Why.")
+
+    def begin(self, on: Acting) -> None:
+        """Raise it."""
+        on.raise_estop("the test", self.reason)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Reset(Fault):
+    """Ask for the reset of a latched stop."""
+
+    main: ClassVar[str] = "source"
+
+    source: str = param("the test", doc="Who asks.")
+
+    def begin(self, on: Acting) -> None:
+        """Ask."""
+        on.request_reset(self.source)
+
+
+# ---- what it sees ---------------------------------------------------------------------------------------------------
+
+
+class _Sensory(Fault):
+    """Base of the faults that change what is seen."""
+
+    sensory: ClassVar[bool] = True
+    main: ClassVar[str] = "percept"
+
+    def misnamed(self, known: Known) -> Iterator[Problem]:
+        """Yield that nobody publishes the percept."""
+        name = str(vars(self)["percept"])
+        if name and name not in known.percepts:
+            hint = nearest(name, known.percepts) or "it publishes none; the event 'see' dictates one"
+            yield Problem(f"the scene publishes no percept {name!r}", hint=hint, code="unknown-percept")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Lose(_Sensory):
+    """Let perception of a thing end: its last percept grows old."""
+
+    percept: str = param(doc="The percept.")
+    duration: float | None = param(None, above=0, unit="s", doc="How long" + _FOR_GOOD)
+
+    def seen(
+        self, name: str, percept: Percept | None, state: State, due: bool, numbers: np.random.Generator
+    ) -> Percept | None:
+        """Return nothing in its place."""
+        return None if name == self.percept else percept
+
+
+@dataclass(frozen=True, kw_only=True)
+class See(_Sensory):
+    """Let the robot see a thing at a place, whatever the scene has of this name."""
+
+    main: ClassVar[str] = ""
+
+    percept: str = param(doc="The percept.")
+    position: tuple[float, float, float] = param(unit="m", doc="Where, x y z in the world.")
+    confidence: float = param(0.95, minimum=0, maximum=1, doc="How sure perception is.")
+    duration: float | None = param(None, above=0, unit="s", doc="How long" + _FOR_GOOD)
+
+    def misnamed(self, known: Known) -> Iterator[Problem]:
+        """Yield nothing: any name may be seen."""
+        yield from ()
+
+    def seen(
+        self, name: str, percept: Percept | None, state: State, due: bool, numbers: np.random.Generator
+    ) -> Percept | None:
+        """Return the thing where it is said to be, in the robot's base frame."""
+        if name != self.percept:
+            return percept
+        if not due:
+            return None
+        turn = rotation_matrix(state.base_quaternion)
+        return Percept(name, state.time, turn.T @ (np.array(self.position) - state.base_position), self.confidence)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Noise(_Sensory):
+    """Let a percept be seen worse than it is."""
+
+    percept: str = param("", doc="The percept; all of them if not given.")
+    sigma: float = param(0.0, minimum=0, unit="m", doc="Standard deviation of what is added to each coordinate.")
+    drop_out: float = param(0.0, minimum=0, maximum=1, doc="Probability that an observation is lost.")
+    confidence: float = param(1.0, minimum=0, maximum=1, doc="Factor of the confidence.")
+    delay: float = param(0.0, minimum=0, unit="s", doc="How much later it arrives, in whole ticks.")
+    duration: float | None = param(None, above=0, unit="s", doc="How long" + _FOR_GOOD)
+
+    def concerns(self, name: str) -> bool:
+        """Return whether it is about a percept."""
+        return self.percept in ("", name)
+
+    def seen(
+        self, name: str, percept: Percept | None, state: State, due: bool, numbers: np.random.Generator
+    ) -> Percept | None:
+        """Return it moved and doubted, or not at all."""
+        if percept is None or not self.concerns(name):
+            return percept
+        dropped, offset = numbers.random() < self.drop_out, self.sigma * numbers.standard_normal(3)
+        if dropped:
+            return None
+        return replace(percept, position=percept.position + offset, confidence=percept.confidence * self.confidence)
+
+
+# ---- what it is told ------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, kw_only=True)
+class Silence(Fault):
+    """Let no command reach control, as if decision were stuck."""
+
+    main: ClassVar[str] = "duration"
+
+    duration: float = param(above=0, unit="s", doc="How long.")
+
+    @property
+    def lateness(self) -> float:
+        """Infinity: they never do."""
+        return math.inf
+
+
+@dataclass(frozen=True, kw_only=True)
+class Delay(Fault):
+    """Let every command reach control later, in whole ticks."""
+
+    main: ClassVar[str] = "by"
+
+    by: float = param(above=0, unit="s", doc="How much later.")
+    duration: float | None = param(None, above=0, unit="s", doc="How long" + _FOR_GOOD)
+
+    @property
+    def lateness(self) -> float:
+        """How much later [s]."""
+        return self.by
+
+
+# ---- its tree -------------------------------------------------------------------------------------------------------
+
 
 @dataclass(frozen=True, kw_only=True)
 class Raise(Fault):
@@ -148,6 +224,17 @@ class Raise(Fault):
 
     node: str = param(doc="Its path, or the end of it.")
     message: str = param("raised by the test", doc="The exception's text.")
+
+    def misnamed(self, known: Known) -> Iterator[Problem]:
+        """Yield that there is no such node."""
+        try:
+            known.tree.node(self.node)
+        except UserError as error:
+            yield from error.problems
+
+    def begin(self, on: Acting) -> None:
+        """Let it raise."""
+        on.raise_in(self.node, self.message)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -163,3 +250,19 @@ class Set(Fault):
             hint = "like {attempts: 3}"
             raise UserError(f"{name!r} must be a mapping of names to values", item.place, hint, "wrong-type")
         return cls(values=item.plain())
+
+    def misnamed(self, known: Known) -> Iterator[Problem]:
+        """Yield what cannot be set so."""
+        for name, value in self.values.items():
+            try:
+                assign_value(known.tree, name, value)
+            except UserError as error:
+                yield from error.problems
+
+    def begin(self, on: Acting) -> None:
+        """Set them."""
+        for name, value in self.values.items():
+            assign_value(on.known.tree, name, value)
+
+    def __str__(self) -> str:
+        return f"set ({', '.join(f'{name} = {value}' for name, value in self.values.items())})"

@@ -28,6 +28,7 @@ from humanoid_bt.decision.robot import Robot
 from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.plant.scene import Scene, load_scene
 from humanoid_bt.session.lockstep import Lockstep
+from humanoid_bt.session.options import OnEStop
 from humanoid_bt.testing.conditions import Conditions
 from humanoid_bt.testing.events import Event
 from humanoid_bt.testing.faults import See
@@ -233,6 +234,7 @@ class Rig:
         dry: bool = False,
         seed: int = 0,
         duration: float | None = None,
+        on_estop: OnEStop | None = None,
         script: Iterable[Event | Mapping[str, Any]] = (),
         conditions: Conditions | Mapping[str, Any] | None = None,
         replace: Mapping[str, Any] | None = None,
@@ -251,6 +253,8 @@ class Rig:
             dry: without physics: the robot is at once where it is told to be. For the logic of trees only.
             seed: of everything random.
             duration: longest simulated time [s]; as in ``humanoid-bt run`` if None.
+            on_estop: what an emergency stop does to the run: "wait" for its reset, or "end"; if None it waits where
+                the script resets it.
             script: faults, each at a time or at a moment; as events, or as in YAML.
             conditions: what is different from the beginning.
             replace: what stands in a node's place, by the node's path, the end of it, or by type.
@@ -273,6 +277,7 @@ class Rig:
             seed=seed,
             parameters=given(parameters, values),
             duration=duration,
+            on_estop=on_estop,
             script=[*seen, *script],
             conditions=conditions,
             replace=replace,

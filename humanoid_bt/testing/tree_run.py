@@ -16,6 +16,7 @@ from humanoid_bt.decision.robot import Robot
 from humanoid_bt.perception.track import Track
 from humanoid_bt.robot.config import RobotConfig
 from humanoid_bt.session.report import Report
+from humanoid_bt.testing.expectations import expect
 from humanoid_bt.tree.ticking.executor import NodeChange
 from humanoid_bt.tree.tree import Tree
 
@@ -74,6 +75,11 @@ class View:
     def changes(self) -> Sequence[NodeChange]:
         """The nodes whose status the tick changed, in the order in which they were ticked."""
         return self.sample.changes
+
+    @property
+    def results(self) -> Mapping[str, Mapping[str, ResultValue]]:
+        """What the skills that ran in it have reported by then: path -> name -> value, in SI units."""
+        return self.sample.results
 
     @property
     def tracks(self) -> Mapping[str, Track]:
@@ -192,6 +198,19 @@ class TreeRun:
                 key.set(sample.keys[key.name]) if key.name in sample.keys else key.clear()
             view.move_on(sample)
             yield view
+
+    def expect(self, *texts: str) -> None:
+        """Judge it by expectations: ``run.expect("within 20 s: outcome == success", "never: fell")``.
+
+        Args:
+            texts: them, in the language of scenario files.
+
+        Raises:
+            AssertionError: it has not met all of them; with the moment and the values then.
+            UserError: a text is no expectation.
+        """
+        __tracebackhide__ = True
+        expect(self, texts, {*self.report.percepts, *self.report.unseen})
 
     def __repr__(self) -> str:
         return repr(self.report)

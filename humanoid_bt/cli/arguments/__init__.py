@@ -21,9 +21,10 @@ from humanoid_bt.cli.arguments.replay import add_replay
 from humanoid_bt.cli.arguments.run import add_run
 from humanoid_bt.cli.arguments.schema import add_schema
 from humanoid_bt.cli.arguments.show import add_show
+from humanoid_bt.cli.arguments.test import add_test
 
 _COMMANDS = (
-    *(add_run, add_check, add_fmt, add_show),
+    *(add_run, add_check, add_fmt, add_show, add_test),
     *(add_lists, add_schema),
     add_campaign,
     *(add_explain, add_replay, add_diff, add_params, add_export),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from keyword import iskeyword
 
@@ -49,6 +49,15 @@ def remade(tree: Tree, root: Draft) -> Tree:
     for key in tree.keys:
         key.reset()
     return replace(tree, nodes=nodes)
+
+
+def paths(root: Draft, tree_name: str) -> Iterator[tuple[str, Draft]]:
+    """Yield every draft with the path that its node will have, parents before children."""
+    waiting = [(f"{tree_name}/{root.name}", root)]
+    while waiting:
+        path, draft = waiting.pop()
+        yield path, draft
+        waiting += [(below, child) for _, below, child in _below(draft, path)]
 
 
 def sketch(root: Draft, tree_name: str) -> tuple[Node, ...]:
@@ -144,6 +153,12 @@ def _collect(step: _Step, made: Mapping[int, Behaviour], nodes: list[Node]) -> N
             draft.written,
         )
     )
+    for key, below, child in _below(draft, path):
+        _collect(_Step(child, below, index, key), made, nodes)
+
+
+def _below(draft: Draft, path: str) -> Iterator[tuple[str, str, Draft]]:
+    """Yield the key, the path and the draft of every node right below one."""
     taken: Counter[str] = Counter()
     for key, child in draft.below():
         below = f"{path}/{child.name}"
@@ -151,4 +166,4 @@ def _collect(step: _Step, made: Mapping[int, Behaviour], nodes: list[Node]) -> N
             taken[below] += 1
             below = f"{below}#{taken[below]}"
         taken[below] = 1
-        _collect(_Step(child, below, index, key), made, nodes)
+        yield key, below, child
