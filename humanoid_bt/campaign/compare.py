@@ -117,7 +117,8 @@ class Comparison:
         """Return it as plain data for JSON."""
         change = self.success
         numbers = {
-            name: [pair[0].trial.seed for pair in pairs] for name, pairs in (("lost", change.lost), ("gained", change.gained))
+            name: [pair[0].trial.seed for pair in pairs]
+            for name, pairs in (("lost", change.lost), ("gained", change.gained))
         }
         rates = {name: [rate.count, rate.of] for name, rate in (("before", change.before), ("after", change.after))}
         found = {
@@ -206,9 +207,9 @@ def _quantity(name: str, unit: str, pairs: Sequence[Pair]) -> QuantityChange | N
         return None
     added = [after - before for before, after in numbers]
     larger, smaller = sum(value > 0 for value in added), sum(value < 0 for value in added)
-    medians = [Spread.of([pair[side] for pair in numbers]).quantile(0.5) for side in (0, 1)]
+    one, other = (Spread.of([pair[side] for pair in numbers]).quantile(0.5) for side in (0, 1))
     middle, interval = Spread.of(added).quantile(0.5), median_interval(added)
-    return QuantityChange(name, unit, *medians, middle, interval, larger, smaller, binomial_p(larger, smaller))
+    return QuantityChange(name, unit, one, other, middle, interval, larger, smaller, binomial_p(larger, smaller))
 
 
 def _of(row: Row, name: str) -> float | None:

@@ -81,7 +81,9 @@ class CampaignFile:
     conditions: dict[str, Variation] = param({}, doc="What is different from the robot's and the scene's files.")
     pushes: list[PushVariation] = param([], doc="Pushes, each once in every trial.")
     events: list[Event] = param([], doc="What happens in every trial: faults, each at a moment.")
-    duration: float | None = param(None, unit="s", above=0, doc="Longest simulated time of a trial; as a run's if not given.")
+    duration: float | None = param(
+        None, unit="s", above=0, doc="Longest simulated time of a trial; as a run's if not given."
+    )
     time_limit: float = param(TIME_LIMIT, unit="s", above=0, doc="Time on the wall clock after which a trial hangs.")
     dry: bool = param(False, doc="Without physics, for the logic of the tree alone.")
     recordings: int = param(RECORDINGS, minimum=0, doc="How many failures of each cause are recorded and explained.")

@@ -1,4 +1,4 @@
-"""Journals: files that are only ever appended to, so that a kill or a full disk costs at most what was being written."""
+"""Journals: files that are only appended to, so that a kill or a full disk costs at most what was being written."""
 
 from __future__ import annotations
 

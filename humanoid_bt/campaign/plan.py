@@ -72,8 +72,8 @@ class Plan:
         cells = itertools.product(self.seeds, self.settings, itertools.product(*levels))
         return tuple(
             Trial(
-                number,
-                *setting,
+                number=number,
+                **setting._asdict(),
                 seed=seed,
                 given={factor.name: factor.value(level, seed) for factor, level in given},
                 duration=self.duration,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -59,7 +60,9 @@ def planned(campaign: CampaignFile, workspace: Workspace, events: Sequence[Any] 
     names = _all(_names(campaign, workspace))
     files = [file for kind, _, file in names if kind == "tree"]
     factors = _all(_factors(campaign, files))
-    first = {factor.name.removeprefix(f"{SET}."): _example(factor) for factor in factors if factor.name.startswith(f"{SET}.")}
+    first = {
+        factor.name.removeprefix(f"{SET}."): _example(factor) for factor in factors if factor.name.startswith(f"{SET}.")
+    }
     settings: list[Setting] = []
     trees: list[Tree] = []
     used: set[Path] = set()
@@ -83,15 +86,19 @@ def planned(campaign: CampaignFile, workspace: Workspace, events: Sequence[Any] 
         {**{relative(file): digest(file) for file in sorted(used)}, "humanoid-bt": __version__},
         "" if workspace.root == Path.cwd() else relative(workspace.root),
     )
-    return Planned(plan, tuple(_all((lambda one=one: Requirement(one, reported)) for one in campaign.require)))
+    return Planned(plan, tuple(_all(partial(Requirement, one, reported) for one in campaign.require)))
 
 
 def _names(campaign: CampaignFile, workspace: Workspace) -> Iterator[Callable[[], Named]]:
     """Yield what finds the file of each tree, robot and scene, or raises that there is none."""
-    find = {"tree": workspace.find_tree, "robot": workspace.find_robot, "scene": workspace.find_scene}
-    for kind in find:
+    found = {"tree": workspace.find_tree, "robot": workspace.find_robot, "scene": workspace.find_scene}
+    for kind, find in found.items():
         for item in getattr(campaign, kind).items:
-            yield lambda kind=kind, item=item: (kind, item.value, _found(find[kind], item))
+            yield partial(_named, kind, find, item)
+
+
+def _named(kind: str, find: Callable[[str], Path], item: Item) -> Named:
+    return kind, item.value, _found(find, item)
 
 
 def _found(find: Callable[[str], Path], item: Item) -> Path:
@@ -118,13 +125,12 @@ def _loaded(file: Path, workspace: Workspace, parameters: Mapping[str, Any], rob
 def _factors(campaign: CampaignFile, trees: Sequence[Path]) -> Iterator[Callable[[], Factor]]:
     """Yield what makes each factor, or raises what is wrong with it."""
     for name, variation in campaign.parameters.items():
-        yield lambda name=name, variation=variation: _parameter(name, variation, trees)
+        yield partial(_parameter, name, variation, trees)
     for name, variation in campaign.conditions.items():
-        yield lambda name=name, variation=variation: variation.factor(f"{CONDITION}.{name}", params_of(Conditions)[name])
+        yield partial(variation.factor, f"{CONDITION}.{name}", params_of(Conditions)[name])
     for number, push in enumerate(campaign.pushes, start=1):
         for name, spec in params_of(PushVariation).items():
-            column = f"{PUSH}.{number}.{name}"
-            yield lambda push=push, name=name, spec=spec, column=column: _number(getattr(push, name), column, spec)
+            yield partial(_number, getattr(push, name), f"{PUSH}.{number}.{name}", spec)
 
 
 def _parameter(name: str, variation: Variation, trees: Sequence[Path]) -> Factor:
@@ -141,7 +147,9 @@ def _parameter(name: str, variation: Variation, trees: Sequence[Path]) -> Factor
 
 def _number(variation: Variation, column: str, spec: Param) -> Factor:
     """Return a number of a push, which has a value where none is given."""
-    of = Param(spec.name, float, doc=spec.doc, unit=spec.unit, minimum=spec.minimum, above=spec.above, maximum=spec.maximum)
+    of = Param(
+        spec.name, float, doc=spec.doc, unit=spec.unit, minimum=spec.minimum, above=spec.above, maximum=spec.maximum
+    )
     if variation == Variation():
         variation = Variation((Item(_PUSH[spec.name], Place("default")),))
     return variation.factor(column, of)

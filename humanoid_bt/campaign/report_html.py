@@ -108,4 +108,7 @@ def _about(summary: Summary, folder: Path) -> Iterator[tuple[str, str]]:
     if plan.events:
         yield "events", f"{len(plan.events)} in every trial"
     yield "physics", "none: a dry run, for the logic of the tree alone" if plan.dry else "MuJoCo"
-    yield "files", "<br>".join(f"{safe(path)} <span class=muted>{safe(text)}</span>" for path, text in plan.files.items())
+    yield (
+        "files",
+        "<br>".join(f"{safe(path)} <span class=muted>{safe(text)}</span>" for path, text in plan.files.items()),
+    )

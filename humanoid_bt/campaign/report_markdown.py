@@ -35,7 +35,10 @@ def _lines(summary: Summary, verdicts: Sequence[Verdict], folder: Path) -> Itera
     yield from _table(("", ""), figures(summary))
     for name, levels in summary.levels.items():
         yield ""
-        rows = ((level.text, f"{percent(level.success.share)} ({between(level.success.interval)})", str(level.success.of)) for level in levels)
+        rows = (
+            (level.text, f"{percent(level.success.share)} ({between(level.success.interval)})", str(level.success.of))
+            for level in levels
+        )
         yield from _table((name, "success", "trials"), rows)
     if summary.causes:
         yield ""
@@ -50,14 +53,23 @@ def _lines(summary: Summary, verdicts: Sequence[Verdict], folder: Path) -> Itera
 def _causes(summary: Summary, folder: Path) -> Iterator[Sequence[str]]:
     for cause in summary.causes[:_CAUSES]:
         why = (cause.headlines or [cause.reason])[0]
-        yield str(len(cause.rows)), f"{cause.outcome}: {why}", f"`{command(cause.rows[0].trial, summary.table.plan, folder)}`"
+        yield (
+            str(len(cause.rows)),
+            f"{cause.outcome}: {why}",
+            f"`{command(cause.rows[0].trial, summary.table.plan, folder)}`",
+        )
 
 
 def comparison_markdown(found: Comparison) -> str:
     """Return how two campaigns differ, as Markdown."""
     change = found.success
     rows = [
-        ("success", percent(change.before.share), percent(change.after.share), f"+{len(change.gained)} −{len(change.lost)}, {chance(change.p)}")
+        (
+            "success",
+            percent(change.before.share),
+            percent(change.after.share),
+            f"+{len(change.gained)} −{len(change.lost)}, {chance(change.p)}",
+        )
     ]
     lines = [f"### {found.pairs} pairs: {verdict(found)}", "", *_table(("", "before", "after", "pairs"), rows), ""]
     lines += [f"- {one.name}: {_text(changed(one))}" for one in found.quantities]

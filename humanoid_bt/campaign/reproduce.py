@@ -9,7 +9,12 @@ from humanoid_bt.campaign.plan import Plan
 from humanoid_bt.campaign.trial import SET, Trial
 from humanoid_bt.core.errors import relative
 
-_AS_IT_IS = {"condition.friction": 1.0, "condition.drives": 1.0, "condition.perception_noise": 1.0, "condition.payload": 0.0}
+_AS_IT_IS = {
+    "condition.friction": 1.0,
+    "condition.drives": 1.0,
+    "condition.perception_noise": 1.0,
+    "condition.payload": 0.0,
+}
 
 
 def command(trial: Trial, plan: Plan, folder: Path) -> str:
@@ -26,7 +31,17 @@ def command(trial: Trial, plan: Plan, folder: Path) -> str:
     if plan.events or trial.dry or any(_AS_IT_IS.get(name) != value for name, value in altered.items()):
         return shlex.join(["humanoid-bt", "campaign", "rerun", relative(folder), str(trial.number)])
     where = ["--workspace", plan.workspace] if plan.workspace else []
-    words = ["humanoid-bt", "run", trial.tree, "--robot", trial.robot, "--scene", trial.scene, "--seed", str(trial.seed)]
+    words = [
+        "humanoid-bt",
+        "run",
+        trial.tree,
+        "--robot",
+        trial.robot,
+        "--scene",
+        trial.scene,
+        "--seed",
+        str(trial.seed),
+    ]
     for name, value in trial.part(SET).items():
         words += ["--set", f"{name}={value}"]
     if trial.duration is not None:

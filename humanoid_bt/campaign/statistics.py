@@ -76,7 +76,7 @@ def binomial_p(one: int, other: int) -> float:
     if one == other:
         return 1.0
     tail = sum(islice(_ways(trials), fewer + 1))
-    return min(1.0, 2 * tail / 2**trials)
+    return min(1.0, float(2 * tail / 2**trials))
 
 
 def _ways(number: int) -> Iterator[int]:
@@ -88,7 +88,7 @@ def _ways(number: int) -> Iterator[int]:
 
 
 def holm(chances: Mapping[str, float]) -> dict[str, float]:
-    """Return the p of several tests, raised so that one of them is below a bound by chance only as rarely as it says."""
+    """Return the p of several tests, raised so that any is below a bound by chance only as rarely as it says."""
     adjusted: dict[str, float] = {}
     highest = 0.0
     for rank, (name, p) in enumerate(sorted(chances.items(), key=lambda entry: (entry[1], entry[0]))):

@@ -149,7 +149,9 @@ def _refuse(folder: Path, plan: Plan, resume: bool) -> None:
     """See that nothing else is in a folder than the campaign that goes on."""
     there = _plan(folder)
     if there is None:
-        if folder.is_dir() and any(path.name not in (_JOURNAL, _EXPLAINED, _LOGS, RECORDINGS) for path in folder.iterdir()):
+        if folder.is_dir() and any(
+            path.name not in (_JOURNAL, _EXPLAINED, _LOGS, RECORDINGS) for path in folder.iterdir()
+        ):
             raise UserError(f"{relative(folder)!r} is there already and holds no campaign", hint="choose another --out")
         if resume and not folder.is_dir():
             raise UserError(f"there is no campaign in {relative(folder)!r} to resume", hint="begin it without --resume")
@@ -163,11 +165,11 @@ def _refuse(folder: Path, plan: Plan, resume: bool) -> None:
 
 def _changes(before: dict[str, Any], after: dict[str, Any]) -> Iterator[str]:
     """Yield in which respects two plans differ, but for what is only said."""
-    for name in before:
+    for name, value in before.items():
         if name == "files":
-            changed = {path for path in (*before[name], *after[name]) if before[name].get(path) != after[name].get(path)}
+            changed = {path for path in (*value, *after[name]) if value.get(path) != after[name].get(path)}
             yield from (f"{path} has changed" for path in sorted(changed))
-        elif name not in ("name", "description", "workspace") and before[name] != after[name]:
+        elif name not in ("name", "description", "workspace") and value != after[name]:
             yield f"its {name} are others" if name.endswith("s") else f"its {name} is another"
 
 

@@ -1,4 +1,4 @@
-"""The results of a campaign as a table, in the order of its trials: CSV and Parquet, the same bytes for the same results."""
+"""The results of a campaign as a table, in the order of its trials, as CSV and Parquet."""
 
 from __future__ import annotations
 
@@ -59,7 +59,13 @@ class Table:
         given = {factor.name: factor.unit for factor in self.plan.factors}
         reported = {f"{VALUE}.{name}": unit for name, unit in self.values.items()}
         about = dict.fromkeys(("outcome", "reason", "node", "time", "fell", "stops"), "")
-        return {**dict.fromkeys(("trial", "id", *Setting._fields, "seed"), ""), **given, **about, **reported, "trace": ""} | _UNITS
+        return {
+            **dict.fromkeys(("trial", "id", *Setting._fields, "seed"), ""),
+            **given,
+            **about,
+            **reported,
+            "trace": "",
+        } | _UNITS
 
     def cells(self, row: Row) -> dict[str, Any]:
         """Return the values of a row by column; None where there is none."""
@@ -112,7 +118,7 @@ def _csv(head: Sequence[str], rows: Iterator[Sequence[Any]]) -> bytes:
 
 
 def _text(value: Any) -> str:
-    if isinstance(value, bool) or isinstance(value, (list, dict)):
+    if isinstance(value, (bool, list, dict)):
         return json.dumps(value)
     return "" if value is None else str(value)
 

@@ -42,8 +42,7 @@ def told(cause: Cause, summary: Summary, folder: Path) -> Iterator[str]:
     yield f"{len(cause.rows)} {cause.outcome}: {cause.reason}"
     if cause.node:
         yield f"node: {cause.node}"
-    for text in cause.headlines[:2]:
-        yield text
+    yield from cause.headlines[:2]
     if cause.can_be_recorded and not all(found.same for found in cause.explained.values()):
         yield "not the same when run again: something in the tree or a skill depends on more than the seed"
     yield command(cause.rows[0].trial, summary.table.plan, folder)
@@ -63,5 +62,7 @@ def changed(one: QuantityChange) -> str:
 
 def verdict(found: Comparison) -> str:
     """Return what a comparison comes to, in a sentence."""
-    parts = [f"better: {', '.join(found.better)}"] * bool(found.better) + [f"worse: {', '.join(found.worse)}"] * bool(found.worse)
+    parts = [f"better: {', '.join(found.better)}"] * bool(found.better) + [f"worse: {', '.join(found.worse)}"] * bool(
+        found.worse
+    )
     return "; ".join(parts) or "nothing differs beyond chance"

@@ -131,7 +131,7 @@ class Workers:
         self._made += 1
         here, there = Pipe()
         log = self._logs / f"worker-{self._made}.log"
-        quiet = {name: "1" for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS")}
+        quiet = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"), "1")
         try:
             with log.open("wb") as said:
                 process = subprocess.Popen(
@@ -207,5 +207,3 @@ def _how(code: int, log: Path) -> str:
     last = f": {said.splitlines()[-1]}" if said else ""
     how = f"signal {signal.Signals(-code).name}" if code < 0 else f"exit code {code}"
     return f"its process ended with {how} each time{last}"
-
-

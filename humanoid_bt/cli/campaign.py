@@ -44,12 +44,16 @@ def campaign(arguments: argparse.Namespace) -> int:
     word, *rest = arguments.what
     if word in _WORDS and rest:
         if len(rest) != _WORDS[word]:
-            raise UserError(f"campaign {word} takes {_WORDS[word]} arguments, not {len(rest)}", hint="see: campaign --help")
+            raise UserError(
+                f"campaign {word} takes {_WORDS[word]} arguments, not {len(rest)}", hint="see: campaign --help"
+            )
         from humanoid_bt.cli import campaign_after
 
         return campaign_after.compare(arguments) if word == "compare" else campaign_after.rerun(arguments)
     if rest:
-        raise UserError(f"one campaign at a time, not {len(rest) + 1}", hint="several trees: in a campaign file, tree: [a, b]")
+        raise UserError(
+            f"one campaign at a time, not {len(rest) + 1}", hint="several trees: in a campaign file, tree: [a, b]"
+        )
     return _run(arguments)
 
 
@@ -71,7 +75,7 @@ def _run(arguments: argparse.Namespace) -> int:
             except KeyboardInterrupt:
                 interrupted = True
             code = _told(console, arguments, found, store, time.monotonic() - began)
-        except HumanoidBtError as error:
+        except HumanoidBtError:
             _kept(store, "not done")
             raise
         if interrupted:

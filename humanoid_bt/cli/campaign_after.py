@@ -47,7 +47,10 @@ def rerun(arguments: argparse.Namespace) -> int:
     run = make(Setup(str(arguments.workspace or table.plan.workspace or Path.cwd()), table.plan.events))
     result, explained, _ = run(Task(row.trial, file))
     given = ", ".join(f"{name} {value}" for name, value in row.trial.given.items())
-    print(f"trial {row.trial.number}: {row.trial.tree} in {row.trial.scene}, seed {row.trial.seed}" + f", {given}" * bool(given))
+    print(
+        f"trial {row.trial.number}: {row.trial.tree} in {row.trial.scene}, seed {row.trial.seed}"
+        + f", {given}" * bool(given)
+    )
     print(f"{result.outcome}: {result.reason}")
     same = "as it was, bit for bit" if result == row.result else f"it was another way before: {row.result.outcome}"
     rows = [("again", same), ("recording", relative(Path(file)))]

@@ -18,7 +18,7 @@ from humanoid_bt.files.workspace import Workspace
 
 
 def workspace_given(arguments: argparse.Namespace) -> Workspace:
-    """Return where names are looked up: what was asked for, else the file's own workspace, else the working directory."""
+    """Return where names are looked up: where was asked for, else a file's own workspace, else the current folder."""
     path = Path(arguments.what[0])
     if arguments.workspace is None and is_file(path) and path.resolve().parent.name == FOLDER:
         return Workspace(path.resolve().parent.parent)
@@ -78,7 +78,10 @@ def _given(arguments: argparse.Namespace, known: Mapping[str, Item]) -> Iterator
         yield "pushes", Item(pushes, Place("--push"))
     if arguments.require:
         before = known["require"].value if "require" in known and isinstance(known["require"].value, list) else []
-        yield "require", Item([*before, *(Item(text, Place("--require")) for text in arguments.require)], Place("--require"))
+        yield (
+            "require",
+            Item([*before, *(Item(text, Place("--require")) for text in arguments.require)], Place("--require")),
+        )
 
 
 def _joined(before: Item | None, option: str, texts: list[str]) -> Item:

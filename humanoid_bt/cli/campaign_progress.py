@@ -38,7 +38,9 @@ class CampaignProgress(Progress):
         self._since = self._told = time.monotonic()
         self._explaining = self._explained = 0
         live = console.is_terminal and not quiet
-        self._live = Live(console=console, refresh_per_second=4, transient=True, get_renderable=self._row) if live else None
+        self._live = (
+            Live(console=console, refresh_per_second=4, transient=True, get_renderable=self._row) if live else None
+        )
 
     def trial(self, done: Done) -> None:
         """Count a trial."""

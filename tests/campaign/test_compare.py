@@ -1,35 +1,16 @@
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import pytest
 
 from humanoid_bt.campaign.compare import compare
-from humanoid_bt.campaign.result import Result
-from humanoid_bt.campaign.table import Table
 from humanoid_bt.campaign.variation import Factor
 from humanoid_bt.campaign.words import verdict
 from humanoid_bt.core.errors import UserError
-from tests.campaign.conftest import plan_of
-
-
-def _table(good: Callable[[int], bool], error: Callable[[int], float] = float, seeds: str = "0-99", *factors: Factor) -> Table:
-    plan = plan_of(seeds, *factors)
-    results = {
-        trial.number: Result(
-            "success" if good(trial.seed) else "failure",
-            "" if good(trial.seed) else "too far",
-            time=10.0,
-            values={"hand_error": error(trial.seed)},
-            units={"hand_error": "m"},
-        )
-        for trial in plan.trials
-    }
-    return Table.of(plan, results)
+from tests.campaign.conftest import table_of
 
 
 def test_pairs_tell_more_than_rates() -> None:
-    found = compare(_table(lambda seed: seed % 10 > 0), _table(lambda seed: seed % 20 > 0 or seed == 40))
+    found = compare(table_of(lambda seed: seed % 10 > 0), table_of(lambda seed: seed % 20 > 0 or seed == 40))
     assert (found.success.before.count, found.success.after.count) == (90, 96)
     assert [pair[0].trial.seed for pair in found.success.gained] == [10, 30, 40, 50, 70, 90]
     assert found.success.lost == []
@@ -38,7 +19,7 @@ def test_pairs_tell_more_than_rates() -> None:
 
 
 def test_a_difference_that_chance_makes_is_none() -> None:
-    found = compare(_table(lambda seed: seed > 3), _table(lambda seed: seed > 6))
+    found = compare(table_of(lambda seed: seed > 3), table_of(lambda seed: seed > 6))
     assert len(found.success.lost) == 3
     assert found.success.p == pytest.approx(0.25)
     assert verdict(found) == "nothing differs beyond chance"
@@ -46,7 +27,8 @@ def test_a_difference_that_chance_makes_is_none() -> None:
 
 def test_a_quantity_is_compared_in_pairs_that_both_succeeded() -> None:
     found = compare(
-        _table(lambda seed: seed != 5, lambda seed: 0.01 + seed / 1e4), _table(bool, lambda seed: 0.012 + seed / 1e4)
+        table_of(lambda seed: seed != 5, lambda seed: 0.01 + seed / 1e4),
+        table_of(bool, lambda seed: 0.012 + seed / 1e4),
     )
     (time, hand) = found.quantities
     assert (time.name, time.p) == ("time", 1.0)
@@ -57,23 +39,23 @@ def test_a_quantity_is_compared_in_pairs_that_both_succeeded() -> None:
 
 def test_what_varies_is_paired_too() -> None:
     grid = Factor("set.stop_distance", "m", (0.3, 0.4))
-    found = compare(_table(bool, float, "0-9", grid), _table(bool, float, "5-14", grid))
+    found = compare(table_of(bool, float, "0-9", grid), table_of(bool, float, "5-14", grid))
     assert (found.pairs, found.unpaired, found.by) == (10, (10, 10), ["seed", "set.stop_distance"])
 
 
 def test_what_is_otherwise_in_all_trials_is_told() -> None:
     found = compare(
-        _table(bool, float, "0-9", Factor("set.stop_distance", "m", (0.3,))),
-        _table(bool, float, "0-9", Factor("set.stop_distance", "m", (0.4,))),
+        table_of(bool, float, "0-9", Factor("set.stop_distance", "m", (0.3,))),
+        table_of(bool, float, "0-9", Factor("set.stop_distance", "m", (0.4,))),
     )
     assert list(found.differs) == [("set.stop_distance", "0.3", "0.4")]
 
 
 def test_what_has_no_partner_is_refused() -> None:
     with pytest.raises(UserError, match="no trials in common"):
-        compare(_table(bool, float, "0-9"), _table(bool, float, "10-19"))
-    with pytest.raises(UserError, match="'set.a' varies in one campaign and is not in the first"):
-        compare(_table(bool, float, "0-9"), _table(bool, float, "0-9", Factor("set.a", "", (1, 2))))
+        compare(table_of(bool, float, "0-9"), table_of(bool, float, "10-19"))
+    with pytest.raises(UserError, match=r"'set\.a' varies in one campaign and is not in the first"):
+        compare(table_of(bool, float, "0-9"), table_of(bool, float, "0-9", Factor("set.a", "", (1, 2))))
 
 
 def test_chance_alone_rarely_makes_a_difference() -> None:
@@ -81,7 +63,11 @@ def test_chance_alone_rarely_makes_a_difference() -> None:
         return hash((seed, run, 17)) % 5 > 0
 
     verdicts = [
-        verdict(compare(_table(lambda seed, run=run: random(seed, run)), _table(lambda seed, run=run: random(seed, -run))))
+        verdict(
+            compare(
+                table_of(lambda seed, run=run: random(seed, run)), table_of(lambda seed, run=run: random(seed, -run))
+            )
+        )
         for run in range(1, 40)
     ]
     assert sum(text != "nothing differs beyond chance" for text in verdicts) <= 4

@@ -42,7 +42,16 @@ def test_a_trial_is_called_the_same_in_another_campaign() -> None:
 def test_the_table_has_what_was_tried_and_what_came_of_it(campaign: Conduct, tmp_path: Path) -> None:
     campaign(plan_of("2-3", GRID, DRAWN))
     head, *rows = (tmp_path / "out" / RESULTS).read_text().splitlines()
-    assert head.split(",")[:8] == ["trial", "id", "tree", "robot", "scene", "seed", "set.stop_distance", "condition.friction"]
+    assert head.split(",")[:8] == [
+        "trial",
+        "id",
+        "tree",
+        "robot",
+        "scene",
+        "seed",
+        "set.stop_distance",
+        "condition.friction",
+    ]
     assert head.split(",")[8:] == ["outcome", "reason", "node", "time", "fell", "stops", "result.hand_error", "trace"]
     assert rows[2].split(",")[8:12] == ["failure", "the hand is 3 cm away", "fetch/reach", "1.03"]
     table = pq.read_table(tmp_path / "out" / "results.parquet")
@@ -124,13 +133,16 @@ def test_failures_are_grouped_and_some_of_each_explained(campaign: Conduct) -> N
 def test_success_is_told_for_each_value_of_what_varies(campaign: Conduct) -> None:
     said = campaign(plan_of("0-39", GRID, DRAWN))
     assert list(said.levels) == ["set.stop_distance", "condition.friction"]
-    assert [(level.text, level.success.of) for level in said.levels["set.stop_distance"]] == [("0.35 m", 40), ("0.4 m", 40)]
+    assert [(level.text, level.success.of) for level in said.levels["set.stop_distance"]] == [
+        ("0.35 m", 40),
+        ("0.4 m", 40),
+    ]
     assert [level.success.of for level in said.levels["condition.friction"]] == [20, 20, 20, 20]
 
 
 def test_another_campaign_does_not_go_on_in_its_folder(campaign: Conduct, tmp_path: Path) -> None:
     campaign(plan_of("0-3"))
-    with pytest.raises(UserError, match="a campaign in .* already\n.*--resume"):
+    with pytest.raises(UserError, match=r"a campaign in .* already\n.*--resume"):
         Store(tmp_path / "out", plan_of("0-3"), resume=False)
     with pytest.raises(UserError, match="its seeds are others"):
         Store(tmp_path / "out", plan_of("0-4"), resume=True)

@@ -54,7 +54,7 @@ def test_whole_numbers_are_drawn_where_they_are_declared() -> None:
     ],
 )
 def test_what_cannot_be_tried_is_told_with_its_place(value: Any, message: str) -> None:
-    with pytest.raises(UserError, match="mine.yaml:3:5") as error:
+    with pytest.raises(UserError, match=r"mine\.yaml:3:5") as error:
         _factor(value)
     assert message in str(error.value)
 
@@ -67,7 +67,13 @@ def test_seeds_are_ranges() -> None:
 
 @pytest.mark.parametrize(
     ("text", "message"),
-    [("x", "is no seed"), ("5-2", "runs down"), ("0-5,3", "there already"), ("0-99999999", "more than"), ("", "no seed")],
+    [
+        ("x", "is no seed"),
+        ("5-2", "runs down"),
+        ("0-5,3", "there already"),
+        ("0-99999999", "more than"),
+        ("", "no seed"),
+    ],
 )
 def test_what_are_no_seeds(text: str, message: str) -> None:
     with pytest.raises(ValueError, match=message):

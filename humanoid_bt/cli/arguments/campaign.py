@@ -54,7 +54,9 @@ def add_campaign(commands: Commands) -> None:
     vary = campaign.add_argument_group("what is tried (in a campaign file too; given here it takes that one's place)")
     vary.add_argument("--scene", action="append", metavar="S", help="a scene; given several times, all are tried")
     vary.add_argument("--robot", action="append", metavar="R", help="a robot; given several times, all are tried")
-    vary.add_argument("--seeds", metavar="N-M", help="each is tried with everything else, as 3,17,100-199; default 0-99")
+    vary.add_argument(
+        "--seeds", metavar="N-M", help="each is tried with everything else, as 3,17,100-199; default 0-99"
+    )
     vary.add_argument(
         "--set",
         action="append",
@@ -80,10 +82,16 @@ def add_campaign(commands: Commands) -> None:
         help="push the torso in every trial: at, force, direction, duration, each a value or LOW..HIGH",
     )
     vary.add_argument("--duration", type=number(DURATION), metavar="S", help="longest simulated time of a trial")
-    vary.add_argument("--dry", action="store_true", default=None, help="without physics, for the logic of the tree alone")
+    vary.add_argument(
+        "--dry", action="store_true", default=None, help="without physics, for the logic of the tree alone"
+    )
     judge = campaign.add_argument_group("what comes of it")
-    judge.add_argument("--out", type=Path, metavar="DIR", help="folder of the results; default: runs/campaign-NAME-TIME")
-    judge.add_argument("--resume", action="store_true", help="go on with the campaign in --out; trials that are done stay")
+    judge.add_argument(
+        "--out", type=Path, metavar="DIR", help="folder of the results; default: runs/campaign-NAME-TIME"
+    )
+    judge.add_argument(
+        "--resume", action="store_true", help="go on with the campaign in --out; trials that are done stay"
+    )
     judge.add_argument(
         "--require",
         action="append",
