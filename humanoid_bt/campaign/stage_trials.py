@@ -30,11 +30,11 @@ class Setup:
 
     Attributes:
         workspace: where names are looked up.
-        events: what happens in every trial, as YAML has it.
+        script: what happens in every trial, as YAML has it.
     """
 
     workspace: str
-    events: tuple[Mapping[str, Any], ...] = ()
+    script: tuple[Mapping[str, Any], ...] = ()
 
 
 def make(setup: Setup) -> Run:
@@ -58,7 +58,7 @@ class _Stages:
             self._tree(trial, stage),
             seed=trial.seed,
             duration=trial.duration,
-            script=[*self._setup.events, *pushes(trial)],
+            script=[*self._setup.script, *pushes(trial)],
             conditions=trial.part(CONDITION),
             record=task.recording or None,
         )
