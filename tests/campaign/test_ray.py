@@ -77,7 +77,7 @@ def test_a_mistake_is_told_from_there(cluster: Any, workspace: Path, tmp_path: P
     (workspace / "trees" / "fetch.yaml").write_text(_TREE.replace("ponder", "pander"))
     runners = RayCluster(cluster.address, workspace, Ways(make, (Setup("."),), 60.0))
     try:
-        with pytest.raises(UserError, match="trees/fetch.yaml:10:31: error: 'pander' is neither"):
+        with pytest.raises(UserError, match=r"trees/fetch\.yaml:10:31: error: 'pander' is neither"):
             list(runners.run([Task(trial) for trial in PLAN.trials]))
     finally:
         runners.close()
