@@ -14,13 +14,13 @@ from itertools import islice
 from pathlib import Path
 from typing import Any
 
-from humanoid_bt import __version__
 from humanoid_bt.campaign.plan import Plan
 from humanoid_bt.campaign.trial import Task
 from humanoid_bt.campaign.work import Refused, Run
 from humanoid_bt.campaign.workers import Done, Workers
 from humanoid_bt.core.errors import HumanoidBtError, UserError, relative
 from humanoid_bt.files.workspace import Workspace
+from humanoid_bt.session.report import versions
 
 NOT_SHIPPED = ("runs", ".git", ".venv*", "*.rrd", "__pycache__", "build", "dist")
 """What of a workspace trials do not need on other machines, as patterns of gitignore."""
@@ -88,7 +88,7 @@ class RayCluster:
         try:
             while True:
                 room = _AHEAD * max(1, int(ray.cluster_resources().get("CPU", 1))) - len(pending)
-                pending |= {trial.remote(given, task, __version__): task for task in islice(left, max(room, 0))}
+                pending |= {trial.remote(given, task, _version()): task for task in islice(left, max(room, 0))}
                 if not pending:
                     return
                 ready, _ = ray.wait(list(pending), num_returns=1)
@@ -135,8 +135,8 @@ _here: dict[bytes, Workers] = {}
 
 def _run_there(ways: Ways, task: Task, version: str) -> _Answer:
     """Run a task on the machine on which this is called, by a process that is kept for the next one."""
-    if version != __version__:
-        text = f"{socket.gethostname()} has version {__version__} of humanoid-bt, and this is {version}"
+    if version != _version():
+        text = f"{socket.gethostname()} has version {_version()} of humanoid-bt, and this is {version}"
         return Refused(f"{text}: install the same one on every machine of the cluster"), b""
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / Path(task.recording).name if task.recording else None
@@ -146,6 +146,10 @@ def _run_there(ways: Ways, task: Task, version: str) -> _Answer:
             return Refused.of(error), b""
         cost = replace(done.cost, worker=f"{socket.gethostname()}/{done.cost.worker}")
         return replace(done, cost=cost), file.read_bytes() if file and file.exists() else b""
+
+
+def _version() -> str:
+    return versions()["humanoid-bt"]
 
 
 def _workers(ways: Ways) -> Workers:
