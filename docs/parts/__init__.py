@@ -5,7 +5,21 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import partial
 
-from parts import api, campaigns, codes, config_files, house, library, nodes, promises, python, tables, tree_files, units
+from parts import (
+    api,
+    campaigns,
+    codes,
+    config_files,
+    house,
+    library,
+    nodes,
+    promises,
+    python,
+    tables,
+    testing,
+    tree_files,
+    units,
+)
 
 PARTS_BY_NAME: dict[str, Callable[[], str]] = {
     maker.__name__: maker
@@ -20,6 +34,7 @@ PARTS_BY_NAME: dict[str, Callable[[], str]] = {
         *(codes.codes, codes.code_examples),
         *(promises.costs, promises.reactions),
         *(tables.data_tables, tables.recording),
+        *(testing.faults, testing.conditions, testing.answers, testing.tree_run, testing.view),
         *(units.units, units.clocks),
         *(house.rooms, house.inner_rooms, house.percept_way, house.command_way),
     )
