@@ -15,6 +15,7 @@ from parts import (
     nodes,
     promises,
     python,
+    scenarios,
     tables,
     testing,
     tree_files,
@@ -35,6 +36,7 @@ PARTS_BY_NAME: dict[str, Callable[[], str]] = {
         *(promises.costs, promises.reactions),
         *(tables.data_tables, tables.recording),
         *(testing.faults, testing.conditions, testing.answers, testing.tree_run, testing.view),
+        *(scenarios.scenario_keys, scenarios.run_words, scenarios.node_verbs),
         *(units.units, units.clocks),
         *(house.rooms, house.inner_rooms, house.percept_way, house.command_way),
     )

@@ -190,6 +190,7 @@ def _run(drive: Drive, engine: Staged, listener: _Changes, watchers: Sequence[Wa
             if (sample := _sample(drive, engine, listener)) is not None:
                 samples.append(sample)
                 view.move_on(sample)
+                engine.look(view)
                 for watcher in watchers:
                     watcher.tick(view)
     except BaseException as error:

@@ -222,9 +222,17 @@ def test_events_are_written_as_in_files_or_made_in_python(stage):
         ({"at": 1, "push": {"force": [1, 0, 0], "body": "trso"}}, "there is no body 'trso'"),
         ({"at": 1, "weaken": {"joints": ["knee"], "to": 0.5}}, "the robot has no joint 'knee'"),
         ({"at": 1, "weaken": {"joints": ["*"], "to": 2}}, "'to' must be >= 0 and <= 1"),
-        ({"when": "distance(cup) < 1 m", "estop": {}}, "the scene publishes no percept 'cup'"),
+        ({"when": "distance(cup) < 1 m", "estop": {}}, "there is no percept 'cup' in this run"),
+        ({"when": "rech runs", "estop": {}}, "did you mean 'reach'"),
     ],
 )
 def test_what_a_script_cannot_mean_is_said_before_anything_moves(stage, event, message):
     with pytest.raises(UserError, match=message):
         stage.run("fetch", script=[event])
+
+
+def test_a_moment_may_ask_what_nodes_do(dry):
+    run = dry.run("fetch", script=[{"when": "approach succeeded and reach runs", "lose": "target"}])
+    begun = next(entry["time"] for entry in run.report.timeline if entry["path"].endswith("/reach"))
+    told = next(event["time"] for event in run.report.events if "staged: lose" in event["text"])
+    assert told == pytest.approx(begun + 0.02)
