@@ -22,6 +22,7 @@ RESULTS, COSTS = "results.csv", "wall_clock.csv"
 _ABOUT, _JOURNAL, _EXPLAINED = "campaign.json", "journal.jsonl", "explained.jsonl"
 RECORDINGS = "recordings"
 _LOGS = "workers"
+_MOST = 3  # changes that are listed
 
 
 class Store:
@@ -159,7 +160,8 @@ def _refuse(folder: Path, plan: Plan, resume: bool) -> None:
         raise UserError(f"there is a campaign in {relative(folder)!r} already", hint=hint)
     elif changes := list(_changes(*(json.loads(json.dumps(one.to_dict())) for one in (there, plan)))):
         hint = "what was run differently does not belong into one table: begin anew with another --out"
-        raise UserError(f"the campaign in {relative(folder)!r} is another one: {', '.join(changes)}", hint=hint)
+        few = ", ".join(changes[:_MOST]) + f" and {len(changes) - _MOST} more" * (len(changes) > _MOST)
+        raise UserError(f"the campaign in {relative(folder)!r} is another one: {few}", hint=hint)
 
 
 def _changes(before: dict[str, Any], after: dict[str, Any]) -> Iterator[str]:
