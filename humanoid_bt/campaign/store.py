@@ -52,7 +52,7 @@ class Store:
         with self._stack as stack:
             self._journal = stack.enter_context(Journal(folder / _JOURNAL))
             self._explained = stack.enter_context(Journal(folder / _EXPLAINED))
-            if not (folder / _ABOUT).exists():
+            if not self._journal.entries:
                 self.write(_ABOUT, f"{json.dumps(plan.to_dict(), indent=1)}\n".encode())
             self._stack = stack.pop_all()
 
@@ -155,6 +155,8 @@ def _refuse(folder: Path, plan: Plan, resume: bool) -> None:
             raise UserError(f"{relative(folder)!r} is there already and holds no campaign", hint="choose another --out")
         if resume and not folder.is_dir():
             raise UserError(f"there is no campaign in {relative(folder)!r} to resume", hint="begin it without --resume")
+    elif not read_journal(folder / _JOURNAL):
+        return  # it never came to a trial
     elif not resume:
         hint = "--resume goes on with it; or choose another --out"
         raise UserError(f"there is a campaign in {relative(folder)!r} already", hint=hint)

@@ -94,7 +94,9 @@ class CampaignProgress(Progress):
     def _row(self) -> Table:
         done, total = (self._explained, self._explaining) if self._explaining else (self._done, self._total)
         row = Table.grid(padding=(0, 2))
-        row.add_row(ProgressBar(total or 1, done, width=_BAR), Text("  ".join(self._words()), no_wrap=True, overflow="ellipsis"))
+        row.add_row(
+            ProgressBar(total or 1, done, width=_BAR), Text("  ".join(self._words()), no_wrap=True, overflow="ellipsis")
+        )
         return row
 
 

@@ -147,6 +147,13 @@ def test_another_campaign_does_not_go_on_in_its_folder(campaign: Conduct, tmp_pa
         assert len(store.results) == 4
 
 
+def test_a_campaign_that_never_came_to_a_trial_is_begun_anew(campaign: Conduct, tmp_path: Path) -> None:
+    with Store(tmp_path / "out", plan_of("0-3"), resume=False):
+        pass
+    assert campaign(plan_of("0-5")).planned == 6
+    assert read_results(tmp_path / "out").plan == plan_of("0-5")
+
+
 def test_a_folder_with_something_else_is_left_alone(tmp_path: Path) -> None:
     (tmp_path / "mine").mkdir()
     (tmp_path / "mine" / "thesis.tex").write_text("...")
