@@ -101,9 +101,7 @@ class RayCluster:
         except ray.exceptions.RayError as error:
             raise HumanoidBtError(f"the Ray cluster does not go on: {str(error).strip().splitlines()[0]}") from error
         finally:
-            with contextlib.suppress(
-                ray.exceptions.RayError, ConnectionError
-            ):  # it is gone, with all that it ran
+            with contextlib.suppress(ray.exceptions.RayError, ConnectionError):  # it is gone, with all that it ran
                 for one in pending:
                     ray.cancel(one, force=True)
 
