@@ -84,6 +84,7 @@ __all__ = [  # noqa: RUF022 (grouped as a reader looks for them)
 ]
 
 if TYPE_CHECKING:
+    from humanoid_bt.campaign.check_files import check as check
     from humanoid_bt.core.errors import HumanoidBtError as HumanoidBtError
     from humanoid_bt.core.errors import Place as Place
     from humanoid_bt.core.errors import Problem as Problem
@@ -121,7 +122,6 @@ if TYPE_CHECKING:
     from humanoid_bt.session.session import Session as Session
     from humanoid_bt.session.teller import Listener as Listener
     from humanoid_bt.testing import faults as faults
-    from humanoid_bt.testing.check_files import check as check
     from humanoid_bt.testing.check_skill import check_skill as check_skill
     from humanoid_bt.testing.check_skill_result import SkillCheck as SkillCheck
     from humanoid_bt.testing.conditions import Conditions as Conditions
@@ -144,7 +144,7 @@ if TYPE_CHECKING:
 else:
     _HOMES = {
         "humanoid_bt.session.prepare": "load skills",
-        "humanoid_bt.testing.check_files": "check",
+        "humanoid_bt.campaign.check_files": "check",
         "humanoid_bt.decision.blackboard": "Key",
         "humanoid_bt.core.errors": "HumanoidBtError Place Problem UserError",
         "humanoid_bt.core.geometry": "rotation_matrix",

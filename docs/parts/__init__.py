@@ -7,6 +7,7 @@ from functools import partial
 
 from parts import (
     api,
+    campaigns,
     codes,
     config_files,
     house,
@@ -27,6 +28,7 @@ PARTS_BY_NAME: dict[str, Callable[[], str]] = {
         *(nodes.nodes, nodes.skills, nodes.elsewhere, nodes.node_keys),
         *(tree_files.tree_keys, tree_files.parameter_keys, tree_files.percept_words, tree_files.state_words),
         *(config_files.robot_keys, config_files.scene_keys),
+        *(campaigns.campaign_keys, campaigns.push_keys, campaigns.requirement_names),
         *(library.trees, library.library),
         *(python.handle, python.track, python.state, python.rig, python.rig_result),
         *(api.api, api.session, api.debugging, api.report),

@@ -59,6 +59,7 @@ def _print_problems(error: UserError) -> None:
 _COMMANDS = {
     "run": "run",
     "bench": "bench",
+    "campaign": "campaign",
     "fmt": "fmt",
     "test": "test",
     "schema": "schema",

@@ -1,14 +1,15 @@
-"""``humanoid-bt schema``: JSON Schemas of tree files and of scenario files, for editors."""
+"""``humanoid-bt schema``: JSON Schemas of tree files, scenario files and campaign files, for editors."""
 
 from __future__ import annotations
 
 import argparse
 import json
 
+from humanoid_bt.campaign.file import CampaignFile
 from humanoid_bt.core.errors import UserError
 from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.session.report import ExitCode
-from humanoid_bt.testing.scenario_schema import scenario_schema
+from humanoid_bt.testing.scenario_schema import file_schema, scenario_schema
 from humanoid_bt.tree.nodes.registry import Registry
 from humanoid_bt.tree.source.load import subtree_types
 from humanoid_bt.tree.source.schema import tree_schema
@@ -19,6 +20,8 @@ def schema(arguments: argparse.Namespace) -> int:
     workspace = Workspace(arguments.workspace)
     if arguments.of == "scenarios":
         made, told = scenario_schema(workspace), "scenarios"
+    elif arguments.of == "campaigns":
+        made, told = file_schema(CampaignFile, "A campaign of humanoid-bt", workspace), "campaigns"
     else:
         registry = Registry.of(workspace)
         made, told = tree_schema(registry, subtree_types(workspace, registry)), f"{len(registry)} node types"

@@ -11,10 +11,10 @@ from pathlib import Path
 
 import pytest
 
+from humanoid_bt.campaign.check_files import KINDS
 from humanoid_bt.checking.check import checked
 from humanoid_bt.core.errors import relative
 from humanoid_bt.files.workspace import Workspace, builtin_root
-from humanoid_bt.testing.check_files import KINDS
 from tests.testing.test_scenario import WHOLE
 from tests.tree.mutations import Mutator
 

@@ -6,6 +6,7 @@ import argparse
 
 from humanoid_bt import __version__
 from humanoid_bt.cli.arguments.bench import add_bench
+from humanoid_bt.cli.arguments.campaign import add_campaign
 from humanoid_bt.cli.arguments.check import add_check
 from humanoid_bt.cli.arguments.coverage import add_coverage
 from humanoid_bt.cli.arguments.diff import add_diff
@@ -26,7 +27,7 @@ from humanoid_bt.cli.arguments.test import add_test
 _COMMANDS = (
     *(add_run, add_check, add_fmt, add_show, add_test),
     *(add_lists, add_schema),
-    add_coverage,
+    *(add_coverage, add_campaign),
     *(add_explain, add_replay, add_diff, add_params, add_export),
     *(add_recordings, add_keep),
     *(add_estop, add_reset, add_status),
