@@ -156,10 +156,10 @@ class Coverage:
                     file.nodes[place] = NodeCoverage(*place, node["name"], node["type"], *sets)
                 found.files[file.path, file.digest] = file
         except OSError as error:
-            raise UserError(f"{relative(path)!r} cannot be read: {error.strerror}") from error
+            raise UserError(f"{relative(path)!r} cannot be read: {error.strerror}", code="unreadable") from error
         except (ValueError, KeyError, TypeError) as error:
             message = f"{relative(path)!r} holds no tree coverage: {type(error).__name__}: {error}"
-            raise UserError(message, hint="valid: what --tree-coverage-json has written") from error
+            raise UserError(message, hint="valid: what --tree-coverage-json has written", code="format") from error
         return found
 
 
