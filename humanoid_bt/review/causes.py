@@ -171,7 +171,7 @@ def _estop(history: History, stop: Stopped) -> Cause:
 
 def _silence(history: History, stop: Stopped) -> Cause:
     """Decision sent nothing that control took: its tick took too long, or what it sent was refused."""
-    refused = [event for event in _refused(history) if abs(event.time - stop.time) < 1.0]
+    refused = [event for event in _refused(history) if -1.0 < event.time - stop.time <= AT]  # later ones follow from it
     slow = [
         (event, found)
         for event in history.events

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from humanoid_bt.core.messages import Measurement
+from humanoid_bt.core.messages import Command, Measurement
 from humanoid_bt.review.explain import explain
 from humanoid_bt.session.session import Session
 from humanoid_bt.testing.rig import ScriptedPerception
@@ -47,6 +47,21 @@ def unsolvable(session: Session) -> None:
     limits.append(Contradiction())
     session.run_until(0.7)
     del limits[-1]
+
+
+def held_up(session: Session) -> None:
+    """Let commands arrive when the robot has long stopped, the first of them far too old."""
+    controller = session.engine.controller  # type: ignore[attr-defined]
+    submit, late = controller.submit, []
+
+    def later(command: Command) -> None:
+        late.append(command)
+        if len(late) > 10:
+            controller.submit = submit
+            submit(late[0])
+            submit(command)
+
+    controller.submit = later
 
 
 def deluded(session: Session) -> None:
@@ -116,6 +131,13 @@ CASES: dict[str, tuple[str, str, dict[str, Any], str]] = {
         {"duration": 3.0},
         r"commands were refused from 0\.320 s on: the target of 'left_hand' is out of range .*; "
         r"the robot was stopped at 0\.380 s, the first of 7 times; .*",
+    ),
+    "silent, then refused as too old": (
+        "walk",
+        "silent",
+        {"at": 0.3, "do": held_up},
+        r"the robot was stopped at 0\.380 s: decision silent for more than 100 ms; "
+        r"the last tick before it is of 0\.3\d+ s; the run was ended at 1\.000 s, .*",
     ),
     "refused from the start": (
         "nowhere",
