@@ -23,6 +23,7 @@ _LOOK_BACK = 4.0  # s before a fall in which its reason is looked for
 _GONE = "the process of the run ended without closing the recording"
 _SILENT = 0.08  # s that a tick must take to explain that decision was silent for 0.1 s
 _SLOW = re.compile(r"a tick took (\d+) ms.*: the node '(.*?)'(?:, at (.*))?$")
+_LATE = re.compile(r"command: stamped [\d.]+ s at")
 _PERSON = ("keyboard", "humanoid-bt estop", "program", "test")
 
 
@@ -171,7 +172,11 @@ def _estop(history: History, stop: Stopped) -> Cause:
 
 def _silence(history: History, stop: Stopped) -> Cause:
     """Decision sent nothing that control took: its tick took too long, or what it sent was refused."""
-    refused = [event for event in _refused(history) if -1.0 < event.time - stop.time <= AT]  # later ones follow from it
+    refused = [  # not those that follow from the silence, or show it: what decision sent was on its way for too long
+        event
+        for event in _refused(history)
+        if -1.0 < event.time - stop.time <= AT and not _LATE.search(event.text)
+    ]
     slow = [
         (event, found)
         for event in history.events
@@ -193,7 +198,8 @@ def _silence(history: History, stop: Stopped) -> Cause:
     ticked = history.tick(stop.time)
     since = f"; the last tick before it is of {when(ticked.state.time)}" if ticked else ""
     text = f"{stopped}: {stop.reason}{since}"
-    return Cause("silent", text, stop.time, _commander(stop), _notices(history, stop.time))
+    rows = [*_refused_rows(history, stop.time), *_notices(history, stop.time)]
+    return Cause("silent", text, stop.time, _commander(stop), rows)
 
 
 def _slow_node(history: History, time: float, told: list[tuple[Happened, re.Match[str]]]) -> tuple[str, str]:

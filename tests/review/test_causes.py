@@ -50,15 +50,18 @@ def unsolvable(session: Session) -> None:
 
 
 def held_up(session: Session) -> None:
-    """Let commands arrive when the robot has long stopped, the first of them far too old."""
+    """Let a command arrive too late, as one of a decision without a processor, then none, then one far too late."""
     controller = session.engine.controller  # type: ignore[attr-defined]
-    submit, late = controller.submit, []
+    submit, sent = controller.submit, []
 
     def later(command: Command) -> None:
-        late.append(command)
-        if len(late) > 10:
+        sent.append(command)
+        if len(sent) == 1:
+            submit(replace(command, stamp=command.stamp - 0.15))
+            submit(command)
+        elif len(sent) > 10:
             controller.submit = submit
-            submit(late[0])
+            submit(sent[1])
             submit(command)
 
     controller.submit = later
@@ -132,12 +135,12 @@ CASES: dict[str, tuple[str, str, dict[str, Any], str]] = {
         r"commands were refused from 0\.320 s on: the target of 'left_hand' is out of range .*; "
         r"the robot was stopped at 0\.380 s, the first of 7 times; .*",
     ),
-    "silent, then refused as too old": (
+    "silent between commands that are refused as too old": (
         "walk",
         "silent",
         {"at": 0.3, "do": held_up},
-        r"the robot was stopped at 0\.380 s: decision silent for more than 100 ms; "
-        r"the last tick before it is of 0\.3\d+ s; the run was ended at 1\.000 s, .*",
+        r"the robot was stopped at 0\.400 s: decision silent for more than 100 ms; "
+        r"the last tick before it is of 0\.400 s; the run was ended at 1\.000 s, .*",
     ),
     "refused from the start": (
         "nowhere",

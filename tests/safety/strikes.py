@@ -124,7 +124,7 @@ def no_room(victim: Victim, rng: np.random.Generator) -> None:
     victim.lossy = True
     size = victim.recording.stat().st_size + int(rng.integers(1, 200_000))
     resource.prlimit(victim.pid("recorder"), resource.RLIMIT_FSIZE, (size, resource.RLIM_INFINITY))
-    victim.tells("is cut short: File too large")
+    victim.tells("is cut short: files may have")
     victim.shows("run")
 
 
