@@ -177,19 +177,21 @@ class Drive:
         """Bring the robot to a stand, close the recording, make the report. Twice is once.
 
         Raises:
-            KeyboardInterrupt: somebody does not wait for the robot to stand; all is closed nevertheless.
+            KeyboardInterrupt: somebody does not wait for the end; all is closed, and the report is there, nevertheless.
         """
         stack, self._stack = self._stack, None
         if stack is None:
             return
-        with stack:
-            self._tracks = dict(self.runner.robot.tracks)
-            moved = self.loop.state is not None
-            self.leave("unfinished", "the session was left while the tree was running")
-            assert self.end is not None
-            wall_time = time.monotonic() - self.loop.began_at if moved else 0.0
-            insists = self._stand(self.end, moved)
-            self._teller.ended(self.end, self._ending.began, self.ticks.to_dict())
+        moved, insists = self.loop.state is not None, False
+        wall_time = time.monotonic() - self.loop.began_at if moved else 0.0
+        self.end = self.end or self.loop.leave("unfinished", "the session was left while the tree was running")
+        try:
+            with stack:
+                self._tracks = dict(self.runner.robot.tracks)
+                insists = self._stand(self.end, moved)
+                self._teller.ended(self.end, self._ending.began, self.ticks.to_dict())
+        except KeyboardInterrupt:  # while it was being closed, which it is now
+            insists = True
         missing = 0.0
         if self._recorder is not None:
             self._teller.recorder = None  # it is closed

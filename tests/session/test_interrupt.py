@@ -106,6 +106,17 @@ def test_ctrl_c_while_the_robot_comes_to_a_stand_waits_for_it(monkeypatch: pytes
     assert session.engine.sense()[0].base_settled
 
 
+def test_ctrl_c_while_the_run_is_closed_costs_neither_the_report_nor_what_else_is_closed(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    session = hbt.Session("walk", duration=0.1, record="closing.rrd", camera=False)
+    monkeypatch.setattr(session.engine, "close", lambda: signal.raise_signal(signal.SIGINT))
+    with pytest.raises(KeyboardInterrupt), session:
+        session.run_until(lambda s: bool(s.outcome))
+    assert session.report.outcome == "unfinished"
+    assert last_time(Path("closing.rrd")) > 0.09
+
+
 class Pressing:
     """A clock at whose third reading somebody presses Ctrl-C."""
 
