@@ -5,6 +5,7 @@ python -m tests.safety.apart FOLDER run fetch --mode realtime
 
 from __future__ import annotations
 
+import signal
 import sys
 from pathlib import Path
 
@@ -18,5 +19,6 @@ def keep_apart(folder: Path) -> None:
 
 
 if __name__ == "__main__":
+    signal.signal(signal.SIGHUP, signal.SIG_DFL)  # whoever starts chaos with nohup ignores it
     keep_apart(Path(sys.argv.pop(1)))
     sys.exit(program.main())

@@ -48,8 +48,8 @@ def soak(seed: int, numbers: Iterable[int], folder: Path, links: Path, until: fl
 
 def _renders(folder: Path) -> bool:
     """Whether pictures of the head camera can be taken here."""
-    line = [*PROGRAM, "run", "stand", "--duration", "0.1", "--camera", "on", "--record", str(folder / "camera.rrd")]
-    done = subprocess.run([*line, "--no-view"], capture_output=True, text=True, check=False)
+    line = [*PROGRAM, "run", "stand", "--duration", "0.1", "--camera", "on", "--no-view"]
+    done = subprocess.run(line, capture_output=True, text=True, check=False, cwd=folder)
     return "no OpenGL" not in done.stderr
 
 

@@ -182,6 +182,7 @@ FAULTS = [
 
 def signalled(number: signal.Signals, times: int = 1) -> Strike:
     def strike(victim: Victim, rng: np.random.Generator) -> None:
+        victim.lossy |= times > 1  # nobody waits for the recorder then, which writes on
         victim.process.send_signal(number)
         for _ in range(times - 1):
             victim.passes(rng.uniform(0, 0.3))
