@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
+from pathlib import Path
 
 from humanoid_bt.core.errors import UserError
 from humanoid_bt.files.workspace import Workspace
@@ -15,9 +16,7 @@ from humanoid_bt.tree.source.schema import tree_schema
 
 def schema(arguments: argparse.Namespace) -> int:
     """Print the schema, or write it to a file."""
-    workspace = Workspace(arguments.workspace)
-    registry = Registry.of(workspace)
-    text = json.dumps(tree_schema(registry, subtree_types(workspace, registry)), indent=1)
+    text, number = schema_text(arguments.workspace)
     if arguments.output is None:
         print(text)
         return ExitCode.SUCCESS
@@ -26,5 +25,12 @@ def schema(arguments: argparse.Namespace) -> int:
         arguments.output.write_text(text + "\n", encoding="utf-8")
     except OSError as error:
         raise UserError(f"the schema cannot be written to {str(arguments.output)!r}: {error.strerror}") from error
-    print(f"{arguments.output}: {len(registry)} node types")
+    print(f"{arguments.output}: {number} node types")
     return ExitCode.SUCCESS
+
+
+def schema_text(folder: Path | None) -> tuple[str, int]:
+    """Return the schema of a workspace as JSON, and how many node types it has."""
+    workspace = Workspace(folder)
+    registry = Registry.of(workspace)
+    return json.dumps(tree_schema(registry, subtree_types(workspace, registry)), indent=1), len(registry)

@@ -11,6 +11,7 @@ from humanoid_bt.cli.arguments.diff import add_diff
 from humanoid_bt.cli.arguments.explain import add_explain
 from humanoid_bt.cli.arguments.export import add_export
 from humanoid_bt.cli.arguments.fmt import add_fmt
+from humanoid_bt.cli.arguments.init import add_init
 from humanoid_bt.cli.arguments.lists import add_lists
 from humanoid_bt.cli.arguments.params import add_params
 from humanoid_bt.cli.arguments.parsing import EXIT_CODES, Commands, Parser
@@ -22,7 +23,7 @@ from humanoid_bt.cli.arguments.schema import add_schema
 from humanoid_bt.cli.arguments.show import add_show
 
 _COMMANDS = (
-    *(add_run, add_check, add_fmt, add_show),
+    *(add_init, add_run, add_check, add_fmt, add_show),
     *(add_lists, add_schema),
     *(add_explain, add_replay, add_diff, add_params, add_export),
     *(add_recordings, add_keep),
