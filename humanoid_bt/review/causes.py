@@ -173,9 +173,7 @@ def _estop(history: History, stop: Stopped) -> Cause:
 def _silence(history: History, stop: Stopped) -> Cause:
     """Decision sent nothing that control took: its tick took too long, or what it sent was refused."""
     refused = [  # not those that follow from the silence, or show it: what decision sent was on its way for too long
-        event
-        for event in _refused(history)
-        if -1.0 < event.time - stop.time <= AT and not _LATE.search(event.text)
+        event for event in _refused(history) if -1.0 < event.time - stop.time <= AT and not _LATE.search(event.text)
     ]
     slow = [
         (event, found)

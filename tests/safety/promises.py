@@ -103,7 +103,7 @@ def explained(victim: Victim, ending: Ending) -> str:
 
 def _right(victim: Victim, ending: Ending) -> set[str]:
     """Return the causes of which one is right, by what was done to the run and what control noted."""
-    if "recorder" in victim.gone:
+    if victim.cut:
         return {"cut"}
     stops: list[Mapping[str, Any]] = [line for line in victim.log if line["kind"] == "stop"]
     if ending.kinds:  # control that dies in a stop: the stop came first

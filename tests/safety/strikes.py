@@ -115,13 +115,13 @@ def killed(role: str, told: str) -> Strike:
 
 
 def recorder_killed(victim: Victim, rng: np.random.Generator) -> None:
-    victim.lossy = True
+    victim.lossy = victim.cut = True
     killed("recorder", "the recorder process ended (killed by signal 9): nothing is recorded from")(victim, rng)
 
 
 def no_room(victim: Victim, rng: np.random.Generator) -> None:
     """Let no file of the recorder grow beyond a size that it reaches soon."""
-    victim.lossy = True
+    victim.lossy = victim.cut = True
     size = victim.recording.stat().st_size + int(rng.integers(1, 200_000))
     resource.prlimit(victim.pid("recorder"), resource.RLIMIT_FSIZE, (size, resource.RLIM_INFINITY))
     victim.tells("is cut short: files may have")

@@ -15,7 +15,6 @@ from tests.safety.processes import Life, Watch
 from tests.safety.strikes import ENDINGS, Ending
 from tests.safety.victim import OverError, Victim
 
-_END = 120.0  # s that a run may take to end on a busy machine
 _QUICKER = Ending("the tree ended", lambda *_: None, (0,), ("success", "estop", "silent", "slow_tick"))
 
 
@@ -87,7 +86,7 @@ def _guarded(trial: Trial, links: Path, *options: str) -> Iterator[Victim]:
 def _end(trial: Trial, victim: Victim) -> None:
     """Strike, wait for the end, and look at everything."""
     ending = _struck(trial, victim)
-    code = victim.process.wait(_END)
+    code = victim.over()
     promises.nothing_left(victim)
     promises.ended_as_told(victim, code, ending.codes)
     if ending.robot:
@@ -107,6 +106,6 @@ def _struck(trial: Trial, victim: Victim) -> Ending:
             trial.struck.append((fault.name, victim.state.time))
             fault.strike(victim, plan.strength(index))
     except (OverError, ProcessLookupError):
-        if victim.process.wait(_END) == 0:  # the tree was quicker
+        if victim.over() == 0:  # the tree was quicker
             return _QUICKER
     return plan.ending[1]

@@ -37,7 +37,8 @@ class Victim(Live):
 
     Attributes:
         gone: parts that were ended on purpose, so far.
-        lossy: whether the recording may lack something, and stay without its end.
+        lossy: whether the recording may lack something.
+        cut: whether it ends before the run.
     """
 
     def __init__(self, home: Path, links: Path, tree: str, *options: str) -> None:
@@ -47,7 +48,7 @@ class Victim(Live):
         self.temporary = home.with_name(f"{home.name}-tmp")
         self.temporary.mkdir()
         self.gone: set[str] = set()
-        self.lossy = False
+        self.lossy = self.cut = False
         self._variables = {"TMPDIR": str(self.temporary), "PYTHONPATH": str(REPOSITORY)}
         variables = self._variables | {MARK: self.mark}
         options = ("--hold", f"{HOLD:g}", "--no-view", *options)
@@ -90,6 +91,11 @@ class Victim(Live):
         line = [*self.program, *arguments]
         variables = environment() | self._variables
         return subprocess.run(line, capture_output=True, text=True, env=variables, timeout=PATIENCE, check=False)
+
+    def over(self) -> int:
+        """Wait until its program has ended; return the exit code."""
+        until("its end", lambda: self.process.poll() is not None)
+        return int(self.process.returncode)
 
     # ---- what it shows ----------------------------------------------------------------------------------------------
 
