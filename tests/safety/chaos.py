@@ -38,7 +38,7 @@ exit codes:
 def soak(seed: int, numbers: Iterable[int], folder: Path, links: Path, until: float) -> Iterator[Trial]:
     """Yield one trial after the other, until a time on the monotonic clock [s]; the bystander's is the last one."""
     camera = _renders(folder)
-    with bystander(folder, links) as beside:
+    with bystander(seed, folder, links) as beside:
         for number in numbers:
             if time.monotonic() >= until:
                 break
@@ -86,10 +86,12 @@ def memory(lives: Iterable[Life]) -> str:
 
 def failure(trial: Trial) -> str:
     """Return everything that is needed to see a failure again."""
+    plan = trial.plan
     struck = "".join(f"  at {moment:.2f} s: {name}\n" for name, moment in trial.struck)
+    again = f"--seed {plan.seed}" + (f" --trial {plan.number}" if plan.number >= 0 else ", all of it")
     return (
-        f"{trial.plan}\n  {trial.problem}\n{struck}  in {trial.folder}: run.rrd, run.control.log, output.txt\n"
-        f"  again: python -m tests.safety.chaos --seed {trial.plan.seed} --trial {trial.plan.number}\n"
+        f"{plan}\n  {trial.problem}\n{struck}  in {trial.folder}: run.rrd, run.control.log, output.txt\n"
+        f"  again: python -m tests.safety.chaos {again}\n"
     )
 
 

@@ -23,7 +23,7 @@ class Plan:
     """What is done to one run: all of it follows from the seed and the number.
 
     Attributes:
-        seed, number: of which trial.
+        seed, number: of which trial; number -1 is the run that stands by.
         tree: what runs.
         load: what the machine does meanwhile.
         camera: whether pictures are taken.
@@ -45,7 +45,7 @@ class Plan:
 
     def strength(self, index: int) -> np.random.Generator:
         """Return the random numbers of one of its faults."""
-        return np.random.default_rng([self.seed, self.number, index])
+        return np.random.default_rng([self.seed, abs(self.number), index])
 
 
 def planned(seed: int, number: int, camera: bool = True) -> Plan:

@@ -136,10 +136,9 @@ def test_what_is_left_behind_is_noticed_and_ended(links: Path, tmp_path: Path, m
 @pytest.mark.trials
 @pytest.mark.realtime
 def test_a_run_is_struck_and_nothing_is_left(tmp_path: Path) -> None:
-    """As from a terminal: decision is stopped, then killed; all is as promised."""
-    seed, number = 2, 36
+    """As from a terminal: perception is stopped for a while, then comes an e-stop, then Ctrl-C."""
     before = set(Path("/dev/shm").glob("humanoid-bt-chaos-*"))
-    line = [sys.executable, "-m", "tests.safety.chaos", "--seed", str(seed), "--trial", str(number), "--out", tmp_path]
+    line = [sys.executable, "-m", "tests.safety.chaos", "--seed", "2", "--trial", "15", "--out", tmp_path]
     done = subprocess.run(line, cwd=REPOSITORY, env=environment(), capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stdout + done.stderr
     assert "2 runs, " in done.stdout and "0 failures" in done.stdout

@@ -55,9 +55,9 @@ def tried(plan: Plan, folder: Path, links: Path) -> Trial:
 
 
 @contextlib.contextmanager
-def bystander(folder: Path, links: Path) -> Iterator[Trial]:
+def bystander(seed: int, folder: Path, links: Path) -> Iterator[Trial]:
     """Have a run beside all others that nobody strikes: nothing may happen to it, and its memory shows every leak."""
-    trial = Trial(Plan(0, -1, "tour", "no", False, (), (0.0, ENDINGS[0])), folder / "bystander")
+    trial = Trial(Plan(seed, -1, "tour", "no", False, (), (0.0, ENDINGS[0])), folder / "bystander")
     with _guarded(trial, links, "--record-part-size", "50MB") as victim:
         victim.ready()
         yield trial
