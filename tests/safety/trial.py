@@ -49,7 +49,6 @@ def tried(plan: Plan, folder: Path, links: Path) -> Trial:
     """
     trial = Trial(plan, folder / f"{plan.number:04d}")
     with load(plan.load), _guarded(trial, links) as victim:
-        victim.ready()
         _end(trial, victim)
     return trial
 
@@ -59,9 +58,7 @@ def bystander(seed: int, folder: Path, links: Path) -> Iterator[Trial]:
     """Have a run beside all others that nobody strikes: nothing may happen to it, and its memory shows every leak."""
     trial = Trial(Plan(seed, -1, "tour", "no", False, (), (0.0, ENDINGS[0])), folder / "bystander")
     with _guarded(trial, links, "--record-part-size", "50MB") as victim:
-        victim.ready()
         yield trial
-        assert victim.process.poll() is None, f"it has ended: {victim.output[-500:]}"
         _end(trial, victim)
 
 
@@ -85,6 +82,7 @@ def _guarded(trial: Trial, links: Path, *options: str) -> Iterator[Victim]:
 
 def _end(trial: Trial, victim: Victim) -> None:
     """Strike, wait for the end, and look at everything."""
+    victim.ready()
     ending = _struck(trial, victim)
     code = victim.over()
     promises.nothing_left(victim)
