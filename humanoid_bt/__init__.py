@@ -59,9 +59,16 @@ __all__ = [  # noqa: RUF022 (grouped as a reader looks for them)
     "Lasting",
     "Improving",
     "rotation_matrix",
-    # Tests of skills
+    # Tests of skills and trees
     "Rig",
     "RigResult",
+    "Stage",
+    "TreeRun",
+    "Watcher",
+    "View",
+    "Event",
+    "Conditions",
+    "Replacement",
     # Looking back
     "replay",
     "Replay",
@@ -104,15 +111,22 @@ if TYPE_CHECKING:
     from humanoid_bt.review.recording import open_recording as open_recording
     from humanoid_bt.review.replay import Replay as Replay
     from humanoid_bt.review.replay import replay as replay
-    from humanoid_bt.session.prepare import check as check
     from humanoid_bt.session.prepare import load as load
     from humanoid_bt.session.prepare import skills as skills
     from humanoid_bt.session.report import Report as Report
     from humanoid_bt.session.run import run as run
     from humanoid_bt.session.session import Session as Session
     from humanoid_bt.session.teller import Listener as Listener
+    from humanoid_bt.testing.check_files import check as check
+    from humanoid_bt.testing.conditions import Conditions as Conditions
+    from humanoid_bt.testing.events import Event as Event
     from humanoid_bt.testing.rig import Rig as Rig
     from humanoid_bt.testing.rig import RigResult as RigResult
+    from humanoid_bt.testing.stage import Stage as Stage
+    from humanoid_bt.testing.substitution import Replacement as Replacement
+    from humanoid_bt.testing.tree_run import TreeRun as TreeRun
+    from humanoid_bt.testing.tree_run import View as View
+    from humanoid_bt.testing.tree_run import Watcher as Watcher
     from humanoid_bt.tree import nodes as nodes
     from humanoid_bt.tree.node import Node as Node
     from humanoid_bt.tree.show import svg_tree as svg_tree
@@ -123,7 +137,8 @@ if TYPE_CHECKING:
     from humanoid_bt.tree.tree import Tree as Tree
 else:
     _HOMES = {
-        "humanoid_bt.session.prepare": "check load skills",
+        "humanoid_bt.session.prepare": "load skills",
+        "humanoid_bt.testing.check_files": "check",
         "humanoid_bt.decision.blackboard": "Key",
         "humanoid_bt.core.errors": "HumanoidBtError Place Problem UserError",
         "humanoid_bt.core.geometry": "rotation_matrix",
@@ -143,6 +158,11 @@ else:
         "humanoid_bt.decision.skill": "Skill Status of_gaze of_hand",
         "humanoid_bt.review.replay": "Replay replay",
         "humanoid_bt.testing.rig": "Rig RigResult",
+        "humanoid_bt.testing.stage": "Stage",
+        "humanoid_bt.testing.tree_run": "TreeRun View Watcher",
+        "humanoid_bt.testing.events": "Event",
+        "humanoid_bt.testing.conditions": "Conditions",
+        "humanoid_bt.testing.substitution": "Replacement",
         "humanoid_bt.tree.source.compose": "make_tree",
         "humanoid_bt.tree.ticking.executor": "NodeChange NodeError",
         "humanoid_bt.tree.show": "svg_tree unicode_tree",

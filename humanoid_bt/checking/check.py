@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+import types
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import replace
 from os import PathLike
 from pathlib import Path
@@ -18,15 +19,20 @@ from humanoid_bt.tree.nodes.registry import Registry
 from humanoid_bt.tree.source.load import load_tree
 from humanoid_bt.tree.tree import Tree
 
+_Reader = Callable[[Path, Workspace], object]
+Kinds = Mapping[str, _Reader]
+"""Kinds of files that rooms above bring along: name of their folder -> what reads one, and raises its UserError."""
 
-def checked(path: Path, workspace: Workspace) -> list[Problem]:
+
+def checked(path: Path, workspace: Workspace, kinds: Kinds = types.MappingProxyType({})) -> list[Problem]:
     """Return the errors and warnings of a tree, a scene, a robot or a skill file, each with its file.
 
     Args:
         path: the file: ``*.py`` is a skill, ``robot.yaml`` a robot, what lies in ``scenes/`` a scene, else a tree.
         workspace: where it would run.
+        kinds: other kinds of files.
     """
-    return settled({path: findings(path, workspace)})
+    return settled({path: findings(path, workspace, kinds)})
 
 
 def load_checked(
@@ -50,10 +56,10 @@ def load_checked(
     return replace(tree, warnings=tuple(problems))
 
 
-def findings(path: Path, workspace: Workspace) -> list[Problem]:
+def findings(path: Path, workspace: Workspace, kinds: Kinds = types.MappingProxyType({})) -> list[Problem]:
     """Return what checking one file finds, also in files that it needs; nothing is allowed yet."""
     try:
-        found = _load(path, workspace)
+        found = _load(path, workspace, kinds)
     except UserError as error:
         found = error.problems
     name = relative(path)
@@ -88,7 +94,7 @@ def settled(found: Mapping[Path, Sequence[Problem]]) -> list[Problem]:
     return sorted(problems, key=place)
 
 
-def _load(path: Path, workspace: Workspace) -> Sequence[Problem]:
+def _load(path: Path, workspace: Workspace, kinds: Kinds) -> Sequence[Problem]:
     """Load a file; return its warnings.
 
     Raises:
@@ -100,9 +106,19 @@ def _load(path: Path, workspace: Workspace) -> Sequence[Problem]:
         return robot_problems(path)
     elif path.parent.name == "scenes":
         load_scene(path)
+    elif (read := _reader(path, workspace, kinds)) is not None:
+        read(path, workspace)
     else:
         return load_tree(path, workspace).warnings
     return ()
+
+
+def _reader(path: Path, workspace: Workspace, kinds: Kinds) -> _Reader | None:
+    """Return what reads a file of a kind that a room above brings along, None if it is of none."""
+    file = resolved(path)
+    if file.is_relative_to(workspace.root) and (read := kinds.get(file.relative_to(workspace.root).parts[0])):
+        return read
+    return kinds.get(file.parent.name)
 
 
 def collect(
@@ -123,7 +139,7 @@ def collect(
         if not files:
             raise UserError(
                 f"nothing to check in {relative(given.root)!r}",
-                hint="give names, files or folders, or go to a folder with trees/, skills/ or sim/",
+                hint="give names, files or folders, or go to a folder with trees/, skills/, sim/ or scenarios/",
             )
         return dict.fromkeys(files, given), []
     found: dict[Path, Workspace] = {}
@@ -146,7 +162,7 @@ def _given(text: str, given: Workspace, root: Workspace | None) -> dict[Path, Wo
     if is_folder(path):
         inside = _files_in(path)
         if not inside:
-            hint = "trees, scenes and robots end in .yaml"
+            hint = "trees, scenes, robots and scenarios end in .yaml"
             raise UserError(f"nothing to check in {text!r}", Place(text), hint, code="no-file")
         return {resolved(file): _workspace(file, str(file), root) for file in inside}
     file = path if path.suffix == ".py" and is_file(path) else _named(text, given)
@@ -161,19 +177,21 @@ def _workspace(file: Path, text: str, root: Workspace | None) -> Workspace:
 
 
 def _named(text: str, workspace: Workspace) -> Path:
-    """Return the file of a name: a tree's, else a scene's, a robot's or that of skills."""
+    """Return the file of a name: a tree's, else a scene's, a robot's, a scenario's or that of skills."""
     skills = {file.stem: file for file in workspace.skill_files()}
-    known = {**skills, **workspace.robots(), **workspace.scenes(), **workspace.trees()}
+    known = {**skills, **workspace.scenarios(), **workspace.robots(), **workspace.scenes(), **workspace.trees()}
     if text in known:
         return known[text]
     if is_file(Path(text)):
         return Path(text)
     hint = nearest(Path(text).stem, known)
-    raise UserError(f"no file and no tree, scene, robot or skill named {text!r}", Place(text), hint, code="no-file")
+    raise UserError(
+        f"no file and no tree, scene, robot, scenario or skill named {text!r}", Place(text), hint, code="no-file"
+    )
 
 
 def _files_in(folder: Path) -> list[Path]:
-    """Return the skills, trees, scenes and robots of a folder."""
+    """Return the skills, trees, scenes, robots and scenarios of a folder."""
     skill_folders = [folder] if resolved(folder).name == "skills" else [folder / "skills"]
     skills = [path for part in skill_folders for path in sorted(part.glob("*.py")) if not path.name.startswith("_")]
     return [*skills, *yaml_files(folder)]

@@ -16,6 +16,7 @@ from humanoid_bt.cli.wording import several
 from humanoid_bt.core.errors import Problem, relative
 from humanoid_bt.core.texts import one_line
 from humanoid_bt.session.report import ExitCode
+from humanoid_bt.testing.check_files import KINDS
 
 
 def check(arguments: argparse.Namespace) -> int:
@@ -24,7 +25,7 @@ def check(arguments: argparse.Namespace) -> int:
         _explain(arguments.explain)
         return ExitCode.SUCCESS
     files, missing = collect(arguments.paths, arguments.workspace)
-    found = {path: findings(path, workspace) for path, workspace in files.items()}
+    found = {path: findings(path, workspace, KINDS) for path, workspace in files.items()}
     problems = [*missing, *settled(found)]
     if arguments.format == "json":
         print(as_json(problems))

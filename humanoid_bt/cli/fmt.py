@@ -1,4 +1,4 @@
-"""``fmt``: bringing tree, scene and robot files into one form."""
+"""``fmt``: bringing tree, scene, robot and scenario files into one form."""
 
 from __future__ import annotations
 
@@ -17,6 +17,7 @@ from humanoid_bt.files.whole import write_whole
 from humanoid_bt.files.workspace import Workspace, yaml_files
 from humanoid_bt.session.report import ExitCode
 
+_DEFAULT = ("trees", "scenarios")  # what is formatted where nothing is named
 _BYTE_ORDER_MARK = "\ufeff"
 
 
@@ -52,11 +53,11 @@ def _files(arguments: argparse.Namespace) -> list[Path]:
     """Return the files to format, each once, symbolic links followed."""
     workspace = Workspace(arguments.workspace)
     if not arguments.paths:
-        found = sorted((workspace.root / "trees").rglob("*.yaml"))
+        found = sorted(path for folder in _DEFAULT for path in (workspace.root / folder).rglob("*.yaml"))
         if not found:
             raise UserError(
                 f"no trees in {relative(workspace.root)!r}",
-                hint="give names, files or folders, or go to a folder with trees/",
+                hint="give names, files or folders, or go to a folder with trees/ or scenarios/",
             )
     else:
         found = [file for text in arguments.paths for file in _given(text, workspace)]
@@ -68,19 +69,19 @@ def _given(text: str, workspace: Workspace) -> list[Path]:
     path = Path(text)
     if is_folder(path):
         if not (found := yaml_files(path)):
-            raise UserError(f"nothing to format in {text!r}", hint="trees, scenes and robots end in .yaml")
+            raise UserError(f"nothing to format in {text!r}", hint="trees, scenes, robots and scenarios end in .yaml")
         return found
     if is_file(path):
         if path.suffix not in {".yaml", ".yml"}:
-            raise UserError(f"{text!r} is no YAML file", hint="trees, scenes and robots end in .yaml")
+            raise UserError(f"{text!r} is no YAML file", hint="trees, scenes, robots and scenarios end in .yaml")
         return [path]
-    known = {**workspace.robots(), **workspace.scenes(), **workspace.trees()}
+    known = {**workspace.scenarios(), **workspace.robots(), **workspace.scenes(), **workspace.trees()}
     own = {name: file for name, file in known.items() if file.is_relative_to(workspace.root)}
     if text in own:
         return [own[text]]
     if text in known:
         raise UserError(f"{text!r} is built in; fmt changes only files of the workspace", hint=nearest(text, own))
-    raise UserError(f"no file and no tree, scene or robot named {text!r}", hint=nearest(path.stem, own))
+    raise UserError(f"no file and no tree, scene, robot or scenario named {text!r}", hint=nearest(path.stem, own))
 
 
 @dataclass(frozen=True)

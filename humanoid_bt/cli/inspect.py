@@ -1,4 +1,4 @@
-"""``trees``, ``scenes``, ``skills``, ``nodes``, ``robots``: what there is, without running it."""
+"""``trees``, ``scenes``, ``skills``, ``nodes``, ``robots``, ``scenarios``: what there is, without running it."""
 
 from __future__ import annotations
 
@@ -25,6 +25,7 @@ from humanoid_bt.plant.scene_config import ObjectConfig, SceneConfig, load_scene
 from humanoid_bt.robot.config import load_robot_config
 from humanoid_bt.robot.model import RobotModel
 from humanoid_bt.session.report import ExitCode
+from humanoid_bt.testing.scenario import Scenario, load_scenario
 from humanoid_bt.tree.node_type import NodeType
 from humanoid_bt.tree.nodes.examples import EXAMPLES
 from humanoid_bt.tree.nodes.registry import ALIASES, Registry
@@ -80,6 +81,12 @@ def robots(arguments: argparse.Namespace) -> int:
         return RobotModel(load_robot_config(path))
 
     return _files(arguments.names, Workspace(arguments.workspace).robots(), "robot", load, _robot)
+
+
+def scenarios(arguments: argparse.Namespace) -> int:
+    """List scenarios, or explain some."""
+    known = Workspace(arguments.workspace).scenarios()
+    return _files(arguments.names, known, "scenario", load_scenario, _scenario)
 
 
 # ---- one of them ----------------------------------------------------------------------------------------------------
@@ -145,6 +152,15 @@ def _scene(name: str, scene: SceneConfig) -> None:
         to = f" to {_point(event.to)}" if event.to else ""
         rows.append(("event", f"{event.at:g} s", f"{what} {event.object}{to}"))
     print_lines(columns(rows, indent=2))
+
+
+def _scenario(name: str, scenario: Scenario) -> None:
+    _headline(name, scenario.description)
+    of = f"{scenario.tree} in {scenario.scene}" if scenario.scene else scenario.tree
+    seeds = f"seed{'s' * (len(scenario.seeds) > 1)} {scenario.seeds}"
+    dry = ", dry" if scenario.dry else ""
+    print_lines(hanging("  ", f"{of}, {seeds}{dry}; from {relative(scenario.path)}"))
+    print_lines(line for one in scenario.expect for line in hanging("  expect  ", one.text))
 
 
 def _where(thing: ObjectConfig) -> str:

@@ -1,4 +1,4 @@
-"""``humanoid-bt schema``: a JSON Schema of tree files for editors."""
+"""``humanoid-bt schema``: JSON Schemas of tree files and of scenario files, for editors."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from pathlib import Path
 from humanoid_bt.core.errors import UserError
 from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.session.report import ExitCode
+from humanoid_bt.testing.scenario_schema import scenario_schema
 from humanoid_bt.tree.nodes.registry import Registry
 from humanoid_bt.tree.source.load import subtree_types
 from humanoid_bt.tree.source.schema import tree_schema
@@ -16,7 +17,7 @@ from humanoid_bt.tree.source.schema import tree_schema
 
 def schema(arguments: argparse.Namespace) -> int:
     """Print the schema, or write it to a file."""
-    text, number = schema_text(arguments.workspace)
+    text, told = schema_text(arguments.workspace, arguments.of)
     if arguments.output is None:
         print(text)
         return ExitCode.SUCCESS
@@ -25,12 +26,15 @@ def schema(arguments: argparse.Namespace) -> int:
         arguments.output.write_text(text + "\n", encoding="utf-8")
     except OSError as error:
         raise UserError(f"the schema cannot be written to {str(arguments.output)!r}: {error.strerror}") from error
-    print(f"{arguments.output}: {number} node types")
+    print(f"{arguments.output}: {told}")
     return ExitCode.SUCCESS
 
 
-def schema_text(folder: Path | None) -> tuple[str, int]:
-    """Return the schema of a workspace as JSON, and how many node types it has."""
+def schema_text(folder: Path | None, of: str) -> tuple[str, str]:
+    """Return a schema of a workspace as JSON, and what it is of: of its trees, or of its "scenarios"."""
     workspace = Workspace(folder)
+    if of == "scenarios":
+        return json.dumps(scenario_schema(workspace), indent=1), "scenarios"
     registry = Registry.of(workspace)
-    return json.dumps(tree_schema(registry, subtree_types(workspace, registry)), indent=1), len(registry)
+    made = tree_schema(registry, subtree_types(workspace, registry))
+    return json.dumps(made, indent=1), f"{len(registry)} node types"

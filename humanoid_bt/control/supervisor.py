@@ -253,8 +253,9 @@ def _target_fault(target: Target) -> str:
             values, shape, number, limit = np.zeros(0), (0,), height, _HEIGHT_OFFSET
     if not isinstance(values, np.ndarray) or values.shape != shape or values.dtype.kind not in "fi":
         return "is malformed"
-    if not (np.isfinite(values).all() and math.isfinite(number)):
+    numbers = [*values.tolist(), number]
+    if not all(map(math.isfinite, numbers)):
         return "is not finite"
-    if max(float(np.abs(values).max(initial=0.0)), abs(number)) > limit:
+    if max(map(abs, numbers)) > limit:
         return "is out of range"
     return ""

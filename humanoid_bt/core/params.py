@@ -17,6 +17,7 @@ import functools
 import types
 import typing
 from collections.abc import Mapping
+from keyword import iskeyword
 from typing import Any, NewType
 
 from humanoid_bt.core.units import UNITS, base_unit
@@ -104,7 +105,7 @@ def params_of(cls: type) -> dict[str, Param]:
 def _params_of(cls: type) -> Mapping[str, Param]:
     found: dict[str, Param] = {}
     if dataclasses.is_dataclass(cls):
-        fields = {field.name: field for field in dataclasses.fields(cls)}
+        fields = {written(field.name): field for field in dataclasses.fields(cls)}
     else:
         fields = {
             name: value
@@ -115,10 +116,15 @@ def _params_of(cls: type) -> Mapping[str, Param]:
     declared = {name: field.metadata["param"] for name, field in fields.items() if "param" in field.metadata}
     if not declared:
         return found
-    hints = typing.get_type_hints(cls)
+    hints = {written(name): hint for name, hint in typing.get_type_hints(cls).items()}
     for name, spec in declared.items():
         found[name] = dataclasses.replace(spec, name=name, type=hints[name])
     return found
+
+
+def written(field: str) -> str:
+    """Return how a dataclass's field is written in files: ``raise`` for ``raise_``, as Python has a word ``raise``."""
+    return field[:-1] if field.endswith("_") and iskeyword(field[:-1]) else field
 
 
 def type_name(kind: Any) -> str:  # noqa: PLR0911 (a table of cases)

@@ -9,6 +9,7 @@ import re
 import types
 import typing
 from collections.abc import Collection, Iterable, Iterator, Mapping
+from keyword import iskeyword
 from typing import Any, Literal, Protocol, runtime_checkable
 
 from humanoid_bt.core.errors import Problem, UserError, nearest
@@ -58,7 +59,7 @@ def read(cls: type, item: Item, what: str = "") -> Any:
         problems += cls.mistakes(item, values)
     if problems:
         raise UserError(problems)
-    return cls(**values)
+    return cls(**{name + "_" * iskeyword(name): value for name, value in values.items()})
 
 
 def read_values(

@@ -17,7 +17,9 @@ import functools
 import math
 import numbers
 import typing
+from collections.abc import Mapping
 from typing import Any, NamedTuple
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -26,6 +28,8 @@ from humanoid_bt.core.reading import with_article
 from humanoid_bt.core.units import base_unit, readable
 
 ResultValue = float | int | bool | str
+
+_declared: WeakKeyDictionary[type, Mapping[str, Result]] = WeakKeyDictionary()
 
 _TAKES: dict[Any, Any] = {
     float: numbers.Real,
@@ -122,10 +126,13 @@ def result(*, doc: str, unit: str = "") -> Any:
     return Result(unit, doc)
 
 
-def declared_results(cls: type) -> dict[str, Result]:
+def declared_results(cls: type) -> Mapping[str, Result]:
     """Return the results that a class declares, inherited ones first."""
-    found = {name: value for base in reversed(cls.__mro__) for name, value in vars(base).items()}
-    return {name: value for name, value in found.items() if isinstance(value, Result)}
+    found = _declared.get(cls)
+    if found is None:
+        named = {name: value for base in reversed(cls.__mro__) for name, value in vars(base).items()}
+        found = _declared[cls] = {name: value for name, value in named.items() if isinstance(value, Result)}
+    return found
 
 
 def results_of(node: Any) -> dict[str, ResultValue]:

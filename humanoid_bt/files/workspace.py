@@ -1,4 +1,4 @@
-"""Workspaces: folders with ``trees/``, ``skills/`` and ``sim/``, and how names are found in them.
+"""Workspaces: folders with ``trees/``, ``skills/``, ``sim/`` and ``scenarios/``, and how names are found in them.
 
 Names are looked up in the current workspace first, then in the built-in one.
 """
@@ -15,6 +15,8 @@ from humanoid_bt.files.reading import is_file, is_folder
 
 _PACKAGE = Path(__file__).resolve().parents[1]
 _TREES, _SCENES, _ROBOTS, _SKILLS = "trees/*.yaml", "sim/scenes/*.yaml", "sim/*/robot.yaml", "skills/*.py"
+_SCENARIOS = "scenarios/*.yaml"
+_Thing = Literal["tree", "scene", "robot", "scenario"]
 
 
 def builtin_root() -> Path:
@@ -32,23 +34,25 @@ def workspace_above(folder: Path) -> Path | None:
 
 
 def yaml_files(folder: Path) -> list[Path]:
-    """Return the trees, scenes and robots of a folder.
+    """Return the trees, scenes, robots and scenarios of a folder.
 
-    Of a workspace those in its ``trees/`` and ``sim/``, of a folder of trees all below it, of ``sim/`` the scenes and
-    robots. Of any other folder what lies directly in it: below it, there may be anybody's files.
+    Of a workspace those in its ``trees/``, ``sim/`` and ``scenarios/``, of a folder of trees or scenarios all below
+    it, of ``sim/`` the scenes and robots. Of any other folder what lies directly in it: below it, there may be
+    anybody's files.
     """
-    trees, sim = folder / "trees", folder / "sim"
-    if trees.is_dir() or sim.is_dir():
-        return [*(yaml_files(trees) if trees.is_dir() else ()), *(yaml_files(sim) if sim.is_dir() else ())]
+    parts = [part for name in ("trees", "sim", "scenarios") if (part := folder / name).is_dir()]
+    if parts:
+        return [path for part in parts for path in yaml_files(part)]
     whole = resolved(folder)
     if whole.name == "sim":
         robots = (path / "robot.yaml" for path in folder.glob("*/"))
         return sorted([*folder.glob("scenes/*.yaml"), *filter(os.path.lexists, robots)])  # a broken link is told of
-    return sorted(folder.rglob("*.yaml") if "trees" in whole.parts else folder.glob("*.yaml"))
+    deep = {"trees", "scenarios"} & set(whole.parts)
+    return sorted(folder.rglob("*.yaml") if deep else folder.glob("*.yaml"))
 
 
 def _is_workspace(folder: Path) -> bool:
-    if any(any(folder.glob(pattern)) for pattern in (_TREES, _SCENES, _ROBOTS)):
+    if any(any(folder.glob(pattern)) for pattern in (_TREES, _SCENES, _ROBOTS, _SCENARIOS)):
         return True
     return any(not path.name.startswith(("_", "test_", "conftest.")) for path in folder.glob(_SKILLS))
 
@@ -57,7 +61,7 @@ class Workspace:
     """A workspace laid over the built-in one.
 
     Args:
-        root: the user's folder; the working directory if None. It may lack any of the three folders.
+        root: the user's folder; the working directory if None. It may lack any of the folders.
 
     Raises:
         UserError: ``root`` is not a folder.
@@ -77,14 +81,14 @@ class Workspace:
 
     @classmethod
     def of_tree(cls, path: Path) -> Workspace:
-        """Return the workspace a tree file belongs to.
+        """Return the workspace a tree or a scenario file belongs to.
 
-        It is the folder above its ``trees/``, else its own folder if that has ``skills/`` or ``sim/``, else the
-        current one.
+        It is the folder above its ``trees/`` or ``scenarios/``, else its own folder if that has ``skills/`` or
+        ``sim/``, else the current one.
         """
         folder = resolved(path).parent
         for parent in (folder, *folder.parents):
-            if parent.name == "trees":
+            if parent.name in ("trees", "scenarios"):
                 return cls(parent.parent)
         return cls(folder if (folder / "skills").is_dir() or (folder / "sim").is_dir() else None)
 
@@ -111,6 +115,10 @@ class Workspace:
     def scenes(self) -> dict[str, Path]:
         """Return every scene file by name."""
         return self._files(_SCENES)
+
+    def scenarios(self) -> dict[str, Path]:
+        """Return every scenario file by name."""
+        return self._files(_SCENARIOS)
 
     def robots(self) -> dict[str, Path]:
         """Return every ``robot.yaml`` by the name of its folder."""
@@ -140,6 +148,10 @@ class Workspace:
         """Return a scene's file from its name or path; raises as :meth:`find_tree`."""
         return self._find(name, self.scenes(), "scene", "file")
 
+    def find_scenario(self, name: str) -> Path:
+        """Return a scenario's file from its name or path; raises as :meth:`find_tree`."""
+        return self._find(name, self.scenarios(), "scenario", "file")
+
     def find_robot(self, name: str) -> Path:
         """Return a robot's ``robot.yaml`` from its name, folder or path; raises as :meth:`find_tree`."""
         path = Path(name)
@@ -153,7 +165,7 @@ class Workspace:
             found |= {path.stem: path for path in sorted(layer.glob(pattern))}
         return found
 
-    def _find(self, name: str, known: dict[str, Path], what: Literal["tree", "scene", "robot"], kind: str) -> Path:
+    def _find(self, name: str, known: dict[str, Path], what: _Thing, kind: str) -> Path:
         if name in known:
             return known[name]
         path = Path(name)

@@ -55,9 +55,10 @@ class SimulatedPerception:
             if dropped:
                 continue
             position = self._scene.object_position(config.object, state.time)
-            distance = float(np.linalg.norm(position - state.gaze_position))
+            offset = position - state.gaze_position
+            distance = math.sqrt(offset @ offset)
             hidden = self._scene.hidden(config.object, state.time)
-            why_not = "hidden" if hidden else _out_of_sight(position, distance, state, config)
+            why_not = "hidden" if hidden else _out_of_sight(offset, distance, state, config)
             if not why_not:
                 self.unseen.pop(name, None)
                 self._last_seen[name] = position + position_noise * (config.noise + config.noise_per_meter * distance)
@@ -68,24 +69,26 @@ class SimulatedPerception:
             if name not in self._last_seen:
                 self.unseen[name] = why_not
                 continue
-            offset = _CONFIDENCE_NOISE * float(confidence_noise)
-            confidence += min(max(offset, -_CONFIDENCE_NOISE_LIMIT), _CONFIDENCE_NOISE_LIMIT)
+            noise = _CONFIDENCE_NOISE * float(confidence_noise)
+            confidence += min(max(noise, -_CONFIDENCE_NOISE_LIMIT), _CONFIDENCE_NOISE_LIMIT)
             in_base = rotation_matrix(state.base_quaternion).T @ (self._last_seen[name] - state.base_position)
             percepts.append(Percept(name, state.time, in_base, confidence))
         return percepts
 
 
-def _out_of_sight(position: Array, distance: float, state: State, config: PerceptConfig) -> str:
-    """Return why a position (world frame [m]) is beyond the range or the angles of view, "" if it is not."""
+def _out_of_sight(offset: Array, distance: float, state: State, config: PerceptConfig) -> str:
+    """Return why a position, seen from the eyes (world frame [m]), is beyond the range or the angles of view, or ""."""
     if distance > config.range:
         return f"out of range: {readable(distance, 'm')} away, seen up to {readable(config.range, 'm')}"
-    forward = state.gaze_direction
-    left = np.cross([0.0, 0.0, 1.0], forward)
-    if np.linalg.norm(left) < 1e-6:  # looking straight up or down: the body says where left is
-        left = rotation_matrix(state.base_quaternion)[:, 1]
-    left = left / np.linalg.norm(left)
-    offset = position - state.gaze_position
-    ahead, aside, above = float(offset @ forward), float(offset @ left), float(offset @ np.cross(forward, left))
+    fx, fy, fz = state.gaze_direction.tolist()
+    lx, ly, lz = -fy, fx, 0.0  # what is up, across forward
+    if math.hypot(lx, ly) < 1e-6:  # looking straight up or down: the body says where left is
+        lx, ly, lz = rotation_matrix(state.base_quaternion)[:, 1].tolist()
+    length = math.sqrt(lx * lx + ly * ly + lz * lz)
+    lx, ly, lz = lx / length, ly / length, lz / length
+    x, y, z = offset.tolist()
+    ahead, aside = x * fx + y * fy + z * fz, x * lx + y * ly + z * lz
+    above = x * (fy * lz - fz * ly) + y * (fz * lx - fx * lz) + z * (fx * ly - fy * lx)
     horizontal, vertical = math.atan2(aside, ahead), math.atan2(above, math.hypot(ahead, aside))
     if abs(horizontal) > config.field_of_view / 2:
         return _out_of_view(horizontal, "left of", "right of", config.field_of_view)

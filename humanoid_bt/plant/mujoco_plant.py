@@ -52,8 +52,10 @@ class MujocoPlant:
         data = self.data  # views of it, which stay
         self._qpos, self._qvel, self._torque = data.qpos[: self._nq], data.qvel[: self._nv], data.actuator_force
         self._feet = [data.sensor(foot_sensor(side)).data[2:] for side in SIDES]
-        self._stiffness = robot.stiffness.copy()
-        self._damping = robot.damping.copy()
+        self._stiffness, self._damping = robot.stiffness, robot.damping
+        self._drives, self._payload = 1.0, 0.0
+        self._strength = np.ones(joints)  # what each drive gives of the torque that it is asked for
+        self._friction, self._mass = self.model.geom_friction.copy(), self.model.body_mass.copy()
         self._command: JointCommand | None = None  # which the drives have
         self._pushes: dict[int, tuple[float, Array]] = {}
         self.external_force_max = 0.0
@@ -74,6 +76,8 @@ class MujocoPlant:
             UserError: physics cannot begin there.
         """
         x, y, heading = self.scene.start_pose
+        self._stiffness, self._damping = self.robot.stiffness, self.robot.damping
+        self.set_strength(np.ones(len(self.robot.joint_names)))
         mujoco.mj_resetData(self.model, self.data)
         start = qpos.copy()
         cos, sin = math.cos(heading), math.sin(heading)
@@ -123,14 +127,43 @@ class MujocoPlant:
         self._command = command
         if command.stiffness is not self._stiffness or command.damping is not self._damping:
             self._stiffness, self._damping = command.stiffness, command.damping
-            self.model.actuator_biasprm[:, 1] = -command.stiffness
-            self.model.actuator_biasprm[:, 2] = -command.damping
+            self.model.actuator_biasprm[:, 1] = -self._strength * command.stiffness
+            self.model.actuator_biasprm[:, 2] = -self._strength * command.damping
         self.data.ctrl[:] = command.stiffness * command.position + command.damping * command.velocity + command.torque
 
     def move_objects(self) -> None:
         """Put the scene's objects where its script says they are now."""
         for name, body in self._objects.items():
             self.model.body_pos[body] = self.scene.object_position(name, self.time)
+
+    def alter(self, friction: float = 1.0, payload: float = 0.0, drives: float = 1.0) -> None:
+        """Let the world differ from what the robot's numbers say, from the next :meth:`place` on.
+
+        Args:
+            friction: factor of the friction of everything.
+            payload: what the torso carries besides its own mass, at its centre of mass [kg].
+            drives: what every drive gives of the torque that it is asked for, and of the largest.
+        """
+        self.model.geom_friction[:] = self._friction * friction
+        if payload != self._payload:
+            self._payload = payload
+            self.model.body_mass[:] = self._mass
+            self.model.body(self.robot.config.torso).mass += payload
+            mujoco.mj_setConst(self.model, self.data)
+        self._drives = drives
+
+    def set_strength(self, strength: Array) -> None:
+        """Let drives give a part of the torque that they are asked for, and of the largest, until :meth:`place`.
+
+        Args:
+            strength: that part of each, shape (nj,); 1 for a drive that is as it should be.
+        """
+        self._strength = self._drives * strength
+        limits = self._strength * self.robot.torque_limit
+        self.model.actuator_forcerange[:, 0], self.model.actuator_forcerange[:, 1] = -limits, limits
+        self.model.actuator_gainprm[:, 0] = self._strength
+        self.model.actuator_biasprm[:, 1] = -self._strength * self._stiffness
+        self.model.actuator_biasprm[:, 2] = -self._strength * self._damping
 
     def push(self, body: str, force: Array, duration: float) -> None:
         """Push a body with an external force: a disturbance for tests, counted in ``external_force_max``.

@@ -100,7 +100,7 @@ class ExpressionBreak:
 
     def find(self, tree: Tree) -> None:
         """Look up what it asks for; raises UserError."""
-        self._expression.link(_NamesOf(tree))
+        self._expression.link(NamesOf(tree))
         for name in self._expression.percepts:
             if name not in self._percepts:
                 hint = nearest(name, self._percepts) or "it publishes none"
@@ -112,12 +112,16 @@ class ExpressionBreak:
 
     def ticked(self, robot: Robot) -> Pause | None:
         """Pause when it is true and was not before; what was never seen, or has no value, is not true."""
-        try:
-            holds = bool(self._expression.evaluate(robot))
-        except (Unseen, HumanoidBtError, TypeError, ArithmeticError):
-            holds = False
-        before, self._held = self._held, holds
-        return Pause(f"break at {self.text}", self._expression.explain()) if holds and not before else None
+        before, self._held = self._held, holds(self._expression, robot)
+        return Pause(f"break at {self.text}", self._expression.explain()) if self._held and not before else None
+
+
+def holds(expression: Truth, robot: Robot) -> bool:
+    """Return whether an expression is true; what was never seen, or has no value, is not."""
+    try:
+        return bool(expression.evaluate(robot))
+    except (Unseen, HumanoidBtError, TypeError, ArithmeticError):
+        return False
 
 
 def breakpoint_at(text: str, tree: Tree, percepts: Collection[str]) -> Breakpoint:
@@ -150,7 +154,7 @@ def _breakpoint(text: str, tree: Tree, percepts: Collection[str]) -> Breakpoint:
             message = f"{text!r} pauses at no status of a node: {at_status['status']!r}"
             raise UserError(message, hint=nearest(status, STATUSES), code="wrong-choice")
         return NodeBreak(text, at_status["node"].strip(), STATUSES[status])
-    names = _NamesOf(tree)
+    names = NamesOf(tree)
     if any(f"/{node.path}".endswith(f"/{text}") for node in tree.nodes):
         return NodeBreak(text, text, None)
     if _NODE.fullmatch(text) and not set(re.findall(r"\w+", text)) & {"and", "or", "not", *names.known}:
@@ -162,7 +166,7 @@ def _place() -> Place:
     return Place("breakpoint", 1, 1)
 
 
-class _NamesOf:
+class NamesOf:
     """What names mean in an expression that is asked of a tree from outside.
 
     Args:

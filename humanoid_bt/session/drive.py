@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping
-from contextlib import ExitStack, nullcontext, suppress
+from contextlib import AbstractContextManager, ExitStack, nullcontext, suppress
 from dataclasses import replace
 from pathlib import Path
 
@@ -20,6 +20,7 @@ from humanoid_bt.record.folder import report_beside
 from humanoid_bt.session.debugger import Debugger
 from humanoid_bt.session.edits import Edits
 from humanoid_bt.session.ending import Ending
+from humanoid_bt.session.engine import Engine
 from humanoid_bt.session.interrupt import WholeTick
 from humanoid_bt.session.loader import TreeLoader
 from humanoid_bt.session.loop import Loop
@@ -47,6 +48,8 @@ class Drive:
         workspace: where names are looked up.
         listener: who is told what happens.
         recorder: takes what would be recorded, instead of a recorder that writes it as the options say.
+        engine: what is loaded already and stands at the start; None to load what the options name.
+        looks: whether somebody looks where a tick is that lasts, and Ctrl-C waits for its end.
 
     Attributes:
         engine: control, plant and perception.
@@ -63,23 +66,28 @@ class Drive:
     """
 
     def __init__(
-        self, options: RunOptions, workspace: Workspace, listener: Listener, recorder: RunRecorder | None = None
+        self,
+        options: RunOptions,
+        workspace: Workspace,
+        listener: Listener,
+        recorder: RunRecorder | None = None,
+        engine: Engine | None = None,
+        looks: bool = True,
     ) -> None:
         self._options, self._listener = options, listener
         self._recorder: RunRecorder | None = recorder or new_recorder(options)
         loader = TreeLoader(options, workspace)
         self._files = loader.robot, loader.scene
         self._watch = Watch(Edits(loader, self._prepare)) if options.watch else None
-        scene = Scene(load_scene(loader.scene), options.seed)
         if options.numbered:
             make_folder()
         options.sinks.check()
-        self.engine = new_engine(options, loader.robot, scene, loader.first.name)
+        self.engine = engine or _engine(options, loader)
         self._teller = Teller(listener, self.engine, options.parameters)
         self.debugger = Debugger(self._teller)
         self.runner = TreeRunner(self._prepare(loader.first))
         self._pace = Pace(options.pace)
-        self.ticks = TickWatch()
+        self.ticks = TickWatch(looks)
         self.loop = Loop(self.engine, self.runner, self.debugger, self._pace, self.ticks)
         self._ending = Ending(self.engine, self.runner, self._teller, self._pace, self.ticks)
         self._stack: ExitStack | None = None
@@ -156,7 +164,7 @@ class Drive:
         self._go(lambda: self.loop.stand_still(pause))
 
     def _go(self, on: Callable[[], End | None]) -> None:
-        with WholeTick(self.ticks.interrupted):
+        with self._whole_tick():
             try:
                 self.end = on()
             except KeyboardInterrupt as interrupt:
@@ -220,11 +228,15 @@ class Drive:
         """Bring the robot to a stand; return whether somebody pressed Ctrl-C meanwhile. A first one waits for it."""
         before = self._ending.interrupted
         try:
-            with nullcontext() if self._asked else WholeTick(self.ticks.interrupted):
+            with nullcontext() if self._asked else self._whole_tick():
                 self.end = self._ending.bring_to_stand(end, moved)
         except KeyboardInterrupt:
             return True
         return self._ending.interrupted is not before
+
+    def _whole_tick(self) -> AbstractContextManager[None]:
+        """Return what holds Ctrl-C back until a tick is over."""
+        return WholeTick(self.ticks.interrupted) if self.ticks.looks else nullcontext()
 
     def _open(self, recorder: RunRecorder) -> bool:
         """Open the recording; return whether anybody can watch."""
@@ -235,3 +247,9 @@ class Drive:
         if self._pace.speed is None and sinks.live and self._options.mode == "lockstep":
             self._pace.speed = 1.0
         return sinks.live
+
+
+def _engine(options: RunOptions, loader: TreeLoader) -> Engine:
+    """Return what a run needs below its tree, loaded for it."""
+    scene = Scene(load_scene(loader.scene), options.seed)
+    return new_engine(options, loader.robot, scene, loader.first.name)

@@ -151,15 +151,23 @@ class Lockstep:
         self.plant.push(body, force, duration)
         self.inputs.append(Input(self.clock.now(), "push", [body, force.tolist(), duration]))
 
-    def reset(self, perception: PerceptSource) -> None:
-        """Begin a new run: the robot stands at the start, time is zero, nothing was seen."""
+    def reset(self, perception: PerceptSource, scene: Scene | None = None) -> None:
+        """Begin a new run: the robot stands at the start, time is zero, nothing was seen.
+
+        Args:
+            perception: what the robot sees now.
+            scene: another one with the same things at the same places; as before if None.
+        """
+        if scene is not None:
+            self.scene = self.plant.scene = scene
         self.clock.cycle = 0
         self.plant.place(self._start)
         self.controller.reset()
         self.perception = perception
         self._percepts = {}
-        self._command = None
+        self._command = self._state = None
         self._resets.clear()
+        self._logged = self.controller.log = None
         self.notices = Kept()
         self.inputs = Kept()
 

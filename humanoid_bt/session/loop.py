@@ -38,6 +38,7 @@ class Loop:
         waits: whether an emergency stop is waited for, until its reset; else it ends the run.
         reloader: puts edited trees in the tree's place, if anybody looks for edits.
         state: what the last tick saw, None before the first.
+        command: what the last tick that was whole commanded.
         began: engine time of the first tick [s]; in realtime mode control has run for a while by then.
         began_at: when that was on the monotonic clock [s].
     """
@@ -45,11 +46,11 @@ class Loop:
     def __init__(self, engine: Engine, runner: TreeRunner, debugger: Debugger, pace: Pace, ticks: TickWatch) -> None:
         self._engine, self._runner, self._debugger, self._pace = engine, runner, debugger, pace
         self._teller, self._ticks = debugger.teller, ticks
-        self._command = Command(0, 0.0)  # of the last tick
         self._held: Pace | None = None  # how fast time goes while control holds the robot for a pause
         self.limit, self.waits = math.inf, False
         self.reloader: Reloader | None = None
         self.state: State | None = None
+        self.command = Command(0, 0.0)
         self.began = self.began_at = 0.0
 
     def tick(self) -> End | None:
@@ -67,7 +68,7 @@ class Loop:
         self._ticks.begin()
         command, end = None, None
         try:
-            self._command = command = runner.tick(state, percepts)
+            self.command = command = runner.tick(state, percepts)
         except HumanoidBtError as error:
             end = failed(error)
         finally:
@@ -137,11 +138,11 @@ class Loop:
     def _release(self) -> tuple[State, Mapping[str, Percept]]:
         """Let what the last tick commanded be in force again, as if nothing had been since; then as :meth:`_sense`."""
         robot = self._runner.robot
-        self._engine.submit(robot.repeat(self._command))
+        self._engine.submit(robot.repeat(self.command))
         state, percepts = self._sense()
         while state.mode is Mode.PAUSED:  # control has not heard of it yet
             robot.stand_still(state, percepts)
-            self._engine.submit(robot.repeat(self._command))
+            self._engine.submit(robot.repeat(self.command))
             state, percepts = self._sense()
         self._held = None
         return state, percepts
@@ -157,7 +158,7 @@ class Loop:
             return self._stopped()
         if status in _ENDED and not runner.ended and pause is None:
             outcome, otherwise = ("success", "succeeded") if status is Status.SUCCESS else ("failure", "failed")
-            end = End(outcome, self._teller.trace.why(status, self._command.stamp) or f"the tree {otherwise}")
+            end = End(outcome, self._teller.trace.why(status, self.command.stamp) or f"the tree {otherwise}")
             if self.reloader is None:
                 return self._stopped("the tree ended") or end
             self._rest(end)

@@ -51,6 +51,7 @@ class RunOptions:
         camera: whether the recording has pictures of the head camera; "auto" where they do not hold up the run.
         watch: swap the tree for an edited one whenever its files change; goes on when the tree has ended.
         view_optional: go on without the native viewer if it cannot be opened.
+        staged: what a test does to the run, as in the report; None if it does nothing.
     """
 
     tree: str | Tree
@@ -69,6 +70,7 @@ class RunOptions:
     camera: bool | Literal["auto"] = "auto"
     watch: bool = False
     view_optional: bool = False
+    staged: dict[str, Any] | None = None
 
     @classmethod
     def of(

@@ -132,6 +132,7 @@ def report_of(
             "stops": engine.supervisor.stops.left_out,
         },
         recording_parts=[str(part) for part in parts_of(file)] if file else [],
+        staged=options.staged,
     )
 
 

@@ -1,4 +1,4 @@
-"""What programs do with trees before they run: load, check, look up skills."""
+"""What programs do with trees before they run: load them, look up skills."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ from typing import Any
 
 from py_trees.behaviour import Behaviour
 
-from humanoid_bt.checking.check import collect, findings, load_checked, settled
-from humanoid_bt.core.errors import Problem, UserError
+from humanoid_bt.checking.check import load_checked
+from humanoid_bt.core.errors import UserError
 from humanoid_bt.decision.skill_files import load_skills
 from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.tree.source.given import given
@@ -52,24 +52,6 @@ def load(
         scene=None if scene is None else os.fspath(scene),
         arguments=_ARGUMENTS if values else (),
     )
-
-
-def check(*paths: str | PathLike[str], workspace: str | PathLike[str] | Workspace | None = None) -> list[Problem]:
-    """Return what ``humanoid-bt check`` finds: errors and warnings, each with its place and the repair.
-
-    Args:
-        paths: names, files or folders of trees, skills, scenes, robots; the whole workspace if none are given.
-        workspace: folder in which names are looked up; the working directory if None.
-
-    Raises:
-        UserError: there is nothing to check.
-    """
-    for path in paths:
-        if not isinstance(path, (str, PathLike)):
-            hint = "valid: a name, a file or a folder, as text or a Path"
-            raise UserError(f"{path!r} cannot be checked", hint=hint, code="wrong-type")
-    files, missing = collect([os.fspath(path) for path in paths], workspace)
-    return [*missing, *settled({path: findings(path, where) for path, where in files.items()})]
 
 
 def skills(workspace: str | PathLike[str] | Workspace | None = None) -> dict[str, Callable[..., Behaviour]]:

@@ -188,7 +188,7 @@ def _open(
         config=robot.config,
         tree=tree_view(tree),
         sinks=dataclasses.replace(sinks, file=sinks.file and sinks.file.absolute()),
-        info=run_info(tree, engine),
+        info=run_info(tree, engine) | ({"staged": "\n".join(options.staged["told"])} if options.staged else {}),
         setup=setup,
         camera=View(robot.config.gaze.body, *widest_view(engine.scene.config)),
         pictures=options.camera,

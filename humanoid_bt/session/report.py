@@ -94,6 +94,8 @@ class Report:
         recording: path of the recording.
         recording_parts: the files it is in, in order: more than one if it became too large for one.
         left_out: how many entries the timeline, the events and the stops lack between their first and latest ones.
+        staged: what a test did to the run: whether it was dry (without physics), what it did in words, and its
+            conditions, replacements and script; None for a run to which nothing was done.
         recording_missing: time that the recording lacks [s], 0 if it has everything; the events say why.
         versions: of the packages that a run depends on.
         traceback: of the exception that ended the run, for its author.
@@ -129,6 +131,7 @@ class Report:
     recording_missing: float = 0.0
     recording_parts: list[str] = field(default_factory=list)
     left_out: dict[str, int] = field(default_factory=dict)
+    staged: dict[str, Any] | None = None
 
     @property
     def exit_code(self) -> ExitCode:
@@ -145,6 +148,8 @@ class Report:
         """What matters most, for people: rows of a name and a text."""
         factor = f"{self.real_time_factor:.1f}x real time"
         rows = [("simulated", f"{self.sim_time:.2f} s in {self.wall_time:.2f} s ({factor})")]
+        if self.staged is not None:
+            rows += [("staged" if number == 0 else "", text) for number, text in enumerate(self.staged["told"])]
         rows += self._last_results
         stops = [f"{stop['time']:.2f} s {stop['mode'].replace('_', ' ')}: {stop['reason']}" for stop in self.stops]
         rows += [("stops" if number == 0 else "", text) for number, text in enumerate(stops or ["none"])]
@@ -196,7 +201,8 @@ class Report:
 
     @property
     def _title(self) -> str:
-        return f"{self.tree} on {self.robot} in {self.scene}, seed {self.seed}"
+        dry = ", dry: without physics" if self.staged is not None and self.staged["dry"] else ""
+        return f"{self.tree} on {self.robot} in {self.scene}, seed {self.seed}{dry}"
 
     def __repr__(self) -> str:
         return "\n".join([self._title, f"{self.outcome}: {printable(self.reason)}", *aligned(self.summary)])

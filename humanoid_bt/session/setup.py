@@ -48,6 +48,7 @@ def run_setup(tree: Tree, engine: Engine, options: RunOptions, robot: Path, scen
         "duration": options.duration,
         "on_estop": options.on_estop,
         "watch": options.watch,
+        "staged": options.staged,
         "workspace": str((tree.workspace or Workspace()).root),
         "tree": tree_setup(tree, options.parameters),
         "robot": {"name": engine.robot.config.name, "file": _name(robot, tree), **_body(engine.robot)},

@@ -1,4 +1,4 @@
-"""The pytest plugin: the ``rig`` fixture."""
+"""The pytest plugin: the ``rig`` fixture, and scenario files as tests."""
 
 from __future__ import annotations
 
@@ -6,6 +6,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
+
+from humanoid_bt.testing.plugin_scenarios import pytest_collect_file  # noqa: F401 (a hook of pytest)
 
 if TYPE_CHECKING:
     from humanoid_bt.testing.rig import Rig

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import types
 import typing
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from os import PathLike
 from pathlib import Path
@@ -28,9 +28,16 @@ from humanoid_bt.decision.robot import Robot
 from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.plant.scene import Scene, load_scene
 from humanoid_bt.session.lockstep import Lockstep
+from humanoid_bt.session.options import OnEStop
+from humanoid_bt.testing.conditions import Conditions
+from humanoid_bt.testing.events import Event
+from humanoid_bt.testing.faults import See
+from humanoid_bt.testing.stage import Stage
+from humanoid_bt.testing.tree_run import TreeRun, Watcher
 from humanoid_bt.tree.node import Node
 from humanoid_bt.tree.node_type import NodeType
 from humanoid_bt.tree.nodes.registry import Registry
+from humanoid_bt.tree.source.given import given
 from humanoid_bt.tree.ticking.executor import Executor, NodeChange
 from humanoid_bt.tree.tree import Tree
 
@@ -119,6 +126,8 @@ class Rig:
     def __init__(self, workspace: str | PathLike[str] | Workspace | None = None, robot: str = "humanoid") -> None:
         self.workspace = workspace = workspace if isinstance(workspace, Workspace) else Workspace(workspace)
         self._registry = Registry.of(workspace)
+        self._robot_name = robot
+        self._stages: dict[tuple[str | None, bool], Stage] = {}
         self._model, start = load_robot(workspace.find_robot(robot))
         scene = Scene(load_scene(workspace.find_scene("empty")), seed=0)
         self._perception = ScriptedPerception()
@@ -215,6 +224,66 @@ class Rig:
         stops = list(self._lockstep.controller.supervisor.stops)
         results = dict(results_of(behaviour))
         return RigResult(status, feedback, self.time - begin, results, states, commands, changes, stops)
+
+    def run_tree(
+        self,
+        tree: str | PathLike[str] | Tree,
+        *,
+        scene: str | PathLike[str] | None = None,
+        percepts: Mapping[str, Any] | None = None,
+        dry: bool = False,
+        seed: int = 0,
+        duration: float | None = None,
+        on_estop: OnEStop | None = None,
+        script: Iterable[Event | Mapping[str, Any]] = (),
+        conditions: Conditions | Mapping[str, Any] | None = None,
+        replace: Mapping[str, Any] | None = None,
+        record: str | PathLike[str] | None = None,
+        watchers: Sequence[Watcher] = (),
+        parameters: Mapping[str, Any] | None = None,
+        **values: Any,
+    ) -> TreeRun:
+        """Run a whole tree to its end on a robot of the same kind, which stands at the scene's start.
+
+        Args:
+            tree: its name or file, or one that was loaded.
+            scene: name or path of the scene; if None what the tree says, or an empty floor where percepts are given.
+            percepts: what the robot sees from the beginning, wherever it looks: name -> position, shape (3,), world
+                frame [m].
+            dry: without physics: the robot is at once where it is told to be. For the logic of trees only.
+            seed: of everything random.
+            duration: longest simulated time [s]; as in ``humanoid-bt run`` if None.
+            on_estop: what an emergency stop does to the run: "wait" for its reset, or "end"; if None it waits where
+                the script resets it.
+            script: faults, each at a time or at a moment; as events, or as in YAML.
+            conditions: what is different from the beginning.
+            replace: what stands in a node's place, by the node's path, the end of it, or by type.
+            record: file of the recording; none is made if None.
+            watchers: who looks on.
+            parameters: values for the tree's parameters, for names that are those of arguments too.
+            values: values for the tree's parameters: 0.45, or text as after ``--set``, "45 cm".
+
+        Raises:
+            UserError: an argument, the tree, scene or a skill has mistakes, or the recording cannot be opened.
+            NodeError: a skill raised an exception in ``setup``.
+        """
+        where = "empty" if scene is None and percepts else None if scene is None else str(scene)
+        stage = self._stages.get((where, dry))
+        if stage is None:
+            stage = self._stages[where, dry] = Stage(self.workspace, self._robot_name, where, dry)
+        seen = [Event(at=0.0, see=See(percept=name, position=place)) for name, place in (percepts or {}).items()]
+        return stage.run(
+            tree,
+            seed=seed,
+            parameters=given(parameters, values),
+            duration=duration,
+            on_estop=on_estop,
+            script=[*seen, *script],
+            conditions=conditions,
+            replace=replace,
+            record=record,
+            watchers=watchers,
+        )
 
     def settle(self, duration: float = 2.0) -> State:
         """Let the robot come to rest with nothing commanded, for a time [s]; return the state then."""

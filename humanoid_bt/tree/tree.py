@@ -12,6 +12,7 @@ from py_trees.behaviour import Behaviour
 from humanoid_bt.core.errors import Problem, UserError, nearest, relative
 from humanoid_bt.decision.blackboard import Key
 from humanoid_bt.files.workspace import Workspace
+from humanoid_bt.tree.draft import Draft
 from humanoid_bt.tree.node import Node
 from humanoid_bt.tree.write import tree_text
 
@@ -35,6 +36,7 @@ class Tree:
         files: the tree file and those of its sub-trees.
         workspace: where its skills and sub-trees are from.
         warnings: what its checks found that does not keep it from running.
+        draft: its root as its file describes it, from which nodes can be made anew; None if made in Python.
     """
 
     name: str
@@ -51,6 +53,7 @@ class Tree:
     files: tuple[Path, ...] = ()
     workspace: Workspace | None = None
     warnings: tuple[Problem, ...] = ()
+    draft: Draft | None = field(default=None, repr=False, compare=False)
 
     def __repr__(self) -> str:
         of = f", {', '.join(f'{name} = {value}' for name, value in self.parameters.items())}" if self.parameters else ""

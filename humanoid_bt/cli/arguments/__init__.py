@@ -6,6 +6,7 @@ import argparse
 
 from humanoid_bt import __version__
 from humanoid_bt.cli.arguments.bench import add_bench
+from humanoid_bt.cli.arguments.campaign import add_campaign
 from humanoid_bt.cli.arguments.check import add_check
 from humanoid_bt.cli.arguments.diff import add_diff
 from humanoid_bt.cli.arguments.explain import add_explain
@@ -21,10 +22,12 @@ from humanoid_bt.cli.arguments.replay import add_replay
 from humanoid_bt.cli.arguments.run import add_run
 from humanoid_bt.cli.arguments.schema import add_schema
 from humanoid_bt.cli.arguments.show import add_show
+from humanoid_bt.cli.arguments.test import add_test
 
 _COMMANDS = (
-    *(add_init, add_run, add_check, add_fmt, add_show),
+    *(add_init, add_run, add_check, add_fmt, add_show, add_test),
     *(add_lists, add_schema),
+    add_campaign,
     *(add_explain, add_replay, add_diff, add_params, add_export),
     *(add_recordings, add_keep),
     *(add_estop, add_reset, add_status),

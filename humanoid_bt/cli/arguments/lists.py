@@ -10,6 +10,7 @@ _LISTS = {
     "skills": ("list skills and their parameters", "List skills, or explain some."),
     "scenes": ("list scenes", "List scenes, or explain some."),
     "robots": ("list robots", "List robots, or explain some."),
+    "scenarios": ("list scenarios", "List scenarios, or explain some: what they run, and what they expect."),
 }
 
 

@@ -17,6 +17,8 @@ from humanoid_bt.tree.expressions.grammar import Syntax, SyntaxMistake
 from humanoid_bt.tree.expressions.linking import CODE, Evaluate, Linker, Names, Watched, within
 from humanoid_bt.tree.expressions.quantities import ANYTHING, TRUTH, Type
 
+_LinkerType = type[Linker]  # "type" is a field of expressions
+
 
 @dataclass
 class Expression:
@@ -47,6 +49,12 @@ class Expression:
 
     described: ClassVar[str] = "expression"
     """What it is called in messages."""
+
+    verbs: ClassVar[tuple[str, ...]] = ()
+    """What it can ask of nodes."""
+
+    linker: ClassVar[_LinkerType] = Linker
+    """What links it."""
 
     @classmethod
     def from_item(cls, item: Item, parameter: str) -> Self:
@@ -79,7 +87,7 @@ class Expression:
             UserError: it is none.
         """
         try:
-            return cls(text, place or Place(""), grammar.parse(text), text_at)
+            return cls(text, place or Place(""), grammar.parse(text, cls.verbs), text_at)
         except SyntaxMistake as mistake:
             where = within(place, text_at, mistake.at) if place else None
             raise UserError(f"{text!r} is no expression: {mistake}", where, mistake.hint, CODE) from mistake
@@ -106,7 +114,7 @@ class Expression:
         Raises:
             UserError: a name means nothing, or types or units do not go together.
         """
-        linker = Linker(self.text, self.place, self.text_at, names)
+        linker = self.linker(self.text, self.place, self.text_at, names)
         self.type, evaluate = linker.link(self.syntax)
         self.percepts, self.keys, self.comparisons = linker.percepts, linker.keys, linker.comparisons
         if self.wanted is not None and not self.type.goes_with(self.wanted):

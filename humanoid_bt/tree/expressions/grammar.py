@@ -11,6 +11,8 @@
                 | "(" expression ")"
 
 A name may have a ``$`` before it, as in the rest of a tree file.
+
+Who asks about a run from outside may also ask what nodes do, ``value = (name | text) verb``, with verbs of its own.
 """
 
 from __future__ import annotations
@@ -21,6 +23,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
+from humanoid_bt.core.errors import nearest
 from humanoid_bt.tree.expressions.quantities import read_quantity
 
 MAX_DEPTH = 50
@@ -119,7 +122,16 @@ class Comparison:
     at: int = field(default=0, compare=False)
 
 
-Syntax = Literal | Name | Attribute | Call | Unary | Binary | Comparison
+@dataclass(frozen=True)
+class Doing:
+    """``node verb``: whether a node does something; only asked from outside of a tree."""
+
+    node: str
+    verb: str
+    at: int = field(default=0, compare=False)
+
+
+Syntax = Literal | Name | Attribute | Call | Unary | Binary | Comparison | Doing
 
 
 def is_constant(syntax: Syntax) -> bool:
@@ -134,13 +146,17 @@ def is_constant(syntax: Syntax) -> bool:
     return False
 
 
-def parse(text: str) -> Syntax:
+def parse(text: str, verbs: tuple[str, ...] = ()) -> Syntax:
     """Return the syntax tree of an expression.
+
+    Args:
+        text: the expression.
+        verbs: what can be asked of nodes; nothing in a tree.
 
     Raises:
         SyntaxMistake: it is none.
     """
-    return _Parser(text).whole()
+    return _Parser(text, verbs).whole()
 
 
 def names(syntax: Syntax) -> Iterator[str]:
@@ -174,16 +190,19 @@ class _Token:
 class _Parser:
     _precedence: ClassVar[tuple[tuple[str, ...], ...]] = (("+", "-"), ("*", "/"))
 
-    def __init__(self, text: str) -> None:
-        self._text = text
+    def __init__(self, text: str, verbs: tuple[str, ...]) -> None:
+        self._text, self._verbs = text, verbs
         self._tokens = _tokens(text)
         self._next = 0
         self._depth = 0
 
     def whole(self) -> Syntax:
         syntax = self._or()
-        if self._token.kind != "end":
-            raise _unexpected(self._token.text, self._token.start)
+        token = self._token
+        if token.kind == "name" and token.text not in _MEANT and self._verbs:
+            raise SyntaxMistake(f"{token.text!r} is not expected there", token.start, nearest(token.text, self._verbs))
+        if token.kind != "end":
+            raise _unexpected(token.text, token.start)
         return syntax
 
     @property
@@ -271,7 +290,8 @@ class _Parser:
         token = self._token
         if token.kind == "literal":
             self._next += 1
-            return Literal(token.value, token.unit)
+            of = self._of(token.value, token.start) if self._verbs and isinstance(token.value, str) else None
+            return of or Literal(token.value, token.unit)
         if self._take("("):
             inner = self._or()
             self._expect(")")
@@ -287,13 +307,19 @@ class _Parser:
         name = token.text.removeprefix("$")
         if self._take("("):
             return Call(name, self._arguments(), token.start)
-        if self._take("."):
-            attribute = self._token
-            if attribute.kind != "name":
-                raise SyntaxMistake(f"a name is expected after '{name}.'", attribute.start)
-            self._next += 1
-            return Attribute(name, attribute.text, attribute.start)
-        return Name(name, token.start)
+        return self._of(name, token.start) or Name(name, token.start)
+
+    def _of(self, name: str, at: int) -> Attribute | Doing | None:
+        """Return what is asked of a name, None if nothing is."""
+        if verb := self._take(*self._verbs):
+            return Doing(name, verb, at)
+        if not self._take("."):
+            return None
+        attribute = self._token
+        if attribute.kind != "name":
+            raise SyntaxMistake(f"a name is expected after '{name}.'", attribute.start)
+        self._next += 1
+        return Attribute(name, attribute.text, attribute.start)
 
     def _arguments(self) -> tuple[Syntax, ...]:
         if self._take(")"):

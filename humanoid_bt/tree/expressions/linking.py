@@ -143,6 +143,11 @@ class Linker:
                 return self._arithmetic(sign, left, right)
             case grammar.Comparison():
                 return self._comparison(syntax)
+            case grammar.Doing():
+                return self._doing(syntax)
+
+    def _doing(self, _syntax: grammar.Doing) -> tuple[Type, Evaluate]:
+        raise self.mistake("a tree cannot ask what its nodes do")
 
     def _name(self, name: str) -> tuple[Type, Evaluate]:
         found = self._names.value(name)

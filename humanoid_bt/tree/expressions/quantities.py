@@ -88,7 +88,8 @@ def type_of(value: object) -> Type:
     return TEXT if isinstance(value, str) else ANYTHING
 
 
-_QUANTITY = re.compile(r"((?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)(?:\s*([A-Za-z]+(?:/[A-Za-z]+)?))?")
+_QUANTITY = re.compile(r"((?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)(?:\s*(%|[A-Za-z]+(?:/[A-Za-z]+)?))?")
+_PERCENT = "%"  # of a plain number
 
 
 def read_quantity(text: str, start: int) -> tuple[float, str, int] | None:
@@ -101,6 +102,8 @@ def read_quantity(text: str, start: int) -> tuple[float, str, int] | None:
     if match is None:
         return None
     written, behind = match[1], match[2] or ""
+    if behind == _PERCENT:
+        return float(written) / 100, "", match.end()
     for unit in (behind, behind.partition("/")[0]):  # "2 m/s" is a speed, "2 m/speed" a quotient
         found = quantity(f"{written} {unit}") if unit else None
         if found is not None:

@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
 from keyword import iskeyword
 
 from py_trees.behaviour import Behaviour
 from py_trees.behaviours import Dummy
 
-from humanoid_bt.core.errors import Problem
+from humanoid_bt.core.errors import Problem, UserError
 from humanoid_bt.decision.skill_files import class_file, place_in_file
 from humanoid_bt.tree.draft import Draft
 from humanoid_bt.tree.node import Node
 from humanoid_bt.tree.nodes.subtree import SubTree
+from humanoid_bt.tree.tree import Tree
 
 
 def build(root: Draft, tree_name: str, problems: list[Problem]) -> tuple[Node, ...]:
@@ -29,6 +30,34 @@ def build(root: Draft, tree_name: str, problems: list[Problem]) -> tuple[Node, .
     if make(root, made, problems) is None:
         return ()
     return collect(root, tree_name, made)
+
+
+def remade(tree: Tree, root: Draft) -> Tree:
+    """Return a tree whose nodes are made anew, as if its file had been loaded once more.
+
+    Args:
+        tree: it; its keys are those of the new one too, and have their initial values again.
+        root: its draft, or another in its place.
+
+    Raises:
+        UserError: a skill's constructor raised an exception this time.
+    """
+    problems: list[Problem] = []
+    nodes = build(root, tree.name, problems)
+    if problems:
+        raise UserError(problems)
+    for key in tree.keys:
+        key.reset()
+    return replace(tree, nodes=nodes)
+
+
+def paths(root: Draft, tree_name: str) -> Iterator[tuple[str, Draft]]:
+    """Yield every draft with the path that its node will have, parents before children."""
+    waiting = [(f"{tree_name}/{root.name}", root)]
+    while waiting:
+        path, draft = waiting.pop()
+        yield path, draft
+        waiting += [(below, child) for _, below, child in _below(draft, path)]
 
 
 def sketch(root: Draft, tree_name: str) -> tuple[Node, ...]:
@@ -124,6 +153,12 @@ def _collect(step: _Step, made: Mapping[int, Behaviour], nodes: list[Node]) -> N
             draft.written,
         )
     )
+    for key, below, child in _below(draft, path):
+        _collect(_Step(child, below, index, key), made, nodes)
+
+
+def _below(draft: Draft, path: str) -> Iterator[tuple[str, str, Draft]]:
+    """Yield the key, the path and the draft of every node right below one."""
     taken: Counter[str] = Counter()
     for key, child in draft.below():
         below = f"{path}/{child.name}"
@@ -131,4 +166,4 @@ def _collect(step: _Step, made: Mapping[int, Behaviour], nodes: list[Node]) -> N
             taken[below] += 1
             below = f"{below}#{taken[below]}"
         taken[below] = 1
-        _collect(_Step(child, below, index, key), made, nodes)
+        yield key, below, child

@@ -129,6 +129,7 @@ class Loader:
             header=file.plain_header(given),
             files=self.files,
             workspace=self._workspace,
+            draft=root,
         )
 
     # ---- sub-trees (see SubTrees) --------------------------------------------------------------------------------

@@ -43,7 +43,7 @@ def tree_schema(registry: Registry, trees: Mapping[str, NodeType]) -> Schema:
         registry: the node types, the workspace's skills among them.
         trees: name of a tree -> the type of a sub-tree node that uses it, for those that can be used.
     """
-    header = {name: _value(spec) for name, spec in params_of(Header).items()}
+    header = {name: value_schema(spec) for name, spec in params_of(Header).items()}
     parts = {name: {"description": doc, **(_NODE if name == "root" else _DECLARATIONS)} for name, doc in PARTS.items()}
     names = {**registry, **{alias: registry[alias] for alias in ALIASES}}
     return {
@@ -95,7 +95,7 @@ def _can_be_bare(node_type: NodeType) -> bool:
 def _body(node_type: NodeType, names: Mapping[str, NodeType], trees: Mapping[str, NodeType]) -> Schema:
     """Return the schema of what stands behind a type's name."""
     properties: Schema = {"name": {"type": "string", "description": "What the node is called."}}
-    properties |= {name: _value(spec) for name, spec in node_type.params.items()}
+    properties |= {name: value_schema(spec) for name, spec in node_type.params.items()}
     properties |= {name: _branch(slot) for name, slot in node_type.branches.items()}
     required = [name for name, spec in node_type.params.items() if spec.required]
     required += [name for name, slot in node_type.branches.items() if slot.required]
@@ -117,7 +117,7 @@ def _body(node_type: NodeType, names: Mapping[str, NodeType], trees: Mapping[str
     if node_type.cls is SubTree:
         _with_arguments(whole, trees)
     if node_type.main:
-        forms.append(_value(node_type.params[node_type.main]))
+        forms.append(value_schema(node_type.params[node_type.main]))
     return {**_described(node_type), "anyOf": forms} if len(forms) > 1 else {**_described(node_type), **whole}
 
 
@@ -130,7 +130,7 @@ def _with_arguments(whole: Schema, trees: Mapping[str, NodeType]) -> None:
             "if": {"properties": {"tree": {"const": name}}},
             "then": {
                 "properties": {
-                    **{key: _value(spec) for key, spec in used.params.items() if key != "tree"},
+                    **{key: value_schema(spec) for key, spec in used.params.items() if key != "tree"},
                     **{key: _branch(slot) for key, slot in used.branches.items()},
                 },
                 "required": [key for key, spec in used.params.items() if spec.required]
@@ -162,13 +162,13 @@ def _pattern_key() -> Schema:
 
 def _declaration() -> Schema:
     """Return the schema of a parameter, a key or an output: its default, or its declaration in full."""
-    properties = {name: _value(spec, plain=True) for name, spec in params_of(LongForm).items()}
+    properties = {name: value_schema(spec, plain=True) for name, spec in params_of(LongForm).items()}
     properties["unit"] = {**properties["unit"], "enum": ["", *UNITS]}
     full = {"type": "object", "properties": properties, "additionalProperties": False}
     return {"anyOf": [{"type": ["string", "number", "boolean", "array", "null"]}, full]}
 
 
-def _value(spec: Param, plain: bool = False) -> Schema:
+def value_schema(spec: Param, plain: bool = False) -> Schema:
     """Return the schema of a parameter's value; unless ``plain`` it may also be a reference."""
     schema = _type(spec.type, spec)
     if not plain and schema and "string" not in (schema.get("type"), *_types(schema)):

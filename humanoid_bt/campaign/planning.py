@@ -1,0 +1,173 @@
+"""From a campaign file, or a command line, to the plan of a campaign; every mistake is found before a trial runs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from pathlib import Path
+from typing import Any, TypeVar
+
+from humanoid_bt import __version__
+from humanoid_bt.campaign.file import CampaignFile, PushVariation
+from humanoid_bt.campaign.plan import Plan, Setting, digest
+from humanoid_bt.campaign.requirement import Requirement
+from humanoid_bt.campaign.trial import CONDITION, PUSH, SET
+from humanoid_bt.campaign.variation import Factor, Variation
+from humanoid_bt.checking.check import load_checked
+from humanoid_bt.core.errors import Place, Problem, UserError, nearest, relative
+from humanoid_bt.core.items import Item
+from humanoid_bt.core.params import Param, params_of
+from humanoid_bt.core.plain import plain
+from humanoid_bt.files.workspace import Workspace
+from humanoid_bt.plant.scene_config import load_scene
+from humanoid_bt.session.loader import DEFAULT_ROBOT, DEFAULT_SCENE, used_files
+from humanoid_bt.testing.conditions import Conditions
+from humanoid_bt.tree.source.file import read_file
+from humanoid_bt.tree.source.parameters import NodeItem
+from humanoid_bt.tree.tree import Tree
+
+_PUSH = {"direction": 0.0, "duration": 0.1}  # what a push has that does not say
+
+Made = TypeVar("Made")
+Named = tuple[str, str, Path]  # tree, robot or scene; its name; its file
+
+
+@dataclass(frozen=True)
+class Planned:
+    """A plan, and what it has to show.
+
+    Attributes:
+        plan: it.
+        requirements: what has to come of it.
+    """
+
+    plan: Plan
+    requirements: tuple[Requirement, ...]
+
+
+def planned(campaign: CampaignFile, workspace: Workspace, events: Sequence[Any] = ()) -> Planned:
+    """Return the plan of a campaign.
+
+    Args:
+        campaign: what is asked for.
+        workspace: where names are looked up.
+        events: its events as they are written.
+
+    Raises:
+        UserError: with every mistake that can be found without running a trial.
+    """
+    names = _all(_names(campaign, workspace))
+    files = [file for kind, _, file in names if kind == "tree"]
+    factors = _all(_factors(campaign, files))
+    first = {
+        factor.name.removeprefix(f"{SET}."): _example(factor) for factor in factors if factor.name.startswith(f"{SET}.")
+    }
+    settings: list[Setting] = []
+    trees: list[Tree] = []
+    used: set[Path] = set()
+    for name, file in ((name, file) for kind, name, file in names if kind == "tree"):
+        header = read_file(file, []).header
+        for robot in _chosen(names, "robot") or [header.get("robot") or DEFAULT_ROBOT]:
+            for scene in _chosen(names, "scene") or [header.get("scene") or DEFAULT_SCENE]:
+                trees.append(_loaded(file, workspace, first, robot, scene))
+                settings.append(Setting(name, robot, scene))
+                used |= {*used_files(trees[-1]), workspace.find_scene(scene), workspace.find_robot(robot)}
+    reported = {name: spec.unit for tree in trees for node in tree.nodes for name, spec in node.type.results.items()}
+    plan = Plan(
+        campaign.name,
+        tuple(settings),
+        campaign.seeds,
+        tuple(factors),
+        campaign.duration,
+        campaign.dry,
+        tuple(events),
+        campaign.description,
+        {**{relative(file): digest(file) for file in sorted(used)}, "humanoid-bt": __version__},
+        "" if workspace.root == Path.cwd() else relative(workspace.root),
+    )
+    return Planned(plan, tuple(_all(partial(Requirement, one, reported) for one in campaign.require)))
+
+
+def _names(campaign: CampaignFile, workspace: Workspace) -> Iterator[Callable[[], Named]]:
+    """Yield what finds the file of each tree, robot and scene, or raises that there is none."""
+    found = {"tree": workspace.find_tree, "robot": workspace.find_robot, "scene": workspace.find_scene}
+    for kind, find in found.items():
+        for item in getattr(campaign, kind).items:
+            yield partial(_named, kind, find, item)
+
+
+def _named(kind: str, find: Callable[[str], Path], item: Item) -> Named:
+    return kind, item.value, _found(find, item)
+
+
+def _found(find: Callable[[str], Path], item: Item) -> Path:
+    try:
+        return find(item.value)
+    except UserError as error:
+        raise UserError([replace(problem, place=problem.place or item.place) for problem in error.problems]) from error
+
+
+def _chosen(names: Sequence[Named], kind: str) -> list[str]:
+    return [name for of, name, _ in names if of == kind]
+
+
+def _loaded(file: Path, workspace: Workspace, parameters: Mapping[str, Any], robot: str, scene: str) -> Tree:
+    """Return a tree as it is run; raises UserError for what is wrong with it or with its scene."""
+    tree = load_checked(file, workspace, parameters, robot=robot, scene=scene)
+    if tree.is_subtree:
+        hint = "a tree that uses it does"
+        raise UserError(f"the tree {tree.name!r} does not run alone: it is made for use in other trees", hint=hint)
+    load_scene(workspace.find_scene(scene))
+    return tree
+
+
+def _factors(campaign: CampaignFile, trees: Sequence[Path]) -> Iterator[Callable[[], Factor]]:
+    """Yield what makes each factor, or raises what is wrong with it."""
+    for name, variation in campaign.parameters.items():
+        yield partial(_parameter, name, variation, trees)
+    for name, variation in campaign.conditions.items():
+        yield partial(variation.factor, f"{CONDITION}.{name}", params_of(Conditions)[name])
+    for number, push in enumerate(campaign.pushes, start=1):
+        for name, spec in params_of(PushVariation).items():
+            yield partial(_number, getattr(push, name), f"{PUSH}.{number}.{name}", spec)
+
+
+def _parameter(name: str, variation: Variation, trees: Sequence[Path]) -> Factor:
+    place = (variation.ends or variation.values)[0].place
+    for path in trees:
+        declared = read_file(path, []).parameters
+        if name not in declared:
+            hint = nearest(name, declared) or "the tree declares no parameters"
+            raise UserError(f"the tree {path.stem!r} has no parameter {name!r}", place, hint, "unknown-parameter")
+        if declared[name].spec.type is NodeItem:
+            raise UserError(f"the parameter {name!r} is a node, which only another tree can give", place)
+    return variation.factor(f"{SET}.{name}", read_file(trees[0], []).parameters[name].spec)
+
+
+def _number(variation: Variation, column: str, spec: Param) -> Factor:
+    """Return a number of a push, which has a value where none is given."""
+    of = Param(
+        spec.name, float, doc=spec.doc, unit=spec.unit, minimum=spec.minimum, above=spec.above, maximum=spec.maximum
+    )
+    if variation == Variation():
+        variation = Variation((Item(_PUSH[spec.name], Place("default")),))
+    return variation.factor(column, of)
+
+
+def _example(factor: Factor) -> Any:
+    return plain(factor.value(factor.levels[0], 0))
+
+
+def _all(makers: Iterator[Callable[[], Made]]) -> list[Made]:
+    """Return everything that can be made; what is wrong with any is raised together."""
+    made: list[Made] = []
+    problems: list[Problem] = []
+    for make in makers:
+        try:
+            made.append(make())
+        except UserError as error:
+            problems += error.problems
+    if problems:
+        raise UserError(problems)
+    return made

@@ -1,0 +1,49 @@
+"""The command that runs a trial again."""
+
+from __future__ import annotations
+
+import shlex
+from pathlib import Path
+
+from humanoid_bt.campaign.plan import Plan
+from humanoid_bt.campaign.trial import SET, Trial
+from humanoid_bt.core.errors import relative
+
+_AS_IT_IS = {
+    "condition.friction": 1.0,
+    "condition.drives": 1.0,
+    "condition.perception_noise": 1.0,
+    "condition.payload": 0.0,
+}
+
+
+def command(trial: Trial, plan: Plan, folder: Path) -> str:
+    """Return the command that runs a trial of a campaign again, bit for bit.
+
+    It is a plain run of the tree where that is enough: without pushes, events and changed conditions.
+
+    Args:
+        trial: it.
+        plan: the campaign's.
+        folder: the campaign's.
+    """
+    altered = {name: value for name, value in trial.given.items() if not name.startswith(f"{SET}.")}
+    if plan.events or trial.dry or any(_AS_IT_IS.get(name) != value for name, value in altered.items()):
+        return shlex.join(["humanoid-bt", "campaign", "rerun", relative(folder), str(trial.number)])
+    where = ["--workspace", plan.workspace] if plan.workspace else []
+    words = [
+        "humanoid-bt",
+        "run",
+        trial.tree,
+        "--robot",
+        trial.robot,
+        "--scene",
+        trial.scene,
+        "--seed",
+        str(trial.seed),
+    ]
+    for name, value in trial.part(SET).items():
+        words += ["--set", f"{name}={value}"]
+    if trial.duration is not None:
+        words += ["--duration", f"{trial.duration:g}"]
+    return shlex.join(words + where)

@@ -1,0 +1,144 @@
+"""Running trials on stages: the robot, the scenes and the trees are loaded once in each process."""
+
+from __future__ import annotations
+
+import math
+from collections import OrderedDict
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from humanoid_bt.campaign.result import Explained, Result, Value
+from humanoid_bt.campaign.trial import CONDITION, PUSH, SET, Task, Trial
+from humanoid_bt.campaign.work import Answer, Run
+from humanoid_bt.checking.check import load_checked
+from humanoid_bt.core.errors import UserError
+from humanoid_bt.core.texts import shortened
+from humanoid_bt.review.explain import explain
+from humanoid_bt.testing.stage import Stage
+from humanoid_bt.testing.tree_run import TreeRun
+from humanoid_bt.tree.tree import Tree
+
+_TREES = 100  # that are kept in a process, with the values of their parameters
+_LONGEST = 500  # characters of a reason or of a text that a skill reports
+
+
+@dataclass(frozen=True)
+class Setup:
+    """What every trial of a campaign has in common.
+
+    Attributes:
+        workspace: where names are looked up.
+        events: what happens in every trial, as YAML has it.
+    """
+
+    workspace: str
+    events: tuple[Mapping[str, Any], ...] = ()
+
+
+def make(setup: Setup) -> Run:
+    """Return what runs the trials of a campaign in this process."""
+    return _Stages(setup).run
+
+
+class _Stages:
+    """Stages, one for each robot in each scene, and trees, one for each set of parameters."""
+
+    def __init__(self, setup: Setup) -> None:
+        self._setup = setup
+        self._stages: dict[tuple[str, str, bool], Stage] = {}
+        self._trees: OrderedDict[str, Tree] = OrderedDict()
+
+    def run(self, task: Task) -> Answer:
+        """Run a trial; raises UserError if it cannot be."""
+        trial = task.trial
+        stage = self._stage(trial)
+        run = stage.run(
+            self._tree(trial, stage),
+            seed=trial.seed,
+            duration=trial.duration,
+            script=[*self._setup.events, *pushes(trial)],
+            conditions=trial.part(CONDITION),
+            record=task.recording or None,
+        )
+        return result_of(run), _explained(task), run.report.wall_time
+
+    def _stage(self, trial: Trial) -> Stage:
+        key = trial.robot, trial.scene, trial.dry
+        if key not in self._stages:
+            self._stages[key] = Stage(self._setup.workspace, trial.robot, trial.scene, trial.dry)
+        return self._stages[key]
+
+    def _tree(self, trial: Trial, stage: Stage) -> Tree:
+        key = repr((trial.tree, trial.robot, trial.scene, trial.part(SET)))
+        if key not in self._trees:
+            path = stage.workspace.find_tree(trial.tree)
+            given = trial.part(SET)
+            tree = load_checked(path, stage.workspace, given, robot=trial.robot, scene=trial.scene)
+            self._trees[key] = tree
+            if len(self._trees) > _TREES:
+                self._trees.popitem(last=False)
+        self._trees.move_to_end(key)
+        return self._trees[key]
+
+
+def pushes(trial: Trial) -> Sequence[Mapping[str, Any]]:
+    """Return the pushes of a trial as events of a script."""
+    found: dict[str, dict[str, float]] = {}
+    for name, value in trial.part(PUSH).items():
+        number, _, quantity = name.rpartition(".")
+        found.setdefault(number, {})[quantity] = value
+    return [_push(**numbers) for numbers in found.values()]
+
+
+def _push(at: float, force: float, direction: float, duration: float) -> Mapping[str, Any]:
+    vector = [force * math.cos(direction), force * math.sin(direction), 0.0]
+    return {"at": at, "push": {"force": vector, "duration": duration}}
+
+
+def result_of(run: TreeRun) -> Result:
+    """Return what came of a run."""
+    report = run.report
+    values: dict[str, Value] = {}
+    units: dict[str, str] = {}
+    for entry in report.results:  # the last of a name wins
+        value = entry["value"]
+        if isinstance(value, float) and not math.isfinite(value):
+            continue
+        values[entry["name"]] = value if isinstance(value, (bool, int, float)) else shortened(str(value), _LONGEST)
+        units[entry["name"]] = entry["unit"]
+    return Result(
+        outcome=run.outcome,
+        reason=shortened(run.reason.splitlines()[0] if run.reason else "", _LONGEST),
+        node="" if run.succeeded else _node(run),
+        time=report.sim_time,
+        fell=run.fell,
+        stops=len(report.stops),
+        values=values,
+        units={name: unit for name, unit in units.items() if unit},
+        trace=run.trace,
+    )
+
+
+def _node(run: TreeRun) -> str:
+    """Return the path of the node that a reason is about: one that it names, else the leaf that did something last."""
+    for node in run.tree.nodes:
+        if f"the node {node.path!r}" in run.reason:
+            return node.path
+    leaves = {node.path: node.name for node in run.tree.nodes if node.kind in ("skill", "action", "condition")}
+    named = [change.path for change in run.changes if run.reason.startswith(f"{leaves.get(change.path, '/')}: ")]
+    others = [change.path for change in run.changes if change.path in leaves and change.status.name == "RUNNING"]
+    return (named or others or [""])[-1]
+
+
+def _explained(task: Task) -> Explained | None:
+    """Return what the recording of a trial shows, None if it has none."""
+    if not task.recording:
+        return None
+    file = Path(task.recording)
+    try:
+        found = explain(file)
+    except UserError as error:
+        return Explained("", f"its recording tells nothing: {error.problems[0].message}", recording=file.name)
+    return Explained(found.kind, found.headline, found.node, file.name)

@@ -1,0 +1,188 @@
+"""The folder of a campaign: what it runs, what came of it so far, and what is made of that."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+from collections.abc import Iterator, Mapping
+from dataclasses import asdict
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Self
+
+from humanoid_bt.campaign.journal import Entry, Journal, Unwritable, read_journal
+from humanoid_bt.campaign.plan import Plan
+from humanoid_bt.campaign.result import Cost, Explained, Result
+from humanoid_bt.campaign.table import Table, costs_csv
+from humanoid_bt.campaign.workers import Done
+from humanoid_bt.core.errors import UserError, relative
+from humanoid_bt.files.whole import write_whole
+
+RESULTS, COSTS = "results.csv", "wall_clock.csv"
+_ABOUT, _JOURNAL, _EXPLAINED = "campaign.json", "journal.jsonl", "explained.jsonl"
+RECORDINGS = "recordings"
+_LOGS = "workers"
+
+
+class Store:
+    """The folder of a campaign, while it is written; nobody else writes it meanwhile.
+
+    Args:
+        folder: made if it is not there.
+        plan: what the campaign runs.
+        resume: go on with what is there.
+
+    Attributes:
+        folder: it.
+        plan: the same as given.
+
+    Raises:
+        UserError: there is a campaign or something else already, or with ``resume`` another one.
+        Unwritable: it cannot be made.
+    """
+
+    def __init__(self, folder: Path, plan: Plan, resume: bool) -> None:
+        self.folder, self.plan = folder, plan
+        _refuse(folder, plan, resume)
+        with self._writing():
+            for part in (folder, self.logs, self.recordings):
+                part.mkdir(parents=True, exist_ok=True)
+        self._stack = contextlib.ExitStack()
+        with self._stack as stack:
+            self._journal = stack.enter_context(Journal(folder / _JOURNAL))
+            self._explained = stack.enter_context(Journal(folder / _EXPLAINED))
+            if not (folder / _ABOUT).exists():
+                self.write(_ABOUT, f"{json.dumps(plan.to_dict(), indent=1)}\n".encode())
+            self._stack = stack.pop_all()
+
+    @property
+    def logs(self) -> Path:
+        """Where processes say what goes wrong."""
+        return self.folder / _LOGS
+
+    @property
+    def recordings(self) -> Path:
+        """Where recordings of failures are."""
+        return self.folder / RECORDINGS
+
+    @property
+    def results(self) -> Mapping[int, Result]:
+        """What came of trials, by number."""
+        return {number: _result(entry) for number, entry in self._journal.entries.items()}
+
+    @property
+    def explained(self) -> Mapping[int, Explained]:
+        """What recordings of trials show, by number."""
+        return {number: Explained(**entry) for number, entry in self._explained.entries.items()}
+
+    def has(self, number: int) -> bool:
+        """Return whether a trial is done."""
+        return number in self._journal.entries
+
+    def add(self, done: Done) -> None:
+        """Keep what came of a trial.
+
+        Raises:
+            Unwritable: it cannot be written.
+        """
+        self._journal.add(done.task.trial.number, {"result": done.result.to_dict(), "cost": asdict(done.cost)})
+
+    def explain(self, number: int, explained: Explained) -> None:
+        """Keep what the recording of a trial shows; raises as :meth:`add`."""
+        self._explained.add(number, asdict(explained))
+
+    def write(self, name: str, content: bytes) -> None:
+        """Write a file of the folder, whole or not at all.
+
+        Raises:
+            Unwritable: it cannot be written.
+        """
+        with self._writing():
+            write_whole(self.folder / name, content)
+
+    def write_tables(self) -> Table:
+        """Write and return the table of all results so far, and what they took on the wall clock; raises as write."""
+        table = Table.of(self.plan, self.results)
+        costs = {number: Cost(**entry["cost"]) for number, entry in self._journal.entries.items()}
+        self.write(RESULTS, table.csv())
+        self.write("results.parquet", table.parquet())
+        self.write(COSTS, costs_csv(self.plan, costs))
+        return table
+
+    @property
+    def share_simulating(self) -> float:
+        """Share of the time of all trials in which a robot was simulated, from 0 to 1."""
+        costs = [entry["cost"] for entry in self._journal.entries.values()]
+        wall = sum(cost["wall"] for cost in costs)
+        return sum(cost["simulating"] for cost in costs) / wall if wall else 0.0
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._stack.close()
+
+    @contextlib.contextmanager
+    def _writing(self) -> Iterator[None]:
+        try:
+            yield
+        except OSError as error:
+            raise Unwritable(f"{relative(self.folder)!r} cannot be written: {error.strerror}") from error
+
+
+def read_results(folder: Path) -> Table:
+    """Return what came of a campaign so far.
+
+    Raises:
+        UserError: there is none in the folder.
+    """
+    plan = _plan(folder)
+    if plan is None:
+        hint = "valid: the folder of a campaign, which has campaign.json"
+        raise UserError(f"there is no campaign in {relative(folder)!r}", hint=hint)
+    return Table.of(plan, {number: _result(entry) for number, entry in read_journal(folder / _JOURNAL).items()})
+
+
+def _refuse(folder: Path, plan: Plan, resume: bool) -> None:
+    """See that nothing else is in a folder than the campaign that goes on."""
+    there = _plan(folder)
+    if there is None:
+        if folder.is_dir() and any(
+            path.name not in (_JOURNAL, _EXPLAINED, _LOGS, RECORDINGS) for path in folder.iterdir()
+        ):
+            raise UserError(f"{relative(folder)!r} is there already and holds no campaign", hint="choose another --out")
+        if resume and not folder.is_dir():
+            raise UserError(f"there is no campaign in {relative(folder)!r} to resume", hint="begin it without --resume")
+    elif not resume:
+        hint = "--resume goes on with it; or choose another --out"
+        raise UserError(f"there is a campaign in {relative(folder)!r} already", hint=hint)
+    elif changes := list(_changes(*(json.loads(json.dumps(one.to_dict())) for one in (there, plan)))):
+        hint = "what was run differently does not belong into one table: begin anew with another --out"
+        raise UserError(f"the campaign in {relative(folder)!r} is another one: {', '.join(changes)}", hint=hint)
+
+
+def _changes(before: dict[str, Any], after: dict[str, Any]) -> Iterator[str]:
+    """Yield in which respects two plans differ, but for what is only said."""
+    for name, value in before.items():
+        if name == "files":
+            changed = {path for path in (*value, *after[name]) if value.get(path) != after[name].get(path)}
+            yield from (f"{path} has changed" for path in sorted(changed))
+        elif name not in ("name", "description", "workspace") and value != after[name]:
+            yield f"its {name} are others" if name.endswith("s") else f"its {name} is another"
+
+
+def _plan(folder: Path) -> Plan | None:
+    """Return what the campaign of a folder runs, None if there is none."""
+    path = folder / _ABOUT
+    try:
+        return Plan.from_dict(json.loads(path.read_bytes()))
+    except FileNotFoundError:
+        return None
+    except (OSError, ValueError, LookupError, TypeError) as error:
+        raise UserError(f"{relative(path)!r} is damaged, or of another version") from error
+
+
+def _result(entry: Entry) -> Result:
+    return Result(**entry["result"])

@@ -1,0 +1,128 @@
+"""The campaign that a command line asks for."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+from humanoid_bt.campaign.file import FOLDER, CampaignFile
+from humanoid_bt.campaign.variation import BETWEEN
+from humanoid_bt.core.errors import Place, UserError, nearest
+from humanoid_bt.core.items import Item, item_of
+from humanoid_bt.core.reading import read
+from humanoid_bt.files import document
+from humanoid_bt.files.reading import is_file
+from humanoid_bt.files.workspace import Workspace
+
+
+def workspace_given(arguments: argparse.Namespace) -> Workspace:
+    """Return where names are looked up: where was asked for, else a file's own workspace, else the current folder."""
+    path = Path(arguments.what[0])
+    if arguments.workspace is None and is_file(path) and path.resolve().parent.name == FOLDER:
+        return Workspace(path.resolve().parent.parent)
+    return Workspace.of_argument(arguments.what[0], arguments.workspace)
+
+
+def campaign_given(arguments: argparse.Namespace, workspace: Workspace) -> tuple[CampaignFile, list[Any]]:
+    """Return the campaign that is asked for, and its events as they are written.
+
+    Raises:
+        UserError: with everything that is wrong with it.
+    """
+    item = _base(arguments.what[0], workspace)
+    places = dict(item.key_places)
+    values: dict[str, Item] = dict(item.value)
+    for name, value in _given(arguments, values):
+        values[name] = value
+        places[name] = value.place
+    campaign: CampaignFile = read(CampaignFile, Item(values, item.place, places), "the campaign")
+    events = values.get("events")
+    return campaign, events.plain() if events is not None else []
+
+
+def _base(what: str, workspace: Workspace) -> Item:
+    """Return the campaign file that is named, or for a tree a campaign that has nothing but its name."""
+    known = {path.stem: path for path in sorted((workspace.root / FOLDER).glob("*.yaml"))}
+    trees = workspace.trees()
+    if what in known and what in trees:
+        raise UserError(f"there is a campaign and a tree named {what!r}", hint="give the file of the one that is meant")
+    path = known.get(what, Path(what))
+    if is_file(path) and (item := document.load(path)) and not _is_tree(item):
+        if not isinstance(item.value, dict):
+            raise UserError(f"a campaign must be a mapping, not {item.kind}", item.place, "format: 1 ... tree: ...")
+        return item
+    if what not in trees and not is_file(path):
+        raise UserError(f"no tree and no campaign named {what!r}", hint=nearest(what, [*trees, *known]))
+    return item_of({"format": 1, "name": Path(what).stem, "tree": what}, Place(what))
+
+
+def _is_tree(item: Item) -> bool:
+    return isinstance(item.value, dict) and "root" in item.value
+
+
+def _given(arguments: argparse.Namespace, known: Mapping[str, Item]) -> Iterator[tuple[str, Item]]:
+    """Yield what the command line gives, by the key of a campaign file that says the same."""
+    for key in ("scene", "robot", "seeds", "duration", "time_limit", "recordings", "dry"):
+        if (value := getattr(arguments, key)) is not None:
+            yield key, item_of(value, Place(f"--{key.replace('_', '-')}"))
+    for key, option, texts in (
+        ("parameters", "--set", arguments.overrides),
+        ("conditions", "--condition", arguments.conditions),
+    ):
+        if texts:
+            yield key, _joined(known.get(key), option, texts)
+    if arguments.pushes:
+        pushes = [_push(text) for text in arguments.pushes]
+        yield "pushes", Item(pushes, Place("--push"))
+    if arguments.require:
+        before = known["require"].value if "require" in known and isinstance(known["require"].value, list) else []
+        yield (
+            "require",
+            Item([*before, *(Item(text, Place("--require")) for text in arguments.require)], Place("--require")),
+        )
+
+
+def _joined(before: Item | None, option: str, texts: list[str]) -> Item:
+    """Return a mapping of names to what options give them, in the place of what a file gives them."""
+    found: dict[str, list[Item]] = {}
+    for text in texts:
+        name, value = _pair(text, option)
+        found.setdefault(name, []).append(_value(value, Place(f"{option} {text}")))
+    values = dict(before.value) if before is not None and isinstance(before.value, dict) else {}
+    places = dict(before.key_places) if before is not None else {}
+    for name, items in found.items():
+        if drawn := [item for item in items if len(items) > 1 and BETWEEN in str(item.value)]:
+            raise UserError(f"{name!r} is drawn, and given other values too", drawn[0].place)
+        values[name] = items[0] if len(items) == 1 else Item(items, items[0].place)
+        places[name] = items[0].place
+    return Item(values, Place(option), places)
+
+
+def _push(text: str) -> Item:
+    place = Place(f"--push {text}")
+    pairs = [_pair(part, "--push") for part in text.split(",")]
+    return Item({name: _value(value, place) for name, value in pairs}, place, {name: place for name, _ in pairs})
+
+
+def _pair(text: str, option: str) -> tuple[str, str]:
+    name, equals, value = text.partition("=")
+    if not (equals and name.strip() and value.strip()):
+        raise UserError(f"{option} {text!r} is not NAME=VALUE", hint=f"example: {option} {_EXAMPLES[option]}")
+    return name.strip(), value.strip()
+
+
+_EXAMPLES = {
+    "--set": "stop_distance=40cm",
+    "--condition": f"friction=0.5{BETWEEN}1.2",
+    "--push": f"at=2s,force=20{BETWEEN}80,direction=90deg",
+}
+
+
+def _value(text: str, place: Place) -> Item:
+    """Return a value as a file would hold it."""
+    try:
+        return item_of(document.parse(text, str(place)).plain(), place)
+    except UserError:
+        return Item(text, place)

@@ -1,0 +1,252 @@
+"""A dry engine: no physics, the robot is at once where it is told to be. For the logic of trees, and nothing else."""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from collections.abc import Mapping
+from pathlib import Path
+
+import mujoco
+import numpy as np
+
+from humanoid_bt.control.body.dynamics import RobotDynamics
+from humanoid_bt.control.supervisor import Supervisor, reset_text
+from humanoid_bt.core.clock import DECISION_PERIOD, PERCEPTION_PERIOD, CycleClock, cycles
+from humanoid_bt.core.errors import UserError
+from humanoid_bt.core.geometry import planar_pose, pose_product
+from humanoid_bt.core.kept import Kept
+from humanoid_bt.core.messages import (
+    SIDES,
+    Array,
+    BaseTarget,
+    Command,
+    FootPose,
+    Gait,
+    GazeTarget,
+    HandTarget,
+    Measurement,
+    Percept,
+    PostureTarget,
+    Side,
+    State,
+    frozen,
+)
+from humanoid_bt.link.wire import Event
+from humanoid_bt.perception.source import PerceptSource
+from humanoid_bt.plant.mujoco_plant import MujocoPlant
+from humanoid_bt.plant.scene import Scene
+from humanoid_bt.robot.model import BASE_COORDINATES, BASE_DOFS, RobotModel
+from humanoid_bt.session.engine import Input
+from humanoid_bt.tree.tree import Tree
+
+_GRAVITY = 9.81  # m/s^2
+_DECISION, _LOOK = cycles(DECISION_PERIOD), cycles(PERCEPTION_PERIOD)
+
+
+class Dry:
+    """A robot in a scene that does at once, in one tick, what it is told; its joints stay as when it stands.
+
+    The supervisor is the real one, once a tick: emergency stops, silence and refused commands are what they are.
+
+    Args:
+        robot: the robot.
+        start: configuration to start in, shape (7 + nj,).
+        scene: what surrounds it.
+        perception: what it sees.
+    """
+
+    external_force_max = 0.0
+    timing = cycle_tables = None
+
+    def __init__(self, robot: RobotModel, start: Array, scene: Scene, perception: PerceptSource) -> None:
+        self.robot = robot
+        self.clock = CycleClock()
+        self.supervisor = Supervisor(robot.config.fall)
+        joints = len(robot.joint_names)
+        self._measured = Measurement(0.0, start, np.zeros(BASE_DOFS + joints), np.zeros(joints), np.zeros(2))
+        self._body = _Body(robot, self._measured)
+        self._model: mujoco.MjModel | None = None
+        self.reset(perception, scene)
+
+    def reset(self, perception: PerceptSource, scene: Scene) -> None:
+        """Begin a new run: the robot stands at the start, time is zero, nothing was seen."""
+        self.clock.cycle = 0
+        self.perception, self.scene, self._model = perception, scene, None
+        self.notices: Kept[Event] = Kept()
+        self.inputs: Kept[Input] = Kept()
+        self.supervisor.reset_run(float(self._measured.qpos[2]))
+        self._percepts: dict[str, Percept] = {}
+        self._command: Command | None = None
+        self._resets: deque[str] = deque()
+        x, y, heading = scene.start_pose
+        self._body.stand_at(np.array([x, y]), heading)
+
+    @property
+    def model(self) -> mujoco.MjModel:
+        """MuJoCo's model of the robot in its scene, for those who draw it."""
+        if self._model is None:
+            self._model = MujocoPlant(self.robot, self.scene).model
+        return self._model
+
+    @property
+    def unseen(self) -> Mapping[str, str]:
+        """The percepts that were never published so far, and why."""
+        return self.perception.unseen
+
+    def start(self, log: Path | None = None) -> None:
+        """Begin; there is nothing to start."""
+
+    def log_cycles(self) -> None:
+        """Keep no servo cycles: there are none."""
+
+    def take_cycles(self) -> None:
+        """Return None: there are no servo cycles."""
+
+    def close(self) -> None:
+        """End; nothing was started."""
+
+    def abandon(self) -> str:
+        """Return "": nothing goes on."""
+        return ""
+
+    def publish(self, status: Mapping[str, object], tree: Tree) -> None:
+        """Tell nobody."""
+
+    def push(self, body: str, force: Array, duration: float) -> None:
+        """Refuse: there is no body to push; raises UserError."""
+        raise UserError("a dry run simulates no body that could be pushed")
+
+    def request_reset(self, source: str) -> None:
+        """Reset a latched stop before the next tick."""
+        self._resets.append(source)
+
+    def sense(self) -> tuple[State, dict[str, Percept]]:
+        """Return the state and the latest percepts, for one tick of decision."""
+        now = self.clock.now()
+        while self._resets:
+            source = self._resets.popleft()
+            self.inputs.append(Input(now, "reset", source))
+            self.notices.append(Event(now, "warning", reset_text(source, self.supervisor.reset())))
+        state = frozen(self._body.state(now, self.clock.cycle, self.supervisor))
+        if self.clock.due(_LOOK):
+            for percept in self.perception.observe(state):
+                self._percepts[percept.name] = percept
+        return state, dict(self._percepts)
+
+    def submit(self, command: Command) -> None:
+        """Give the command of a tick to the supervisor, which hears of it when time goes on."""
+        self._command = command
+
+    def advance(self) -> None:
+        """Let one period of decision pass, and be where the command says."""
+        supervisor = self.supervisor
+        if self._command is not None:
+            supervisor.submit(self._command)
+            self._command = None
+        self.clock.cycle += _DECISION
+        supervisor.check(self.clock.cycle - 1, self._measured)
+        if not supervisor.hold:
+            self._body.obey(supervisor)
+
+
+class _Body:
+    """Where everything of a standing robot is.
+
+    Args:
+        robot: the robot.
+        measured: how it stands with the middle between its feet at the origin, heading along x.
+    """
+
+    def __init__(self, robot: RobotModel, measured: Measurement) -> None:
+        dynamics = RobotDynamics(robot)
+        dynamics.update(measured)
+        self._hands: tuple[Side, ...] = tuple(dynamics.hands)
+        self._feet = {side: dynamics.foot_pose(side) for side in SIDES}
+        points = [dynamics.com, dynamics.gaze_position, *(dynamics.hands[side] for side in self._hands)]
+        self._points = np.array(points)
+        self._forward = dynamics.gaze_direction
+        self._pose = measured.qpos[:BASE_COORDINATES].copy()
+        self._joints = measured.qpos[BASE_COORDINATES:].copy()
+        self._zeros, self._nothing = np.zeros(len(self._joints)), np.zeros(3)
+        self._weight = robot.mass * _GRAVITY / len(SIDES)
+        self.stand_at(np.zeros(2), 0.0)
+
+    def stand_at(self, position: Array, heading: float) -> None:
+        """Stand with the middle between the feet at a position, shape (2,), and nothing commanded."""
+        x, y = position.tolist()
+        cos, sin = math.cos(heading), math.sin(heading)
+        turn = np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]])
+        ground = np.array([x, y, 0.0])
+        self._stance = np.array([x, y, heading])
+        self._placed = self._points @ turn.T + ground
+        self._ahead = turn @ self._forward
+        self._base = pose_product(planar_pose(x, y, 0.0, heading), self._pose)
+        self._stood: dict[Side, FootPose] = {}
+        for side, foot in self._feet.items():
+            x, y, _ = (turn @ (foot.x, foot.y, foot.z) + ground).tolist()
+            self._stood[side] = FootPose(x, y, foot.yaw + heading, foot.z)
+        self._rest()
+
+    def _rest(self) -> None:
+        """Command nothing but where it stands."""
+        self._up = np.zeros(3)
+        self._looks = self._ahead
+        self._held: dict[Side, Array] = {}
+
+    def obey(self, supervisor: Supervisor) -> None:
+        """Be where the targets in force say."""
+        targets = supervisor.targets
+        base = targets.get("base")
+        if isinstance(base, BaseTarget) and (*base.position.tolist(), base.heading) != tuple(self._stance.tolist()):
+            self.stand_at(base.position, base.heading)
+        self._rest()
+        for resource, target in targets.items():
+            match target:
+                case HandTarget(position=position):
+                    self._held["left" if resource == "left_hand" else "right"] = position
+                case PostureTarget(height=height):
+                    self._up = np.array([0.0, 0.0, height])
+        gaze = targets.get("gaze")
+        if isinstance(gaze, GazeTarget):
+            offset = gaze.point - (self._placed[1] + self._up)
+            distance = math.sqrt(offset @ offset)
+            self._looks = offset / distance if distance > 0 else self._ahead
+
+    def state(self, time: float, cycle: int, supervisor: Supervisor) -> State:
+        """Return the robot's state."""
+        com, gaze, *hands = self._placed + self._up
+        placed = dict(zip(self._hands, hands, strict=True)) | self._held
+        command = supervisor.command
+        return State(
+            time=time,
+            cycle=cycle,
+            joint_positions=self._joints,
+            joint_velocities=self._zeros,
+            joint_torques=self._zeros,
+            setpoint_positions=self._joints,
+            setpoint_velocities=self._zeros,
+            base_position=self._base[:3] + self._up,
+            base_quaternion=self._base[3:],
+            base_linear_velocity=self._nothing,
+            base_angular_velocity=self._nothing,
+            com=com,
+            com_velocity=self._nothing,
+            hands=placed,
+            feet=self._stood,
+            stance=self._stance,
+            gaze_position=gaze,
+            gaze_direction=self._looks,
+            foot_force=dict.fromkeys(SIDES, self._weight),
+            gait=Gait.STAND,
+            footsteps=(),
+            base_settled=True,
+            mode=supervisor.mode,
+            stop_reason=supervisor.reason,
+            stop_source=supervisor.source,
+            command_sequence=command.sequence if command else -1,
+            command_sources=command.sources if command else {},
+            targets=supervisor.targets,
+            hand_errors=dict.fromkeys(self._held, 0.0),
+            limit_flags=(),
+        )

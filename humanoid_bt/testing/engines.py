@@ -1,0 +1,90 @@
+"""The engines of a stage: loaded once, set back to the start for each run."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import NamedTuple
+
+from humanoid_bt.control.body.standing import load_robot
+from humanoid_bt.core.errors import UserError
+from humanoid_bt.core.messages import Array
+from humanoid_bt.files.workspace import Workspace
+from humanoid_bt.perception.simulated import SimulatedPerception
+from humanoid_bt.plant.scene import Scene, SceneConfig, load_scene
+from humanoid_bt.session.engine import Engine
+from humanoid_bt.session.loader import DEFAULT_ROBOT, DEFAULT_SCENE
+from humanoid_bt.session.lockstep import Lockstep
+from humanoid_bt.testing.conditions import Conditions
+from humanoid_bt.testing.dry import Dry
+from humanoid_bt.tree.tree import Tree
+
+
+class Ready(NamedTuple):
+    """An engine at the start of a run.
+
+    Attributes:
+        engine: it.
+        set_strength: lets drives give a part of their torque, shape (nj,); None where there are none.
+        bodies: those that can be pushed.
+    """
+
+    engine: Engine
+    set_strength: Callable[[Array], None] | None
+    bodies: list[str]
+
+
+class Engines:
+    """Makes engines ready, and keeps the one that was used last.
+
+    Args:
+        workspace: where names are looked up.
+        robot, scene: names or paths; what each tree says if None.
+        dry: whether they simulate no body.
+    """
+
+    def __init__(self, workspace: Workspace, robot: str | None, scene: str | None, dry: bool) -> None:
+        self._workspace, self._robot, self._scene, self._dry = workspace, robot, scene, dry
+        self._files: dict[tuple[str, str], tuple[Path, SceneConfig]] = {}
+        self._kept: tuple[object, Ready] | None = None
+
+    def ready(self, tree: Tree, seed: int, conditions: Conditions) -> Ready:
+        """Return an engine at the start of a tree's run.
+
+        Raises:
+            UserError: the robot or the scene has mistakes, or the conditions need a body in a dry run.
+        """
+        robot, config = self._load(
+            self._robot or tree.robot or DEFAULT_ROBOT, self._scene or tree.scene or DEFAULT_SCENE
+        )
+        scene = Scene(conditions.seen(config), seed)
+        perception = SimulatedPerception(scene, seed)
+        by_chance = any(thing.random is not None for thing in config.objects.values())
+        # only another place of what stands in the scene needs another model
+        key = robot, config.path, seed if by_chance and not self._dry else None
+        if self._kept is None or self._kept[0] != key:
+            self._kept = key, self._made(robot, scene, perception)
+        ready = self._kept[1]
+        engine = ready.engine
+        if isinstance(engine, Lockstep):
+            engine.plant.alter(**conditions.of_body)
+        elif felt := [name for name in conditions.changed if name in conditions.of_body]:
+            raise UserError(f"the condition {felt[0]!r} needs a body, and a dry run simulates none")
+        assert isinstance(engine, (Lockstep, Dry))
+        engine.reset(perception, scene)
+        return ready
+
+    def _load(self, robot: str, scene: str) -> tuple[Path, SceneConfig]:
+        """Return a robot's file and what a scene's file says, read once."""
+        if (robot, scene) not in self._files:
+            config = load_scene(self._workspace.find_scene(scene))
+            self._files[robot, scene] = self._workspace.find_robot(robot), config
+        return self._files[robot, scene]
+
+    def _made(self, robot_file: Path, scene: Scene, perception: SimulatedPerception) -> Ready:
+        robot, start = load_robot(robot_file)
+        if self._dry:
+            return Ready(Dry(robot, start, scene, perception), None, [])
+        engine = Lockstep(robot, start, scene, perception)
+        bodies = [engine.model.body(number).name for number in range(1, engine.model.nbody)]
+        return Ready(engine, engine.plant.set_strength, bodies)

@@ -1,0 +1,147 @@
+"""The script of a run on the stage: faults, each with its moment."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+from humanoid_bt.core.errors import Place, Problem, UserError, nearest
+from humanoid_bt.core.items import Item, item_of
+from humanoid_bt.core.params import param, written
+from humanoid_bt.core.plain import plain
+from humanoid_bt.core.reading import read
+from humanoid_bt.session.breakpoints import NamesOf
+from humanoid_bt.testing.fault import Fault, Known
+from humanoid_bt.testing.faults import (
+    Delay,
+    EStop,
+    Lose,
+    Noise,
+    Push,
+    Raise,
+    Reset,
+    See,
+    Set,
+    Silence,
+    Weaken,
+)
+from humanoid_bt.tree.expressions.expression import Truth
+
+_MOMENTS = ("at", "when")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Event:
+    """A fault and its moment: a time, or the first tick after one in which an expression was true.
+
+    Attributes:
+        place: where it is written.
+    """
+
+    at: float | None = param(None, minimum=0, unit="s", doc="When, on the engine's clock.")
+    when: Truth | None = param(None, doc="When this has become true.")
+    push: Push | None = param(None, doc="Push the robot.")
+    estop: EStop | None = param(None, doc="Raise the emergency stop.")
+    reset: Reset | None = param(None, doc="Ask for the reset of a latched stop.")
+    lose: Lose | None = param(None, doc="Let perception of a thing end.")
+    see: See | None = param(None, doc="Let the robot see a thing at a place.")
+    noise: Noise | None = param(None, doc="Let a percept be seen worse than it is.")
+    silence: Silence | None = param(None, doc="Let no command reach control.")
+    delay: Delay | None = param(None, doc="Let every command reach control later.")
+    weaken: Weaken | None = param(None, doc="Let drives give less torque than they are asked for.")
+    raise_: Raise | None = param(None, doc="Let a node raise an exception.")
+    set: Set | None = param(None, doc="Give keys of the blackboard, or parameters of nodes, a value.")
+    place: Place | None = field(default=None, compare=False)
+
+    @classmethod
+    def from_item(cls, item: Item, _name: str = "") -> Event:
+        """Read an event from a YAML mapping; raises UserError with everything that is wrong with it."""
+        event: Event = read(cls, item, "the event")
+        return replace(event, place=item.place)
+
+    @staticmethod
+    def mistakes(item: Item, _values: Mapping[str, Any]) -> Iterator[Problem]:
+        """Return what does not go together."""
+        moments = [key for key in _MOMENTS if key in item.value]
+        if len(moments) != 1:
+            message = "an event happens at a time or when something becomes true" + (", not both" if moments else "")
+            yield Problem(message, item.place, "write at: 2 s, or when: an expression", code="exclusive-keys")
+        faults = [key for key in item.value if key in FAULTS]
+        if len(faults) > 1:
+            message = f"an event is one fault, not {' and '.join(faults)}"
+            yield Problem(message, item.place, "make an event of each", code="exclusive-keys")
+        elif not faults and not [key for key in item.value if key not in (*_MOMENTS, *FAULTS)]:
+            yield Problem("this event does nothing", item.place, f"valid: {', '.join(FAULTS)}", code="exclusive-keys")
+
+    @property
+    def moment(self) -> str:
+        """When, in words."""
+        return f"when {self.when}" if self.when is not None else f"at {self.at:g} s"
+
+    @property
+    def plain(self) -> dict[str, Any]:
+        """The event as data for JSON, as a file would say it."""
+        moment = {"at": self.at} if self.when is None else {"when": self.when.text}
+        return {**moment, self.name: plain(self.fault)}
+
+    def __str__(self) -> str:
+        return f"{self.moment} {self.fault}"
+
+    @property
+    def name(self) -> str:
+        """The fault's name."""
+        return next(written(name) for name in _FIELDS if getattr(self, name) is not None)
+
+    @property
+    def fault(self) -> Fault:
+        """The fault."""
+        faults: list[Fault] = [found for name in _FIELDS if (found := getattr(self, name)) is not None]
+        return faults[0]
+
+
+_FIELDS = tuple(name for name in Event.__dataclass_fields__ if name not in (*_MOMENTS, "place"))
+FAULTS = tuple(map(written, _FIELDS))
+"""What an event can be."""
+
+
+def script_of(script: Iterable[Event | Mapping[str, Any]]) -> tuple[Event, ...]:
+    """Return the events of a script, some of which may be written as in YAML.
+
+    Raises:
+        UserError: with everything that is wrong with them.
+    """
+    events: list[Event] = []
+    problems: list[Problem] = []
+    for number, event in enumerate(script, 1):
+        place = Place(f"event {number} of the script")
+        if isinstance(event, Event):
+            events.append(event if event.place else replace(event, place=place))
+            continue
+        try:
+            events.append(Event.from_item(item_of(event, place)))
+        except UserError as error:
+            problems += [replace(problem, place=problem.place or place) for problem in error.problems]
+    if problems:
+        raise UserError(problems)
+    return tuple(events)
+
+
+def mistakes(events: Sequence[Event], known: Known) -> Iterator[Problem]:
+    """Yield what a script asks for and a run does not have, each with its place."""
+    for event in events:
+        if event.fault.physical and known.dry:
+            what, hint = event.name, "run it without dry, or leave the event out"
+            yield Problem(f"{what!r} needs a body, and a dry run simulates none", event.place, hint)
+            continue
+        for problem in event.fault.misnamed(known):
+            yield replace(problem, place=event.place)
+        if event.when is not None:
+            try:
+                event.when.link(NamesOf(known.tree))
+            except UserError as error:
+                yield from (replace(problem, place=event.place) for problem in error.problems)
+            for name in event.when.percepts:
+                if name not in known.percepts:
+                    message = f"in {event.when.text!r}: the scene publishes no percept {name!r}"
+                    yield Problem(message, event.place, nearest(name, known.percepts), "unknown-percept")

@@ -1,0 +1,268 @@
+"""Faults that a test brings about: what is done to a robot, to what it sees, or to its tree, at a moment of a run."""
+
+from __future__ import annotations
+
+import fnmatch
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar, Self
+
+import numpy as np
+
+from humanoid_bt.core.errors import Problem, UserError, nearest
+from humanoid_bt.core.geometry import rotation_matrix
+from humanoid_bt.core.items import Item
+from humanoid_bt.core.messages import Array, Percept, State
+from humanoid_bt.core.params import param
+from humanoid_bt.session.setting import assign_value
+from humanoid_bt.testing.fault import Acting, Fault, Known
+
+_FOR_GOOD = "; for good if not given."
+
+
+# ---- the robot ------------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, kw_only=True)
+class Push(Fault):
+    """Push the robot."""
+
+    physical: ClassVar[bool] = True
+
+    force: tuple[float, float, float] = param(
+        minimum=-10_000, maximum=10_000, unit="N", doc="The force, in the world's directions, x y z."
+    )
+    duration: float = param(0.1, above=0, unit="s", doc="How long.")
+    body: str = param("", doc="The body of the robot's model that is pushed; the torso if not given.")
+
+    def misnamed(self, known: Known) -> Iterator[Problem]:
+        """Yield that there is no such body."""
+        if self.body and self.body not in known.bodies:
+            hint = nearest(self.body, known.bodies)
+            yield Problem(f"there is no body {self.body!r} to push", hint=hint, code="unknown-body")
+
+    def begin(self, on: Acting) -> None:
+        """Push."""
+        on.push(self.body or on.known.torso, np.array(self.force), self.duration)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Weaken(Fault):
+    """Let drives give less torque than they are asked for."""
+
+    physical: ClassVar[bool] = True
+
+    joints: list[str] = param(doc="Their joints, by name or pattern (left_*).")
+    to: float = param(minimum=0, maximum=1, doc="What they still give, of what they are asked for and at most.")
+    duration: float | None = param(None, above=0, unit="s", doc="How long" + _FOR_GOOD)
+
+    def misnamed(self, known: Known) -> Iterator[Problem]:
+        """Yield which joints there are not."""
+        for pattern in self.joints:
+            if not fnmatch.filter(known.joints, pattern):
+                hint = nearest(pattern, known.joints)
+                yield Problem(f"the robot has no joint {pattern!r}", hint=hint, code="unknown-joint")
+
+    def strength(self, joints: Sequence[str]) -> Array:
+        """Return what each drive still gives."""
+        weak = {name for pattern in self.joints for name in fnmatch.filter(joints, pattern)}
+        return np.array([self.to if name in weak else 1.0 for name in joints])
+
+
+@dataclass(frozen=True, kw_only=True)
+class EStop(Fault):
+    """Raise the emergency stop."""
+
+    main: ClassVar[str] = "reason"
+
+    reason: str = param("raised by the test", doc="Why.")
+
+    def begin(self, on: Acting) -> None:
+        """Raise it."""
+        on.raise_estop("the test", self.reason)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Reset(Fault):
+    """Ask for the reset of a latched stop."""
+
+    main: ClassVar[str] = "source"
+
+    source: str = param("the test", doc="Who asks.")
+
+    def begin(self, on: Acting) -> None:
+        """Ask."""
+        on.request_reset(self.source)
+
+
+# ---- what it sees ---------------------------------------------------------------------------------------------------
+
+
+class _Sensory(Fault):
+    """Base of the faults that change what is seen."""
+
+    sensory: ClassVar[bool] = True
+    main: ClassVar[str] = "percept"
+
+    def misnamed(self, known: Known) -> Iterator[Problem]:
+        """Yield that nobody publishes the percept."""
+        name = str(vars(self)["percept"])
+        if name and name not in known.percepts:
+            hint = nearest(name, known.percepts) or "it publishes none; the event 'see' dictates one"
+            yield Problem(f"the scene publishes no percept {name!r}", hint=hint, code="unknown-percept")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Lose(_Sensory):
+    """Let perception of a thing end: its last percept grows old."""
+
+    percept: str = param(doc="The percept.")
+    duration: float | None = param(None, above=0, unit="s", doc="How long" + _FOR_GOOD)
+
+    def seen(
+        self, name: str, percept: Percept | None, state: State, due: bool, numbers: np.random.Generator
+    ) -> Percept | None:
+        """Return nothing in its place."""
+        return None if name == self.percept else percept
+
+
+@dataclass(frozen=True, kw_only=True)
+class See(_Sensory):
+    """Let the robot see a thing at a place, whatever the scene has of this name."""
+
+    main: ClassVar[str] = ""
+
+    percept: str = param(doc="The percept.")
+    position: tuple[float, float, float] = param(unit="m", doc="Where, x y z in the world.")
+    confidence: float = param(0.95, minimum=0, maximum=1, doc="How sure perception is.")
+    duration: float | None = param(None, above=0, unit="s", doc="How long" + _FOR_GOOD)
+
+    def misnamed(self, known: Known) -> Iterator[Problem]:
+        """Yield nothing: any name may be seen."""
+        yield from ()
+
+    def seen(
+        self, name: str, percept: Percept | None, state: State, due: bool, numbers: np.random.Generator
+    ) -> Percept | None:
+        """Return the thing where it is said to be, in the robot's base frame."""
+        if name != self.percept:
+            return percept
+        if not due:
+            return None
+        turn = rotation_matrix(state.base_quaternion)
+        return Percept(name, state.time, turn.T @ (np.array(self.position) - state.base_position), self.confidence)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Noise(_Sensory):
+    """Let a percept be seen worse than it is."""
+
+    percept: str = param("", doc="The percept; all of them if not given.")
+    sigma: float = param(0.0, minimum=0, unit="m", doc="Standard deviation of what is added to each coordinate.")
+    drop_out: float = param(0.0, minimum=0, maximum=1, doc="Probability that an observation is lost.")
+    confidence: float = param(1.0, minimum=0, maximum=1, doc="Factor of the confidence.")
+    delay: float = param(0.0, minimum=0, unit="s", doc="How much later it arrives, in whole ticks.")
+    duration: float | None = param(None, above=0, unit="s", doc="How long" + _FOR_GOOD)
+
+    def concerns(self, name: str) -> bool:
+        """Return whether it is about a percept."""
+        return self.percept in ("", name)
+
+    def seen(
+        self, name: str, percept: Percept | None, state: State, due: bool, numbers: np.random.Generator
+    ) -> Percept | None:
+        """Return it moved and doubted, or not at all."""
+        if percept is None or not self.concerns(name):
+            return percept
+        dropped, offset = numbers.random() < self.drop_out, self.sigma * numbers.standard_normal(3)
+        if dropped:
+            return None
+        return replace(percept, position=percept.position + offset, confidence=percept.confidence * self.confidence)
+
+
+# ---- what it is told ------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, kw_only=True)
+class Silence(Fault):
+    """Let no command reach control, as if decision were stuck."""
+
+    main: ClassVar[str] = "duration"
+
+    duration: float = param(above=0, unit="s", doc="How long.")
+
+    @property
+    def lateness(self) -> float:
+        """Infinity: they never do."""
+        return math.inf
+
+
+@dataclass(frozen=True, kw_only=True)
+class Delay(Fault):
+    """Let every command reach control later, in whole ticks."""
+
+    main: ClassVar[str] = "by"
+
+    by: float = param(above=0, unit="s", doc="How much later.")
+    duration: float | None = param(None, above=0, unit="s", doc="How long" + _FOR_GOOD)
+
+    @property
+    def lateness(self) -> float:
+        """How much later [s]."""
+        return self.by
+
+
+# ---- its tree -------------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, kw_only=True)
+class Raise(Fault):
+    """Let a node raise an exception in the next tick that it gets."""
+
+    main: ClassVar[str] = "node"
+
+    node: str = param(doc="Its path, or the end of it.")
+    message: str = param("raised by the test", doc="The exception's text.")
+
+    def misnamed(self, known: Known) -> Iterator[Problem]:
+        """Yield that there is no such node."""
+        try:
+            known.tree.node(self.node)
+        except UserError as error:
+            yield from error.problems
+
+    def begin(self, on: Acting) -> None:
+        """Let it raise."""
+        on.raise_in(self.node, self.message)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Set(Fault):
+    """Give keys of the blackboard, or parameters of nodes, a value."""
+
+    values: Mapping[str, Any] = param(doc="Value by name: KEY, or NODE.PARAMETER.")
+
+    @classmethod
+    def from_item(cls, item: Item, name: str) -> Self:
+        """Read a mapping of names to values; raises UserError."""
+        if not isinstance(item.value, dict) or not item.value:
+            hint = "like {attempts: 3}"
+            raise UserError(f"{name!r} must be a mapping of names to values", item.place, hint, "wrong-type")
+        return cls(values=item.plain())
+
+    def misnamed(self, known: Known) -> Iterator[Problem]:
+        """Yield what cannot be set so."""
+        for name, value in self.values.items():
+            try:
+                assign_value(known.tree, name, value)
+            except UserError as error:
+                yield from error.problems
+
+    def begin(self, on: Acting) -> None:
+        """Set them."""
+        for name, value in self.values.items():
+            assign_value(on.known.tree, name, value)
+
+    def __str__(self) -> str:
+        return f"set ({', '.join(f'{name} = {value}' for name, value in self.values.items())})"

@@ -1,0 +1,93 @@
+"""Scenario files as tests of pytest: each seed of each is one."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+if TYPE_CHECKING:
+    from humanoid_bt.testing.scenario import Scenario
+    from humanoid_bt.testing.trial import Trial, Trials
+
+_TRIALS: pytest.StashKey[Trials] = pytest.StashKey()
+_KEY = re.compile(rb"^(tree|expect)\s*:", re.MULTILINE)  # other tools have folders of this name too
+
+
+def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> ScenarioFile | None:
+    """Collect the scenarios of a folder ``scenarios/``."""
+    if file_path.suffix != ".yaml" or "scenarios" not in (folder.name for folder in file_path.parents):
+        return None
+    if not file_path.is_file() or not _KEY.search(file_path.read_bytes()):
+        return None
+    file: ScenarioFile = ScenarioFile.from_parent(parent, path=file_path)
+    return file
+
+
+class ScenarioFile(pytest.File):
+    """A scenario file."""
+
+    def collect(self) -> Iterator[ScenarioItem]:
+        """Yield a test for each of its seeds."""
+        from humanoid_bt.core.errors import UserError
+        from humanoid_bt.testing.scenario_check import checked_scenario
+
+        try:
+            scenario = checked_scenario(self.path, self.trials.workspace(self.path))
+        except UserError as error:
+            raise self.CollectError(str(error)) from None
+        for seed in scenario.seeds:
+            yield ScenarioItem.from_parent(self, name=f"seed-{seed}", scenario=scenario, seed=seed)
+
+    @property
+    def trials(self) -> Trials:
+        """What tries the scenarios of this session, so that they all load the robot once."""
+        from humanoid_bt.testing.trial import Trials
+
+        if _TRIALS not in self.config.stash:
+            named = self.config.getini("humanoid_bt_workspace")
+            self.config.stash[_TRIALS] = Trials(self.config.rootpath / named if named else None)
+        return self.config.stash[_TRIALS]
+
+
+class ScenarioItem(pytest.Item):
+    """One seed of a scenario.
+
+    Args:
+        scenario: it.
+        seed: the seed.
+    """
+
+    def __init__(self, *, scenario: Scenario, seed: int, **more: Any) -> None:
+        super().__init__(**more)
+        self.scenario, self.seed = scenario, seed
+
+    def runtest(self) -> None:
+        """Try it; what fails is run again and recorded."""
+        assert isinstance(self.parent, ScenarioFile)
+        trials = self.parent.trials
+        trial = trials.run(self.scenario, self.seed)
+        if not trial.passed:
+            raise _Failed(trials.recorded(self.scenario, trial))
+
+    def repr_failure(self, excinfo: pytest.ExceptionInfo[BaseException], style: Any = None) -> Any:
+        """Return what failed, for people."""
+        from humanoid_bt.core.errors import UserError
+
+        if isinstance(excinfo.value, (_Failed, UserError)):
+            return str(excinfo.value)
+        return super().repr_failure(excinfo, style)
+
+    def reportinfo(self) -> tuple[Path, int, str]:
+        """Return where it is written, and what it is called."""
+        return self.path, self.scenario.place("expect").line - 1, f"{self.scenario.name}, seed {self.seed}"
+
+
+class _Failed(Exception):  # noqa: N818 (the name says it)
+    """A seed of a scenario failed."""
+
+    def __init__(self, trial: Trial) -> None:
+        super().__init__("\n".join(trial.lines))

@@ -1,0 +1,105 @@
+"""Scenario files: a tree in a scene, what happens to it, and what is expected of it."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from humanoid_bt.core.errors import Place, Problem, UserError
+from humanoid_bt.core.items import Item
+from humanoid_bt.core.params import param
+from humanoid_bt.core.reading import read
+from humanoid_bt.files import document
+from humanoid_bt.testing.conditions import Conditions
+from humanoid_bt.testing.events import Event
+from humanoid_bt.testing.expectation import Within
+from humanoid_bt.testing.expectations import Expectations
+from humanoid_bt.testing.seeds import Seeds
+from humanoid_bt.testing.substitution import Replacement
+
+
+@dataclass(frozen=True)
+class Values:
+    """Values for a tree's parameters, with the places where they are written.
+
+    Attributes:
+        items: them by name.
+    """
+
+    items: Mapping[str, Item]
+
+    described = "mapping of values"
+
+    @classmethod
+    def from_item(cls, item: Item, name: str) -> Values:
+        """Read a mapping; raises UserError."""
+        if not isinstance(item.value, dict):
+            hint = "like {stop_distance: 35 cm}"
+            raise UserError(f"{name!r} must be a mapping, not {item.kind}", item.place, hint, "wrong-type")
+        return cls(item.value)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Scenario:
+    """A scenario. Angles [rad], lengths [m], times [s], world frame, from ``scenarios/*.yaml``."""
+
+    format: int = param(doc="Version of this file's form: 1.", minimum=1, maximum=1)
+    description: str = param("", doc="One line for people.")
+    tree: str = param(doc="The tree, by name or path.")
+    robot: str | None = param(None, doc="The robot; what the tree says if not given.")
+    scene: str | None = param(None, doc="The scene; what the tree says if not given.")
+    seeds: Seeds = param(Seeds(), doc="A run for each: 3, 0-9, '0-9, 20' or [0, 4, 7].")
+    duration: float = param(60.0, above=0, unit="s", doc="Longest simulated time of a run.")
+    dry: bool = param(False, doc="Without physics: the robot is at once where it is told to be.")
+    parameters: Values = param(Values({}), doc="Values for the tree's parameters, by name.")
+    conditions: Conditions = param(Conditions(), doc="What is different from the beginning.")
+    script: list[Event] = param([], doc="What happens, each at a time or when something becomes true.")
+    replace: dict[str, Replacement] = param(
+        {}, doc="What stands in a node's place, by its path, the end of it, or type."
+    )
+    expect: Expectations = param(doc="What must be true of every run, and when.")
+    path: Path = field(default=Path(), compare=False)
+    item: Item = field(default=Item({}, Place("")), compare=False, repr=False)
+
+    @staticmethod
+    def mistakes(item: Item, values: Mapping[str, Any]) -> Iterator[Problem]:
+        """Return what does not go together."""
+        duration = values.get("duration", 60.0)
+        for one in values.get("expect", ()):
+            if isinstance(one, Within) and one.limit > duration:
+                message = f"a run ends after {duration:g} s, before {one.limit:g} s are over"
+                yield Problem(message, one.place, f"duration: {one.limit:g} s", "out-of-range")
+        script = item.value["script"].value if values.get("dry") and values.get("script") else ()
+        for event, place in zip(values.get("script", ()), script, strict=False):
+            if event.fault.physical:
+                name = next(key for key in place.value if key not in ("at", "when"))
+                message = f"{name!r} needs physics, and this scenario is dry"
+                yield Problem(message, place.place, "remove dry: true", "exclusive-keys")
+
+    @property
+    def name(self) -> str:
+        """Its file's name."""
+        return self.path.stem
+
+    def place(self, *keys: str) -> Place:
+        """Return where a value is written, or what stands around it where it is not."""
+        found = self.item
+        for key in keys:
+            if not isinstance(found.value, dict) or key not in found.value:
+                break
+            found = found.value[key]
+        return found.place
+
+
+def load_scenario(path: Path) -> Scenario:
+    """Read a scenario file, without the tree that it names.
+
+    Raises:
+        UserError: with every problem found, each with its place.
+    """
+    item = document.load(path)
+    scenario: Scenario = read(Scenario, item, "the scenario")
+    return dataclasses.replace(scenario, path=path, item=item)

@@ -1,0 +1,229 @@
+"""A robot in a scene, loaded once, on which trees are run one after the other, in lockstep."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from os import PathLike
+from pathlib import Path
+from typing import Any, cast
+
+from py_trees.common import Status
+
+from humanoid_bt.checking.check import load_checked
+from humanoid_bt.core.errors import UserError
+from humanoid_bt.decision.result import results_of
+from humanoid_bt.files.workspace import Workspace
+from humanoid_bt.record.sinks import Sinks
+from humanoid_bt.session import limits
+from humanoid_bt.session.drive import Drive
+from humanoid_bt.session.engine import Engine
+from humanoid_bt.session.options import OnEStop, RunOptions
+from humanoid_bt.session.teller import Listener
+from humanoid_bt.testing.conditions import Conditions
+from humanoid_bt.testing.engines import Engines, Ready
+from humanoid_bt.testing.events import Event, mistakes, script_of
+from humanoid_bt.testing.fault import Known
+from humanoid_bt.testing.staged import Staged
+from humanoid_bt.testing.staging import Staging
+from humanoid_bt.testing.substitution import Replacement, substituted
+from humanoid_bt.testing.tree_run import Sample, TreeRun, View, Watcher
+from humanoid_bt.tree.source.build import remade
+from humanoid_bt.tree.ticking.executor import NodeChange
+from humanoid_bt.tree.tree import Tree
+
+
+class Stage:
+    """A robot in a scene, loaded once, on which trees are run one after the other, in lockstep.
+
+    Without script, conditions and replacements a run is, bit for bit, what ``humanoid-bt run`` does. A tree's file is
+    read once: edits of it and of skills count from the next stage on.
+
+    Args:
+        workspace: where names are looked up; the working directory if None.
+        robot, scene: names or paths; what each tree says if None.
+        dry: without physics: the robot is at once where it is told to be. For the logic of trees only.
+
+    Raises:
+        UserError: the workspace is no folder.
+    """
+
+    def __init__(
+        self,
+        workspace: str | PathLike[str] | Workspace | None = None,
+        robot: str | PathLike[str] | None = None,
+        scene: str | PathLike[str] | None = None,
+        dry: bool = False,
+    ) -> None:
+        self.workspace = workspace if isinstance(workspace, Workspace) else Workspace(workspace)
+        self.dry = dry
+        self._robot = None if robot is None else str(robot)
+        self._scene = None if scene is None else str(scene)
+        self._engines = Engines(self.workspace, self._robot, self._scene, dry)
+        self._trees: dict[tuple[str, str], Tree] = {}
+
+    def run(
+        self,
+        tree: str | PathLike[str] | Tree,
+        *,
+        seed: int = 0,
+        parameters: Mapping[str, Any] | None = None,
+        duration: float | None = None,
+        on_estop: OnEStop | None = None,
+        script: Iterable[Event | Mapping[str, Any]] = (),
+        conditions: Conditions | Mapping[str, Any] | None = None,
+        replace: Mapping[str, Replacement | Any] | None = None,
+        record: str | PathLike[str] | None = None,
+        watchers: Sequence[Watcher] = (),
+    ) -> TreeRun:
+        """Run a tree to its end, and let the robot come to a stand.
+
+        Args:
+            tree: its name or file, or one that was loaded.
+            seed: of everything random.
+            parameters: values for the tree's parameters: 0.45, or text as after ``--set``, "45 cm".
+            duration: longest simulated time [s]; as in ``humanoid-bt run`` if None.
+            on_estop: what an emergency stop does to the run: "wait" for its reset, or "end"; if None it waits where
+                the script resets it.
+            script: faults, each at a time or at a moment; as events, or as in YAML.
+            conditions: what is different from the beginning.
+            replace: what stands in a node's place, by the node's path, the end of it, or by type.
+            record: file of the recording; none is made if None.
+            watchers: who looks on.
+
+        Raises:
+            UserError: an argument, the tree, robot, scene or a skill has mistakes, or the recording cannot be opened.
+            NodeError: a skill raised an exception in ``setup``.
+            KeyboardInterrupt: Ctrl-C; the robot was brought to a stand first.
+        """
+        seed = int(limits.SEED.take(seed, "seed"))
+        staging = Staging(
+            self.dry,
+            Conditions.of(conditions),
+            {name: Replacement.of(value, name) for name, value in (replace or {}).items()},
+            script_of(script),
+        )
+        loaded = self._loaded(tree, parameters or {})
+        initials = [(key, key.initial) for key in loaded.keys]
+        try:
+            ready = self._engines.ready(loaded, seed, staging.conditions)
+            engine = Staged(ready.engine, staging.script, seed, ready.set_strength)
+            if staging.script:
+                _check(staging, _remade(loaded, staging), ready)
+                for key, initial in initials:  # trying what is set has changed them
+                    key.initial = initial
+            options = RunOptions(
+                tree=_remade(loaded, staging),
+                robot=self._robot,
+                scene=self._scene,
+                parameters=parameters or {},
+                seed=seed,
+                on_estop=on_estop or ("wait" if any(event.reset for event in staging.script) else "end"),
+                duration=None if duration is None else limits.DURATION.take(duration, "duration"),
+                sinks=Sinks(file=None if record is None else Path(record)),
+                staged=staging.told,
+            )
+            listener = _Changes()
+            drive = Drive(options, self.workspace, listener, engine=cast(Engine, engine), looks=not self.dry)
+            engine.enter(_known(drive.runner.tree, staging, ready), drive.runner.robot, staging.lines)
+            return _run(drive, engine, listener, watchers)
+        finally:
+            for key, initial in initials:
+                key.initial = initial
+
+    def _loaded(self, tree: str | PathLike[str] | Tree, parameters: Mapping[str, Any]) -> Tree:
+        """Return a tree as its file says, read once."""
+        if isinstance(tree, Tree):
+            if parameters:
+                message = f"the tree {tree.name!r} is loaded already, with its parameters"
+                raise UserError(message, hint="give its name, or the parameters where it is loaded")
+            return tree
+        key = str(tree), repr(sorted(parameters.items()))
+        if key not in self._trees:
+            path = self.workspace.find_tree(str(tree))
+            self._trees[key] = load_checked(path, self.workspace, parameters, robot=self._robot, scene=self._scene)
+        return self._trees[key]
+
+
+def _remade(tree: Tree, staging: Staging) -> Tree:
+    """Return a tree with nodes of its own, and stand-ins where they are wanted.
+
+    Raises:
+        UserError: nodes cannot be replaced so.
+    """
+    if tree.draft is not None and tree.complete:
+        return remade(tree, substituted(tree, tree.draft, staging.replace) if staging.replace else tree.draft)
+    if staging.replace:
+        hint = "write it to a file, with its to_yaml(), and run that"
+        raise UserError(f"nodes of {tree.name!r}, which was made in Python, cannot be replaced", hint=hint)
+    return tree  # it says itself that it runs once
+
+
+def _known(tree: Tree, staging: Staging, ready: Ready) -> Known:
+    scene, robot = ready.engine.scene.config, ready.engine.robot
+    percepts = [*scene.percepts, *(event.see.percept for event in staging.script if event.see is not None)]
+    return Known(tree, robot.config.torso, robot.joint_names, ready.bodies, percepts, staging.dry)
+
+
+def _check(staging: Staging, tree: Tree, ready: Ready) -> None:
+    """Try the names in a script on a tree that is not run after it.
+
+    Raises:
+        UserError: with everything that a script asks for and is not there.
+    """
+    if problems := list(mistakes(staging.script, _known(tree, staging, ready))):
+        raise UserError(problems)
+
+
+def _run(drive: Drive, engine: Staged, listener: _Changes, watchers: Sequence[Watcher]) -> TreeRun:
+    """Run a tree to its end, and return what there was to see."""
+    tree, config = drive.runner.tree, engine.robot.config
+    view, samples = View(tree, drive.runner.robot), list[Sample]()
+    drive.start()
+    try:
+        while drive.running:
+            drive.tick()
+            if (sample := _sample(drive, engine, listener)) is not None:
+                samples.append(sample)
+                view.move_on(sample)
+                for watcher in watchers:
+                    watcher.tick(view)
+    except BaseException as error:
+        drive.leave("interrupted", "Ctrl-C" if isinstance(error, KeyboardInterrupt) else str(error))
+        raise
+    finally:
+        drive.close()
+    assert drive.report is not None
+    run = TreeRun(drive.report, tree, samples, listener.all, list(engine.supervisor.stops), config)
+    for watcher in watchers:
+        watcher.end(run)
+    return run
+
+
+def _sample(drive: Drive, engine: Staged, listener: _Changes) -> Sample | None:
+    """Return what is kept of the last tick, None if there was none."""
+    state, command, changes = drive.loop.state, drive.loop.command, listener.take()
+    if state is None:
+        return None
+    results = {change.path: {name: value for name, value, _ in change.results} for change in changes}
+    for path, skill in drive.runner.reporting:
+        if skill.status is Status.RUNNING:
+            results[path] = dict(results_of(skill))
+    keys = {key.name: key.value for key in drive.runner.tree.keys if key.is_set}
+    return Sample(state, engine.percepts, command if command.stamp == state.time else None, changes, keys, results)
+
+
+class _Changes(Listener):
+    """Keeps the nodes' changes of status."""
+
+    def __init__(self) -> None:
+        self.all: list[NodeChange] = []
+        self._taken = 0
+
+    def node_changed(self, change: NodeChange) -> None:
+        """Keep one."""
+        self.all.append(change)
+
+    def take(self) -> tuple[NodeChange, ...]:
+        """Return those since the last time."""
+        since, self._taken = self._taken, len(self.all)
+        return tuple(self.all[since:])

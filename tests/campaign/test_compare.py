@@ -1,0 +1,73 @@
+from __future__ import annotations
+
+import pytest
+
+from humanoid_bt.campaign.compare import compare
+from humanoid_bt.campaign.variation import Factor
+from humanoid_bt.campaign.words import verdict
+from humanoid_bt.core.errors import UserError
+from tests.campaign.conftest import table_of
+
+
+def test_pairs_tell_more_than_rates() -> None:
+    found = compare(table_of(lambda seed: seed % 10 > 0), table_of(lambda seed: seed % 20 > 0 or seed == 40))
+    assert (found.success.before.count, found.success.after.count) == (90, 96)
+    assert [pair[0].trial.seed for pair in found.success.gained] == [10, 30, 40, 50, 70, 90]
+    assert found.success.lost == []
+    assert found.success.p == pytest.approx(2 / 2**6)
+    assert (found.better, found.worse) == (["success"], [])
+
+
+def test_a_difference_that_chance_makes_is_none() -> None:
+    found = compare(table_of(lambda seed: seed > 3), table_of(lambda seed: seed > 6))
+    assert len(found.success.lost) == 3
+    assert found.success.p == pytest.approx(0.25)
+    assert verdict(found) == "nothing differs beyond chance"
+
+
+def test_a_quantity_is_compared_in_pairs_that_both_succeeded() -> None:
+    found = compare(
+        table_of(lambda seed: seed != 5, lambda seed: 0.01 + seed / 1e4),
+        table_of(bool, lambda seed: 0.012 + seed / 1e4),
+    )
+    (time, hand) = found.quantities
+    assert (time.name, time.p) == ("time", 1.0)
+    assert (hand.larger, hand.smaller, hand.unit) == (98, 0, "m")  # 0 and 5 failed on one side
+    assert hand.difference == pytest.approx(0.002)
+    assert found.worse == ["hand_error"]
+
+
+def test_what_varies_is_paired_too() -> None:
+    grid = Factor("set.stop_distance", "m", (0.3, 0.4))
+    found = compare(table_of(bool, float, "0-9", grid), table_of(bool, float, "5-14", grid))
+    assert (found.pairs, found.unpaired, found.by) == (10, (10, 10), ["seed", "set.stop_distance"])
+
+
+def test_what_is_otherwise_in_all_trials_is_told() -> None:
+    found = compare(
+        table_of(bool, float, "0-9", Factor("set.stop_distance", "m", (0.3,))),
+        table_of(bool, float, "0-9", Factor("set.stop_distance", "m", (0.4,))),
+    )
+    assert list(found.differs) == [("set.stop_distance", "0.3", "0.4")]
+
+
+def test_what_has_no_partner_is_refused() -> None:
+    with pytest.raises(UserError, match="no trials in common"):
+        compare(table_of(bool, float, "0-9"), table_of(bool, float, "10-19"))
+    with pytest.raises(UserError, match=r"'set\.a' varies in one campaign and is not in the first"):
+        compare(table_of(bool, float, "0-9"), table_of(bool, float, "0-9", Factor("set.a", "", (1, 2))))
+
+
+def test_chance_alone_rarely_makes_a_difference() -> None:
+    def random(seed: int, run: int) -> bool:
+        return hash((seed, run, 17)) % 5 > 0
+
+    verdicts = [
+        verdict(
+            compare(
+                table_of(lambda seed, run=run: random(seed, run)), table_of(lambda seed, run=run: random(seed, -run))
+            )
+        )
+        for run in range(1, 40)
+    ]
+    assert sum(text != "nothing differs beyond chance" for text in verdicts) <= 4

@@ -1,0 +1,168 @@
+"""Campaigns from their plan to their tables: the same for any number of processes, and after whatever kills them."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pyarrow.parquet as pq
+import pytest
+
+from humanoid_bt.campaign.conduct import Progress, trial_of
+from humanoid_bt.campaign.store import RESULTS, Store, read_results
+from humanoid_bt.campaign.variation import Factor
+from humanoid_bt.campaign.workers import Done
+from humanoid_bt.core.errors import UserError
+from tests.campaign.conftest import Conduct, plan_of
+from tests.campaign.stand_ins import DIES_ONCE
+
+GRID = Factor("set.stop_distance", "m", (0.35, 0.4))
+DRAWN = Factor("condition.friction", ends=(0.5, 1.2))
+
+ROOT = Path(__file__).parents[2]
+
+
+def test_every_combination_is_a_trial() -> None:
+    plan = plan_of("0-2", GRID, DRAWN)
+    assert len(plan) == len(plan.trials) == 6
+    assert [trial.seed for trial in plan.trials] == [0, 0, 1, 1, 2, 2]
+    assert len({trial.id for trial in plan.trials}) == 6
+    first, second = plan.trials[:2]
+    assert first.part("set") == {"stop_distance": 0.35}
+    assert first.part("condition") == second.part("condition")  # what is drawn follows from the seed
+
+
+def test_a_trial_is_called_the_same_in_another_campaign() -> None:
+    ids = {(trial.seed, trial.given["set.stop_distance"]): trial.id for trial in plan_of("0-9", GRID).trials}
+    other = Factor("set.stop_distance", "m", (0.4,))
+    assert {ids[7, 0.4]} == {trial.id for trial in plan_of("7", other).trials}
+
+
+def test_the_table_has_what_was_tried_and_what_came_of_it(campaign: Conduct, tmp_path: Path) -> None:
+    campaign(plan_of("2-3", GRID, DRAWN))
+    head, *rows = (tmp_path / "out" / RESULTS).read_text().splitlines()
+    assert head.split(",")[:8] == [
+        "trial",
+        "id",
+        "tree",
+        "robot",
+        "scene",
+        "seed",
+        "set.stop_distance",
+        "condition.friction",
+    ]
+    assert head.split(",")[8:] == ["outcome", "reason", "node", "time", "fell", "stops", "result.hand_error", "trace"]
+    assert rows[2].split(",")[8:12] == ["failure", "the hand is 3 cm away", "fetch/reach", "1.03"]
+    table = pq.read_table(tmp_path / "out" / "results.parquet")
+    assert table.num_rows == 4
+    assert table.schema.field("result.hand_error").metadata == {b"unit": b"m"}
+    assert table.column("result.hand_error").to_pylist() == [0.002, 0.002, 0.003, 0.003]
+
+
+def test_the_table_is_the_same_for_any_number_of_processes(campaign: Conduct, tmp_path: Path) -> None:
+    plan = plan_of("0-60", GRID, DRAWN)
+    for count in (1, 3):
+        campaign(plan, f"out-{count}", count=count)
+    for name in (RESULTS, "results.parquet"):
+        assert len({(tmp_path / f"out-{count}" / name).read_bytes() for count in (1, 3)}) == 1
+
+
+def test_a_killed_process_changes_nothing_in_the_table(campaign: Conduct, tmp_path: Path, begun: Path) -> None:
+    plan = plan_of(f"0-9, {DIES_ONCE}")
+    campaign(plan, "killed", count=2)
+    assert len((begun / f"begun-{DIES_ONCE}").read_text().splitlines()) == 2 + 1  # and once to be explained
+    campaign(plan, "quiet", count=2)
+    assert (tmp_path / "killed" / RESULTS).read_bytes() == (tmp_path / "quiet" / RESULTS).read_bytes()
+
+
+_KILLED = """
+import os, signal, sys
+from pathlib import Path
+from humanoid_bt.campaign.conduct import Progress, conduct
+from humanoid_bt.campaign.store import Store
+from humanoid_bt.campaign.workers import Workers
+from tests.campaign.conftest import plan_of
+from tests.campaign.stand_ins import make
+
+class Kill(Progress):
+    count = 0
+    def trial(self, done):
+        self.count += 1
+        if self.count == 12:
+            os.kill(os.getpid(), signal.SIGKILL)
+
+out, begun = map(Path, sys.argv[1:])
+with Store(out, plan_of("0-29"), False) as store:
+    conduct(store, Workers(make, (begun,), count=2, time_limit=1.0, memory=None, logs=store.logs), 2, Kill())
+"""
+
+
+def test_a_killed_command_is_continued(campaign: Conduct, tmp_path: Path, begun: Path) -> None:
+    killed = [sys.executable, "-c", _KILLED, str(tmp_path / "killed"), str(begun)]
+    assert subprocess.run(killed, cwd=ROOT, check=False).returncode == -9
+    assert len(read_results(tmp_path / "killed").rows) == 12
+    campaign(plan_of("0-29"), "killed", resume=True)
+    campaign(plan_of("0-29"), "quiet")
+    assert (tmp_path / "killed" / RESULTS).read_bytes() == (tmp_path / "quiet" / RESULTS).read_bytes()
+
+
+def test_what_is_done_is_not_done_again(campaign: Conduct, begun: Path) -> None:
+    class Stop(Progress):
+        def trial(self, done: Done) -> None:
+            if done.task.trial.number == 12:
+                raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        campaign(plan_of("0-20"), progress=Stop())
+    campaign(plan_of("0-20"), resume=True)
+    times = {seed: len((begun / f"begun-{seed}").read_text().splitlines()) for seed in range(21)}
+    assert {seed for seed, often in times.items() if often != 1} <= {3, 13}  # failures, which are explained too
+
+
+def test_failures_are_grouped_and_some_of_each_explained(campaign: Conduct) -> None:
+    said = campaign(plan_of("0-49"))
+    (cause,) = said.causes
+    assert (cause.outcome, cause.node, cause.reason) == ("failure", "fetch/reach", "the hand is … cm away")
+    assert [row.trial.seed for row in cause.rows] == [3, 13, 23, 33, 43]
+    assert cause.headlines == ["reach failed: the hand is 3 cm away", "reach failed: the hand is 13 cm away"]
+    assert (said.success.count, said.success.of) == (45, 50)
+    assert all(found.same for found in cause.explained.values())
+
+
+def test_success_is_told_for_each_value_of_what_varies(campaign: Conduct) -> None:
+    said = campaign(plan_of("0-39", GRID, DRAWN))
+    assert list(said.levels) == ["set.stop_distance", "condition.friction"]
+    assert [(level.text, level.success.of) for level in said.levels["set.stop_distance"]] == [
+        ("0.35 m", 40),
+        ("0.4 m", 40),
+    ]
+    assert [level.success.of for level in said.levels["condition.friction"]] == [20, 20, 20, 20]
+
+
+def test_another_campaign_does_not_go_on_in_its_folder(campaign: Conduct, tmp_path: Path) -> None:
+    campaign(plan_of("0-3"))
+    with pytest.raises(UserError, match=r"a campaign in .* already\n.*--resume"):
+        Store(tmp_path / "out", plan_of("0-3"), resume=False)
+    with pytest.raises(UserError, match="its seeds are others"):
+        Store(tmp_path / "out", plan_of("0-4"), resume=True)
+    with pytest.raises(UserError, match=r"trees/fetch.yaml has changed"):
+        Store(tmp_path / "out", plan_of("0-3", files={"trees/fetch.yaml": "1234"}), resume=True)
+    with Store(tmp_path / "out", plan_of("0-3", description="in other words"), resume=True) as store:
+        assert len(store.results) == 4
+
+
+def test_a_folder_with_something_else_is_left_alone(tmp_path: Path) -> None:
+    (tmp_path / "mine").mkdir()
+    (tmp_path / "mine" / "thesis.tex").write_text("...")
+    with pytest.raises(UserError, match="holds no campaign"):
+        Store(tmp_path / "mine", plan_of("0-3"), resume=False)
+    assert [path.name for path in (tmp_path / "mine").iterdir()] == ["thesis.tex"]
+
+
+def test_a_trial_is_found_by_number_and_by_id(campaign: Conduct, tmp_path: Path) -> None:
+    table = campaign(plan_of("0-3")).table
+    assert trial_of(table, "2") == trial_of(table, table.rows[2].trial.id)
+    with pytest.raises(UserError, match="no trial '9'"):
+        trial_of(table, "9")
+    assert read_results(tmp_path / "out") == table

@@ -1,0 +1,80 @@
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from humanoid_bt.campaign.journal import Journal, read_journal
+from humanoid_bt.core.errors import UserError
+
+
+def test_what_is_written_is_there_again(tmp_path: Path) -> None:
+    with Journal(tmp_path / "j") as journal:
+        journal.add(3, {"a": 1})
+        journal.add(1, {"a": 2})
+    with Journal(tmp_path / "j") as journal:
+        assert journal.entries == {3: {"a": 1}, 1: {"a": 2}}
+    assert read_journal(tmp_path / "j") == {3: {"a": 1}, 1: {"a": 2}}
+
+
+def test_a_line_that_a_kill_tore_is_cut_off(tmp_path: Path) -> None:
+    with Journal(tmp_path / "j") as journal:
+        journal.add(0, {"a": 1})
+        journal.add(1, {"a": 2})
+    whole = (tmp_path / "j").read_bytes()
+    for cut in range(1, len(whole) // 2):
+        (tmp_path / "j").write_bytes(whole[:-cut])
+        assert read_journal(tmp_path / "j") == {0: {"a": 1}}
+        with Journal(tmp_path / "j") as journal:
+            assert journal.entries == {0: {"a": 1}}
+            journal.add(1, {"a": 2})
+        assert (tmp_path / "j").read_bytes() == whole
+
+
+def test_nothing_is_written_twice(tmp_path: Path) -> None:
+    with Journal(tmp_path / "j") as journal:
+        journal.add(0, {})
+        with pytest.raises(ValueError, match="already"):
+            journal.add(0, {})
+
+
+def test_two_do_not_write_at_once(tmp_path: Path) -> None:
+    with Journal(tmp_path / "j"), pytest.raises(UserError, match="writes to"):
+        Journal(tmp_path / "j")
+    Journal(tmp_path / "j").close()
+
+
+def test_another_file_is_no_journal(tmp_path: Path) -> None:
+    (tmp_path / "j").write_text("what\nelse\n")
+    with pytest.raises(UserError, match="no journal"):
+        Journal(tmp_path / "j")
+    assert (tmp_path / "j").read_text() == "what\nelse\n"
+
+
+_FULL = """
+import resource, signal, sys
+from pathlib import Path
+from humanoid_bt.campaign.journal import Journal, Unwritable
+signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000))
+journal = Journal(Path(sys.argv[1]))
+try:
+    for number in range(100):
+        journal.add(number, {"text": "x" * 50})
+except Unwritable as error:
+    print(number, error)
+"""
+
+
+def test_a_full_disk_keeps_what_is_there(tmp_path: Path) -> None:
+    done = subprocess.run(
+        [sys.executable, "-c", _FULL, "j"], cwd=tmp_path, capture_output=True, text=True, check=True, env={**os.environ}
+    )
+    number, _, message = done.stdout.partition(" ")
+    assert "'j' cannot be written: File too large" in message
+    with Journal(tmp_path / "j") as journal:
+        assert list(journal.entries) == list(range(int(number)))
+        assert len(journal.entries) > 5

@@ -1,0 +1,53 @@
+from __future__ import annotations
+
+import pytest
+
+from humanoid_bt.campaign.requirement import Requirement
+from humanoid_bt.campaign.summary import Summary
+from humanoid_bt.core.errors import UserError
+from humanoid_bt.tree.expressions.expression import Truth
+from tests.campaign.conftest import table_of
+
+_SAID = Summary(table_of(lambda seed: seed % 10 != 3, lambda seed: seed / 1000, "0-39"), {})
+
+
+def _requirement(text: str) -> Requirement:
+    return Requirement(Truth.parse(text), {"hand_error": "m"})
+
+
+@pytest.mark.parametrize(
+    ("text", "met", "why"),
+    [
+        ("success >= 90 %", True, "success is 90 %"),
+        ("success > 90%", False, "success is 90 %"),
+        ("success_low > 0.7 and success_high < 1", True, "success_low is 76.9 %, success_high is 96 %"),
+        ("time_median < 10.1 s", True, "time_median is 10 s"),
+        ("hand_error_max < 3.8 cm", False, "hand_error_max is 3.9 cm"),
+        ("failures == 4 and fell + crashed + hung == 0", True, "failures is 4, fell is 0, crashed is 0, hung is 0"),
+    ],
+)
+def test_a_campaign_is_judged(text: str, met: bool, why: str) -> None:
+    verdict = _requirement(text).judge(_SAID)
+    assert (verdict.met, verdict.why) == (met, why)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("sucess > 0.9", "unknown name 'sucess'.*\n.*did you mean 'success'"),
+        ("hand_error_p95 < 1 s", "cannot be compared"),
+        ("time_p95", "must be true or false"),
+        ("distance(target) < 1 m", "unknown name 'target'|no percept 'target'"),
+        ("state.standing", "not about a robot"),
+        ("success >=", "no expression"),
+        ("success >= 95 %%", "no expression"),
+    ],
+)
+def test_what_no_campaign_can_tell_is_refused_before_it_runs(text: str, message: str) -> None:
+    with pytest.raises(UserError, match=message):
+        _requirement(text)
+
+
+def test_what_nobody_reported_meets_nothing() -> None:
+    for text in ("grip_force_max < 5", "grip_force_max > 5"):
+        assert not Requirement(Truth.parse(text), {"grip_force": ""}).judge(_SAID).met

@@ -1,0 +1,80 @@
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from humanoid_bt.campaign.seeds import Seeds
+from humanoid_bt.campaign.variation import Factor, Variation
+from humanoid_bt.core.errors import Place, UserError
+from humanoid_bt.core.items import item_of
+from humanoid_bt.core.params import Param
+
+_HERE = Place("mine.yaml", 3, 5)
+_LENGTH = Param("reach", float, unit="m", minimum=0)
+
+
+def _factor(value: Any, spec: Param = _LENGTH) -> Factor:
+    return Variation.from_item(item_of(value, _HERE), spec.name).factor(f"set.{spec.name}", spec)
+
+
+def test_a_list_is_tried_whole() -> None:
+    assert _factor(["45 cm", 0.5]).levels == (0.45, 0.5)
+    assert _factor("45 cm").levels == (0.45,)
+
+
+def test_what_is_drawn_lies_between_its_ends_and_fills_them() -> None:
+    factor = _factor("40 cm .. 0.5 m")
+    drawn = [factor.value(None, seed) for seed in range(500)]
+    assert 0.4 <= min(drawn) < 0.405
+    assert 0.495 < max(drawn) <= 0.5
+    assert abs(sum(drawn) / 500 - 0.45) < 0.005
+
+
+def test_what_is_drawn_follows_from_seed_and_name_alone() -> None:
+    assert [_factor("0 .. 1").value(None, seed) for seed in (0, 1, 2)] == [0.462597, 0.2554, 0.253439]
+    other = Param("look", float)
+    assert _factor("0 .. 1", other).value(None, 0) != 0.462597
+
+
+def test_whole_numbers_are_drawn_where_they_are_declared() -> None:
+    factor = _factor("1 .. 3", Param("times", int))
+    assert {factor.value(None, seed) for seed in range(60)} == {1, 2, 3}
+
+
+@pytest.mark.parametrize(
+    ("value", "message"),
+    [
+        ("0.5 m .. 40 cm", "runs from 0.5 down to 0.4"),
+        ("40 kg .. 50 kg", "has the unit 'kg'"),
+        ("0.4 ..", "cannot be drawn from"),
+        ("a .. b", "must be a number"),
+        ([], "has no values"),
+        ([0.4, "-1 m"], "must be >= 0"),
+    ],
+)
+def test_what_cannot_be_tried_is_told_with_its_place(value: Any, message: str) -> None:
+    with pytest.raises(UserError, match=r"mine\.yaml:3:5") as error:
+        _factor(value)
+    assert message in str(error.value)
+
+
+def test_seeds_are_ranges() -> None:
+    seeds = Seeds.read("0-2, 7,100-101")
+    assert list(seeds) == [0, 1, 2, 7, 100, 101]
+    assert (len(seeds), str(seeds)) == (6, "0-2, 7, 100-101")
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("x", "is no seed"),
+        ("5-2", "runs down"),
+        ("0-5,3", "there already"),
+        ("0-99999999", "more than"),
+        ("", "no seed"),
+    ],
+)
+def test_what_are_no_seeds(text: str, message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        Seeds.read(text)

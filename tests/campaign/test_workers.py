@@ -1,0 +1,75 @@
+"""Processes that die, hang, and run out of memory: each costs its own trial at most."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from humanoid_bt.campaign.trial import Task, Trial
+from humanoid_bt.campaign.workers import Done, Workers
+from humanoid_bt.core.errors import UserError
+from tests.campaign.stand_ins import DIES, DIES_ONCE, HANGS, HOGS, RAISES, REFUSES, make
+
+
+def _run(begun: Path, *seeds: int, count: int = 2) -> dict[int, Done]:
+    workers = Workers(make, (begun,), count=count, time_limit=0.5, memory=1 << 30, logs=begun)
+    tasks = [Task(Trial(number, "fetch", "humanoid", "empty", seed)) for number, seed in enumerate(seeds)]
+    done = list(workers.run(tasks))
+    assert sorted(one.task.trial.number for one in done) == list(range(len(seeds)))
+    return {one.task.trial.seed: one for one in done}
+
+
+def _times(begun: Path, seed: int) -> int:
+    return len((begun / f"begun-{seed}").read_text().splitlines())
+
+
+def test_a_process_loads_once_for_many_trials(begun: Path) -> None:
+    _run(begun, *range(40), count=2)
+    processes = {(begun / f"begun-{seed}").read_text() for seed in range(40)}
+    assert len(processes) <= 2
+
+
+def test_a_killed_process_loses_only_its_trial_which_is_run_again(begun: Path) -> None:
+    done = _run(begun, 1, DIES_ONCE, 2)
+    assert done[DIES_ONCE].result.reason == f"the hand is {DIES_ONCE} cm away"
+    assert done[DIES_ONCE].cost.attempts == 2
+    assert _times(begun, DIES_ONCE) == 2
+    assert [_times(begun, seed) for seed in (1, 2)] == [1, 1]
+
+
+def test_a_trial_that_kills_its_process_each_time_is_told(begun: Path) -> None:
+    result = _run(begun, DIES, 1)[DIES].result
+    assert (result.outcome, _times(begun, DIES)) == ("crashed", 3)
+    assert "out of memory" in result.reason
+
+
+def test_memory_is_bounded_where_that_is_asked(begun: Path) -> None:
+    result = _run(begun, HOGS)[HOGS].result
+    assert (result.outcome, result.reason.rsplit(": ", 1)[-1]) == ("crashed", "MemoryError")
+
+
+def test_an_exception_of_ours_is_told_with_its_last_words(begun: Path) -> None:
+    assert _run(begun, RAISES)[RAISES].result.reason.endswith("exit code 1 each time: ValueError: a bug")
+
+
+def test_a_trial_that_hangs_is_ended(begun: Path) -> None:
+    done = _run(begun, HANGS, 1, 2)
+    assert done[HANGS].result.outcome == "hung"
+    assert "0.5 s on the wall clock" in done[HANGS].result.reason
+    assert _times(begun, HANGS) == 1
+
+
+def test_a_mistake_of_the_user_ends_all_with_its_place(begun: Path) -> None:
+    with pytest.raises(UserError, match=r"mine.yaml:3:4: error: no such thing\n    valid: others"):
+        _run(begun, 1, REFUSES)
+
+
+def test_who_wants_no_more_leaves_no_process(begun: Path) -> None:
+    workers = Workers(make, (begun,), count=2, time_limit=60.0, memory=None, logs=begun)
+    trials = workers.run(Task(Trial(number, "fetch", "humanoid", "empty", number)) for number in range(100))
+    next(trials)
+    trials.close()
+    for seen in begun.glob("begun-*"):
+        for process in seen.read_text().split():
+            assert not Path(f"/proc/{process}").exists()
