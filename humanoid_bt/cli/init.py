@@ -13,13 +13,15 @@ from humanoid_bt.core.errors import UserError
 from humanoid_bt.files.workspace import builtin_root
 from humanoid_bt.session.report import ExitCode
 
-SCHEMA = Path(".vscode/tree.schema.json")
-"""The one file that is made and not copied: it says what skills and trees there are."""
+SCHEMAS = {"trees": Path(".vscode/tree.schema.json"), "scenarios": Path(".vscode/scenario.schema.json")}
+"""What is made and not copied: it says what skills and trees there are."""
 
 _NEXT = """\
-  humanoid-bt run point_out     walk up to the ball and point at it; --view shows it
-  humanoid-bt check             trees, skills, scenes
-  python -m pytest              tests of the skill
+  humanoid-bt run point_out     walk up to a ball and point at it; --view shows it
+  humanoid-bt check             find mistakes in all files
+  humanoid-bt test              try the tree in its scenario
+  python -m pytest tests        test the skill
+  humanoid-bt campaign campaigns/point_out.yaml -j 2     how often does it succeed?
 README.md says what is in it and how to go on"""
 
 
@@ -32,16 +34,17 @@ def init(arguments: argparse.Namespace) -> int:
     folder: Path = arguments.folder
     template = builtin_root() / "template"
     files = sorted(path.relative_to(template) for path in template.rglob("*") if _is_ours(path))
-    _refuse_to_overwrite(folder, [*files, SCHEMA])
+    _refuse_to_overwrite(folder, [*files, *SCHEMAS.values()])
     try:
         for file in files:
             (folder / file).parent.mkdir(parents=True, exist_ok=True)
             shutil.copyfile(template / file, folder / file)
-        text, _ = schema_text(folder)
-        (folder / SCHEMA).write_text(text + "\n", encoding="utf-8")
+        for of, file in SCHEMAS.items():
+            text, _ = schema_text(folder, of)
+            (folder / file).write_text(text + "\n", encoding="utf-8")
     except OSError as error:
         raise UserError(f"{error.filename or str(folder)!r} cannot be written: {error.strerror}") from error
-    print(f"{folder}: a workspace with {len(files) + 1} files. What to do next:")
+    print(f"{folder}: a workspace with {len(files) + len(SCHEMAS)} files. What to do next:")
     if folder.resolve() != Path.cwd():
         print(f"  cd {shlex.quote(str(folder))}")
     print(_NEXT)

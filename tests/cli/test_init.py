@@ -12,6 +12,7 @@ import pytest
 import yaml
 
 from humanoid_bt.cli import main
+from humanoid_bt.cli.init import SCHEMAS
 from humanoid_bt.files.workspace import builtin_root
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -35,7 +36,7 @@ def steps() -> list[str]:
 
 def test_it_has_no_mistakes_and_the_form_of_fmt(made: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["check"]) == 0
-    assert main(["fmt", "--check", "trees", "sim"]) == 0
+    assert main(["fmt", "--check", "trees", "scenarios", "sim"]) == 0
     assert "warning" not in capsys.readouterr().out
 
 
@@ -48,10 +49,13 @@ def test_its_tree_succeeds(made: str, capsys: pytest.CaptureFixture[str]) -> Non
 @pytest.mark.trials
 def test_what_github_runs_passes(made: str) -> None:
     path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
-    assert len(steps()) >= 3
+    variables = {**os.environ, "PATH": path, "GITHUB_STEP_SUMMARY": "summary.md"}
     for line in steps():
-        done = subprocess.run(line, shell=True, env={**os.environ, "PATH": path}, capture_output=True, text=True)
+        done = subprocess.run(line, shell=True, env=variables, capture_output=True, text=True, check=False)
         assert done.returncode == 0, f"{line}\n{done.stdout}{done.stderr}"
+    assert "100 %" in Path("summary.md").read_text(encoding="utf-8")
+    commands = {line.split()[1] for line in steps() if line.startswith("humanoid-bt")}
+    assert commands == {"fmt", "check", "test", "campaign"}
 
 
 def test_it_says_what_to_do_next(made: str) -> None:
@@ -59,7 +63,7 @@ def test_it_says_what_to_do_next(made: str) -> None:
     files = [path for path in Path().rglob("*") if path.is_file()]
     assert lines[0] == f"my robot: a workspace with {len(files)} files. What to do next:"
     assert lines[1] == "  cd 'my robot'"
-    assert len(lines) <= 8
+    assert len(lines) <= 9
     for command in (line.split()[1] for line in lines if line.startswith("  humanoid-bt ")):
         with pytest.raises(SystemExit) as ended:
             main([command, "--help"])
@@ -75,9 +79,11 @@ def test_its_readme_names_every_file(made: str) -> None:
 
 def test_editors_know_its_skill(made: str) -> None:
     settings = json.loads(Path(".vscode/settings.json").read_text(encoding="utf-8"))
-    for schema, files in settings["yaml.schemas"].items():
-        assert json.loads(Path(schema).read_text(encoding="utf-8"))["definitions"]["type_point_at"]
-        assert all(list(Path().glob(pattern)) for pattern in files)
+    schemas = settings["yaml.schemas"]
+    assert set(schemas) == {str(path) for path in SCHEMAS.values()}
+    assert all(list(Path().glob(pattern)) for patterns in schemas.values() for pattern in patterns)
+    assert "type_point_at" in json.loads(SCHEMAS["trees"].read_text(encoding="utf-8"))["definitions"]
+    assert json.loads(SCHEMAS["scenarios"].read_text(encoding="utf-8"))["properties"]["expect"]
 
 
 def test_the_page_on_editors_shows_its_task() -> None:

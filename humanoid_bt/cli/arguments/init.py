@@ -8,7 +8,8 @@ from humanoid_bt.cli.arguments.parsing import Commands
 
 _DESCRIPTION = """\
 Make a workspace that works at once: a tree, a skill and a scene of your own,
-tests of them, settings for VS Code, and checks for GitHub."""
+a scenario, a test and a campaign to try them, settings for VS Code, and checks
+for GitHub."""
 
 _EPILOG = """\
 Files that are there are never overwritten: if one is in the way, nothing is
