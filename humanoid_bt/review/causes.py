@@ -33,13 +33,24 @@ def cause_of(history: History) -> Cause:
     if ending.kind in ("killed", "cut"):
         return ending
     if stop := first_stop(history, ending.time):
-        began = _and_fell(history, stop, _of_stop(history, stop))
+        stop, began = _and_raised(history, stop, _of_stop(history, stop), ending.time)
+        began = _and_fell(history, stop, began)
         return began if began.kind in _LATCHED or began.time < ending.time - AT else ending
     if history.stops and ending.kind in ("unfinished", "interrupted"):  # each was recovered, and nothing else is told
         began = _of_stop(history, history.stops[0])
         times = f", the first of {len(history.stops)} times" if len(history.stops) > 1 else ""
         return replace(began, headline=f"{began.headline}{times}; {ending.headline}")
     return ending
+
+
+def _and_raised(history: History, stop: Stopped, cause: Cause, until: float) -> tuple[Stopped, Cause]:
+    """Return what keeps a robot stopped, and why: an e-stop that was raised in a protective stop outlasts that."""
+    raised = (later for later in history.stops if later.mode == "emergency_stop" and stop.time < later.time <= until)
+    estop = next(raised, None)
+    if estop is None or stop.mode != "protective_stop":
+        return stop, cause
+    found = _estop(history, estop)
+    return estop, replace(found, headline=f"{found.headline}, in the protective stop since {when(stop.time)}")
 
 
 def _and_fell(history: History, stop: Stopped, cause: Cause) -> Cause:

@@ -67,6 +67,13 @@ def held_up(session: Session) -> None:
     controller.submit = later
 
 
+def silent_then_pressed(session: Session) -> None:
+    """Let no command arrive any more, and the e-stop be raised when that has stopped the robot."""
+    session.engine.controller.submit = lambda _: None  # type: ignore[attr-defined]
+    session.run_until(0.6)
+    pressed(session)
+
+
 def deluded(session: Session) -> None:
     """Let the supervisor be given a velocity that is no number."""
     supervisor = session.engine.controller.supervisor  # type: ignore[attr-defined]
@@ -84,6 +91,13 @@ CASES: dict[str, tuple[str, str, dict[str, Any], str]] = {
         "estop",
         {"at": 0.3, "do": pressed, "on_estop": "end"},
         r"the emergency stop was raised at 0\.300 s by humanoid-bt estop \(me@pts/3, pid 4711\): too near",
+    ),
+    "estop by hand in a protective stop": (
+        "walk",
+        "estop",
+        {"at": 0.3, "do": silent_then_pressed, "on_estop": "end"},
+        r"the emergency stop was raised at 0\.600 s by humanoid-bt estop \(me@pts/3, pid 4711\): too near, "
+        r"in the protective stop since 0\.\d+ s",
     ),
     "estop by a node": (
         "alarm",
