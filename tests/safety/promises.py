@@ -103,6 +103,8 @@ def explained(victim: Victim, ending: Ending) -> str:
 
 def _right(victim: Victim, ending: Ending) -> set[str]:
     """Return the causes of which one is right, by what was done to the run and what control noted."""
+    if "the tree ended: success" in victim.output:  # what came then came too late
+        return {"success", "cut"}
     if victim.cut:
         return {"cut"}
     stops: list[Mapping[str, Any]] = [line for line in victim.log if line["kind"] == "stop"]
