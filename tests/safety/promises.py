@@ -103,7 +103,7 @@ def explained(victim: Victim, ending: Ending) -> str:
 
 def _right(victim: Victim, ending: Ending) -> set[str]:
     """Return the causes of which one is right, by what was done to the run and what control noted."""
-    if "the tree ended: success" in victim.output:  # what came then came too late
+    if victim.succeeded:  # what came then came too late
         return {"success", "cut"}
     if victim.cut:
         return {"cut"}

@@ -16,8 +16,6 @@ from tests.safety.victim import Victim
 Strike = Callable[[Victim, np.random.Generator], None]
 """Does it, and sees that what is promised follows; random numbers are drawn from its own seed."""
 
-STOP, GO = signal.SIGSTOP, signal.SIGCONT
-
 
 @dataclass(frozen=True)
 class Fault:
@@ -65,26 +63,23 @@ def estop_and_reset(victim: Victim, rng: np.random.Generator) -> None:
 
 
 def decision_stopped(victim: Victim, rng: np.random.Generator) -> None:
-    victim.kill("decision", STOP)
-    victim.shows("protective_stop")
-    victim.passes(rng.uniform(0, 1.5))
-    victim.kill("decision", GO)
+    with victim.held("decision"):
+        victim.shows("protective_stop")
+        victim.passes(rng.uniform(0, 1.5))
     victim.shows("run")
 
 
 def estop_while_decision_is_stopped(victim: Victim, rng: np.random.Generator) -> None:
-    victim.kill("decision", STOP)
-    victim.passes(rng.uniform(0, 0.5))
-    _estop(victim)
-    victim.kill("decision", GO)
+    with victim.held("decision"):
+        victim.passes(rng.uniform(0, 0.5))
+        _estop(victim)
     _reset(victim)
 
 
 def decision_stutters(victim: Victim, rng: np.random.Generator) -> None:
     for _ in range(15):
-        victim.kill("decision", STOP)
-        victim.passes(rng.uniform(0.01, 0.2))
-        victim.kill("decision", GO)
+        with victim.held("decision"):
+            victim.passes(rng.uniform(0.01, 0.2))
         victim.passes(rng.uniform(0.01, 0.1))
     victim.shows("run")
 
@@ -93,9 +88,8 @@ def stopped(role: str, least: float, most: float) -> Strike:
     """Stop a process that the robot does not need for so long [s]."""
 
     def strike(victim: Victim, rng: np.random.Generator) -> None:
-        victim.kill(role, STOP)
-        victim.passes(rng.uniform(least, most))
-        victim.kill(role, GO)
+        with victim.held(role):
+            victim.passes(rng.uniform(least, most))
         victim.shows("run")
 
     return strike
@@ -211,7 +205,7 @@ def ended(*roles: str, number: signal.Signals = signal.SIGKILL) -> Strike:
 
 
 def killed_while_stopped(victim: Victim, rng: np.random.Generator) -> None:
-    victim.kill("decision", STOP)
+    victim.kill("decision", signal.SIGSTOP)
     victim.passes(rng.uniform(0, 0.5))
     victim.kill("decision")
 
@@ -219,7 +213,7 @@ def killed_while_stopped(victim: Victim, rng: np.random.Generator) -> None:
 def recorder_stopped_for_good(victim: Victim, rng: np.random.Generator) -> None:
     victim.lossy = True
     if "recorder" not in victim.gone:
-        victim.kill("recorder", STOP)
+        victim.kill("recorder", signal.SIGSTOP)
     victim.passes(rng.uniform(0, 2))
     victim.process.send_signal(signal.SIGINT)
 
@@ -237,7 +231,7 @@ ENDINGS = [
     Ending("decision and perception killed", ended("decision", "perception"), (-9,), ("killed",)),
     Ending("decision and recorder killed", ended("decision", "recorder"), (-9,), ("cut",)),
     Ending("control killed", ended("control"), (4,), ("control",), robot=False),
-    Ending("control stopped for good", ended("control", number=STOP), (4,), ("control",), robot=False),
+    Ending("control stopped for good", ended("control", number=signal.SIGSTOP), (4,), ("control",), robot=False),
     Ending("control told to end (SIGTERM)", ended("control", number=signal.SIGTERM), (4,), ("control", "stop")),
     Ending("all processes killed", ended(*_ALL), (-9,), ("cut",), robot=False),
     Ending("recorder stopped for good, Ctrl-C", recorder_stopped_for_good, (130,), ("cut",)),

@@ -12,10 +12,8 @@ from tests.safety import promises
 from tests.safety.background import load
 from tests.safety.plans import TREES, Plan
 from tests.safety.processes import Life, Watch
-from tests.safety.strikes import ENDINGS, Ending
+from tests.safety.strikes import ENDINGS
 from tests.safety.victim import OverError, Victim
-
-_QUICKER = Ending("the tree ended", lambda *_: None, (0,), ("success", "estop", "silent", "slow_tick"))
 
 
 @dataclass
@@ -83,10 +81,14 @@ def _guarded(trial: Trial, links: Path, *options: str) -> Iterator[Victim]:
 def _end(trial: Trial, victim: Victim) -> None:
     """Strike, wait for the end, and look at everything."""
     victim.ready()
-    ending = _struck(trial, victim)
-    code = victim.over()
+    try:
+        _strike(trial, victim)
+    except (OverError, ProcessLookupError, AssertionError):
+        if not victim.succeeded:
+            raise
+    code, ending = victim.over(), trial.plan.ending[1]
     promises.nothing_left(victim)
-    promises.ended_as_told(victim, code, ending.codes)
+    promises.ended_as_told(victim, code, (0, *ending.codes) if victim.succeeded else ending.codes)
     if ending.robot:
         promises.stands(victim)
     log = promises.recorded(victim)
@@ -95,15 +97,10 @@ def _end(trial: Trial, victim: Victim) -> None:
     promises.memory_bounded(trial.lives)
 
 
-def _struck(trial: Trial, victim: Victim) -> Ending:
-    """Make the planned faults; return how the run ends then."""
+def _strike(trial: Trial, victim: Victim) -> None:
+    """Make the planned faults."""
     plan = trial.plan
-    try:
-        for index, (after, fault) in enumerate([*plan.faults, plan.ending]):
-            victim.passes(after)
-            trial.struck.append((fault.name, victim.state.time))
-            fault.strike(victim, plan.strength(index))
-    except (OverError, ProcessLookupError):
-        if victim.over() == 0:  # the tree was quicker
-            return _QUICKER
-    return plan.ending[1]
+    for index, (after, fault) in enumerate([*plan.faults, plan.ending]):
+        victim.passes(after)
+        trial.struck.append((fault.name, victim.state.time))
+        fault.strike(victim, plan.strength(index))

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -71,20 +72,25 @@ class Victim(Live):
         return [process for process in marked(self.mark) if process.role]
 
     def pid(self, role: str) -> int:
-        """Return the id of one of its processes.
-
-        Raises:
-            OverError: it has ended.
-        """
-        found = next((process.pid for process in self.processes() if process.role == role), None)
-        if found is None and self.process.poll() is not None:
-            raise OverError
-        assert found is not None, f"there is no {role} process"
-        return found
+        """Return the id of one of its processes."""
+        found = [process.pid for process in self.processes() if process.role == role]
+        assert found, f"there is no {role} process"
+        return found[0]
 
     def kill(self, role: str, number: signal.Signals = signal.SIGKILL) -> None:
         """Send a signal to one of its processes."""
         os.kill(self.pid(role), number)
+
+    @contextlib.contextmanager
+    def held(self, role: str) -> Iterator[None]:
+        """Stop one of its processes meanwhile."""
+        pid = self.pid(role)
+        os.kill(pid, signal.SIGSTOP)
+        try:
+            yield
+        finally:
+            with contextlib.suppress(ProcessLookupError):
+                os.kill(pid, signal.SIGCONT)
 
     def terminal(self, *arguments: str) -> subprocess.CompletedProcess[str]:
         """Run a command as in another terminal."""
@@ -108,7 +114,7 @@ class Victim(Live):
         end = time.monotonic() + duration
         while time.monotonic() < end:
             if self.process.poll() is not None:
-                raise OverError
+                raise OverError("the run has ended")
             time.sleep(min(0.05, duration))
 
     def sees(self, what: str, condition: Callable[[], bool]) -> None:
@@ -120,7 +126,7 @@ class Victim(Live):
 
         def holds() -> bool:
             if self.process.poll() is not None:
-                raise OverError
+                raise OverError(f"the run has ended, and not: {what}")
             return condition()
 
         until(what, holds)
@@ -132,6 +138,11 @@ class Victim(Live):
     def tells(self, text: str) -> None:
         """Wait for what the run prints."""
         self.sees(f"it says {text!r}", lambda: text in self.output)
+
+    @property
+    def succeeded(self) -> bool:
+        """Whether the tree has come to its end."""
+        return "the tree ended: success" in self.output
 
     @property
     def stopped(self) -> bool:
