@@ -81,6 +81,7 @@ class Watch:
 
     def _note(self, process: Process) -> None:
         life = self.lives.setdefault(process.pid, Life(process.role))
+        life.role = process.role  # before it had begun its own program it seemed to be its parent
         life.seen += _PERIOD
         life.last, life.most = process.memory, max(life.most, process.memory)
         if life.seen <= _STARTED:
