@@ -117,7 +117,7 @@ if TYPE_CHECKING:
     from humanoid_bt.session.run import run as run
     from humanoid_bt.session.session import Session as Session
     from humanoid_bt.session.teller import Listener as Listener
-    from humanoid_bt.testing.check_files import check as check
+    from humanoid_bt.campaign.check_files import check as check
     from humanoid_bt.testing.conditions import Conditions as Conditions
     from humanoid_bt.testing.events import Event as Event
     from humanoid_bt.testing.rig import Rig as Rig
@@ -138,7 +138,7 @@ if TYPE_CHECKING:
 else:
     _HOMES = {
         "humanoid_bt.session.prepare": "load skills",
-        "humanoid_bt.testing.check_files": "check",
+        "humanoid_bt.campaign.check_files": "check",
         "humanoid_bt.decision.blackboard": "Key",
         "humanoid_bt.core.errors": "HumanoidBtError Place Problem UserError",
         "humanoid_bt.core.geometry": "rotation_matrix",

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar
 
-from humanoid_bt.campaign.seeds import Seeds
 from humanoid_bt.campaign.variation import Variation
 from humanoid_bt.core.errors import Problem, UserError
 from humanoid_bt.core.items import Item
@@ -17,6 +16,7 @@ from humanoid_bt.core.reading import read
 from humanoid_bt.files import document
 from humanoid_bt.testing.conditions import Conditions
 from humanoid_bt.testing.events import Event
+from humanoid_bt.testing.seeds import Seeds
 from humanoid_bt.tree.expressions.expression import Truth
 
 FOLDER = "campaigns"
@@ -28,6 +28,7 @@ TIME_LIMIT = 300.0
 RECORDINGS = 3
 """How many failures of each cause are recorded where nothing else is said."""
 
+_NAMED = {"type": "string"}
 _NAME = re.compile(r"\w[\w .-]{0,99}")
 
 
@@ -39,6 +40,9 @@ class Names:
 
     described: ClassVar[str] = "name, or list of names"
     """What they are called in messages."""
+
+    schema: ClassVar[Mapping[str, Any]] = {"anyOf": [_NAMED, {"type": "array", "items": _NAMED, "minItems": 1}]}
+    """How they are written, for editors."""
 
     @classmethod
     def from_item(cls, item: Item, name: str) -> Names:
@@ -76,11 +80,11 @@ class CampaignFile:
     tree: Names = param(doc="Name or file of the tree; several are all tried.")
     robot: Names = param(Names(), doc="The robots; what the tree says if not given.")
     scene: Names = param(Names(), doc="The scenes; what the tree says if not given.")
-    seeds: Seeds = param(Seeds(((0, 99),)), doc="Each is tried with everything else: 0-99, or 3, 17, 100-199.")
+    seeds: Seeds = param(Seeds(tuple(range(100))), doc="Each is tried with everything else: 0-99, or 3, 17, 100-199.")
     parameters: dict[str, Variation] = param({}, doc="Parameters of the tree, each of which may vary.")
     conditions: dict[str, Variation] = param({}, doc="What is different from the robot's and the scene's files.")
     pushes: list[PushVariation] = param([], doc="Pushes, each once in every trial.")
-    events: list[Event] = param([], doc="What happens in every trial: faults, each at a moment.")
+    script: list[Event] = param([], doc="What happens in every trial: faults, each at a moment.")
     duration: float | None = param(
         None, unit="s", above=0, doc="Longest simulated time of a trial; as a run's if not given."
     )

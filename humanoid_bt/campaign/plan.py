@@ -10,10 +10,10 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from humanoid_bt.campaign.seeds import Seeds
 from humanoid_bt.campaign.trial import Trial
 from humanoid_bt.campaign.variation import Factor
 from humanoid_bt.core.errors import UserError
+from humanoid_bt.testing.seeds import Seeds
 
 MOST = 1_000_000
 """Most trials of a campaign."""
@@ -38,7 +38,7 @@ class Plan:
         factors: what trials are given beside.
         duration: longest simulated time of a trial [s]; None for what a run has.
         dry: whether there is no physics.
-        events: what happens in every trial, as its file has it.
+        script: what happens in every trial, as its file has it.
         description: one line for people.
         files: digest of each file that what is run depends on, by path.
         workspace: where names are looked up, "" for the working directory.
@@ -50,7 +50,7 @@ class Plan:
     factors: tuple[Factor, ...] = ()
     duration: float | None = None
     dry: bool = False
-    events: tuple[Mapping[str, Any], ...] = ()
+    script: tuple[Mapping[str, Any], ...] = ()
     description: str = ""
     files: Mapping[str, str] = field(default_factory=dict)
     workspace: str = ""
@@ -113,9 +113,9 @@ class Plan:
         )
         made = {
             "settings": tuple(Setting(*setting) for setting in data["settings"]),
-            "seeds": Seeds.read(data["seeds"]),
+            "seeds": Seeds.parse(data["seeds"]),
             "factors": tuple(factors),
-            "events": tuple(data["events"]),
+            "script": tuple(data["script"]),
         }
         return cls(**{**data, **made})
 

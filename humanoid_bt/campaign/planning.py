@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from humanoid_bt import __version__
-from humanoid_bt.campaign.file import CampaignFile, PushVariation
+from humanoid_bt.campaign.file import CampaignFile, PushVariation, load_campaign
 from humanoid_bt.campaign.plan import Plan, Setting, digest
 from humanoid_bt.campaign.requirement import Requirement
 from humanoid_bt.campaign.trial import CONDITION, PUSH, SET
@@ -46,13 +46,13 @@ class Planned:
     requirements: tuple[Requirement, ...]
 
 
-def planned(campaign: CampaignFile, workspace: Workspace, events: Sequence[Any] = ()) -> Planned:
+def planned(campaign: CampaignFile, workspace: Workspace, script: Sequence[Any] = ()) -> Planned:
     """Return the plan of a campaign.
 
     Args:
         campaign: what is asked for.
         workspace: where names are looked up.
-        events: its events as they are written.
+        script: its script as it is written.
 
     Raises:
         UserError: with every mistake that can be found without running a trial.
@@ -81,12 +81,17 @@ def planned(campaign: CampaignFile, workspace: Workspace, events: Sequence[Any] 
         tuple(factors),
         campaign.duration,
         campaign.dry,
-        tuple(events),
+        tuple(script),
         campaign.description,
         {**{relative(file): digest(file) for file in sorted(used)}, "humanoid-bt": __version__},
         "" if workspace.root == Path.cwd() else relative(workspace.root),
     )
     return Planned(plan, tuple(_all(partial(Requirement, one, reported) for one in campaign.require)))
+
+
+def checked_campaign(path: Path, workspace: Workspace) -> Planned:
+    """Read a campaign file and look up all that it names; raises as :func:`planned`."""
+    return planned(load_campaign(path), workspace)
 
 
 def _names(campaign: CampaignFile, workspace: Workspace) -> Iterator[Callable[[], Named]]:

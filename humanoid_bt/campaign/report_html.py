@@ -105,8 +105,8 @@ def _about(summary: Summary, folder: Path) -> Iterator[tuple[str, str]]:
             yield safe(factor.name), safe(", ".join(readable(value, factor.unit) for value in factor.values))
     if plan.duration is not None:
         yield "longest time", safe(readable(plan.duration, "s"))
-    if plan.events:
-        yield "events", f"{len(plan.events)} in every trial"
+    if plan.script:
+        yield "script", f"{len(plan.script)} events in every trial"
     yield "physics", "none: a dry run, for the logic of the tree alone" if plan.dry else "MuJoCo"
     yield (
         "files",

@@ -20,7 +20,7 @@ _AS_IT_IS = {
 def command(trial: Trial, plan: Plan, folder: Path) -> str:
     """Return the command that runs a trial of a campaign again, bit for bit.
 
-    It is a plain run of the tree where that is enough: without pushes, events and changed conditions.
+    It is a plain run of the tree where that is enough: without pushes, a script and changed conditions.
 
     Args:
         trial: it.
@@ -28,7 +28,7 @@ def command(trial: Trial, plan: Plan, folder: Path) -> str:
         folder: the campaign's.
     """
     altered = {name: value for name, value in trial.given.items() if not name.startswith(f"{SET}.")}
-    if plan.events or trial.dry or any(_AS_IT_IS.get(name) != value for name, value in altered.items()):
+    if plan.script or trial.dry or any(_AS_IT_IS.get(name) != value for name, value in altered.items()):
         return shlex.join(["humanoid-bt", "campaign", "rerun", relative(folder), str(trial.number)])
     where = ["--workspace", plan.workspace] if plan.workspace else []
     words = [

@@ -30,7 +30,7 @@ _COUNTS: Mapping[str, tuple[str, Callable[[Summary], float]]] = {
     "crashed": ("Those whose process died.", lambda summary: summary.outcomes.get("crashed", 0)),
 }
 NAMES = {name: doc for name, (doc, _) in {**_SHARES, **_COUNTS}.items()}
-"""What a requirement can ask of every campaign; and ``time_p95``, ``hand_error_median`` and the like."""
+"""What a requirement can ask of every campaign, beside ``time_p95``, ``hand_error_median`` and the like."""
 
 
 @dataclass(frozen=True)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import time
 from collections import OrderedDict
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -17,7 +18,7 @@ from humanoid_bt.core.errors import UserError
 from humanoid_bt.core.texts import shortened
 from humanoid_bt.review.explain import explain
 from humanoid_bt.testing.stage import Stage
-from humanoid_bt.testing.tree_run import TreeRun
+from humanoid_bt.testing.tree_run import TreeRun, View
 from humanoid_bt.tree.tree import Tree
 
 _TREES = 100  # that are kept in a process, with the values of their parameters
@@ -30,11 +31,11 @@ class Setup:
 
     Attributes:
         workspace: where names are looked up.
-        events: what happens in every trial, as YAML has it.
+        script: what happens in every trial, as YAML has it.
     """
 
     workspace: str
-    events: tuple[Mapping[str, Any], ...] = ()
+    script: tuple[Mapping[str, Any], ...] = ()
 
 
 def make(setup: Setup) -> Run:
@@ -58,11 +59,12 @@ class _Stages:
             self._tree(trial, stage),
             seed=trial.seed,
             duration=trial.duration,
-            script=[*self._setup.events, *pushes(trial)],
+            script=[*self._setup.script, *pushes(trial)],
             conditions=trial.part(CONDITION),
             record=task.recording or None,
+            watchers=[stopwatch := _Stopwatch()],
         )
-        return result_of(run), _explained(task), run.report.wall_time
+        return result_of(run), _explained(task), stopwatch.passed
 
     def _stage(self, trial: Trial) -> Stage:
         key = trial.robot, trial.scene, trial.dry
@@ -81,6 +83,22 @@ class _Stages:
                 self._trees.popitem(last=False)
         self._trees.move_to_end(key)
         return self._trees[key]
+
+
+class _Stopwatch:
+    """Measures how long a run is simulated on the wall clock, from its first tick until the robot stands."""
+
+    def __init__(self) -> None:
+        self._began = 0.0
+        self.passed = 0.0  # s
+
+    def tick(self, _view: View) -> None:
+        """Begin, unless it has begun."""
+        self._began = self._began or time.monotonic()
+
+    def end(self, _run: TreeRun) -> None:
+        """Take the time."""
+        self.passed = time.monotonic() - self._began if self._began else 0.0
 
 
 def pushes(trial: Trial) -> Sequence[Mapping[str, Any]]:

@@ -7,7 +7,7 @@ same seeds draws the same, and can be compared with this one seed by seed.
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -36,6 +36,9 @@ class Variation:
 
     described: ClassVar[str] = "value, list of values, or LOW .. HIGH"
     """What it is called in messages."""
+
+    schema: ClassVar[Mapping[str, Any]] = {"type": ["number", "string", "boolean", "array"]}
+    """How it is written, for editors."""
 
     @classmethod
     def from_item(cls, item: Item, name: str) -> Variation:

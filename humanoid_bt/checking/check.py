@@ -139,7 +139,7 @@ def collect(
         if not files:
             raise UserError(
                 f"nothing to check in {relative(given.root)!r}",
-                hint="give names, files or folders, or go to a folder with trees/, skills/, sim/ or scenarios/",
+                hint="give names, files or folders, or go to a folder with trees/, skills/, sim/, scenarios/ or campaigns/",
             )
         return dict.fromkeys(files, given), []
     found: dict[Path, Workspace] = {}
@@ -162,7 +162,7 @@ def _given(text: str, given: Workspace, root: Workspace | None) -> dict[Path, Wo
     if is_folder(path):
         inside = _files_in(path)
         if not inside:
-            hint = "trees, scenes, robots and scenarios end in .yaml"
+            hint = "trees, scenes, robots, scenarios and campaigns end in .yaml"
             raise UserError(f"nothing to check in {text!r}", Place(text), hint, code="no-file")
         return {resolved(file): _workspace(file, str(file), root) for file in inside}
     file = path if path.suffix == ".py" and is_file(path) else _named(text, given)
@@ -177,21 +177,28 @@ def _workspace(file: Path, text: str, root: Workspace | None) -> Workspace:
 
 
 def _named(text: str, workspace: Workspace) -> Path:
-    """Return the file of a name: a tree's, else a scene's, a robot's, a scenario's or that of skills."""
+    """Return the file of a name: a tree's, else a scene's, a robot's, a scenario's, a campaign's or that of skills."""
     skills = {file.stem: file for file in workspace.skill_files()}
-    known = {**skills, **workspace.scenarios(), **workspace.robots(), **workspace.scenes(), **workspace.trees()}
+    known = {
+        **skills,
+        **workspace.campaigns(),
+        **workspace.scenarios(),
+        **workspace.robots(),
+        **workspace.scenes(),
+        **workspace.trees(),
+    }
     if text in known:
         return known[text]
     if is_file(Path(text)):
         return Path(text)
     hint = nearest(Path(text).stem, known)
     raise UserError(
-        f"no file and no tree, scene, robot, scenario or skill named {text!r}", Place(text), hint, code="no-file"
+        f"no file and no tree, scene, robot, scenario, campaign or skill named {text!r}", Place(text), hint, code="no-file"
     )
 
 
 def _files_in(folder: Path) -> list[Path]:
-    """Return the skills, trees, scenes, robots and scenarios of a folder."""
+    """Return the skills, trees, scenes, robots, scenarios and campaigns of a folder."""
     skill_folders = [folder] if resolved(folder).name == "skills" else [folder / "skills"]
     skills = [path for part in skill_folders for path in sorted(part.glob("*.py")) if not path.name.startswith("_")]
     return [*skills, *yaml_files(folder)]

@@ -59,8 +59,8 @@ def campaign(arguments: argparse.Namespace) -> int:
 
 def _run(arguments: argparse.Namespace) -> int:
     workspace = workspace_given(arguments)
-    given, events = campaign_given(arguments, workspace)
-    found = planned(given, workspace, events)
+    given, script = campaign_given(arguments, workspace)
+    found = planned(given, workspace, script)
     folder = _folder(arguments, found.plan)
     console = SafeConsole(stderr=arguments.json)
     with Store(folder, found.plan, arguments.resume) as store:
@@ -86,7 +86,7 @@ def _run(arguments: argparse.Namespace) -> int:
 def _workers(arguments: argparse.Namespace, time_limit: float, store: Store, workspace: Workspace) -> Workers:
     return Workers(
         make,
-        (Setup(str(workspace.root), store.plan.events),),
+        (Setup(str(workspace.root), store.plan.script),),
         count=arguments.workers,
         time_limit=time_limit,
         memory=arguments.memory,

@@ -44,7 +44,7 @@ def rerun(arguments: argparse.Namespace) -> int:
     table = read_results(folder)
     row = trial_of(table, name)
     file = recording_of(folder, row)
-    run = make(Setup(str(arguments.workspace or table.plan.workspace or Path.cwd()), table.plan.events))
+    run = make(Setup(str(arguments.workspace or table.plan.workspace or Path.cwd()), table.plan.script))
     result, explained, _ = run(Task(row.trial, file))
     given = ", ".join(f"{name} {value}" for name, value in row.trial.given.items())
     print(

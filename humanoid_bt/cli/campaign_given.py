@@ -26,7 +26,7 @@ def workspace_given(arguments: argparse.Namespace) -> Workspace:
 
 
 def campaign_given(arguments: argparse.Namespace, workspace: Workspace) -> tuple[CampaignFile, list[Any]]:
-    """Return the campaign that is asked for, and its events as they are written.
+    """Return the campaign that is asked for, and its script as it is written.
 
     Raises:
         UserError: with everything that is wrong with it.
@@ -38,13 +38,13 @@ def campaign_given(arguments: argparse.Namespace, workspace: Workspace) -> tuple
         values[name] = value
         places[name] = value.place
     campaign: CampaignFile = read(CampaignFile, Item(values, item.place, places), "the campaign")
-    events = values.get("events")
-    return campaign, events.plain() if events is not None else []
+    script = values.get("script")
+    return campaign, script.plain() if script is not None else []
 
 
 def _base(what: str, workspace: Workspace) -> Item:
     """Return the campaign file that is named, or for a tree a campaign that has nothing but its name."""
-    known = {path.stem: path for path in sorted((workspace.root / FOLDER).glob("*.yaml"))}
+    known = workspace.campaigns()
     trees = workspace.trees()
     if what in known and what in trees:
         raise UserError(f"there is a campaign and a tree named {what!r}", hint="give the file of the one that is meant")

@@ -7,6 +7,7 @@ import textwrap
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+from humanoid_bt.campaign.check_files import KINDS
 from humanoid_bt.checking.check import collect, findings, settled
 from humanoid_bt.checking.codes import ALLOWABLE, CODES, find
 from humanoid_bt.cli.findings import counted, print_findings
@@ -16,7 +17,6 @@ from humanoid_bt.cli.wording import several
 from humanoid_bt.core.errors import Problem, relative
 from humanoid_bt.core.texts import one_line
 from humanoid_bt.session.report import ExitCode
-from humanoid_bt.testing.check_files import KINDS
 
 
 def check(arguments: argparse.Namespace) -> int:

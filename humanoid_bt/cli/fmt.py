@@ -1,4 +1,4 @@
-"""``fmt``: bringing tree, scene, robot and scenario files into one form."""
+"""``fmt``: bringing tree, scene, robot, scenario and campaign files into one form."""
 
 from __future__ import annotations
 
@@ -17,7 +17,8 @@ from humanoid_bt.files.whole import write_whole
 from humanoid_bt.files.workspace import Workspace, yaml_files
 from humanoid_bt.session.report import ExitCode
 
-_DEFAULT = ("trees", "scenarios")  # what is formatted where nothing is named
+_DEFAULT = ("trees", "scenarios", "campaigns")  # what is formatted where nothing is named
+_ENDING = "trees, scenes, robots, scenarios and campaigns end in .yaml"
 _BYTE_ORDER_MARK = "\ufeff"
 
 
@@ -57,7 +58,7 @@ def _files(arguments: argparse.Namespace) -> list[Path]:
         if not found:
             raise UserError(
                 f"no trees in {relative(workspace.root)!r}",
-                hint="give names, files or folders, or go to a folder with trees/ or scenarios/",
+                hint="give names, files or folders, or go to a folder with trees/, scenarios/ or campaigns/",
             )
     else:
         found = [file for text in arguments.paths for file in _given(text, workspace)]
@@ -69,19 +70,27 @@ def _given(text: str, workspace: Workspace) -> list[Path]:
     path = Path(text)
     if is_folder(path):
         if not (found := yaml_files(path)):
-            raise UserError(f"nothing to format in {text!r}", hint="trees, scenes, robots and scenarios end in .yaml")
+            raise UserError(f"nothing to format in {text!r}", hint=_ENDING)
         return found
     if is_file(path):
         if path.suffix not in {".yaml", ".yml"}:
-            raise UserError(f"{text!r} is no YAML file", hint="trees, scenes, robots and scenarios end in .yaml")
+            raise UserError(f"{text!r} is no YAML file", hint=_ENDING)
         return [path]
-    known = {**workspace.scenarios(), **workspace.robots(), **workspace.scenes(), **workspace.trees()}
+    known = {
+        **workspace.campaigns(),
+        **workspace.scenarios(),
+        **workspace.robots(),
+        **workspace.scenes(),
+        **workspace.trees(),
+    }
     own = {name: file for name, file in known.items() if file.is_relative_to(workspace.root)}
     if text in own:
         return [own[text]]
     if text in known:
         raise UserError(f"{text!r} is built in; fmt changes only files of the workspace", hint=nearest(text, own))
-    raise UserError(f"no file and no tree, scene, robot or scenario named {text!r}", hint=nearest(path.stem, own))
+    raise UserError(
+        f"no file and no tree, scene, robot, scenario or campaign named {text!r}", hint=nearest(path.stem, own)
+    )
 
 
 @dataclass(frozen=True)

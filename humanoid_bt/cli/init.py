@@ -10,11 +10,11 @@ from pathlib import Path
 
 from humanoid_bt.cli.schema import schema_text
 from humanoid_bt.core.errors import UserError
-from humanoid_bt.files.workspace import builtin_root
+from humanoid_bt.files.workspace import Workspace, builtin_root
 from humanoid_bt.session.report import ExitCode
 
-SCHEMAS = {"trees": Path(".vscode/tree.schema.json"), "scenarios": Path(".vscode/scenario.schema.json")}
-"""What is made and not copied: it says what skills and trees there are."""
+SCHEMAS = {of: Path(f".vscode/{of.removesuffix('s')}.schema.json") for of in ("trees", "scenarios", "campaigns")}
+"""What is made and not copied: schemas say what skills and trees there are."""
 
 _NEXT = """\
   humanoid-bt run point_out     walk up to a ball and point at it; --view shows it
@@ -40,7 +40,7 @@ def init(arguments: argparse.Namespace) -> int:
             (folder / file).parent.mkdir(parents=True, exist_ok=True)
             shutil.copyfile(template / file, folder / file)
         for of, file in SCHEMAS.items():
-            text, _ = schema_text(folder, of)
+            text, _ = schema_text(Workspace(folder), of)
             (folder / file).write_text(text + "\n", encoding="utf-8")
     except OSError as error:
         raise UserError(f"{error.filename or str(folder)!r} cannot be written: {error.strerror}") from error

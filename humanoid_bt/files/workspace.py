@@ -1,4 +1,4 @@
-"""Workspaces: folders with ``trees/``, ``skills/``, ``sim/`` and ``scenarios/``, and how names are found in them.
+"""Workspaces: folders with ``trees/``, ``skills/``, ``sim/``, ``scenarios/`` and ``campaigns/``, and how names are found in them.
 
 Names are looked up in the current workspace first, then in the built-in one.
 """
@@ -15,7 +15,8 @@ from humanoid_bt.files.reading import is_file, is_folder
 
 _PACKAGE = Path(__file__).resolve().parents[1]
 _TREES, _SCENES, _ROBOTS, _SKILLS = "trees/*.yaml", "sim/scenes/*.yaml", "sim/*/robot.yaml", "skills/*.py"
-_SCENARIOS = "scenarios/*.yaml"
+_SCENARIOS, _CAMPAIGNS = "scenarios/*.yaml", "campaigns/*.yaml"
+_DEEP = ("trees", "scenarios", "campaigns")  # folders in which files may lie at any depth
 _Thing = Literal["tree", "scene", "robot", "scenario"]
 
 
@@ -34,20 +35,20 @@ def workspace_above(folder: Path) -> Path | None:
 
 
 def yaml_files(folder: Path) -> list[Path]:
-    """Return the trees, scenes, robots and scenarios of a folder.
+    """Return the trees, scenes, robots, scenarios and campaigns of a folder.
 
-    Of a workspace those in its ``trees/``, ``sim/`` and ``scenarios/``, of a folder of trees or scenarios all below
-    it, of ``sim/`` the scenes and robots. Of any other folder what lies directly in it: below it, there may be
+    Of a workspace those in its folders for them, of a folder of trees, scenarios or campaigns all below it,
+    of ``sim/`` the scenes and robots. Of any other folder what lies directly in it: below it, there may be
     anybody's files.
     """
-    parts = [part for name in ("trees", "sim", "scenarios") if (part := folder / name).is_dir()]
+    parts = [part for name in ("trees", "sim", "scenarios", "campaigns") if (part := folder / name).is_dir()]
     if parts:
         return [path for part in parts for path in yaml_files(part)]
     whole = resolved(folder)
     if whole.name == "sim":
         robots = (path / "robot.yaml" for path in folder.glob("*/"))
         return sorted([*folder.glob("scenes/*.yaml"), *filter(os.path.lexists, robots)])  # a broken link is told of
-    deep = {"trees", "scenarios"} & set(whole.parts)
+    deep = set(_DEEP) & set(whole.parts)
     return sorted(folder.rglob("*.yaml") if deep else folder.glob("*.yaml"))
 
 
@@ -83,12 +84,12 @@ class Workspace:
     def of_tree(cls, path: Path) -> Workspace:
         """Return the workspace a tree or a scenario file belongs to.
 
-        It is the folder above its ``trees/`` or ``scenarios/``, else its own folder if that has ``skills/`` or
+        It is the folder above its ``trees/``, ``scenarios/`` or ``campaigns/``, else its own folder if that has ``skills/`` or
         ``sim/``, else the current one.
         """
         folder = resolved(path).parent
         for parent in (folder, *folder.parents):
-            if parent.name in ("trees", "scenarios"):
+            if parent.name in _DEEP:
                 return cls(parent.parent)
         return cls(folder if (folder / "skills").is_dir() or (folder / "sim").is_dir() else None)
 
@@ -119,6 +120,10 @@ class Workspace:
     def scenarios(self) -> dict[str, Path]:
         """Return every scenario file by name."""
         return self._files(_SCENARIOS)
+
+    def campaigns(self) -> dict[str, Path]:
+        """Return every campaign file by name."""
+        return self._files(_CAMPAIGNS)
 
     def robots(self) -> dict[str, Path]:
         """Return every ``robot.yaml`` by the name of its folder."""

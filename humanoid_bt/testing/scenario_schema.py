@@ -49,11 +49,16 @@ _OWN: dict[type, Schema] = {
 
 def scenario_schema(workspace: Workspace) -> Schema:
     """Return the schema of a workspace's scenario files."""
-    schema = _object(Scenario)
+    return file_schema(Scenario, "A scenario of humanoid-bt", workspace)
+
+
+def file_schema(cls: type, title: str, workspace: Workspace) -> Schema:
+    """Return the schema of files that are read into a dataclass which names a tree, a robot and a scene."""
+    schema = _object(cls)
     names = {"tree": workspace.trees(), "robot": workspace.robots(), "scene": workspace.scenes()}
     for key, known in names.items():
         schema["properties"][key]["examples"] = sorted(known)
-    return {"$schema": DIALECT, "title": "A scenario of humanoid-bt", **schema}
+    return {"$schema": DIALECT, "title": title, **schema}
 
 
 def _object(cls: type) -> Schema:
@@ -93,6 +98,8 @@ def _form(kind: Any, spec: Param) -> Schema | None:  # noqa: PLR0911 (a table of
         return _replacement()
     if kind in _OWN:
         return _OWN[kind]
+    if hasattr(kind, "schema"):  # a type that says itself how it is written
+        return dict(kind.schema)
     reads_itself = hasattr(kind, "from_item")
     return _object(kind) if dataclasses.is_dataclass(kind) and not reads_itself else None
 

@@ -8,19 +8,19 @@ import pytest
 from humanoid_bt.campaign.conduct import Progress, conduct, summary
 from humanoid_bt.campaign.plan import Plan, Setting
 from humanoid_bt.campaign.result import Result
-from humanoid_bt.campaign.seeds import Seeds
 from humanoid_bt.campaign.store import Store
 from humanoid_bt.campaign.summary import Summary
 from humanoid_bt.campaign.table import Table
 from humanoid_bt.campaign.variation import Factor
 from humanoid_bt.campaign.workers import Workers
+from humanoid_bt.testing.seeds import Seeds
 from tests.campaign.stand_ins import make
 
 Conduct = Callable[..., Summary]
 
 
 def plan_of(seeds: str = "0-19", *factors: Factor, **named: object) -> Plan:
-    return Plan("mine", (Setting("fetch", "humanoid", "empty"),), Seeds.read(seeds), factors, **named)  # type: ignore[arg-type]
+    return Plan("mine", (Setting("fetch", "humanoid", "empty"),), Seeds.parse(seeds), factors, **named)  # type: ignore[arg-type]
 
 
 def table_of(

@@ -4,7 +4,6 @@ from typing import Any
 
 import pytest
 
-from humanoid_bt.campaign.seeds import Seeds
 from humanoid_bt.campaign.variation import Factor, Variation
 from humanoid_bt.core.errors import Place, UserError
 from humanoid_bt.core.items import item_of
@@ -57,24 +56,3 @@ def test_what_cannot_be_tried_is_told_with_its_place(value: Any, message: str) -
     with pytest.raises(UserError, match=r"mine\.yaml:3:5") as error:
         _factor(value)
     assert message in str(error.value)
-
-
-def test_seeds_are_ranges() -> None:
-    seeds = Seeds.read("0-2, 7,100-101")
-    assert list(seeds) == [0, 1, 2, 7, 100, 101]
-    assert (len(seeds), str(seeds)) == (6, "0-2, 7, 100-101")
-
-
-@pytest.mark.parametrize(
-    ("text", "message"),
-    [
-        ("x", "is no seed"),
-        ("5-2", "runs down"),
-        ("0-5,3", "there already"),
-        ("0-99999999", "more than"),
-        ("", "no seed"),
-    ],
-)
-def test_what_are_no_seeds(text: str, message: str) -> None:
-    with pytest.raises(ValueError, match=message):
-        Seeds.read(text)

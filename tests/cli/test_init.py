@@ -36,7 +36,7 @@ def steps() -> list[str]:
 
 def test_it_has_no_mistakes_and_the_form_of_fmt(made: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["check"]) == 0
-    assert main(["fmt", "--check", "trees", "scenarios", "sim"]) == 0
+    assert main(["fmt", "--check", "trees", "scenarios", "campaigns", "sim"]) == 0
     assert "warning" not in capsys.readouterr().out
 
 
@@ -84,6 +84,7 @@ def test_editors_know_its_skill(made: str) -> None:
     assert all(list(Path().glob(pattern)) for patterns in schemas.values() for pattern in patterns)
     assert "type_point_at" in json.loads(SCHEMAS["trees"].read_text(encoding="utf-8"))["definitions"]
     assert json.loads(SCHEMAS["scenarios"].read_text(encoding="utf-8"))["properties"]["expect"]
+    assert json.loads(SCHEMAS["campaigns"].read_text(encoding="utf-8"))["properties"]["require"]
 
 
 def test_the_page_on_editors_shows_its_task() -> None:

@@ -31,7 +31,7 @@ def add_check(commands: Commands) -> None:
         "paths",
         nargs="*",
         metavar="PATH",
-        help="names, files or folders of trees, skills, scenes, robots, scenarios; default: this workspace",
+        help="names, files or folders of trees, skills, scenes, robots, scenarios, campaigns; default: this workspace",
     )
     check.add_argument("--strict", action="store_true", help="let warnings fail as errors do")
     check.add_argument(

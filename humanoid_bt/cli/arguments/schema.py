@@ -10,6 +10,7 @@ _EXAMPLES = """\
 examples:
   humanoid-bt schema -o .vscode/tree.schema.json
   humanoid-bt schema scenarios -o .vscode/scenario.schema.json
+  humanoid-bt schema campaigns -o .vscode/campaign.schema.json
 """
 
 
@@ -19,11 +20,11 @@ def add_schema(commands: Commands) -> None:
         "schema",
         "write a JSON Schema for editors",
         "Write a JSON Schema of this workspace's tree files, its skills and\n"
-        "sub-trees included, or of its scenario files. Editors complete, explain\nand check with it.",
+        "sub-trees included, or of its scenario or campaign files. Editors complete, explain\nand check with it.",
         _EXAMPLES,
     )
     schema.add_argument(
-        "of", nargs="?", choices=["trees", "scenarios"], default="trees", help="trees (default), or scenarios"
+        "of", nargs="?", choices=["trees", "scenarios", "campaigns"], default="trees", help="default: trees"
     )
     schema.add_argument("-o", "--output", type=Path, metavar="FILE", help="write it to this file; default: print it")
     add_workspace(schema)

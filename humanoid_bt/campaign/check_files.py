@@ -1,16 +1,18 @@
-"""Checking files of every kind, scenarios among them."""
+"""Checking files of every kind, scenarios and campaigns among them."""
 
 from __future__ import annotations
 
 import os
 from os import PathLike
 
+from humanoid_bt.campaign.file import FOLDER
+from humanoid_bt.campaign.planning import checked_campaign
 from humanoid_bt.checking.check import Kinds, collect, findings, settled
 from humanoid_bt.core.errors import Problem, UserError
 from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.testing.scenario_check import checked_scenario
 
-KINDS: Kinds = {"scenarios": checked_scenario}
+KINDS: Kinds = {"scenarios": checked_scenario, FOLDER: checked_campaign}
 """What reads the files of a folder that are no trees, scenes, robots or skills."""
 
 
@@ -18,7 +20,7 @@ def check(*paths: str | PathLike[str], workspace: str | PathLike[str] | Workspac
     """Return what ``humanoid-bt check`` finds: errors and warnings, each with its place and the repair.
 
     Args:
-        paths: names, files or folders of trees, skills, scenes, robots, scenarios; the whole workspace if none.
+        paths: names, files or folders of trees, skills, scenes, robots, scenarios, campaigns; the workspace if none.
         workspace: folder in which names are looked up; the working directory if None.
 
     Raises:

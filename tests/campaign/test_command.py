@@ -1,0 +1,90 @@
+"""The command, with real trees on the stage: dry where that is enough."""
+
+from __future__ import annotations
+
+import json
+import shlex
+from pathlib import Path
+
+import pytest
+
+from humanoid_bt.campaign.store import COSTS, RESULTS
+from humanoid_bt.cli import main
+
+pytestmark = pytest.mark.slow
+
+DRY = ["campaign", "fetch", "--dry", "--scene", "random_target", "--seeds", "0-4", "--quiet"]
+
+
+@pytest.fixture(scope="module")
+def done(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A campaign whose trials end too early, but for one."""
+    out = tmp_path_factory.mktemp("campaign") / "early"
+    assert main([*DRY, "--duration", "4.5", "--recordings", "0", "--out", str(out), "--require", "fell == 0"]) == 0
+    return out
+
+
+def test_results_and_reports_are_there(done: Path) -> None:
+    assert {path.name for path in done.iterdir() if path.is_file()} >= {
+        *(RESULTS, "results.parquet", COSTS, "report.html", "report.md", "summary.json"),
+    }
+    said = json.loads((done / "summary.json").read_text())
+    assert (said["done"], said["planned"]) == (5, 5)
+    assert said["success"]["count"] + sum(cause["count"] for cause in said["causes"]) == 5
+    assert said["causes"][0]["reason"].startswith("the tree still ran after 4.5 s")
+
+
+def test_the_page_needs_nothing_but_itself(done: Path) -> None:
+    page = (done / "report.html").read_text()
+    assert "without physics" in page
+    assert page.count("<svg") >= 1
+    for outside in ("http://", "https://", "<script", "<link", "src="):
+        assert outside not in page
+
+
+def test_campaigns_are_compared(done: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["campaign", "compare", str(done), str(done)]) == 0
+    told = capsys.readouterr().out
+    assert "nothing differs beyond chance" in told
+    assert main(["campaign", "compare", str(done), str(tmp_path)]) == 2
+    assert "there is no campaign in" in capsys.readouterr().err
+
+
+def test_it_goes_on_only_where_that_is_asked(done: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    table = (done / RESULTS).read_bytes()
+    same = [*DRY, "--duration", "4.5", "--recordings", "0", "--out", str(done)]
+    assert main(same) == 2
+    assert "--resume goes on with it" in capsys.readouterr().err
+    assert main([*same, "--resume", "--require", "success > 99 %", "--require", "fell == 0"]) == 1
+    told = capsys.readouterr()
+    assert "not met: success > 99 %: success is " in told.err
+    assert "fell == 0 (fell is 0)" in told.out
+    assert (done / RESULTS).read_bytes() == table
+
+
+@pytest.mark.parametrize(
+    ("line", "message"),
+    [
+        ("fetsh", "no tree and no campaign named 'fetsh'"),
+        ("fetch --set stop_distence=3", "has no parameter 'stop_distence'"),
+        ("fetch --set look=9s..5s", "runs from 9 down to 5"),
+        ("fetch --condition fricton=2", "there is no condition 'fricton'"),
+        ("fetch --condition friction=-1", "must be >= 0"),
+        ("fetch --push force=10", "'at' of"),
+        ("fetch --push at=1s,force", "is not NAME=VALUE"),
+        ("fetch --seeds 3-x", "are no seeds"),
+        ("fetch --require 'sucess > 3'", "unknown name 'sucess'"),
+        ("fetch --scene nowhere", "no scene named 'nowhere'"),
+        ("fetch --resume", "--resume needs the folder"),
+        ("fetch stand", "one campaign at a time"),
+        ("compare a", "takes 2 arguments"),
+        ("recover", "does not run alone"),
+    ],
+)
+def test_what_cannot_be_run_is_told_before_anything_is_written(
+    line: str, message: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert main(["campaign", *shlex.split(line)]) == 2
+    assert message in capsys.readouterr().err
+    assert list(tmp_path.iterdir()) == []
