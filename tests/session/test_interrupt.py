@@ -117,6 +117,22 @@ def test_ctrl_c_while_the_run_is_closed_costs_neither_the_report_nor_what_else_i
     assert last_time(Path("closing.rrd")) > 0.09
 
 
+def test_ctrl_c_before_the_run_is_closed_leaves_it_to_be_closed(monkeypatch: pytest.MonkeyPatch) -> None:
+    session = hbt.Session("walk", duration=0.1)
+    closed: list[str] = []
+    monkeypatch.setattr(session.engine, "close", lambda: closed.append("engine"))
+    session.start()
+    session.run_until(0.06)
+    leave = session._drive.loop.leave
+    monkeypatch.setattr(session._drive.loop, "leave", lambda *_: signal.raise_signal(signal.SIGINT))
+    with pytest.raises(KeyboardInterrupt):
+        session.close()
+    monkeypatch.setattr(session._drive.loop, "leave", leave)
+    session.close()
+    session.close()
+    assert (session.report.outcome, closed) == ("unfinished", ["engine"])
+
+
 class Pressing:
     """A clock at whose third reading somebody presses Ctrl-C."""
 
