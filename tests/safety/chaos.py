@@ -18,12 +18,14 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 from types import FrameType
 
-from tests.realtime.helpers import PROGRAM
+from tests.realtime import helpers
 from tests.safety.apart import keep_apart
 from tests.safety.plans import planned
 from tests.safety.processes import Life
 from tests.safety.strikes import ENDINGS, FAULTS
 from tests.safety.trial import Trial, bystander, tried
+
+_PATIENCE = 180.0  # s that anything may take on a machine that is kept busy
 
 _EPILOG = """\
 Each run is one of a built-in tree in realtime mode, in a folder of its own for links: other runs on this machine are
@@ -48,7 +50,7 @@ def soak(seed: int, numbers: Iterable[int], folder: Path, links: Path, until: fl
 
 def _renders(folder: Path) -> bool:
     """Whether pictures of the head camera can be taken here."""
-    line = [*PROGRAM, "run", "stand", "--duration", "0.1", "--camera", "on", "--no-view"]
+    line = [*helpers.PROGRAM, "run", "stand", "--duration", "0.1", "--camera", "on", "--no-view"]
     done = subprocess.run(line, capture_output=True, text=True, check=False, cwd=folder)
     return "no OpenGL" not in done.stderr
 
@@ -133,6 +135,7 @@ def main(arguments: list[str] | None = None) -> int:
         write("error: it needs Linux: /proc, /dev/shm, and file limits of other processes\n")
         return 2
     signal.signal(signal.SIGTERM, _as_ctrl_c)
+    helpers.PATIENCE = _PATIENCE
     folder = (options.out or Path(tempfile.gettempdir())) / f"chaos-{time.strftime('%Y%m%d-%H%M%S')}-{os.getpid()}"
     folder.mkdir(parents=True)
     links = Path(tempfile.mkdtemp(prefix="humanoid-bt-chaos-", dir="/dev/shm")) / "runs"

@@ -15,7 +15,8 @@ from typing import Any
 from humanoid_bt.core.messages import Mode
 from humanoid_bt.link.run_folder import live_runs, lockstep_root
 from humanoid_bt.realtime.status import status_of
-from tests.realtime.helpers import PATIENCE, Live, environment, until
+from tests.realtime import helpers
+from tests.realtime.helpers import Live, environment, until
 from tests.safety.processes import MARK, Process, marked
 
 REPOSITORY = Path(__file__).parents[2]
@@ -96,7 +97,9 @@ class Victim(Live):
         """Run a command as in another terminal."""
         line = [*self.program, *arguments]
         variables = environment() | self._variables
-        return subprocess.run(line, capture_output=True, text=True, env=variables, timeout=PATIENCE, check=False)
+        return subprocess.run(
+            line, capture_output=True, text=True, env=variables, timeout=helpers.PATIENCE, check=False
+        )
 
     def over(self) -> int:
         """Wait until its program has ended; return the exit code."""
