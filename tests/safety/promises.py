@@ -16,7 +16,7 @@ from humanoid_bt.review.explain import explain
 from tests.realtime.helpers import until
 from tests.safety.processes import Life
 from tests.safety.strikes import Ending
-from tests.safety.victim import Victim
+from tests.safety.victim import HOLD, Victim
 
 GROWTH = 48 << 20
 """How much more memory a process may take than when it had started [bytes]."""
@@ -55,6 +55,16 @@ def stands(victim: Victim) -> None:
     state = victim.state
     assert state.mode is not Mode.DAMP, "the robot fell"
     assert state.gait is Gait.STAND and state.base_settled, f"it ended in {state.gait.value}, not at rest"
+
+
+def held_without_decision(victim: Victim) -> None:
+    """Control has stopped the robot when decision was killed, held it for as long as it was told, and noted why."""
+    told = [line["text"] for line in victim.log]
+    assert any(text.startswith("protective_stop: decision silent") for text in told), "no stop of a dead decision"
+    assert f"decision died; control holds the robot for {HOLD:g} s and ends" in told, "control did not notice"
+    assert told[-1] == "control ended: decision died before", f"control noted last: {told[-1]}"
+    noticed = next(line["time"] for line in victim.log if line["text"].startswith("decision died"))
+    assert victim.log[-1]["time"] - noticed >= HOLD, "control did not hold the robot"
 
 
 def silence_in_time(victim: Victim, log: FlightLog) -> int:

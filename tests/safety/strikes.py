@@ -207,7 +207,7 @@ def ended(*roles: str, number: signal.Signals = signal.SIGKILL) -> Strike:
 def killed_while_stopped(victim: Victim, rng: np.random.Generator) -> None:
     victim.kill("decision", signal.SIGSTOP)
     victim.passes(rng.uniform(0, 0.5))
-    victim.kill("decision")
+    ended("decision")(victim, rng)
 
 
 def recorder_stopped_for_good(victim: Victim, rng: np.random.Generator) -> None:

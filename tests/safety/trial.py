@@ -91,6 +91,8 @@ def _end(trial: Trial, victim: Victim) -> None:
     promises.ended_as_told(victim, code, (0, *ending.codes) if victim.succeeded else ending.codes)
     if ending.robot:
         promises.stands(victim)
+    if code < 0 and "control" not in victim.gone and not victim.succeeded:
+        promises.held_without_decision(victim)
     log = promises.recorded(victim)
     trial.stops = promises.silence_in_time(victim, log)
     promises.explained(victim, ending)
