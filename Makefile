@@ -5,7 +5,7 @@ BIN := $(VENV)/bin
 export OMP_NUM_THREADS ?= 1
 export OPENBLAS_NUM_THREADS ?= 1
 
-.PHONY: demo test test-trials test-docs test-install check docs bench clean
+.PHONY: demo test test-trials test-docs test-cluster test-install check docs bench clean
 
 demo: $(VENV)/.installed
 	$(BIN)/humanoid-bt run fetch
@@ -13,7 +13,7 @@ demo: $(VENV)/.installed
 # They start hundreds of Python processes, which are not to compile the package each time.
 test test-trials: export PYTHONDONTWRITEBYTECODE :=
 test: $(VENV)/.installed-dev
-	$(BIN)/python -m pytest -n auto --dist loadfile -m "not realtime and not trials and not docs and not install"
+	$(BIN)/python -m pytest -n auto --dist loadfile -m "not realtime and not trials and not docs and not install and not ray"
 	$(BIN)/python -m pytest -m "realtime and not trials" $$(grep -rl mark.realtime tests)
 
 test-trials: $(VENV)/.installed-dev  ## further cases of what a whole robot does, and the bench of realtime mode
@@ -22,6 +22,9 @@ test-trials: $(VENV)/.installed-dev  ## further cases of what a whole robot does
 
 test-docs: $(VENV)/.installed-dev  ## every example of the docs, as a reader would run it
 	$(BIN)/python -m pytest -n auto --dist load -m docs
+
+test-cluster: $(VENV)-cluster/.installed  ## campaigns on a Ray cluster of two nodes, in an environment of its own
+	$(VENV)-cluster/bin/python -m pytest -m ray tests/campaign/test_ray.py
 
 test-install: $(VENV)/.installed-dev  ## the wheel in an empty environment, with what it declares to need
 	$(BIN)/python -m pytest -m install
@@ -39,7 +42,7 @@ bench: $(VENV)/.installed
 	$(BIN)/humanoid-bt bench
 
 clean:
-	rm -rf $(VENV) build dist runs .pytest_cache .mypy_cache .ruff_cache
+	rm -rf $(VENV) $(VENV)-cluster build dist runs .pytest_cache .mypy_cache .ruff_cache
 
 $(VENV)/bin/python:
 	$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "Python 3.11 or newer is needed: make PYTHON=python3.11 ...")'
@@ -47,6 +50,11 @@ $(VENV)/bin/python:
 
 $(VENV)/.installed: pyproject.toml constraints.txt | $(VENV)/bin/python
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[test]'
+	touch $@
+
+$(VENV)-cluster/.installed: pyproject.toml constraints.txt
+	test -x $(VENV)-cluster/bin/python || $(PYTHON) -m venv $(VENV)-cluster
+	$(VENV)-cluster/bin/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[test,cluster]'
 	touch $@
 
 $(VENV)/.installed-dev: pyproject.toml constraints.txt | $(VENV)/bin/python

@@ -67,6 +67,7 @@ __all__ = [  # noqa: RUF022 (grouped as a reader looks for them)
     "Watcher",
     "View",
     "Event",
+    "faults",
     "Conditions",
     "Replacement",
     # Looking back
@@ -81,6 +82,7 @@ __all__ = [  # noqa: RUF022 (grouped as a reader looks for them)
 ]
 
 if TYPE_CHECKING:
+    from humanoid_bt.campaign.check_files import check as check
     from humanoid_bt.core.errors import HumanoidBtError as HumanoidBtError
     from humanoid_bt.core.errors import Place as Place
     from humanoid_bt.core.errors import Problem as Problem
@@ -117,7 +119,7 @@ if TYPE_CHECKING:
     from humanoid_bt.session.run import run as run
     from humanoid_bt.session.session import Session as Session
     from humanoid_bt.session.teller import Listener as Listener
-    from humanoid_bt.campaign.check_files import check as check
+    from humanoid_bt.testing import faults as faults
     from humanoid_bt.testing.conditions import Conditions as Conditions
     from humanoid_bt.testing.events import Event as Event
     from humanoid_bt.testing.rig import Rig as Rig
@@ -171,7 +173,7 @@ else:
         "humanoid_bt.files.workspace": "Workspace",
     }
 
-    _MODULES = {"nodes": "humanoid_bt.tree.nodes"}
+    _MODULES = {"nodes": "humanoid_bt.tree.nodes", "faults": "humanoid_bt.testing.faults"}
 
     def __getattr__(name):
         """Import a public name when it is first used (PEP 562)."""

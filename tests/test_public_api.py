@@ -31,6 +31,8 @@ GIVEN = {
     "State",
     "Track",
     "Tree",
+    "TreeRun",
+    "View",
 }
 """Classes whose instances users are given; how they are made is not public."""
 

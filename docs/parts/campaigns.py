@@ -5,7 +5,6 @@ from __future__ import annotations
 from humanoid_bt.campaign.file import CampaignFile, PushVariation
 from humanoid_bt.campaign.requirement import NAMES
 from humanoid_bt.core.params import Param, params_of
-from humanoid_bt.testing.conditions import Conditions
 from parts.markdown import table
 
 
@@ -17,11 +16,6 @@ def campaign_keys() -> str:
 def push_keys() -> str:
     """Return the keys of a push."""
     return _keys(PushVariation)
-
-
-def condition_keys() -> str:
-    """Return the conditions."""
-    return _keys(Conditions)
 
 
 def requirement_names() -> str:

@@ -23,6 +23,9 @@ class Runners(Protocol):
     def run(self, tasks: Iterable[Task]) -> Iterator[Done]:
         """Yield tasks as they are done, each once."""
 
+    def close(self) -> None:
+        """Leave nothing running."""
+
 
 class Progress:
     """Is told how a campaign goes; this one does nothing with it."""

@@ -8,7 +8,6 @@ from functools import partial
 from pathlib import Path
 from typing import Any, TypeVar
 
-from humanoid_bt import __version__
 from humanoid_bt.campaign.file import CampaignFile, PushVariation, load_campaign
 from humanoid_bt.campaign.plan import Plan, Setting, digest
 from humanoid_bt.campaign.requirement import Requirement
@@ -22,6 +21,7 @@ from humanoid_bt.core.plain import plain
 from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.plant.scene_config import load_scene
 from humanoid_bt.session.loader import DEFAULT_ROBOT, DEFAULT_SCENE, used_files
+from humanoid_bt.session.report import versions
 from humanoid_bt.testing.conditions import Conditions
 from humanoid_bt.tree.source.file import read_file
 from humanoid_bt.tree.source.parameters import NodeItem
@@ -83,7 +83,7 @@ def planned(campaign: CampaignFile, workspace: Workspace, script: Sequence[Any] 
         campaign.dry,
         tuple(script),
         campaign.description,
-        {**{relative(file): digest(file) for file in sorted(used)}, "humanoid-bt": __version__},
+        {**{relative(file): digest(file) for file in sorted(used)}, "humanoid-bt": versions()["humanoid-bt"]},
         "" if workspace.root == Path.cwd() else relative(workspace.root),
     )
     return Planned(plan, tuple(_all(partial(Requirement, one, reported) for one in campaign.require)))

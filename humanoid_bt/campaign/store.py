@@ -149,9 +149,8 @@ def _refuse(folder: Path, plan: Plan, resume: bool) -> None:
     """See that nothing else is in a folder than the campaign that goes on."""
     there = _plan(folder)
     if there is None:
-        if folder.is_dir() and any(
-            path.name not in (_JOURNAL, _EXPLAINED, _LOGS, RECORDINGS) for path in folder.iterdir()
-        ):
+        known = (_JOURNAL, _EXPLAINED, _LOGS, RECORDINGS)  # there before campaign.json is
+        if folder.is_dir() and any(path.name not in known and path.name[0] != "." for path in folder.iterdir()):
             raise UserError(f"{relative(folder)!r} is there already and holds no campaign", hint="choose another --out")
         if resume and not folder.is_dir():
             raise UserError(f"there is no campaign in {relative(folder)!r} to resume", hint="begin it without --resume")

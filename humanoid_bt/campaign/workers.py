@@ -92,23 +92,26 @@ class Workers:
             HumanoidBtError: a process cannot be started.
             UserError: a trial cannot be run, for a mistake in a file or a value.
         """
-        waiting = deque((task, 1) for task in tasks)
         try:
-            while waiting or any(worker.task for worker in self._workers):
-                while waiting:
-                    worker = self._idle()
-                    if worker is None:
-                        break
-                    self._give(worker, *waiting.popleft())
-                busy = [worker for worker in self._workers if worker.task]
-                ready = wait([worker.line for worker in busy], self._patience(busy))
-                for worker in busy:
-                    if worker.line in ready:
-                        yield from self._heard(worker, waiting)
-                    elif time.monotonic() - worker.began > self._time_limit:
-                        yield self._hung(worker)
+            yield from self._run(deque((task, 1) for task in tasks))
         finally:
             self.close()
+
+    def run_one(self, task: Task) -> Done:
+        """Run one task, and leave a process for the next; raises as :meth:`run`."""
+        return next(self._run(deque([(task, 1)])))
+
+    def _run(self, waiting: deque[tuple[Task, int]]) -> Iterator[Done]:
+        while waiting or any(worker.task for worker in self._workers):
+            while waiting and (worker := self._idle()) is not None:
+                self._give(worker, *waiting.popleft())
+            busy = [worker for worker in self._workers if worker.task]
+            ready = wait([worker.line for worker in busy], self._patience(busy))
+            for worker in busy:
+                if worker.line in ready:
+                    yield from self._heard(worker, waiting)
+                elif time.monotonic() - worker.began > self._time_limit:
+                    yield self._hung(worker)
 
     def close(self) -> None:
         """End the processes, and what they do."""

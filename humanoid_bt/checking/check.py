@@ -139,7 +139,7 @@ def collect(
         if not files:
             raise UserError(
                 f"nothing to check in {relative(given.root)!r}",
-                hint="give names, files or folders, or go to a folder with trees/, skills/, sim/, scenarios/ or campaigns/",
+                hint="give names, files or folders, or go to a workspace: a folder with trees/, skills/ or the like",
             )
         return dict.fromkeys(files, given), []
     found: dict[Path, Workspace] = {}
@@ -192,9 +192,8 @@ def _named(text: str, workspace: Workspace) -> Path:
     if is_file(Path(text)):
         return Path(text)
     hint = nearest(Path(text).stem, known)
-    raise UserError(
-        f"no file and no tree, scene, robot, scenario, campaign or skill named {text!r}", Place(text), hint, code="no-file"
-    )
+    message = f"no file and no tree, scene, robot, scenario, campaign or skill named {text!r}"
+    raise UserError(message, Place(text), hint, code="no-file")
 
 
 def _files_in(folder: Path) -> list[Path]:

@@ -8,12 +8,12 @@ import signal
 import sys
 import time
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from pathlib import Path
 from types import FrameType
 from typing import NoReturn
 
-from humanoid_bt.campaign.conduct import conduct, summary
+from humanoid_bt.campaign.conduct import Runners, conduct, summary
 from humanoid_bt.campaign.plan import Plan
 from humanoid_bt.campaign.planning import Planned, planned
 from humanoid_bt.campaign.report_html import html
@@ -67,11 +67,14 @@ def _run(arguments: argparse.Namespace) -> int:
         if not arguments.quiet:
             console.print(f"{found.plan.name}: {found.plan.title}: {len(found.plan)} trials", soft_wrap=True)
         began, interrupted = time.monotonic(), False
-        workers = _workers(arguments, given.time_limit, store, workspace)
         try:
             try:
-                with _interruptions(), _progress(console, arguments, store) as progress:
-                    conduct(store, workers, given.recordings, progress)
+                with (
+                    closing(_runners(arguments, given.time_limit, store, workspace)) as runners,
+                    _interruptions(),
+                    _progress(console, arguments, store) as progress,
+                ):
+                    conduct(store, runners, given.recordings, progress)
             except KeyboardInterrupt:
                 interrupted = True
             code = _told(console, arguments, found, store, time.monotonic() - began)
@@ -83,15 +86,16 @@ def _run(arguments: argparse.Namespace) -> int:
     return ExitCode.INTERRUPTED if interrupted else code
 
 
-def _workers(arguments: argparse.Namespace, time_limit: float, store: Store, workspace: Workspace) -> Workers:
-    return Workers(
-        make,
-        (Setup(str(workspace.root), store.plan.script),),
-        count=arguments.workers,
-        time_limit=time_limit,
-        memory=arguments.memory,
-        logs=store.logs,
-    )
+def _runners(arguments: argparse.Namespace, time_limit: float, store: Store, workspace: Workspace) -> Runners:
+    """Return who runs the trials: processes of this machine, or those of a cluster."""
+    script, memory = store.plan.script, arguments.memory
+    if arguments.cluster is not None:
+        from humanoid_bt.campaign.ray_cluster import RayCluster, Ways, see_that_it_is_shipped
+
+        see_that_it_is_shipped(store.plan, workspace)
+        return RayCluster(arguments.cluster, workspace.root, Ways(make, (Setup(".", script),), time_limit, memory))
+    setup = (Setup(str(workspace.root), script),)
+    return Workers(make, setup, count=arguments.workers, time_limit=time_limit, memory=memory, logs=store.logs)
 
 
 def _progress(console: SafeConsole, arguments: argparse.Namespace, store: Store) -> CampaignProgress:

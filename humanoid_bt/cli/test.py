@@ -142,7 +142,7 @@ class _Teller:
             self._print(INDENT, f"{place}{failure.expectation}", "bold")
             self._print(INDENT + "  ", failure.moment, "red")
             for name, value in failure.values.items():
-                self._print(f"{INDENT}    {one_line(name)}  ", value)
+                self._print(f"{INDENT}    {one_line(name)}: ", value)
         for name, text in trial.further:
             self._print(f"{INDENT}{name:<11}", text, breaks=False)
 

@@ -179,9 +179,9 @@ def _brackets(page: _Page) -> Slip | None:
         return page.here.slip("';' separates nothing", "write a comma", before.rfind(";"))
     rest = page.here.raw[page.column :]
     words = before.split()[-1:] if rest.startswith(":") else rest.split()[:1]
-    if not words:
+    column = page.here.raw.rfind(words[0], 0, page.column + len(words[0])) if words else -1
+    if column < 0:  # YAML counts other columns behind a byte order mark
         return None
-    column = page.here.raw.rindex(words[0], 0, page.column + len(words[0]))
     return page.here.slip(f"a comma is missing before {words[0]!r}", f", {words[0]}", column)
 
 

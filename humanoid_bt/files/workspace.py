@@ -1,4 +1,4 @@
-"""Workspaces: folders with ``trees/``, ``skills/``, ``sim/``, ``scenarios/`` and ``campaigns/``, and how names are found in them.
+"""Workspaces: folders with ``trees/``, ``skills/``, ``sim/``, ``scenarios/``, ``campaigns/``, and names in them.
 
 Names are looked up in the current workspace first, then in the built-in one.
 """
@@ -84,8 +84,8 @@ class Workspace:
     def of_tree(cls, path: Path) -> Workspace:
         """Return the workspace a tree or a scenario file belongs to.
 
-        It is the folder above its ``trees/``, ``scenarios/`` or ``campaigns/``, else its own folder if that has ``skills/`` or
-        ``sim/``, else the current one.
+        It is the folder above its ``trees/``, ``scenarios/`` or ``campaigns/``, else its own folder if that has
+        ``skills/`` or ``sim/``, else the current one.
         """
         folder = resolved(path).parent
         for parent in (folder, *folder.parents):

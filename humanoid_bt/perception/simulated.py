@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
 from humanoid_bt.core.geometry import rotation_matrix
 from humanoid_bt.core.messages import Array, Percept, State
 from humanoid_bt.core.units import readable

@@ -20,6 +20,7 @@ from humanoid_bt.review.joint import joint_explained
 from humanoid_bt.review.life import life_explained
 from humanoid_bt.review.moment import moment_explained
 from humanoid_bt.review.scene import body_row, command_in_force, hand_row, joint_loads, joint_text, sight_rows
+from humanoid_bt.review.staged import staged_before, staged_rows
 from humanoid_bt.review.success import near_trouble
 from humanoid_bt.review.words import cut, line_of, when
 
@@ -60,13 +61,14 @@ def explain(
 
 def _explained(history: History, cause: Cause) -> Explanation:
     """Return a cause with what shows it, what led to it, and what would help."""
+    cause = replace(cause, headline=cause.headline + staged_before(history, cause.time))
     if cause.kind == "success":
         return Explanation(
             relative(history.log.path),
             cause.kind,
             cause.headline,
             cause.time,
-            rows=list(unrepeated(near_trouble(history))),
+            rows=list(unrepeated([*staged_rows(history), *near_trouble(history)])),
             data=_data(history, cause),
         )
     begin = (cause.time if cause.began is None else min(cause.began, cause.time)) - _BEFORE
@@ -92,6 +94,7 @@ def _explained(history: History, cause: Cause) -> Explanation:
 
 def _rows(history: History, cause: Cause) -> Iterator[Row]:
     yield "run", _run(history)
+    yield from unrepeated(staged_rows(history))
     if cause.node:
         yield "node", f"{cause.node}  {line_of(history.place(cause.node, cause.time))}"
     yield from unrepeated(cause.rows)

@@ -9,6 +9,7 @@ from humanoid_bt.core.units import readable
 from humanoid_bt.review.body import Motion
 from humanoid_bt.review.cause import Cause, Row
 from humanoid_bt.review.history import AT, Change, History
+from humanoid_bt.review.staged import PREFIX
 from humanoid_bt.review.words import cut, doing, last, line_of, when
 
 _FLAPS = 4  # changes of a condition that are more than a change of mind
@@ -134,7 +135,8 @@ def without_result(history: History, time: float, outcome: str, reason: str) -> 
 
 def warned(history: History) -> list[Row]:
     """Return the first warnings of a run that tell of more than how it ended."""
-    found = [event for event in history.events if event.level != "info" and not event.text.startswith("the tree ended")]
+    told = ("the tree ended", PREFIX)
+    found = [event for event in history.events if event.level != "info" and not event.text.startswith(told)]
     return [("warned", f"{when(event.time)} {cut(event.text)}") for event in found[:_WARNINGS]]
 
 

@@ -15,6 +15,7 @@ from humanoid_bt.core.errors import UserError, relative
 from humanoid_bt.core.plain import plain
 from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.record.reading import FlightLog, read_flight
+from humanoid_bt.review import staged
 from humanoid_bt.review.compare_run import Parting
 from humanoid_bt.review.decision_replay import decide_again
 from humanoid_bt.review.recorded_files import RecordedFiles, lay_out
@@ -105,11 +106,13 @@ def replay(
         workspace: where they are looked up then; else the one that the run was started in.
 
     Raises:
-        UserError: the recording cannot be read, or what it was made of is not there; the tree has mistakes.
+        UserError: the recording cannot be read, or what it was made of is not there; the tree has mistakes; a test
+            did to the run what a replay cannot.
         NodeError: a skill raised an exception in ``setup``.
     """
     log = read_flight(recording)
     run = recorded_run(log)
+    _refuse_staged(log)
     with tempfile.TemporaryDirectory(prefix="humanoid-bt-replay-") as folder:
         now = tree is not None or files == "current"
         found = _current(log, workspace) if now else lay_out(log.setup, Path(folder))
@@ -137,6 +140,18 @@ def replay(
         recorded_reason=run.reason,
         notes=[*done.notes, *damaged],
     )
+
+
+def _refuse_staged(log: FlightLog) -> None:
+    """Refuse a run to which a test did something: no replay can do it, and without it another run comes of it.
+
+    Raises:
+        UserError: it is one.
+    """
+    if lines := staged.told(log.setup):
+        did = "; ".join(lines[:3]) + ("; ..." if len(lines) > 3 else "")
+        message = f"{relative(log.path)!r} is of a test that staged what happened, which a replay cannot do: {did}"
+        raise UserError(message, hint="run the test again: with the same seed it does the same, to the bit")
 
 
 def _current(log: FlightLog, workspace: str | PathLike[str] | Workspace | None) -> RecordedFiles:

@@ -71,6 +71,7 @@ class Drive:
         workspace: Workspace,
         listener: Listener,
         recorder: RunRecorder | None = None,
+        *,
         engine: Engine | None = None,
         looks: bool = True,
     ) -> None:

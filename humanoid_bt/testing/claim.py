@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import operator
 from collections.abc import Callable, Collection, Iterator, Mapping
+from dataclasses import replace
 from typing import Any, cast
 
 from humanoid_bt.core.errors import nearest
@@ -73,7 +74,6 @@ class RunNames(NamesOf):
     def known(self) -> Iterator[str]:
         """The names of words, results, parameters and keys."""
         yield from WORDS
-        yield from OUTCOMES
         yield from self.course.results
         yield from super().known
 
@@ -83,8 +83,6 @@ class RunNames(NamesOf):
             return word.type, lambda: word.of(self.course)
         if (known := super().value(name)) is not None:
             return known
-        if name in OUTCOMES:
-            return TEXT, lambda: name
         return self.result(name, self.course.lives(self.course.reporting(name)))
 
     def result(self, name: str, lives: list[Life]) -> tuple[Type, Callable[[], Any]] | None:
@@ -145,11 +143,14 @@ class _RunLinker(Linker):
         return TRUTH, lambda robot: str(part(robot)) in str(whole(robot))
 
     def _comparison(self, syntax: grammar.Comparison) -> tuple[Type, Evaluate]:
-        for one, other in ((syntax.left, syntax.right), (syntax.right, syntax.left)):
-            asked = isinstance(one, grammar.Name) and one.name == "outcome"
-            if asked and isinstance(other, grammar.Literal) and other.value not in OUTCOMES:
-                raise self.mistake(f"no run ends with {other.value!r}", nearest(str(other.value), OUTCOMES))
-        return super()._comparison(syntax)
+        named = _outcome_named(syntax)
+        if named is None:
+            return super()._comparison(syntax)
+        name = named.name if isinstance(named, grammar.Name) else named.value
+        if name not in OUTCOMES:
+            self._at = named.at if isinstance(named, grammar.Name) else self._at
+            raise self.mistake(f"no run ends with {name!r}", nearest(str(name), OUTCOMES))
+        return super()._comparison(replace(syntax, left=grammar.Name("outcome"), right=grammar.Literal(name)))
 
     def _lives(self, name: str) -> list[Life]:
         """Return what the nodes of a name do.
@@ -212,7 +213,7 @@ class Claim(Truth):
         """Return everything that it asks and the value that this has now, as people read it."""
         assert self._names is not None, "a claim is linked before it is asked"
         asked = {_shown(part): part for part in _asked(self.syntax)}
-        return {shown: self._now(part, robot) for shown, part in asked.items() if shown not in OUTCOMES}
+        return {shown: self._now(part, robot) for shown, part in asked.items()}
 
     def _now(self, syntax: Syntax, robot: Robot) -> str:
         """Return what a part of it has for a value now."""
@@ -228,6 +229,14 @@ class Claim(Truth):
             return f"no value: {error}"
         except (KeyNotSet, NoValue):
             return "no value yet"
+
+
+def _outcome_named(syntax: grammar.Comparison) -> grammar.Name | grammar.Literal | None:
+    """Return what the outcome is compared with, if that is a name of one: ``outcome == success``."""
+    for one, other in ((syntax.left, syntax.right), (syntax.right, syntax.left)):
+        if one == grammar.Name("outcome") and isinstance(other, (grammar.Name, grammar.Literal)):
+            return other
+    return None
 
 
 def _asked(syntax: Syntax | None) -> Iterator[Syntax]:
@@ -246,7 +255,7 @@ def _asked(syntax: Syntax | None) -> Iterator[Syntax]:
             yield from _asked(left)
             yield from _asked(right)
         case grammar.Comparison(_, left, right, hysteresis):
-            for part in (left, right, hysteresis):
+            for part in (grammar.Name("outcome"),) if _outcome_named(syntax) else (left, right, hysteresis):
                 yield from _asked(part)
 
 

@@ -30,7 +30,6 @@ from humanoid_bt.core.messages import (
     PostureTarget,
     Side,
     State,
-    frozen,
 )
 from humanoid_bt.link.wire import Event
 from humanoid_bt.perception.source import PerceptSource
@@ -128,7 +127,7 @@ class Dry:
             source = self._resets.popleft()
             self.inputs.append(Input(now, "reset", source))
             self.notices.append(Event(now, "warning", reset_text(source, self.supervisor.reset())))
-        state = frozen(self._body.state(now, self.clock.cycle, self.supervisor))
+        state = self._body.state(now, self.clock.cycle, self.supervisor)
         if self.clock.due(_LOOK):
             for percept in self.perception.observe(state):
                 self._percepts[percept.name] = percept
@@ -163,12 +162,13 @@ class _Body:
         dynamics.update(measured)
         self._hands: tuple[Side, ...] = tuple(dynamics.hands)
         self._feet = {side: dynamics.foot_pose(side) for side in SIDES}
-        points = [dynamics.com, dynamics.gaze_position, *(dynamics.hands[side] for side in self._hands)]
+        hands = (dynamics.hands[side] for side in self._hands)
+        points = [dynamics.com, dynamics.gaze_position, dynamics.base_position, *hands]
         self._points = np.array(points)
         self._forward = dynamics.gaze_direction
         self._pose = measured.qpos[:BASE_COORDINATES].copy()
-        self._joints = measured.qpos[BASE_COORDINATES:].copy()
-        self._zeros, self._nothing = np.zeros(len(self._joints)), np.zeros(3)
+        self._joints = _kept(measured.qpos[BASE_COORDINATES:].copy())
+        self._zeros, self._nothing = _kept(np.zeros(len(self._joints))), _kept(np.zeros(3))
         self._weight = robot.mass * _GRAVITY / len(SIDES)
         self.stand_at(np.zeros(2), 0.0)
 
@@ -178,10 +178,10 @@ class _Body:
         cos, sin = math.cos(heading), math.sin(heading)
         turn = np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]])
         ground = np.array([x, y, 0.0])
-        self._stance = np.array([x, y, heading])
+        self._stance = _kept(np.array([x, y, heading]))
         self._placed = self._points @ turn.T + ground
-        self._ahead = turn @ self._forward
-        self._base = pose_product(planar_pose(x, y, 0.0, heading), self._pose)
+        self._ahead = _kept(turn @ self._forward)
+        self._base = _kept(pose_product(planar_pose(x, y, 0.0, heading), self._pose))
         self._stood: dict[Side, FootPose] = {}
         for side, foot in self._feet.items():
             x, y, _ = (turn @ (foot.x, foot.y, foot.z) + ground).tolist()
@@ -211,11 +211,11 @@ class _Body:
         if isinstance(gaze, GazeTarget):
             offset = gaze.point - (self._placed[1] + self._up)
             distance = math.sqrt(offset @ offset)
-            self._looks = offset / distance if distance > 0 else self._ahead
+            self._looks = _kept(offset / distance) if distance > 0 else self._ahead
 
     def state(self, time: float, cycle: int, supervisor: Supervisor) -> State:
         """Return the robot's state."""
-        com, gaze, *hands = self._placed + self._up
+        com, gaze, base, *hands = _kept(self._placed + self._up)
         placed = dict(zip(self._hands, hands, strict=True)) | self._held
         command = supervisor.command
         return State(
@@ -226,7 +226,7 @@ class _Body:
             joint_torques=self._zeros,
             setpoint_positions=self._joints,
             setpoint_velocities=self._zeros,
-            base_position=self._base[:3] + self._up,
+            base_position=base,
             base_quaternion=self._base[3:],
             base_linear_velocity=self._nothing,
             base_angular_velocity=self._nothing,
@@ -250,3 +250,9 @@ class _Body:
             hand_errors=dict.fromkeys(self._held, 0.0),
             limit_flags=(),
         )
+
+
+def _kept(values: Array) -> Array:
+    """Return an array after nobody can write into it any more, as those of any state."""
+    values.setflags(write=False)
+    return values

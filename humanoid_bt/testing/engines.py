@@ -27,11 +27,14 @@ class Ready(NamedTuple):
         engine: it.
         set_strength: lets drives give a part of their torque, shape (nj,); None where there are none.
         bodies: those that can be pushed.
+        robot, scene: the files.
     """
 
     engine: Engine
     set_strength: Callable[[Array], None] | None
     bodies: list[str]
+    robot: Path
+    scene: Path
 
 
 class Engines:
@@ -84,7 +87,7 @@ class Engines:
     def _made(self, robot_file: Path, scene: Scene, perception: SimulatedPerception) -> Ready:
         robot, start = load_robot(robot_file)
         if self._dry:
-            return Ready(Dry(robot, start, scene, perception), None, [])
+            return Ready(Dry(robot, start, scene, perception), None, [], robot_file, scene.config.path)
         engine = Lockstep(robot, start, scene, perception)
         bodies = [engine.model.body(number).name for number in range(1, engine.model.nbody)]
-        return Ready(engine, engine.plant.set_strength, bodies)
+        return Ready(engine, engine.plant.set_strength, bodies, robot_file, scene.config.path)

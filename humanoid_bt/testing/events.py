@@ -6,12 +6,13 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from humanoid_bt.core.errors import Place, Problem, UserError, nearest
+from humanoid_bt.core.errors import Place, Problem, UserError
 from humanoid_bt.core.items import Item, item_of
 from humanoid_bt.core.params import param, written
 from humanoid_bt.core.plain import plain
 from humanoid_bt.core.reading import read
-from humanoid_bt.session.breakpoints import NamesOf
+from humanoid_bt.testing.claim import Claim, RunNames
+from humanoid_bt.testing.course import Course
 from humanoid_bt.testing.fault import Fault, Known
 from humanoid_bt.testing.faults import (
     Delay,
@@ -26,7 +27,6 @@ from humanoid_bt.testing.faults import (
     Silence,
     Weaken,
 )
-from humanoid_bt.tree.expressions.expression import Truth
 
 _MOMENTS = ("at", "when")
 
@@ -40,7 +40,7 @@ class Event:
     """
 
     at: float | None = param(None, minimum=0, unit="s", doc="When, on the engine's clock.")
-    when: Truth | None = param(None, doc="When this has become true.")
+    when: Claim | None = param(None, doc="When this has become true.")
     push: Push | None = param(None, doc="Push the robot.")
     estop: EStop | None = param(None, doc="Raise the emergency stop.")
     reset: Reset | None = param(None, doc="Ask for the reset of a latched stop.")
@@ -57,7 +57,7 @@ class Event:
     @classmethod
     def from_item(cls, item: Item, _name: str = "") -> Event:
         """Read an event from a YAML mapping; raises UserError with everything that is wrong with it."""
-        event: Event = read(cls, item, "the event")
+        event: Event = read(cls, _filled(item), "the event")
         return replace(event, place=item.place)
 
     @staticmethod
@@ -100,6 +100,15 @@ class Event:
         return faults[0]
 
 
+def _filled(item: Item) -> Item:
+    """Return an event's mapping with ``estop:`` for ``estop: {}``, and without a moment that is none."""
+    if not isinstance(item.value, dict):
+        return item
+    given = {key: part for key, part in item.value.items() if part.value is not None or key not in _MOMENTS}
+    empty = {key: Item({}, part.place) for key, part in given.items() if part.value is None and key in FAULTS}
+    return Item({**given, **empty}, item.place, item.key_places)
+
+
 _FIELDS = tuple(name for name in Event.__dataclass_fields__ if name not in (*_MOMENTS, "place"))
 FAULTS = tuple(map(written, _FIELDS))
 """What an event can be."""
@@ -138,10 +147,13 @@ def mistakes(events: Sequence[Event], known: Known) -> Iterator[Problem]:
             yield replace(problem, place=event.place)
         if event.when is not None:
             try:
-                event.when.link(NamesOf(known.tree))
+                event.when.link(RunNames(Course(known.tree), known.percepts))
             except UserError as error:
-                yield from (replace(problem, place=event.place) for problem in error.problems)
-            for name in event.when.percepts:
-                if name not in known.percepts:
-                    message = f"in {event.when.text!r}: the scene publishes no percept {name!r}"
-                    yield Problem(message, event.place, nearest(name, known.percepts), "unknown-percept")
+                yield from error.problems if event.place is None else _placed(error, event.place)
+
+
+def _placed(error: UserError, place: Place) -> Iterator[Problem]:
+    """Yield the problems of a moment, where they are in its file, or with the event."""
+    for problem in error.problems:
+        known = problem.place is not None and problem.place.file == place.file
+        yield problem if known else replace(problem, place=place)

@@ -233,6 +233,7 @@ class Order(Expectation):
         super().__init__(text, place)
         self._steps = steps
         self._came: list[float] = []
+        self._looked = False
 
     @property
     def claims(self) -> Sequence[Claim]:
@@ -242,7 +243,7 @@ class Order(Expectation):
     def begin(self, names: RunNames) -> None:
         """Begin with a run."""
         super().begin(names)
-        self._came = []
+        self._came, self._looked = [], False
         for step in self._steps:
             step.begin(names)
 
@@ -254,7 +255,11 @@ class Order(Expectation):
             now.remove(text)
             self._came.append(course.time)
         done, waiting = self._steps[: len(self._came)], self._steps[len(self._came) :]
-        early = [step.text for step in waiting if step.text in now and step.text not in {one.text for one in done}]
+        passed = {step.text for step in done}
+        if not self._looked:  # what is true from the beginning on has not become so
+            passed |= {text for text, step in looked.items() if step.is_claim}
+        self._looked = True
+        early = [step.text for step in waiting if step.text in now and step.text not in passed]
         if early:
             self._break(course, f"{early[0]!r} came before {waiting[0].text!r}")
 
@@ -266,5 +271,7 @@ class Order(Expectation):
 
     def _break(self, course: Course, why: str) -> None:
         came = [f"came at {time:.2f} s" for time in self._came] + ["did not come"] * len(self._steps)
-        values = {step.text: text for step, text in zip(self._steps, came, strict=False)}
-        self.broken = Broken(course.time, why, values)
+        names = [step.text for step in self._steps]
+        again = {index: names[:index].count(name) + 1 for index, name in enumerate(names)}
+        shown = [f"{name} #{again[index]}" if again[index] > 1 else name for index, name in enumerate(names)]
+        self.broken = Broken(course.time, why, dict(zip(shown, came, strict=False)))

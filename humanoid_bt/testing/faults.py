@@ -18,6 +18,8 @@ from humanoid_bt.core.params import param
 from humanoid_bt.session.setting import assign_value
 from humanoid_bt.testing.fault import Acting, Fault, Known
 
+__all__ = ["Delay", "EStop", "Lose", "Noise", "Push", "Raise", "Reset", "See", "Set", "Silence", "Weaken"]
+
 _FOR_GOOD = "; for good if not given."
 
 
@@ -157,6 +159,8 @@ class See(_Sensory):
 @dataclass(frozen=True, kw_only=True)
 class Noise(_Sensory):
     """Let a percept be seen worse than it is."""
+
+    main: ClassVar[str] = ""
 
     percept: str = param("", doc="The percept; all of them if not given.")
     sigma: float = param(0.0, minimum=0, unit="m", doc="Standard deviation of what is added to each coordinate.")

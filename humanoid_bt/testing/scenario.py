@@ -72,12 +72,6 @@ class Scenario:
             if isinstance(one, Within) and one.limit > duration:
                 message = f"a run ends after {duration:g} s, before {one.limit:g} s are over"
                 yield Problem(message, one.place, f"duration: {one.limit:g} s", "out-of-range")
-        script = item.value["script"].value if values.get("dry") and values.get("script") else ()
-        for event, place in zip(values.get("script", ()), script, strict=False):
-            if event.fault.physical:
-                name = next(key for key in place.value if key not in ("at", "when"))
-                message = f"{name!r} needs physics, and this scenario is dry"
-                yield Problem(message, place.place, "remove dry: true", "exclusive-keys")
 
     @property
     def name(self) -> str:
@@ -102,4 +96,12 @@ def load_scenario(path: Path) -> Scenario:
     """
     item = document.load(path)
     scenario: Scenario = read(Scenario, item, "the scenario")
-    return dataclasses.replace(scenario, path=path, item=item)
+    beside = {name: _beside(path, stand_in) for name, stand_in in scenario.replace.items()}
+    return dataclasses.replace(scenario, replace=beside, path=path, item=item)
+
+
+def _beside(path: Path, stand_in: Replacement) -> Replacement:
+    """Return a stand-in whose recording is looked for beside the scenario's file."""
+    if stand_in.recorded is None:
+        return stand_in
+    return dataclasses.replace(stand_in, recorded=path.parent / stand_in.recorded)

@@ -3,14 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 from humanoid_bt.core.errors import Problem, UserError, nearest
 from humanoid_bt.files.workspace import Workspace
-from humanoid_bt.plant.scene_config import load_scene
-from humanoid_bt.session.loader import DEFAULT_SCENE
+from humanoid_bt.plant.scene_config import SceneConfig, load_scene
+from humanoid_bt.robot.config import load_robot_config
+from humanoid_bt.robot.model import RobotModel
+from humanoid_bt.session.loader import DEFAULT_ROBOT, DEFAULT_SCENE
 from humanoid_bt.testing.course import Course
+from humanoid_bt.testing.events import mistakes
+from humanoid_bt.testing.fault import Known
 from humanoid_bt.testing.scenario import Scenario, load_scenario
+from humanoid_bt.testing.substitution import substituted
+from humanoid_bt.tree.source.build import remade
 from humanoid_bt.tree.source.load import load_tree
 from humanoid_bt.tree.tree import Tree
 
@@ -55,27 +62,44 @@ def _misfits(scenario: Scenario, workspace: Workspace) -> Iterator[Problem]:
     except UserError as error:
         yield from (problem for problem in error.problems if problem.severity == "error")
         return
-    if not tree.complete:
+    if tree.draft is None or not tree.complete:
         hint = "a tree that has it as a sub-tree"
         yield Problem(f"the tree {tree.name!r} does not run alone", scenario.place("tree"), hint, "unknown-tree")
         return
-    course = Course(tree)
-    for node in scenario.replace:
-        if not course.nodes(node):
-            message = f"the tree {tree.name!r} has no node {node!r}"
-            place = scenario.item.value["replace"].key_places[node]
-            yield Problem(message, place, nearest(node, course.node_names), "unknown-node")
+    if unknown := list(_unknown_nodes(scenario, tree)):
+        yield from unknown
+        return
     try:
-        scenario.expect.check(tree, _percepts(scenario, tree, workspace))
+        scene = load_scene(workspace.find_scene(scenario.scene or tree.scene or DEFAULT_SCENE))
+        robot = RobotModel(load_robot_config(workspace.find_robot(scenario.robot or tree.robot or DEFAULT_ROBOT)))
+        run = remade(tree, substituted(tree, tree.draft, scenario.replace))
+    except UserError as error:
+        yield from (replace(problem, place=problem.place or scenario.place("tree")) for problem in error.problems)
+        return
+    for name in scenario.conditions.changed if scenario.dry else ():
+        if name in scenario.conditions.of_body:
+            message = f"the condition {name!r} needs a body, and a dry run simulates none"
+            yield Problem(message, scenario.place("conditions", name), "leave it out, or dry", "exclusive-keys")
+    known = _known(scenario, run, scene, robot)
+    yield from mistakes(scenario.script, known)
+    try:
+        scenario.expect.check(run, known.percepts)
     except UserError as error:
         yield from error.problems
 
 
-def _percepts(scenario: Scenario, tree: Tree, workspace: Workspace) -> set[str]:
-    """Return the percepts that there may be: those of the scene, and those that the script dictates.
+def _unknown_nodes(scenario: Scenario, tree: Tree) -> Iterator[Problem]:
+    """Return what is to be replaced and is not in the tree."""
+    course = Course(tree)
+    for node in scenario.replace:
+        if not course.nodes(node):
+            place = scenario.item.value["replace"].key_places[node]
+            message = f"the tree {tree.name!r} has no node {node!r}"
+            yield Problem(message, place, nearest(node, course.node_names), "unknown-node")
 
-    Raises:
-        UserError: the scene has mistakes.
-    """
-    scene = load_scene(workspace.find_scene(scenario.scene or tree.scene or DEFAULT_SCENE))
-    return {*scene.percepts, *(event.see.percept for event in scenario.script if event.see)}
+
+def _known(scenario: Scenario, tree: Tree, scene: SceneConfig, robot: RobotModel) -> Known:
+    """Return what names in a scenario can mean."""
+    percepts = {*scene.percepts, *(event.see.percept for event in scenario.script if event.see)}
+    bodies = [robot.model.body(number).name for number in range(1, robot.model.nbody)]
+    return Known(tree, robot.config.torso, robot.joint_names, bodies, percepts, scenario.dry)

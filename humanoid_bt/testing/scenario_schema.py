@@ -10,7 +10,7 @@ from typing import Any
 from humanoid_bt.core.params import Param, params_of
 from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.testing.expectations import Expectations
-from humanoid_bt.testing.faults import Fault
+from humanoid_bt.testing.fault import Fault
 from humanoid_bt.testing.scenario import Scenario, Values
 from humanoid_bt.testing.seeds import Seeds
 from humanoid_bt.testing.substitution import Answer, Answered, Replacement

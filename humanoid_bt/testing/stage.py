@@ -27,6 +27,7 @@ from humanoid_bt.testing.staged import Staged
 from humanoid_bt.testing.staging import Staging
 from humanoid_bt.testing.substitution import Replacement, substituted
 from humanoid_bt.testing.tree_run import Sample, TreeRun, View, Watcher
+from humanoid_bt.tree.draft import Draft
 from humanoid_bt.tree.source.build import remade
 from humanoid_bt.tree.ticking.executor import NodeChange
 from humanoid_bt.tree.tree import Tree
@@ -60,6 +61,7 @@ class Stage:
         self._scene = None if scene is None else str(scene)
         self._engines = Engines(self.workspace, self._robot, self._scene, dry)
         self._trees: dict[tuple[str, str], Tree] = {}
+        self._stood_in: tuple[Tree, Mapping[str, Replacement], Draft] | None = None
 
     def run(
         self,
@@ -108,13 +110,13 @@ class Stage:
             ready = self._engines.ready(loaded, seed, staging.conditions)
             engine = Staged(ready.engine, staging.script, seed, ready.set_strength)
             if staging.script:
-                _check(staging, _remade(loaded, staging), ready)
+                _check(staging, self._remade(loaded, staging), ready)
                 for key, initial in initials:  # trying what is set has changed them
                     key.initial = initial
             options = RunOptions(
-                tree=_remade(loaded, staging),
-                robot=self._robot,
-                scene=self._scene,
+                tree=self._remade(loaded, staging),
+                robot=str(ready.robot),
+                scene=str(ready.scene),
                 parameters=parameters or {},
                 seed=seed,
                 on_estop=on_estop or ("wait" if any(event.reset for event in staging.script) else "end"),
@@ -143,19 +145,22 @@ class Stage:
             self._trees[key] = load_checked(path, self.workspace, parameters, robot=self._robot, scene=self._scene)
         return self._trees[key]
 
+    def _remade(self, tree: Tree, staging: Staging) -> Tree:
+        """Return a tree with nodes of its own, and stand-ins where they are wanted.
 
-def _remade(tree: Tree, staging: Staging) -> Tree:
-    """Return a tree with nodes of its own, and stand-ins where they are wanted.
-
-    Raises:
-        UserError: nodes cannot be replaced so.
-    """
-    if tree.draft is not None and tree.complete:
-        return remade(tree, substituted(tree, tree.draft, staging.replace) if staging.replace else tree.draft)
-    if staging.replace:
-        hint = "write it to a file, with its to_yaml(), and run that"
-        raise UserError(f"nodes of {tree.name!r}, which was made in Python, cannot be replaced", hint=hint)
-    return tree  # it says itself that it runs once
+        Raises:
+            UserError: nodes cannot be replaced so.
+        """
+        if tree.draft is None or not tree.complete:
+            if staging.replace:
+                hint = "write it to a file, with its to_yaml(), and run that"
+                raise UserError(f"nodes of {tree.name!r}, which was made in Python, cannot be replaced", hint=hint)
+            return tree  # it says itself that it runs once
+        if not staging.replace:
+            return remade(tree, tree.draft)
+        if self._stood_in is None or self._stood_in[0] is not tree or self._stood_in[1] != staging.replace:
+            self._stood_in = tree, staging.replace, substituted(tree, tree.draft, staging.replace)
+        return remade(tree, self._stood_in[2])
 
 
 def _known(tree: Tree, staging: Staging, ready: Ready) -> Known:
@@ -185,6 +190,7 @@ def _run(drive: Drive, engine: Staged, listener: _Changes, watchers: Sequence[Wa
             if (sample := _sample(drive, engine, listener)) is not None:
                 samples.append(sample)
                 view.move_on(sample)
+                engine.look(view)
                 for watcher in watchers:
                     watcher.tick(view)
     except BaseException as error:
@@ -204,7 +210,7 @@ def _sample(drive: Drive, engine: Staged, listener: _Changes) -> Sample | None:
     state, command, changes = drive.loop.state, drive.loop.command, listener.take()
     if state is None:
         return None
-    results = {change.path: {name: value for name, value, _ in change.results} for change in changes}
+    results = {change.path: {name: value for name, value, _ in change.results} for change in changes if change.results}
     for path, skill in drive.runner.reporting:
         if skill.status is Status.RUNNING:
             results[path] = dict(results_of(skill))

@@ -15,8 +15,9 @@ from humanoid_bt.core.messages import Array, Command, Percept, State
 from humanoid_bt.decision.robot import Robot
 from humanoid_bt.link.wire import Event as Notice
 from humanoid_bt.plant.scene import random_stream
-from humanoid_bt.session.breakpoints import holds
 from humanoid_bt.session.engine import Engine
+from humanoid_bt.testing.claim import RunNames
+from humanoid_bt.testing.course import Course, View
 from humanoid_bt.testing.events import Event
 from humanoid_bt.testing.fault import Fault, Known
 from humanoid_bt.tree.ticking.tick import Branch
@@ -56,6 +57,8 @@ class Staged:
     ) -> None:
         self.engine = engine
         self.known: Known
+        self._course: Course
+        self._looks = False  # whether moments are asked of the course
         self._robot: Robot
         self.percepts: Mapping[str, Percept] = {}
         self._waiting = [(event, random_stream(seed, "fault", str(number))) for number, event in enumerate(script)]
@@ -78,8 +81,18 @@ class Staged:
             lines: what holds from the beginning, for people.
         """
         self.known, self._robot = known, robot
+        self._course = Course(known.tree, self.engine.supervisor.stops)
+        moments = [event.when for event, _ in self._waiting if event.when is not None]
+        for moment in moments:
+            moment.link(RunNames(self._course, known.percepts))
+        self._looks = bool(moments)
         for line in lines:
             self.tell(line)
+
+    def look(self, view: View) -> None:
+        """Look at what a tick has brought: moments of the script are asked of it."""
+        if self._looks:
+            self._course.tick(view)
 
     def tell(self, text: str) -> None:
         """Note for people, and for the recording, what was staged."""
@@ -163,7 +176,10 @@ class Staged:
         if event.at is not None:
             return event.at <= now + _AT
         assert event.when is not None
-        return now > 0.0 and holds(event.when, self._robot)
+        try:
+            return now > 0.0 and bool(event.when.holds(self._robot))
+        except (TypeError, ArithmeticError):  # what cannot be computed is not true
+            return False
 
     def _weaken(self) -> None:
         joints = self.known.joints

@@ -25,8 +25,10 @@ class Step:
     """
 
     def __init__(self, text: str, place: Place, text_at: int | None) -> None:
-        self.text, self._place = text, within(place, text_at, 0)
-        self._claim = None if self._is_name else Claim.parse(text, place, text_at)
+        quoted = len(text) > 2 and text[0] == text[-1] and text[0] in "'\"" and text.count(text[0]) == 2
+        self.text = text[1:-1] if quoted else text
+        self._place, self._text_at = place, text_at
+        self._claim: Claim | None = None if self._is_name else self._parsed
         self._lives: list[Life] = []
         self._held = False
 
@@ -35,23 +37,32 @@ class Step:
         words = re.findall(r"\w+", self.text)
         return bool(_NAME.fullmatch(self.text)) and not {"and", "or", "not", *VERBS}.intersection(words)
 
+    @property
+    def is_claim(self) -> bool:
+        """Whether it is a claim, and no node."""
+        return self._claim is not None
+
+    @property
+    def _parsed(self) -> Claim:
+        return Claim.parse(self.text, self._place, self._text_at)
+
     def begin(self, names: RunNames) -> None:
         """Begin with a run.
 
         Raises:
             UserError: there is no such node, or a name of the claim means nothing.
         """
-        self._held, self._lives = False, []
-        if self._claim is not None:
-            self._claim.link(names)
-            self._claim.forget()
-            return
         course = names.course
-        found = course.nodes(self.text)
-        if not found:
-            message = f"the tree {course.tree.name!r} has no node {self.text!r}"
-            raise UserError(message, self._place, nearest(self.text, course.node_names), CODE)
-        self._lives = course.lives(found)
+        found = course.nodes(self.text) if self._is_name else []
+        self._held, self._lives = False, course.lives(found)
+        if found:
+            self._claim = None
+            return
+        if self._is_name and names.value(self.text) is None:
+            message, place = f"the tree {course.tree.name!r} has no node {self.text!r}", self._place
+            raise UserError(message, within(place, self._text_at, 0), nearest(self.text, course.node_names), CODE)
+        self._claim = self._parsed
+        self._claim.link(names)
 
     def comes(self, course: Course) -> bool:
         """Return whether it comes in this tick.

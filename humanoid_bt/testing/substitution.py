@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, ClassVar, Literal, Self
@@ -16,8 +16,6 @@ from humanoid_bt.core.params import Param, param
 from humanoid_bt.core.reading import convert, read
 from humanoid_bt.decision.result import Result, ResultValue, declared_results
 from humanoid_bt.decision.robot import Robot
-from humanoid_bt.record.reading import read_flight
-from humanoid_bt.review.happened import Happened
 from humanoid_bt.tree.draft import Draft
 from humanoid_bt.tree.source.build import paths
 from humanoid_bt.tree.tree import Tree
@@ -187,7 +185,9 @@ def _with_stand_ins(draft: Draft, at: Mapping[int, str], found: Mapping[str, Rep
 def _stand_in(draft: Draft, path: str, replacement: Replacement) -> Draft:
     answers = replacement.answers
     if replacement.recorded is not None:
-        answers = tuple(_recorded(replacement.recorded, path))
+        from humanoid_bt.testing.recorded import recorded  # noqa: PLC0415 (what reads recordings takes a while to import)
+
+        answers = tuple(Answer(**answer) for answer in recorded(replacement.recorded, path))
     declared = declared_results(draft.type.cls)
     place = replacement.place or Place(f"replace {path}")
     cls = type("StandIn", (StandIn,), {"answers": tuple(_in_si(answer, declared, place) for answer in answers)})
@@ -202,40 +202,11 @@ def _in_si(answer: Answer, declared: Mapping[str, Result], place: Place) -> Answ
     if unknown := [name for name in answer.results if name not in declared]:
         hint = nearest(unknown[0], declared) or "it reports nothing"
         raise UserError(f"the skill reports no {unknown[0]!r}", place, hint, "unknown-key")
+    words = {"true": True, "false": False}  # as a recording has them
+    given = {
+        name: words.get(value, value) if declared[name].type is bool and isinstance(value, str) else value
+        for name, value in answer.results.items()
+    }
     specs = {name: Param(name, declared[name].type, unit=declared[name].unit) for name in answer.results}
-    results = {name: convert(spec, item_of(answer.results[name], place)) for name, spec in specs.items()}
+    results = {name: convert(spec, item_of(given[name], place)) for name, spec in specs.items()}
     return replace(answer, results=results)
-
-
-def _recorded(file: Path, path: str) -> Iterator[Answer]:
-    """Yield what a node did in a recording each time it was started.
-
-    Raises:
-        UserError: it is no recording, or the node never ran in it.
-    """
-    log = read_flight(file)
-    happened = Happened(log)
-    changes = [change for change in happened.nodes if change["node"] == path]
-    if not changes:
-        ran = {change["node"] for change in happened.nodes}
-        raise UserError(f"{path!r} does not run in the recording {str(file)!r}", hint=nearest(path, ran))
-    reported: dict[float, dict[str, Any]] = {}
-    for row in happened.results:
-        if row["node"] == path:
-            value = row["value"] if row["text"] is None else row["text"]
-            reported.setdefault(row["time"], {})[row["result"]] = value
-    began: float | None = None
-    for change in changes:
-        time, status = change["time"], change["status"]
-        if status == "RUNNING":
-            began = time
-        elif status in ("SUCCESS", "FAILURE"):
-            after = 0.0 if began is None else time - began
-            results = reported.get(time, {})
-            yield Answer(status=status.lower(), after=after, feedback=change["text"], results=results)
-            began = None
-        elif began is not None:
-            yield Answer(status="running", feedback="halted here when it was recorded")
-            began = None
-    if began is not None:
-        yield Answer(status="running", feedback="ran on when it was recorded")

@@ -96,5 +96,5 @@ def test_findings_come_file_by_file_in_the_order_of_lines(folder: Path) -> None:
 
 def test_a_finding_without_a_place_is_one_of_the_file(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = write("trees/a.yaml", SOUND)
-    monkeypatch.setattr("humanoid_bt.checking.check._load", lambda path, workspace: [Problem("odd")])
+    monkeypatch.setattr("humanoid_bt.checking.check._load", lambda path, workspace, kinds: [Problem("odd")])
     assert [str(problem.place) for problem in findings(path, Workspace(folder))] == ["trees/a.yaml"]

@@ -63,7 +63,7 @@ def test_takes_a_file_once(capsys: pytest.CaptureFixture[str]) -> None:
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["nothing.yaml"], "no file and no tree, scene or robot named 'nothing.yaml'"),
+        (["nothing.yaml"], "no file and no tree, scene, robot, scenario or campaign named 'nothing.yaml'"),
         (["ugli"], "did you mean 'ugly'?"),
         (["fetch"], "'fetch' is built in; fmt changes only files of the workspace"),
         (["empty_folder"], "nothing to format in 'empty_folder'"),

@@ -6,53 +6,188 @@ import pytest
 from py_trees.common import Status
 
 import humanoid_bt as hbt
-from humanoid_bt import Stage
+from humanoid_bt import Conditions, Stage, UserError, Workspace
+from humanoid_bt.testing.engines import Engines
 
-SHORT = {"duration": 1.0}
+SHORT = {"duration": 0.2}
 
 
 @pytest.fixture(scope="module")
-def stage() -> Stage:
-    return Stage()
+def near(tmp_path_factory):
+    """Return a scene in which the ball is so near that the robot need not walk."""
+    file = tmp_path_factory.mktemp("near") / "near.yaml"
+    scene = (Workspace().find_scene("ball_on_stand")).read_text()
+    file.write_text(scene.replace("[1.9, 0.5, 0.85]", "[0.42, -0.1, 0.9]"))
+    return str(file)
 
 
-def test_runs_a_tree_to_the_bit_as_the_command_line_does(stage):
+def test_runs_a_tree_to_the_bit_as_the_command_line_does(near):
+    alone, stage = hbt.run("fetch", scene=near, seed=3, **SHORT), Stage(scene=near)
+    assert alone.percepts
     for _ in range(2):
-        assert stage.run("fetch", **SHORT).trace == hbt.run("fetch", **SHORT).trace_hash
+        run = stage.run("fetch", seed=3, **SHORT)
+        assert run.trace == alone.trace_hash
+        assert run.report.timeline == alone.timeline
+        assert run.report.staged is None
 
 
 def test_things_placed_by_chance_stand_where_the_seed_says():
-    stage = Stage(scene="random_target")
+    stage, distances = Stage(scene="random_target"), []
     for seed in (1, 2, 1):
-        run = stage.run("fetch", seed=seed, duration=0.3)
-        assert run.trace == hbt.run("fetch", scene="random_target", seed=seed, duration=0.3).trace_hash
+        stage.run("stand", seed=seed, duration=0.1, watchers=[looker := Looker()])
+        seen = hbt.run("stand", scene="random_target", seed=seed, duration=0.1).percepts
+        assert looker.distances[-1] == seen.get("target", {}).get("distance")
+        distances.append(looker.distances[-1])
+    assert distances[0] == distances[2] is not None
+
+
+def test_the_stand_below_a_thing_stands_where_the_seed_says_too():
+    engines, tree = Engines(Workspace(), None, "random_target", dry=False), hbt.load("stand")
+    for seed in (1, 2):
+        engine = engines.ready(tree, seed, Conditions()).engine
+        expected = engine.scene.object_position("ball", 0.0)[:2]
+        assert engine.model.body("stand_ball").pos[:2] == pytest.approx(expected)
+    assert engine is engines.ready(tree, 2, Conditions(friction=0.5)).engine  # it is loaded once
+
+
+@pytest.mark.trials
+@pytest.mark.parametrize(("tree", "scene"), [("fetch", "random_target"), ("tour", "visitor")])
+def test_whole_runs_are_those_of_the_command_line(tree, scene):
+    stage = Stage(scene=scene)
+    for seed in (4, 5):
+        alone = hbt.run(tree, scene=scene, seed=seed, duration=15)
+        assert stage.run(tree, seed=seed, duration=15).trace == alone.trace_hash
 
 
 def test_what_one_run_leaves_the_next_does_not_find(stage):
     alone = stage.run("stand", **SHORT).trace
-    stage.run("fetch", seed=7, conditions={"friction": 0.5, "payload": "3 kg", "drives": 0.9}, **SHORT)
+    script = [
+        {"at": 0, "weaken": {"joints": ["*_shoulder_*"], "to": 0.1}},
+        {"at": 0.1, "push": {"force": [50, 0, 0]}},
+        {"at": 0.1, "delay": "60 ms"},
+    ]
+    stage.run("stand", script=script, conditions={"friction": 0.5, "payload": "3 kg", "drives": 0.9}, **SHORT)
+    assert stage.run("stand", **SHORT).trace == alone
+
+
+@pytest.mark.trials
+def test_a_robot_that_fell_stands_again_in_the_next_run(stage):
+    alone = stage.run("stand", **SHORT).trace
+    fallen = stage.run("stand", script=[{"at": 0, "weaken": {"joints": ["*"], "to": 0.1}}], duration=2)
+    assert fallen.fell
     assert stage.run("stand", **SHORT).trace == alone
 
 
 class Looker:
     def __init__(self):
-        self.times, self.statuses, self.distances, self.ended = [], [], [], None
+        self.times, self.statuses, self.distances, self.hands, self.ended = [], [], [], [], None
 
     def tick(self, view):
         self.times.append(view.time)
-        self.statuses.append(view.status("approach"))
+        self.statuses.append(dict(view.statuses))
         self.distances.append(view.tracks["target"].distance if "target" in view.tracks else None)
+        self.hands.append(view.sample.results)
 
     def end(self, run):
         self.ended = run
 
 
-def test_a_watcher_sees_every_tick_and_can_look_again_later(stage):
+def test_a_watcher_sees_every_tick_and_the_same_when_it_looks_later(dry):
     live, later = Looker(), Looker()
-    run = stage.run("fetch", watchers=[live], duration=0.5)
+    run = dry.run("fetch", watchers=[live])
     assert live.ended is run
-    assert len(live.times) == len(run.samples) == 26
-    assert live.statuses[-1] is Status.RUNNING
+    assert live.times == [state.time for state in run.states] == pytest.approx([0.02 * n for n in range(18)])
+    reach = next(path for path in live.statuses[0] if path.endswith("/reach"))
+    assert [statuses[reach] for statuses in live.statuses[::16]] == [Status.INVALID, Status.RUNNING]
+    assert live.hands[-1] == {reach: {"hand_error": 0.0}}
     for view in run.views():
         later.tick(view)
-    assert (later.times, later.statuses, later.distances) == (live.times, live.statuses, live.distances)
+    assert vars(later) == {**vars(live), "ended": None}
+
+
+def test_a_view_answers_for_a_node_by_the_end_of_its_path(dry):
+    class Asks(Looker):
+        def tick(self, view):
+            self.statuses.append(view.status("reach"))
+
+    run = dry.run("fetch", watchers=[asks := Asks()])
+    assert asks.statuses[-1] is Status.SUCCESS
+    assert run.succeeded
+    assert (run.outcome, run.time, run.fell, run.recording) == ("success", 0.34, False, None)
+
+
+def test_keys_are_kept_tick_by_tick_and_begin_anew(dry, tmp_path):
+    (tmp_path / "trees").mkdir()
+    (tmp_path / "trees" / "count.yaml").write_text(COUNT)
+    stage = Stage(tmp_path, dry=True)
+    for _ in range(2):
+        run = stage.run("count")
+        assert [sample.keys["done"] for sample in run.samples] == [1, 2, 3, 3]
+        assert [view.tree.keys[0].value for view in run.views()] == [1, 2, 3, 3]
+    run = stage.run("count", script=[{"at": 0, "set": {"done": 2}}])
+    assert [sample.keys["done"] for sample in run.samples] == [3, 3]
+    assert len(stage.run("count").samples) == 4
+
+
+COUNT = """
+format: 1
+name: count
+blackboard:
+  done: 0
+root:
+  emergency_stop:
+    while:
+      condition: done < 3
+      set_blackboard: {key: done, expression: done + 1}
+"""
+
+
+def test_parameters_are_those_of_the_tree(dry):
+    run = dry.run("fetch", parameters={"look": "2 s"})
+    assert run.report.parameters["look"] == 2.0
+    with pytest.raises(UserError, match="did you mean 'stop_distance'"):
+        dry.run("fetch", parameters={"stop_distanc": 1})
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"seed": -1}, "'seed' must be a whole number"),
+        ({"duration": 0}, "'duration' must be a number above 0"),
+        ({"tree": "fetsh"}, "did you mean 'fetch'"),
+    ],
+)
+def test_wrong_arguments_say_what_is_valid(dry, arguments, message):
+    with pytest.raises(UserError, match=message):
+        dry.run(**{"tree": "fetch", **arguments})
+
+
+def test_a_tree_that_was_loaded_runs_as_often_as_one_likes(dry):
+    tree = hbt.load("fetch")
+    assert dry.run(tree).trace == dry.run(tree).trace == dry.run("fetch").trace
+
+
+def test_a_tree_made_in_python_runs_once(dry):
+    def made():
+        return hbt.make_tree(hbt.nodes.EmergencyStop("e", hbt.nodes.Wait("w", duration=0.1)))
+
+    assert dry.run(made()).succeeded
+    with pytest.raises(UserError, match="made in Python, cannot be replaced"):
+        dry.run(made(), replace={"w": "failure"})
+
+
+def test_an_exception_of_a_watcher_ends_the_run_and_reaches_the_test(dry):
+    class Broken(Looker):
+        def tick(self, view):
+            raise ZeroDivisionError
+
+    with pytest.raises(ZeroDivisionError):
+        dry.run("fetch", watchers=[Broken()])
+    assert dry.run("fetch").succeeded
+
+
+def test_the_rig_runs_whole_trees(rig):
+    run = rig.run_tree("fetch", percepts={"target": (0.4, 0.2, 0.9)}, dry=True, look="1 s")
+    assert run.succeeded, run.reason
+    assert run.report.scene == "empty"
+    assert rig.run_tree("fetch", scene="ball_on_stand", dry=True, replace={"reach": "success"}).succeeded

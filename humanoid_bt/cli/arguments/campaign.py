@@ -109,6 +109,11 @@ def add_campaign(commands: Commands) -> None:
     how = campaign.add_argument_group("how it is run")
     how.add_argument("-j", "--workers", type=number(COUNT), default=1, metavar="N", help="trials at a time; default 1")
     how.add_argument(
+        "--cluster",
+        metavar="ADDRESS",
+        help="run the trials on this Ray cluster, with the workspace shipped to it: auto, HOST:6379, ray://HOST:10001",
+    )
+    how.add_argument(
         "--time-limit",
         type=number(DURATION),
         metavar="S",

@@ -107,6 +107,7 @@ def evaluate(text: str, names: Names, robot: Robot) -> Any:
         ("cup.distance <= near", True),
         ("cup.distance == distance(thing)", True),
         ("cup.confidence > 0.6 and cup.height > 50 cm", True),
+        ("cup.confidence > 60 % and 5% == 0.05 and not 12.5 % > 0.125", True),
         ("bearing(cup) > 30 deg", True),
         ("seen(cup) and not seen(ball)", True),
         ("seen(ball) and distance(ball) < 1", False),

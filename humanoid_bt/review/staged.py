@@ -1,0 +1,53 @@
+"""What a test did to a run, out of its recording: a person must not take it for something that befell the robot."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from humanoid_bt.review import setup
+from humanoid_bt.review.cause import Row
+from humanoid_bt.review.history import AT, History
+from humanoid_bt.review.words import cut, when
+
+PREFIX = "staged: "
+"""How events begin that tell what a test does."""
+
+_LINES = 5  # that are told
+_OVER = "over: "
+
+
+def told(run: Mapping[str, Any]) -> list[str]:
+    """Return what a test did to a run, in words; nothing if it was no test.
+
+    Args:
+        run: what was run, as the recording has it.
+    """
+    lines = setup.part(run, "staged").get("told")
+    return [line for line in lines if isinstance(line, str)] if isinstance(lines, list) else []
+
+
+def is_dry(run: Mapping[str, Any]) -> bool:
+    """Return whether a run was without physics."""
+    return setup.part(run, "staged").get("dry") is True
+
+
+def staged_rows(history: History) -> list[Row]:
+    """Return what a test did to a run."""
+    lines = told(history.setup)
+    rows = [("staged", cut(line, 200)) for line in lines[:_LINES]]
+    return [*rows, ("staged", f"and {len(lines) - _LINES} more")] if len(lines) > _LINES else rows
+
+
+def staged_before(history: History, time: float) -> str:
+    """Return the last that a test did up to a time [s], as the end of a headline; "" if nothing was staged."""
+    if not told(history.setup):
+        return ""
+    faults = [
+        event
+        for event in history.events
+        if event.text.startswith(PREFIX) and AT < event.time <= time + AT and _OVER not in event.text
+    ]
+    if faults:
+        return f"; a test staged at {when(faults[-1].time)}: {cut(faults[-1].text.removeprefix(PREFIX))}"
+    return "; a dry run, without physics" if is_dry(history.setup) else "; a test staged the run"

@@ -1,0 +1,48 @@
+"""What a node did in a recording, for a stand-in to do it again."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from humanoid_bt.core.errors import UserError, nearest
+from humanoid_bt.decision.result import Reported
+from humanoid_bt.record.reading import read_flight
+from humanoid_bt.review.happened import Happened
+
+
+def recorded(file: Path, path: str) -> Iterator[dict[str, Any]]:
+    """Yield what a node did in a recording each time it was started, as the values of an answer.
+
+    Raises:
+        UserError: it is no recording, or the node never ran in it.
+    """
+    log = read_flight(file)
+    happened = Happened(log)
+    changes = [change for change in happened.nodes if change["node"] == path]
+    if not changes:
+        ran = {change["node"] for change in happened.nodes}
+        raise UserError(f"{path!r} does not run in the recording {str(file)!r}", hint=nearest(path, ran))
+    reported: dict[float, list[Reported]] = {}
+    for row in happened.results:
+        if row["node"] == path:
+            value = row["value"] if row["text"] is None else row["text"]
+            reported.setdefault(row["time"], []).append(Reported(row["result"], value, row["unit"]))
+    began: float | None = None
+    for change in changes:
+        time, status = change["time"], change["status"]
+        if status == "RUNNING":
+            began = time
+        elif status in ("SUCCESS", "FAILURE"):
+            after = 0.0 if began is None else time - began
+            results = reported.get(time, [])
+            said = change["text"].removesuffix("; ".join(map(str, results))).removesuffix("; ")  # both are told as one
+            answered = {result.name: result.value for result in results}
+            yield {"status": status.lower(), "after": after, "feedback": said, "results": answered}
+            began = None
+        elif began is not None:
+            yield {"status": "running", "feedback": "halted here when it was recorded"}
+            began = None
+    if began is not None:
+        yield {"status": "running", "feedback": "ran on when it was recorded"}

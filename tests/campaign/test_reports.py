@@ -1,0 +1,104 @@
+"""What people read of a campaign: nothing in it can be more than text, and every failure has its command."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from xml.etree import ElementTree
+
+import pytest
+
+from humanoid_bt.campaign.compare import compare
+from humanoid_bt.campaign.plan import Plan, Setting
+from humanoid_bt.campaign.report_html import html
+from humanoid_bt.campaign.report_markdown import comparison_markdown, markdown
+from humanoid_bt.campaign.reproduce import command
+from humanoid_bt.campaign.requirement import Verdict
+from humanoid_bt.campaign.result import Explained, Result
+from humanoid_bt.campaign.stage_trials import pushes
+from humanoid_bt.campaign.summary import Summary
+from humanoid_bt.campaign.table import Table
+from humanoid_bt.campaign.variation import Factor
+from humanoid_bt.testing.seeds import Seeds
+from tests.campaign.conftest import plan_of, table_of
+
+EVIL = "<script>alert('|')</script> | `x`\n\x1b[31m"
+
+
+@pytest.fixture
+def said() -> Summary:
+    plan = plan_of("0-9", Factor("set.stop_distance", "m", (0.3, 0.4)), description=EVIL)
+    results = {
+        trial.number: Result("success", "", time=10.0 + trial.seed, values={"hand_error": 0.01})
+        if trial.seed
+        else Result("failure", f"{EVIL} {trial.number} cm", EVIL)
+        for trial in plan.trials
+    }
+    return Summary(Table.of(plan, results), {0: Explained("timeout", EVIL, EVIL, "a b.rrd", same=False)})
+
+
+def test_the_page_is_well_formed_and_holds_only_text(said: Summary) -> None:
+    page = html(said, [Verdict("success > 95 %", False, EVIL)], Path("runs/mine"))
+    assert "<script" not in page
+    assert "\x1b" not in page
+    for svg in re.findall(r"<svg.*?</svg>", page):
+        ElementTree.fromstring(svg)
+    assert "90 %" in page
+    assert 'href="recordings/a%20b.rrd"' in page
+    assert "Trial 0 went another way" in page
+
+
+def test_the_page_tells_what_is_not_done(said: Summary) -> None:
+    plan = plan_of("0-99")
+    assert "Not done: 98 of 100 trials" in html(
+        Summary(Table.of(plan, {0: Result("success", ""), 5: Result("failure", "x")}), {}), [], Path()
+    )
+    assert "Not done: 100 of 100 trials" in html(Summary(Table.of(plan, {}), {}), [], Path())
+
+
+def test_markdown_keeps_its_tables(said: Summary) -> None:
+    text = markdown(said, [Verdict("success > 95 %", False, "success is 90 %")], Path("runs/mine"))
+    rows = [line for line in text.splitlines() if line.startswith("| 2 |")]
+    assert len(rows) == 1
+    assert len(re.findall(r"(?<!\\)\|", rows[0])) == 4
+    assert "<script" not in text
+    assert "✗ `success > 95 %`: success is 90 %" in text
+
+
+def test_a_comparison_for_a_pull_request() -> None:
+    text = comparison_markdown(compare(table_of(lambda seed: seed % 10 > 0), table_of(lambda seed: seed % 20 > 0)))
+    assert text.startswith("### 100 pairs: nothing differs beyond chance")
+    assert "| success | 90 % | 95 % | +5 −0, p = 0.062 |" in text
+
+
+def _plan(*factors: Factor, **named: object) -> Plan:
+    return Plan("mine", (Setting("fetch", "humanoid", "random_target"),), Seeds.parse("7"), factors, **named)  # type: ignore[arg-type]
+
+
+def test_a_plain_trial_is_run_by_run() -> None:
+    plan = _plan(Factor("set.stop_distance", "m", (0.35,)), Factor("condition.friction", "", (1.0,)), duration=20.0)
+    assert command(plan.trials[0], plan, Path("runs/mine")) == (
+        "humanoid-bt run fetch --robot humanoid --scene random_target --seed 7 --set stop_distance=0.35 --duration 20"
+    )
+
+
+@pytest.mark.parametrize(
+    "plan",
+    [
+        _plan(Factor("condition.friction", "", (0.9,))),
+        _plan(Factor("push.1.at", "s", (1.0,))),
+        _plan(script=({"at": "2 s", "lose": "target"},)),
+        _plan(dry=True),
+    ],
+)
+def test_what_run_cannot_do_is_run_again_by_the_campaign(plan: Plan) -> None:
+    assert command(plan.trials[0], plan, Path("runs/mine")) == "humanoid-bt campaign rerun runs/mine 0"
+
+
+def test_pushes_become_events() -> None:
+    numbers = {"at": 2.0, "force": 50.0, "direction": 1.5707963267948966, "duration": 0.2}
+    plan = _plan(*(Factor(f"push.{n}.{name}", "", (value + n,)) for n in (0, 1) for name, value in numbers.items()))
+    first, second = pushes(plan.trials[0])
+    assert first["at"] == 2.0
+    assert first["push"]["force"] == pytest.approx([0.0, 50.0, 0.0])
+    assert (second["at"], second["push"]["duration"]) == (3.0, 1.2)

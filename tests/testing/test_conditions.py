@@ -1,0 +1,122 @@
+"""Conditions: what is different from the beginning is felt by the simulated body, or seen, and by nothing else."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from humanoid_bt import Stage, UserError
+from humanoid_bt.control.body.standing import load_robot
+from humanoid_bt.core.clock import SERVO_PERIOD
+from humanoid_bt.core.messages import JointCommand
+from humanoid_bt.plant.mujoco_plant import MujocoPlant
+from humanoid_bt.plant.scene import Scene, load_scene
+
+
+@pytest.fixture(scope="module")
+def plant(stage):
+    robot, start = load_robot(stage.workspace.find_robot("humanoid"))
+    plant = MujocoPlant(robot, Scene(load_scene(stage.workspace.find_scene("empty")), 0))
+    plant.start = start
+    return plant
+
+
+def arrays(model):
+    found = {name: getattr(model, name) for name in dir(model) if not name.startswith("_")}
+    return {name: value.copy() for name, value in found.items() if isinstance(value, np.ndarray)}
+
+
+def test_a_plant_that_was_altered_is_as_before_when_it_is_no_more(plant):
+    plant.place(plant.start)
+    before = arrays(plant.model)
+    plant.alter(friction=0.3, payload=5.0, drives=0.7)
+    plant.place(plant.start)
+    changed = {name for name, value in arrays(plant.model).items() if not np.array_equal(value, before[name])}
+    assert {"geom_friction", "body_mass", "actuator_forcerange"} < changed
+    plant.alter()
+    plant.place(plant.start)
+    for name, value in arrays(plant.model).items():
+        np.testing.assert_array_equal(value, before[name], err_msg=name)
+
+
+def test_drives_that_were_let_go_hold_the_robot_when_it_is_placed_again(plant):
+    plant.place(plant.start)
+    before, zeros = arrays(plant.model), np.zeros_like(plant.start[7:])
+    plant.step(JointCommand(plant.start[7:], zeros, zeros, plant.robot.damping, zeros))
+    assert not np.array_equal(plant.model.actuator_biasprm, before["actuator_biasprm"])
+    plant.place(plant.start)
+    np.testing.assert_array_equal(plant.model.actuator_biasprm, before["actuator_biasprm"])
+
+
+def test_a_payload_is_carried_by_the_feet(stage):
+    def weight(run):
+        return sum(run.states[-1].foot_force.values())
+
+    light = stage.run("stand", duration=0.2)
+    heavy = stage.run("stand", duration=0.2, conditions={"payload": "4 kg"})
+    assert weight(heavy) - weight(light) == pytest.approx(4 * 9.81, rel=0.3)
+    assert heavy.report.staged["conditions"] == {"payload": 4.0}
+    assert "staged: payload 4 kg" in [event["text"] for event in heavy.report.events]
+
+
+def test_drives_give_their_part_of_what_they_are_asked_for_and_of_their_largest(plant):
+    robot, joints = plant.robot, plant.start[7:]
+    zeros, far = np.zeros_like(joints), np.where(np.arange(len(joints)) % 2, 0.01, 10.0)  # rad from where it stands
+    command = JointCommand(joints + far, zeros, robot.stiffness, robot.damping, zeros)
+
+    def torque(drives):
+        plant.alter(drives=drives)
+        plant.place(plant.start)
+        plant.step(command)
+        return plant.measure().joint_torque
+
+    whole, half = torque(1.0), torque(0.5)
+    plant.alter()
+    np.testing.assert_allclose(half, 0.5 * whole)
+    np.testing.assert_allclose(whole, np.minimum(robot.stiffness * far, robot.torque_limit))
+
+
+def test_on_ice_a_push_slides_what_else_would_tip(stage):
+    push = [{"at": 0.02, "push": {"force": [0, 60, 0], "duration": "0.1 s"}}]
+
+    def slid(friction):
+        run = stage.run("stand", duration=0.2, script=push, conditions={"friction": friction})
+        return run.states[-1].feet["left"].y - run.states[0].feet["left"].y
+
+    assert slid(1.0) < 0.002
+    assert slid(0.02) > 0.005
+
+
+def test_percepts_are_noisier_by_a_factor_with_the_same_random_numbers(dry):
+    def offset(factor):
+        run = dry.run("fetch", duration=0.02, seed=5, conditions={"perception_noise": factor})
+        return np.array(run.report.percepts["target"]["position_world"]) - [1.9, 0.5, 0.85]
+
+    np.testing.assert_allclose(offset(3.0), 3 * offset(1.0))
+    np.testing.assert_allclose(offset(0.0), 0, atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("conditions", "message"),
+    [
+        ({"frict": 1}, "did you mean 'friction'"),
+        ({"payload": "3 m"}, "'payload' has the unit 'm'"),
+        ({"drives": -1}, "'drives' must be >= 0"),
+    ],
+)
+def test_wrong_conditions_say_what_is_valid(stage, conditions, message):
+    with pytest.raises(UserError, match=message):
+        stage.run("stand", conditions=conditions)
+
+
+def test_a_dry_run_has_no_body_that_could_feel_them(dry):
+    with pytest.raises(UserError, match="the condition 'friction' needs a body"):
+        dry.run("stand", conditions={"friction": 0.5})
+
+
+def test_one_stage_serves_all_conditions_with_one_model(stage):
+    own = Stage(scene="empty")
+    for friction in (0.5, 0.9, 1.0):
+        run = own.run("stand", duration=0.02, conditions={"friction": friction})
+    assert run.trace == own.run("stand", duration=0.02).trace
+    assert run.time == pytest.approx(20 * SERVO_PERIOD)

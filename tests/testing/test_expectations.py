@@ -1,0 +1,216 @@
+"""Expectations: what they mean, what is refused, and what is told where they are not met."""
+
+from __future__ import annotations
+
+import pytest
+
+from humanoid_bt import Stage, TreeRun, UserError
+from humanoid_bt.testing.expectations import Expectations, Failure
+
+SKILL = '''
+from humanoid_bt import Skill, Status, param, result
+
+
+class Fill(Skill):
+    """Fill a cup, 10 cm a second."""
+
+    to: float = param(0.2, unit="m", doc="How far.")
+    level: float = result(unit="m", doc="How full it is.")
+    sort: str = result(doc="What is in it.")
+
+    def initialise(self):
+        self._since = self.robot.clock.now()
+
+    def update(self):
+        elapsed = self.robot.clock.now() - self._since
+        if elapsed < 0.1:
+            return self.running("looking for the cup")
+        self.level, self.sort = 0.1 * elapsed, "tea"
+        return self.succeed("the cup is full") if self.level >= self.to - 1e-9 else self.running("filling")
+'''
+
+TREE = """
+format: 1
+parameters: {limit: 20 cm}
+blackboard: {count: 0}
+root:
+  emergency_stop:
+    sequence:
+      - wait: {name: first, duration: 1 s}
+      - fill: {to: $limit}
+      - set_blackboard: {key: count, expression: count + 2}
+      - force_success: {failure: {name: not that}}
+      - timeout: {name: impatient, duration: 0.5 s, wait: {name: too long, duration: 9 s}}
+"""
+# first 0 to 1 s, fill 1 to 3 s (level from 1.1 s on), count 2 at 3 s, 'too long' 3 s to 3.5 s, then failure
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory: pytest.TempPathFactory) -> TreeRun:
+    folder = tmp_path_factory.mktemp("workspace")
+    for name, text in {"trees/tea.yaml": TREE, "skills/fill.py": SKILL}.items():
+        (folder / name).parent.mkdir()
+        (folder / name).write_text(text, encoding="utf-8")
+    found = Stage(folder, dry=True).run("tea")
+    assert (found.outcome, found.time) == ("failure", pytest.approx(3.5, abs=0.03))
+    return found
+
+
+def failures(run: TreeRun, *texts: str) -> list[Failure]:
+    return Expectations.of(texts).failures(run, ())
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "outcome == failure",
+        "outcome != success and time < 4 s",
+        "contains(reason, 'timed out')",
+        "not fell and not stopped and not estop and stops == 0",
+        "within 4 s: outcome == failure",
+        "within 1 s: fill runs",
+        "within 3.1 s: fill succeeded",
+        "within 3100 ms: count == 2",
+        "within 2.1 s after first succeeded: level >= 20 cm",
+        "within 1 min after first succeeded: fill.sort == 'tea'",
+        "never: fell",
+        "never: level > $limit + 1 mm",
+        "never: first runs while fill runs",
+        "never: fill failed",
+        "always: level < 25 cm while fill runs",  # before it has a value, nothing is judged
+        "always: 'too long' runs while time > 3.1 s and time < 3.4 s",
+        "always: is_set(count)",
+        "order: [first, fill]",
+        "order: first, fill, 'too long'",
+        "order: [tea/emergency_stop/sequence/first, fill runs and level > 10 cm, count == 2, too long]",
+        "order: [fill runs, not fill runs]",  # true from the beginning on is not become so
+        "order: [not fill runs, fill runs, not fill runs]",
+        "order: [first, first succeeded, fill succeeded, impatient failed]",
+        "first succeeded and fill succeeded and 'not that' failed",
+        "'too long' halted",
+        "'too long' ran and not first runs",
+        "fill.feedback == 'the cup is full'",
+        "fill.level == level",
+        "abs(level - 20 cm) < 1 mm",
+        "true",
+    ],
+)
+def test_what_is_so_is_met(run: TreeRun, text: str) -> None:
+    assert not failures(run, text)
+
+
+@pytest.mark.parametrize(
+    ("text", "time", "why", "values"),
+    [
+        ("outcome == success", 3.5, "it was not so at the end", {"outcome": "failure"}),
+        ("level > 30 cm", 3.5, "it was not so at the end", {"level": "0.2 m"}),
+        ("within 2 s: fill succeeded", 2.0, "it had not become so by then", {"fill": "runs"}),
+        ("within 10 s: outcome == success", 3.5, "the run ended before it became so", {"outcome": "failure"}),
+        (
+            "within 1 s after first succeeded: fill succeeded",
+            2.0,
+            "it had not become so by then",
+            {"fill": "runs", "first": "succeeded: waited 1 s"},
+        ),
+        (
+            "within 1 s after fill failed: fell",
+            3.5,
+            "nothing was looked at: 'fill failed' was never so",
+            {"fell": "false", "fill": "succeeded: the cup is full"},
+        ),
+        ("never: level > 15 cm", 2.5, "it became so", {"level": "0.15 m"}),
+        ("never: level > 15 cm while first runs or fill runs", 2.5, "it became so", {"level": "0.15 m"}),
+        ("always: level < 15 cm while fill runs", 2.5, "it was not so", {"level": "0.15 m", "fill": "runs"}),
+        ("always: fell while estop", 3.5, "nothing was looked at: 'estop' was never so", {"estop": "false"}),
+        ("always: level < 1 m while first runs", 3.5, "nothing was looked at: it never had a value", {}),
+        ("order: [fill, first]", 0.0, "'first' came before 'fill'", {"fill": "did not come"}),
+        (
+            "order: [first, fill failed, impatient]",
+            3.02,
+            "'impatient' came before 'fill failed'",
+            {"first": "came at 0.00 s"},
+        ),
+        ("order: [first, fill, first]", 3.5, "'first' did not come after that", {"first #2": "did not come"}),
+        ("order: [first, fill succeeded, fill runs]", 1.0, "'fill runs' came before 'fill succeeded'", {}),
+        ("never: 1 / stops > 0", 0.0, "it cannot be judged: ZeroDivisionError: division by zero", {}),
+    ],
+)
+def test_what_is_not_so_is_told_with_the_moment_and_the_values(
+    run: TreeRun, text: str, time: float, why: str, values: dict[str, str]
+) -> None:
+    (failure,) = failures(run, text)
+    assert failure.expectation == text
+    assert failure.why == why
+    assert failure.time == pytest.approx(time, abs=0.03)
+    assert values.items() <= dict(failure.values).items()
+
+
+@pytest.mark.parametrize(
+    ("text", "column", "message", "hint"),
+    [
+        ("withn 3 s: fell", 1, "'withn' is no kind of expectation", "did you mean 'within'?"),
+        ("within: fell", 1, "'within' needs a time", "within 20 s"),
+        ("within 3 m: fell", 8, "'3 m' is no time", "valid: s, ms, min"),
+        ("within 3 s fill: fell", 12, "'fill' is not expected behind a time", "within 20 s"),
+        ("never ever: fell", 7, "'ever' is not expected behind 'never'", "never: P while Q"),
+        ("never: fel", 8, "in 'fel': unknown name 'fel'", "did you mean 'fell'?"),
+        ("never: fell while", 18, "'' is no expression: a value is expected at the end", ""),
+        ("always: fill", 9, "in 'fill': unknown name 'fill'", "of a node ask: fill runs, or ran"),
+        ("always: fill rus", 14, "'fill rus' is no expression: 'rus' is not expected there", "did you mean 'runs'?"),
+        ("fil runs", 1, "the tree 'tea' has no node 'fil'", "did you mean 'fill'?"),
+        ("outcome == sucess", 12, "no run ends with 'sucess'", "did you mean 'success'?"),
+        ("outcome == 'sucess'", 9, "no run ends with 'sucess'", "did you mean 'success'?"),
+        ("level < 3 s", 7, "a number in m and a number in s cannot be compared", ""),
+        ("fill.levle < 3 m", 6, "the node 'fill' reports no 'levle'", "did you mean 'level'? valid: feedback"),
+        ("time", 1, "it is a number in s, but must be true or false", ""),
+        ("contains(reason)", 1, "contains() takes two texts", "contains(reason, 'never seen')"),
+        ("distance(cup) < 1 m", 1, "there is no percept 'cup' in this run", "its scene publishes none"),
+        ("order: [first]", 8, "an order has at least two steps", "order: [approach, reach]"),
+        ("order: [first, , fill]", 16, "a step of the order is missing", "order: [approach, reach]"),
+        ("order: [first, fil]", 16, "the tree 'tea' has no node 'fil'", "did you mean 'fill'?"),
+        ("order: [first, level > 3 s]", 22, "a number in m and a number in s cannot be compared", ""),
+    ],
+)
+def test_mistakes_are_told_with_their_place(run: TreeRun, text: str, column: int, message: str, hint: str) -> None:
+    with pytest.raises(UserError) as raised:
+        failures(run, text)
+    (problem,) = raised.value.problems
+    assert message in problem.message
+    assert str(problem.place) == f"expectation:1:{column}"
+    assert hint in problem.hint
+
+
+@pytest.mark.parametrize("text", ["", "  ", 5, None])
+def test_what_is_no_text_is_no_expectation(run: TreeRun, text: object) -> None:
+    with pytest.raises(UserError, match="an expectation is text, not"):
+        run.expect(text)  # type: ignore[arg-type]
+
+
+def test_a_test_in_python_uses_the_same_language(run: TreeRun) -> None:
+    run.expect("within 4 s: outcome == failure", "never: fell")
+    with pytest.raises(AssertionError) as raised:
+        run.expect("never: fell", "never: level > 15 cm")
+    told = str(raised.value)
+    assert told.startswith("never: level > 15 cm\n    at 2.50 s it became so\n    level: 0.15 m")
+    assert "failure: " in told
+    assert "never: fell" not in told
+
+
+def test_an_exception_of_a_skill_fails_whatever_does_not_ask_for_it() -> None:
+    found = Stage(dry=True).run("stand", duration=1.0, script=[{"at": 0.1, "raise": "idle"}])
+    assert found.outcome == "error"
+    assert [failure.why[:27] for failure in failures(found, "never: fell")] == ["the run ended with an error"]
+    assert not failures(found, "never: fell", "outcome == error")
+    assert len(failures(found, "outcome == success")) == 1
+
+
+def test_stops_and_emergency_stops_can_be_asked() -> None:
+    script = [{"at": 0.2, "silence": "0.3 s"}, {"at": 1.0, "estop": "a hand at the button"}]
+    found = Stage(dry=True).run("stand", duration=3.0, script=script)
+    met = ["order: [not stopped, stopped, estop]", "stops == 2", "within 1.1 s: estop", "outcome == stopped", "estop"]
+    assert not failures(
+        found,
+        *met,
+        "contains(reason, 'a hand at the button')",
+        "always: stops == 1 while time > 0.4 s and time < 0.9 s",
+    )

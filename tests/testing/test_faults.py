@@ -1,0 +1,238 @@
+"""Every fault, brought about at its moment, does what it says, through the product's own supervisor and loop."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from humanoid_bt import Event, UserError
+from humanoid_bt.control.body.standing import load_robot
+from humanoid_bt.testing.faults import Push
+
+HERE = {"at": 0, "see": {"percept": "target", "position": [0.42, 0.2, 0.9]}}  # seen wherever the robot looks
+
+
+def texts(run):
+    return [event["text"] for event in run.report.events]
+
+
+def tracks(run, name="target"):
+    return [(view.time, view.tracks.get(name)) for view in run.views()]
+
+
+# ---- the robot ------------------------------------------------------------------------------------------------------
+
+
+def test_a_push_moves_the_robot_and_is_told(stage):
+    still = stage.run("stand", duration=0.25)
+    run = stage.run("stand", duration=0.25, script=[{"at": 0.1, "push": {"force": [0, 150, 0], "duration": "60 ms"}}])
+    assert not still.report.external_force_max
+    assert run.report.external_force_max == 150
+    speed = [state.com_velocity[1] for state in run.states]
+    assert max(speed) > max(abs(state.com_velocity[1]) for state in still.states) + 0.05
+    assert next(state.time for state in run.states if state.com_velocity[1] > 0.02) == pytest.approx(0.12)
+    push = "push (force [0, 150, 0] N, duration 0.06 s)"
+    assert texts(run)[:2] == [f"staged: {push}", f"staged: over: {push}"]
+
+
+def test_weak_drives_give_no_more_than_their_part_and_then_all_again(stage):
+    weaken = {"joints": ["left_shoulder_*", "right_shoulder_pitch"], "to": 0, "duration": "0.1 s"}
+    run = stage.run("stand", duration=0.3, script=[{"at": 0.1, "weaken": weaken}])
+    names = load_robot(stage.workspace.find_robot("humanoid"))[0].joint_names
+    weak = [number for number, name in enumerate(names) if "left_shoulder" in name or name == "right_shoulder_pitch"]
+    torque = {round(state.time, 2): state.joint_torques for state in run.states}
+    assert len(weak) == 4
+    assert np.abs(torque[0.1][weak]).min() > 0
+    assert not torque[0.16][weak].any()
+    assert torque[0.16].any()
+    assert np.abs(torque[0.24][weak]).min() > 0
+
+
+def test_an_emergency_stop_ends_the_run_unless_the_script_resets_it(dry):
+    stopped = dry.run("fetch", script=[{"at": 0.1, "estop": "a hand on the button"}])
+    assert (stopped.outcome, stopped.reason) == ("stopped", "a hand on the button (the test)")
+    assert [(stop.mode.value, stop.source) for stop in stopped.stops] == [("emergency_stop", "the test")]
+    again = dry.run("fetch", script=[{"at": 0.1, "estop": {}}, {"at": 0.5, "reset": "somebody"}])
+    assert again.succeeded
+    assert 0.1 < again.stops[0].time < 0.12
+    assert "reset by somebody: done" in texts(again)
+    ended = dry.run("fetch", on_estop="end", script=[{"at": 0.1, "estop": {}}, {"at": 0.5, "reset": "somebody"}])
+    assert ended.outcome == "stopped"
+
+
+# ---- what it sees ---------------------------------------------------------------------------------------------------
+
+
+def test_what_is_seen_is_where_the_script_says_until_it_is_lost(dry):
+    lost = {"at": 0.25, "lose": "target"}
+    there = {"at": 0.65, "see": {"percept": "target", "position": [0, 2, 1], "confidence": 0.7}}
+    seen = tracks(dry.run("stand", duration=1.0, script=[HERE, lost, there]))
+    assert seen[0][1].position_world == pytest.approx([0.42, 0.2, 0.9])
+    assert [track.age for time, track in seen if time < 0.65] == pytest.approx(
+        [time % 0.1 if time < 0.29 else time - 0.2 for time, _ in seen if time < 0.65], abs=1e-6
+    )
+    assert seen[-1][1].position_world == pytest.approx([0, 2, 1])
+    assert seen[-1][1].confidence == 0.7
+
+
+def test_what_the_scene_shows_can_be_lost_for_a_time(dry):
+    run = dry.run(
+        "fetch",
+        duration=0.6,
+        replace={"approach": "running"},
+        script=[{"at": 0.1, "lose": {"percept": "target", "duration": "0.3 s"}}],
+    )
+    ages = {round(time, 2): round(track.age, 2) for time, track in tracks(run)}
+    assert (ages[0.1], ages[0.38], ages[0.42]) == (0.1, 0.38, 0.02)
+    assert run.report.unseen == {}
+
+
+def test_what_was_lost_from_the_beginning_was_never_seen(dry):
+    run = dry.run("fetch", duration=0.3, script=[{"at": 0, "lose": "target"}])
+    assert not any(track for _, track in tracks(run))
+    assert run.report.unseen == {"target": "kept from it by the test"}
+
+
+def test_noise_drops_moves_doubts_and_delays_what_is_seen(dry):
+    noise = {"percept": "target", "sigma": "3 cm", "drop_out": 0.25, "confidence": 0.5, "delay": "60 ms"}
+    run = dry.run("stand", duration=30, script=[HERE, {"at": 0, "noise": noise}])
+    observed = {track.stamp: (time, track) for time, track in reversed(tracks(run)) if track}
+    assert 0.6 < len(observed) / 300 < 0.9
+    assert {round(time - stamp, 6) for stamp, (time, _) in observed.items()} == {0.06}
+    assert {track.confidence for _, track in observed.values()} == {0.95 / 2}
+    offsets = np.array([track.position_world for _, track in observed.values()]) - [0.42, 0.2, 0.9]
+    assert offsets.std(axis=0) == pytest.approx([0.03] * 3, rel=0.2)
+    assert abs(offsets.mean()) < 0.01
+    assert dry.run("stand", duration=1, script=[HERE, {"at": 0, "noise": noise}]).report.percepts != (
+        dry.run("stand", duration=1, seed=1, script=[HERE, {"at": 0, "noise": noise}]).report.percepts
+    )
+
+
+def test_noise_without_a_name_is_about_everything_that_is_seen(dry):
+    run = dry.run("stand", duration=0.1, script=[HERE, {"at": 0, "noise": {"confidence": 0.1}}])
+    assert tracks(run)[-1][1].confidence == pytest.approx(0.095)
+
+
+# ---- what it is told ------------------------------------------------------------------------------------------------
+
+
+def test_a_silent_decision_is_stopped_by_the_supervisor_and_goes_on(dry):
+    run = dry.run("fetch", script=[{"at": 0.1, "silence": "0.3 s"}])
+    assert run.succeeded
+    assert [(stop.mode.value, stop.reason) for stop in run.stops] == [
+        ("protective_stop", "decision silent for more than 100 ms")
+    ]
+    assert not dry.run("fetch", script=[{"at": 0.1, "silence": "80 ms"}]).stops
+
+
+def test_late_commands_are_obeyed_later_or_refused(dry):
+    def first(run):
+        return next(state.time for state in run.states if state.command_sequence >= 0)
+
+    def stands(run):
+        return next(state.time for state in run.states if math.hypot(*state.stance[:2]) > 1)
+
+    prompt, late = dry.run("fetch"), dry.run("fetch", script=[{"at": 0, "delay": "60 ms"}])
+    assert (first(prompt), stands(prompt)) == pytest.approx((0.02, 0.02))
+    assert (first(late), stands(late)) == pytest.approx((0.08, 0.08))
+    assert late.succeeded
+    too_late = dry.run("fetch", duration=1, script=[{"at": 0, "delay": "140 ms"}])
+    assert not [state for state in too_late.states if state.command_sequence >= 0]
+    assert any(text.startswith("refused a command: stamped") for text in texts(too_late))
+
+
+def test_commands_are_prompt_again_when_a_delay_is_over(dry):
+    run = dry.run("stand", duration=1, script=[{"at": 0.1, "delay": {"by": "60 ms", "duration": "0.3 s"}}])
+    behind = {round(state.time, 2): round(state.time / 0.02) - 1 - state.command_sequence for state in run.states[1:]}
+    assert (behind[0.1], behind[0.3], behind[0.6]) == (0, 3, 0)
+
+
+def test_late_commands_are_late_for_the_simulated_robot_too(stage):
+    run = stage.run("stand", duration=0.2, script=[{"at": 0, "delay": "40 ms"}])
+    assert [state.command_sequence for state in run.states][:6] == [-1, -1, -1, 0, 1, 2]
+
+
+# ---- its tree -------------------------------------------------------------------------------------------------------
+
+
+def test_a_node_raises_in_the_tick_after_its_moment(dry):
+    run = dry.run("fetch", script=[{"when": "distance(target) < 0.5 m", "raise": {"node": "reach", "message": "oh"}}])
+    assert run.outcome == "error"
+    assert "reach' raised InjectedError: oh" in run.reason
+    assert run.time == pytest.approx(0.04)
+    assert run.samples[-1].command is None
+    assert run.stops[0].reason == "a node raised an exception"
+
+
+@pytest.mark.parametrize("node", ["within", "act on target", "emergency_stop"])
+def test_any_kind_of_node_can_raise(dry, node):
+    run = dry.run("fetch", script=[{"at": 0.02, "raise": node}])
+    assert run.outcome == "error"
+    assert f"{node}' raised InjectedError: raised by the test" in run.reason
+
+
+def test_a_node_that_is_not_ticked_does_not_raise(dry):
+    assert dry.run("fetch", script=[{"at": 0, "raise": "turn"}]).succeeded
+
+
+def test_parameters_of_nodes_are_set_while_they_run(dry):
+    run = dry.run("fetch", script=[{"at": 0.0, "set": {"reach.hold": "1 s"}}])
+    assert run.time == pytest.approx(0.34 + 0.7)
+    assert dry.run("fetch").time == pytest.approx(0.34)
+
+
+# ---- moments --------------------------------------------------------------------------------------------------------
+
+
+def test_an_event_happens_once_in_the_tick_after_it_became_true(dry):
+    push = {"when": "distance(target) < 0.5 m and hand_speed > 0", "estop": {}}
+    with pytest.raises(UserError, match="event 1 of the script"):
+        dry.run("fetch", script=[push])
+    run = dry.run("fetch", script=[{"when": "distance(target) < 0.5 m", "estop": {}}])
+    assert run.stops[0].time == pytest.approx(0.04, abs=0.02)
+    assert [text for text in texts(run) if "staged: estop" in text] == [
+        "staged: estop, for distance(target) 0.4 m < 0.5 m"
+    ]
+
+
+def test_events_are_written_as_in_files_or_made_in_python(stage):
+    made = Event(at=0.1, push=Push(force=(0, 50, 0)))
+    written = {"at": "100 ms", "push": {"force": [0, "50 N", 0]}}
+    assert (
+        stage.run("stand", duration=0.2, script=[made]).trace
+        == stage.run("stand", duration=0.2, script=[written]).trace
+    )
+
+
+@pytest.mark.parametrize(
+    ("event", "message"),
+    [
+        ({"at": 1}, r"event 1 of the script: error: this event does nothing.*\n.*valid: push, estop, reset"),
+        ({"estop": {}}, "at a time or when something becomes true"),
+        ({"at": 1, "when": "true", "estop": {}}, "not both"),
+        ({"at": 1, "estop": {}, "lose": "target"}, "one fault, not estop and lose"),
+        ({"at": 1, "estp": {}}, "did you mean 'estop'"),
+        ({"at": 1, "lose": "targt"}, "did you mean 'target'"),
+        ({"at": 1, "noise": {"percept": "target", "sigma": "3 kg"}}, "'sigma' has the unit 'kg'"),
+        ({"at": 1, "raise": "rech"}, "did you mean 'reach'"),
+        ({"at": 1, "set": {"reach.hld": 1}}, "did you mean 'hold'"),
+        ({"at": 1, "set": "reach"}, "must be a mapping of names to values"),
+        ({"at": 1, "push": {"force": [1, 0, 0], "body": "trso"}}, "there is no body 'trso'"),
+        ({"at": 1, "weaken": {"joints": ["knee"], "to": 0.5}}, "the robot has no joint 'knee'"),
+        ({"at": 1, "weaken": {"joints": ["*"], "to": 2}}, "'to' must be >= 0 and <= 1"),
+        ({"when": "distance(cup) < 1 m", "estop": {}}, "there is no percept 'cup' in this run"),
+        ({"when": "rech runs", "estop": {}}, "did you mean 'reach'"),
+    ],
+)
+def test_what_a_script_cannot_mean_is_said_before_anything_moves(stage, event, message):
+    with pytest.raises(UserError, match=message):
+        stage.run("fetch", script=[event])
+
+
+def test_a_moment_may_ask_what_nodes_do(dry):
+    run = dry.run("fetch", script=[{"when": "approach succeeded and reach runs", "lose": "target"}])
+    begun = next(entry["time"] for entry in run.report.timeline if entry["path"].endswith("/reach"))
+    told = next(event["time"] for event in run.report.events if "staged: lose" in event["text"])
+    assert told == pytest.approx(begun + 0.02)

@@ -1,0 +1,69 @@
+"""What a test did to a run stands in its report and in its recording, so that nobody takes it for something else."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+
+import humanoid_bt as hbt
+from humanoid_bt import UserError, explain, open_recording
+
+LINES = [
+    "dry: without physics, the robot is at once where it is told to be",
+    "idle is replaced: running",
+    "at 0.1 s lose (percept target)",
+]
+
+
+def test_the_report_says_what_was_staged(recorded, tmp_path):
+    assert recorded.report.staged == {
+        "dry": True,
+        "told": LINES,
+        "conditions": {},
+        "replace": {"idle": "running"},
+        "script": [{"at": 0.1, "lose": {"percept": "target", "duration": None}}],
+    }
+    assert repr(recorded).splitlines()[0] == "fetch on humanoid in ball_on_stand, seed 0, dry: without physics"
+    assert f"  staged     {LINES[0]}" in repr(recorded).splitlines()
+    assert "dry: without physics" in recorded.report._repr_html_()
+    recorded.report.write(tmp_path / "report.json")
+    assert json.loads((tmp_path / "report.json").read_text())["staged"]["dry"] is True
+
+
+def test_the_recording_says_what_was_staged(recorded):
+    recording = open_recording(recorded.recording)
+    assert recording.setup["staged"]["told"] == LINES
+    told = [(row["time"], row["text"]) for row in recording.happened.events if row["text"].startswith("staged: ")]
+    assert told == [(0.0, f"staged: {LINES[0]}"), (0.0, f"staged: {LINES[1]}"), (0.1, "staged: lose (percept target)")]
+
+
+def test_an_explanation_names_what_was_staged(recorded):
+    explanation = explain(recorded.recording)
+    assert explanation.headline.endswith("; a test staged at 0.100 s: lose (percept target)")
+    assert ("staged", LINES[0]) in explanation.rows
+    assert ("", LINES[2]) in explanation.rows
+
+
+def test_a_staged_run_is_not_replayed_as_if_nothing_had_been_done_to_it(recorded):
+    with pytest.raises(UserError, match="a test that staged what happened, which a replay cannot do: dry") as error:
+        hbt.replay(recorded.recording)
+    assert "run the test again" in str(error.value)
+
+
+@pytest.mark.trials
+def test_a_push_that_was_staged_explains_the_fall(stage, tmp_path):
+    push = {"at": 0.3, "push": {"force": [0, 900, 0]}}
+    run = stage.run("stand", record=tmp_path / "push.rrd", script=[push], duration=2)
+    assert run.fell
+    explanation = explain(run.recording)
+    assert explanation.kind == "push"
+    assert explanation.headline.endswith("; a test staged at 0.300 s: push (force [0, 900, 0] N)")
+
+
+@pytest.mark.trials
+def test_a_run_to_which_nothing_was_done_is_replayed_to_the_bit(stage, tmp_path):
+    run = stage.run("stand", record=tmp_path / "plain.rrd", duration=0.5)
+    assert run.report.staged is None
+    assert hbt.replay(run.recording).identical
+    assert "staged" not in explain(run.recording).text()
