@@ -87,9 +87,12 @@ def test_editors_know_its_skill(made: str) -> None:
     assert json.loads(SCHEMAS["campaigns"].read_text(encoding="utf-8"))["properties"]["require"]
 
 
-def test_the_page_on_editors_shows_its_task() -> None:
-    tasks = (builtin_root() / "template" / ".vscode" / "tasks.json").read_text(encoding="utf-8")
-    assert tasks in (ROOT / "docs" / "editors.md").read_text(encoding="utf-8")
+def test_the_page_on_editors_shows_its_task_and_its_schemas() -> None:
+    page = (ROOT / "docs" / "editors.md").read_text(encoding="utf-8")
+    settings = builtin_root() / "template" / ".vscode"
+    assert (settings / "tasks.json").read_text(encoding="utf-8") in page
+    schemas = json.loads((settings / "settings.json").read_text(encoding="utf-8"))["yaml.schemas"]
+    assert all(f'"{schema}": {json.dumps(files)}' in page for schema, files in schemas.items())
 
 
 def test_it_goes_beside_what_is_there(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
