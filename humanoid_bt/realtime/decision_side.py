@@ -171,6 +171,9 @@ class Realtime:
             self._folder = folder
             return ""
         channels.quit_flag(folder).beat(channels.ABANDONED)
+        if channels.has_left(folder):  # it may not have seen this any more
+            self._folder = folder
+            return ""
         folder.leave()
         return "control brings the robot to a stand and ends by itself"
 

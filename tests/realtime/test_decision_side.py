@@ -11,8 +11,9 @@ import pytest
 from humanoid_bt.control.body.standing import load_robot
 from humanoid_bt.core.errors import ControlLost
 from humanoid_bt.files.workspace import Workspace, builtin_root
+from humanoid_bt.link.run_folder import RunFolder, RunInfo
 from humanoid_bt.plant.scene import Scene, load_scene
-from humanoid_bt.realtime import decision_side
+from humanoid_bt.realtime import channels, decision_side
 from humanoid_bt.realtime.decision_side import Realtime
 from tests.tree.helpers import make_state
 
@@ -82,3 +83,21 @@ def test_a_decision_that_stands_still_at_the_end_waits_for_control_all_the_same(
     children = SimpleNamespace(how_ended=how_ended, end=lambda: None)
     played.engine._end(folder, children)
     assert len(looks) == 6
+
+
+@pytest.mark.parametrize("left", [False, True])
+def test_who_abandons_control_when_it_has_just_left_cleans_up(played: Played, tmp_path: Path, left: bool) -> None:
+    engine, folder = played.engine, RunFolder.create(RunInfo("tree", "robot"), tmp_path / "runs")
+    channels.create_channels(folder)
+    if left:
+        channels.leave(folder)
+    engine._folder = folder
+
+    def interrupted(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    engine._end = interrupted
+    with pytest.raises(KeyboardInterrupt):
+        engine.close()
+    assert folder.folder.exists() is not left
+    folder.close()

@@ -8,12 +8,15 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from humanoid_bt.core.texts import shortened
 from tests.safety import promises
 from tests.safety.background import load
 from tests.safety.plans import TREES, Plan
 from tests.safety.processes import Life, Watch
 from tests.safety.strikes import ENDINGS
 from tests.safety.victim import OverError, Victim
+
+_LONGEST = 600  # characters of a problem; the whole of it is in the trial's folder
 
 
 @dataclass
@@ -54,7 +57,7 @@ def tried(plan: Plan, folder: Path, links: Path) -> Trial:
 @contextlib.contextmanager
 def bystander(seed: int, folder: Path, links: Path) -> Iterator[Trial]:
     """Have a run beside all others that nobody strikes: nothing may happen to it, and its memory shows every leak."""
-    trial = Trial(Plan(seed, -1, "tour", "no", False, (), (0.0, ENDINGS[0])), folder / "bystander")
+    trial = Trial(Plan(seed, -1, "stand", "no", False, (), (0.0, ENDINGS[0])), folder / "bystander")
     with _guarded(trial, links, "--record-part-size", "50MB") as victim:
         yield trial
         _end(trial, victim)
@@ -73,7 +76,8 @@ def _guarded(trial: Trial, links: Path, *options: str) -> Iterator[Victim]:
             yield victim
     except Exception as error:
         where = traceback.extract_tb(error.__traceback__)[-1]
-        trial.problem = f"{error or type(error).__name__} ({Path(where.filename).name}:{where.lineno})"
+        told = shortened(str(error) or type(error).__name__, _LONGEST)
+        trial.problem = f"{told} ({Path(where.filename).name}:{where.lineno})"
     finally:
         victim.destroy()
 
