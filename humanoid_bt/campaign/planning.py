@@ -14,12 +14,13 @@ from humanoid_bt.campaign.requirement import Requirement
 from humanoid_bt.campaign.trial import CONDITION, PUSH, SET
 from humanoid_bt.campaign.variation import Factor, Variation
 from humanoid_bt.checking.check import load_checked
-from humanoid_bt.core.errors import Place, Problem, UserError, nearest, relative
+from humanoid_bt.core.errors import Place, Problem, UserError, nearest, relative, resolved
 from humanoid_bt.core.items import Item
 from humanoid_bt.core.params import Param, params_of
 from humanoid_bt.core.plain import plain
 from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.plant.scene_config import load_scene
+from humanoid_bt.robot.config import load_robot_config
 from humanoid_bt.session.loader import DEFAULT_ROBOT, DEFAULT_SCENE, used_files
 from humanoid_bt.session.report import versions
 from humanoid_bt.testing.conditions import Conditions
@@ -72,7 +73,7 @@ def planned(campaign: CampaignFile, workspace: Workspace, script: Sequence[Any] 
             for scene in _chosen(names, "scene") or [header.get("scene") or DEFAULT_SCENE]:
                 trees.append(_loaded(file, workspace, first, robot, scene))
                 settings.append(Setting(name, robot, scene))
-                used |= {*used_files(trees[-1]), workspace.find_scene(scene), workspace.find_robot(robot)}
+                used |= {*used_files(trees[-1]), workspace.find_scene(scene), *_of_robot(workspace.find_robot(robot))}
     reported = {name: spec.unit for tree in trees for node in tree.nodes for name, spec in node.type.results.items()}
     plan = Plan(
         campaign.name,
@@ -83,7 +84,7 @@ def planned(campaign: CampaignFile, workspace: Workspace, script: Sequence[Any] 
         campaign.dry,
         tuple(script),
         campaign.description,
-        {**{relative(file): digest(file) for file in sorted(used)}, "humanoid-bt": versions()["humanoid-bt"]},
+        {**{_called(file, workspace): digest(file) for file in sorted(used)}, "humanoid-bt": versions()["humanoid-bt"]},
         "" if workspace.root == Path.cwd() else relative(workspace.root),
     )
     return Planned(plan, tuple(_all(partial(Requirement, one, reported) for one in campaign.require)))
@@ -111,6 +112,17 @@ def _found(find: Callable[[str], Path], item: Item) -> Path:
         return find(item.value)
     except UserError as error:
         raise UserError([replace(problem, place=problem.place or item.place) for problem in error.problems]) from error
+
+
+def _of_robot(path: Path) -> tuple[Path, Path]:
+    """Return the files of a robot, but for what its model includes."""
+    return path, path.parent / load_robot_config(path).model
+
+
+def _called(file: Path, workspace: Workspace) -> str:
+    """Return what a file is called, seen from the workspace that it is in."""
+    roots = (resolved(root) for root in workspace.layers)
+    return next((str(file.relative_to(root)) for root in roots if file.is_relative_to(root)), relative(file))
 
 
 def _chosen(names: Sequence[Named], kind: str) -> list[str]:

@@ -27,6 +27,8 @@ NOT_SHIPPED = ("runs", ".git", ".venv*", "*.rrd", "__pycache__", "build", "dist"
 
 _AHEAD = 3  # tasks per processor that wait for it: it is never idle, and a million of them fill no memory
 
+_KNOCK_TIMEOUT = 10.0  # s
+
 _Answer = tuple[Done | Refused, bytes]  # and the recording
 
 
@@ -68,6 +70,7 @@ class RayCluster:
         self._ray: Any = ray
         shipped = {"working_dir": str(workspace), "excludes": list(NOT_SHIPPED)}
         try:
+            _knock(address)
             ray.init(address=address, runtime_env=shipped, log_to_driver=False, logging_level="error")
         except (ConnectionError, RuntimeError, ValueError, OSError) as error:
             why = str(error).strip().split("\n", maxsplit=1)[0]
@@ -111,6 +114,13 @@ class RayCluster:
         if recording:
             Path(task.recording).write_bytes(recording)
         return replace(done, task=task)
+
+
+def _knock(address: str) -> None:
+    """See that somebody listens at an address, for which Ray waits for minutes; raises OSError."""
+    host, colon, port = address.removeprefix("ray://").rpartition(":")
+    if colon and port.isdigit():
+        socket.create_connection((host.strip("[]"), int(port)), _KNOCK_TIMEOUT).close()
 
 
 def see_that_it_is_shipped(plan: Plan, workspace: Workspace) -> None:

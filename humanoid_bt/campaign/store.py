@@ -22,6 +22,7 @@ RESULTS, COSTS = "results.csv", "wall_clock.csv"
 _ABOUT, _JOURNAL, _EXPLAINED = "campaign.json", "journal.jsonl", "explained.jsonl"
 RECORDINGS = "recordings"
 _LOGS = "workers"
+_MOST = 3  # changes that are listed
 
 
 class Store:
@@ -51,7 +52,7 @@ class Store:
         with self._stack as stack:
             self._journal = stack.enter_context(Journal(folder / _JOURNAL))
             self._explained = stack.enter_context(Journal(folder / _EXPLAINED))
-            if not (folder / _ABOUT).exists():
+            if not self._journal.entries:
                 self.write(_ABOUT, f"{json.dumps(plan.to_dict(), indent=1)}\n".encode())
             self._stack = stack.pop_all()
 
@@ -154,12 +155,15 @@ def _refuse(folder: Path, plan: Plan, resume: bool) -> None:
             raise UserError(f"{relative(folder)!r} is there already and holds no campaign", hint="choose another --out")
         if resume and not folder.is_dir():
             raise UserError(f"there is no campaign in {relative(folder)!r} to resume", hint="begin it without --resume")
+    elif not read_journal(folder / _JOURNAL):
+        return  # it never came to a trial
     elif not resume:
         hint = "--resume goes on with it; or choose another --out"
         raise UserError(f"there is a campaign in {relative(folder)!r} already", hint=hint)
     elif changes := list(_changes(*(json.loads(json.dumps(one.to_dict())) for one in (there, plan)))):
         hint = "what was run differently does not belong into one table: begin anew with another --out"
-        raise UserError(f"the campaign in {relative(folder)!r} is another one: {', '.join(changes)}", hint=hint)
+        few = ", ".join(changes[:_MOST]) + f" and {len(changes) - _MOST} more" * (len(changes) > _MOST)
+        raise UserError(f"the campaign in {relative(folder)!r} is another one: {few}", hint=hint)
 
 
 def _changes(before: dict[str, Any], after: dict[str, Any]) -> Iterator[str]:

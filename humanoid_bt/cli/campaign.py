@@ -147,8 +147,9 @@ def _print(console: SafeConsole, said: Summary, verdicts: Sequence[Verdict], sto
 
 def _kept(store: Store, why: str) -> None:
     """Say what is kept of a campaign that is not done."""
-    kept = f"{len(store.results)} of {len(store.plan)} trials are kept"
-    print(f"{why}: {kept}; the same command with --out {relative(store.folder)} --resume goes on", file=sys.stderr)
+    if done := len(store.results):
+        kept = f"{done} of {len(store.plan)} trials are kept"
+        print(f"{why}: {kept}; the same command with --out {relative(store.folder)} --resume goes on", file=sys.stderr)
 
 
 @contextmanager

@@ -18,7 +18,7 @@ from humanoid_bt.campaign.workers import Done
 from humanoid_bt.cli.console import SafeConsole
 
 _EVERY = 30.0  # s between two lines where there is no terminal
-_BAR = 24  # columns
+_BAR = 16  # columns
 
 
 class CampaignProgress(Progress):
@@ -34,7 +34,7 @@ class CampaignProgress(Progress):
     def __init__(self, console: SafeConsole, total: int, before: Rate, quiet: bool) -> None:
         self._console, self._total, self._quiet = console, total, quiet
         self._begun = before.of
-        self._done, self._good, self._simulated = before.of, before.count, 0.0
+        self._done, self._good = before.of, before.count
         self._since = self._told = time.monotonic()
         self._explaining = self._explained = 0
         live = console.is_terminal and not quiet
@@ -46,7 +46,6 @@ class CampaignProgress(Progress):
         """Count a trial."""
         self._done += 1
         self._good += done.result.succeeded
-        self._simulated += done.result.time
         self._tell(last=self._done == self._total)
 
     def explaining(self, count: int) -> None:
@@ -84,10 +83,10 @@ class CampaignProgress(Progress):
         passed, here = time.monotonic() - self._since, self._done - self._begun
         words = [f"{self._done}/{self._total} trials"]
         if here:
-            words.append(f"{here / passed:.1f}/s ({self._simulated / passed:.0f}x real time)")
+            words.append(f"{here / passed:.1f}/s")
         if self._done:
             rate = Rate(self._good, self._done)
-            words.append(f"success {percent(rate.share)} ({between(rate.interval)})")
+            words.append(f"{percent(rate.share)} succeed ({between(rate.interval)})")
         if here and self._done < self._total:
             words.append(f"{duration(passed / here * (self._total - self._done))} left")
         return words
@@ -95,7 +94,9 @@ class CampaignProgress(Progress):
     def _row(self) -> Table:
         done, total = (self._explained, self._explaining) if self._explaining else (self._done, self._total)
         row = Table.grid(padding=(0, 2))
-        row.add_row(ProgressBar(total or 1, done, width=_BAR), Text("  ".join(self._words())))
+        row.add_row(
+            ProgressBar(total or 1, done, width=_BAR), Text("  ".join(self._words()), no_wrap=True, overflow="ellipsis")
+        )
         return row
 
 

@@ -6,11 +6,14 @@ import argparse
 import json
 import shlex
 import sys
+import tempfile
 from collections.abc import Iterable, Sequence
+from pathlib import Path
 
 from humanoid_bt.cli.output import columns, print_lines
-from humanoid_bt.core.errors import relative
+from humanoid_bt.core.errors import UserError, relative
 from humanoid_bt.core.texts import one_line, shortened
+from humanoid_bt.record.parts import parts_of
 from humanoid_bt.record.sinks import has_display
 from humanoid_bt.record.viewers import free_port, start_viewer
 from humanoid_bt.review.compare_run import NodeShift, Parting
@@ -93,9 +96,16 @@ def _short(text: str) -> str:
 
 
 def _view(one: Recording, other: Recording) -> None:
+    """Show both in one view."""
+    from humanoid_bt.record.side_by_side import write_side_by_side  # the viewer's library takes its time
+
+    both = Path(tempfile.mkdtemp(prefix="humanoid-bt-")) / f"{one.path.stem}-and-{other.path.stem}.rrd"
+    try:
+        write_side_by_side(both, (parts_of(one.path), parts_of(other.path)))
+    except OSError as error:
+        raise UserError(f"the view of both cannot be written: {error.strerror}: {str(both)!r}") from error
     if has_display():
-        start_viewer(free_port(), one.path, other.path)
+        start_viewer(free_port(), both)
     else:
-        print(
-            f"\nthere is no display here; where there is one: {shlex.join(['rerun', str(one.path), str(other.path)])}"
-        )
+        print("\nthere is no display here; where there is one:")
+    print(f"both in one view: {shlex.join(['rerun', str(both)])}")

@@ -88,12 +88,17 @@ class Controller:
         self._held = supervisor.hold
         self._plant.step(self.servo.command)
         self.cycle += 1
-        self._measurement = self._plant.measure()
-        if self.log is not None:
-            self.log.note(self.cycle, self._measurement, supervisor, self.servo, self.whole_body)
+        log = self.log
+        if log is None:
+            self._measurement = self._plant.measure()
+        else:
+            self._measurement = self._plant.measure(log.next)
+            log.note(self.cycle, supervisor, self.servo, self.whole_body)
 
     def _plan(self, measurement: Measurement) -> None:
         supervisor, body = self.supervisor, self.whole_body
+        if self.log is not None:
+            self.log.end_plan()
         setpoint = body.update(measurement, supervisor.targets, supervisor.hold)
         refused = self.servo.follow(setpoint)
         self._setpoint_fault = refused or ("" if body.solved else "inverse kinematics without a solution")

@@ -5,9 +5,10 @@ One table has a row for each servo cycle, another one a row for each plan of the
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from struct import Struct
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -26,6 +27,9 @@ MODES, GAITS = tuple(Mode), tuple(Gait)
 NONE = -1.0
 """Stands for the error of a hand that nothing commands, and for the command before the first."""
 
+_CYCLE, _PLAN = Struct("3d"), Struct(f"{4 + len(SIDES)}d")  # their single numbers
+
+_NO_HANDS = (NONE,) * len(SIDES)
 _POSE, _TWIST = 3 + 4, 3 + 3  # numbers of the base: position and quaternion, velocity and rate
 _LATE = 4.0  # s that a reader may be late before it misses something
 
@@ -140,6 +144,9 @@ class Layout:
 class CycleLog:
     """Control's end of the tables.
 
+    It must not cost a servo cycle anything: the plant measures right into the next row, and what belongs to a plan is
+    copied a part each cycle, until the next plan.
+
     Args:
         plans, servo_cycles: the tables, as :class:`Layout` makes them.
         layout: of the robot.
@@ -149,51 +156,62 @@ class CycleLog:
         self._plans, self._cycles = plans, servo_cycles
         joints = len(layout.joints)
         self._plan_rows = _parts(plans.rows, 4 + len(SIDES), *[joints] * 4)
-        self._cycle_rows = _parts(servo_cycles.rows, 3, _POSE + joints, _TWIST + joints, joints)
+        rows = _parts(servo_cycles.rows, 3, _POSE + joints, _TWIST + joints, joints)
+        self._numbers = [row[0] for row in rows]
+        self._measured = [Measurement(0.0, *row[1:]) for row in rows]
+        self._count = len(rows)
         self._command: object = None
+        self._plan: Iterator[None] = iter(())  # what is left to copy of the last one
         self._mode, self._mode_number = MODES[0], 0  # an enumeration is slow to look up
 
-    def note(self, cycle: int, measurement: Measurement, supervisor: Supervisor, servo: Servo, body: WholeBody) -> None:
-        """Take the servo cycle that just was.
+    @property
+    def next(self) -> Measurement:
+        """Where the plant is to measure what comes next; it stays until a row's turn comes again."""
+        return self._measured[self._cycles.count % self._count]
+
+    def note(self, cycle: int, supervisor: Supervisor, servo: Servo, body: WholeBody) -> None:
+        """Take the servo cycle that just was, after which the plant has measured into :attr:`next`.
 
         Args:
             cycle: servo cycles so far, this one included.
-            measurement: what the plant measured after it.
             supervisor, servo, body: as they were in it.
         """
+        table, command, mode = self._cycles, supervisor.command, supervisor.mode
+        if mode is not self._mode:
+            self._mode, self._mode_number = mode, MODES.index(mode)
+        number = NONE if command is None else command.sequence
+        _CYCLE.pack_into(self._numbers[table.count % self._count], 0, cycle, self._mode_number, number)
+        table.publish()
         if servo.command is not self._command:
+            self.end_plan()
             self._command = servo.command
-            self._note_plan(cycle, supervisor, servo, body)
-        numbers, qpos, qvel, torque, force = self._cycle_rows[self._cycles.count % len(self._cycle_rows)]
-        command = supervisor.command
-        if supervisor.mode is not self._mode:
-            self._mode = supervisor.mode
-            self._mode_number = MODES.index(self._mode)
-        numbers[0] = cycle
-        numbers[1] = self._mode_number
-        numbers[2] = NONE if command is None else command.sequence
-        qpos[:] = measurement.qpos
-        qvel[:] = measurement.qvel
-        torque[:] = measurement.joint_torque
-        force[:] = measurement.foot_force
-        self._cycles.publish()
+            self._plan = self._note_plan(cycle, mode is not Mode.DAMP, servo, body)
+        next(self._plan, None)
 
-    def _note_plan(self, cycle: int, supervisor: Supervisor, servo: Servo, body: WholeBody) -> None:
+    def end_plan(self) -> None:
+        """Copy what is left of a plan, before there is another one."""
+        for _ in self._plan:
+            pass
+
+    def _note_plan(self, cycle: int, stiff: bool, servo: Servo, body: WholeBody) -> Iterator[None]:
+        """Copy a plan, a part at a time."""
         numbers, position, velocity, torque, limited, com_error = self._plan_rows[
             self._plans.count % len(self._plan_rows)
         ]
-        numbers[0] = cycle
-        numbers[1] = GAITS.index(body.walker.gait)
-        numbers[2] = body.solved
-        numbers[3] = supervisor.mode is not Mode.DAMP
-        errors = body.kinematics.hand_errors
-        for number, side in enumerate(SIDES, 4):
-            numbers[number] = errors.get(side, NONE)
-        position[:] = servo.command.position
-        velocity[:] = servo.command.velocity
-        torque[:] = servo.command.torque
+        command, kinematics = servo.command, body.kinematics
+        yield
+        position[:] = command.position
+        velocity[:] = command.velocity
+        yield
+        torque[:] = command.torque
         limited[:] = servo.limited
-        com_error[:] = body.kinematics.com_error
+        yield
+        com_error[:] = kinematics.com_error
+        gait = GAITS.index(body.walker.gait)
+        yield
+        errors = kinematics.hand_errors
+        hands = [errors.get(side, NONE) for side in SIDES] if errors else _NO_HANDS
+        _PLAN.pack_into(numbers, 0, cycle, gait, body.solved, stiff, *hands)
         self._plans.publish()
 
 

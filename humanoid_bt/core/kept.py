@@ -39,4 +39,5 @@ class Kept(list[Entry]):
 
     def since(self, total: int) -> list[Entry]:
         """Return what was added after there were so many, oldest first."""
-        return self[max(len(self) - (self.total - total), 0) :]
+        new = self.total - total
+        return self[max(len(self) - new, 0) :] if new else []

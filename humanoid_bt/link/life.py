@@ -33,14 +33,14 @@ def end(descriptor: int) -> None:
 
 
 def lives(path: Path) -> bool:
-    """Return whether anybody has the file of :func:`begin` open."""
+    """Return whether anybody has a file locked, as whoever has that of :func:`begin` open."""
     try:
         descriptor = os.open(path, os.O_RDONLY | os.O_NOFOLLOW)
     except OSError:
         return False
     try:
         fcntl.flock(descriptor, fcntl.LOCK_SH | fcntl.LOCK_NB)
-    except BlockingIOError:
+    except OSError:  # most likely: another has the lock
         return True
     finally:
         os.close(descriptor)

@@ -10,8 +10,12 @@ from humanoid_bt.core.messages import JointCommand, Measurement
 class Plant(Protocol):
     """What the servo drives: a simulation or a real robot."""
 
-    def measure(self) -> Measurement:
-        """Return what the sensors say now."""
+    def measure(self, into: Measurement | None = None) -> Measurement:
+        """Return what the sensors say now.
+
+        Args:
+            into: whose arrays are filled and returned, instead of new ones; its time counts for nothing.
+        """
         ...
 
     def step(self, command: JointCommand) -> None:

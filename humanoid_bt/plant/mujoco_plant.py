@@ -96,16 +96,16 @@ class MujocoPlant:
         except mujoco.FatalError as error:
             raise UserError(_gives_up(error), Place(relative(self.scene.config.path)), code="model") from error
 
-    def measure(self) -> Measurement:
-        """Return what the robot's sensors say now."""
+    def measure(self, into: Measurement | None = None) -> Measurement:
+        """Return what the robot's sensors say now, as :class:`~humanoid_bt.plant.interface.Plant` wants it."""
         left, right = self._feet
-        return Measurement(
-            time=self.time,
-            qpos=self._qpos.copy(),
-            qvel=self._qvel.copy(),
-            joint_torque=self._torque.copy(),
-            foot_force=np.array([abs(left.item()), abs(right.item())]),
-        )
+        if into is None:
+            qpos, qvel, torque, force = self._qpos.copy(), self._qvel.copy(), self._torque.copy(), np.empty(2)
+        else:
+            qpos, qvel, torque, force = into.qpos, into.qvel, into.joint_torque, into.foot_force
+            qpos[:], qvel[:], torque[:] = self._qpos, self._qvel, self._torque
+        force[0], force[1] = abs(left.item()), abs(right.item())
+        return Measurement(self.time, qpos, qvel, torque, force)
 
     def step(self, command: JointCommand) -> None:
         """Drive the joints for one servo period.

@@ -65,7 +65,7 @@ class Realtime:
         model: MuJoCo's, of the whole scene.
         supervisor: what is known of the supervisor.
         notices: what happened in other processes so far: (time [s], level, text).
-        inputs: nothing: what comes from outside is sensed.
+        inputs: keys of the blackboard that a program set; what else comes from outside is sensed.
         external_force_max: largest external force on any body; known after :meth:`close`.
         unseen: percepts that were never published so far, and why.
     """

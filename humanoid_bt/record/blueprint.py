@@ -12,7 +12,9 @@ from humanoid_bt.record import camera, documents, events, eye, lanes, overlays, 
 from humanoid_bt.record.columns import TIMELINE, entity
 from humanoid_bt.record.scene_view import WORLD
 
-_BACKGROUND = (126, 139, 156)  # lighter than most robots, darker than labels
+BACKGROUND = (126, 139, 156)
+"""Lighter than most robots, darker than labels."""
+
 _MARGIN = 10.0  # around the tree
 _ONE_TIME = rrb.TimeAxis(link="LinkToGlobal")  # what is moved or zoomed in one view moves in all
 
@@ -61,7 +63,7 @@ def _scene(base_height: float) -> Any:
         contents=["/**", f"- /{camera.CAMERA}/**", f"- /{tree_view.TREE}/**"],
         eye_controls=rrb.EyeControls3D(position=eye.position(base_height), look_target=(0, 0, 0), eye_up=(0, 0, 1)),
         spatial_information=rrb.SpatialInformation(target_frame=eye.FRAME),
-        background=_BACKGROUND,
+        background=BACKGROUND,
         line_grid=False,
         overrides={overlays.PATH: all_until_now},
     )

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import fcntl
-import os
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -12,6 +10,7 @@ from pathlib import Path
 
 from humanoid_bt.core.errors import UserError, relative
 from humanoid_bt.core.sizes import shown_size
+from humanoid_bt.link.life import lives
 from humanoid_bt.record.folder_limits import FolderLimits
 from humanoid_bt.record.parts import first_of, is_recording
 
@@ -46,7 +45,7 @@ class Recorded:
     @property
     def is_written(self) -> bool:
         """Whether a run writes it now."""
-        return any(_is_locked(part) for part in self.parts)
+        return any(lives(part.resolve()) for part in self.parts)
 
     def keep(self, wanted: bool) -> bool:
         """Keep it for good, or no longer; return whether that was so before.
@@ -166,18 +165,3 @@ def _recorded(first: Path, files: list[Path]) -> Iterator[Recorded]:
     if parts and match:
         parts.sort(key=lambda part: (len(part.name), part.name))
         yield Recorded(first, match["tree"], began, tuple(parts), tuple(beside), size, kept)
-
-
-def _is_locked(path: Path) -> bool:
-    """Return whether another has locked a file, as those do who write it."""
-    try:
-        descriptor = os.open(path, os.O_RDONLY | os.O_CLOEXEC)
-    except OSError:
-        return False
-    try:
-        fcntl.flock(descriptor, fcntl.LOCK_SH | fcntl.LOCK_NB)
-    except OSError:
-        return True
-    finally:
-        os.close(descriptor)
-    return False

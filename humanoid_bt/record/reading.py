@@ -23,6 +23,7 @@ from humanoid_bt.core.clock import SERVO_PERIOD
 from humanoid_bt.core.errors import UserError, relative
 from humanoid_bt.core.messages import Array, Percept
 from humanoid_bt.link.wire import WireError
+from humanoid_bt.record import shape
 from humanoid_bt.record.packing import BlockError, unbundle, unpack
 from humanoid_bt.record.parts import is_recording, parts_of
 from humanoid_bt.record.rrd import RrdFile
@@ -30,7 +31,7 @@ from humanoid_bt.record.tick import Tick, percepts_of
 
 _ENTITY, _TIMELINE = "/flight", "sim_time"
 _AT = 1e-7  # s; engine times are sums of floats
-_STATIC = ("layout", "setup")
+_SHAPES = {"layout": shape.LAYOUT, "setup": shape.SETUP}  # of what is said once
 _BLOCKS = ("plans", "cycles", "ticks", "news")
 _LATE = 2.0  # s by which news may come later than it happened
 _OLDER = "another program made it, or an older version"
@@ -73,8 +74,9 @@ class FlightLog:
 
     Attributes:
         path: the file.
-        setup: what was run, see :func:`~humanoid_bt.session.setup.run_setup`.
-        layout: what the rows of plans and cycles hold.
+        setup: what was run, see :func:`~humanoid_bt.session.setup.run_setup`; what is not as it should be, whoever
+            wrote it, is as if nobody knew.
+        layout: what the rows of plans and cycles hold, empty if the file does not say.
         blocks: name -> blocks as they are in the file, packed.
         until: name -> the engine time [s] that no row of the block at the same place is beyond.
         damaged: how many blocks could not be read so far.
@@ -82,7 +84,7 @@ class FlightLog:
     """
 
     path: Path
-    setup: dict[str, Any] = field(default_factory=dict)
+    setup: dict[str, Any] = field(default_factory=lambda: dict(shape.SETUP({})))
     layout: dict[str, Any] = field(default_factory=dict)
     blocks: dict[str, list[bytes]] = field(default_factory=lambda: {name: [] for name in _BLOCKS})
     until: dict[str, list[float]] = field(default_factory=lambda: {name: [] for name in _BLOCKS})
@@ -189,7 +191,7 @@ class FlightLog:
                 continue
             try:
                 time, kind, value = json.loads(message)
-                found = News(float(time), str(kind), value)
+                found = News(shape.time(time), kind, shape.NEWS.get(kind, shape.anything)(value))
             except (ValueError, TypeError, RecursionError):
                 self.damaged += 1
                 continue
@@ -266,11 +268,11 @@ def _fill(log: FlightLog, file: RrdFile) -> None:
     """Take what a file holds into a log."""
     for batch in file.batches(_ENTITY):
         for column, time, value in _values(batch):
-            if column not in _STATIC:
+            if column not in _SHAPES:
                 log.blocks[column].append(value)
                 log.until[column].append(max(time, log.until[column][-1]) if log.until[column] else time)
             elif data := _data(value):
-                setattr(log, column, data)
+                setattr(log, column, _SHAPES[column](data))
             else:
                 log.damaged += 1
 
@@ -289,9 +291,9 @@ def _values(batch: Any) -> Iterator[tuple[str, float, Any]]:
     names = batch.schema.names
     timed = _TIMELINE in names
     times = [time.value for time in batch.column(_TIMELINE)] if timed else [0] * batch.num_rows  # a cast costs more
-    for column in (*_STATIC, *_BLOCKS):
+    for column in (*_SHAPES, *_BLOCKS):
         if column in names:
-            wanted = str if column in _STATIC else bytes
+            wanted = str if column in _SHAPES else bytes
             for time, row in zip(times, batch.column(column).to_pylist(), strict=True):
                 for value in row or ():
                     if isinstance(value, wanted):

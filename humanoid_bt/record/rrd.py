@@ -10,7 +10,7 @@ from __future__ import annotations
 import errno
 import os
 import struct
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any, BinaryIO
 
@@ -54,14 +54,18 @@ class RrdFile:
             OSError: it cannot be read.
             ValueError: it is no recording.
         """
+        return (batch for _, batch in self.batches_of(lambda named: named == entity))
+
+    def batches_of(self, wanted: Callable[[str], bool]) -> Iterator[tuple[str, Any]]:
+        """Yield what the file has for entities that are wanted, each with the entity's name; as :meth:`batches`."""
         for content in self._contents():
             try:
-                batch = _batch(content, entity.encode())
+                entity, batch = _batch(content, wanted)
             except _MAYBE_DAMAGED:
                 self.damaged += 1
                 continue
             if batch is not None:
-                yield batch
+                yield entity, batch
 
     def _contents(self) -> Iterator[bytes]:
         """Yield the content of every message with data."""
@@ -108,8 +112,8 @@ def _next(file: BinaryIO, begin: int, size: int) -> int | None:
     return None
 
 
-def _batch(content: bytes, entity: bytes) -> Any:
-    """Return what a message has, None if it is for another entity.
+def _batch(content: bytes, wanted: Callable[[str], bool]) -> tuple[str, Any]:
+    """Return the entity that a message is for and what it has, None if the entity is not wanted.
 
     Raises:
         One of those in ``_MAYBE_DAMAGED``: it is damaged.
@@ -121,11 +125,12 @@ def _batch(content: bytes, entity: bytes) -> Any:
             raise ValueError(f"{len(raw)} bytes cannot become {size}")
         raw = pa.decompress(raw, size, codec="lz4_raw")
     stream = pa.ipc.open_stream(raw)
-    if (stream.schema.metadata or {}).get(b"rerun:entity_path") != entity:
-        return None
+    entity = (stream.schema.metadata or {}).get(b"rerun:entity_path", b"").decode()
+    if not wanted(entity):
+        return entity, None
     batch = stream.read_next_batch()
     batch.validate(full=True)
-    return batch
+    return entity, batch
 
 
 def _fields(message: bytes) -> Iterator[tuple[int, Any]]:

@@ -106,10 +106,8 @@ class Motion:
         return sorted([*full, *others], key=lambda limited: limited.begin)
 
     def _at_torque_limit(self) -> list[Limited]:
-        joints = self._log.setup.get("robot", {}).get("joints", [])
-        limits = self._log.setup.get("robot", {}).get("limits", {}).get("torque", [])
-        found = []
-        for number, (joint, limit) in enumerate(zip(joints, limits, strict=False)):
+        robot, found = self._log.setup["robot"], []
+        for number, (joint, limit) in enumerate(zip(robot["joints"], robot["limits"]["torque"], strict=True)):
             if limit is None:
                 continue
             torque = np.abs(self._torque[:, number])

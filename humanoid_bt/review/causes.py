@@ -138,10 +138,12 @@ def _error(history: History, time: float) -> Cause:
         return Cause("conflict", f"{short}, at {when(time)}", time, paths[-1] if paths else "", rows)
     if "process" in reason and ("ended" in reason or "silent" in reason):
         who = "control" if "control" in reason else "a process of the run"
-        text = f"{who} was lost at {when(history.until)}: {reason}"
-        rows = [*_notices(history, history.until), *_noted(history)]
+        silent = "silent" in reason  # and came back later
+        at = time if silent else history.until
+        text = f"{who} {'stalled' if silent else 'was lost'} at {when(at)}: {reason}"
+        rows = [*_notices(history, at), *_noted(history)]
         ticked = history.last_tick.state.time if history.last_tick else time
-        return Cause("control", text, history.until, _actor(history, ticked - DECISION_PERIOD / 2), rows)
+        return Cause("control", text, at, _actor(history, ticked - DECISION_PERIOD / 2), rows)
     return Cause("error", f"{reason}, at {when(time)}", time, _actor(history, time), [])
 
 

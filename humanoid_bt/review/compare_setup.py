@@ -38,29 +38,24 @@ def setup_changes(one: Mapping[str, Any], other: Mapping[str, Any]) -> Iterator[
         one, other: what was run, as recordings have it.
     """
     yield from _changes("settings", _settings(one), _settings(other))
-    trees = setup.part(one, "tree"), setup.part(other, "tree")
+    trees = one["tree"], other["tree"]
     for change in changed_parameters(*map(setup.parameters, trees)):
         before, after = (None if info is None else shown(info) for info in (change.before, change.after))
         yield Change("parameters", change.name, before, after)
     yield from _changes("files", _files(one), _files(other))
     yield from _node_changes(*map(_nodes, trees))
     for part in ("versions", "machine"):
-        yield from _changes(part, setup.part(one, part), setup.part(other, part))
+        yield from _changes(part, one[part], other[part])
 
 
 def _settings(run: Mapping[str, Any]) -> dict[str, Any]:
-    names = {key: setup.text(setup.part(run, key), "name") for key in ("tree", "robot", "scene")}
+    names = {key: run[key]["name"] for key in ("tree", "robot", "scene")}
     return {**names, **{key: run.get(key) for key in _SETTINGS}}
 
 
 def _files(run: Mapping[str, Any]) -> dict[str, str]:
     """Return the hash of every file by its role and name."""
-    files = run.get("files")
-    described = [setup.part(file) for file in files] if isinstance(files, list) else []
-    return {
-        f"{setup.text(file, 'role')} {setup.text(file, 'name')}": setup.text(file, "sha256")[:_HASH]
-        for file in described
-    }
+    return {f"{file['role']} {file['name']}": file["sha256"][:_HASH] for file in run["files"]}
 
 
 def _changes(part: str, one: Mapping[str, Any], other: Mapping[str, Any]) -> Iterator[Change]:

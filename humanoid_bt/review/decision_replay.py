@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from py_trees.common import Status
 
-from humanoid_bt.core.errors import HumanoidBtError
+from humanoid_bt.core.errors import HumanoidBtError, UserError
 from humanoid_bt.core.messages import Mode, Percept
 from humanoid_bt.decision.robot import Robot
 from humanoid_bt.realtime.remote_supervisor import StateClock
@@ -18,6 +19,7 @@ from humanoid_bt.record.tick import Tick
 from humanoid_bt.review.compare_run import Parting, command_parting
 from humanoid_bt.review.recorded_run import RecordedRun
 from humanoid_bt.robot.config import load_robot_config
+from humanoid_bt.session.blackboard import Blackboard
 from humanoid_bt.tree.ticking.executor import Executor, NodeChange
 from humanoid_bt.tree.tree import Tree
 
@@ -70,9 +72,11 @@ def decide_again(log: FlightLog, run: RecordedRun, tree: Tree, robot: Path) -> D
         done.ticks, done.duration = done.ticks + 1, clock.time - first
         percepts |= {percept.name: percept for percept in tick.percepts}
         for one in news:
-            if one.kind == "unseen" and isinstance(one.value, dict):
+            if one.kind == "unseen":
                 unseen.clear()
                 unseen.update(one.value)
+            if one.kind == "input" and one.value[1] == "key":
+                set_again(tree, one.value[2], begun=done.ticks > 1)
         changes.clear()
         try:
             command = executor.tick(tick.state, percepts)
@@ -98,6 +102,23 @@ def decide_again(log: FlightLog, run: RecordedRun, tree: Tree, robot: Path) -> D
 def is_paused(tick: Tick) -> bool:
     """Return whether control held the robot, or was to, because somebody paused the run."""
     return tick.state.mode is Mode.PAUSED or (tick.command is not None and tick.command.pause is not None)
+
+
+def set_again(tree: Tree, told: list[Any], begun: bool) -> None:
+    """Set, or delete, a key of the blackboard as a program did.
+
+    Args:
+        tree: its tree; a key that it does not have is left alone.
+        told: the key's name, and its value if it has one.
+        begun: whether the tree has been ticked.
+    """
+    name, *value = told
+    keys = Blackboard(tree.keys, begun)
+    with suppress(UserError):
+        if value:
+            keys[name] = value[0]
+        else:
+            del keys[name]
 
 
 class _Recorded:
@@ -139,7 +160,7 @@ class _Recorded:
 def _nodes_differ(now: float, news: list[News], changes: list[NodeChange], last: bool) -> Parting | None:
     """Return the first node that changed otherwise, None if all did as recorded."""
     nodes = [one.value for one in news if one.kind == "node" and abs(one.time - now) < _AT]
-    before = [(path, status) for path, status, *_ in (value for value in nodes if _is_change(value))]
+    before = [(path, status) for path, status, _ in nodes]
     after = [(change.path, change.status.name) for change in changes]
     if last and all(status == Status.INVALID.name for _, status in before[len(after) :]):
         del before[len(after) :]  # a tree that is halted when its run ends is halted after its last tick
@@ -156,8 +177,3 @@ def _status(own: tuple[str, str] | None, other: tuple[str, str] | None) -> str:
     if own is None:
         return "no change"
     return own[1] if other is None or own[0] == other[0] else f"{own[0]} {own[1]}"
-
-
-def _is_change(value: Any) -> bool:
-    """Return whether this is the change of a node's status, whoever wrote it."""
-    return isinstance(value, list) and list(map(type, value)) == [str] * 3

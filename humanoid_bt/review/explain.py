@@ -112,7 +112,8 @@ def _rows(history: History, cause: Cause) -> Iterator[Row]:
 
 def _run(history: History) -> str:
     setup, end = history.setup, history.end
-    what = f"{history.tree().get('name')} on {setup['robot']['name']} in {setup['scene']['name']}, {setup['mode']}"
+    names = [part["name"] or "?" for part in (history.tree(), setup["robot"], setup["scene"])]
+    what = f"{names[0]} on {names[1]} in {names[2]}, {setup['mode'] or '?'}"
     outcome = f": {end['outcome']} after {_lasted(history):.2f} s" if end else ": its end is not recorded"
     return f"{what}, seed {setup['seed']}{outcome}"
 

@@ -127,7 +127,7 @@ def without_result(history: History, time: float, outcome: str, reason: str) -> 
     rows = warned(history)
     if outcome == "interrupted":
         return Cause("interrupted", f"the run was ended at {when(time)}{during}: {cut(reason)}", time, actor, rows)
-    limit = history.setup.get("duration")
+    limit = history.setup["duration"]
     said = f" ({cut(_said_last(history, actor, time))})" if actor else ""
     up = f"its {limit:g} s were up" if limit else "its time was up"
     return Cause("unfinished", f"the run was ended at {when(time)}, {up}{during}{said}", time, actor, rows)

@@ -1,10 +1,9 @@
-"""What happened in a run, out of a recording, as rows of tables; what makes no sense is left out and counted."""
+"""What happened in a run, out of a recording, as rows of tables."""
 
 from __future__ import annotations
 
 import json
-import math
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from functools import cached_property
 from typing import Any
 
@@ -13,88 +12,64 @@ from humanoid_bt.review import setup
 
 Row = dict[str, Any]
 
-_LONGEST = 1e9  # s: a time beyond is none
-_ODD = (TypeError, ValueError, KeyError, IndexError, AttributeError, OverflowError, RecursionError)
-
 
 class Happened:
     """Everything that was told during a run.
 
     Args:
         log: the recording.
-
-    Attributes:
-        odd: how many entries could not be understood so far.
     """
 
     def __init__(self, log: FlightLog) -> None:
         self._log = log
-        self.odd = 0
 
     @cached_property
     def known(self) -> dict[str, setup.NodeInfo]:
         """Every node of every tree that ran, by path."""
-        trees = [setup.part(self._log.setup, "tree"), *(setup.part(news.value) for news in self._of("tree"))]
+        trees = [self._log.setup["tree"], *(news.value for news in self._of("tree"))]
         return {path: node for tree in trees for path, node in setup.nodes(tree).items()}
 
     @cached_property
     def end(self) -> Row:
         """How the run ended, empty if nobody knows."""
-        return next((setup.part(news.value) for news in self._of("end")), {})
+        return next((news.value for news in self._of("end")), {})
 
     @cached_property
     def nodes(self) -> list[Row]:
         """Every change of a node's status."""
-        return self._rows("node", self._node)
+        return [self._node(news.time, *news.value) for news in self._of("node")]
 
     @cached_property
     def results(self) -> list[Row]:
         """Everything that skills reported."""
-        found = self._rows("results", lambda time, value: list(_results(time, *value)))
-        return [row for rows in found for row in rows]
+        return [_result(news.time, news.value[0], *result) for news in self._of("results") for result in news.value[1]]
 
     @cached_property
     def events(self) -> list[Row]:
         """Whatever else happened."""
-        return self._rows(
-            "event", lambda time, value: {"time": time, "level": _text(value[0]), "text": _text(value[1])}
-        )
+        found = ((news.time, *news.value) for news in self._of("event"))
+        return [{"time": time, "level": level, "text": text} for time, level, text in found]
 
     @cached_property
     def blackboard(self) -> list[Row]:
         """Every change of a key."""
-        return self._rows(
-            "key",
-            lambda time, value: {
-                "time": time,
-                "key": _text(value[0]),
-                "value": json.dumps(value[1]) if len(value) > 1 else None,
-            },
-        )
+        return [_key(news.time, *news.value) for news in self._of("key")]
 
     @cached_property
     def stops(self) -> list[Row]:
         """Every stop."""
-        return self._rows(
-            "stop",
-            lambda _, stop: {
-                "time": _time(stop["time"]),
-                **{key: _text(stop[key]) for key in ("mode", "reason", "source")},
-            },
-        )
+        return [{key: news.value[key] for key in ("time", "mode", "reason", "source")} for news in self._of("stop")]
 
     @cached_property
     def inputs(self) -> list[Row]:
         """What came from outside."""
-        return self._rows(
-            "input",
-            lambda _, value: {"time": _time(value[0]), "kind": _text(value[1]), "value": json.dumps(value[2])},
-        )
+        found = (news.value for news in self._of("input"))
+        return [{"time": time, "kind": kind, "value": json.dumps(value)} for time, kind, value in found]
 
     @cached_property
     def last(self) -> float:
         """The engine time [s] of the last that was told."""
-        return max((news.time for news in self._log.news if 0.0 <= news.time < _LONGEST), default=0.0)
+        return max((news.time for news in self._log.news), default=0.0)
 
     def spans(self, until: float) -> list[Row]:
         """Return when nodes ran, in the order in which they began.
@@ -116,8 +91,7 @@ class Happened:
             span["duration"] = max(span["ended"] - span["time"], 0.0)
         return found
 
-    def _node(self, time: float, value: Any) -> Row:
-        path, status, said = map(_text, value)
+    def _node(self, time: float, path: str, status: str, said: str) -> Row:
         known = self.known.get(path, setup.NodeInfo(path))
         name = path.rsplit("/", 1)[-1]
         return {
@@ -132,15 +106,6 @@ class Happened:
 
     def _of(self, kind: str) -> Iterator[News]:
         return (news for news in self._log.news if news.kind == kind)
-
-    def _rows(self, kind: str, row: Callable[[float, Any], Any]) -> list[Any]:
-        rows = []
-        for news in self._of(kind):
-            try:
-                rows.append(row(_time(news.time), news.value))
-            except _ODD:
-                self.odd += 1
-        return rows
 
 
 class Running:
@@ -172,37 +137,17 @@ class Running:
         return self._text
 
 
-def _results(time: float, path: Any, results: Any) -> Iterator[Row]:
-    for name, value, unit in results:
-        number = value if isinstance(value, (int, float)) and not isinstance(value, bool) else None
-        yield {
-            "time": time,
-            "node": _text(path),
-            "result": _text(name),
-            "value": None if number is None else float(number),
-            "text": None if number is not None else value if isinstance(value, str) else json.dumps(value),
-            "unit": _text(unit),
-        }
+def _result(time: float, path: str, name: str, value: Any, unit: str) -> Row:
+    number = value if isinstance(value, (int, float)) and not isinstance(value, bool) else None
+    return {
+        "time": time,
+        "node": path,
+        "result": name,
+        "value": None if number is None else float(number),
+        "text": None if number is not None else value if isinstance(value, str) else json.dumps(value),
+        "unit": unit,
+    }
 
 
-def _time(value: Any) -> float:
-    """Return an engine time [s].
-
-    Raises:
-        ValueError: it is none.
-    """
-    time = float(value)
-    if not (math.isfinite(time) and 0.0 <= time < _LONGEST):
-        raise ValueError(f"{value} is no time")
-    return time
-
-
-def _text(value: Any) -> str:
-    """Return a text.
-
-    Raises:
-        TypeError: it is none.
-    """
-    if not isinstance(value, str):
-        raise TypeError(f"{value!r} is no text")
-    return value
+def _key(time: float, key: str, *value: Any) -> Row:
+    return {"time": time, "key": key, "value": json.dumps(value[0]) if value else None}

@@ -37,7 +37,10 @@ HINTS: dict[str, tuple[str, ...]] = {
     "conflict": ("only one node at a time may command a resource: docs/concepts.md",),
     "timeout": ("a longer duration, or find out why the node did not end: humanoid-bt explain --node NAME",),
     "failed": ("humanoid-bt explain --node NAME shows what the node did; docs/tree-reference.md has recovery",),
-    "control": ("RECORDING.control.log says what control noted last; dmesg says whether the system killed it",),
+    "control": (
+        "RECORDING.control.log says what control noted last; dmesg says whether the system killed it",
+        "docs/realtime.md says what keeps the machine from stalling it",
+    ),
     "cut": ("free the disk, or raise 'ulimit -f'; the run's report and RECORDING.control.log know the rest",),
     "stop": ("look at who asked for the stop",),
     "error": ("the traceback is in the report (--report)",),

@@ -93,9 +93,9 @@ class History:
         self.events = [Happened(time, *value) for time, kind, value in news if kind == "event"]
         self.stops = [_stopped(value) for _, kind, value in news if kind == "stop"]
         self.end: dict[str, Any] = next((value for _, kind, value in news if kind == "end"), {})
-        self._trees = [(-math.inf, self.setup.get("tree", {}))]
+        self._trees = [(-math.inf, self.setup["tree"])]
         self._trees += [(time, value) for time, kind, value in news if kind == "tree"]
-        self._nodes = [(since, {node["path"]: node for node in tree.get("nodes", ())}) for since, tree in self._trees]
+        self._nodes = [(since, {node["path"]: node for node in tree["nodes"]}) for since, tree in self._trees]
         self.begin, self.until = log.span
         self.ticked_from = self.changes[0].time if self.changes else self.begin
 
@@ -129,7 +129,7 @@ class History:
         found = found or [path for path in known if types[path] == name]
         if not found:
             names = {path.rsplit("/", 1)[-1] for path in known}
-            raise UserError(f"no node of {self.tree().get('name')!r} is named {name!r}", hint=nearest(name, names))
+            raise UserError(f"no node of {self.tree()['name']!r} is named {name!r}", hint=nearest(name, names))
         return found
 
     def running(self, time: float) -> dict[str, Change]:
@@ -183,7 +183,7 @@ class History:
         named = {
             str(self.value(written, time))
             for node in self.nodes(time).values()
-            for key, written in node.get("values", {}).items()
+            for key, written in node["values"].items()
             if key in ("percept", "target") and isinstance(written, str)
         }
         return named
@@ -192,7 +192,7 @@ class History:
         """Return what a node's parameter is, which may be written as ``$name``."""
         if not (isinstance(written, str) and written.startswith("$")):
             return written
-        return self.tree(time).get("parameters", {}).get(written[1:], {}).get("value", written)
+        return self.tree(time)["parameters"].get(written[1:], {}).get("value", written)
 
     # ---- modes ------------------------------------------------------------------------------------------------------
 
@@ -204,11 +204,12 @@ class History:
         numbers = cycles.columns["servo"][:, 1].astype(int)
         starts = [0, *(np.flatnonzero(np.diff(numbers)) + 1).tolist()]
         ends = [*starts[1:], len(numbers)]
-        names = self.log.layout["modes"]
+        names = dict(enumerate(self.log.layout["modes"]))
+        modes = [names.get(numbers[first], "?") for first in starts]
         began = (cycles.time - SERVO_PERIOD).tolist()  # a row is written when its cycle is over
         return [
-            Span(began[first], began[after] if after < len(numbers) else float(cycles.time[-1]), names[numbers[first]])
-            for first, after in zip(starts, ends, strict=True)
+            Span(began[first], began[after] if after < len(numbers) else float(cycles.time[-1]), mode)
+            for first, after, mode in zip(starts, ends, modes, strict=True)
         ]
 
     def results(self, path: str, begin: float = -math.inf, end: float = math.inf) -> Iterator[tuple[float, list[Any]]]:

@@ -27,16 +27,15 @@ def joint_explained(history: History, joint: str) -> Explanation:
     Raises:
         UserError: the robot has no such joint.
     """
-    robot = history.setup.get("robot", {})
-    joints = list(robot.get("joints", []))
+    robot, joints = history.setup["robot"], history.setup["robot"]["joints"]
     if joint not in joints:
-        raise UserError(f"the robot {robot.get('name')!r} has no joint {joint!r}", hint=nearest(joint, joints))
+        raise UserError(f"the robot {robot['name']!r} has no joint {joint!r}", hint=nearest(joint, joints))
     number = joints.index(joint)
-    limits = {name: values[number] for name, values in robot.get("limits", {}).items()}
+    limits = {name: values[number] for name, values in robot["limits"].items()}
     cycles = history.log.cycles("cycles", columns=["position", "velocity", "torque"], labels=[joint])
     plans = history.log.cycles("plans", columns=["setpoint", "limited"], labels=[joint])
     torque = np.abs(cycles.columns["torque"][:, 0])
-    full = _spans(cycles.time[torque >= FULL * limits["torque"]]) if limits.get("torque") else []
+    full = _spans(cycles.time[torque >= FULL * limits["torque"]]) if limits["torque"] else []
     clamped = _spans(plans.time[plans.columns["limited"][:, 0] > 0.5])
     worst = float(cycles.time[torque.argmax()]) if len(torque) else 0.0
     moments = [Moment(begin, f"at its torque limit{_lasting(begin, end)}") for begin, end in full]
@@ -69,7 +68,7 @@ def joint_explained(history: History, joint: str) -> Explanation:
 def _most(torque: Array, worst: float, limits: dict[str, Any]) -> str:
     if not len(torque):
         return "nothing that is recorded"
-    limit = f" of {limits['torque']:g}" if limits.get("torque") else ""
+    limit = f" of {limits['torque']:g}" if limits["torque"] else ""
     return f"at most {torque.max():.1f}{limit} Nm, at {when(worst)}"
 
 
@@ -99,7 +98,7 @@ def _rows(parts: dict[str, tuple[Array, Array, str]], limits: dict[str, Any]) ->
     }
     for name, (time, values, unit) in parts.items():
         if found := _extremes(time, values, unit):
-            known = [limits[key] for key in bounds[name] if limits.get(key) is not None]
+            known = [limits[key] for key in bounds[name] if limits[key] is not None]
             sign = "±" if len(known) == 1 else ""
             limit = f"; limit {sign}{' to '.join(readable(value, unit) for value in known)}" if known else ""
             least, most = readable(found["least"], unit), readable(found["most"], unit)

@@ -94,7 +94,7 @@ def _rows(history: History, paths: list[str], lives: list[Life]) -> Iterator[Row
         yield "node" if number == 0 else "", f"{path}  {history.place(path)}"
     kind = history.kind(paths[0])
     values = {name: shown_quantity(history.value(value)) for name, value in kind.get("values", {}).items()}
-    yield "type", ", ".join([str(kind.get("type")), *(f"{name}: {value}" for name, value in values.items())])
+    yield "type", ", ".join([kind.get("type", "?"), *(f"{name}: {value}" for name, value in values.items())])
     if lives:
         yield from _commanded(history, lives[-1])
         for number, (name, value, unit) in enumerate(lives[-1].results[:4]):

@@ -81,7 +81,7 @@ def known_parameters(path: Path) -> dict[str, ParameterInfo]:
 def as_yaml(recording: Recording) -> str:
     """Return a file of a run's parameters, with comments that say where each value is from."""
     found = _of_recording(recording)
-    head = f"# {recording.title}\n# {relative(recording.path)}, began {setup.text(recording.setup, 'began') or '?'}\n"
+    head = f"# {recording.title}\n# {relative(recording.path)}, began {recording.setup['began'] or '?'}\n"
     lines = [(_line(name, parameter), parameter.origin) for name, parameter in found.items()]
     width = max((len(line) for line, _ in lines if "\n" not in line), default=0)
     body = [f"{line:<{width}}  # {one_line(origin)}" if origin else line for line, origin in lines]
@@ -118,7 +118,7 @@ def shown(parameter: ParameterInfo | None) -> str:
 
 
 def _of_recording(recording: Recording) -> dict[str, ParameterInfo]:
-    return setup.parameters(setup.part(recording.setup, "tree"))
+    return setup.parameters(recording.setup["tree"])
 
 
 def _items(path: Path) -> dict[str, Item]:

@@ -37,26 +37,38 @@ def lay_out(setup: Mapping[str, Any], folder: Path) -> RecordedFiles:
     Raises:
         UserError: the recording does not hold them all, and they are not where they were, or have changed.
     """
+    names = started_with(setup)
     places, missing = dict[str, Path](), list[str]()
-    try:
-        roots = (Path(setup["workspace"]), builtin_root())
-        for file in setup["files"]:
-            place = places[file["name"]] = folder / _inside(file["name"], file["role"])
+    roots = (Path(setup["workspace"]), builtin_root())
+    for file in setup["files"]:
+        place = places[file["name"]] = folder / _inside(file["name"], file["role"])
+        try:
             content = file["text"].encode() if "text" in file else _found(file["name"], file["sha256"], roots)
             if content is None:
                 missing.append(file["name"])
                 continue
             place.parent.mkdir(parents=True, exist_ok=True)
             place.write_bytes(content)
-        names = [str(setup[kind]["file"]) for kind in ("tree", "robot", "scene")]
-    except (KeyError, TypeError, AttributeError, ValueError, OSError) as error:
-        raise UserError(f"the recording does not say what was run: {type(error).__name__}: {error}") from None
+        except (ValueError, OSError) as error:
+            raise UserError(f"the file {file['name']!r} of the run cannot be laid out: {error}") from None
     if missing:
         message = f"{len(missing)} files of the run are not in the recording, and not as they were: {missing[0]!r}"
         raise UserError(message, hint="meshes are not recorded: run it where they are")
     if gone := [name for name in names if name not in places]:
         raise UserError(f"the recording does not hold {gone[0]!r}", hint="a tree made in Python is not recorded")
     return RecordedFiles(Workspace(folder), *(places[name] for name in names))
+
+
+def started_with(setup: Mapping[str, Any]) -> list[str]:
+    """Return the names of the files of tree, robot and scene that a run was started with.
+
+    Raises:
+        UserError: the recording does not say.
+    """
+    names = [setup[kind]["file"] for kind in ("tree", "robot", "scene")]
+    if not all(names):
+        raise UserError("the recording does not say what was run", hint="its beginning is damaged")
+    return names
 
 
 def _inside(name: str, role: str) -> PurePosixPath:

@@ -58,17 +58,17 @@ class Recording:
     @property
     def parameters(self) -> dict[str, Any]:
         """The values of the tree's parameters in SI units: ``hbt.run(..., parameters=recording.parameters)``."""
-        return {name: found.value for name, found in setup.parameters(setup.part(self.setup, "tree")).items()}
+        return {name: found.value for name, found in setup.parameters(self.setup["tree"]).items()}
 
     @property
     def outcome(self) -> str:
         """How the run ended: success, failure, unfinished, stopped, error or interrupted; "" if nobody knows."""
-        return setup.text(self.happened.end, "outcome")
+        return str(self.happened.end.get("outcome", ""))
 
     @property
     def reason(self) -> str:
         """Why it ended, in words."""
-        return setup.text(self.happened.end, "reason")
+        return str(self.happened.end.get("reason", ""))
 
     @property
     def duration(self) -> float:
@@ -82,7 +82,7 @@ class Recording:
     def ended(self) -> float:
         """Engine time at which the tree ended [s]; the robot is brought to a stand after it."""
         told = self.happened.end.get("tree_ended")
-        return float(told) if isinstance(told, (int, float)) else self.duration
+        return self.duration if told is None else float(told)
 
     @property
     def damage(self) -> list[str]:
@@ -93,8 +93,8 @@ class Recording:
                 found.append(f"{count} of {len(blocks)} blocks of {name} are damaged")
         if self._log.cut:
             found.append(f"the file was read up to {self.duration:.2f} s: {self._log.cut}")
-        if unread := self.happened.odd + self._log.damaged:
-            found.append(f"{unread} entries cannot be read")
+        if self._log.damaged:
+            found.append(f"{self._log.damaged} entries cannot be read")
         return found
 
     # ---- tables -----------------------------------------------------------------------------------------------------
@@ -237,7 +237,7 @@ class Recording:
         return makers[name]() if name in makers else getattr(happened, name)
 
     def _parameters(self) -> Iterator[Row]:
-        for name, found in setup.parameters(setup.part(self.setup, "tree")).items():
+        for name, found in setup.parameters(self.setup["tree"]).items():
             written = None if found.written is None else str(found.written)
             yield {"name": name, "value": json.dumps(found.value), "written": written, "origin": found.origin}
 
@@ -247,10 +247,9 @@ class Recording:
     @property
     def title(self) -> str:
         """What was run and how it ended, in a line."""
-        named = [setup.text(setup.part(self.setup, key), "name") or "?" for key in ("tree", "robot", "scene")]
-        seed = self.setup.get("seed")
+        named = [self.setup[key]["name"] or "?" for key in ("tree", "robot", "scene")]
         end = self.outcome or "no end"
-        return f"{named[0]} on {named[1]} in {named[2]}, seed {seed}: {end} after {self.ended:.2f} s"
+        return f"{named[0]} on {named[1]} in {named[2]}, seed {self.setup['seed']}: {end} after {self.ended:.2f} s"
 
 
 def open_recording(path: str | PathLike[str]) -> Recording:

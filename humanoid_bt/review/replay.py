@@ -18,7 +18,7 @@ from humanoid_bt.record.reading import FlightLog, read_flight
 from humanoid_bt.review import staged
 from humanoid_bt.review.compare_run import Parting
 from humanoid_bt.review.decision_replay import decide_again
-from humanoid_bt.review.recorded_files import RecordedFiles, lay_out
+from humanoid_bt.review.recorded_files import RecordedFiles, lay_out, started_with
 from humanoid_bt.review.recorded_run import recorded_run
 from humanoid_bt.review.run_replay import run_again
 from humanoid_bt.tree.tree import Tree
@@ -160,13 +160,9 @@ def _current(log: FlightLog, workspace: str | PathLike[str] | Workspace | None) 
     Raises:
         UserError: they are not there any more.
     """
-    setup = log.setup
-    try:
-        where = workspace if isinstance(workspace, Workspace) else Workspace(workspace or setup["workspace"])
-        files = [_there(where, setup[kind]["file"]) for kind in ("tree", "robot", "scene")]
-        return RecordedFiles(where, *files)
-    except (KeyError, TypeError) as error:
-        raise UserError(f"the recording does not say what was run: {error} is missing") from None
+    names = started_with(log.setup)
+    where = workspace if isinstance(workspace, Workspace) else Workspace(workspace or log.setup["workspace"])
+    return RecordedFiles(where, *(_there(where, name) for name in names))
 
 
 def _there(workspace: Workspace, name: str) -> Path:

@@ -20,7 +20,7 @@ from humanoid_bt.record.reading import FlightLog
 from humanoid_bt.record.subject import TreeView
 from humanoid_bt.record.tick import Tick
 from humanoid_bt.review.compare_run import Parting, tick_parting
-from humanoid_bt.review.decision_replay import Done, is_paused
+from humanoid_bt.review.decision_replay import Done, is_paused, set_again
 from humanoid_bt.review.recorded_files import RecordedFiles
 from humanoid_bt.review.recorded_run import RecordedRun
 from humanoid_bt.session.drive import Drive
@@ -60,7 +60,7 @@ def run_again(log: FlightLog, run: RecordedRun, files: RecordedFiles) -> Done:
     drive = Drive(options, files.workspace, Listener(), comparison)
     engine = drive.engine
     assert isinstance(engine, Lockstep)
-    outside = _Outside(engine, run)
+    outside = _Outside(engine, run, drive)
     drive.start()
     try:
         while drive.running:
@@ -95,10 +95,11 @@ class _Outside:
     Args:
         engine: of the run.
         run: what was recorded of it.
+        drive: the run.
     """
 
-    def __init__(self, engine: Lockstep, run: RecordedRun) -> None:
-        self._engine, self._supervisor = engine, engine.supervisor
+    def __init__(self, engine: Lockstep, run: RecordedRun, drive: Drive) -> None:
+        self._engine, self._supervisor, self._drive = engine, engine.supervisor, drive
         self._inputs, self._estops = deque(run.inputs), deque(run.estops)
         check = self._supervisor.check
 
@@ -122,6 +123,8 @@ class _Outside:
                     self._engine.request_reset(value)
                 case "reset_after_tick":
                     self._supervisor.reset()
+                case "key":
+                    set_again(self._drive.runner.tree, value, begun=self._drive.loop.state is not None)
 
 
 class Comparison:

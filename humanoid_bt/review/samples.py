@@ -71,8 +71,8 @@ def body(log: FlightLog, begin: float, end: float, step: int) -> Iterator[dict[s
         none = np.isnan(errors) | (errors == NONE)
         yield {
             "time": cycles.time,
-            "mode": _named(servo[:, 1], log.layout.get("modes")),
-            "gait": _named(plan[:, 1], log.layout.get("gaits")),
+            "mode": _named(servo[:, 1], log.layout["modes"]),
+            "gait": _named(plan[:, 1], log.layout["gaits"]),
             "command": pa.array(servo[:, 2].astype(np.int64), mask=servo[:, 2] < 0),
             **_split(columns["base_position"], "x", "y", "z"),
             **_split(columns["base_quaternion"], "qw", "qx", "qy", "qz"),
@@ -126,9 +126,8 @@ def _split(numbers: Array, *names: str) -> dict[str, Any]:
     return {name: pa.array(column, mask=np.isnan(column)) for name, column in zip(names, numbers.T, strict=True)}
 
 
-def _named(numbers: Array, names: Any) -> Any:
+def _named(numbers: Array, known: list[str]) -> Any:
     """Return the names that numbers stand for; null where one stands for none."""
-    known = [str(name) for name in names] if isinstance(names, list) else []
     places = np.where(np.isnan(numbers), -1, numbers).astype(np.int16)
     unknown = (places < 0) | (places >= len(known))
     return pa.DictionaryArray.from_arrays(pa.array(places, mask=unknown), pa.array(known, pa.string()))

@@ -73,10 +73,10 @@ def joint_loads(history: History, time: float) -> list[dict[str, Any]]:
     Returns:
         joint, torque and torque_limit [Nm], position, lower and upper [rad], load: largest share of a limit.
     """
-    robot = history.setup.get("robot", {})
-    limits = robot.get("limits", {})
+    robot = history.setup["robot"]
+    limits = robot["limits"]
     cycles = history.log.cycles("cycles", time - _RECENT, time + AT, ["position", "torque"])
-    if not len(cycles.time) or not limits:
+    if not len(cycles.time):
         return []
     torque, position = cycles.columns["torque"], cycles.columns["position"][-1]
     peak = torque[np.abs(torque).argmax(axis=0), np.arange(torque.shape[1])]
@@ -104,7 +104,8 @@ def joint_loads(history: History, time: float) -> list[dict[str, Any]]:
 
 def joint_text(joint: dict[str, Any]) -> str:
     """Return what a joint bore, as a line."""
-    text = f"{joint['joint']} {joint['torque']:.1f} of {joint['torque_limit']:g} Nm"
+    limit = "" if joint["torque_limit"] is None else f" of {joint['torque_limit']:g}"
+    text = f"{joint['joint']} {joint['torque']:.1f}{limit} Nm"
     if joint["lower"] is not None and joint["upper"] is not None:
         bounds = f"{readable(joint['lower'], 'rad')} to {readable(joint['upper'], 'rad')}"
         text += f", at {readable(joint['position'], 'rad')} in {bounds}"

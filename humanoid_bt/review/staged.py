@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from humanoid_bt.review import setup
 from humanoid_bt.review.cause import Row
 from humanoid_bt.review.history import AT, History
 from humanoid_bt.review.words import cut, when
@@ -17,19 +16,14 @@ _LINES = 5  # that are told
 _OVER = "over: "
 
 
-def told(run: Mapping[str, Any]) -> list[str]:
-    """Return what a test did to a run, in words; nothing if it was no test.
+def told(setup: Mapping[str, Any]) -> list[str]:
+    """Return what a test did to a run, in words; nothing if it did nothing.
 
     Args:
-        run: what was run, as the recording has it.
+        setup: what was run, as the recording has it.
     """
-    lines = setup.part(run, "staged").get("told")
-    return [line for line in lines if isinstance(line, str)] if isinstance(lines, list) else []
-
-
-def is_dry(run: Mapping[str, Any]) -> bool:
-    """Return whether a run was without physics."""
-    return setup.part(run, "staged").get("dry") is True
+    lines: list[str] = setup["staged"]["told"] if setup["staged"] else []
+    return lines
 
 
 def staged_rows(history: History) -> list[Row]:
@@ -50,4 +44,4 @@ def staged_before(history: History, time: float) -> str:
     ]
     if faults:
         return f"; a test staged at {when(faults[-1].time)}: {cut(faults[-1].text.removeprefix(PREFIX))}"
-    return "; a dry run, without physics" if is_dry(history.setup) else "; a test staged the run"
+    return "; a dry run, without physics" if history.setup["staged"]["dry"] else "; a test staged the run"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, MutableMapping
+from collections.abc import Callable, Iterable, Iterator, MutableMapping
 from typing import Any
 
 from humanoid_bt.core.errors import HumanoidBtError, Place, UserError, nearest
@@ -36,11 +36,14 @@ class Blackboard(MutableMapping[str, Any]):
         keys: the tree's.
         begun: whether the tree has been ticked; before it, what is set is the value that a key begins with.
         over: whether the run has ended; nothing can be set then.
+        tell: is told the name of each key that is set, and its value; only the name of one that is deleted.
     """
 
-    def __init__(self, keys: Iterable[Key], begun: bool, over: bool) -> None:
+    def __init__(
+        self, keys: Iterable[Key], begun: bool, over: bool = False, tell: Callable[..., None] | None = None
+    ) -> None:
         self._keys = {key.name: key for key in keys}
-        self._begun, self._over = begun, over
+        self._begun, self._over, self._tell = begun, over, tell
 
     def __getitem__(self, name: str) -> Any:
         key = self._key(name)
@@ -56,9 +59,13 @@ class Blackboard(MutableMapping[str, Any]):
         key.set(value)
         if not self._begun:
             key.initial = value
+        if self._tell is not None:
+            self._tell(name, value)
 
     def __delitem__(self, name: str) -> None:
         self._open(name).clear()
+        if self._tell is not None:
+            self._tell(name)
 
     def __iter__(self) -> Iterator[str]:
         return (name for name, key in self._keys.items() if key.is_set)

@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping
 from contextlib import AbstractContextManager, ExitStack, nullcontext, suppress
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 from humanoid_bt.core.ctrl_c import is_ctrl_c
 from humanoid_bt.core.errors import ControlLost, UserError
@@ -20,7 +21,7 @@ from humanoid_bt.record.folder import report_beside
 from humanoid_bt.session.debugger import Debugger
 from humanoid_bt.session.edits import Edits
 from humanoid_bt.session.ending import Ending
-from humanoid_bt.session.engine import Engine
+from humanoid_bt.session.engine import Engine, Input
 from humanoid_bt.session.interrupt import WholeTick
 from humanoid_bt.session.loader import TreeLoader
 from humanoid_bt.session.loop import Loop
@@ -176,6 +177,10 @@ class Drive:
                 self.end = self._ending.lost(error)
             except Exception as error:
                 self.end = self._ending.bug(error)
+
+    def keep_key(self, name: str, *value: Any) -> None:
+        """Keep for a replay that a program set a key of the blackboard, or without a value that it deleted it."""
+        self.engine.inputs.append(Input(self.engine.clock.now(), "key", [name, *map(plain, value)]))
 
     def leave(self, outcome: str, reason: str) -> None:
         """End the run between two ticks, unless it has ended."""

@@ -24,7 +24,7 @@ class Input(NamedTuple):
 
     Attributes:
         time: engine time from which on it counts [s].
-        kind: push, reset.
+        kind: push, reset, key.
         value: as data for JSON.
     """
 

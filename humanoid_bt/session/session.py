@@ -336,7 +336,7 @@ class Session(Debugging):
     @property
     def blackboard(self) -> Blackboard:
         """The tree's keys, to be read, and set until the run has ended."""
-        return Blackboard(self.tree.keys, self._ticked, bool(self.outcome))
+        return Blackboard(self.tree.keys, self._ticked, bool(self.outcome), self._drive.keep_key)
 
     def node(self, path: str) -> Node:
         """Return a node of the tree, with its status and feedback, by its path or the end of it."""

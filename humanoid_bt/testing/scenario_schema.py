@@ -14,6 +14,7 @@ from humanoid_bt.testing.fault import Fault
 from humanoid_bt.testing.scenario import Scenario, Values
 from humanoid_bt.testing.seeds import Seeds
 from humanoid_bt.testing.substitution import Answer, Answered, Replacement
+from humanoid_bt.tree.expressions.expression import Expression
 from humanoid_bt.tree.source.schema import DIALECT, Schema, value_schema
 
 _CLAIM: Schema = {"type": ["string", "boolean"]}
@@ -100,8 +101,7 @@ def _form(kind: Any, spec: Param) -> Schema | None:  # noqa: PLR0911 (a table of
         return _OWN[kind]
     if hasattr(kind, "schema"):  # a type that says itself how it is written
         return dict(kind.schema)
-    reads_itself = hasattr(kind, "from_item")
-    return _object(kind) if dataclasses.is_dataclass(kind) and not reads_itself else None
+    return _object(kind) if dataclasses.is_dataclass(kind) and not issubclass(kind, Expression) else None
 
 
 def _fault(kind: type[Fault]) -> Schema:
@@ -114,13 +114,14 @@ def _fault(kind: type[Fault]) -> Schema:
 
 
 def _replacement() -> Schema:
+    status: Schema = {"enum": list(typing.get_args(Answered))}
     answer = _object(Answer)
     recorded = {"recorded": {"type": "string", "description": "A recording in which the node ran."}}
     return {
         "anyOf": [
-            {"enum": list(typing.get_args(Answered))},
+            status,
             answer,
-            {"type": "array", "items": answer, "minItems": 1},
+            {"type": "array", "items": {"anyOf": [status, answer]}, "minItems": 1},
             {"type": "object", "properties": recorded, "required": [*recorded], "additionalProperties": False},
         ]
     }

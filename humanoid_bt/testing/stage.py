@@ -121,7 +121,7 @@ class Stage:
                 seed=seed,
                 on_estop=on_estop or ("wait" if any(event.reset for event in staging.script) else "end"),
                 duration=None if duration is None else limits.DURATION.take(duration, "duration"),
-                sinks=Sinks(file=None if record is None else Path(record)),
+                sinks=Sinks(file=_recording(record)),
                 staged=staging.told,
             )
             listener = _Changes()
@@ -161,6 +161,16 @@ class Stage:
         if self._stood_in is None or self._stood_in[0] is not tree or self._stood_in[1] != staging.replace:
             self._stood_in = tree, staging.replace, substituted(tree, tree.draft, staging.replace)
         return remade(tree, self._stood_in[2])
+
+
+def _recording(record: str | PathLike[str] | None) -> Path | None:
+    """Return the file of a recording, None for none; raises UserError if its name is none of a recording."""
+    path = None if record is None else Path(record)
+    if path is not None and path.suffix != ".rrd":
+        raise UserError(
+            f"'record' must be a file that ends in .rrd, not {str(path)!r}", hint=f"{path.with_suffix('.rrd')}"
+        )
+    return path
 
 
 def _known(tree: Tree, staging: Staging, ready: Ready) -> Known:

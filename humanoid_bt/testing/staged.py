@@ -56,6 +56,7 @@ class Staged:
         self, engine: Engine, script: Sequence[Event], seed: int, set_strength: Callable[[Array], None] | None
     ) -> None:
         self.engine = engine
+        self.clock, self.supervisor, self.notices = engine.clock, engine.supervisor, engine.notices
         self.known: Known
         self._course: Course
         self._looks = False  # whether moments are asked of the course

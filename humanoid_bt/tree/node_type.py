@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import types
 import typing
 from collections.abc import Callable, Mapping
@@ -105,6 +106,7 @@ def placeholder(name: str, doc: str) -> NodeType:
     return NodeType(name, "subtree", Dummy, doc, {})
 
 
+@functools.cache
 def names_percepts(kind: Any) -> bool:
     """Return whether values of a parameter's type are names of percepts, or hold some."""
     if kind is PerceptName:

@@ -60,20 +60,15 @@ def test_the_table_has_what_was_tried_and_what_came_of_it(campaign: Conduct, tmp
     assert table.column("result.hand_error").to_pylist() == [0.002, 0.002, 0.003, 0.003]
 
 
-def test_the_table_is_the_same_for_any_number_of_processes(campaign: Conduct, tmp_path: Path) -> None:
-    plan = plan_of("0-60", GRID, DRAWN)
-    for count in (1, 3):
-        campaign(plan, f"out-{count}", count=count)
-    for name in (RESULTS, "results.parquet"):
-        assert len({(tmp_path / f"out-{count}" / name).read_bytes() for count in (1, 3)}) == 1
-
-
-def test_a_killed_process_changes_nothing_in_the_table(campaign: Conduct, tmp_path: Path, begun: Path) -> None:
-    plan = plan_of(f"0-9, {DIES_ONCE}")
-    campaign(plan, "killed", count=2)
+def test_the_table_is_the_same_for_any_number_of_processes_and_when_one_is_killed(
+    campaign: Conduct, tmp_path: Path, begun: Path
+) -> None:
+    plan = plan_of(f"{DIES_ONCE}, 0-40", DRAWN)
+    campaign(plan, "out-3", count=3)
     assert len((begun / f"begun-{DIES_ONCE}").read_text().splitlines()) == 2 + 1  # and once to be explained
-    campaign(plan, "quiet", count=2)
-    assert (tmp_path / "killed" / RESULTS).read_bytes() == (tmp_path / "quiet" / RESULTS).read_bytes()
+    campaign(plan, "out-1")
+    for name in (RESULTS, "results.parquet"):
+        assert (tmp_path / "out-1" / name).read_bytes() == (tmp_path / "out-3" / name).read_bytes()
 
 
 _KILLED = """
@@ -150,6 +145,13 @@ def test_another_campaign_does_not_go_on_in_its_folder(campaign: Conduct, tmp_pa
         Store(tmp_path / "out", plan_of("0-3", files={"trees/fetch.yaml": "1234"}), resume=True)
     with Store(tmp_path / "out", plan_of("0-3", description="in other words"), resume=True) as store:
         assert len(store.results) == 4
+
+
+def test_a_campaign_that_never_came_to_a_trial_is_begun_anew(campaign: Conduct, tmp_path: Path) -> None:
+    with Store(tmp_path / "out", plan_of("0-3"), resume=False):
+        pass
+    assert campaign(plan_of("0-5")).planned == 6
+    assert read_results(tmp_path / "out").plan == plan_of("0-5")
 
 
 def test_a_folder_with_something_else_is_left_alone(tmp_path: Path) -> None:

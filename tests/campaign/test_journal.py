@@ -75,6 +75,7 @@ def test_a_full_disk_keeps_what_is_there(tmp_path: Path) -> None:
     )
     number, _, message = done.stdout.partition(" ")
     assert "'j' cannot be written: File too large" in message
+    assert (tmp_path / "j").read_bytes().endswith(b"}\n")  # a part of a line is taken back
     with Journal(tmp_path / "j") as journal:
         assert list(journal.entries) == list(range(int(number)))
         assert len(journal.entries) > 5

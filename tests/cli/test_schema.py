@@ -19,6 +19,14 @@ def test_it_is_printed(capsys: pytest.CaptureFixture[str]) -> None:
     assert {"type_reach", "type_pause", "type_sequence"} <= schema["definitions"].keys()
 
 
+def test_there_is_one_of_scenarios(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["schema", "scenarios", "-o", "new/scenario.schema.json"]) == 0
+    assert capsys.readouterr().out == "new/scenario.schema.json: scenarios\n"
+    schema = json.loads(Path("new/scenario.schema.json").read_text(encoding="utf-8"))
+    assert schema["required"] == ["format", "tree", "expect"]
+    assert {"fetch", "give_up"} <= set(schema["properties"]["tree"]["examples"])
+
+
 def test_it_is_written_to_a_file(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["schema", "-o", "new/tree.schema.json"]) == 0
     assert capsys.readouterr().out.startswith("new/tree.schema.json: ")

@@ -28,6 +28,16 @@ SCENARIOS = {
     ),
 }
 
+DIE = """
+import os
+from humanoid_bt import Skill
+
+
+class Die(Skill):
+    def update(self):
+        os._exit(9)
+"""
+
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
@@ -172,6 +182,22 @@ def test_ctrl_c_tells_what_was_done(folder: Path, tmp_path: Path, jobs: str) -> 
     assert (process.returncode, err) == (130, "")
     assert re.fullmatch(r"0 scenarios passed, interrupted after \d+ of 100 runs\n", out)
     assert (tmp_path / "junit.xml").read_text().startswith("<?xml")
+
+
+@pytest.mark.trials
+def test_a_process_that_dies_is_one_clear_message(tmp_path: Path) -> None:
+    for name, text in {
+        "skills/die.py": DIE,
+        "trees/die.yaml": "format: 1\nroot: {emergency_stop: die}\n",
+        "scenarios/die.yaml": "format: 1\ntree: die\ndry: true\nseeds: 0-3\nexpect: not fell\n",
+    }.items():
+        (tmp_path / name).parent.mkdir()
+        (tmp_path / name).write_text(text, encoding="utf-8")
+    command = [sys.executable, "-m", "humanoid_bt", "test", "-j", "2"]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert done.returncode == 4
+    message = "error: a process that tried scenarios has died, out of memory perhaps; 0 of 4 runs are done\n"
+    assert done.stderr == message
 
 
 @pytest.mark.trials

@@ -102,3 +102,23 @@ def test_there_is_no_command_before_the_first(logged: Logged) -> None:
     logged.rig.controller.run_cycle()
     _, cycles = logged.read()
     assert cycles["servo"][0, 2] == -1
+
+
+def test_every_plan_is_there_whole_also_one_that_a_stop_cuts_short(logged: Logged) -> None:
+    controller, kinematics = logged.rig.controller, logged.rig.controller.whole_body.kinematics
+    expected = []
+    logged.rig.run(0.1, REACH)
+    first = len(logged.read()[0]["plan"])
+    for cycle in range(25):
+        if cycle == 7:  # between two plans
+            controller.supervisor.raise_estop("a test", "to see it")
+        before = controller.servo.command
+        controller.run_cycle()
+        if controller.servo.command is not before:
+            errors = kinematics.hand_errors.get("left", NONE)
+            expected.append((controller.cycle, errors, *controller.servo.command.position, *kinematics.com_error))
+    controller.log.end_plan()
+    plans, _ = logged.read()
+    columns = plans["plan"][:, :1], plans["hand_error"][:, :1], plans["setpoint"], plans["com_error"]
+    np.testing.assert_array_equal(np.hstack(columns)[first:], expected)
+    assert {row[0] - expected[0][0] for row in expected} >= {0, 5, 7}

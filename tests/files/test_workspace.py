@@ -54,6 +54,19 @@ def test_a_tree_belongs_to_the_folder_above_its_trees(project: Path) -> None:
     assert Workspace.of_tree(project / "trees" / "deep" / "walk.yaml").root == project.resolve()
 
 
+def test_scenarios_are_found_like_trees(project: Path) -> None:
+    (project / "scenarios" / "deep").mkdir(parents=True)
+    for name in ("lost.yaml", "deep/more.yaml"):
+        (project / "scenarios" / name).touch()
+    workspace = Workspace(project)
+    assert workspace.find_scenario("lost") == project / "scenarios" / "lost.yaml"
+    assert "fetch_lost" in workspace.scenarios()  # built in
+    with pytest.raises(UserError, match=r"no scenario named 'lsot' \[unknown-scenario\]\n    did you mean 'lost'\?"):
+        workspace.find_scenario("lsot")
+    assert Workspace.of_tree(project / "scenarios" / "lost.yaml").root == project.resolve()
+    assert [path.name for path in yaml_files(project)][-2:] == ["more.yaml", "lost.yaml"]
+
+
 def test_a_workspace_is_a_folder(project: Path) -> None:
     with pytest.raises(UserError, match="is not a folder"):
         Workspace(project / "none")

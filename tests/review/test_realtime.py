@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+import os
 import re
+import signal
+import threading
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
+from humanoid_bt.link.run_folder import live_runs
 from humanoid_bt.review.explain import explain
+from humanoid_bt.session.session import Session
 
 pytestmark = pytest.mark.realtime
 
@@ -21,3 +26,35 @@ def test_a_tick_that_takes_too_long_is_named_with_its_line(play: Callable[..., P
     assert found.kind == "slow_tick"
     assert found.node == "sleepy/emergency_stop/sleepy"
     assert 0.05 < float(told[2]) - float(told[1]) < 0.2
+
+
+def stalled(length: float, at: list[float]) -> Callable[[Session], None]:
+    """Return what keeps control from running for a time [s], and notes since when."""
+
+    def stall(session: Session) -> None:
+        at.append(session.state.time)
+        control = next(info.processes["control"] for _, info in live_runs() if info.processes["owner"] == os.getpid())
+        os.kill(control, signal.SIGSTOP)
+        threading.Timer(length, os.kill, (control, signal.SIGCONT)).start()
+
+    return stall
+
+
+@pytest.mark.trials
+def test_control_that_stalls_for_long_ends_the_run_and_is_named(play: Callable[..., Path]) -> None:
+    since: list[float] = []
+    found = explain(play("walk", duration=3.0, mode="realtime", at=1.5, do=stalled(1.3, since)))
+    told = re.fullmatch(
+        r"control stalled at (\d\.\d+) s: the control process has been silent for more than 1 s", found.headline
+    )
+    assert told, found.headline
+    assert 0 <= float(told[1]) - since[0] < 0.1
+    assert (found.kind, found.node) == ("control", "walk/emergency_stop/walk")
+    assert any(re.search(r"control stalled for 1[23]\d\d ms", text) for _, text in found.rows)
+
+
+@pytest.mark.trials
+def test_control_that_stalls_for_a_moment_is_told_beside(play: Callable[..., Path]) -> None:
+    found = explain(play("walk", duration=1.0, mode="realtime", at=1.5, do=stalled(0.2, [])))
+    assert found.kind == "unfinished"
+    assert any(name == "warned" and re.search(r"control stalled for [12]\d\d ms", text) for name, text in found.rows)

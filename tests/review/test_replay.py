@@ -14,6 +14,7 @@ import pytest
 from humanoid_bt.cli import main
 from humanoid_bt.core.errors import UserError
 from humanoid_bt.record.reading import read_flight
+from humanoid_bt.record.shape import SETUP
 from humanoid_bt.review.replay import replay
 from humanoid_bt.session.session import Session
 from tests.projects import make_project
@@ -61,6 +62,33 @@ def raising(project: Path) -> Path:
     with recorded_directly(), Session("late", workspace=project, record=file, camera=False, stay=0.2) as session:
         session.run()
     return file
+
+
+KEYED = """\
+format: 1
+blackboard: { go: { type: integer, default: 0 }, seen: { type: integer, default: 3 } }
+root:
+  emergency_stop:
+    timeout:
+      duration: 0.6 s
+      reactive_selector:
+        - condition: go > 1 and seen == 5
+        - idle
+"""
+
+
+@pytest.mark.parametrize("alone", [False, True])
+def test_what_a_program_sets_on_the_blackboard_comes_again(project: Path, alone: bool) -> None:
+    (project / "trees/keyed.yaml").write_text(KEYED, encoding="utf-8")
+    file = project / f"keyed-{alone}.rrd"
+    with recorded_directly(), Session("keyed", workspace=project, record=file, camera=False) as session:
+        session.blackboard["seen"] = 5
+        session.run_until(0.2)
+        session.blackboard["go"] = 2
+        assert session.run().outcome == "success"
+    again = replay(file, **({"tree": "keyed", "workspace": project} if alone else {}))
+    assert (again.whole, again.outcome) == (not alone, "success")
+    assert again.identical
 
 
 def test_a_run_again_is_the_same_to_the_bit(disturbed: Path) -> None:
@@ -168,7 +196,7 @@ def test_what_is_missing_is_told(raising: Path, project: Path, monkeypatch: pyte
         replay(raising)
     with pytest.raises(UserError, match=r"'trees/late\.yaml' of the run is not in"):
         replay(raising, files="current", workspace=project.parent)
-    log.setup.clear()
+    log.setup = SETUP({})
     with pytest.raises(UserError, match="does not say what was run"):
         replay(raising)
 
@@ -179,7 +207,7 @@ def test_a_recording_that_says_something_else_is_answered(raising: Path, monkeyp
     for number in range(18):
         log = read_flight(raising)
         if number % 2:
-            log.setup = {key: mangled(value, chance) for key, value in whole.setup.items()}
+            log.setup = SETUP({key: mangled(value, chance) for key, value in whole.setup.items()})
         else:
             odd = [[chance.choice(times), chance.choice(kinds), chance.choice(ODD)] for _ in range(5)]
             more = log_with({}, odd, {})

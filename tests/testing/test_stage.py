@@ -33,12 +33,12 @@ def test_runs_a_tree_to_the_bit_as_the_command_line_does(near):
 
 def test_things_placed_by_chance_stand_where_the_seed_says():
     stage, distances = Stage(scene="random_target"), []
-    for seed in (1, 2, 1):
+    for seed in (2, 1):
         stage.run("stand", seed=seed, duration=0.1, watchers=[looker := Looker()])
         seen = hbt.run("stand", scene="random_target", seed=seed, duration=0.1).percepts
         assert looker.distances[-1] == seen.get("target", {}).get("distance")
         distances.append(looker.distances[-1])
-    assert distances[0] == distances[2] is not None
+    assert distances[0] != distances[1] is not None
 
 
 def test_the_stand_below_a_thing_stands_where_the_seed_says_too():
@@ -155,6 +155,7 @@ def test_parameters_are_those_of_the_tree(dry):
         ({"seed": -1}, "'seed' must be a whole number"),
         ({"duration": 0}, "'duration' must be a number above 0"),
         ({"tree": "fetsh"}, "did you mean 'fetch'"),
+        ({"record": "flight.txt"}, "'record' must be a file that ends in .rrd, not 'flight.txt'"),
     ],
 )
 def test_wrong_arguments_say_what_is_valid(dry, arguments, message):

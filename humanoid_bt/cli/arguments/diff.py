@@ -51,5 +51,7 @@ def add_diff(commands: Commands) -> None:
     how = diff.add_mutually_exclusive_group()
     how.add_argument("--json", action="store_true", help="for programs: everything, as one object")
     how.add_argument(
-        "--view", action="store_true", help="open both in one viewer too, or say how where there is no display"
+        "--view",
+        action="store_true",
+        help="show both in one view too, or say where it is if there is no display",
     )

@@ -105,5 +105,5 @@ def add_workspace(command: Parser) -> None:
         "--workspace",
         type=Path,
         metavar="DIR",
-        help="folder with trees/, skills/, sim/; default: the tree file's own, else the working directory",
+        help="folder with trees/, skills/, sim/, scenarios/; default: the tree file's own, else the working directory",
     )

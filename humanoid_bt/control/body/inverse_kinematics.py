@@ -59,6 +59,8 @@ class InverseKinematics:
         self._low, self._high = np.full(self._model.nv, -_NO_BOUND), np.full(self._model.nv, _NO_BOUND)
         self._root = self._model.body(robot.config.base).id
         self._palms = {side: self._model.site(palm_site(side)).id for side in self._hands}
+        where = self.configuration.data.site_xpos
+        self._palm_positions = {side: where[site] for side, site in self._palms.items()}  # views, which stay
         self.reset(robot.home_qpos)
 
     def reset(self, qpos: Array) -> None:
@@ -100,8 +102,7 @@ class InverseKinematics:
     @property
     def hand_errors(self) -> dict[Side, float]:
         """How far the planned palms are from where the last step was to bring them [m], of commanded hands."""
-        where = self.configuration.data.site_xpos
-        return {side: math.dist(goal, where[self._palms[side]]) for side, goal in self._hand_goals.items()}
+        return {side: math.dist(goal, self._palm_positions[side]) for side, goal in self._hand_goals.items()}
 
     def step(self, targets: BodyTargets) -> bool:
         """Move one control period toward the targets; return whether there was a solution within all limits."""

@@ -15,6 +15,7 @@ import pytest
 
 from humanoid_bt.cli import main
 from humanoid_bt.core.errors import UserError
+from humanoid_bt.record import shape
 from humanoid_bt.record.packing import BlockError, bundle, unbundle, unpack
 from humanoid_bt.record.reading import FlightLog, read_flight
 from humanoid_bt.review.columns import TABLES
@@ -115,7 +116,7 @@ ODD: list[Any] = [None, True, -1, 1e308, "text", "\ud800", [], [None], {}, {"a":
 
 
 def log_with(setup: dict[str, Any], news: list[Any], layout: dict[str, Any]) -> FlightLog:
-    log = FlightLog(Path("made.rrd"), setup=setup, layout=layout)
+    log = FlightLog(Path("made.rrd"), setup=shape.SETUP(setup), layout=shape.LAYOUT(layout))
     log.blocks["news"] = [bundle([json.dumps(entry).encode() for entry in news])]
     log.until["news"] = [1.0]
     return log
@@ -123,12 +124,9 @@ def log_with(setup: dict[str, Any], news: list[Any], layout: dict[str, Any]) -> 
 
 def test_entries_of_other_shapes_are_left_out_and_counted(file: Path) -> None:
     chance, whole = random.Random(3), open_recording(file)
-    kinds = ["node", "results", "event", "key", "unseen", "input", "stop", "tree", "end", "limits"]
     for _ in range(200):
-        times = [chance.choice([0.5, -1.0, 1e300, float("nan"), float("inf")]) for _ in range(5)]
-        news = [[time, chance.choice(kinds), chance.choice(ODD)] for time in times]
         setup = {key: mangled(value, chance) for key, value in whole.setup.items()}
-        recording = Recording(log_with(setup, news, {}))
+        recording = Recording(log_with(setup, odd_news(chance), {}))
         look_at_everything(recording, whole)
 
 
@@ -143,18 +141,46 @@ def mangled(data: Any, chance: random.Random) -> Any:
     return data
 
 
+def test_a_recording_that_says_something_else_is_explained(file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    chance, whole = random.Random(4), read_flight(file)
+    log = FlightLog(file)
+    monkeypatch.setattr("humanoid_bt.review.explain.read_flight", lambda _: log)
+    explained = 0
+    for number in range(COUNT // 2):
+        log = read_flight(file)
+        if number % 2:
+            log.setup = shape.SETUP(mangled(whole.setup, chance))
+            log.layout = shape.LAYOUT(mangled(whole.layout, chance)) if number % 4 == 1 else whole.layout
+        else:
+            log.blocks["news"] += log_with({}, odd_news(chance), {}).blocks["news"]
+            log.until["news"] += [1.0]
+        asked: list[dict[str, Any]] = [{}, {"at": 0.1}, {"node": "approach"}, {"joint": "left_knee"}]
+        for question in asked:
+            try:
+                explained += bool(str(explain(file, **question)))
+            except UserError as error:
+                assert "has no servo cycles" in str(error) or "named 'approach'" in str(error) or "joint" in str(error)
+    assert explained > COUNT
+
+
+def odd_news(chance: random.Random) -> list[Any]:
+    """Return what nobody can have told."""
+    kinds = ["node", "results", "event", "key", "unseen", "input", "stop", "tree", "end", "limits"]
+    times = [0.05, 0.5, -1.0, 1e300, float("nan"), float("inf"), "soon"]
+    return [[chance.choice(times), chance.choice(kinds), chance.choice(ODD)] for _ in range(5)]
+
+
 @pytest.mark.filterwarnings("ignore:overflow")
 def test_a_layout_that_is_none_is_answered(file: Path) -> None:
     chance, log = random.Random(5), read_flight(file)
     whole = log.layout
     for _ in range(100):
-        log.layout = mangled(whole, chance)
-        if isinstance(log.layout, dict):
-            for name in ("joints", "body"):
-                try:
-                    Recording(log).table(name, between=(0, 0.1)).validate(full=True)
-                except UserError as error:
-                    assert "servo cycles" in str(error)
+        log.layout = shape.LAYOUT(mangled(whole, chance))
+        for name in ("joints", "body"):
+            try:
+                Recording(log).table(name, between=(0, 0.1)).validate(full=True)
+            except UserError as error:
+                assert "servo cycles" in str(error)
 
 
 def test_damaged_blocks_are_counted(file: Path) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+import shutil
 from dataclasses import replace
 from itertools import islice
 from pathlib import Path
@@ -13,6 +14,8 @@ import numpy as np
 import pytest
 
 from humanoid_bt.cli import main
+from humanoid_bt.record.rrd import RrdFile
+from humanoid_bt.record.shape import SETUP
 from humanoid_bt.record.tick import Tick
 from humanoid_bt.review.compare_run import NodeShift, first_parting, node_shifts
 from humanoid_bt.review.compare_setup import setup_changes
@@ -35,7 +38,12 @@ def test_a_parameter_and_what_it_leads_to_are_told(
     assert "parameters stop_distance 0.4 m → 35 cm" in out
     assert "tree …/get near/approach distance 0.4 m → 35 cm" in out
     assert "first apart at 0.00 s command targets base position x 1.497 → 1.54" in out
-    assert f"where there is one: rerun {file} {other}" in out
+    both = re.search(r"both in one view: rerun (\S+\.rrd)", out)
+    assert both, out
+    shown = dict(RrdFile(Path(both[1])).batches_of(lambda entity: "/poses" in entity))
+    one, two = (shown[f"/{name}/poses"].column("Transform3D:child_frame")[0].as_py() for name in "AB")
+    assert {f"B {frame}" for frame in one} == set(two)
+    shutil.rmtree(Path(both[1]).parent)
     assert main(["diff", str(file), str(other), "--json"]) == 1
     found = json.loads(capsys.readouterr().out)
     assert (found["same"], found["parting"]["quantity"]) == (False, "command targets base position x")
@@ -101,7 +109,8 @@ def test_what_a_node_does_parts_runs_before_the_command(recording: Recording) ->
 
 
 def tree(*nodes: tuple[str, str, dict[str, Any]]) -> dict[str, Any]:
-    return {"tree": {"nodes": [{"path": path, "type": kind, "values": values} for path, kind, values in nodes]}}
+    described = [{"path": path, "type": kind, "values": values} for path, kind, values in nodes]
+    return dict(SETUP({"tree": {"nodes": described}}))
 
 
 def changes(one: dict[str, Any], other: dict[str, Any]) -> list[tuple[str, str | None, str | None]]:

@@ -14,7 +14,10 @@ from hypothesis import strategies as st
 from humanoid_bt.cli import main
 from humanoid_bt.core.items import Item
 from humanoid_bt.files import document
+from humanoid_bt.record.reading import read_flight
+from humanoid_bt.record.shape import SETUP
 from humanoid_bt.review import parameters
+from humanoid_bt.review.recorded_run import recorded_run
 from humanoid_bt.review.recording import open_recording
 from humanoid_bt.review.setup import ParameterInfo
 
@@ -70,9 +73,9 @@ def test_where_a_value_is_from_is_kept(tmp_path: Path, monkeypatch: pytest.Monke
     monkeypatch.chdir(tmp_path)
     Path("p.yaml").write_text("stop_distance: 30 cm\n", encoding="utf-8")
     main(["run", "fetch", "--no-view", "--quiet", "--duration", "0.02", "--params", "p.yaml", "--camera", "off"])
-    assert "stop_distance: 30 cm    # given in p.yaml:1:16\n" in parameters.as_yaml(
-        open_recording(*tmp_path.glob("runs/*.rrd"))
-    )
+    (recorded,) = tmp_path.glob("runs/*.rrd")
+    assert "stop_distance: 30 cm    # given in p.yaml:1:16\n" in parameters.as_yaml(open_recording(recorded))
+    assert recorded_run(read_flight(recorded)).given == {"stop_distance": "30 cm"}  # for its replay
 
 
 def test_differences_are_those_that_matter(
@@ -107,7 +110,7 @@ def test_any_value_comes_back(values: dict[str, object]) -> None:
 
     class Held:
         title, path = "a run", Path("a.rrd")
-        setup = {"tree": {"parameters": {name: {"value": value} for name, value in values.items()}}}  # noqa: RUF012
+        setup = SETUP({"tree": {"parameters": {name: {"value": value} for name, value in values.items()}}})
 
     text = parameters.as_yaml(Held())  # type: ignore[arg-type]
     read = document.parse(text, "a.yaml")

@@ -1,0 +1,105 @@
+"""Campaign files: what they mean, and every mistake in them with its place."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import jsonschema
+import pytest
+import yaml
+
+from humanoid_bt.campaign.planning import checked_campaign
+from humanoid_bt.cli import main
+from humanoid_bt.core.errors import UserError
+from humanoid_bt.files.workspace import Workspace
+
+FILE = """\
+format: 1
+name: slippery
+tree: fetch
+scene: [random_target, ball_on_stand]
+seeds: 0-9, 20
+parameters:
+  stop_distance: [35 cm, 40 cm]
+  look: 5 s .. 9 s
+conditions:
+  friction: 0.5 .. 1.2
+pushes:
+  - {at: 1 s .. 6 s, force: [0, 60], direction: 90 deg}
+script:
+  - {at: 3 s, lose: {percept: target, duration: 1 s}}
+require: [success >= 95 %, hand_error_p95 < 1.5 cm]
+"""
+
+
+@pytest.fixture
+def file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A campaign in a workspace of its own."""
+    monkeypatch.chdir(tmp_path)
+    path = tmp_path / "campaigns" / "slippery.yaml"
+    path.parent.mkdir()
+    path.write_text(FILE)
+    return Path("campaigns/slippery.yaml")
+
+
+def test_a_file_becomes_a_plan(file: Path) -> None:
+    plan = checked_campaign(file, Workspace()).plan
+    assert len(plan) == 11 * 2 * 2 * 2  # seeds, scenes, stop distances, forces
+    assert plan.varies == ("scene", "set.stop_distance", "set.look", "condition.friction", "push.1.at", "push.1.force")
+    trial = plan.trials[-1]
+    assert (trial.tree, trial.robot, trial.scene, trial.seed) == ("fetch", "humanoid", "ball_on_stand", 20)
+    assert (trial.given["set.stop_distance"], trial.given["push.1.force"]) == (0.4, 60.0)
+    assert trial.given["push.1.duration"] == 0.1
+    assert 5.0 <= trial.given["set.look"] <= 9.0
+    assert {"trees/fetch.yaml", "skills/reach.py", "sim/humanoid/humanoid.xml"} <= plan.files.keys()
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "message"),
+    [
+        ("tree: fetch", "tree: fetsh", "3:7: error: no tree named 'fetsh'"),
+        ("ball_on_stand]", "nowhere]", "4:24: error: no scene named 'nowhere'"),
+        ("seeds: 0-9", "seeds: 9-0", "5:8: error: '9-0, 20' are no seeds"),
+        ("stop_distance", "stop_distence", "7:19: error: the tree 'fetch' has no parameter 'stop_distence'"),
+        ("40 cm", "40 kg", "7:26: error: 'stop_distance' has the unit 'kg'"),
+        ("5 s .. 9 s", "9 s .. 5 s", "8:9: error: 'set.look' runs from 9 down to 5"),
+        ("friction", "fricton", "10:3: error: there is no condition 'fricton'"),
+        ("1.2", "12", "10:13: error: 'friction' must be >= 0 and <= 10"),
+        ("force: [0, 60], ", "", "12:5: error: the key 'force' of"),
+        ("90 deg", "90 cm", "12:49: error: 'direction' has the unit 'cm'"),
+        ("lose:", "loose:", "14:15: error: unknown key 'loose'"),
+        ("success >=", "sucess >=", "15:11: error: unknown name 'sucess'"),
+        ("name: slippery", "name: ../../mine", "2:7: error: '../../mine' cannot be a name"),
+        ("format: 1", "format: 2", "1:9: error: 'format' must be"),
+        ("seeds:", "sedes:", "5:1: error: unknown key 'sedes' of the campaign"),
+        ("scene: [random_target, ball_on_stand]", "scene: []", "4:8: error: 'scene' needs names"),
+    ],
+)
+def test_a_mistake_is_told_with_its_place(
+    file: Path, before: str, after: str, message: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file.write_text(FILE.replace(before, after, 1))
+    with pytest.raises(UserError) as error:
+        checked_campaign(file, Workspace())
+    assert f"campaigns/slippery.yaml:{message}" in str(error.value)
+    assert main(["check", str(file)]) == 2
+    assert f"campaigns/slippery.yaml:{message}" in capsys.readouterr().out
+
+
+def test_several_mistakes_are_told_together(file: Path) -> None:
+    file.write_text(FILE.replace("40 cm", "40 kg").replace("5 s .. 9 s", "9 s .. 5 s").replace("1.2", "12"))
+    with pytest.raises(UserError) as error:
+        checked_campaign(file, Workspace())
+    assert len(error.value.problems) == 3
+
+
+def test_it_is_checked_formatted_and_completed(file: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["check"]) == 0
+    assert main(["fmt", "--check"]) == 0
+    assert main(["schema", "campaigns", "-o", "schema.json"]) == 0
+    schema = json.loads(Path("schema.json").read_text())
+    jsonschema.validate(yaml.safe_load(FILE), schema)
+    for key, value in (("nam", 1), ("seeds", "x-1"), ("tree", 5), ("conditions", [1]), ("require", 3)):
+        with pytest.raises(jsonschema.ValidationError):
+            jsonschema.validate({**yaml.safe_load(FILE), key: value}, schema)
