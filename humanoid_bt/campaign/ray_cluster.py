@@ -5,6 +5,7 @@ On each machine trials run in the same processes as here, so that what hangs or 
 
 from __future__ import annotations
 
+import contextlib
 import pickle
 import socket
 import tempfile
@@ -14,6 +15,7 @@ from itertools import islice
 from pathlib import Path
 from typing import Any
 
+from humanoid_bt.campaign.journal import Unwritable
 from humanoid_bt.campaign.plan import Plan
 from humanoid_bt.campaign.trial import Task
 from humanoid_bt.campaign.work import Refused, Run
@@ -99,8 +101,9 @@ class RayCluster:
         except ray.exceptions.RayError as error:
             raise HumanoidBtError(f"the Ray cluster does not go on: {str(error).strip().splitlines()[0]}") from error
         finally:
-            for one in pending:
-                ray.cancel(one, force=True)
+            with contextlib.suppress(ray.exceptions.RayError, ConnectionError):  # it is gone, with all that it ran
+                for one in pending:
+                    ray.cancel(one, force=True)
 
     def close(self) -> None:
         """Leave the cluster."""
@@ -112,7 +115,10 @@ class RayCluster:
         if isinstance(done, Refused):
             raise done.error
         if recording:
-            Path(task.recording).write_bytes(recording)
+            try:
+                Path(task.recording).write_bytes(recording)
+            except OSError as error:
+                raise Unwritable(f"{relative(Path(task.recording))!r} cannot be written: {error.strerror}") from error
         return replace(done, task=task)
 
 
