@@ -57,6 +57,7 @@ def _print_problems(error: UserError) -> None:
 
 
 _COMMANDS = {
+    "init": "init",
     "run": "run",
     "bench": "bench",
     "campaign": "campaign",

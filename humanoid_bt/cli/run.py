@@ -93,6 +93,7 @@ def _report(session: Session, attended: bool) -> Report:
     except KeyboardInterrupt:
         if not session.outcome:
             raise
+        session.close()  # if the second one came before it was
         return session.report
 
 

@@ -17,15 +17,7 @@ from humanoid_bt.tree.source.schema import tree_schema
 
 def schema(arguments: argparse.Namespace) -> int:
     """Print the schema, or write it to a file."""
-    workspace = Workspace(arguments.workspace)
-    if arguments.of == "scenarios":
-        made, told = scenario_schema(workspace), "scenarios"
-    elif arguments.of == "campaigns":
-        made, told = file_schema(CampaignFile, "A campaign of humanoid-bt", workspace), "campaigns"
-    else:
-        registry = Registry.of(workspace)
-        made, told = tree_schema(registry, subtree_types(workspace, registry)), f"{len(registry)} node types"
-    text = json.dumps(made, indent=1)
+    text, told = schema_text(Workspace(arguments.workspace), arguments.of)
     if arguments.output is None:
         print(text)
         return ExitCode.SUCCESS
@@ -36,3 +28,15 @@ def schema(arguments: argparse.Namespace) -> int:
         raise UserError(f"the schema cannot be written to {str(arguments.output)!r}: {error.strerror}") from error
     print(f"{arguments.output}: {told}")
     return ExitCode.SUCCESS
+
+
+def schema_text(workspace: Workspace, of: str) -> tuple[str, str]:
+    """Return a schema as JSON, of a workspace's "trees", "scenarios" or "campaigns", and in words what it is of."""
+    if of == "scenarios":
+        made, told = scenario_schema(workspace), "scenarios"
+    elif of == "campaigns":
+        made, told = file_schema(CampaignFile, "A campaign of humanoid-bt", workspace), "campaigns"
+    else:
+        registry = Registry.of(workspace)
+        made, told = tree_schema(registry, subtree_types(workspace, registry)), f"{len(registry)} node types"
+    return json.dumps(made, indent=1), told

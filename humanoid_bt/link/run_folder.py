@@ -339,7 +339,10 @@ def _remove(folder: Path) -> bool:
         folder.rename(closed)
     except FileNotFoundError:
         return False
-    shutil.rmtree(closed, ignore_errors=True)
+    try:
+        shutil.rmtree(closed, ignore_errors=True)
+    finally:  # who is interrupted there, by a second Ctrl-C, leaves nothing behind either
+        shutil.rmtree(closed, ignore_errors=True)
     return True
 
 

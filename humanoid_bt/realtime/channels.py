@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Mapping
+from contextlib import suppress
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Self
@@ -14,7 +15,7 @@ from humanoid_bt.link.ring import RingReader, RingWriter
 from humanoid_bt.link.run_folder import RunFolder
 from humanoid_bt.realtime.timing import STOP_ROOM
 
-_ESTOP = "estop"
+_ESTOP, _LEFT = "estop", "left"
 _SIZES: dict[str, tuple[int, int]] = {  # ring -> (bytes in a slot, slots)
     "command": (8192, 8),  # decision -> control
     "request": (4096, 8),  # decision -> control: a stop, with source and reason
@@ -109,6 +110,17 @@ def cycle_tables(folder: RunFolder) -> tuple[Path, Path]:
 def quit_flag(folder: RunFolder) -> Heartbeat:
     """Return the flag with which decision ends the run: it has beaten once, or :data:`ABANDONED` times."""
     return Heartbeat.open(folder.path("quit"))
+
+
+def leave(folder: RunFolder) -> None:
+    """Note that control ends, before it looks for the last time whether it is to clean up."""
+    with suppress(OSError):  # the folder is gone, or there is no room
+        folder.path(_LEFT).touch(mode=0o600)
+
+
+def has_left(folder: RunFolder) -> bool:
+    """Return whether control may have looked for the last time: who abandons it after that cleans up."""
+    return folder.path(_LEFT).exists()
 
 
 def open_folder(path: str) -> RunFolder:

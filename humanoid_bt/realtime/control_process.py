@@ -227,6 +227,7 @@ def main() -> int:
         sys.stderr.write(f"error: {error}\n")
         return 2
     finally:
+        channels.leave(folder)
         if quit_flag.count >= ABANDONED or os.getppid() != parent:
             folder.close()
     return 0

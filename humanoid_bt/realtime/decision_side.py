@@ -171,6 +171,9 @@ class Realtime:
             self._folder = folder
             return ""
         channels.quit_flag(folder).beat(channels.ABANDONED)
+        if channels.has_left(folder):  # it may not have seen this any more
+            self._folder = folder
+            return ""
         folder.leave()
         return "control brings the robot to a stand and ends by itself"
 
@@ -200,9 +203,8 @@ class Realtime:
 
     def _end(self, folder: RunFolder, children: Children) -> None:
         channels.quit_flag(folder).beat()
-        while not children.how_ended("control") and time.monotonic() - self._state_at < _SILENCE:
+        while not children.how_ended("control") and self._hear_control() < _SILENCE:
             time.sleep(_POLL)
-            self._follow_readers()
         children.end()
         self._follow_readers()
         result = folder.path("result.json")
@@ -219,9 +221,9 @@ class Realtime:
         """
         assert self._children is not None
         self._schedule.wait()
-        self._follow_readers()
+        silent = self._hear_control()
         self._check_control(self._children)
-        if time.monotonic() - self._state_at > _SILENCE:
+        if silent > _SILENCE:
             raise ControlLost(f"the control process has been silent for more than {_SILENCE:g} s")
         assert self._state is not None
         self.clock.time = self._state.time
@@ -257,6 +259,15 @@ class Realtime:
         """Tell ``humanoid-bt status`` and ``show --live`` what the tree does."""
         if self._teller is not None:
             self._teller.tell(status, tree)
+
+    def _hear_control(self) -> float:
+        """Read what the other processes say; return how long control had been silent when this looked [s].
+
+        Not how long that is ago by now: this process may have stood still since.
+        """
+        looked = time.monotonic()
+        self._follow_readers()
+        return looked - self._state_at
 
     def _follow_readers(self) -> None:
         for payload in self._new("state"):

@@ -23,6 +23,7 @@ _LOOK_BACK = 4.0  # s before a fall in which its reason is looked for
 _GONE = "the process of the run ended without closing the recording"
 _SILENT = 0.08  # s that a tick must take to explain that decision was silent for 0.1 s
 _SLOW = re.compile(r"a tick took (\d+) ms.*: the node '(.*?)'(?:, at (.*))?$")
+_LATE = re.compile(r"command: stamped [\d.]+ s at")
 _PERSON = ("keyboard", "humanoid-bt estop", "program", "test")
 
 
@@ -32,13 +33,24 @@ def cause_of(history: History) -> Cause:
     if ending.kind in ("killed", "cut"):
         return ending
     if stop := first_stop(history, ending.time):
-        began = _and_fell(history, stop, _of_stop(history, stop))
+        stop, began = _and_raised(history, stop, _of_stop(history, stop), ending.time)
+        began = _and_fell(history, stop, began)
         return began if began.kind in _LATCHED or began.time < ending.time - AT else ending
     if history.stops and ending.kind in ("unfinished", "interrupted"):  # each was recovered, and nothing else is told
         began = _of_stop(history, history.stops[0])
         times = f", the first of {len(history.stops)} times" if len(history.stops) > 1 else ""
         return replace(began, headline=f"{began.headline}{times}; {ending.headline}")
     return ending
+
+
+def _and_raised(history: History, stop: Stopped, cause: Cause, until: float) -> tuple[Stopped, Cause]:
+    """Return what keeps a robot stopped, and why: an e-stop that was raised in a protective stop outlasts that."""
+    raised = (later for later in history.stops if later.mode == "emergency_stop" and stop.time < later.time <= until)
+    estop = next(raised, None)
+    if estop is None or stop.mode != "protective_stop":
+        return stop, cause
+    found = _estop(history, estop)
+    return estop, replace(found, headline=f"{found.headline}, in the protective stop since {when(stop.time)}")
 
 
 def _and_fell(history: History, stop: Stopped, cause: Cause) -> Cause:
@@ -173,7 +185,9 @@ def _estop(history: History, stop: Stopped) -> Cause:
 
 def _silence(history: History, stop: Stopped) -> Cause:
     """Decision sent nothing that control took: its tick took too long, or what it sent was refused."""
-    refused = [event for event in _refused(history) if abs(event.time - stop.time) < 1.0]
+    refused = [  # not those that follow from the silence, or show it: what decision sent was on its way for too long
+        event for event in _refused(history) if -1.0 < event.time - stop.time <= AT and not _LATE.search(event.text)
+    ]
     slow = [
         (event, found)
         for event in history.events
@@ -195,7 +209,8 @@ def _silence(history: History, stop: Stopped) -> Cause:
     ticked = history.tick(stop.time)
     since = f"; the last tick before it is of {when(ticked.state.time)}" if ticked else ""
     text = f"{stopped}: {stop.reason}{since}"
-    return Cause("silent", text, stop.time, _commander(stop), _notices(history, stop.time))
+    rows = [*_refused_rows(history, stop.time), *_notices(history, stop.time)]
+    return Cause("silent", text, stop.time, _commander(stop), rows)
 
 
 def _slow_node(history: History, time: float, told: list[tuple[Happened, re.Match[str]]]) -> tuple[str, str]:

@@ -191,19 +191,22 @@ class Drive:
         """Bring the robot to a stand, close the recording, make the report. Twice is once.
 
         Raises:
-            KeyboardInterrupt: somebody does not wait for the robot to stand; all is closed nevertheless.
+            KeyboardInterrupt: somebody does not wait for the end. All is closed, and the report is there, nevertheless;
+                if not, because it came in between, whoever calls this again has both.
         """
-        stack, self._stack = self._stack, None
-        if stack is None:
+        if (stack := self._stack) is None:
             return
-        with stack:
-            self._tracks = dict(self.runner.robot.tracks)
-            moved = self.loop.state is not None
-            self.leave("unfinished", "the session was left while the tree was running")
-            assert self.end is not None
-            wall_time = time.monotonic() - self.loop.began_at if moved else 0.0
-            insists = self._stand(self.end, moved)
-            self._teller.ended(self.end, self._ending.began, self.ticks.to_dict())
+        moved, insists = self.loop.state is not None, False
+        wall_time = time.monotonic() - self.loop.began_at if moved else 0.0
+        self.end = self.end or self.loop.leave("unfinished", "the session was left while the tree was running")
+        try:
+            with stack:
+                self._tracks = dict(self.runner.robot.tracks)
+                insists = self._stand(self.end, moved)
+                self._teller.ended(self.end, self._ending.began, self.ticks.to_dict())
+        except KeyboardInterrupt:
+            insists = True
+            stack.close()  # the rest, if it came between two of what is closed
         missing = 0.0
         if self._recorder is not None:
             self._teller.recorder = None  # it is closed
@@ -225,6 +228,7 @@ class Drive:
         if self._options.numbered and self.report.recording_parts:
             with suppress(UserError):  # on a full disk, which is told
                 self.report.write(report_beside(Path(self.report.recording_parts[0])))
+        self._stack = None
         if insists:
             raise KeyboardInterrupt
 

@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 import stat
 from collections.abc import Callable
 from pathlib import Path
@@ -20,6 +21,24 @@ INFO = RunInfo("fetch", "humanoid")
 @pytest.fixture
 def root(folder: Path) -> Path:
     return folder / "runs"
+
+
+def test_who_is_interrupted_while_a_run_is_removed_leaves_nothing_behind(
+    root: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    run = RunFolder.create(INFO, root)
+    rmtree, calls = shutil.rmtree, []
+
+    def pressed(path: Path, ignore_errors: bool) -> None:
+        calls.append(path)
+        if len(calls) == 1:
+            raise KeyboardInterrupt
+        rmtree(path, ignore_errors)
+
+    monkeypatch.setattr(shutil, "rmtree", pressed)
+    with pytest.raises(KeyboardInterrupt):
+        run.close()
+    assert [path.name for path in root.iterdir()] == [".lock"]
 
 
 def test_a_run_says_who_it_is_and_is_gone_when_closed(root: Path) -> None:

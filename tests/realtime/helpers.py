@@ -10,7 +10,7 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -63,9 +63,20 @@ class Live:
         tree: what runs.
         options: further arguments.
         record: whether it is recorded.
+        program: what runs it.
+        variables: further variables of its environment.
     """
 
-    def __init__(self, project: Path, folder: Path, tree: str, *options: str, record: bool = True) -> None:
+    def __init__(
+        self,
+        project: Path,
+        folder: Path,
+        tree: str,
+        *options: str,
+        record: bool = True,
+        program: Sequence[str] = PROGRAM,
+        variables: Mapping[str, str] = {},
+    ) -> None:
         folder.mkdir()
         self.recording, self._report = folder / "run.rrd", folder / "report.json"
         self.control_log = folder / "run.control.log"
@@ -74,9 +85,9 @@ class Live:
         files = [*recorded, "--report", str(self._report)]
         with self._output.open("w") as output:
             self.process = subprocess.Popen(
-                [*PROGRAM, "run", tree, "--mode", "realtime", *files, *options],
+                [*program, "run", tree, "--mode", "realtime", *files, *options],
                 cwd=project,
-                env=environment(),
+                env=environment() | dict(variables),
                 stdin=subprocess.DEVNULL,
                 stdout=output,
                 stderr=subprocess.STDOUT,
@@ -116,6 +127,11 @@ class Live:
         """What was reported."""
         found: dict[str, Any] = json.loads(self._report.read_text(encoding="utf-8"))
         return found
+
+    @property
+    def has_report(self) -> bool:
+        """Whether it has reported."""
+        return self._report.exists()
 
     @property
     def log(self) -> list[dict[str, Any]]:

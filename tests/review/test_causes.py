@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from humanoid_bt.core.messages import Measurement
+from humanoid_bt.core.messages import Command, Measurement
 from humanoid_bt.review.explain import explain
 from humanoid_bt.session.session import Session
 from humanoid_bt.testing.rig import ScriptedPerception
@@ -49,6 +49,31 @@ def unsolvable(session: Session) -> None:
     del limits[-1]
 
 
+def held_up(session: Session) -> None:
+    """Let a command arrive too late, as one of a decision without a processor, then none, then one far too late."""
+    controller = session.engine.controller  # type: ignore[attr-defined]
+    submit, sent = controller.submit, []
+
+    def later(command: Command) -> None:
+        sent.append(command)
+        if len(sent) == 1:
+            submit(replace(command, stamp=command.stamp - 0.15))
+            submit(command)
+        elif len(sent) > 10:
+            controller.submit = submit
+            submit(sent[1])
+            submit(command)
+
+    controller.submit = later
+
+
+def silent_then_pressed(session: Session) -> None:
+    """Let no command arrive any more, and the e-stop be raised when that has stopped the robot."""
+    session.engine.controller.submit = lambda _: None  # type: ignore[attr-defined]
+    session.run_until(0.6)
+    pressed(session)
+
+
 def deluded(session: Session) -> None:
     """Let the supervisor be given a velocity that is no number."""
     supervisor = session.engine.controller.supervisor  # type: ignore[attr-defined]
@@ -66,6 +91,13 @@ CASES: dict[str, tuple[str, str, dict[str, Any], str]] = {
         "estop",
         {"at": 0.3, "do": pressed, "on_estop": "end"},
         r"the emergency stop was raised at 0\.300 s by humanoid-bt estop \(me@pts/3, pid 4711\): too near",
+    ),
+    "estop by hand in a protective stop": (
+        "walk",
+        "estop",
+        {"at": 0.3, "do": silent_then_pressed, "on_estop": "end"},
+        r"the emergency stop was raised at 0\.600 s by humanoid-bt estop \(me@pts/3, pid 4711\): too near, "
+        r"in the protective stop since 0\.\d+ s",
     ),
     "estop by a node": (
         "alarm",
@@ -116,6 +148,13 @@ CASES: dict[str, tuple[str, str, dict[str, Any], str]] = {
         {"duration": 3.0},
         r"commands were refused from 0\.320 s on: the target of 'left_hand' is out of range .*; "
         r"the robot was stopped at 0\.380 s, the first of 7 times; .*",
+    ),
+    "silent between commands that are refused as too old": (
+        "walk",
+        "silent",
+        {"at": 0.3, "do": held_up},
+        r"the robot was stopped at 0\.400 s: decision silent for more than 100 ms; "
+        r"the last tick before it is of 0\.400 s; the run was ended at 1\.000 s, .*",
     ),
     "refused from the start": (
         "nowhere",

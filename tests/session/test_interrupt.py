@@ -5,6 +5,7 @@ from __future__ import annotations
 import signal
 import subprocess
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +19,14 @@ from tests.session.helpers import last_time
 @pytest.fixture(autouse=True)
 def in_project(project: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(project)
+
+
+@pytest.fixture(autouse=True)
+def as_in_a_terminal() -> Iterator[None]:
+    """Have Ctrl-C, which what a shell starts in the background ignores."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
 
 
 def test_ctrl_c_in_a_tick_is_raised_when_the_tick_is_over() -> None:
@@ -104,6 +113,33 @@ def test_ctrl_c_while_the_robot_comes_to_a_stand_waits_for_it(monkeypatch: pytes
         monkeypatch.setattr(session.engine, "clock", Pressing(session.engine.clock))
     assert session.report.outcome == "unfinished"
     assert session.engine.sense()[0].base_settled
+
+
+def test_ctrl_c_while_the_run_is_closed_costs_neither_the_report_nor_what_else_is_closed(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    session = hbt.Session("walk", duration=0.1, record="closing.rrd", camera=False)
+    monkeypatch.setattr(session.engine, "close", lambda: signal.raise_signal(signal.SIGINT))
+    with pytest.raises(KeyboardInterrupt), session:
+        session.run_until(lambda s: bool(s.outcome))
+    assert session.report.outcome == "unfinished"
+    assert last_time(Path("closing.rrd")) > 0.09
+
+
+def test_ctrl_c_before_the_run_is_closed_leaves_it_to_be_closed(monkeypatch: pytest.MonkeyPatch) -> None:
+    session = hbt.Session("walk", duration=0.1)
+    closed: list[str] = []
+    monkeypatch.setattr(session.engine, "close", lambda: closed.append("engine"))
+    session.start()
+    session.run_until(0.06)
+    leave = session._drive.loop.leave
+    monkeypatch.setattr(session._drive.loop, "leave", lambda *_: signal.raise_signal(signal.SIGINT))
+    with pytest.raises(KeyboardInterrupt):
+        session.close()
+    monkeypatch.setattr(session._drive.loop, "leave", leave)
+    session.close()
+    session.close()
+    assert (session.report.outcome, closed) == ("unfinished", ["engine"])
 
 
 class Pressing:
