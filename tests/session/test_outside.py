@@ -125,6 +125,8 @@ def test_the_commands(project: Path, capsys: pytest.CaptureFixture[str]) -> None
         assert f"humanoid-bt reset --run {name}   # walk on humanoid, lockstep" in capsys.readouterr().err
         assert command("reset", "--run", name, while_=step) == 0
         assert capsys.readouterr().out.startswith("reset: in the way (humanoid-bt estop (")
+        for _ in range(10):  # what it does is told every few ticks
+            step()
         assert [session.state.mode for session in sessions] == [Mode.EMERGENCY_STOP, Mode.RUN]
         assert main(["status"]) == 0
         shown = " ".join(capsys.readouterr().out.split())
