@@ -44,7 +44,7 @@ def verdict(kept: bool) -> Verdict:
 
 STACK = Promise("the whole stack, recording on, beside `mj_step` of the same motion", 6.0, "x")
 SPEED = Promise("simulated time of a run, recording on, beside the CPU time it takes", 4.0, "x", at_least=True)
-LOG = Promise("keeping a servo cycle for the recording, beside the cycle itself", 0.05, "x")
+LOG = Promise("keeping a servo cycle for the recording, p99, beside a cycle", 0.05, "x")
 TICK = Promise("a tick, snapshot and command included, beside plain py_trees with the same leaves", 1.0, "x")
 LOAD = Promise("loading a tree of 500 nodes with all checks, beside `yaml.safe_load` of its text", 2.0, "x")
 

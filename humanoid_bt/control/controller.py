@@ -76,6 +76,9 @@ class Controller:
         supervisor = self.supervisor
         measurement = self._measurement
         supervisor.check(self.cycle, measurement, self._setpoint_fault)
+        log = self.log
+        if log is not None:
+            log.begin(self.cycle + 1, supervisor, self.servo, self.whole_body)
         if supervisor.mode is Mode.DAMP:
             self.servo.damp()
             self._limp = True
@@ -86,19 +89,19 @@ class Controller:
             self._plan(measurement)
             self._next_plan = self.cycle + self._whole_body_period
         self._held = supervisor.hold
-        self._plant.step(self.servo.command)
-        self.cycle += 1
-        log = self.log
         if log is None:
+            self._plant.step(self.servo.command)
             self._measurement = self._plant.measure()
         else:
-            self._measurement = self._plant.measure(log.next)
-            log.note(self.cycle, supervisor, self.servo, self.whole_body)
+            self._plant.step(self.servo.command)
+            self._measurement = self._plant.measure(log.measured)
+            log.end()
+        self.cycle += 1
 
     def _plan(self, measurement: Measurement) -> None:
         supervisor, body = self.supervisor, self.whole_body
         if self.log is not None:
-            self.log.end_plan()
+            self.log.end_plan(self.servo, body)
         setpoint = body.update(measurement, supervisor.targets, supervisor.hold)
         refused = self.servo.follow(setpoint)
         self._setpoint_fault = refused or ("" if body.solved else "inverse kinematics without a solution")

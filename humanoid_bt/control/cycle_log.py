@@ -5,10 +5,9 @@ One table has a row for each servo cycle, another one a row for each plan of the
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from struct import Struct
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -26,8 +25,6 @@ Table = TableWriter | LocalTable
 MODES, GAITS = tuple(Mode), tuple(Gait)
 NONE = -1.0
 """Stands for the error of a hand that nothing commands, and for the command before the first."""
-
-_CYCLE, _PLAN = Struct("3d"), Struct(f"{4 + len(SIDES)}d")  # their single numbers
 
 _NO_HANDS = (NONE,) * len(SIDES)
 _POSE, _TWIST = 3 + 4, 3 + 3  # numbers of the base: position and quaternion, velocity and rate
@@ -144,74 +141,74 @@ class Layout:
 class CycleLog:
     """Control's end of the tables.
 
-    It must not cost a servo cycle anything: the plant measures right into the next row, and what belongs to a plan is
-    copied a part each cycle, until the next plan.
+    It must cost a servo cycle next to nothing: what was decided is noted at once, while it is in the processor's cache;
+    the plant measures right into the row; a plan is copied in the cycles after it.
 
     Args:
         plans, servo_cycles: the tables, as :class:`Layout` makes them.
         layout: of the robot.
+
+    Attributes:
+        measured: where the plant is to measure what comes of the cycle; it stays until the row's turn comes again.
+        end: lets readers see the cycle, after that.
     """
 
     def __init__(self, plans: Table, servo_cycles: Table, layout: Layout) -> None:
         self._plans, self._cycles = plans, servo_cycles
         joints = len(layout.joints)
-        self._plan_rows = _parts(plans.rows, 4 + len(SIDES), *[joints] * 4)
+        parts = _parts(plans.rows, 4 + len(SIDES), 3 * joints, joints)
+        self._plan_rows = [(first, setpoint.reshape(3, joints), *others) for first, setpoint, *others in parts]
         rows = _parts(servo_cycles.rows, 3, _POSE + joints, _TWIST + joints, joints)
-        self._numbers = [row[0] for row in rows]
-        self._measured = [Measurement(0.0, *row[1:]) for row in rows]
+        self._rows = [(row[0], Measurement(0.0, *row[1:])) for row in rows]
         self._count = len(rows)
-        self._command: object = None
-        self._plan: Iterator[None] = iter(())  # what is left to copy of the last one
-        self._mode, self._mode_number = MODES[0], 0  # an enumeration is slow to look up
+        self._commands = 1  # of the servo; the first one is no plan
+        self._plan, self._left = 0, 0  # cycle of the last plan, and how much is left to copy of it
+        self._mode = self._plan_mode = MODES[0]
+        self._mode_number = 0  # an enumeration is slow to look up
+        self.measured = self._rows[0][1]
+        self.end = servo_cycles.publish
 
-    @property
-    def next(self) -> Measurement:
-        """Where the plant is to measure what comes next; it stays until a row's turn comes again."""
-        return self._measured[self._cycles.count % self._count]
-
-    def note(self, cycle: int, supervisor: Supervisor, servo: Servo, body: WholeBody) -> None:
-        """Take the servo cycle that just was, after which the plant has measured into :attr:`next`.
+    def begin(self, cycle: int, supervisor: Supervisor, servo: Servo, body: WholeBody) -> None:
+        """Take what was decided in a servo cycle, as soon as it is, before anything is planned or driven.
 
         Args:
             cycle: servo cycles so far, this one included.
-            supervisor, servo, body: as they were in it.
+            supervisor: as it is in it.
+            servo, body: as the cycle before left them.
         """
-        table, command, mode = self._cycles, supervisor.command, supervisor.mode
+        if servo.commands != self._commands:
+            self._commands = servo.commands
+            self._plan, self._plan_mode, self._left = cycle - 1, self._mode, 2
+        elif self._left:
+            self._copy_part(servo, body)
+        command, mode = supervisor.command, supervisor.mode
         if mode is not self._mode:
             self._mode, self._mode_number = mode, MODES.index(mode)
-        number = NONE if command is None else command.sequence
-        _CYCLE.pack_into(self._numbers[table.count % self._count], 0, cycle, self._mode_number, number)
-        table.publish()
-        if servo.command is not self._command:
-            self.end_plan()
-            self._command = servo.command
-            self._plan = self._note_plan(cycle, mode is not Mode.DAMP, servo, body)
-        next(self._plan, None)
+        numbers, self.measured = self._rows[self._cycles.count % self._count]
+        numbers[0] = cycle
+        numbers[1] = self._mode_number
+        numbers[2] = NONE if command is None else command.sequence
 
-    def end_plan(self) -> None:
+    def end_plan(self, servo: Servo, body: WholeBody) -> None:
         """Copy what is left of a plan, before there is another one."""
-        for _ in self._plan:
-            pass
+        while self._left:
+            self._copy_part(servo, body)
 
-    def _note_plan(self, cycle: int, stiff: bool, servo: Servo, body: WholeBody) -> Iterator[None]:
-        """Copy a plan, a part at a time."""
-        numbers, position, velocity, torque, limited, com_error = self._plan_rows[
-            self._plans.count % len(self._plan_rows)
-        ]
-        command, kinematics = servo.command, body.kinematics
-        yield
-        position[:] = command.position
-        velocity[:] = command.velocity
-        yield
-        torque[:] = command.torque
-        limited[:] = servo.limited
-        yield
-        com_error[:] = kinematics.com_error
-        gait = GAITS.index(body.walker.gait)
-        yield
-        errors = kinematics.hand_errors
-        hands = [errors.get(side, NONE) for side in SIDES] if errors else _NO_HANDS
-        _PLAN.pack_into(numbers, 0, cycle, gait, body.solved, stiff, *hands)
+    def _copy_part(self, servo: Servo, body: WholeBody) -> None:
+        """Copy the first or the second part of the last plan."""
+        self._left -= 1
+        numbers, setpoint, limited, com_error = self._plan_rows[self._plans.count % len(self._plan_rows)]
+        if self._left:
+            setpoint[:] = servo.setpoint
+            limited[:] = servo.limited
+            return
+        com_error[:] = body.kinematics.com_error
+        numbers[0] = self._plan
+        numbers[1] = GAITS.index(body.walker.gait)
+        numbers[2] = body.solved
+        numbers[3] = self._plan_mode is not Mode.DAMP
+        errors = body.kinematics.hand_errors
+        numbers[4], numbers[5] = [errors.get(side, NONE) for side in SIDES] if errors else _NO_HANDS
         self._plans.publish()
 
 

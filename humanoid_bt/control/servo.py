@@ -22,8 +22,10 @@ class Servo:
 
     Attributes:
         position: last validated setpoint, shape (nj,) [rad].
+        setpoint: position [rad], velocity [rad/s] and feedforward torque [Nm] of the command in force, shape (3, nj).
         limited: joints whose last setpoint was clamped: soft limit, speed or torque, shape (nj,) of bool.
         clamps: how many setpoints were clamped so far.
+        commands: how many commands there were since the reset, with the one that holds what is found.
     """
 
     def __init__(self, robot: RobotModel) -> None:
@@ -32,15 +34,16 @@ class Servo:
         self._zeros: Array = np.zeros_like(robot.lower)
         self.position: Array = self._zeros.copy()
         self.limited = np.zeros(len(robot.lower), dtype=bool)
-        self.clamps = 0
-        self._command = self._hold()
+        self.setpoint: Array = np.zeros((3, len(robot.lower)))
+        self.clamps = self.commands = 0
+        self._hold(self._zeros)
 
     def reset(self, position: Array) -> None:
         """Start from joint positions, shape (nj,)."""
         self.position = clamp(position, self._robot.lower, self._robot.upper)
         self.limited = np.zeros_like(self.limited)
-        self.clamps = 0
-        self._command = self._hold()
+        self.clamps = self.commands = 0
+        self._hold(self._zeros)
 
     @property
     def command(self) -> JointCommand:
@@ -60,32 +63,39 @@ class Servo:
         if not all(np.isfinite(value).all() for value in values):
             self.hold()
             return "the setpoint is not finite"
+        kept = np.empty_like(self.setpoint)
+        position, velocity, torque = kept
         slow = clamp(setpoint.position, self.position - self._step, self.position + self._step)
-        inside = clamp(slow, robot.lower, robot.upper)
-        velocity = clamp(setpoint.velocity, -robot.speed_limit, robot.speed_limit)
-        torque = clamp(setpoint.torque, -robot.torque_limit, robot.torque_limit)
+        clamp(slow, robot.lower, robot.upper, position)
+        clamp(setpoint.velocity, -robot.speed_limit, robot.speed_limit, velocity)
+        clamp(setpoint.torque, -robot.torque_limit, robot.torque_limit, torque)
         self.limited = (
-            (np.abs(inside - setpoint.position) > LIMIT_TOLERANCE)
+            (np.abs(position - setpoint.position) > LIMIT_TOLERANCE)
             | (velocity != setpoint.velocity)
             | (torque != setpoint.torque)
         )
         self.clamps += int(self.limited.any())
-        self.position = inside
-        self._command = JointCommand(inside, velocity, robot.stiffness, robot.damping, torque)
+        self.position, self.setpoint = position, kept
+        self._drive(JointCommand(position, velocity, robot.stiffness, robot.damping, torque))
         return ""
 
     def hold(self) -> None:
         """Hold the last validated setpoint at rest, with the torque that carried it."""
-        self._command = self._hold(self._command.torque)
+        self._hold(self._command.torque)
 
     def damp(self) -> None:
         """Let go: no stiffness, only joint damping (stop category 0 of IEC 60204-1)."""
         zeros = self._zeros
         if self._command.stiffness is not zeros:
             self.limited = np.zeros_like(self.limited)
-            self._command = JointCommand(self.position, zeros, zeros, self._robot.damping, zeros)
+            self.setpoint = np.array((self.position, zeros, zeros))
+            self._drive(JointCommand(self.position, zeros, zeros, self._robot.damping, zeros))
 
-    def _hold(self, torque: Array | None = None) -> JointCommand:
+    def _hold(self, torque: Array) -> None:
         robot = self._robot
-        feedforward = self._zeros if torque is None else torque
-        return JointCommand(self.position, self._zeros, robot.stiffness, robot.damping, feedforward)
+        self.setpoint = np.array((self.position, self._zeros, torque))
+        self._drive(JointCommand(self.position, self._zeros, robot.stiffness, robot.damping, torque))
+
+    def _drive(self, command: JointCommand) -> None:
+        self._command = command
+        self.commands += 1

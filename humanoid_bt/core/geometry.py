@@ -14,9 +14,9 @@ import numpy as np
 from humanoid_bt.core.messages import Array
 
 
-def clamp(values: Array, low: Array | float, high: Array | float) -> Array:
-    """Return values, none below ``low`` or above ``high``: what ``np.clip`` does, in a third of its time."""
-    return np.minimum(np.maximum(values, low), high)
+def clamp(values: Array, low: Array | float, high: Array | float, out: Array | None = None) -> Array:
+    """Return values, in ``out`` if given, none below ``low`` or above ``high``: ``np.clip`` in a third of its time."""
+    return np.minimum(np.maximum(values, low), high, out=out)
 
 
 def rotation_matrix(quaternion: Array) -> Array:
