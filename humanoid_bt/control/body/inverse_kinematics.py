@@ -102,8 +102,8 @@ class InverseKinematics:
     @property
     def hand_errors(self) -> dict[Side, float]:
         """How far the planned palms are from where the last step was to bring them [m], of commanded hands."""
-        goals = self._hand_goals
-        return {side: math.dist(goal, self._palm_positions[side]) for side, goal in goals.items()} if goals else {}
+        goals, palms = self._hand_goals, self._palm_positions
+        return {side: math.dist(goal.tolist(), palms[side].tolist()) for side, goal in goals.items()} if goals else {}
 
     def step(self, targets: BodyTargets) -> bool:
         """Move one control period toward the targets; return whether there was a solution within all limits."""
