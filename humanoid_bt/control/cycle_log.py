@@ -104,11 +104,11 @@ class Layout:
         plan = Row(
             Column("plan", "", 1.0, ("cycle", "gait", "solved", "stiff")),
             Column("hand_error", "m", 1e-5, SIDES),
+            Column("com_error", "m", 1e-5, xyz),
             Column("setpoint", "rad", 1e-5, joints),
             Column("setpoint_velocity", "rad/s", 1e-4, joints),
             Column("feedforward", "Nm", 1e-3, joints),
             Column("limited", "", 1.0, joints),
-            Column("com_error", "m", 1e-5, xyz),
         )
         cycle = Row(
             Column("servo", "", 1.0, ("cycle", "mode", "command")),
@@ -156,11 +156,12 @@ class CycleLog:
     def __init__(self, plans: Table, servo_cycles: Table, layout: Layout) -> None:
         self._plans, self._cycles = plans, servo_cycles
         joints = len(layout.joints)
-        parts = _parts(plans.rows, 4 + len(SIDES), 3 * joints, joints)
-        self._plan_rows = [(first, setpoint.reshape(3, joints), *others) for first, setpoint, *others in parts]
+        parts = _parts(plans.rows, 4 + len(SIDES), 3, 3 * joints)
+        self._plan_rows = [(numbers, com, of.reshape(3, joints), limited) for numbers, com, of, limited in parts]
         rows = _parts(servo_cycles.rows, 3, _POSE + joints, _TWIST + joints, joints)
         self._rows = [(row[0], Measurement(0.0, *row[1:])) for row in rows]
         self._count = len(rows)
+        self._clamped = [False] * len(parts)  # rows in which a joint's is not zero
         self._commands = 1  # of the servo; the first one is no plan
         self._plan, self._left = 0, 0  # cycle of the last plan, and how much is left to copy of it
         self._mode = self._plan_mode = MODES[0]
@@ -197,12 +198,15 @@ class CycleLog:
     def _copy_part(self, servo: Servo, body: WholeBody) -> None:
         """Copy the first or the second part of the last plan."""
         self._left -= 1
-        numbers, setpoint, limited, com_error = self._plan_rows[self._plans.count % len(self._plan_rows)]
+        row = self._plans.count % len(self._plan_rows)
+        numbers, com_error, setpoint, limited = self._plan_rows[row]
         if self._left:
             setpoint[:] = servo.setpoint
-            limited[:] = servo.limited
+            com_error[:] = body.kinematics.com_error
+            if servo.clamped or self._clamped[row]:  # else they are zero, as they are to be
+                limited[:] = servo.limited
+                self._clamped[row] = servo.clamped
             return
-        com_error[:] = body.kinematics.com_error
         numbers[0] = self._plan
         numbers[1] = GAITS.index(body.walker.gait)
         numbers[2] = body.solved

@@ -24,6 +24,7 @@ class Servo:
         position: last validated setpoint, shape (nj,) [rad].
         setpoint: position [rad], velocity [rad/s] and feedforward torque [Nm] of the command in force, shape (3, nj).
         limited: joints whose last setpoint was clamped: soft limit, speed or torque, shape (nj,) of bool.
+        clamped: whether any was.
         clamps: how many setpoints were clamped so far.
         commands: how many commands there were since the reset, with the one that holds what is found.
     """
@@ -34,6 +35,7 @@ class Servo:
         self._zeros: Array = np.zeros_like(robot.lower)
         self.position: Array = self._zeros.copy()
         self.limited = np.zeros(len(robot.lower), dtype=bool)
+        self.clamped = False
         self.setpoint: Array = np.zeros((3, len(robot.lower)))
         self.clamps = self.commands = 0
         self._hold(self._zeros)
@@ -42,6 +44,7 @@ class Servo:
         """Start from joint positions, shape (nj,)."""
         self.position = clamp(position, self._robot.lower, self._robot.upper)
         self.limited = np.zeros_like(self.limited)
+        self.clamped = False
         self.clamps = self.commands = 0
         self._hold(self._zeros)
 
@@ -74,7 +77,8 @@ class Servo:
             | (velocity != setpoint.velocity)
             | (torque != setpoint.torque)
         )
-        self.clamps += int(self.limited.any())
+        self.clamped = bool(self.limited.any())
+        self.clamps += self.clamped
         self.position, self.setpoint = position, kept
         self._drive(JointCommand(position, velocity, robot.stiffness, robot.damping, torque))
         return ""
@@ -88,6 +92,7 @@ class Servo:
         zeros = self._zeros
         if self._command.stiffness is not zeros:
             self.limited = np.zeros_like(self.limited)
+            self.clamped = False
             self.setpoint = np.array((self.position, zeros, zeros))
             self._drive(JointCommand(self.position, zeros, zeros, self._robot.damping, zeros))
 
