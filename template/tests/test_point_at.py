@@ -23,3 +23,7 @@ def test_it_says_why_it_cannot_point_at_what_it_never_saw(rig):
 def test_it_takes_the_hand_down_when_it_is_halted(rig):
     rig.run("point_at", target=(1.2, 0.4, 0.9), timeout=1.0)
     assert rig.settle().hands["left"][2] < 0.6
+
+
+def test_it_keeps_what_every_skill_promises(rig):
+    rig.check_skill("point_at", target=(1.2, 0.4, 0.9)).assert_passed()
