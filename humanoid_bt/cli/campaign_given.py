@@ -9,7 +9,7 @@ from typing import Any
 
 from humanoid_bt.campaign.file import FOLDER, CampaignFile
 from humanoid_bt.campaign.variation import BETWEEN
-from humanoid_bt.core.errors import Place, UserError, nearest
+from humanoid_bt.core.errors import Place, UserError, nearest, relative
 from humanoid_bt.core.items import Item, item_of
 from humanoid_bt.core.reading import read
 from humanoid_bt.files import document
@@ -47,7 +47,8 @@ def _base(what: str, workspace: Workspace) -> Item:
     known = workspace.campaigns()
     trees = workspace.trees()
     if what in known and what in trees:
-        raise UserError(f"there is a campaign and a tree named {what!r}", hint="give the file of the one that is meant")
+        files = " or ".join(relative(path) for path in (known[what], trees[what]))
+        raise UserError(f"there is a campaign and a tree named {what!r}", hint=f"give the file that is meant: {files}")
     path = known.get(what, Path(what))
     if is_file(path) and (item := document.load(path)) and not _is_tree(item):
         if not isinstance(item.value, dict):
