@@ -88,6 +88,7 @@ def test_a_broken_edit_and_its_fix(watch: Callable[..., Watched]) -> None:
 
 
 @pytest.mark.trials
+@pytest.mark.trials
 @pytest.mark.realtime
 def test_an_edit_in_realtime_mode_moves_the_robot_on(watch: Callable[..., Watched]) -> None:
     run = watch("--mode", "realtime", "--no-record")
