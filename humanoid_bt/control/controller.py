@@ -73,38 +73,44 @@ class Controller:
 
     def run_cycle(self) -> None:
         """Run one servo cycle."""
-        supervisor = self.supervisor
+        supervisor, log = self.supervisor, self.log
         measurement = self._measurement
         supervisor.check(self.cycle, measurement, self._setpoint_fault)
-        log = self.log
         if log is not None:
             log.begin(self.cycle + 1, supervisor, self.servo, self.whole_body)
         if supervisor.mode is Mode.DAMP:
-            self.servo.damp()
-            self._limp = True
-            self._setpoint_fault = ""
+            self._let_go()
         elif self.cycle >= self._next_plan or (supervisor.hold and not self._held):
             if self._limp:
                 self._stand_up(measurement)
             self._plan(measurement)
             self._next_plan = self.cycle + self._whole_body_period
         self._held = supervisor.hold
+        self._plant.step(self.servo.command)
+        self.cycle += 1
         if log is None:
-            self._plant.step(self.servo.command)
             self._measurement = self._plant.measure()
         else:
-            self._plant.step(self.servo.command)
             self._measurement = self._plant.measure(log.measured)
             log.end()
-        self.cycle += 1
 
     def _plan(self, measurement: Measurement) -> None:
         supervisor, body = self.supervisor, self.whole_body
-        if self.log is not None:
-            self.log.end_plan(self.servo, body)
+        self._end_logged_plan()
         setpoint = body.update(measurement, supervisor.targets, supervisor.hold)
         refused = self.servo.follow(setpoint)
         self._setpoint_fault = refused or ("" if body.solved else "inverse kinematics without a solution")
+
+    def _let_go(self) -> None:
+        self._end_logged_plan()
+        self.servo.damp()
+        self._limp = True
+        self._setpoint_fault = ""
+
+    def _end_logged_plan(self) -> None:
+        """Let the log take what is left of the last plan, before there is another one or none."""
+        if self.log is not None:
+            self.log.end_plan(self.servo, self.whole_body)
 
     def _stand_up(self, measurement: Measurement) -> None:
         """Stiffen limp joints where they are: the setpoints from before the fall would be a blow."""

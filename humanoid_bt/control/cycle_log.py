@@ -161,8 +161,8 @@ class CycleLog:
         rows = _parts(servo_cycles.rows, 3, _POSE + joints, _TWIST + joints, joints)
         self._rows = [(row[0], Measurement(0.0, *row[1:])) for row in rows]
         self._count = len(rows)
-        self._clamped = [False] * len(parts)  # rows in which a joint's is not zero
-        self._commands = 1  # of the servo; the first one is no plan
+        self._clamped = [bool(row[-1].any()) for row in parts]
+        self._commands = -1  # of the servo, as far as they were seen; -1 before the first, which is no plan
         self._plan, self._left = 0, 0  # cycle of the last plan, and how much is left to copy of it
         self._mode = self._plan_mode = MODES[0]
         self._mode_number = 0  # an enumeration is slow to look up
@@ -178,8 +178,8 @@ class CycleLog:
             servo, body: as the cycle before left them.
         """
         if servo.commands != self._commands:
+            self._plan, self._plan_mode, self._left = cycle - 1, self._mode, 0 if self._commands < 0 else 2
             self._commands = servo.commands
-            self._plan, self._plan_mode, self._left = cycle - 1, self._mode, 2
         elif self._left:
             self._copy_part(servo, body)
         command, mode = supervisor.command, supervisor.mode

@@ -26,7 +26,7 @@ class Servo:
         limited: joints whose last setpoint was clamped: soft limit, speed or torque, shape (nj,) of bool.
         clamped: whether any was.
         clamps: how many setpoints were clamped so far.
-        commands: how many commands there were since the reset, with the one that holds what is found.
+        commands: how many commands there were so far.
     """
 
     def __init__(self, robot: RobotModel) -> None:
@@ -45,7 +45,7 @@ class Servo:
         self.position = clamp(position, self._robot.lower, self._robot.upper)
         self.limited = np.zeros_like(self.limited)
         self.clamped = False
-        self.clamps = self.commands = 0
+        self.clamps = 0
         self._hold(self._zeros)
 
     @property

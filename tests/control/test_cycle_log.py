@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import numpy as np
@@ -10,6 +10,7 @@ import pytest
 
 from humanoid_bt.control.controller import Controller
 from humanoid_bt.control.cycle_log import GAITS, MODES, NONE, CycleLog, Layout
+from humanoid_bt.control.supervisor import Supervisor
 from humanoid_bt.core.messages import BaseTarget, Gait, HandTarget, Mode
 from humanoid_bt.link.table import TableReader, TableWriter
 from tests.control.control_rig import ControlRig
@@ -105,21 +106,41 @@ def test_there_is_no_command_before_the_first(logged: Logged) -> None:
 
 
 def test_every_plan_is_there_whole_also_one_that_a_stop_cuts_short(logged: Logged) -> None:
+    """Whatever follows a plan at once: another one, limp joints, joints that become stiff again."""
     controller, kinematics = logged.rig.controller, logged.rig.controller.whole_body.kinematics
-    expected = []
+    supervisor, expected = controller.supervisor, []
     logged.rig.run(0.1, REACH)
     first = len(logged.read()[0]["plan"])
-    for cycle in range(25):
-        if cycle == 7:  # between two plans
-            controller.supervisor.raise_estop("a test", "to see it")
+    for cycle in range(60):
+        match cycle:
+            case 7:  # between two plans
+                supervisor.raise_estop("a test", "to see it")
+            case 23:  # in the cycle after a plan, and no other plan comes
+                supervisor.check = limp(supervisor)
+            case 40:
+                del supervisor.check
+                supervisor.reset_run(1.0)
         before = controller.servo.command
         controller.run_cycle()
-        if controller.servo.command is not before:
+        command = controller.servo.command
+        if command is not before:
             errors = kinematics.hand_errors.get("left", NONE)
-            expected.append((controller.cycle, errors, *controller.servo.command.position, *kinematics.com_error))
-    for _ in range(3):
-        controller.run_cycle()
+            stiff = float(command.stiffness.any())
+            expected.append(
+                (controller.cycle, stiff, errors, *command.position, *command.torque, *kinematics.com_error)
+            )
     plans, _ = logged.read()
-    columns = plans["plan"][:, :1], plans["hand_error"][:, :1], plans["setpoint"], plans["com_error"]
-    np.testing.assert_array_equal(np.hstack(columns)[first:], expected)
-    assert {row[0] - expected[0][0] for row in expected} >= {0, 5, 7}
+    columns = plans["plan"][:, ::3], plans["hand_error"][:, :1], plans["setpoint"], plans["feedforward"]
+    np.testing.assert_array_equal(np.hstack([*columns, plans["com_error"]])[first:], expected)
+    cycles = [int(row[0] - expected[0][0]) for row in expected]
+    assert cycles[:7] == [0, 5, 7, 12, 17, 22, 23]
+    assert [row[1] for row in expected[6:8]] == [False, True]
+
+
+def limp(supervisor: Supervisor) -> Callable[..., None]:
+    """Return a check that lets the drives go."""
+
+    def check(*_: object) -> None:
+        supervisor.mode = Mode.DAMP
+
+    return check
