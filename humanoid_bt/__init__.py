@@ -127,7 +127,7 @@ if TYPE_CHECKING:
     from humanoid_bt.testing.conditions import Conditions as Conditions
     from humanoid_bt.testing.events import Event as Event
     from humanoid_bt.testing.rig import Rig as Rig
-    from humanoid_bt.testing.rig import RigResult as RigResult
+    from humanoid_bt.testing.rig_result import RigResult as RigResult
     from humanoid_bt.testing.stage import Stage as Stage
     from humanoid_bt.testing.substitution import Replacement as Replacement
     from humanoid_bt.testing.tree_run import TreeRun as TreeRun
@@ -165,7 +165,8 @@ else:
         "humanoid_bt.review.replay": "Replay replay",
         "humanoid_bt.testing.check_skill": "check_skill",
         "humanoid_bt.testing.check_skill_result": "SkillCheck",
-        "humanoid_bt.testing.rig": "Rig RigResult",
+        "humanoid_bt.testing.rig": "Rig",
+        "humanoid_bt.testing.rig_result": "RigResult",
         "humanoid_bt.testing.stage": "Stage",
         "humanoid_bt.testing.tree_run": "TreeRun View Watcher",
         "humanoid_bt.testing.events": "Event",

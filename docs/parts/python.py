@@ -5,7 +5,8 @@ from __future__ import annotations
 from humanoid_bt.core.messages import State
 from humanoid_bt.decision.robot import RobotHandle
 from humanoid_bt.perception.track import Track
-from humanoid_bt.testing.rig import Rig, RigResult
+from humanoid_bt.testing.rig import Rig
+from humanoid_bt.testing.rig_result import RigResult
 from parts.markdown import attributes, code, members
 
 

@@ -21,7 +21,7 @@ from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.plant.mujoco_plant import MujocoPlant
 from humanoid_bt.plant.scene import Scene, load_scene
 from humanoid_bt.session.loader import DEFAULT_ROBOT
-from humanoid_bt.testing.rig import ScriptedPerception
+from humanoid_bt.testing.scripted_perception import ScriptedPerception
 from humanoid_bt.tree.source.load import load_tree
 from humanoid_bt.tree.ticking.executor import Executor
 from humanoid_bt.tree.tree import Tree

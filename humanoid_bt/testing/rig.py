@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import copy
 import math
-import types
 import typing
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -16,15 +14,13 @@ import numpy as np
 from py_trees.common import Status
 
 from humanoid_bt.control.body.standing import load_robot
-from humanoid_bt.control.supervisor import Stop
 from humanoid_bt.core.clock import PERCEPTION_PERIOD
 from humanoid_bt.core.errors import Place, UserError, nearest, relative
-from humanoid_bt.core.geometry import rotation_matrix
 from humanoid_bt.core.items import item_of
-from humanoid_bt.core.messages import Array, Command, Mode, Percept, Side, State
+from humanoid_bt.core.messages import Command, Percept, Side, State
 from humanoid_bt.core.params import PerceptName
 from humanoid_bt.core.reading import convert
-from humanoid_bt.decision.result import ResultValue, results_of
+from humanoid_bt.decision.result import results_of
 from humanoid_bt.decision.robot import Robot
 from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.plant.scene import Scene, load_scene
@@ -34,6 +30,8 @@ from humanoid_bt.testing.check_skill_result import SkillCheck
 from humanoid_bt.testing.check_skill_rules import tried
 from humanoid_bt.testing.conditions import Conditions
 from humanoid_bt.testing.events import Event
+from humanoid_bt.testing.rig_result import RigResult
+from humanoid_bt.testing.scripted_perception import ScriptedPerception
 from humanoid_bt.testing.stage import Stage
 from humanoid_bt.testing.tree_run import TreeRun, Watcher
 from humanoid_bt.tree.node import Node
@@ -44,76 +42,6 @@ from humanoid_bt.tree.ticking.executor import Executor, NodeChange
 from humanoid_bt.tree.tree import Tree
 
 _PLACE = Place("rig.run")
-
-
-@dataclass(frozen=True)
-class RigResult:
-    """What a skill did on the rig.
-
-    Attributes:
-        status: how it ended; RUNNING when the time was up.
-        feedback: the last thing it said.
-        time: how long it ran [s].
-        results: what it reported by then: name -> value, in SI units.
-        states: the state at every tick.
-        commands: the command of every tick.
-        changes: every change of the skill's status.
-        stops: every stop the supervisor ordered.
-    """
-
-    status: Status
-    feedback: str
-    time: float
-    results: Mapping[str, ResultValue]
-    states: list[State] = field(repr=False)
-    commands: list[Command] = field(repr=False)
-    changes: list[NodeChange] = field(repr=False)
-    stops: list[Stop]
-
-    @property
-    def succeeded(self) -> bool:
-        """Whether the skill ended with SUCCESS."""
-        return self.status is Status.SUCCESS
-
-    @property
-    def failed(self) -> bool:
-        """Whether the skill ended with FAILURE."""
-        return self.status is Status.FAILURE
-
-    @property
-    def fell(self) -> bool:
-        """Whether the robot fell."""
-        return any(stop.mode is Mode.DAMP for stop in self.stops)
-
-
-class ScriptedPerception:
-    """Percepts that a test dictates: exact positions, at 10 Hz, from any place in the world."""
-
-    unseen: Mapping[str, str] = types.MappingProxyType({})  # what the test does not show, it does not offer
-
-    def __init__(self) -> None:
-        self._seen: dict[str, tuple[Array, float]] = {}
-
-    def see(self, name: str, position: Any, confidence: float) -> None:
-        """Publish a thing at a position, shape (3,), world frame [m], from now on."""
-        self._seen[name] = (np.array(position, dtype=float), confidence)
-
-    def lose(self, name: str) -> None:
-        """Publish nothing of a thing from now on; its last percept grows old."""
-        self._seen.pop(name, None)
-
-    @property
-    def shown(self) -> dict[str, tuple[Array, float]]:
-        """What is published now: name -> position, shape (3,), world frame [m], and confidence."""
-        return dict(self._seen)
-
-    def observe(self, state: State) -> list[Percept]:
-        """Return what is published now, in the robot's base frame."""
-        rotation = rotation_matrix(state.base_quaternion)
-        return [
-            Percept(name, state.time, rotation.T @ (position - state.base_position), confidence)
-            for name, (position, confidence) in self._seen.items()
-        ]
 
 
 class Rig:

@@ -18,7 +18,7 @@ import pytest
 from humanoid_bt.core.messages import Command, Measurement
 from humanoid_bt.review.explain import explain
 from humanoid_bt.session.session import Session
-from humanoid_bt.testing.rig import ScriptedPerception
+from humanoid_bt.testing.scripted_perception import ScriptedPerception
 from tests.safety.rows import Contradiction
 
 Play = Callable[..., Path]

@@ -15,7 +15,7 @@ from humanoid_bt.decision.robot import Robot
 from humanoid_bt.files.workspace import Workspace, builtin_root
 from humanoid_bt.plant.scene import Scene, load_scene
 from humanoid_bt.session.lockstep import Lockstep
-from humanoid_bt.testing.rig import ScriptedPerception
+from humanoid_bt.testing.scripted_perception import ScriptedPerception
 from humanoid_bt.tree.source.load import load_tree
 from humanoid_bt.tree.ticking.executor import Executor
 
