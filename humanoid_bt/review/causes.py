@@ -142,8 +142,8 @@ def _error(history: History, time: float) -> Cause:
         at = time if silent else history.until
         text = f"{who} {'stalled' if silent else 'was lost'} at {when(at)}: {reason}"
         rows = [*_notices(history, at), *_noted(history)]
-        ticked = history.last_tick.state.time if history.last_tick else time
-        return Cause("control", text, at, _actor(history, ticked - DECISION_PERIOD / 2), rows)
+        acting = history.acting_last()
+        return Cause("control", text, at, acting[-1].path if acting else "", rows)
     return Cause("error", f"{reason}, at {when(time)}", time, _actor(history, time), [])
 
 

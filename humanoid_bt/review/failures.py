@@ -115,7 +115,7 @@ def _last_seen(history: History, name: str, time: float) -> float | None:
 
 def without_result(history: History, time: float, outcome: str, reason: str) -> Cause:
     """Return why a run ended without a result at a time [s]: its time was up, or somebody ended it."""
-    acting = history.acting(time - DECISION_PERIOD)
+    acting = history.acting_last()
     actor = acting[-1].path if acting else ""
     stale = stale_rows(history, time - DECISION_PERIOD)
     if flap := flapping(history, time):

@@ -134,19 +134,18 @@ class History:
 
     def running(self, time: float) -> dict[str, Change]:
         """Return the nodes that ran at a time [s], by path, each with the change that began it."""
-        last: dict[str, Change] = {}
-        for change in self.changes:
-            if change.time > time + AT:
-                break
-            last[change.path] = change
-        return {path: change for path, change in last.items() if change.status == "RUNNING"}
+        return _running(self.changes, time)
 
     def acting(self, time: float) -> list[Change]:
         """Return the deepest of the nodes that ran at a time [s]."""
-        running = self.running(time)
-        return [
-            change for path, change in running.items() if not any(other.startswith(path + "/") for other in running)
-        ]
+        return _deepest(_running(self.changes, time))
+
+    def acting_last(self) -> list[Change]:
+        """Return the deepest of the nodes that ran when the run ended, which halted them."""
+        kept = len(self.changes)
+        while kept and self.changes[kept - 1].status == "INVALID":
+            kept -= 1
+        return _deepest(_running(self.changes[:kept], math.inf))
 
     # ---- ticks ------------------------------------------------------------------------------------------------------
 
@@ -217,6 +216,19 @@ class History:
         for time, _, (of, results) in self.log.news_of("results", begin=begin, end=end):
             if of == path:
                 yield time, results
+
+
+def _running(changes: list[Change], time: float) -> dict[str, Change]:
+    last: dict[str, Change] = {}
+    for change in changes:
+        if change.time > time + AT:
+            break
+        last[change.path] = change
+    return {path: change for path, change in last.items() if change.status == "RUNNING"}
+
+
+def _deepest(running: dict[str, Change]) -> list[Change]:
+    return [change for path, change in running.items() if not any(other.startswith(path + "/") for other in running)]
 
 
 def _stopped(value: Mapping[str, Any]) -> Stopped:

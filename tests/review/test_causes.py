@@ -231,6 +231,12 @@ CASES: dict[str, tuple[str, str, dict[str, Any], str]] = {
         {"at": 0.2, "do": lambda session: session.interrupt("enough")},
         r"the run was ended at 0\.200 s while 'walk' ran: enough",
     ),
+    "interrupted in its first tick": (
+        "walk",
+        "interrupted",
+        {"at": 0.0, "do": lambda session: session.interrupt("enough")},
+        r"the run was ended at 0\.000 s while 'walk' ran: enough",
+    ),
     "success": ("wait", "success", {}, r"nothing stopped it: the run succeeded at 0\.200 s: pause: waited"),
 }
 
@@ -242,6 +248,7 @@ TELLING = (
     "two owners",
     "percept lost",
     "flapping",
+    "interrupted in its first tick",
     "success",
 )
 """Those that ``make test`` tries; the others are in ``make test-trials``."""
