@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import time
-from collections import OrderedDict
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,15 +12,12 @@ from typing import Any
 from humanoid_bt.campaign.result import Explained, Result, Value
 from humanoid_bt.campaign.trial import CONDITION, PUSH, SET, Task, Trial
 from humanoid_bt.campaign.work import Answer, Run
-from humanoid_bt.checking.check import load_checked
 from humanoid_bt.core.errors import UserError
 from humanoid_bt.core.texts import shortened
 from humanoid_bt.review.explain import explain
 from humanoid_bt.testing.stage import Stage
 from humanoid_bt.testing.tree_run import TreeRun, View
-from humanoid_bt.tree.tree import Tree
 
-_TREES = 100  # that are kept in a process, with the values of their parameters
 _LONGEST = 500  # characters of a reason or of a text that a skill reports
 
 
@@ -44,20 +40,19 @@ def make(setup: Setup) -> Run:
 
 
 class _Stages:
-    """Stages, one for each robot in each scene, and trees, one for each set of parameters."""
+    """Stages, one for each robot in each scene."""
 
     def __init__(self, setup: Setup) -> None:
         self._setup = setup
         self._stages: dict[tuple[str, str, bool], Stage] = {}
-        self._trees: OrderedDict[str, Tree] = OrderedDict()
 
     def run(self, task: Task) -> Answer:
         """Run a trial; raises UserError if it cannot be."""
         trial = task.trial
-        stage = self._stage(trial)
-        run = stage.run(
-            self._tree(trial, stage),
+        run = self._stage(trial).run(
+            trial.tree,
             seed=trial.seed,
+            parameters=trial.part(SET),
             duration=trial.duration,
             script=[*self._setup.script, *pushes(trial)],
             conditions=trial.part(CONDITION),
@@ -71,18 +66,6 @@ class _Stages:
         if key not in self._stages:
             self._stages[key] = Stage(self._setup.workspace, trial.robot, trial.scene, trial.dry)
         return self._stages[key]
-
-    def _tree(self, trial: Trial, stage: Stage) -> Tree:
-        key = repr((trial.tree, trial.robot, trial.scene, trial.part(SET)))
-        if key not in self._trees:
-            path = stage.workspace.find_tree(trial.tree)
-            given = trial.part(SET)
-            tree = load_checked(path, stage.workspace, given, robot=trial.robot, scene=trial.scene)
-            self._trees[key] = tree
-            if len(self._trees) > _TREES:
-                self._trees.popitem(last=False)
-        self._trees.move_to_end(key)
-        return self._trees[key]
 
 
 class _Stopwatch:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import OrderedDict
 from collections.abc import Iterable, Mapping, Sequence
 from os import PathLike
 from pathlib import Path
@@ -32,6 +33,8 @@ from humanoid_bt.tree.source.build import remade
 from humanoid_bt.tree.ticking.executor import NodeChange
 from humanoid_bt.tree.tree import Tree
 
+_TREES = 100  # loaded trees that are kept, each with the values of its parameters
+
 
 class Stage:
     """A robot in a scene, loaded once, on which trees are run one after the other, in lockstep.
@@ -60,7 +63,7 @@ class Stage:
         self._robot = None if robot is None else str(robot)
         self._scene = None if scene is None else str(scene)
         self._engines = Engines(self.workspace, self._robot, self._scene, dry)
-        self._trees: dict[tuple[str, str], Tree] = {}
+        self._trees: OrderedDict[tuple[str, str], Tree] = OrderedDict()
         self._stood_in: tuple[Tree, Mapping[str, Replacement], Draft] | None = None
 
     def run(
@@ -143,6 +146,9 @@ class Stage:
         if key not in self._trees:
             path = self.workspace.find_tree(str(tree))
             self._trees[key] = load_checked(path, self.workspace, parameters, robot=self._robot, scene=self._scene)
+            if len(self._trees) > _TREES:
+                self._trees.popitem(last=False)
+        self._trees.move_to_end(key)
         return self._trees[key]
 
     def _remade(self, tree: Tree, staging: Staging) -> Tree:
@@ -203,7 +209,7 @@ def _run(drive: Drive, engine: Staged, listener: _Changes, watchers: Sequence[Wa
                 engine.look(view)
                 for watcher in watchers:
                     watcher.tick(view)
-    except BaseException as error:
+    except BaseException as error:  # a mistake of a watcher too: the robot stands and the recording is whole first
         drive.leave("interrupted", "Ctrl-C" if isinstance(error, KeyboardInterrupt) else str(error))
         raise
     finally:
