@@ -22,7 +22,7 @@ class Broken(Exception):  # noqa: N818 (it is no error of ours)
     """A rule is broken; its text says what shows it."""
 
 
-class NotTried(Exception):  # noqa: N818
+class NotTried(Exception):  # noqa: N818 (it is no error)
     """A rule could not be tried; its text says why."""
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 import random
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -263,5 +264,4 @@ def _some(items: list[int], most: int) -> list[int]:
 
 def _dice() -> dict[str, object]:
     """Return the states of the generators of random numbers that everybody shares."""
-    name, keys, *rest = np.random.get_state(legacy=True)
-    return {"random": random.getstate(), "numpy.random": (name, keys.tobytes(), *rest)}  # type: ignore[union-attr]
+    return {"random": random.getstate(), "numpy.random": pickle.dumps(np.random.get_state())}

@@ -2,6 +2,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -19,8 +20,8 @@ from tests.campaign.stand_ins import make
 Conduct = Callable[..., Summary]
 
 
-def plan_of(seeds: str = "0-19", *factors: Factor, **named: object) -> Plan:
-    return Plan("mine", (Setting("fetch", "humanoid", "empty"),), Seeds.parse(seeds), factors, **named)  # type: ignore[arg-type]
+def plan_of(seeds: str = "0-19", *factors: Factor, scene: str = "empty", **named: Any) -> Plan:
+    return Plan("mine", (Setting("fetch", "humanoid", scene),), Seeds.parse(seeds), factors, **named)
 
 
 def table_of(

@@ -54,7 +54,9 @@ def _conduct(store: Store, runners: Any, progress: Progress | None = None) -> by
 
 def test_a_node_that_is_lost_loses_nothing(cluster: Any, workspace: Path, tmp_path: Path) -> None:
     class Lose(Progress):
-        done: list[int] = []  # noqa: RUF012
+        def __init__(self) -> None:
+            super().__init__()
+            self.done: list[int] = []
 
         def trial(self, done: Done) -> None:
             self.done.append(done.task.trial.number)

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
+from typing import Any
 from xml.etree import ElementTree
 
 import pytest
 
 from humanoid_bt.campaign.compare import compare
-from humanoid_bt.campaign.plan import Plan, Setting
+from humanoid_bt.campaign.plan import Plan
 from humanoid_bt.campaign.report_html import html
 from humanoid_bt.campaign.report_markdown import comparison_markdown, markdown
 from humanoid_bt.campaign.reproduce import command
@@ -19,7 +20,6 @@ from humanoid_bt.campaign.stage_trials import pushes
 from humanoid_bt.campaign.summary import Summary
 from humanoid_bt.campaign.table import Table
 from humanoid_bt.campaign.variation import Factor
-from humanoid_bt.testing.seeds import Seeds
 from tests.campaign.conftest import plan_of, table_of
 
 EVIL = "<script>alert('|')</script> | `x`\n\x1b[31m"
@@ -71,8 +71,8 @@ def test_a_comparison_for_a_pull_request() -> None:
     assert "| success | 90 % | 95 % | +5 −0, p = 0.062 |" in text
 
 
-def _plan(*factors: Factor, **named: object) -> Plan:
-    return Plan("mine", (Setting("fetch", "humanoid", "random_target"),), Seeds.parse("7"), factors, **named)  # type: ignore[arg-type]
+def _plan(*factors: Factor, **named: Any) -> Plan:
+    return plan_of("7", *factors, scene="random_target", **named)
 
 
 def test_a_plain_trial_is_run_by_run() -> None:
