@@ -140,7 +140,7 @@ def _reasons(subject: Subject, seen: Evidence) -> str:
         text = moment.feedback.strip()
         if not text:
             raise Broken(f"it failed without a word at {moment.now:.2f} s")
-        if not _tells(text, subject.values, moment):
+        if not _tells(text, subject.node_type.complete(subject.values), moment):
             raise Broken(f"it failed with {text!r}: no value, no name of a thing")
         said[text] = None
     return _list(map(repr, said)) if said else "it never failed here"
@@ -198,7 +198,7 @@ def _came_of(life: Life, moments: list[Moment]) -> str:
 
 def _tells(text: str, values: Mapping[str, Any], moment: Moment) -> bool:
     """Return whether a reason names a value: a number, something quoted or given, or why the robot is stopped."""
-    words = [value for value in values.values() if isinstance(value, str)]
+    words = [value for value in values.values() if value and isinstance(value, str)]
     reason = moment.state.stop_reason
     return bool(_NAMED.search(text) or any(word in text for word in words) or (reason and reason in text))
 

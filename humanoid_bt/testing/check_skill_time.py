@@ -66,11 +66,8 @@ def clocks_read(folder: Path) -> Iterator[dict[str, Place]]:
 
 def _clock(function: Any) -> str:
     """Return the name of a function if it reads the wall clock, else ""."""
-    try:
-        if function in _CLOCKS:
-            return f"time.{function.__name__}"
-    except TypeError:  # what is called need not have a hash
-        return ""
+    if function in _CLOCKS:
+        return f"time.{function.__name__}"
     of: Any = getattr(function, "__self__", None)
     if any(of is date for date in _DATES) and function.__name__ in ("now", "utcnow", "today"):
         return f"{of.__name__}.{function.__name__}"
