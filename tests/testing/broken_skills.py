@@ -59,7 +59,7 @@ class Hanging(Good):
     """Wait for ever."""
 
     def update(self) -> Status:
-        while True:
+        for _ in range(1500):  # three times what is taken for ever
             try:
                 time.sleep(0.01)
             except Exception:
@@ -87,6 +87,14 @@ class Endless(Stubborn):
     def update(self) -> Status:
         status = super().update()
         return self.running("on and on") if status is Status.SUCCESS else status
+
+
+class Clinging(Good):
+    """Wait for something when it is halted."""
+
+    def terminate(self, new_status: Status) -> None:
+        if new_status is Status.INVALID:
+            time.sleep(2.0)
 
 
 class Unready(Good):
@@ -121,6 +129,18 @@ class SlowStart(Good):
         return self.running("on and on") if status is Status.SUCCESS else status
 
 
+class Warming(Good):
+    """Be slow to start, the first times."""
+
+    cold = [None] * 8
+
+    def initialise(self) -> None:
+        super().initialise()
+        if self.cold:
+            self.cold.pop()
+            time.sleep(0.03)
+
+
 class Leaving(Good):
     """Leave a thread behind that commands on."""
 
@@ -141,6 +161,16 @@ class Wordless(Good):
     def update(self) -> Status:
         status = super().update()
         if status is Status.RUNNING:
+            self.feedback_message = ""
+        return status
+
+
+class Terse(Good):
+    """Speak only of what is not as it should be."""
+
+    def update(self) -> Status:
+        status = super().update()
+        if status is Status.RUNNING and not self.robot.state.stop_reason:
             self.feedback_message = ""
         return status
 
@@ -167,10 +197,68 @@ class Remembering(Good):
         return self.home + np.array([0.0, 0.0, 0.1])
 
 
+class Unfinished(Good):
+    """Clean up when it ends, and not when it is halted."""
+
+    begun = False
+
+    def initialise(self) -> None:
+        super().initialise()
+        self._left_over, self.begun = self.begun, True
+
+    def update(self) -> Status:
+        if self._left_over:
+            return self.fail(f"{self.target!r} is held already")
+        return super().update()
+
+    def terminate(self, new_status: Status) -> None:
+        if new_status is not Status.INVALID:
+            self.begun = False
+
+
+class Rested(Good):
+    """Take for granted that the robot has not moved."""
+
+    def initialise(self) -> None:
+        super().initialise()
+        if self._since > 0.05:
+            raise RuntimeError("the hand is up")
+
+
 class Ending(Good):
     """Say that it never ends."""
 
     ends = False
+
+
+class Tireless(Good):
+    """Say that it never ends, and give up when it sees nothing."""
+
+    ends = bounded = False
+
+    def update(self) -> Status:
+        status = super().update()
+        return self.running("on and on") if status is Status.SUCCESS else status
+
+
+class Instant(Good):
+    """Say that it never runs."""
+
+    runs = False
+
+
+class Undecided(Good):
+    """Fail to say what it commands."""
+
+    @classmethod
+    def resources_for(cls, values):
+        return {"cup": ("right_hand",)}[values["target"]]
+
+
+class Greedy(Good):
+    """Declare more than it commands."""
+
+    resources = ("right_hand", "gaze")
 
 
 class Commands(Good):
@@ -198,11 +286,58 @@ class Snapshot(Good):
         return hand
 
 
+class Pushing(Good):
+    """Move what was seen."""
+
+    def update(self) -> Status:
+        if track := self.robot.track(self.target):
+            track.position_world[2] += 0.1
+        return super().update()
+
+
 class Reasons(Good):
     """Fail, and do not say why."""
 
     def update(self) -> Status:
         return super().update() if self.robot.track(self.target) else self.fail("not possible")
+
+
+class Silent(Good):
+    """Fail, and say nothing."""
+
+    def update(self) -> Status:
+        return super().update() if self.robot.track(self.target) else self.fail("")
+
+
+class Counting(Good):
+    """Fail with a number."""
+
+    note: str = param("", doc="Said beside it.")
+
+    def update(self) -> Status:
+        return super().update() if self.robot.track(self.target) else self.fail(f"nothing within 3 m{self.note}")
+
+
+class Naming(Counting):
+    """Fail with a name."""
+
+    def update(self) -> Status:
+        return super().update() if self.robot.track(self.target) else self.fail(f"no {self.target} anywhere")
+
+
+class Noted(Counting):
+    """Fail with what it was given to say, which may be nothing."""
+
+    def update(self) -> Status:
+        return super().update() if self.robot.track(self.target) else self.fail(f"not possible{self.note}")
+
+
+class Obeying(Good):
+    """Give up when the robot is stopped, for the same reason."""
+
+    def update(self) -> Status:
+        stopped = self.robot.state.stop_reason
+        return self.fail(f"stopped: {stopped}") if stopped else super().update()
 
 
 class Sameness(Good):
@@ -247,4 +382,20 @@ class Lost(Good):
     def update(self) -> Status:
         self.bearing = self.robot.track(self.target).bearing
         return super().update()
+
+
+class Resuming(Good):
+    """Take for granted that what was stopped stays so."""
+
+    def initialise(self) -> None:
+        super().initialise()
+        self._stopped = False
+
+    def update(self) -> Status:
+        stopped = bool(self.robot.state.stop_reason)
+        if self._stopped and not stopped:
+            raise RuntimeError("where is the hand?")
+        self._stopped = stopped
+        status = super().update()
+        return self.running("on and on") if status is Status.SUCCESS else status
 '''
