@@ -23,7 +23,7 @@ MOST = 1000
 
 _QUOTED = r"'[^']*'|\"[^\"]*\""
 _COLON, _COMMA = re.compile(rf"{_QUOTED}|(:)"), re.compile(rf"{_QUOTED}|\([^()]*\)|(,)")
-_WHILE, _AFTER = re.compile(rf"{_QUOTED}|\b(while)\b"), re.compile(rf"{_QUOTED}|\b(after)\b")
+_WHILE, _AFTER = re.compile(rf"{_QUOTED}|\b(while)\b"), re.compile(r"\b(after)\b")
 
 
 class _Text(NamedTuple):
