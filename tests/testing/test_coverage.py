@@ -12,9 +12,9 @@ import pytest
 import humanoid_bt.testing.rig  # noqa: F401 (the inner pytest forgets what it imports, and numpy loads only once)
 from humanoid_bt.cli import main
 from humanoid_bt.files.workspace import Workspace
-from humanoid_bt.testing.coverage import counting, coverage_in, save, tree_coverage, tree_files
+from humanoid_bt.testing.coverage import TreeCoverage, counting, coverage_in, save, tree_coverage, tree_files
 from humanoid_bt.tree.counting import FOLDER
-from humanoid_bt.tree.coverage import Coverage
+from humanoid_bt.tree.coverage import DEEDS, Coverage, FileCoverage, NodeCoverage
 from humanoid_bt.tree.source.load import load_tree
 from tests.tree.helpers import Run as ByHand
 from tests.tree.helpers import make_workspace, write
@@ -166,6 +166,30 @@ def test_what_was_counted_apart_is_merged(halted: Path, capsys: pytest.CaptureFi
     assert Coverage.read(halted / "all.json").files.keys() == coverage_in(halted / "counted").files.keys()
 
 
+def report_of(*seen: set[str]) -> TreeCoverage:
+    """Return what there is to say of nodes that can do all and did this."""
+    nodes = {(line, 1): NodeCoverage(line, 1, "n", "act", set(DEEDS), did) for line, did in enumerate(seen, 1)}
+    return TreeCoverage((FileCoverage(Path("t.yaml"), "", nodes),))
+
+
+def test_exactly_enough_is_enough() -> None:
+    half = report_of({"success", "halted"})
+    assert not half.missed(50)
+    assert not report_of().missed(100), "all of nothing"
+    assert half.missed(50.1) == "50 % of what nodes can do was tried, less than 50.1 %"
+
+
+def test_nearly_all_is_not_all() -> None:
+    nearly = report_of(*[set(DEEDS)] * 499, {"success", "failure", "running"})  # 99.95 %
+    assert nearly.shown == "99.9"
+    assert nearly.text(100).splitlines() == ["t.yaml  1999/2000   99 %", "    500  n: never halted"]
+
+
+def test_what_a_node_did_and_should_not_be_able_to_is_counted() -> None:
+    node = NodeCoverage(1, 1, "n", "act", {"success", "running"}, {"failure"})
+    assert (node.counted, node.missing) == (("success", "failure", "running"), ("success", "running"))
+
+
 def test_of_an_edited_file_nothing_counts(halted: Path) -> None:
     counted = coverage_in(halted / "counted")
     assert tree_coverage(counted, tree_files(["chooses"], halted)).seen == 5
@@ -178,6 +202,7 @@ def test_a_broken_file_is_told_and_is_not_enough(halted: Path) -> None:
     report = tree_coverage(coverage_in(halted / "counted"), tree_files([], halted))
     assert "did you mean 'script'?" in report.text()
     assert "broken.yaml:2:" in report.missed(0)
+    assert report.percent == 0
 
 
 def test_a_narrow_terminal_wraps(halted: Path) -> None:

@@ -114,6 +114,11 @@ def test_a_sub_tree_belongs_to_its_own_file_whoever_uses_it(workspace: Workspace
     }
 
 
+def test_a_parameter_that_stands_for_a_node_is_none_by_itself(workspace: Workspace) -> None:
+    path = write(workspace, "t", "subtree: true\nparameters: {do: {type: node}}\nroot: {sequence: [$do, success]}\n")
+    assert [node.name for node in Coverage().add(load_tree(path, workspace)).values()] == ["sequence", "success"]
+
+
 def test_what_begins_and_ends_within_a_tick_is_counted(workspace: Workspace, counted: Counted) -> None:
     """It changes nothing that is told: the node does not run before the tick, nor after it."""
     life = run(workspace, "{parallel: {success: one, children: [{act: {script: r}}, {success: {}}]}}")
@@ -135,6 +140,24 @@ def test_a_run_that_is_halted_is_written_too(workspace: Workspace, counted: Coun
     life.tick()
     life.halt()
     assert missing(counted())["idle"] == ()
+
+
+def test_what_was_counted_before_the_folder_is_another_is_not_lost(
+    workspace: Workspace, counted: Counted, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    run(workspace, "{emergency_stop: idle}").tick()
+    monkeypatch.delenv(FOLDER)
+    assert recorder() is None
+    assert missing(counted())["idle"] == ("halted",)
+
+
+def test_what_two_processes_counted_is_merged(
+    workspace: Workspace, counted: Counted, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for script in "sf":
+        monkeypatch.setattr("humanoid_bt.tree.counting._recorder", None)  # as another process has it
+        Run(load(workspace, "parameters: {script: s}\nroot: {act: {script: $script}}\n", script=script)).ticks(1)
+    assert missing(counted()) == {"act": ("running", "halted")}
 
 
 def test_a_file_that_was_edited_counts_anew(workspace: Workspace, counted: Counted) -> None:
