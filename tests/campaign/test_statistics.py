@@ -23,6 +23,12 @@ def test_wilsons_interval(count: int, of: int, low: float, high: float) -> None:
     assert wilson(count, of) == pytest.approx((low, high), abs=1e-9)
 
 
+def test_an_interval_reaches_the_end_that_all_trials_lie_at() -> None:
+    for of in range(1, 100):
+        assert wilson(0, of).low == 0.0
+        assert wilson(of, of).high == 1.0
+
+
 def test_an_interval_holds_the_rate_as_often_as_it_says() -> None:
     dice = random.Random(1)
     for rate in (0.5, 0.9, 0.97):

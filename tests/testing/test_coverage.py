@@ -109,6 +109,14 @@ def test_is_content_with_what_is_enough(project: pytest.Pytester) -> None:
     assert result.ret == pytest.ExitCode.OK
 
 
+@pytest.mark.trials
+def test_a_broken_file_is_never_enough_and_hides_nothing_else(project: pytest.Pytester) -> None:
+    write(Workspace(Path.cwd()), "broken", "root: {act: {scrip: s}}\n")
+    asked = "--tree-coverage=trees", "--tree-coverage-fail-under=0"
+    assert run(project, *asked).ret == pytest.ExitCode.TESTS_FAILED
+    assert run(project, *asked, "-k", "none").ret == pytest.ExitCode.NO_TESTS_COLLECTED
+
+
 def test_counts_nothing_unless_it_is_asked_to(project: pytest.Pytester) -> None:
     assert "tree coverage" not in run(project).stdout.str()
 
@@ -164,6 +172,12 @@ def test_what_was_counted_apart_is_merged(halted: Path, capsys: pytest.CaptureFi
     assert main(["coverage", "counted", "nightly.json", "--json", "all.json", "--html", "all.html"]) == 0
     assert capsys.readouterr().out.startswith("trees/chooses.yaml       5/12   41 %\n")
     assert Coverage.read(halted / "all.json").files.keys() == coverage_in(halted / "counted").files.keys()
+
+
+def test_scenes_and_robots_are_no_trees(halted: Path) -> None:
+    (halted / "sim" / "scenes").mkdir(parents=True)
+    (halted / "sim" / "scenes" / "kitchen.yaml").write_text("format: 1\n", encoding="utf-8")
+    assert [path.stem for path in tree_files([], halted)] == ["chooses"]
 
 
 def report_of(*seen: set[str]) -> TreeCoverage:
