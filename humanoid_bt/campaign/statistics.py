@@ -73,8 +73,6 @@ def binomial_p(one: int, other: int) -> float:
     Exact, for both directions. With the numbers of pairs in which only one of two succeeded this is McNemar's test.
     """
     trials, fewer = one + other, min(one, other)
-    if one == other:
-        return 1.0
     tail = sum(islice(_ways(trials), fewer + 1))
     return min(1.0, float(2 * tail / 2**trials))
 

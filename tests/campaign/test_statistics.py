@@ -7,7 +7,7 @@ import random
 
 import pytest
 
-from humanoid_bt.campaign.statistics import Rate, Spread, binomial_p, holm, median_interval, wilson
+from humanoid_bt.campaign.statistics import QUANTILES, Rate, Spread, binomial_p, holm, median_interval, wilson
 
 
 @pytest.mark.parametrize(
@@ -59,12 +59,16 @@ def test_many_pairs_are_tested_too() -> None:
 
 def test_several_tests_are_corrected() -> None:
     assert holm({"a": 0.01, "b": 0.04, "c": 0.03}) == pytest.approx({"a": 0.03, "b": 0.06, "c": 0.06})
+    assert holm({"a": 0.6, "b": 0.7}) == {"a": 1.0, "b": 1.0}
 
 
 def test_quantiles_lie_between_values() -> None:
     spread = Spread.of([4.0, 1.0, math.nan, 2.0, 3.0])
     assert [spread.quantile(share) for share in (0.0, 0.5, 1.0)] == [1.0, 2.5, 4.0]
     assert spread.mean == 2.5
+    hundred = Spread.of(range(101))
+    told = {"min": 0.0, "p5": 5.0, "median": 50.0, "p95": 95.0, "max": 100.0}
+    assert {name: hundred.quantile(share) for name, share in QUANTILES.items()} == told
 
 
 def test_the_interval_of_a_median_is_that_of_the_order() -> None:
