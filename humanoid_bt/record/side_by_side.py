@@ -25,6 +25,7 @@ _FRAMES = ("frame", "child_frame", "parent_frame")  # columns that name frames o
 _LEFT_OUT = (
     *(f"/{part}" for part in (FLIGHT, camera.CAMERA, documents.RUN, documents.TREE, tree_view.TREE, results.RESULTS)),
     "/__properties",
+    *("/view", "/container", "/blueprint_panel", "/selection_panel", "/time_panel"),  # how each was shown alone
 )
 _COLORS = ("colors", "vertex_colors", "albedo_factor")
 _TWICE = f"/{WORLD}/scene/"  # what stands around is shown once
