@@ -81,7 +81,7 @@ class Variation:
         """
         if self.ends:
             low, high = _converted(spec, self.ends)
-            if not all(isinstance(end, (int, float)) and not isinstance(end, bool) for end in (low, high)):
+            if not all(isinstance(end, (int, float)) for end in (low, high)):
                 raise UserError(f"{name!r} is no number, and cannot be drawn", self.ends[0].place, code="wrong-type")
             if low > high:
                 message = f"{name!r} runs from {low:g} down to {high:g}"

@@ -86,13 +86,7 @@ def named(shape: Shape) -> Shape:
 
 def row(*shapes: Shape) -> Shape:
     """Return a shape for a list of these entries, no more and no fewer."""
-
-    def take(data: Any) -> list[Any]:
-        if len(_list(data)) != len(shapes):
-            raise ValueError(f"not {len(shapes)} entries")
-        return [shape(entry) for shape, entry in zip(shapes, data, strict=True)]
-
-    return take
+    return lambda data: [shape(entry) for shape, entry in zip(shapes, _list(data), strict=True)]
 
 
 def parts(needed: dict[str, Shape] | None = None, **shapes: Shape) -> Shape:

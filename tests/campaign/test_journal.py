@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+import errno
+import math
 import os
 import subprocess
 import sys
@@ -7,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from humanoid_bt.campaign.journal import Journal, read_journal
+from humanoid_bt.campaign.journal import Journal, Unwritable, read_journal
 from humanoid_bt.core.errors import UserError
 
 
@@ -52,6 +54,40 @@ def test_another_file_is_no_journal(tmp_path: Path) -> None:
     with pytest.raises(UserError, match="no journal"):
         Journal(tmp_path / "j")
     assert (tmp_path / "j").read_text() == "what\nelse\n"
+
+
+def test_what_is_no_json_is_not_written(tmp_path: Path) -> None:
+    with Journal(tmp_path / "j") as journal, pytest.raises(ValueError, match="not JSON compliant"):
+        journal.add(0, {"a": math.nan})
+    assert (tmp_path / "j").read_bytes() == b""
+
+
+def test_of_two_lines_of_one_number_the_first_counts(tmp_path: Path) -> None:
+    (tmp_path / "j").write_text('{"trial":0,"a":1}\n{"trial":0,"a":2}\n')
+    with Journal(tmp_path / "j") as journal:
+        assert journal.entries == read_journal(tmp_path / "j") == {0: {"a": 1}}
+
+
+def test_a_disk_that_takes_a_part_of_a_line_takes_it_whole_or_not_at_all(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    write, room = os.write, 60
+
+    def nearly_full(file: int, data: bytes) -> int:
+        nonlocal room
+        if not room:
+            raise OSError(errno.ENOSPC, "No space left on device")
+        taken = write(file, data[: min(7, room)])
+        room -= taken
+        return taken
+
+    with Journal(tmp_path / "j") as journal:
+        monkeypatch.setattr(os, "write", nearly_full)
+        journal.add(0, {"a": "long enough"})
+        with pytest.raises(Unwritable, match="No space left on device"):
+            journal.add(1, {"a": "long enough" * 5})
+        assert (tmp_path / "j").read_text() == '{"trial":0,"a":"long enough"}\n'
+        assert list(journal.entries) == [0]
 
 
 _FULL = """

@@ -3,10 +3,12 @@ from __future__ import annotations
 import pytest
 
 from humanoid_bt.campaign.requirement import Requirement
+from humanoid_bt.campaign.result import Result
 from humanoid_bt.campaign.summary import Summary
+from humanoid_bt.campaign.table import Table
 from humanoid_bt.core.errors import UserError
 from humanoid_bt.tree.expressions.expression import Truth
-from tests.campaign.conftest import table_of
+from tests.campaign.conftest import plan_of, table_of
 
 _SAID = Summary(table_of(lambda seed: seed % 10 != 3, lambda seed: seed / 1000, "0-39"), {})
 
@@ -29,6 +31,18 @@ def _requirement(text: str) -> Requirement:
 def test_a_campaign_is_judged(text: str, met: bool, why: str) -> None:
     verdict = _requirement(text).judge(_SAID)
     assert (verdict.met, verdict.why) == (met, why)
+
+
+def test_every_way_to_fail_is_counted_apart() -> None:
+    outcomes = ["success"] * 2 + ["failure"] * 3 + ["stopped"] * 4 + ["error"] * 5 + ["hung"] * 6 + ["crashed"] * 7
+    results = {number: Result(outcome, "") for number, outcome in enumerate(outcomes)}
+    said = Summary(Table.of(plan_of("0-29"), results), {})
+    for name, count in {"stopped": 4, "errors": 5, "hung": 6, "crashed": 7, "failures": 25, "trials": 27}.items():
+        assert _requirement(f"{name} == {count}").judge(said).met, name
+
+
+def test_a_share_of_trials_can_be_asked_before_there_are_any() -> None:
+    assert _requirement("failures / trials < 20 %").judge(_SAID).met
 
 
 @pytest.mark.parametrize(

@@ -36,6 +36,18 @@ def test_what_is_drawn_follows_from_seed_and_name_alone() -> None:
     assert _factor("0 .. 1", other).value(None, 0) != 0.462597
 
 
+def test_what_is_drawn_and_rounded_stays_between_its_ends() -> None:
+    assert Factor("set.reach", ends=(1 / 3, 1 / 3)).value(None, 0) == 1 / 3
+    assert Factor("set.reach", ends=(2 / 3, 2 / 3)).value(None, 0) == 2 / 3
+
+
+def test_what_is_drawn_cannot_be_given_too() -> None:
+    drawn, given = (Variation.from_item(item_of(value, _HERE), "reach") for value in ("0 .. 1", 0.5))
+    for one, other in ((drawn, given), (given, drawn)):
+        with pytest.raises(UserError, match="'reach' is drawn and given too"):
+            one.joined(other, "reach")
+
+
 def test_whole_numbers_are_drawn_where_they_are_declared() -> None:
     factor = _factor("1 .. 3", Param("times", int))
     assert {factor.value(None, seed) for seed in range(60)} == {1, 2, 3}

@@ -329,3 +329,6 @@ def test_a_fall_is_known_when_the_supervisor_lets_go_of_the_joints(stage: Stage)
     assert not failures(found, "order: [not fell, fell]", "fell and stopped", "stops == 1", "outcome == stopped")
     assert [failure.moment for failure in failures(found, "never: fell")] == [f"at {found.time:.2f} s it became so"]
     assert failures(found, "always: not stopped")
+    ended = stage.run("stand", duration=0.3, script=[push])  # while it falls
+    assert not failures(ended, "outcome == stopped", "fell", "stops == 1", "time < 0.31 s")
+    assert failures(ended, "never: fell")
