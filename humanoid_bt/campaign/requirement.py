@@ -72,9 +72,12 @@ class Requirement:
     def judge(self, summary: Summary | None) -> Verdict:
         """Return whether a campaign meets it; None for a campaign of which nothing is known."""
         self._names.summary = summary
-        met = bool(self._expression.evaluate(cast(Robot, _Nobody())))
         used = dict.fromkeys(grammar.names(self._expression.syntax))
-        return Verdict(self._expression.text, met, ", ".join(map(self._names.told, used)))
+        text, why = self._expression.text, ", ".join(map(self._names.told, used))
+        try:
+            return Verdict(text, bool(self._expression.evaluate(cast(Robot, _Nobody()))), why)
+        except ArithmeticError as error:
+            return Verdict(text, False, f"{why}: it cannot be computed ({error})")
 
 
 class _Names:

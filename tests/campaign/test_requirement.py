@@ -41,10 +41,6 @@ def test_every_way_to_fail_is_counted_apart() -> None:
         assert _requirement(f"{name} == {count}").judge(said).met, name
 
 
-def test_a_share_of_trials_can_be_asked_before_there_are_any() -> None:
-    assert _requirement("failures / trials < 20 %").judge(_SAID).met
-
-
 @pytest.mark.parametrize(
     ("text", "message"),
     [
@@ -60,6 +56,12 @@ def test_a_share_of_trials_can_be_asked_before_there_are_any() -> None:
 def test_what_no_campaign_can_tell_is_refused_before_it_runs(text: str, message: str) -> None:
     with pytest.raises(UserError, match=message):
         _requirement(text)
+
+
+def test_what_cannot_be_computed_is_not_met() -> None:
+    verdict = _requirement("failures / fell < 2").judge(_SAID)
+    assert (verdict.met, verdict.why) == (False, "failures is 4, fell is 0: it cannot be computed (division by zero)")
+    assert _requirement("1 / (trials - failures) < 1").judge(_SAID).met, "with numbers of a campaign it can"
 
 
 def test_what_nobody_reported_meets_nothing() -> None:
