@@ -3,10 +3,12 @@ from __future__ import annotations
 import pytest
 
 from humanoid_bt.campaign.compare import compare
+from humanoid_bt.campaign.result import Result
+from humanoid_bt.campaign.table import Table
 from humanoid_bt.campaign.variation import Factor
 from humanoid_bt.campaign.words import verdict
 from humanoid_bt.core.errors import UserError
-from tests.campaign.conftest import table_of
+from tests.campaign.conftest import plan_of, table_of
 
 
 def test_pairs_tell_more_than_rates() -> None:
@@ -50,6 +52,15 @@ def test_what_is_otherwise_in_all_trials_is_told() -> None:
         table_of(bool, float, "0-9", Factor("set.stop_distance", "m", (0.4,))),
     )
     assert list(found.differs) == [("set.stop_distance", "0.3", "0.4")]
+
+
+def test_the_cause_that_changed_most_comes_first() -> None:
+    def table(*reasons: str) -> Table:
+        results = {number: Result("failure", reason) for number, reason in enumerate(reasons)}
+        return Table.of(plan_of(f"0-{len(reasons) - 1}"), results)
+
+    found = compare(table(*"aaaab"), table(*"aaabb", "c", "c", "c")).causes
+    assert [(cause.text, cause.before, cause.after) for cause in found] == [("c", 0, 3), ("a", 4, 3), ("b", 1, 2)]
 
 
 def test_what_has_no_partner_is_refused() -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -95,12 +96,30 @@ def test_the_page_on_editors_shows_its_task_and_its_schemas() -> None:
     assert all(f'"{schema}": {json.dumps(files)}' in page for schema, files in schemas.items())
 
 
-def test_it_goes_beside_what_is_there(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_it_goes_beside_what_is_there(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
     (tmp_path / "LICENSE").write_text("mine")
     monkeypatch.chdir(tmp_path)
     assert main(["init", "."]) == 0
     assert Path("trees/point_out.yaml").exists()
     assert Path("LICENSE").read_text() == "mine"
+    assert "\n  cd " not in capsys.readouterr().out
+    assert main(["init", "."]) == 2
+    files = sum(path.is_file() for path in tmp_path.rglob("*")) - 1
+    assert f" and {files - 3} more in '.'" in capsys.readouterr().err
+
+
+def test_what_is_installed_for_reading_is_copied_for_writing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    shutil.copytree(builtin_root() / "template", tmp_path / "installed" / "template")
+    for path in [path for path in (tmp_path / "installed").rglob("*") if path.is_file()]:
+        path.chmod(0o444)
+        (path.parent / "__pycache__").mkdir(exist_ok=True)
+        (path.parent / "__pycache__" / "left.pyc").touch()
+    monkeypatch.setattr("humanoid_bt.cli.init.builtin_root", lambda: tmp_path / "installed")
+    assert main(["init", str(tmp_path / "mine")]) == 0
+    assert all(path.stat().st_mode & 0o200 for path in (tmp_path / "mine").rglob("*"))
+    assert not list((tmp_path / "mine").rglob("*.pyc"))
 
 
 @pytest.mark.parametrize("name", ["README.md", ".vscode/tree.schema.json"])
