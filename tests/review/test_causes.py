@@ -10,13 +10,17 @@ import sys
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 
 from humanoid_bt.core.messages import Command, Measurement
+from humanoid_bt.review.cause import Cause
+from humanoid_bt.review.causes import _and_raised
 from humanoid_bt.review.explain import explain
+from humanoid_bt.review.history import Stopped
 from humanoid_bt.session.session import Session
 from humanoid_bt.testing.scripted_perception import ScriptedPerception
 from tests.safety.rows import Contradiction
@@ -322,3 +326,29 @@ def test_a_recording_on_a_full_disk_ends_in_the_midst_of_a_message(play: Play, t
     found = explain(cut)
     assert "in the midst of a message: its disk was full" in found.headline
     assert found.data["cut"]
+
+
+@pytest.mark.parametrize(
+    ("mode", "raised_at", "outlasts"),
+    [
+        ("protective_stop", 2.0, True),
+        ("protective_stop", 3.0, True),  # as the run ended
+        ("protective_stop", 3.1, False),  # after that
+        ("protective_stop", 0.5, False),  # before: it was reset
+        ("damp", 2.0, False),  # a robot that lies is not stopped once more
+    ],
+)
+def test_an_estop_outlasts_the_protective_stop_in_which_it_was_raised(
+    mode: str, raised_at: float, outlasts: bool
+) -> None:
+    stop = Stopped(1.0, mode, "why", "supervisor", {"gaze": "t/look"})
+    estop = Stopped(raised_at, "emergency_stop", "too near", "a button", {"gaze": "t/look"})
+    history: Any = SimpleNamespace(stops=sorted([stop, estop]), acting=lambda _time: [], nodes=lambda _time: ["t/look"])
+    cause = Cause("silent", "decision was silent", 1.0)
+    found, why = _and_raised(history, stop, cause, until=3.0)
+    assert found is (estop if outlasts else stop)
+    if outlasts:
+        assert (why.kind, why.time) == ("estop", raised_at)
+        assert why.headline.endswith("'a button': too near, in the protective stop since 1.000 s")
+    else:
+        assert why is cause
