@@ -85,8 +85,26 @@ def test_a_decision_that_stands_still_at_the_end_waits_for_control_all_the_same(
     assert len(looks) == 6
 
 
-@pytest.mark.parametrize("left", [False, True])
-def test_who_abandons_control_when_it_has_just_left_cleans_up(played: Played, tmp_path: Path, left: bool) -> None:
+def test_control_that_says_nothing_at_the_end_is_not_waited_for(
+    played: Played, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    played.speaks, ended = False, []
+
+    def how_ended(_: str) -> str:
+        assert played.now < 110.0, "waits for ever"
+        return ""
+
+    monkeypatch.setattr(decision_side.channels, "quit_flag", lambda _: SimpleNamespace(beat=lambda: None))
+    children = SimpleNamespace(how_ended=how_ended, end=lambda: ended.append(played.now))
+    played.engine._end(SimpleNamespace(path=lambda name: tmp_path / name), children)
+    assert 101.0 <= ended[0] < 101.2
+
+
+@pytest.mark.parametrize(("left", "ended"), [(False, ""), (True, ""), (False, "killed by SIGKILL")])
+def test_who_abandons_control_when_it_has_just_left_cleans_up(
+    played: Played, tmp_path: Path, left: bool, ended: str
+) -> None:
+    played.ended = ended
     engine, folder = played.engine, RunFolder.create(RunInfo("tree", "robot"), tmp_path / "runs")
     channels.create_channels(folder)
     if left:
@@ -99,5 +117,7 @@ def test_who_abandons_control_when_it_has_just_left_cleans_up(played: Played, tm
     engine._end = interrupted
     with pytest.raises(KeyboardInterrupt):
         engine.close()
-    assert folder.folder.exists() is not left
+    assert folder.folder.exists() is not (left or bool(ended))
+    if folder.folder.exists():
+        assert channels.quit_flag(folder).count >= channels.ABANDONED
     folder.close()
