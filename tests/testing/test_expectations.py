@@ -130,7 +130,7 @@ MET = (
     "within 0.7 s: time >= 0.7 s",  # the sum of 35 periods is a bit more
     "within 0.2 s after time > 0.5 s: time < 0.6 s",  # that it is later than 0.5 s becomes true once
     "never: level > 1 m while first runs",  # what has no value has not become so
-    "within 2 s: time > 1 s hysteresis 1 s",
+    "within 2 s: time > 1 s hysteresis 2 s",
     "order: [contains(fill.feedback, 'full'), 'too long']",
     "order: [time > 0.5 s and time < 0.6 s or time > 0.8 s and time < 0.9 s or time > 1.5 s, fill, "
     "time > 0.5 s and time < 0.6 s or time > 0.8 s and time < 0.9 s or time > 1.5 s]",  # of three times two count
