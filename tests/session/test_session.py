@@ -174,6 +174,9 @@ def test_a_session_that_was_never_stepped_is_closed_too(tmp_path: Path) -> None:
         pass
     assert (session.report.outcome, session.report.sim_time) == ("unfinished", 0.0)
     assert last_time(tmp_path / "walk.rrd") == 0.0
+    before = session.report
+    session.close()
+    assert session.report is before, "twice is once"
 
 
 def test_an_exception_in_a_skill_is_an_end_and_not_raised() -> None:
