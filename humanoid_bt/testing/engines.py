@@ -7,10 +7,10 @@ from pathlib import Path
 from typing import NamedTuple
 
 from humanoid_bt.control.body.standing import load_robot
-from humanoid_bt.core.errors import UserError
 from humanoid_bt.core.messages import Array
 from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.perception.simulated import SimulatedPerception
+from humanoid_bt.plant.imperfect import ImperfectPlant
 from humanoid_bt.plant.scene import Scene, SceneConfig, load_scene
 from humanoid_bt.session.engine import Engine
 from humanoid_bt.session.loader import DEFAULT_ROBOT, DEFAULT_SCENE
@@ -60,20 +60,21 @@ class Engines:
         robot, config = self._load(
             self._robot or tree.robot or DEFAULT_ROBOT, self._scene or tree.scene or DEFAULT_SCENE
         )
-        scene = Scene(conditions.seen(config), seed)
+        scene = Scene(conditions.seen(config), seed, conditions.floor)
         perception = SimulatedPerception(scene, seed)
-        by_chance = any(thing.random is not None for thing in config.objects.values())
-        # only another place of what stands in the scene needs another model
-        key = robot, config.path, seed if by_chance and not self._dry else None
+        by_chance = scene.floor.plates or any(thing.random is not None for thing in config.objects.values())
+        # only another place of what stands in the scene, and another floor, need another model
+        key = robot, config.path, None if self._dry else (scene.floor, seed if by_chance else None)
         if self._kept is None or self._kept[0] != key:
             self._kept = key, self._made(robot, scene, perception)
         ready = self._kept[1]
         engine = ready.engine
-        if isinstance(engine, Lockstep):
-            engine.plant.alter(**conditions.of_body)
-        elif felt := [name for name in conditions.changed if name in conditions.of_body]:
-            raise UserError(f"the condition {felt[0]!r} needs a body, and a dry run simulates none")
+        conditions.check(engine.robot, self._dry)
         assert isinstance(engine, (Lockstep, Dry))
+        if isinstance(engine, Lockstep):
+            assert isinstance(engine.driven, ImperfectPlant)
+            engine.plant.alter(**conditions.of_body)
+            engine.driven.alter(conditions.drive_delay, conditions.encoders(engine.robot, seed))
         engine.reset(perception, scene)
         return ready
 
@@ -88,6 +89,7 @@ class Engines:
         robot, start = load_robot(robot_file)
         if self._dry:
             return Ready(Dry(robot, start, scene, perception), None, [], robot_file, scene.config.path)
-        engine = Lockstep(robot, start, scene, perception)
+        standing = scene.floor.under(start, scene.start_pose[2])
+        engine = Lockstep(robot, standing, scene, perception, ImperfectPlant)
         bodies = [engine.model.body(number).name for number in range(1, engine.model.nbody)]
         return Ready(engine, engine.plant.set_strength, bodies, robot_file, scene.config.path)
