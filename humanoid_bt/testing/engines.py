@@ -11,6 +11,7 @@ from humanoid_bt.core.messages import Array
 from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.perception.simulated import SimulatedPerception
 from humanoid_bt.plant.imperfect import ImperfectPlant
+from humanoid_bt.plant.mujoco_plant import MujocoPlant
 from humanoid_bt.plant.scene import Scene, SceneConfig, load_scene
 from humanoid_bt.session.engine import Engine
 from humanoid_bt.session.loader import DEFAULT_ROBOT, DEFAULT_SCENE
@@ -77,6 +78,12 @@ class Engines:
             engine.driven.alter(conditions.drive_delay, conditions.encoders(engine.robot, seed))
         engine.reset(perception, scene)
         return ready
+
+    @property
+    def plant(self) -> MujocoPlant | None:
+        """The simulated plant as it is now, None if there is none."""
+        engine = self._kept[1].engine if self._kept else None
+        return engine.plant if isinstance(engine, Lockstep) else None
 
     def _load(self, robot: str, scene: str) -> tuple[Path, SceneConfig]:
         """Return a robot's file and what a scene's file says, read once."""
