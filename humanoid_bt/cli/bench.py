@@ -26,12 +26,12 @@ def bench(arguments: argparse.Namespace) -> int:
         from humanoid_bt.cli.bench_body import bench_body
 
         return bench_body(arguments)
+    if given := [name for name in _OF_BODY if getattr(arguments, name)]:
+        raise UserError(f"--{given[0]} goes with --body")
     if arguments.realtime:
         from humanoid_bt.cli.bench_realtime import bench_realtime
 
         return bench_realtime(arguments)
-    if given := [name for name in _OF_BODY if getattr(arguments, name) not in (None, False)]:
-        raise UserError(f"--{given[0]} goes with --body")
     console = SafeConsole()
     figures: list[Figure] = []
     with console.status("measuring") as status:

@@ -41,7 +41,7 @@ def bench_body(arguments: argparse.Namespace) -> int:
     first, number = arguments.seed or 0, arguments.trials or 20
     console = SafeConsole()
     console.print(f"what {config.name} withstands, in {number} trials each, seeds {first} to {first + number - 1}")
-    console.print(_header(), style="dim")
+    _say(console, Text(_header(), "dim"))
     told: dict[str, Withstood] = {}
     interrupted = False
     with console.status("loading the robot") as status:
@@ -63,7 +63,7 @@ def bench_body(arguments: argparse.Namespace) -> int:
         try:
             with closing(measured):
                 for found in measured:
-                    console.print(_line(found))
+                    _say(console, _line(found))
                     printed.add(found.row.name)
         except KeyboardInterrupt:
             interrupted = True
@@ -87,6 +87,12 @@ def bench_body(arguments: argparse.Namespace) -> int:
     if interrupted:
         return ExitCode.INTERRUPTED
     return ExitCode.SUCCESS if all(found.verdict == "ok" for found in told.values()) else ExitCode.FAILURE
+
+
+def _say(console: SafeConsole, line: Text) -> None:
+    """Print a line that is seen at once, also by who reads a file or a pipe."""
+    console.print(line)
+    console.file.flush()
 
 
 class _Pace:
