@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import argparse
 import shlex
+import sys
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import closing
 from pathlib import Path
 
@@ -27,93 +28,78 @@ from humanoid_bt.session.loader import DEFAULT_ROBOT
 from humanoid_bt.session.options import RUNS, default_recording, make_folder
 from humanoid_bt.session.report import ExitCode
 
+_TRIALS = 20
 _SEEDS = 5  # that failed, at most, which are named
+_HEADER = f"{'':<17}  {'goal':>5}  {'feet':>5}  {'95 %':>8}  promised"
 
 
 def bench_body(arguments: argparse.Namespace) -> int:
-    """Try the rows, print each as it is done, then what failed and how it is seen again; return the exit code."""
-    name = arguments.robot or DEFAULT_ROBOT
-    file = Workspace(arguments.workspace).find_robot(name).absolute()
+    """Try a robot, print each row as it is done, then what failed and how it is seen again; return the exit code."""
+    file = Workspace(arguments.workspace).find_robot(arguments.robot or DEFAULT_ROBOT).absolute()
     config = load_robot_config(file)
-    rows = chosen(arguments.only or [])
-    left_out = [row for row in rows if row.hands and not config.hands]
-    rows = [row for row in rows if row not in left_out]
-    first, number = arguments.seed or 0, arguments.trials or 20
+    asked = chosen(arguments.only or [])
+    rows = [row for row in asked if config.hands or not row.hands]
+    first, number = arguments.seed or 0, arguments.trials or _TRIALS
     console = SafeConsole()
-    console.print(f"what {config.name} withstands, in {number} trials each, seeds {first} to {first + number - 1}")
-    _say(console, Text(_header(), "dim"))
-    told: dict[str, Withstood] = {}
-    interrupted = False
-    with console.status("loading the robot") as status:
-        pace = _Pace(len(rows) * number)
-
-        def progress(found: Withstood) -> None:
-            told[found.row.name] = found
-            status.update(pace.after(found, number))
-
-        measured = measure_body(
-            file,
-            rows,
-            range(first, first + number),
-            workers=arguments.workers or 1,
-            progress=progress,
-            recordings=_recordings() if arguments.record else None,
-        )
-        printed: set[str] = set()
-        try:
-            with closing(measured):
-                for found in measured:
-                    _say(console, _line(found))
-                    printed.add(found.row.name)
-        except KeyboardInterrupt:
-            interrupted = True
-    for found in told.values():
-        if found.row.name not in printed:
-            console.print(_line(found))
-    for row in left_out:
-        console.print(f"{row.name:<17}  {config.name} has no hands", style="dim")
-    _print_failures(list(told.values()), arguments)
+    seeds = range(first, first + number)
+    trials = f"{number} trials each, seeds {first} to {seeds[-1]}" if number > 1 else f"a trial each, seed {first}"
+    console.print(f"what {config.name} withstands, in {trials}")
+    _say(console, Text(_HEADER, "dim"))
+    found, whole = _tried(console, arguments, file, rows, seeds)
+    for row in asked:
+        if row not in rows:
+            console.print(f"{row.name:<17}  {config.name} has no hands", style="dim")
+    for one in found:
+        if one.failed:
+            print_lines(["", *_failures(one, arguments)])
+    if arguments.record:
+        print_lines(["", *_recorded(found)])
     if arguments.json:
-        write_figures(
-            arguments.json,
-            {
-                "robot": config.name,
-                "trials": number,
-                "first_seed": first,
-                "whole": not interrupted,
-                "rows": [found.to_dict() for found in told.values()],
-            },
-        )
-    if interrupted:
+        figures = {"robot": config.name, "trials": number, "first_seed": first, "whole": whole}
+        write_figures(arguments.json, {**figures, "rows": [one.to_dict() for one in found]})
+    if not whole:
+        done = sum(len(one.trials) for one in found)
+        print(f"interrupted after {done} of {len(rows) * number} trials", file=sys.stderr)
         return ExitCode.INTERRUPTED
-    return ExitCode.SUCCESS if all(found.verdict == "ok" for found in told.values()) else ExitCode.FAILURE
+    return ExitCode.SUCCESS if all(one.verdict == "ok" for one in found) else ExitCode.FAILURE
+
+
+def _tried(
+    console: SafeConsole, arguments: argparse.Namespace, robot: Path, rows: Sequence[Row], seeds: Sequence[int]
+) -> tuple[list[Withstood], bool]:
+    """Try rows and print each as it is done; return what is known of those that are begun, and whether that is all."""
+    known: dict[str, Withstood] = {}
+    left = [row.name for row in rows]
+    began, total = time.monotonic(), len(rows) * len(seeds)
+
+    def progress(found: Withstood) -> None:
+        known[found.row.name] = found
+        done = sum(len(one.trials) for one in known.values())
+        to_go = duration((time.monotonic() - began) / done * (total - done))
+        status.update(f"{found.row.name}: {len(found.trials)}/{len(seeds)}; {done}/{total}, {to_go} left")
+
+    recordings = _recordings() if arguments.record else None
+    workers = arguments.workers or 1
+    with console.status("loading the robot") as status:
+        try:
+            with closing(
+                measure_body(robot, rows, seeds, workers=workers, progress=progress, recordings=recordings)
+            ) as measured:
+                for found in measured:
+                    left.remove(found.row.name)
+                    _say(console, _line(found))
+        except KeyboardInterrupt:
+            pass
+    for name in left:
+        if name in known:
+            _say(console, _line(known[name]))
+    return [known[row.name] for row in rows if row.name in known], not left
 
 
 def _say(console: SafeConsole, line: Text) -> None:
     """Print a line that is seen at once, also by who reads a file or a pipe."""
     console.print(line)
     console.file.flush()
-
-
-class _Pace:
-    """Says how far it is, and how long it will take.
-
-    Args:
-        total: number of trials.
-    """
-
-    def __init__(self, total: int) -> None:
-        self._total, self._done, self._began = total, 0, time.monotonic()
-
-    def after(self, found: Withstood, number: int) -> str:
-        """Return what there is to say after one more trial."""
-        self._done += 1
-        left = (time.monotonic() - self._began) / self._done * (self._total - self._done)
-        return f"{found.row.name}: {len(found.trials)}/{number}; {self._done}/{self._total}, {duration(left)} left"
-
-
-def _header() -> str:
-    return f"{'':<17}  {'goal':>5}  {'feet':>5}  {'95 %':>8}  promised"
 
 
 def _line(found: Withstood) -> Text:
@@ -128,28 +114,32 @@ def _between(interval: Interval) -> str:
     return f"{100 * interval.low:.0f}-{100 * interval.high:.0f} %"
 
 
-def _print_failures(found: Sequence[Withstood], arguments: argparse.Namespace) -> None:
-    for one in found:
-        if not one.failed:
-            continue
-        worst = one.failed[0]
-        print_lines(["", *hanging("", f"{one.row.name}: {one.row.what}")])
-        for text, fell in (("fell", True), ("not there", False)):
-            seeds = [done.task.trial.seed for done in one.failed if done.result.fell is fell]
-            more = f" and {len(seeds) - _SEEDS} more" if len(seeds) > _SEEDS else ""
-            if seeds:
-                print_lines(hanging("  ", f"{text}: seeds {', '.join(map(str, seeds[:_SEEDS]))}{more}"))
-        print_lines(hanging("  ", f"seed {worst.task.trial.seed}, {worst.result.time:.1f} s: {worst.result.reason}"))
-        print_lines(hanging("  ", _again(one.row, worst.task.trial.seed, arguments)))
-        if worst.task.recording:
-            print_lines(hanging("  ", f"humanoid-bt explain {shlex.quote(relative(Path(worst.task.recording)))}"))
+def _failures(found: Withstood, arguments: argparse.Namespace) -> Iterator[str]:
+    """Yield which trials of a row failed, why the worst did, and the command that records it."""
+    yield from hanging("", f"{found.row.name}: {found.row.what}")
+    for text, fell in (("fell", True), ("not there", False)):
+        seeds = [str(done.task.trial.seed) for done in found.failed if done.result.fell is fell]
+        more = f" and {len(seeds) - _SEEDS} more" if len(seeds) > _SEEDS else ""
+        if seeds:
+            yield from hanging("  ", f"{text}: seeds {', '.join(seeds[:_SEEDS])}{more}")
+    worst = found.failed[0]
+    seed, result = worst.task.trial.seed, worst.result
+    yield from hanging("  ", f"seed {seed}, {result.time:.1f} s: {result.reason}")
+    if worst.task.recording:
+        yield from hanging("  ", f"humanoid-bt explain {shlex.quote(relative(Path(worst.task.recording)))}")
+        return
+    words = ["humanoid-bt", "bench", "--body", "--only", found.row.name, "--seed", str(seed), "--trials", "1"]
+    words += ["--record", *(["--robot", arguments.robot] if arguments.robot else [])]
+    words += ["--workspace", str(arguments.workspace)] if arguments.workspace else []
+    yield from hanging("  ", shlex.join(words))
 
 
-def _again(row: Row, seed: int, arguments: argparse.Namespace) -> str:
-    """Return the command that records a trial."""
-    words = ["humanoid-bt", "bench", "--body", "--only", row.name, "--seed", str(seed), "--trials", "1", "--record"]
-    words += ["--robot", arguments.robot] if arguments.robot else []
-    return shlex.join(words + (["--workspace", str(arguments.workspace)] if arguments.workspace else []))
+def _recorded(found: Sequence[Withstood]) -> Iterator[str]:
+    """Yield how recordings are opened."""
+    files = [done.task.recording for one in found for done in one.trials]
+    yield from (f"open it: rerun {shlex.quote(relative(Path(file)))}" for file in files[:_SEEDS])
+    if len(files) > _SEEDS:
+        yield f"and {len(files) - _SEEDS} more in {RUNS}"
 
 
 def _recordings() -> Callable[[Row, int], Path]:

@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from humanoid_bt.bench.body import Withstood
+from humanoid_bt.bench.body import Withstood, chosen
 from humanoid_bt.bench.body_rows import Row
 from humanoid_bt.campaign.result import Cost, Result
 from humanoid_bt.campaign.trial import Task
@@ -39,7 +39,8 @@ def asked(monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
                     result = Result("fell", FALLS, time=seed / 10, fell=True)
                 if row.name == "slope" and seed == 4:
                     result = Result("failure", "walk_to: comes no nearer", time=30.0)
-                trials.append(Done(Task(row.trial(number, str(robot), seed)), result, Cost()))
+                recording = str(given["recordings"](row, seed)) if given["recordings"] else ""
+                trials.append(Done(Task(row.trial(number, str(robot), seed), recording), result, Cost()))
                 progress(Withstood(row, list(trials)))
                 number += 1
             yield Withstood(row, trials)
@@ -138,3 +139,19 @@ def test_a_mistake_is_told_with_what_is_valid(
 ) -> None:
     assert main(["bench", *arguments]) == 2
     assert message in capsys.readouterr().err
+
+
+def test_recordings_are_named(
+    asked: dict[str, Any], tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("COLUMNS", "120")
+    assert main(["bench", "--body", "--only", "slope", "--trials", "1", "--seed", "7", "--record"]) == 1
+    out = capsys.readouterr().out
+    assert "in a trial each, seed 7" in out
+    recording = asked["recordings"](chosen(["slope"])[0], 7)
+    assert recording.parent == tmp_path / "runs"
+    assert recording.name.startswith("slope-seed7-")
+    shown = [line.split() for line in out.splitlines() if "runs/" in line]
+    assert [line[:-1] for line in shown] == [["humanoid-bt", "explain"], ["open", "it:", "rerun"]]
+    assert shown[0][-1] == shown[1][-1]

@@ -115,6 +115,16 @@ def test_feet_step_on_plates(stage):
     assert highest("10 mm") > 0.007
 
 
+def test_each_seed_has_its_own_plates_on_one_stage(stage):
+    def places(seed):
+        stage.run("stand", duration=0.02, seed=seed, conditions={"plates": "10 mm"})
+        return [stage.plant.data.geom(f"plate_{number}").xpos.copy() for number in range(20)]
+
+    first, other = places(0), places(1)
+    assert not np.array_equal(first, other)
+    np.testing.assert_array_equal(places(0), first)
+
+
 def test_drives_give_their_part_of_what_they_are_asked_for_and_of_their_largest(plant):
     robot, joints = plant.robot, plant.start[7:]
     zeros, far = np.zeros_like(joints), np.where(np.arange(len(joints)) % 2, 0.01, 10.0)  # rad from where it stands
