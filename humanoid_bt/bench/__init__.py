@@ -1,1 +1,1 @@
-"""What the engine costs beside baselines, how punctual it is, and what a robot's body withstands."""
+"""What the engine costs beside baselines, how punctual it is, and what a body withstands."""
