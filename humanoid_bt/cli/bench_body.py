@@ -19,11 +19,11 @@ from humanoid_bt.cli.campaign_progress import duration
 from humanoid_bt.cli.console import SafeConsole
 from humanoid_bt.cli.figures import judged, write_figures
 from humanoid_bt.cli.output import hanging, print_lines
+from humanoid_bt.control.body.standing import load_robot
 from humanoid_bt.core.errors import relative
 from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.record.folder import make_room
 from humanoid_bt.record.folder_limits import load_limits
-from humanoid_bt.robot.config import load_robot_config
 from humanoid_bt.session.loader import DEFAULT_ROBOT
 from humanoid_bt.session.options import RUNS, default_recording, make_folder
 from humanoid_bt.session.report import ExitCode
@@ -36,7 +36,7 @@ _HEADER = f"{'':<17}  {'goal':>5}  {'feet':>5}  {'95 %':>8}  promised"
 def bench_body(arguments: argparse.Namespace) -> int:
     """Try a robot, print each row as it is done, then what failed and how it is seen again; return the exit code."""
     file = Workspace(arguments.workspace).find_robot(arguments.robot or DEFAULT_ROBOT).absolute()
-    config = load_robot_config(file)
+    config = load_robot(file)[0].config
     asked = chosen(arguments.only or [])
     rows = [row for row in asked if config.hands or not row.hands]
     first, number = arguments.seed or 0, arguments.trials or _TRIALS

@@ -32,7 +32,8 @@ def add_bench(commands: Commands) -> None:
     bench = commands.add(
         "bench",
         "measure the engine beside baselines",
-        "Measure the engine. Every cost is a ratio to a baseline measured\nin the same run.",
+        "Measure the engine, where every cost is a ratio to a baseline measured in the same run; or, with --body, "
+        "what a robot's balance and walking withstand.",
         _EXAMPLES,
     )
     what = bench.add_mutually_exclusive_group()
