@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
-from humanoid_bt.core.errors import Place, UserError
+from humanoid_bt.core.errors import Place
 from humanoid_bt.core.items import item_of
 from humanoid_bt.core.messages import Array
 from humanoid_bt.core.params import param, params_of
@@ -93,22 +93,18 @@ class Conditions:
         errors[random_stream(seed, "encoder").choice(legs)] = self.encoder_error
         return errors
 
-    def check(self, robot: RobotModel, dry: bool) -> None:
-        """Raise UserError if a run cannot have them, because it has no body, or the robot no hands."""
-        if dry and self.felt:
-            raise UserError(f"the condition {self.felt[0]!r} needs a body, and a dry run simulates none")
-        if self.hand_payload and not robot.config.hands:
-            raise UserError(f"the condition 'hand_payload' needs hands, and {robot.config.name} has none")
+    def refused(self, robot: RobotModel, dry: bool) -> Iterator[tuple[str, str]]:
+        """Yield those that a run of a robot cannot have, each by its name with the reason."""
+        for name in self.changed:
+            if dry and name != "perception_noise":
+                yield name, f"the condition {name!r} needs a body, and a dry run simulates none"
+            elif name == "hand_payload" and not robot.config.hands:
+                yield name, f"the condition {name!r} needs hands, and {robot.config.name} has none"
 
     @property
     def changed(self) -> dict[str, float]:
         """Those that are not as the robot and the scene say, by name."""
         return {name: value for name, value in vars(self).items() if value != params_of(Conditions)[name].default}
-
-    @property
-    def felt(self) -> list[str]:
-        """Those of them that need a simulated body."""
-        return [name for name in self.changed if name != "perception_noise"]
 
     def __str__(self) -> str:
         specs = params_of(Conditions)

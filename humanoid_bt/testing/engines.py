@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from humanoid_bt.control.body.standing import load_robot
+from humanoid_bt.core.errors import UserError
 from humanoid_bt.core.messages import Array
 from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.perception.simulated import SimulatedPerception
@@ -70,7 +71,8 @@ class Engines:
             self._kept = key, self._made(robot, scene, perception)
         ready = self._kept[1]
         engine = ready.engine
-        conditions.check(engine.robot, self._dry)
+        for _, why in conditions.refused(engine.robot, self._dry):
+            raise UserError(why)
         assert isinstance(engine, (Lockstep, Dry))
         if isinstance(engine, Lockstep):
             assert isinstance(engine.driven, ImperfectPlant)

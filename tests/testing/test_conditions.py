@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import humanoid_bt
-from humanoid_bt import Stage, UserError
+from humanoid_bt import Stage, UserError, check
 from humanoid_bt.control.body.standing import load_robot
 from humanoid_bt.core.clock import SERVO_PERIOD
 from humanoid_bt.core.geometry import rotation_matrix
@@ -192,6 +192,14 @@ def test_hands_carry_nothing_where_there_are_none(stage, tmp_path):
     (robot / "robot.yaml").write_text(written.replace(hands, "").replace("name: humanoid", "name: armless"))
     with pytest.raises(UserError, match="'hand_payload' needs hands, and armless has none"):
         Stage(tmp_path, robot="armless").run("stand", conditions={"hand_payload": 1})
+    scenario = tmp_path / "scenarios" / "laden.yaml"
+    scenario.parent.mkdir()
+    scenario.write_text(
+        "format: 1\ntree: stand\nrobot: armless\nconditions: {hand_payload: 1}\nexpect: {never: fell}\n"
+    )
+    (problem,) = check(scenario, workspace=tmp_path)
+    assert "needs hands, and armless has none" in problem.message
+    assert str(problem.place).endswith("laden.yaml:4:28")
 
 
 def test_one_stage_serves_all_conditions_with_one_model(stage):
