@@ -19,10 +19,8 @@ def reactions() -> str:
 
 def body_rows() -> str:
     """Return the table of what a robot's body is tried with."""
-    rows = [
-        (f"`{row.name}`", row.what, "reaches the goal" if row.walks else "stays on its feet", f"at least {row.promise.bound:g} %")
-        for row in ROWS
-    ]
+    ends = {True: "reaches the goal", False: "stays on its feet"}
+    rows = [(f"`{row.name}`", row.what, ends[row.walks], f"at least {row.promise.bound:g} %") for row in ROWS]
     return table(("row", "the robot", "withstood if it", "promised"), rows)
 
 
