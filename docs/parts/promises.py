@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from humanoid_bt.bench.body_rows import ROWS
 from humanoid_bt.bench.promises import PROMISES
 from parts.markdown import table
 
@@ -14,6 +15,13 @@ def costs() -> str:
 def reactions() -> str:
     """Return the table of how punctual and how quick realtime mode is."""
     return _table("bench --realtime")
+
+
+def body_rows() -> str:
+    """Return the table of what a robot's body is tried with."""
+    ends = {True: "reaches the goal", False: "stays on its feet"}
+    rows = [(f"`{row.name}`", row.what, ends[row.walks], f"at least {row.promise.bound:g} %") for row in ROWS]
+    return table(("row", "the robot", "withstood if it", "promised"), rows)
 
 
 def _table(command: str) -> str:

@@ -1,1 +1,1 @@
-"""What the engine costs beside baselines, and how punctual and quick it is in realtime mode."""
+"""What the engine costs beside baselines, how punctual it is, and what a body withstands."""

@@ -20,7 +20,7 @@ class Promise:
 
     what: str
     bound: float
-    unit: Literal["x", "us", "ms"]
+    unit: Literal["x", "us", "ms", "%"]
     at_least: bool = False
     command: str = "bench"
 
@@ -64,4 +64,8 @@ RECORDED_TICK = Promise(
     _REALTIME,
 )
 
-PROMISES = (STACK, SPEED, LOG, TICK, LOAD, LATENESS, E_STOP, PROTECTIVE_STOP, RECORDED_TICK)
+_BODY = "bench --body"
+BODY = Promise("random goals reached, or pushes withstood, under each of its conditions", 95.0, "%", True, _BODY)
+HARD_PUSH = Promise("pushes of 200 N for 0.1 s withstood standing", 90.0, "%", True, _BODY)
+
+PROMISES = (STACK, SPEED, LOG, TICK, LOAD, LATENESS, E_STOP, PROTECTIVE_STOP, RECORDED_TICK, BODY, HARD_PUSH)

@@ -6,15 +6,12 @@ import shlex
 from pathlib import Path
 
 from humanoid_bt.campaign.plan import Plan
-from humanoid_bt.campaign.trial import SET, Trial
+from humanoid_bt.campaign.trial import CONDITION, SET, Trial
 from humanoid_bt.core.errors import relative
+from humanoid_bt.core.params import params_of
+from humanoid_bt.testing.conditions import Conditions
 
-_AS_IT_IS = {
-    "condition.friction": 1.0,
-    "condition.drives": 1.0,
-    "condition.perception_noise": 1.0,
-    "condition.payload": 0.0,
-}
+_AS_IT_IS = {f"{CONDITION}.{name}": spec.default for name, spec in params_of(Conditions).items()}
 
 
 def command(trial: Trial, plan: Plan, folder: Path) -> str:

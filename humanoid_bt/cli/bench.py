@@ -13,12 +13,21 @@ from humanoid_bt.bench.figures import measure
 from humanoid_bt.bench.tree import measure_tree
 from humanoid_bt.cli.console import SafeConsole
 from humanoid_bt.cli.figures import judged, write_figures
+from humanoid_bt.core.errors import UserError
 from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.session.report import ExitCode
+
+_OF_BODY = ("robot", "only", "trials", "seed", "workers", "record", "workspace")
 
 
 def bench(arguments: argparse.Namespace) -> int:
     """Measure, print a table, write the JSON file if one is asked for."""
+    if arguments.body:
+        from humanoid_bt.cli.bench_body import bench_body
+
+        return bench_body(arguments)
+    if given := [name for name in _OF_BODY if getattr(arguments, name)]:
+        raise UserError(f"--{given[0]} goes with --body")
     if arguments.realtime:
         from humanoid_bt.cli.bench_realtime import bench_realtime
 

@@ -53,7 +53,7 @@ class MujocoPlant:
         self._qpos, self._qvel, self._torque = data.qpos[: self._nq], data.qvel[: self._nv], data.actuator_force
         self._feet = [data.sensor(foot_sensor(side)).data[2:] for side in SIDES]
         self._stiffness, self._damping = robot.stiffness, robot.damping
-        self._drives, self._payload = 1.0, 0.0
+        self._drives, self._payloads = 1.0, (0.0, 0.0)
         self._strength = np.ones(joints)  # what each drive gives of the torque that it is asked for
         self._friction, self._mass = self.model.geom_friction.copy(), self.model.body_mass.copy()
         self._command: JointCommand | None = None  # which the drives have
@@ -136,19 +136,25 @@ class MujocoPlant:
         for name, body in self._objects.items():
             self.model.body_pos[body] = self.scene.object_position(name, self.time)
 
-    def alter(self, friction: float = 1.0, payload: float = 0.0, drives: float = 1.0) -> None:
+    def alter(
+        self, friction: float = 1.0, payload: float = 0.0, hand_payload: float = 0.0, drives: float = 1.0
+    ) -> None:
         """Let the world differ from what the robot's numbers say, from the next :meth:`place` on.
 
         Args:
             friction: factor of the friction of everything.
             payload: what the torso carries besides its own mass, at its centre of mass [kg].
+            hand_payload: what each hand carries in the same way [kg].
             drives: what every drive gives of the torque that it is asked for, and of the largest.
         """
         self.model.geom_friction[:] = self._friction * friction
-        if payload != self._payload:
-            self._payload = payload
+        if (payload, hand_payload) != self._payloads:
+            self._payloads = payload, hand_payload
+            config = self.robot.config
             self.model.body_mass[:] = self._mass
-            self.model.body(self.robot.config.torso).mass += payload
+            self.model.body(config.torso).mass += payload
+            for hand in config.hands.values():
+                self.model.body(hand.body).mass += hand_payload
             mujoco.mj_setConst(self.model, self.data)
         self._drives = drives
 

@@ -10,6 +10,7 @@ import mujoco
 import numpy as np
 
 from humanoid_bt.core.messages import Array
+from humanoid_bt.plant.floor import Floor
 from humanoid_bt.plant.scene_config import EventConfig, ObjectConfig, SceneConfig, load_scene
 from humanoid_bt.plant.shapes import parts
 
@@ -48,11 +49,13 @@ class Scene:
     Args:
         config: the scene file.
         seed: draws what the file leaves to chance; each object has its own random numbers.
+        floor: what all of it stands on.
     """
 
-    def __init__(self, config: SceneConfig, seed: int) -> None:
+    def __init__(self, config: SceneConfig, seed: int, floor: Floor | None = None) -> None:
         self.config = config
         self.seed = seed
+        self.floor = floor or Floor()
         self._events = sorted(config.events, key=lambda event: event.at)
         self._moves: dict[str, list[_Move]] = {}
         for name, thing in config.objects.items():
@@ -93,6 +96,7 @@ class Scene:
         ``body_pos``. Its stand, a body ``stand_<name>``, stays.
         """
         _add_surroundings(spec)
+        self.floor.add_to(spec, self.start_pose, random_stream(self.seed, "plates"))
         for name, thing in self.config.objects.items():
             position = self.object_position(name, 0.0)
             turn = self._facing_robot(position) if thing.shape == "person" else 0.0
@@ -182,16 +186,6 @@ def _add_surroundings(spec: mujoco.MjSpec) -> None:
     )
     material = spec.add_material(name="floor", texrepeat=[2, 2], texuniform=True)  # squares of half a meter
     material.textures[mujoco.mjtTextureRole.mjTEXROLE_RGB] = "floor"
-    spec.worldbody.add_geom(
-        name="floor",
-        type=mujoco.mjtGeom.mjGEOM_PLANE,
-        size=[20, 20, 0.1],
-        material="floor",
-        friction=[1, 0.005, 0.0001],
-        condim=3,
-        contype=1,
-        conaffinity=1,
-    )
     spec.worldbody.add_light(
         name="lamp",
         type=mujoco.mjtLightType.mjLIGHT_SPOT,

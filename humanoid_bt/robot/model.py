@@ -91,6 +91,13 @@ class RobotModel:
         """Return a joint's index in the arrays over joints."""
         return self.joint_names.index(name)
 
+    @property
+    def leg_joints(self) -> list[int]:
+        """The joints between the base and the feet, as indices of the arrays over joints."""
+        model = self.model
+        above = {body for leg in self.config.legs.values() for body in carriers(model, model.body(leg.sole.body).id)}
+        return [j - 1 for j in range(1, model.njnt) if int(model.jnt_bodyid[j]) in above]
+
     def spec(self) -> mujoco.MjSpec:
         """Return a new editable model of the robot with its drives, sites and foot sensors."""
         config = self.config

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import logging
 from collections import deque
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from pathlib import Path
 
@@ -25,6 +25,7 @@ from humanoid_bt.link.segment import LinkError
 from humanoid_bt.link.table import LocalTable
 from humanoid_bt.link.wire import Event
 from humanoid_bt.perception.source import PerceptSource
+from humanoid_bt.plant.interface import Plant
 from humanoid_bt.plant.mujoco_plant import MujocoPlant
 from humanoid_bt.plant.scene import Scene
 from humanoid_bt.realtime.lockstep_link import LockstepLink
@@ -44,20 +45,29 @@ class Lockstep:
         start: configuration to start in, shape (7 + nj,).
         scene: what surrounds it.
         perception: what it sees.
+        driven: makes of the plant what control drives in its place; the plant itself if None.
 
     Attributes:
-        plant, controller, perception: the parts.
+        plant, driven, controller, perception: the parts.
         clock: the engine's clock.
         notices: what happened besides stops: resets.
         inputs: what came from outside.
     """
 
-    def __init__(self, robot: RobotModel, start: Array, scene: Scene, perception: PerceptSource) -> None:
+    def __init__(
+        self,
+        robot: RobotModel,
+        start: Array,
+        scene: Scene,
+        perception: PerceptSource,
+        driven: Callable[[Plant], Plant] | None = None,
+    ) -> None:
         self.robot, self.scene, self._start = robot, scene, start
         self.clock = CycleClock()
         self.plant = MujocoPlant(robot, scene)
         self.plant.place(start)
-        self.controller = Controller(robot, self.plant)
+        self.driven = self.plant if driven is None else driven(self.plant)
+        self.controller = Controller(robot, self.driven)
         self.perception = perception
         self.notices: Kept[Event] = Kept()
         self.inputs: Kept[Input] = Kept()

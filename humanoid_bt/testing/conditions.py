@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
+import numpy as np
+
 from humanoid_bt.core.errors import Place
 from humanoid_bt.core.items import item_of
+from humanoid_bt.core.messages import Array
 from humanoid_bt.core.params import param, params_of
 from humanoid_bt.core.reading import read
 from humanoid_bt.core.units import readable
+from humanoid_bt.plant.floor import Floor
+from humanoid_bt.plant.scene import random_stream
 from humanoid_bt.plant.scene_config import SceneConfig
+from humanoid_bt.robot.model import RobotModel
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -23,6 +29,39 @@ class Conditions:
         1.0, minimum=0, maximum=2, doc="What every drive gives of the torque that it is asked for, and of its largest."
     )
     payload: float = param(0.0, minimum=0, maximum=100, unit="kg", doc="What the torso carries, at its centre of mass.")
+    hand_payload: float = param(
+        0.0, minimum=0, maximum=100, unit="kg", doc="What each hand carries, at its centre of mass."
+    )
+    drive_delay: float = param(
+        0.0,
+        minimum=0,
+        maximum=1,
+        unit="s",
+        doc="How much later drives hear of commands, in whole milliseconds.",
+    )
+    encoder_error: float = param(
+        0.0,
+        minimum=-0.5,
+        maximum=0.5,
+        unit="rad",
+        doc="What the encoder of one joint of a leg shows too much, to control and to the joint's drive; "
+        "the seed says which joint.",
+    )
+    slope: float = param(
+        0.0,
+        minimum=0,
+        maximum=0.5,
+        unit="rad",
+        doc="How steep the floor is. The robot starts with its feet flat on it; other things stay where they are.",
+    )
+    uphill: float = param(0.0, minimum=-7, maximum=7, unit="rad", doc="Where a steep floor rises; 0 is the world's x.")
+    plates: float = param(
+        0.0,
+        minimum=0,
+        maximum=0.1,
+        unit="m",
+        doc="How thick the flat plates are that lie about on the floor; the seed says where.",
+    )
     perception_noise: float = param(
         1.0, minimum=0, maximum=100, doc="Factor of the standard deviations with which the scene's percepts are seen."
     )
@@ -38,8 +77,29 @@ class Conditions:
 
     @property
     def of_body(self) -> dict[str, float]:
-        """Those that the simulated body feels, as arguments of ``MujocoPlant.alter``."""
-        return {"friction": self.friction, "drives": self.drives, "payload": self.payload}
+        """Those that the simulated body has in it, as arguments of ``MujocoPlant.alter``."""
+        return {name: getattr(self, name) for name in ("friction", "drives", "payload", "hand_payload")}
+
+    @property
+    def floor(self) -> Floor:
+        """What the robot stands on."""
+        return Floor(self.slope, self.uphill, self.plates)
+
+    def encoders(self, robot: RobotModel, seed: int) -> Array | None:
+        """Return what each encoder of a robot shows too much, shape (nj,) [rad]; None if all are as they should be."""
+        if not self.encoder_error:
+            return None
+        legs, errors = robot.leg_joints, np.zeros(len(robot.joint_names))
+        errors[random_stream(seed, "encoder").choice(legs)] = self.encoder_error
+        return errors
+
+    def refused(self, robot: RobotModel, dry: bool) -> Iterator[tuple[str, str]]:
+        """Yield those that a run of a robot cannot have, each by its name with the reason."""
+        for name in self.changed:
+            if dry and name != "perception_noise":
+                yield name, f"the condition {name!r} needs a body, and a dry run simulates none"
+            elif name == "hand_payload" and not robot.config.hands:
+                yield name, f"the condition {name!r} needs hands, and {robot.config.name} has none"
 
     @property
     def changed(self) -> dict[str, float]:

@@ -11,6 +11,8 @@ from humanoid_bt.core.errors import UserError
 from humanoid_bt.core.messages import Array
 from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.perception.simulated import SimulatedPerception
+from humanoid_bt.plant.imperfect import ImperfectPlant
+from humanoid_bt.plant.mujoco_plant import MujocoPlant
 from humanoid_bt.plant.scene import Scene, SceneConfig, load_scene
 from humanoid_bt.session.engine import Engine
 from humanoid_bt.session.loader import DEFAULT_ROBOT, DEFAULT_SCENE
@@ -60,22 +62,30 @@ class Engines:
         robot, config = self._load(
             self._robot or tree.robot or DEFAULT_ROBOT, self._scene or tree.scene or DEFAULT_SCENE
         )
-        scene = Scene(conditions.seen(config), seed)
+        scene = Scene(conditions.seen(config), seed, conditions.floor)
         perception = SimulatedPerception(scene, seed)
-        by_chance = any(thing.random is not None for thing in config.objects.values())
-        # only another place of what stands in the scene needs another model
-        key = robot, config.path, seed if by_chance and not self._dry else None
+        by_chance = scene.floor.plates or any(thing.random is not None for thing in config.objects.values())
+        # only another place of what stands in the scene, and another floor, need another model
+        key = robot, config.path, None if self._dry else (scene.floor, seed if by_chance else None)
         if self._kept is None or self._kept[0] != key:
             self._kept = key, self._made(robot, scene, perception)
         ready = self._kept[1]
         engine = ready.engine
-        if isinstance(engine, Lockstep):
-            engine.plant.alter(**conditions.of_body)
-        elif felt := [name for name in conditions.changed if name in conditions.of_body]:
-            raise UserError(f"the condition {felt[0]!r} needs a body, and a dry run simulates none")
+        for _, why in conditions.refused(engine.robot, self._dry):
+            raise UserError(why)
         assert isinstance(engine, (Lockstep, Dry))
+        if isinstance(engine, Lockstep):
+            assert isinstance(engine.driven, ImperfectPlant)
+            engine.plant.alter(**conditions.of_body)
+            engine.driven.alter(conditions.drive_delay, conditions.encoders(engine.robot, seed))
         engine.reset(perception, scene)
         return ready
+
+    @property
+    def plant(self) -> MujocoPlant | None:
+        """The simulated plant as it is now, None if there is none."""
+        engine = self._kept[1].engine if self._kept else None
+        return engine.plant if isinstance(engine, Lockstep) else None
 
     def _load(self, robot: str, scene: str) -> tuple[Path, SceneConfig]:
         """Return a robot's file and what a scene's file says, read once."""
@@ -88,6 +98,7 @@ class Engines:
         robot, start = load_robot(robot_file)
         if self._dry:
             return Ready(Dry(robot, start, scene, perception), None, [], robot_file, scene.config.path)
-        engine = Lockstep(robot, start, scene, perception)
+        standing = scene.floor.under(start, scene.start_pose[2])
+        engine = Lockstep(robot, standing, scene, perception, ImperfectPlant)
         bodies = [engine.model.body(number).name for number in range(1, engine.model.nbody)]
         return Ready(engine, engine.plant.set_strength, bodies, robot_file, scene.config.path)

@@ -76,10 +76,9 @@ def _misfits(scenario: Scenario, workspace: Workspace) -> Iterator[Problem]:
     except UserError as error:
         yield from (replace(problem, place=problem.place or scenario.place("tree")) for problem in error.problems)
         return
-    for name in scenario.conditions.changed if scenario.dry else ():
-        if name in scenario.conditions.of_body:
-            message = f"the condition {name!r} needs a body, and a dry run simulates none"
-            yield Problem(message, scenario.place("conditions", name), "leave it out, or dry", "exclusive-keys")
+    for name, why in scenario.conditions.refused(robot, scenario.dry):
+        hint, code = ("leave it out, or dry", "exclusive-keys") if scenario.dry else ("leave it out", "model")
+        yield Problem(why, scenario.place("conditions", name), hint, code)
     known = _known(scenario, run, scene, robot)
     yield from mistakes(scenario.script, known)
     try:

@@ -14,6 +14,7 @@ from humanoid_bt.checking.check import load_checked
 from humanoid_bt.core.errors import UserError
 from humanoid_bt.decision.result import results_of
 from humanoid_bt.files.workspace import Workspace
+from humanoid_bt.plant.mujoco_plant import MujocoPlant
 from humanoid_bt.record.sinks import Sinks
 from humanoid_bt.session import limits
 from humanoid_bt.session.drive import Drive
@@ -134,6 +135,11 @@ class Stage:
         finally:
             for key, initial in initials:
                 key.initial = initial
+
+    @property
+    def plant(self) -> MujocoPlant | None:
+        """The simulated plant as the last run has left it: the truth of it; None before a run, and without physics."""
+        return self._engines.plant
 
     def _loaded(self, tree: str | PathLike[str] | Tree, parameters: Mapping[str, Any]) -> Tree:
         """Return a tree as its file says, read once."""

@@ -2,15 +2,22 @@
 
 from __future__ import annotations
 
+import shutil
+from pathlib import Path
+
 import numpy as np
 import pytest
 
-from humanoid_bt import Stage, UserError
+import humanoid_bt
+from humanoid_bt import Stage, UserError, check
 from humanoid_bt.control.body.standing import load_robot
 from humanoid_bt.core.clock import SERVO_PERIOD
+from humanoid_bt.core.geometry import rotation_matrix
 from humanoid_bt.core.messages import JointCommand
 from humanoid_bt.plant.mujoco_plant import MujocoPlant
 from humanoid_bt.plant.scene import Scene, load_scene
+
+WALK = Path(humanoid_bt.__file__).with_name("bench") / "walk.yaml"
 
 
 @pytest.fixture(scope="module")
@@ -29,7 +36,7 @@ def arrays(model):
 def test_a_plant_that_was_altered_is_as_before_when_it_is_no_more(plant):
     plant.place(plant.start)
     before = arrays(plant.model)
-    plant.alter(friction=0.3, payload=5.0, drives=0.7)
+    plant.alter(friction=0.3, payload=5.0, hand_payload=2.0, drives=0.7)
     plant.place(plant.start)
     changed = {name for name, value in arrays(plant.model).items() if not np.array_equal(value, before[name])}
     assert {"geom_friction", "body_mass", "actuator_forcerange"} < changed
@@ -57,6 +64,65 @@ def test_a_payload_is_carried_by_the_feet(stage):
     assert weight(heavy) - weight(light) == pytest.approx(4 * 9.81, rel=0.3)
     assert heavy.report.staged["conditions"] == {"payload": 4.0}
     assert "staged: payload 4 kg" in [event["text"] for event in heavy.report.events]
+
+
+def test_what_hands_carry_is_carried_by_the_feet(stage):
+    def weight(**conditions):
+        run = stage.run("stand", duration=0.2, conditions=conditions)
+        return sum(run.states[-1].foot_force.values())
+
+    assert weight(hand_payload="2 kg") - weight() == pytest.approx(4 * 9.81, rel=0.3)
+
+
+def test_commands_that_come_late_are_followed_late(stage):
+    def moved(delay):
+        run = stage.run("stand", duration=0.3, conditions={"drive_delay": delay})
+        return [state.joint_positions.copy() for state in run.states]
+
+    at_once, late = moved("0 s"), moved("60 ms")
+    differs = [bool(np.abs(one - other).max() > 1e-12) for one, other in zip(at_once, late, strict=True)]
+    assert differs[-1]
+    np.testing.assert_array_equal(moved("60 ms"), late)
+
+
+def test_one_encoder_of_a_leg_is_off_and_the_seed_says_which(stage):
+    def off(seed, error):
+        run = stage.run("stand", duration=0.02, seed=seed, conditions={"encoder_error": error})
+        true = stage.run("stand", duration=0.02, seed=seed)
+        return run.states[0].joint_positions - true.states[0].joint_positions
+
+    robot, _ = load_robot(stage.workspace.find_robot("humanoid"))
+    joints = [int(np.flatnonzero(off(seed, "0.5 deg")).item()) for seed in range(6)]
+    assert len(set(joints)) > 2
+    assert all(robot.joint_names[joint].split("_")[1] in ("hip", "knee", "ankle") for joint in joints)
+    assert off(3, "-0.5 deg").sum() == pytest.approx(-np.radians(0.5))
+
+
+def test_the_floor_is_as_steep_as_it_is_to_be(stage):
+    steep = stage.run("stand", duration=0.02, conditions={"slope": "4 deg", "uphill": "90 deg"})
+    up = rotation_matrix(steep.states[0].base_quaternion)[:, 2]
+    level = rotation_matrix(stage.run("stand", duration=0.02).states[0].base_quaternion)[:, 2]
+    assert np.degrees(np.arccos(up @ level)) == pytest.approx(4, abs=0.1)
+    assert up[1] < -0.06  # away from where the floor rises
+
+
+def test_feet_step_on_plates(stage):
+    def highest(plates):
+        run = stage.run(WALK, parameters={"x": 1.2}, duration=5, conditions={"plates": plates})
+        return max(min(foot.z for foot in state.feet.values()) for state in run.states)
+
+    assert highest("0 mm") < 0.003
+    assert highest("10 mm") > 0.007
+
+
+def test_each_seed_has_its_own_plates_on_one_stage(stage):
+    def places(seed):
+        stage.run("stand", duration=0.02, seed=seed, conditions={"plates": "10 mm"})
+        return [stage.plant.data.geom(f"plate_{number}").xpos.copy() for number in range(20)]
+
+    first, other = places(0), places(1)
+    assert not np.array_equal(first, other)
+    np.testing.assert_array_equal(places(0), first)
 
 
 def test_drives_give_their_part_of_what_they_are_asked_for_and_of_their_largest(plant):
@@ -103,6 +169,8 @@ def test_percepts_are_noisier_by_a_factor_with_the_same_random_numbers(dry):
         ("ice", "the conditions must be a mapping, not text"),
         ({"payload": "3 m"}, "'payload' has the unit 'm'"),
         ({"drives": -1}, "'drives' must be >= 0"),
+        ({"slope": "4 mm"}, "'slope' has the unit 'mm'"),
+        ({"plates": "1 m"}, "'plates' must be .* <= 0.1"),
     ],
 )
 def test_wrong_conditions_say_what_is_valid(stage, conditions, message):
@@ -110,9 +178,28 @@ def test_wrong_conditions_say_what_is_valid(stage, conditions, message):
         stage.run("stand", conditions=conditions)
 
 
-def test_a_dry_run_has_no_body_that_could_feel_them(dry):
-    with pytest.raises(UserError, match="the condition 'friction' needs a body"):
-        dry.run("stand", conditions={"friction": 0.5})
+@pytest.mark.parametrize("condition", ["friction", "hand_payload", "drive_delay", "encoder_error", "slope", "plates"])
+def test_a_dry_run_has_no_body_that_could_feel_them(dry, condition):
+    with pytest.raises(UserError, match=f"the condition '{condition}' needs a body"):
+        dry.run("stand", conditions={condition: 0.05})
+
+
+def test_hands_carry_nothing_where_there_are_none(stage, tmp_path):
+    robot = tmp_path / "sim" / "armless"
+    shutil.copytree(stage.workspace.find_robot("humanoid").parent, robot)
+    written = (robot / "robot.yaml").read_text()
+    hands = written[written.index("hands:") : written.index("gaze:")]
+    (robot / "robot.yaml").write_text(written.replace(hands, "").replace("name: humanoid", "name: armless"))
+    with pytest.raises(UserError, match="'hand_payload' needs hands, and armless has none"):
+        Stage(tmp_path, robot="armless").run("stand", conditions={"hand_payload": 1})
+    scenario = tmp_path / "scenarios" / "laden.yaml"
+    scenario.parent.mkdir()
+    scenario.write_text(
+        "format: 1\ntree: stand\nrobot: armless\nconditions: {hand_payload: 1}\nexpect: {never: fell}\n"
+    )
+    (problem,) = check(scenario, workspace=tmp_path)
+    assert "needs hands, and armless has none" in problem.message
+    assert str(problem.place).endswith("laden.yaml:4:28")
 
 
 def test_one_stage_serves_all_conditions_with_one_model(stage):

@@ -71,7 +71,8 @@ def add_campaign(commands: Commands) -> None:
         default=[],
         metavar="NAME=VALUE",
         dest="conditions",
-        help="what is different from the files, in the same way: friction, drives, perception_noise (factors), payload",
+        help="what is different from the files, in the same way: friction, drives, perception_noise (factors), "
+        "payload, hand_payload, drive_delay, encoder_error, slope, uphill, plates",
     )
     vary.add_argument(
         "--push",

@@ -1,0 +1,108 @@
+"""What a robot's body is tried with: rows of a table, and the trial that a seed makes of one."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from humanoid_bt.bench.promises import BODY, HARD_PUSH, Promise
+from humanoid_bt.campaign.trial import CONDITION, PUSH, SET, Trial
+from humanoid_bt.plant.scene import random_stream
+
+_WALK, _STAND = str(Path(__file__).with_name("walk.yaml")), "stand"
+_SCENE = "empty"
+_WALKING_TIME, _STANDING_TIME = 60.0, 6.0  # s
+_PUSH_TIME = 0.1  # s
+_PUSHED_AT = (1.0, 2.4)  # s: half a meter straight ahead takes longer
+_DISTANCE = (0.5, 3.0)  # m
+_AROUND = (-math.pi, math.pi)  # rad
+_OFF = math.radians(0.5)
+
+
+@dataclass(frozen=True)
+class Row:
+    """Something that a body is to withstand.
+
+    Attributes:
+        name: the row's.
+        what: the same in words.
+        promise: of which share of the trials it withstands it [%].
+        walks: whether it walks to a random goal, which it is to reach; else it stands, and is to stay on its feet.
+        push: a push from a random side [N], 0 for none.
+        conditions: what is different from the robot's numbers.
+        drawn: conditions that the seed says, each with what draws it.
+        hands: whether it takes hands.
+    """
+
+    name: str
+    what: str
+    promise: Promise = BODY
+    walks: bool = True
+    push: float = 0.0
+    conditions: Mapping[str, float] = field(default_factory=dict)
+    drawn: Mapping[str, Callable[[np.random.Generator], float]] = field(default_factory=dict)
+    hands: bool = False
+
+    def trial(self, number: int, robot: str, seed: int) -> Trial:
+        """Return a trial of this row.
+
+        Every row draws the same goal, moment and direction of a seed.
+
+        Args:
+            number: its place among all trials.
+            robot: the ``robot.yaml``.
+            seed: of everything random.
+        """
+        numbers = random_stream(seed, "bench", "body")
+        ends = (_DISTANCE, _AROUND, _AROUND, _PUSHED_AT, _AROUND)
+        distance, bearing, heading, at, side = (float(numbers.uniform(*pair)) for pair in ends)
+        goal = {"x": distance * math.cos(bearing), "y": distance * math.sin(bearing), "heading": heading}
+        push = {"at": at, "force": self.push, "direction": side, "duration": _PUSH_TIME}
+        drawn = {name: float(draw(numbers)) for name, draw in self.drawn.items()}
+        given = {f"{CONDITION}.{name}": value for name, value in {**self.conditions, **drawn}.items()}
+        given |= {f"{SET}.{name}": value for name, value in goal.items()} if self.walks else {}
+        given |= {f"{PUSH}.1.{name}": value for name, value in push.items()} if self.push else {}
+        tree, duration = (_WALK, _WALKING_TIME) if self.walks else (_STAND, _STANDING_TIME)
+        return Trial(number, tree, robot, _SCENE, seed, given, duration)
+
+
+def _around(numbers: np.random.Generator) -> float:
+    return numbers.uniform(*_AROUND)
+
+
+def _off(numbers: np.random.Generator) -> float:
+    return float(numbers.choice((-_OFF, _OFF)))
+
+
+def _pushed(walks: bool, *forces: float) -> list[Row]:
+    how = "walking" if walks else "standing"
+    return [
+        Row(
+            f"push-{how}-{force:g}",
+            f"pushed with {force:g} N for {_PUSH_TIME:g} s, {how}",
+            HARD_PUSH if force >= 200 and not walks else BODY,
+            walks,
+            force,
+        )
+        for force in forces
+    ]
+
+
+ROWS = (
+    Row("goals", "walks to a random goal"),
+    *_pushed(True, 60, 100, 150, 200),
+    *_pushed(False, 60, 100, 130, 150, 200),
+    *(Row(f"friction-{value:g}", f"friction {value:g}", conditions={"friction": value}) for value in (0.6, 0.4, 0.3)),
+    *(Row(f"torso-{mass:g}kg", f"{mass:g} kg on the torso", conditions={"payload": mass}) for mass in (2.0, 5.0)),
+    Row("hands-2kg", "2 kg in each hand", conditions={"hand_payload": 2.0}, hands=True),
+    Row("weak-drives", "drives give 0.7 of what they are asked for", conditions={"drives": 0.7}),
+    Row("late-drives", "drives hear of commands 3 ms later", conditions={"drive_delay": 0.003}),
+    Row("plates", "plates of 10 mm on the floor", conditions={"plates": 0.01}),
+    Row("slope", "a slope of 4 deg", conditions={"slope": math.radians(4)}, drawn={"uphill": _around}),
+    Row("encoder", "the encoder of a leg's joint 0.5 deg off", drawn={"encoder_error": _off}),
+)
+"""All of them, in the order in which they are tried."""

@@ -1,0 +1,99 @@
+"""A trial of a body: run on a stage, and judged by where the robot is, not by where it takes itself to be."""
+
+from __future__ import annotations
+
+import math
+import time
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from humanoid_bt.campaign.result import SUCCESS, Result
+from humanoid_bt.campaign.stage_trials import pushes, result_of
+from humanoid_bt.campaign.trial import CONDITION, SET, Task, Trial
+from humanoid_bt.campaign.work import Answer, Run
+from humanoid_bt.control.body.standing import load_robot
+from humanoid_bt.core.geometry import rotation_matrix
+from humanoid_bt.core.messages import SIDES, Array
+from humanoid_bt.files.workspace import Workspace, builtin_root
+from humanoid_bt.plant.mujoco_plant import MujocoPlant
+from humanoid_bt.robot.model import sole_site
+from humanoid_bt.testing.stage import Stage
+
+NEAR, TURNED = 0.10, 0.20
+"""A goal is reached when the middle between the feet is this near [m], and turned this little from it [rad]."""
+
+_FELL, _ASTRAY = "fell", "failure"
+
+
+def make() -> Run:
+    """Return what runs trials in this process."""
+    stages: dict[str, Stage] = {}
+
+    def run(task: Task) -> Answer:
+        trial, began = task.trial, time.monotonic()
+        if trial.robot not in stages:
+            stages.clear()
+            stages[trial.robot] = Stage(Workspace(builtin_root()), trial.robot, trial.scene)
+        stage = stages[trial.robot]
+        found = stage.run(
+            trial.tree,
+            seed=trial.seed,
+            parameters=trial.part(SET),
+            duration=trial.duration,
+            script=pushes(trial),
+            conditions=trial.part(CONDITION),
+            record=task.recording or None,
+        )
+        assert stage.plant is not None
+        return judged(result_of(found), trial, stage.plant), None, time.monotonic() - began
+
+    return run
+
+
+@dataclass(frozen=True)
+class _Body:
+    """Where a simulated robot really is.
+
+    Attributes:
+        stance: middle between the feet and where they face, shape (3,): x, y [m], yaw [rad], world frame.
+        tilt: of the base [rad].
+        height: of the base above the feet [m].
+    """
+
+    stance: Array
+    tilt: float
+    height: float
+
+    @classmethod
+    def of(cls, plant: MujocoPlant) -> _Body:
+        soles = [plant.data.site(sole_site(side)) for side in SIDES]
+        middle = np.mean([sole.xpos for sole in soles], axis=0)
+        ahead = np.sum([sole.xmat.reshape(3, 3)[:, 0] for sole in soles], axis=0)
+        stance = np.array([*middle[:2], math.atan2(ahead[1], ahead[0])])
+        up = rotation_matrix(plant.data.qpos[3:7])[2, 2]
+        return cls(stance, math.acos(min(1.0, float(up))), float(plant.data.qpos[2] - middle[2]))
+
+
+def judged(result: Result, trial: Trial, plant: MujocoPlant) -> Result:
+    """Return what came of a trial: ``success`` if the robot is where it was to be, on its feet.
+
+    Args:
+        result: what its run said.
+        trial: it.
+        plant: as the run has left it.
+    """
+    body, goal, fall = _Body.of(plant), trial.part(SET), plant.robot.config.fall
+    _, start = load_robot(Path(trial.robot))
+    if result.fell or body.tilt > fall.tilt or body.height < fall.height * start[2]:
+        return replace(result, outcome=_FELL, fell=True)
+    if not goal:
+        return replace(result, outcome=SUCCESS if result.outcome == "unfinished" else result.outcome)
+    off = math.hypot(goal["x"] - body.stance[0], goal["y"] - body.stance[1])
+    turned = abs(math.remainder(goal["heading"] - body.stance[2], math.tau))
+    result = replace(result, values={"off": off, "turned": turned}, units={"off": "m", "turned": "rad"})
+    if result.succeeded and (off > NEAR or turned > TURNED):
+        where = f"it is {off * 100:.0f} cm and {math.degrees(turned):.0f} deg from there"
+        return replace(result, outcome=_ASTRAY, reason=f"{result.reason}, it says: {where}")
+    return result

@@ -1,0 +1,149 @@
+"""``humanoid-bt bench --body``: what a robot's body withstands, row by row, beside what is promised."""
+
+from __future__ import annotations
+
+import argparse
+import shlex
+import sys
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import closing
+from pathlib import Path
+
+from rich.text import Text
+
+from humanoid_bt.bench.body import Withstood, chosen, measure_body
+from humanoid_bt.bench.body_rows import Row
+from humanoid_bt.campaign.statistics import Interval
+from humanoid_bt.cli.campaign_progress import duration
+from humanoid_bt.cli.console import SafeConsole
+from humanoid_bt.cli.figures import judged, write_figures
+from humanoid_bt.cli.output import hanging, print_lines
+from humanoid_bt.control.body.standing import load_robot
+from humanoid_bt.core.errors import relative
+from humanoid_bt.files.workspace import Workspace
+from humanoid_bt.record.folder import make_room
+from humanoid_bt.record.folder_limits import load_limits
+from humanoid_bt.session.loader import DEFAULT_ROBOT
+from humanoid_bt.session.options import RUNS, default_recording, make_folder
+from humanoid_bt.session.report import ExitCode
+
+_TRIALS = 20
+_SEEDS = 5  # that failed, at most, which are named
+_HEADER = f"{'':<17}  {'goal':>5}  {'feet':>5}  {'95 %':>8}  promised"
+
+
+def bench_body(arguments: argparse.Namespace) -> int:
+    """Try a robot, print each row as it is done, then what failed and how it is seen again; return the exit code."""
+    file = Workspace(arguments.workspace).find_robot(arguments.robot or DEFAULT_ROBOT).absolute()
+    config = load_robot(file)[0].config
+    asked = chosen(arguments.only or [])
+    rows = [row for row in asked if config.hands or not row.hands]
+    first, number = arguments.seed or 0, arguments.trials or _TRIALS
+    console = SafeConsole()
+    seeds = range(first, first + number)
+    trials = f"{number} trials each, seeds {first} to {seeds[-1]}" if number > 1 else f"a trial each, seed {first}"
+    console.print(f"what {config.name} withstands, in {trials}")
+    _say(console, Text(_HEADER, "dim"))
+    found, whole = _tried(console, arguments, file, rows, seeds)
+    for row in asked:
+        if row not in rows:
+            console.print(f"{row.name:<17}  {config.name} has no hands", style="dim")
+    for one in found:
+        if one.failed:
+            print_lines(["", *_failures(one, arguments)])
+    if arguments.record:
+        print_lines(["", *_recorded(found)])
+    if arguments.json:
+        figures = {"robot": config.name, "trials": number, "first_seed": first, "whole": whole}
+        write_figures(arguments.json, {**figures, "rows": [one.to_dict() for one in found]})
+    if not whole:
+        done = sum(len(one.trials) for one in found)
+        print(f"interrupted after {done} of {len(rows) * number} trials", file=sys.stderr)
+        return ExitCode.INTERRUPTED
+    return ExitCode.SUCCESS if all(one.verdict == "ok" for one in found) else ExitCode.FAILURE
+
+
+def _tried(
+    console: SafeConsole, arguments: argparse.Namespace, robot: Path, rows: Sequence[Row], seeds: Sequence[int]
+) -> tuple[list[Withstood], bool]:
+    """Try rows and print each as it is done; return what is known of those that are begun, and whether that is all."""
+    known: dict[str, Withstood] = {}
+    left = [row.name for row in rows]
+    began, total = time.monotonic(), len(rows) * len(seeds)
+
+    def progress(found: Withstood) -> None:
+        known[found.row.name] = found
+        done = sum(len(one.trials) for one in known.values())
+        to_go = duration((time.monotonic() - began) / done * (total - done))
+        status.update(f"{found.row.name}: {len(found.trials)}/{len(seeds)}; {done}/{total}, {to_go} left")
+
+    recordings = _recordings() if arguments.record else None
+    workers = arguments.workers or 1
+    with console.status("loading the robot") as status:
+        try:
+            with closing(
+                measure_body(robot, rows, seeds, workers=workers, progress=progress, recordings=recordings)
+            ) as measured:
+                for found in measured:
+                    left.remove(found.row.name)
+                    _say(console, _line(found))
+        except KeyboardInterrupt:
+            pass
+    for name in left:
+        if name in known:
+            _say(console, _line(known[name]))
+    return [known[row.name] for row in rows if row.name in known], not left
+
+
+def _say(console: SafeConsole, line: Text) -> None:
+    """Print a line that is seen at once, also by who reads a file or a pipe."""
+    console.print(line)
+    console.file.flush()
+
+
+def _line(found: Withstood) -> Text:
+    good, feet = found.good, found.on_feet
+    reached = f"{good.count}/{good.of}" if found.row.walks else ""
+    line = Text(f"{found.row.name:<17}  {reached:>5}  {f'{feet.count}/{feet.of}':>5}  ")
+    line.append(f"{_between(good.interval):>8}  {f'{found.row.promise.bound:g} %':>8}  ")
+    return line.append(judged(found.verdict))
+
+
+def _between(interval: Interval) -> str:
+    return f"{100 * interval.low:.0f}-{100 * interval.high:.0f} %"
+
+
+def _failures(found: Withstood, arguments: argparse.Namespace) -> Iterator[str]:
+    """Yield which trials of a row failed, why the worst did, and the command that records it."""
+    yield from hanging("", f"{found.row.name}: {found.row.what}")
+    for text, fell in (("fell", True), ("not there", False)):
+        seeds = [str(done.task.trial.seed) for done in found.failed if done.result.fell is fell]
+        more = f" and {len(seeds) - _SEEDS} more" if len(seeds) > _SEEDS else ""
+        if seeds:
+            yield from hanging("  ", f"{text}: seeds {', '.join(seeds[:_SEEDS])}{more}")
+    worst = found.failed[0]
+    seed, result = worst.task.trial.seed, worst.result
+    yield from hanging("  ", f"seed {seed}, {result.time:.1f} s: {result.reason}")
+    if worst.task.recording:
+        yield from hanging("  ", f"humanoid-bt explain {shlex.quote(relative(Path(worst.task.recording)))}")
+        return
+    words = ["humanoid-bt", "bench", "--body", "--only", found.row.name, "--seed", str(seed), "--trials", "1"]
+    words += ["--record", *(["--robot", arguments.robot] if arguments.robot else [])]
+    words += ["--workspace", str(arguments.workspace)] if arguments.workspace else []
+    yield from hanging("  ", shlex.join(words))
+
+
+def _recorded(found: Sequence[Withstood]) -> Iterator[str]:
+    """Yield how recordings are opened."""
+    files = [done.task.recording for one in found for done in one.trials]
+    yield from (f"open it: rerun {shlex.quote(relative(Path(file)))}" for file in files[:_SEEDS])
+    if len(files) > _SEEDS:
+        yield f"and {len(files) - _SEEDS} more in {RUNS}"
+
+
+def _recordings() -> Callable[[Row, int], Path]:
+    """Return what says where trials are recorded, with room made for them; raises UserError."""
+    make_folder()
+    make_room(RUNS, load_limits(RUNS))
+    return lambda row, seed: default_recording(f"{row.name}-seed{seed}").absolute()
