@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from humanoid_bt.core.errors import ControlLost
 from humanoid_bt.core.messages import Command, Measurement
 from humanoid_bt.review.explain import explain
 from humanoid_bt.session.session import Session
@@ -83,6 +84,17 @@ def deluded(session: Session) -> None:
         check(cycle, replace(measurement, qvel=np.full_like(measurement.qvel, np.nan)), fault)
 
     supervisor.check = deluded_check
+
+
+def lost(session: Session) -> None:
+    """Let control be gone 5 ms after the last tick."""
+
+    def advance() -> None:
+        for _ in range(5):
+            session.engine.clock.advance()  # type: ignore[attr-defined]
+        raise ControlLost("the control process has ended (signal SIGKILL)")
+
+    session.engine.advance = advance  # type: ignore[method-assign]
 
 
 CASES: dict[str, tuple[str, str, dict[str, Any], str]] = {
@@ -225,6 +237,24 @@ CASES: dict[str, tuple[str, str, dict[str, Any], str]] = {
         {"duration": 0.1},
         r"the run was ended at 0\.100 s, its 0\.1 s were up while 'pause' .*",
     ),
+    "time is up long after a branch was halted": (
+        "gives_way",
+        "unfinished",
+        {"duration": 0.6},
+        r"the run was ended at 0\.600 s, its 0\.6 s were up while 'wait' ran .*",
+    ),
+    "time is up in the tick that halts a branch": (
+        "gives_way",
+        "unfinished",
+        {"duration": 0.4},
+        r"the run was ended at 0\.400 s, its 0\.4 s were up while 'wait' ran",
+    ),
+    "control lost right after the first tick": (
+        "walk",
+        "control",
+        {"do": lost},
+        r"control was lost at 0\.00\d s: the control process has ended \(signal SIGKILL\)",
+    ),
     "interrupted": (
         "walk",
         "interrupted",
@@ -248,6 +278,9 @@ TELLING = (
     "two owners",
     "percept lost",
     "flapping",
+    "time is up long after a branch was halted",
+    "time is up in the tick that halts a branch",
+    "control lost right after the first tick",
     "interrupted in its first tick",
     "success",
 )
@@ -262,6 +295,7 @@ def test_the_first_line_says_what_stopped_the_robot(play: Play, name: str) -> No
     found = explain(play(tree, **how))
     assert re.fullmatch(headline, found.headline), found.headline
     assert found.kind == kind
+    assert found.node or kind in ("success", "state", "silent")
     assert (("", "and 2 more") in found.after) == (len(found.data["stops"]) == 7)  # of which five are listed
     for width in (60, 80):
         lines = found.text(width).splitlines()
