@@ -33,6 +33,10 @@ def pushed(session: Session) -> None:
     session.push((0.0, -400.0, 0.0), 0.2)
 
 
+def leant_on(session: Session) -> None:
+    session.push((0.0, -110.0, 0.0), 1.0)
+
+
 def blinded(session: Session) -> None:
     session.engine.perception = ScriptedPerception()  # type: ignore[attr-defined]
 
@@ -121,13 +125,21 @@ CASES: dict[str, tuple[str, str, dict[str, Any], str]] = {
         "walk",
         "push",
         {"at": 1.0, "do": pushed, "duration": 4.0},
-        r"the robot fell at 1\.4\d\d s: something pushed it to the right at 1\.00 s while 'walk' commanded the base",
+        r"the robot fell at 1\.4\d\d s: it was pushed to the right with 400 N at 1\.000 s "
+        r"while 'walk' commanded the base",
+    ),
+    "push that is no jolt, and fall": (
+        "walk",
+        "push",
+        {"at": 1.0, "do": leant_on, "duration": 4.0},
+        r"the robot fell at \d\.\d\d\d s: it was pushed to the right with 110 N at 1\.000 s "
+        r"while 'walk' commanded the base",
     ),
     "fall in an emergency stop": (
         "walk",
         "push",
         {"at": 0.3, "do": pressed_then_pushed, "duration": 4.0, "on_estop": "wait"},
-        r"the robot fell at \d\.\d+ s: something pushed it to the left at 0\.9\d s, "
+        r"the robot fell at \d\.\d+ s: it was pushed to the left with 600 N at 0\.9\d0 s, "
         r"in the emergency stop since 0\.300 s",
     ),
     "no finite state": (
@@ -295,7 +307,7 @@ def test_the_first_line_says_what_stopped_the_robot(play: Play, name: str) -> No
     found = explain(play(tree, **how))
     assert re.fullmatch(headline, found.headline), found.headline
     assert found.kind == kind
-    assert found.node or kind in ("success", "state", "silent")
+    assert found.node or kind != "control"
     assert (("", "and 2 more") in found.after) == (len(found.data["stops"]) == 7)  # of which five are listed
     for width in (60, 80):
         lines = found.text(width).splitlines()

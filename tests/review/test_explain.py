@@ -55,7 +55,10 @@ def test_the_direction_of_a_push_is_as_the_robot_sees_it(
     play: Play, force: tuple[float, float, float], direction: str
 ) -> None:
     found = hbt.explain(play("stand", duration=3.0, at=0.5, do=lambda session: session.push(force, 0.2)))
-    assert f"something pushed it {direction} at 0." in found.headline
+    assert f"it was pushed {direction} with 400 N at 0.500 s" in found.headline
+    push = Motion(read_flight(found.recording), 0.0, found.time or 0.0).push()
+    assert push is not None
+    assert push.direction == direction
 
 
 def test_a_moment_tells_node_command_percepts_and_joints(seen: Path) -> None:
