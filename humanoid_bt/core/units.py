@@ -5,14 +5,17 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Mapping
+from decimal import Decimal
 from typing import Any
+
+_DEGREE = math.pi / 180  # rad
 
 _UNITS: dict[str, dict[str, float]] = {  # declared unit -> what may be written, and its factor
     "m": {"m": 1.0, "cm": 0.01, "mm": 0.001},
     "s": {"s": 1.0, "ms": 0.001, "min": 60.0},
-    "rad": {"rad": 1.0, "deg": math.pi / 180},
+    "rad": {"rad": 1.0, "deg": _DEGREE},
     "m/s": {"m/s": 1.0, "cm/s": 0.01},
-    "rad/s": {"rad/s": 1.0, "deg/s": math.pi / 180},
+    "rad/s": {"rad/s": 1.0, "deg/s": _DEGREE},
     "kg": {"kg": 1.0, "g": 0.001},
     "N": {"N": 1.0},
     "Nm": {"Nm": 1.0},
@@ -52,8 +55,15 @@ def quantity(text: str) -> tuple[float, str] | None:
     written = written_quantity(text)
     for unit, known in _UNITS.items():
         if written and written[1] in known:
-            return written[0] * known[written[1]], unit
+            return in_si(written[0], known[written[1]]), unit
     return None
+
+
+def in_si(number: float, factor: float) -> float:
+    """Return a written number in the SI unit: 35 cm as 0.35, where floats multiply to 0.35000000000000003."""
+    if factor in (1.0, _DEGREE):
+        return number * factor
+    return float(Decimal(repr(number)) * Decimal(repr(factor)))
 
 
 def shown_quantity(value: Any, unit: str = "") -> str:
