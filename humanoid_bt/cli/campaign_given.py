@@ -25,6 +25,11 @@ def workspace_given(arguments: argparse.Namespace) -> Workspace:
     return Workspace.of_argument(arguments.what[0], arguments.workspace)
 
 
+def is_named(what: str, workspace: Workspace) -> bool:
+    """Return whether a campaign or a tree has a name."""
+    return what in workspace.campaigns() or what in workspace.trees()
+
+
 def campaign_given(arguments: argparse.Namespace, workspace: Workspace) -> tuple[CampaignFile, list[Any]]:
     """Return the campaign that is asked for, and its script as it is written.
 
