@@ -63,6 +63,8 @@ def _run(arguments: argparse.Namespace) -> int:
     folder = _folder(arguments, found.plan)
     console = SafeConsole(stderr=arguments.json)
     with Store(folder, found.plan, arguments.resume) as store:
+        if arguments.resume and not store.results:
+            print(f"no trial of it is done in {relative(folder)}: it begins anew", file=sys.stderr)
         if not arguments.quiet:
             console.print(f"{found.plan.name}: {found.plan.title}: {len(found.plan)} trials", soft_wrap=True)
         began, interrupted = time.monotonic(), False

@@ -62,6 +62,13 @@ def test_it_goes_on_only_where_that_is_asked(done: Path, capsys: pytest.CaptureF
     assert (done / RESULTS).read_bytes() == table
 
 
+def test_what_was_killed_before_it_made_its_folder_begins_anew(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main([*DRY, "--seeds", "0", "--out", str(tmp_path / "out"), "--resume"]) == 0
+    assert "it begins anew" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize(
     ("line", "message"),
     [
@@ -73,6 +80,9 @@ def test_it_goes_on_only_where_that_is_asked(done: Path, capsys: pytest.CaptureF
         ("fetch --push force=10", "'at' of"),
         ("fetch --push at=1s", "the key 'force' of a push is missing"),
         ("fetch --push at=1s,force", "is not NAME=VALUE"),
+        ("fetch --dry --condition friction=0.5", "the condition 'friction' needs a body, and a dry run simulates none"),
+        ("fetch --dry --condition drives=0.5..1", "run it without dry, or leave it out"),
+        ("fetch --dry --push at=1s,force=9", "a push needs a body"),
         ("fetch --seeds 3-x", "are no seeds"),
         ("fetch --require 'sucess > 3'", "unknown name 'sucess'"),
         ("fetch --scene nowhere", "no scene named 'nowhere'"),
