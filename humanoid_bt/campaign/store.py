@@ -14,6 +14,7 @@ from humanoid_bt.campaign.journal import Entry, Journal, Unwritable, read_journa
 from humanoid_bt.campaign.plan import Plan
 from humanoid_bt.campaign.result import Cost, Explained, Result
 from humanoid_bt.campaign.table import Table, costs_csv
+from humanoid_bt.campaign.trial import Trial
 from humanoid_bt.campaign.workers import Done
 from humanoid_bt.core.errors import UserError, relative
 from humanoid_bt.files.whole import write_whole
@@ -132,6 +133,11 @@ class Store:
         except OSError as error:
             why = "Not a directory" if isinstance(error, FileExistsError) else error.strerror
             raise Unwritable(f"{relative(self.folder)!r} cannot be written: {why}") from error
+
+
+def recorded_as(trial: Trial) -> str:
+    """Return the name of the file to which a trial is recorded."""
+    return f"{trial.number:06}-{trial.id}.rrd"
 
 
 def read_results(folder: Path) -> Table:

@@ -9,14 +9,16 @@ from functools import cached_property
 from typing import Any
 
 from humanoid_bt.campaign.causes import Cause, causes
-from humanoid_bt.campaign.result import Explained
+from humanoid_bt.campaign.result import CRASHED, HUNG, Explained
 from humanoid_bt.campaign.statistics import QUANTILES, Interval, Rate, Spread
 from humanoid_bt.campaign.table import Row, Table
 from humanoid_bt.core.plain import plain
-from humanoid_bt.core.units import readable
+from humanoid_bt.core.units import readable, readable_pair
 
 TIME = "time"
 """The quantity that every run has."""
+
+_NO_RESULT = ("error", HUNG, CRASHED)
 
 _BINS = 4  # into which the values of what was drawn are sorted, as many trials in each
 
@@ -69,6 +71,11 @@ class Summary:
         return dict(Counter(row.result.outcome for row in self.table.rows).most_common())
 
     @property
+    def without_result(self) -> int:
+        """How many say nothing of the robot: a skill raised an exception, the process died, or the trial hung."""
+        return sum(self.outcomes.get(outcome, 0) for outcome in _NO_RESULT)
+
+    @property
     def fell(self) -> int:
         """In how many the robot fell."""
         return sum(row.result.fell for row in self.table.rows)
@@ -106,7 +113,8 @@ class Summary:
         for number in range(_BINS):
             part = cells[number * len(cells) // _BINS : (number + 1) * len(cells) // _BINS]
             if part:
-                text = f"{readable(part[0][0], unit)} to {readable(part[-1][0], unit)}"
+                low, high = readable_pair(part[0][0], part[-1][0], unit)
+                text = low if low == high else f"{low} to {high}"
                 yield _level(text, [row for _, row in part])
 
     def to_dict(self) -> dict[str, Any]:

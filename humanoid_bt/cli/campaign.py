@@ -23,7 +23,7 @@ from humanoid_bt.campaign.stage_trials import Setup, make
 from humanoid_bt.campaign.statistics import Rate
 from humanoid_bt.campaign.store import Store
 from humanoid_bt.campaign.summary import Summary
-from humanoid_bt.campaign.words import figures, headline, told
+from humanoid_bt.campaign.words import counts, figures, headline, told
 from humanoid_bt.campaign.workers import Workers
 from humanoid_bt.cli.campaign_given import campaign_given, is_named, workspace_given
 from humanoid_bt.cli.campaign_progress import CampaignProgress, duration
@@ -127,6 +127,9 @@ def _told(console: SafeConsole, arguments: argparse.Namespace, found: Planned, s
     for one in verdicts:
         if not one.met:
             print(f"not met: {one.text}: {one.why}", file=sys.stderr)
+    if said.done and said.without_result == said.done:
+        print(f"no trial came to a result: {', '.join(counts(said))}", file=sys.stderr)
+        return ExitCode.ERROR
     return ExitCode.SUCCESS if all(one.met for one in verdicts) else _NOT_MET
 
 

@@ -16,6 +16,18 @@ pytestmark = pytest.mark.slow
 DRY = ["campaign", "fetch", "--dry", "--scene", "random_target", "--seeds", "0-4", "--quiet"]
 
 
+BAD = """
+format: 1
+name: bad
+tree: fetch
+scene: random_target
+seeds: 0-1
+dry: true
+recordings: 0
+script: [{at: 0.1 s, raise: {node: reactive_selector}}]
+"""
+
+
 @pytest.fixture(scope="module")
 def done(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A campaign whose trials end too early, but for one."""
@@ -48,6 +60,25 @@ def test_campaigns_are_compared(done: Path, tmp_path: Path, capsys: pytest.Captu
     assert "nothing differs beyond chance" in told
     assert main(["campaign", "compare", str(done), str(tmp_path)]) == 2
     assert "there is no campaign in" in capsys.readouterr().err
+
+
+def test_parameters_of_a_trial_come_with_what_was_staged(done: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["campaign", "rerun", str(done), "1"]) in (0, 5)
+    (recording,) = (done / "recordings").iterdir()
+    capsys.readouterr()
+    assert main(["params", str(recording)]) == 0
+    head = capsys.readouterr().out.splitlines()
+    assert head[2] == "# staged: dry: without physics, the robot is at once where it is told to be"
+    assert head[3] == f"# again: humanoid-bt campaign rerun {done} 1"
+
+
+def test_a_campaign_without_any_result_is_no_success(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "bad.yaml").write_text(BAD)
+    assert main(["campaign", "bad.yaml", "--quiet"]) == 4
+    assert capsys.readouterr().err == "no trial came to a result: 2 error\n"
 
 
 def test_it_goes_on_only_where_that_is_asked(done: Path, capsys: pytest.CaptureFixture[str]) -> None:

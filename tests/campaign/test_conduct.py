@@ -134,6 +134,7 @@ def test_success_is_told_for_each_value_of_what_varies(campaign: Conduct) -> Non
         ("0.4 m", 40),
     ]
     assert [level.success.of for level in said.levels["condition.friction"]] == [20, 20, 20, 20]
+    assert [said.table.plan.trials[number].seed for number in said.explained] == [3, 13]  # and not one seed twice
 
 
 def test_another_campaign_does_not_go_on_in_its_folder(campaign: Conduct, tmp_path: Path) -> None:
