@@ -13,7 +13,7 @@ from humanoid_bt.campaign.result import CRASHED, HUNG, Explained
 from humanoid_bt.campaign.statistics import QUANTILES, Interval, Rate, Spread
 from humanoid_bt.campaign.table import Row, Table
 from humanoid_bt.core.plain import plain
-from humanoid_bt.core.units import readable, readable_pair
+from humanoid_bt.core.units import readable, readable_ranges
 
 TIME = "time"
 """The quantity that every run has."""
@@ -110,12 +110,11 @@ class Summary:
                 yield _level(text, [row for value, row in cells if readable(value, unit) == text])
             return
         cells.sort(key=lambda cell: cell[0])
-        for number in range(_BINS):
-            part = cells[number * len(cells) // _BINS : (number + 1) * len(cells) // _BINS]
-            if part:
-                low, high = readable_pair(part[0][0], part[-1][0], unit)
-                text = low if low == high else f"{low} to {high}"
-                yield _level(text, [row for _, row in part])
+        bins = [cells[number * len(cells) // _BINS : (number + 1) * len(cells) // _BINS] for number in range(_BINS)]
+        parts = [part for part in bins if part]
+        texts = readable_ranges([(part[0][0], part[-1][0]) for part in parts], unit)
+        for text, part in zip(texts, parts, strict=True):
+            yield _level(text, [row for _, row in part])
 
     def to_dict(self) -> dict[str, Any]:
         """Return it as plain data for JSON."""

@@ -31,7 +31,7 @@ def figures(summary: Summary) -> Iterator[Line]:
     for name, (unit, spread) in summary.spreads.items():
         if spread.values:
             low, middle, high = (readable(spread.quantile(share), unit) for share in (0.05, 0.5, 0.95))
-            rest = f"90 % from {low} to {high}" if spread.values[0] < 0 else f"95 % within {high}"
+            rest = f"90 % from {low} to {high}" if low.startswith("-") else f"95 % within {high}"
             yield name.replace("_", " "), f"median {middle}, {rest}"
     yield "failures", ", ".join(counts(summary)) or "none"
     if summary.fell:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from decimal import Decimal
 from typing import Any
 
@@ -128,6 +128,15 @@ def readable_pair(one: object, other: object, unit: str = "") -> tuple[str, str]
         if texts[0] != texts[1] or one == other:
             break
     return texts
+
+
+def readable_ranges(ranges: Sequence[tuple[Any, Any]], unit: str = "") -> list[str]:
+    """Return ranges as people read them, all with as many digits as it takes to tell the ends of each apart."""
+    for more in range(_FINEST):
+        ends = [(readable(low, unit, more), readable(high, unit, more)) for low, high in ranges]
+        if all((texts[0] == texts[1]) == (low == high) for texts, (low, high) in zip(ends, ranges, strict=True)):
+            break
+    return [low if low == high else f"{low} to {high}" for low, high in ends]
 
 
 def _digits(value: float, decimals: int, more: int) -> str:
