@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -9,7 +10,7 @@ from typing import Protocol
 
 from humanoid_bt.campaign.causes import Cause, causes
 from humanoid_bt.campaign.result import Explained
-from humanoid_bt.campaign.store import RECORDINGS, Store
+from humanoid_bt.campaign.store import RECORDINGS, Store, recorded_as
 from humanoid_bt.campaign.summary import Summary
 from humanoid_bt.campaign.table import Row, Table
 from humanoid_bt.campaign.trial import Task
@@ -93,7 +94,15 @@ def trial_of(table: Table, text: str) -> Row:
 
 
 def _chosen(cause: Cause, recordings: int) -> tuple[Row, ...]:
-    return cause.rows[:recordings] if cause.can_be_recorded else ()
+    """Return which trials of a cause are recorded: each of another seed, as long as there are others."""
+    if not cause.can_be_recorded:
+        return ()
+    often: Counter[int] = Counter()
+    turns = []
+    for row in cause.rows:
+        turns.append((often[row.trial.seed], row.trial.number, row))
+        often[row.trial.seed] += 1
+    return tuple(row for _, _, row in sorted(turns, key=lambda turn: turn[:2])[:recordings])
 
 
 def recording_of(folder: Path, row: Row) -> str:
@@ -102,7 +111,7 @@ def recording_of(folder: Path, row: Row) -> str:
     Raises:
         UserError: what is there cannot be removed.
     """
-    file = folder / RECORDINGS / f"{row.trial.number:06}-{row.trial.id}.rrd"
+    file = folder / RECORDINGS / recorded_as(row.trial)
     try:
         file.unlink(missing_ok=True)
     except OSError as error:

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, NoReturn, TypeVar
 
 from humanoid_bt.campaign.file import CampaignFile, PushVariation, load_campaign
 from humanoid_bt.campaign.plan import Plan, Setting, digest
@@ -144,8 +144,10 @@ def _factors(campaign: CampaignFile, trees: Sequence[Path]) -> Iterator[Callable
     for name, variation in campaign.parameters.items():
         yield partial(_parameter, name, variation, trees)
     for name, variation in campaign.conditions.items():
-        yield partial(variation.factor, f"{CONDITION}.{name}", params_of(Conditions)[name])
+        yield partial(_condition, name, variation, campaign.dry)
     for number, push in enumerate(campaign.pushes, start=1):
+        if campaign.dry:
+            yield partial(_refuse_dry, "a push", push.at)
         for name, spec in params_of(PushVariation).items():
             yield partial(_number, getattr(push, name), f"{PUSH}.{number}.{name}", spec)
 
@@ -160,6 +162,20 @@ def _parameter(name: str, variation: Variation, trees: Sequence[Path]) -> Factor
         if declared[name].spec.type is NodeItem:
             raise UserError(f"the parameter {name!r} is a node, which only another tree can give", place)
     return variation.factor(f"{SET}.{name}", read_file(trees[0], []).parameters[name].spec)
+
+
+def _condition(name: str, variation: Variation, dry: bool) -> Factor:
+    spec = params_of(Conditions)[name]
+    factor = variation.factor(f"{CONDITION}.{name}", spec)
+    if dry and name in Conditions().of_body and (factor.ends or set(factor.values) != {spec.default}):
+        _refuse_dry(f"the condition {name!r}", variation)
+    return factor
+
+
+def _refuse_dry(what: str, variation: Variation) -> NoReturn:
+    place = (variation.ends or variation.values)[0].place
+    hint = "run it without dry, or leave it out"
+    raise UserError(f"{what} needs a body, and a dry run simulates none", place, hint, "out-of-range")
 
 
 def _number(variation: Variation, column: str, spec: Param) -> Factor:

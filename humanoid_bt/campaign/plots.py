@@ -22,7 +22,7 @@ svg { max-width: 100%; height: auto; display: block }
 svg text { font: 11px system-ui, sans-serif; fill: var(--muted) }
 .bar { fill: var(--good) } .axis { stroke: var(--line) } .mark { stroke: var(--ink); stroke-dasharray: 3 3 }
 .range { stroke: var(--good); stroke-width: 2 } .dot { fill: var(--good) } svg .name { fill: var(--ink) }
-.lost { fill: var(--bad) } .gained { fill: var(--good) }
+.lost { fill: var(--bad) } .range.lost { stroke: var(--bad) } .gained { fill: var(--good) }
 """
 """Rules for what is drawn here, of the page's colours ink, muted, line, good, bad."""
 
@@ -73,10 +73,11 @@ def rates(levels: Sequence[Level], title: str) -> str:
         rate = level.success
         parts.append(f'<text class="name" x="{_NAMES - 8}" y="{y + 4:.1f}" text-anchor="end">{escape(name)}</text>')
         low, high = (_NAMES + width * end for end in rate.interval)
-        parts.append(f'<path class="range" d="M{low:.1f} {y:.1f}H{high:.1f}"/>')
+        lost = "" if rate.count else " lost"
+        parts.append(f'<path class="range{lost}" d="M{low:.1f} {y:.1f}H{high:.1f}"/>')
         told = f"{percent(rate.share)} ({between(rate.interval)}), {rate.count} of {rate.of}"
         x = _NAMES + width * rate.share
-        parts.append(f'<circle class="dot" cx="{x:.1f}" cy="{y:.1f}" r="4.5"><title>{told}</title></circle>')
+        parts.append(f'<circle class="dot{lost}" cx="{x:.1f}" cy="{y:.1f}" r="4.5"><title>{told}</title></circle>')
     return _svg(_WIDTH, height, title, parts)
 
 

@@ -6,12 +6,27 @@ import shlex
 from pathlib import Path
 
 from humanoid_bt.campaign.plan import Plan
+from humanoid_bt.campaign.store import RECORDINGS, read_results, recorded_as
 from humanoid_bt.campaign.trial import CONDITION, SET, Trial
-from humanoid_bt.core.errors import relative
+from humanoid_bt.core.errors import UserError, relative
 from humanoid_bt.core.params import params_of
 from humanoid_bt.testing.conditions import Conditions
 
 _AS_IT_IS = {f"{CONDITION}.{name}": spec.default for name, spec in params_of(Conditions).items()}
+
+
+def command_of(recording: Path) -> str:
+    """Return the command that runs the trial of a recording again, "" if no campaign made it."""
+    path = recording.absolute()
+    folder = path.parent.parent
+    if path.parent.name != RECORDINGS:
+        return ""
+    try:
+        plan = read_results(folder).plan
+    except UserError:
+        return ""
+    trial = next((trial for trial in plan.trials if path.name == recorded_as(trial)), None)
+    return command(trial, plan, folder) if trial else ""
 
 
 def command(trial: Trial, plan: Plan, folder: Path) -> str:

@@ -13,6 +13,7 @@ from humanoid_bt.core.units import readable
 from humanoid_bt.decision.robot import Robot
 from humanoid_bt.tree.expressions import grammar
 from humanoid_bt.tree.expressions.expression import Truth
+from humanoid_bt.tree.expressions.grammar import Binary, Comparison, Literal, Name, Syntax, Unary
 from humanoid_bt.tree.expressions.quantities import NUMBER, Type, number
 
 _SHARES: Mapping[str, tuple[str, Callable[[Summary], float]]] = {
@@ -66,6 +67,10 @@ class Requirement:
             if name not in self._names.known:
                 hint = nearest(name, self._names.known)
                 raise UserError(f"unknown name {name!r} in {expression.text!r}", expression.place, hint, "expression")
+        for name, value in _beside_shares(expression.syntax):
+            hint = f"did you mean {value:g} %?" if 1 < value <= 100 else "valid: 0 % to 100 %"
+            message = f"{name!r} is a share, from 0 to 1, and never {value:g}"
+            raise UserError(message, expression.place, hint, "expression")
         expression.link(self._names)
         self.judge(None)
 
@@ -78,6 +83,34 @@ class Requirement:
             return Verdict(text, bool(self._expression.evaluate(cast(Robot, _Nobody()))), why)
         except ArithmeticError as error:
             return Verdict(text, False, f"{why}: it cannot be computed ({error})")
+
+
+def _beside_shares(syntax: Syntax) -> Iterator[tuple[str, float]]:
+    """Yield the shares in an expression that are compared with a number that none can be, each with that number."""
+    match syntax:
+        case Comparison(left=left, right=right):
+            for one, other in ((left, right), (right, left)):
+                value = _constant(other)
+                if isinstance(one, Name) and one.name in _SHARES and value is not None and not 0 <= value <= 1:
+                    yield one.name, value
+        case Unary(operand=operand):
+            yield from _beside_shares(operand)
+        case Binary(left=left, right=right):
+            yield from _beside_shares(left)
+            yield from _beside_shares(right)
+
+
+def _constant(syntax: Syntax) -> float | None:
+    """Return the number that an expression is, None if it is more than that."""
+    match syntax:
+        case Literal(value=bool() | str()):
+            return None
+        case Literal(value=value):
+            return float(value)
+        case Unary(operator="-", operand=operand):
+            value = _constant(operand)
+            return None if value is None else -value
+    return None
 
 
 class _Names:

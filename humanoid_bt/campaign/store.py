@@ -14,6 +14,7 @@ from humanoid_bt.campaign.journal import Entry, Journal, Unwritable, read_journa
 from humanoid_bt.campaign.plan import Plan
 from humanoid_bt.campaign.result import Cost, Explained, Result
 from humanoid_bt.campaign.table import Table, costs_csv
+from humanoid_bt.campaign.trial import Trial
 from humanoid_bt.campaign.workers import Done
 from humanoid_bt.core.errors import UserError, relative
 from humanoid_bt.files.whole import write_whole
@@ -130,7 +131,13 @@ class Store:
         try:
             yield
         except OSError as error:
-            raise Unwritable(f"{relative(self.folder)!r} cannot be written: {error.strerror}") from error
+            why = "Not a directory" if isinstance(error, FileExistsError) else error.strerror
+            raise Unwritable(f"{relative(self.folder)!r} cannot be written: {why}") from error
+
+
+def recorded_as(trial: Trial) -> str:
+    """Return the name of the file to which a trial is recorded."""
+    return f"{trial.number:06}-{trial.id}.rrd"
 
 
 def read_results(folder: Path) -> Table:
@@ -153,8 +160,6 @@ def _refuse(folder: Path, plan: Plan, resume: bool) -> None:
         known = (_JOURNAL, _EXPLAINED, _LOGS, RECORDINGS)  # there before campaign.json is
         if folder.is_dir() and any(path.name not in known and path.name[0] != "." for path in folder.iterdir()):
             raise UserError(f"{relative(folder)!r} is there already and holds no campaign", hint="choose another --out")
-        if resume and not folder.is_dir():
-            raise UserError(f"there is no campaign in {relative(folder)!r} to resume", hint="begin it without --resume")
     elif not read_journal(folder / _JOURNAL):
         return  # it never came to a trial
     elif not resume:
@@ -181,9 +186,11 @@ def _plan(folder: Path) -> Plan | None:
     path = folder / _ABOUT
     try:
         return Plan.from_dict(json.loads(path.read_bytes()))
-    except FileNotFoundError:
+    except (FileNotFoundError, NotADirectoryError):
         return None
-    except (OSError, ValueError, LookupError, TypeError) as error:
+    except OSError as error:
+        raise UserError(f"{relative(path)!r} cannot be read: {error.strerror}") from error
+    except (ValueError, LookupError, TypeError) as error:
         raise UserError(f"{relative(path)!r} is damaged, or of another version") from error
 
 

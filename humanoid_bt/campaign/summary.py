@@ -9,14 +9,16 @@ from functools import cached_property
 from typing import Any
 
 from humanoid_bt.campaign.causes import Cause, causes
-from humanoid_bt.campaign.result import Explained
+from humanoid_bt.campaign.result import CRASHED, HUNG, Explained
 from humanoid_bt.campaign.statistics import QUANTILES, Interval, Rate, Spread
 from humanoid_bt.campaign.table import Row, Table
 from humanoid_bt.core.plain import plain
-from humanoid_bt.core.units import readable
+from humanoid_bt.core.units import readable, readable_ranges
 
 TIME = "time"
 """The quantity that every run has."""
+
+_NO_RESULT = ("error", HUNG, CRASHED)
 
 _BINS = 4  # into which the values of what was drawn are sorted, as many trials in each
 
@@ -69,6 +71,11 @@ class Summary:
         return dict(Counter(row.result.outcome for row in self.table.rows).most_common())
 
     @property
+    def without_result(self) -> int:
+        """How many say nothing of the robot: a skill raised an exception, the process died, or the trial hung."""
+        return sum(self.outcomes.get(outcome, 0) for outcome in _NO_RESULT)
+
+    @property
     def fell(self) -> int:
         """In how many the robot fell."""
         return sum(row.result.fell for row in self.table.rows)
@@ -103,11 +110,11 @@ class Summary:
                 yield _level(text, [row for value, row in cells if readable(value, unit) == text])
             return
         cells.sort(key=lambda cell: cell[0])
-        for number in range(_BINS):
-            part = cells[number * len(cells) // _BINS : (number + 1) * len(cells) // _BINS]
-            if part:
-                text = f"{readable(part[0][0], unit)} to {readable(part[-1][0], unit)}"
-                yield _level(text, [row for _, row in part])
+        bins = [cells[number * len(cells) // _BINS : (number + 1) * len(cells) // _BINS] for number in range(_BINS)]
+        parts = [part for part in bins if part]
+        texts = readable_ranges([(part[0][0], part[-1][0]) for part in parts], unit)
+        for text, part in zip(texts, parts, strict=True):
+            yield _level(text, [row for _, row in part])
 
     def to_dict(self) -> dict[str, Any]:
         """Return it as plain data for JSON."""

@@ -8,6 +8,7 @@ from pathlib import Path
 from humanoid_bt.campaign.causes import Cause
 from humanoid_bt.campaign.compare import Comparison, QuantityChange
 from humanoid_bt.campaign.reproduce import command
+from humanoid_bt.campaign.result import SUCCESS
 from humanoid_bt.campaign.summary import Summary, between, percent
 from humanoid_bt.core.units import readable
 
@@ -29,12 +30,17 @@ def figures(summary: Summary) -> Iterator[Line]:
     """Yield the numbers that matter most, each in a line."""
     for name, (unit, spread) in summary.spreads.items():
         if spread.values:
-            middle, most = readable(spread.quantile(0.5), unit), readable(spread.quantile(0.95), unit)
-            yield name.replace("_", " "), f"median {middle}, 95 % within {most}"
-    others = ", ".join(f"{count} {outcome}" for outcome, count in summary.outcomes.items() if outcome != "success")
-    yield "failures", others or "none"
+            low, middle, high = (readable(spread.quantile(share), unit) for share in (0.05, 0.5, 0.95))
+            rest = f"90 % from {low} to {high}" if low.startswith("-") else f"95 % within {high}"
+            yield name.replace("_", " "), f"median {middle}, {rest}"
+    yield "failures", ", ".join(counts(summary)) or "none"
     if summary.fell:
         yield "fell", f"{summary.fell}"
+
+
+def counts(summary: Summary) -> list[str]:
+    """Return how many trials ended in each way but success."""
+    return [f"{count} {outcome}" for outcome, count in summary.outcomes.items() if outcome != SUCCESS]
 
 
 def told(cause: Cause, summary: Summary, folder: Path) -> Iterator[str]:

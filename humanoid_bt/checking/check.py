@@ -12,7 +12,7 @@ from typing import Any
 from humanoid_bt.checking import allow
 from humanoid_bt.checking.robot import robot_problems
 from humanoid_bt.core.errors import Place, Problem, UserError, nearest, relative, resolved
-from humanoid_bt.files.reading import is_file, is_folder, read_text
+from humanoid_bt.files.reading import followed, is_file, is_folder, read_text
 from humanoid_bt.files.workspace import Workspace, yaml_files
 from humanoid_bt.plant.scene_config import load_scene
 from humanoid_bt.tree.nodes.registry import Registry
@@ -164,9 +164,9 @@ def _given(text: str, given: Workspace, root: Workspace | None) -> dict[Path, Wo
         if not inside:
             hint = "trees, scenes, robots, scenarios and campaigns end in .yaml"
             raise UserError(f"nothing to check in {text!r}", Place(text), hint, code="no-file")
-        return {resolved(file): _workspace(file, str(file), root) for file in inside}
+        return {followed(file): _workspace(file, str(file), root) for file in inside}
     file = path if path.suffix == ".py" and is_file(path) else _named(text, given)
-    return {resolved(file): _workspace(file, text, root)}
+    return {followed(file): _workspace(file, text, root)}
 
 
 def _workspace(file: Path, text: str, root: Workspace | None) -> Workspace:

@@ -23,9 +23,9 @@ from humanoid_bt.campaign.stage_trials import Setup, make
 from humanoid_bt.campaign.statistics import Rate
 from humanoid_bt.campaign.store import Store
 from humanoid_bt.campaign.summary import Summary
-from humanoid_bt.campaign.words import figures, headline, told
+from humanoid_bt.campaign.words import counts, figures, headline, told
 from humanoid_bt.campaign.workers import Workers
-from humanoid_bt.cli.campaign_given import campaign_given, workspace_given
+from humanoid_bt.cli.campaign_given import campaign_given, is_named, workspace_given
 from humanoid_bt.cli.campaign_progress import CampaignProgress, duration
 from humanoid_bt.cli.console import SafeConsole
 from humanoid_bt.cli.output import hanging, print_lines
@@ -36,17 +36,16 @@ from humanoid_bt.session.report import ExitCode, aligned
 
 _NOT_MET = 1
 _CAUSES = 6  # that are told on the screen
-_WORDS = {"compare": 2, "rerun": 2}  # what follows them
+_WORDS = {"compare": ("A", "B"), "rerun": ("DIR", "TRIAL")}  # what follows them
 
 
 def campaign(arguments: argparse.Namespace) -> int:
     """Run a campaign, or do with one what the first word says; return the exit code."""
     word, *rest = arguments.what
-    if word in _WORDS and rest:
-        if len(rest) != _WORDS[word]:
-            raise UserError(
-                f"campaign {word} takes {_WORDS[word]} arguments, not {len(rest)}", hint="see: campaign --help"
-            )
+    if word in _WORDS and (rest or not is_named(word, workspace_given(arguments))):
+        if len(rest) != len(_WORDS[word]):
+            message = f"campaign {word} takes {len(_WORDS[word])} arguments, not {len(rest)}"
+            raise UserError(message, hint=" ".join(("humanoid-bt campaign", word, *_WORDS[word])))
         from humanoid_bt.cli import campaign_after
 
         return campaign_after.compare(arguments) if word == "compare" else campaign_after.rerun(arguments)
@@ -64,6 +63,8 @@ def _run(arguments: argparse.Namespace) -> int:
     folder = _folder(arguments, found.plan)
     console = SafeConsole(stderr=arguments.json)
     with Store(folder, found.plan, arguments.resume) as store:
+        if arguments.resume and not store.results:
+            print(f"no trial of it is done in {relative(folder)}: it begins anew", file=sys.stderr)
         if not arguments.quiet:
             console.print(f"{found.plan.name}: {found.plan.title}: {len(found.plan)} trials", soft_wrap=True)
         began, interrupted = time.monotonic(), False
@@ -126,6 +127,9 @@ def _told(console: SafeConsole, arguments: argparse.Namespace, found: Planned, s
     for one in verdicts:
         if not one.met:
             print(f"not met: {one.text}: {one.why}", file=sys.stderr)
+    if said.done and said.without_result == said.done:
+        print(f"no trial came to a result: {', '.join(counts(said))}", file=sys.stderr)
+        return ExitCode.ERROR
     return ExitCode.SUCCESS if all(one.met for one in verdicts) else _NOT_MET
 
 

@@ -25,6 +25,11 @@ def workspace_given(arguments: argparse.Namespace) -> Workspace:
     return Workspace.of_argument(arguments.what[0], arguments.workspace)
 
 
+def is_named(what: str, workspace: Workspace) -> bool:
+    """Return whether a campaign or a tree has a name."""
+    return what in workspace.campaigns() or what in workspace.trees()
+
+
 def campaign_given(arguments: argparse.Namespace, workspace: Workspace) -> tuple[CampaignFile, list[Any]]:
     """Return the campaign that is asked for, and its script as it is written.
 
@@ -50,7 +55,7 @@ def _base(what: str, workspace: Workspace) -> Item:
         files = " or ".join(relative(path) for path in (known[what], trees[what]))
         raise UserError(f"there is a campaign and a tree named {what!r}", hint=f"give the file that is meant: {files}")
     path = known.get(what, Path(what))
-    if is_file(path) and (item := document.load(path)) and not _is_tree(item):
+    if (what in known or is_file(path)) and (item := document.load(path)) and not _is_tree(item):
         if not isinstance(item.value, dict):
             raise UserError(f"a campaign must be a mapping, not {item.kind}", item.place, "format: 1 ... tree: ...")
         return item

@@ -9,10 +9,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from humanoid_bt.cli.findings import print_findings
-from humanoid_bt.core.errors import Place, UserError, nearest, relative, resolved
+from humanoid_bt.core.errors import Place, UserError, nearest, relative
 from humanoid_bt.core.texts import one_line
 from humanoid_bt.files.formatting import formatted
-from humanoid_bt.files.reading import is_file, is_folder, read_bytes, read_text
+from humanoid_bt.files.reading import followed, is_file, is_folder, read_bytes, read_text
 from humanoid_bt.files.whole import write_whole
 from humanoid_bt.files.workspace import Workspace, yaml_files
 from humanoid_bt.session.report import ExitCode
@@ -62,7 +62,7 @@ def _files(arguments: argparse.Namespace) -> list[Path]:
             )
     else:
         found = [file for text in arguments.paths for file in _given(text, workspace)]
-    return list(dict.fromkeys(resolved(path) for path in found))
+    return list(dict.fromkeys(followed(path) for path in found))
 
 
 def _given(text: str, workspace: Workspace) -> list[Path]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from humanoid_bt.campaign.reproduce import command_of
 from humanoid_bt.cli.output import columns, print_lines
 from humanoid_bt.core.errors import UserError, relative
 from humanoid_bt.review.newest import newest_recording
@@ -26,7 +27,7 @@ def params(arguments: argparse.Namespace) -> int:
             f"params prints one recording, not {len(arguments.paths)}", hint="two: humanoid-bt params diff A B"
         )
     recording = open_recording(arguments.paths[0] if arguments.paths else newest_recording())
-    print(as_yaml(recording), end="")
+    print(as_yaml(recording, command_of(recording.path)), end="")
     return ExitCode.SUCCESS
 
 

@@ -125,11 +125,15 @@ def also_at(places: Sequence[Place]) -> str:
 
 
 def relative(path: Path) -> str:
-    """Return a path as people read it: relative to the working directory where it lies below it."""
-    try:
-        return str(resolved(path).relative_to(Path.cwd()))
-    except (ValueError, OSError):
-        return str(path)
+    """Return a path as people read it: relative to the working directory if it lies below it, a link by its name."""
+    for find in (Path.absolute, resolved):
+        try:
+            below = find(path).relative_to(Path.cwd())
+        except (ValueError, OSError):
+            continue
+        if ".." not in below.parts:
+            return str(below)
+    return str(path)
 
 
 def resolved(path: Path) -> Path:

@@ -15,7 +15,7 @@ from typing import Any, Literal, Protocol, runtime_checkable
 from humanoid_bt.core.errors import Problem, UserError, nearest
 from humanoid_bt.core.items import Item
 from humanoid_bt.core.params import Param, params_of, type_name
-from humanoid_bt.core.units import factors, is_number_text, written_quantity
+from humanoid_bt.core.units import factors, in_si, is_number_text, written_quantity
 
 
 def convert(spec: Param, item: Item) -> Any:
@@ -141,6 +141,11 @@ def with_article(noun: str) -> str:
     return ("an " if noun[0] in "aeiou" else "a ") + noun
 
 
+def _one(many: str) -> str:
+    """Return a plural's singular: push of pushes, event of events."""
+    return re.sub(r"(?<=sh|ch|ss)es$|s$", "", many)
+
+
 def _convert(kind: Any, item: Item, spec: Param, what: str = "") -> Any:  # noqa: PLR0911 (a table of cases)
     origin, args = typing.get_origin(kind), typing.get_args(kind)
     if kind is Any:
@@ -157,7 +162,7 @@ def _convert(kind: Any, item: Item, spec: Param, what: str = "") -> Any:  # noqa
     if origin is dict:
         if not isinstance(item.value, dict):
             raise _wrong(item, spec, kind)
-        parts = [(args[1], child, f"the {spec.name.removesuffix('s')} {key!r}") for key, child in item.value.items()]
+        parts = [(args[1], child, f"the {_one(spec.name)} {key!r}") for key, child in item.value.items()]
         return dict(zip(item.value, _convert_all(parts, spec), strict=True))
     if hasattr(kind, "from_item"):  # a type that reads itself
         return kind.from_item(item, spec.name)
@@ -198,7 +203,7 @@ def _convert_sequence(origin: Any, args: tuple[Any, ...], item: Item, spec: Para
     if len(kinds) != len(item.value):
         message = f"{spec.name!r} must have {len(kinds)} values, not {len(item.value)}"
         raise UserError(message, item.place, spec.doc, code="wrong-length")
-    what = with_article(spec.name.removesuffix("s"))
+    what = with_article(_one(spec.name))
     return origin(_convert_all(((kind, part, what) for kind, part in zip(kinds, item.value, strict=True)), spec))
 
 
@@ -225,7 +230,7 @@ def _convert_number(kind: Any, item: Item, spec: Param) -> float | int:
             valid = ", ".join(allowed) if allowed else "a plain number"
             message = f"{spec.name!r} has the unit {unit!r}"
             raise UserError(message, item.place, f"valid: {valid}", code="wrong-unit")
-        value = number * allowed[unit]
+        value = in_si(number, allowed[unit])
     elif isinstance(value, str) and is_number_text(value):
         value = float(value)
     if not _is_number(value):

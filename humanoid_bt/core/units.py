@@ -4,15 +4,18 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from decimal import Decimal
 from typing import Any
+
+_DEGREE = math.pi / 180  # rad
 
 _UNITS: dict[str, dict[str, float]] = {  # declared unit -> what may be written, and its factor
     "m": {"m": 1.0, "cm": 0.01, "mm": 0.001},
     "s": {"s": 1.0, "ms": 0.001, "min": 60.0},
-    "rad": {"rad": 1.0, "deg": math.pi / 180},
+    "rad": {"rad": 1.0, "deg": _DEGREE},
     "m/s": {"m/s": 1.0, "cm/s": 0.01},
-    "rad/s": {"rad/s": 1.0, "deg/s": math.pi / 180},
+    "rad/s": {"rad/s": 1.0, "deg/s": _DEGREE},
     "kg": {"kg": 1.0, "g": 0.001},
     "N": {"N": 1.0},
     "Nm": {"Nm": 1.0},
@@ -52,8 +55,15 @@ def quantity(text: str) -> tuple[float, str] | None:
     written = written_quantity(text)
     for unit, known in _UNITS.items():
         if written and written[1] in known:
-            return written[0] * known[written[1]], unit
+            return in_si(written[0], known[written[1]]), unit
     return None
+
+
+def in_si(number: float, factor: float) -> float:
+    """Return a written number in the SI unit: 35 cm as 0.35, where floats multiply to 0.35000000000000003."""
+    if factor in (1.0, _DEGREE):
+        return number * factor
+    return float(Decimal(repr(number)) * Decimal(repr(factor)))
 
 
 def shown_quantity(value: Any, unit: str = "") -> str:
@@ -118,6 +128,15 @@ def readable_pair(one: object, other: object, unit: str = "") -> tuple[str, str]
         if texts[0] != texts[1] or one == other:
             break
     return texts
+
+
+def readable_ranges(ranges: Sequence[tuple[Any, Any]], unit: str = "") -> list[str]:
+    """Return ranges as people read them, all with as many digits as it takes to tell the ends of each apart."""
+    for more in range(_FINEST):
+        ends = [(readable(low, unit, more), readable(high, unit, more)) for low, high in ranges]
+        if all((texts[0] == texts[1]) == (low == high) for texts, (low, high) in zip(ends, ranges, strict=True)):
+            break
+    return [low if low == high else f"{low} to {high}" for low, high in ends]
 
 
 def _digits(value: float, decimals: int, more: int) -> str:

@@ -7,7 +7,7 @@ import os
 import stat
 from pathlib import Path
 
-from humanoid_bt.core.errors import Place, UserError, relative
+from humanoid_bt.core.errors import Place, UserError, relative, resolved
 
 MAX_BYTES = 4_000_000
 """Largest file that is read: tree, scene, robot or skill."""
@@ -68,6 +68,11 @@ def is_file(path: Path) -> bool:
         return path.exists() and not path.is_dir()
     except (OSError, ValueError):
         return False
+
+
+def followed(path: Path) -> Path:
+    """Return a file without links; a link that leads nowhere as it is, since that is what there is."""
+    return resolved(path) if is_file(path) else path.absolute()
 
 
 def is_folder(path: Path) -> bool:

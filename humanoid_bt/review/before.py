@@ -9,10 +9,9 @@ import numpy as np
 from humanoid_bt.core.units import readable
 from humanoid_bt.review.body import Motion
 from humanoid_bt.review.explanation import Moment
-from humanoid_bt.review.history import AT, History
+from humanoid_bt.review.history import AT, OVER, History
 from humanoid_bt.review.words import changed, cut
 
-_OVER = "halted: the run ended"  # which is no news
 _LEANS = 0.2  # rad of tilt that no robot that walks has
 _Ranked = tuple[int, Moment]  # how much a line matters, 0 the most
 
@@ -33,7 +32,7 @@ def chosen(moments: list[Moment], most: int) -> list[Moment]:
 
 def _told(history: History, begin: float, end: float) -> Iterator[_Ranked]:
     for change in history.changes:
-        if begin - AT <= change.time <= end + AT and change.said and change.said != _OVER:
+        if begin - AT <= change.time <= end + AT and change.said and change.said != OVER:  # no news
             kind = history.kind(change.path, change.time).get("kind", "")
             yield {"skill": 1, "condition": 1}.get(kind, 2), Moment(change.time, changed(change))
     for event in history.events:

@@ -98,6 +98,17 @@ class Motion:
         self.speed: Array = np.linalg.norm(self._velocity, axis=1)
         self._torque, self.foot_force = columns["torque"], columns["foot_force"]
 
+    def heading(self, time: float) -> float:
+        """Return where the base headed at a time [rad]."""
+        return float(self._yaw[self._cycle(time)])
+
+    def leaning(self, time: float) -> float:
+        """Return how far the base was tilted at a time [rad]."""
+        return float(self.tilt[self._cycle(time)])
+
+    def _cycle(self, time: float) -> int:
+        return int(self.time.searchsorted(time).clip(0, len(self.time) - 1))
+
     def limited(self) -> list[Limited]:
         """Return the joints that were at their torque limit, or else whose setpoints were clamped, in order of time."""
         full = self._at_torque_limit()
@@ -142,8 +153,8 @@ class Motion:
         acceleration = float(np.linalg.norm(change))
         if acceleration <= max(_PUSH, largest):
             return None
-        direction = _direction(math.atan2(change[1], change[0]) - float(self._yaw[first]))
-        return Push(float(self.time[first]), float(self.time[end]), acceleration, largest, direction)
+        words = direction(math.atan2(change[1], change[0]) - float(self._yaw[first]))
+        return Push(float(self.time[first]), float(self.time[end]), acceleration, largest, words)
 
     def _acceleration(self, window: int) -> Array:
         """Return the horizontal acceleration of the base over the next so many servo cycles [m/s^2]."""
@@ -164,7 +175,7 @@ def clamped(log: FlightLog, begin: float = -math.inf, end: float = math.inf) -> 
     return found
 
 
-def _direction(angle: float) -> str:
+def direction(angle: float) -> str:
     """Return the direction of an angle from straight ahead [rad] in words."""
     ahead, left = math.cos(angle), math.sin(angle)
     words = ["forward" if ahead > 0 else "backward"] if abs(ahead) >= _SIDEWAYS else []

@@ -13,6 +13,7 @@ from humanoid_bt.review import failures
 from humanoid_bt.review.body import Motion
 from humanoid_bt.review.cause import Cause
 from humanoid_bt.review.history import AT, Happened, History, Stopped
+from humanoid_bt.review.pushed import hardest_push
 from humanoid_bt.review.words import cut, doing, last, line_of, when
 
 STOPS = ("state", "fall", "push", "estop", "estop_node", "slow_tick", "silent", "refused", "ik", "stop")
@@ -21,6 +22,7 @@ STOPS = ("state", "fall", "push", "estop", "estop_node", "slow_tick", "silent", 
 _LATCHED = ("state", "fall", "push", "estop", "estop_node")
 _LOOK_BACK = 4.0  # s before a fall in which its reason is looked for
 _GONE = "the process of the run ended without closing the recording"
+_UPRIGHT = 0.3  # rad of tilt up to which a joint at its limit may be why the robot fell, not what came of it
 _SILENT = 0.08  # s that a tick must take to explain that decision was silent for 0.1 s
 _SLOW = re.compile(r"a tick took (\d+) ms.*: the node '(.*?)'(?:, at (.*))?$")
 _LATE = re.compile(r"command: stamped [\d.]+ s at")
@@ -226,35 +228,32 @@ def _slow_node(history: History, time: float, told: list[tuple[Happened, re.Matc
 
 
 def _fall(history: History, stop: Stopped) -> Cause:
-    """The robot fell: a push that is seen, a joint that gave all it had, or what the numbers say."""
-    motion = Motion(history.log, stop.time - _LOOK_BACK, stop.time)
+    """The robot fell: a push that is known or seen, a joint that gave all it had, or what the numbers say."""
+    begin = stop.time - _LOOK_BACK
+    motion = Motion(history.log, begin, stop.time)
     commander = stop.resources.get("base", "") or _commander(stop)
     during = f" while '{last(commander)}' commanded the base" if "base" in stop.resources else ""
+    fell = f"the robot fell at {when(stop.time)}"
     if not len(motion.time):
         return Cause("fall", f"{stop.reason}, at {when(stop.time)}{during}", stop.time, commander)
     height = f"its base was {motion.height[-1]:.2f} m high, tilted by {readable(float(motion.tilt[-1]), 'rad')}"
     rows = [("shown by", height)]
-    torques = [limited for limited in motion.limited() if limited.what == "torque"]
+    if known := hardest_push(history, motion, begin, stop.time):
+        rows.insert(0, ("pushed", str(known)))
+        text = f"{fell}: it was pushed {known.direction} with {known.force:.0f} N at {when(known.begin)}{during}"
+        return Cause("push", text, stop.time, commander, rows, known.begin)
     if push := motion.push():
         rows.insert(0, ("shown by", str(push)))
-        text = (
-            f"the robot fell at {when(stop.time)}: something pushed it {push.direction} at {push.begin:.2f} s{during}"
-        )
+        text = f"{fell}: something pushed it {push.direction} at {push.begin:.2f} s{during}"
         return Cause("push", text, stop.time, commander, rows, push.begin)
-    upright = [limited for limited in torques if _tilt(motion, limited.begin) < 0.3]
-    if upright:
+    torques = [limited for limited in motion.limited() if limited.what == "torque"]
+    if upright := [limited for limited in torques if motion.leaning(limited.begin) < _UPRIGHT]:
         first = upright[0]
         rows.insert(0, ("shown by", f"{first}, first at {when(first.begin)}"))
-        text = (
-            f"the robot fell at {when(stop.time)}: {first.joint} was at its torque limit at {first.begin:.2f} s{during}"
-        )
+        text = f"{fell}: {first.joint} was at its torque limit at {first.begin:.2f} s{during}"
         return Cause("fall", text, stop.time, commander, rows, first.begin)
-    text = f"the robot fell at {when(stop.time)}{during}: {height}; no push and no joint at its limit is seen before it"
+    text = f"{fell}{during}: {height}; no push and no joint at its limit is seen before it"
     return Cause("fall", text, stop.time, commander, rows)
-
-
-def _tilt(motion: Motion, time: float) -> float:
-    return float(motion.tilt[int(motion.time.searchsorted(time).clip(0, len(motion.time) - 1))])
 
 
 # ---- what is told beside --------------------------------------------------------------------------------------------

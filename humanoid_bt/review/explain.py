@@ -61,7 +61,7 @@ def explain(
 
 def _explained(history: History, cause: Cause) -> Explanation:
     """Return a cause with what shows it, what led to it, and what would help."""
-    cause = replace(cause, headline=cause.headline + staged_before(history, cause.time))
+    cause = replace(cause, headline=cause.headline + staged_before(history, cause))
     if cause.kind == "success":
         return Explanation(
             relative(history.log.path),

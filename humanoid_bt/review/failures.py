@@ -128,7 +128,8 @@ def without_result(history: History, time: float, outcome: str, reason: str) -> 
     if outcome == "interrupted":
         return Cause("interrupted", f"the run was ended at {when(time)}{during}: {cut(reason)}", time, actor, rows)
     limit = history.setup["duration"]
-    said = f" ({cut(_said_last(history, actor, time))})" if actor else ""
+    told = cut(_said_last(history, actor, time)) if actor else ""
+    said = f" ({told})" if told else ""
     up = f"its {limit:g} s were up" if limit else "its time was up"
     return Cause("unfinished", f"the run was ended at {when(time)}, {up}{during}{said}", time, actor, rows)
 

@@ -20,6 +20,13 @@ _SIGHTS = 60.0  # s for which percepts are looked for
 AT = 1e-6
 """Times [s] that differ by less are the same."""
 
+HALTED = "halted: "
+"""How begins what a node says that was halted while it ran."""
+
+_OVER = "the run ended"
+OVER = HALTED + _OVER
+"""What it says if the end of the run halted it."""
+
 
 class Change(NamedTuple):
     """A node's status changed: when [s], which node, to what, and what it said."""
@@ -143,9 +150,17 @@ class History:
     def acting_last(self) -> list[Change]:
         """Return the deepest of the nodes that ran when the run ended, which halted them."""
         kept = len(self.changes)
-        while kept and self.changes[kept - 1].status == "INVALID":
+        while kept and self._by_the_end(self.changes[kept - 1]):
             kept -= 1
         return _deepest(_running(self.changes[:kept], math.inf))
+
+    def _by_the_end(self, change: Change) -> bool:
+        """Return whether the end of the run halted a node, not the tree in its last tick, which may be as late."""
+        ended = self.end.get("tree_ended")
+        if ended is None or change.status != "INVALID" or change.time < ended - AT:
+            return False
+        why = change.said.removeprefix(HALTED)
+        return why == change.said or why.startswith((_OVER, self.end["reason"] or _OVER))
 
     # ---- ticks ------------------------------------------------------------------------------------------------------
 

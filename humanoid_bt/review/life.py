@@ -9,7 +9,7 @@ from humanoid_bt.core.errors import relative
 from humanoid_bt.core.units import readable, shown_quantity
 from humanoid_bt.review.cause import Row
 from humanoid_bt.review.explanation import Explanation, Moment
-from humanoid_bt.review.history import AT, Change, History
+from humanoid_bt.review.history import AT, HALTED, Change, History
 from humanoid_bt.review.words import SIGNS, cut, last, target, when
 
 _MOST = 12  # lives that are told
@@ -86,7 +86,7 @@ def _ended(change: Change) -> str:
     """Return how a node ended, and what it said."""
     if change.said.startswith("raised "):
         return cut(change.said)
-    return cut(f"{_ENDED[change.status]}: {change.said.removeprefix('halted: ')}")
+    return cut(f"{_ENDED[change.status]}: {change.said.removeprefix(HALTED)}")
 
 
 def _rows(history: History, paths: list[str], lives: list[Life]) -> Iterator[Row]:

@@ -17,7 +17,7 @@ from humanoid_bt.core.texts import one_line
 from humanoid_bt.core.units import quantity
 from humanoid_bt.files import document
 from humanoid_bt.record.parts import MAGIC
-from humanoid_bt.review import setup
+from humanoid_bt.review import setup, staged
 from humanoid_bt.review.recording import Recording, open_recording
 from humanoid_bt.review.setup import ParameterInfo
 
@@ -78,14 +78,21 @@ def known_parameters(path: Path) -> dict[str, ParameterInfo]:
     }
 
 
-def as_yaml(recording: Recording) -> str:
-    """Return a file of a run's parameters, with comments that say where each value is from."""
+def as_yaml(recording: Recording, again: str = "") -> str:
+    """Return a file of a run's parameters, with comments that say where each value is from, and what was staged.
+
+    Args:
+        recording: of the run.
+        again: command that runs it again with all that was staged, "" if none is known.
+    """
     found = _of_recording(recording)
-    head = f"# {recording.title}\n# {relative(recording.path)}, began {recording.setup['began'] or '?'}\n"
+    head = [recording.title, f"{relative(recording.path)}, began {recording.setup['began'] or '?'}"]
+    head += [f"staged: {line}" for line in staged.told(recording.setup)]
+    head += [f"again: {again}"] if again else []
     lines = [(_line(name, parameter), parameter.origin) for name, parameter in found.items()]
     width = max((len(line) for line, _ in lines if "\n" not in line), default=0)
     body = [f"{line:<{width}}  # {one_line(origin)}" if origin else line for line, origin in lines]
-    return "\n".join([*(one_line(line) for line in head.splitlines()), *(body or ["{}"])]) + "\n"
+    return "\n".join([*(f"# {one_line(line)}" for line in head), *(body or ["{}"])]) + "\n"
 
 
 def changed_parameters(before: dict[str, ParameterInfo], after: dict[str, ParameterInfo]) -> Iterator[ParameterChange]:

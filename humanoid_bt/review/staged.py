@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from humanoid_bt.review.cause import Row
+from humanoid_bt.review.cause import Cause, Row
 from humanoid_bt.review.history import AT, History
 from humanoid_bt.review.words import cut, when
 
@@ -33,15 +33,17 @@ def staged_rows(history: History) -> list[Row]:
     return [*rows, ("staged", f"and {len(lines) - _LINES} more")] if len(lines) > _LINES else rows
 
 
-def staged_before(history: History, time: float) -> str:
-    """Return the last that a test did up to a time [s], as the end of a headline; "" if nothing was staged."""
+def staged_before(history: History, cause: Cause) -> str:
+    """Return the last that a test did up to a cause, as the end of its headline; "" if nothing was staged."""
     if not told(history.setup):
         return ""
     faults = [
         event
         for event in history.events
-        if event.text.startswith(PREFIX) and AT < event.time <= time + AT and _OVER not in event.text
+        if event.text.startswith(PREFIX) and AT < event.time <= cause.time + AT and _OVER not in event.text
     ]
+    if cause.kind == "push" and any(abs(event.time - (cause.began or 0.0)) < AT for event in faults):
+        return "; a test staged it"
     if faults:
         return f"; a test staged at {when(faults[-1].time)}: {cut(faults[-1].text.removeprefix(PREFIX))}"
     return "; a dry run, without physics" if history.setup["staged"]["dry"] else "; a test staged the run"

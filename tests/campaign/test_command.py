@@ -16,6 +16,18 @@ pytestmark = pytest.mark.slow
 DRY = ["campaign", "fetch", "--dry", "--scene", "random_target", "--seeds", "0-4", "--quiet"]
 
 
+BAD = """
+format: 1
+name: bad
+tree: fetch
+scene: random_target
+seeds: 0-1
+dry: true
+recordings: 0
+script: [{at: 0.1 s, raise: {node: reactive_selector}}]
+"""
+
+
 @pytest.fixture(scope="module")
 def done(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A campaign whose trials end too early, but for one."""
@@ -50,6 +62,25 @@ def test_campaigns_are_compared(done: Path, tmp_path: Path, capsys: pytest.Captu
     assert "there is no campaign in" in capsys.readouterr().err
 
 
+def test_parameters_of_a_trial_come_with_what_was_staged(done: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["campaign", "rerun", str(done), "1"]) in (0, 5)
+    (recording,) = (done / "recordings").iterdir()
+    capsys.readouterr()
+    assert main(["params", str(recording)]) == 0
+    head = capsys.readouterr().out.splitlines()
+    assert head[2] == "# staged: dry: without physics, the robot is at once where it is told to be"
+    assert head[3] == f"# again: humanoid-bt campaign rerun {done} 1"
+
+
+def test_a_campaign_without_any_result_is_no_success(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "bad.yaml").write_text(BAD)
+    assert main(["campaign", "bad.yaml", "--quiet"]) == 4
+    assert capsys.readouterr().err == "no trial came to a result: 2 error\n"
+
+
 def test_it_goes_on_only_where_that_is_asked(done: Path, capsys: pytest.CaptureFixture[str]) -> None:
     table = (done / RESULTS).read_bytes()
     same = [*DRY, "--duration", "4.5", "--recordings", "0", "--out", str(done)]
@@ -62,6 +93,13 @@ def test_it_goes_on_only_where_that_is_asked(done: Path, capsys: pytest.CaptureF
     assert (done / RESULTS).read_bytes() == table
 
 
+def test_what_was_killed_before_it_made_its_folder_begins_anew(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main([*DRY, "--seeds", "0", "--out", str(tmp_path / "out"), "--resume"]) == 0
+    assert "it begins anew" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize(
     ("line", "message"),
     [
@@ -71,13 +109,18 @@ def test_it_goes_on_only_where_that_is_asked(done: Path, capsys: pytest.CaptureF
         ("fetch --condition fricton=2", "there is no condition 'fricton'"),
         ("fetch --condition friction=-1", "must be >= 0"),
         ("fetch --push force=10", "'at' of"),
+        ("fetch --push at=1s", "the key 'force' of a push is missing"),
         ("fetch --push at=1s,force", "is not NAME=VALUE"),
+        ("fetch --dry --condition friction=0.5", "the condition 'friction' needs a body, and a dry run simulates none"),
+        ("fetch --dry --condition drives=0.5..1", "run it without dry, or leave it out"),
+        ("fetch --dry --push at=1s,force=9", "a push needs a body"),
         ("fetch --seeds 3-x", "are no seeds"),
         ("fetch --require 'sucess > 3'", "unknown name 'sucess'"),
         ("fetch --scene nowhere", "no scene named 'nowhere'"),
         ("fetch --resume", "--resume needs the folder"),
         ("fetch stand", "one campaign at a time"),
-        ("compare a", "takes 2 arguments"),
+        ("compare a", "campaign compare takes 2 arguments, not 1\n    humanoid-bt campaign compare A B"),
+        ("rerun", "campaign rerun takes 2 arguments, not 0\n    humanoid-bt campaign rerun DIR TRIAL"),
         ("recover", "does not run alone"),
     ],
 )

@@ -10,6 +10,7 @@ import pyarrow.parquet as pq
 import pytest
 
 from humanoid_bt.campaign.conduct import Progress, trial_of
+from humanoid_bt.campaign.journal import Unwritable
 from humanoid_bt.campaign.store import RESULTS, Store, read_results
 from humanoid_bt.campaign.variation import Factor
 from humanoid_bt.campaign.workers import Done
@@ -133,6 +134,7 @@ def test_success_is_told_for_each_value_of_what_varies(campaign: Conduct) -> Non
         ("0.4 m", 40),
     ]
     assert [level.success.of for level in said.levels["condition.friction"]] == [20, 20, 20, 20]
+    assert [said.table.plan.trials[number].seed for number in said.explained] == [3, 13]  # and not one seed twice
 
 
 def test_another_campaign_does_not_go_on_in_its_folder(campaign: Conduct, tmp_path: Path) -> None:
@@ -159,6 +161,9 @@ def test_a_folder_with_something_else_is_left_alone(tmp_path: Path) -> None:
     (tmp_path / "mine" / "thesis.tex").write_text("...")
     with pytest.raises(UserError, match="holds no campaign"):
         Store(tmp_path / "mine", plan_of("0-3"), resume=False)
+    for out in (tmp_path / "mine" / "thesis.tex", tmp_path / "mine" / "thesis.tex" / "x"):
+        with pytest.raises(Unwritable, match=rf"'{out}' cannot be written: Not a directory"):
+            Store(out, plan_of("0-3"), resume=False)
     assert [path.name for path in (tmp_path / "mine").iterdir()] == ["thesis.tex"]
 
 

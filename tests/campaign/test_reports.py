@@ -20,6 +20,7 @@ from humanoid_bt.campaign.stage_trials import pushes
 from humanoid_bt.campaign.summary import Summary
 from humanoid_bt.campaign.table import Table
 from humanoid_bt.campaign.variation import Factor
+from humanoid_bt.campaign.words import figures
 from tests.campaign.conftest import plan_of, table_of
 
 EVIL = "<script>alert('|')</script> | `x`\n\x1b[31m"
@@ -46,6 +47,25 @@ def test_the_page_is_well_formed_and_holds_only_text(said: Summary) -> None:
     assert "90 %" in page
     assert 'href="recordings/a%20b.rrd"' in page
     assert "Trial 0 went another way" in page
+
+
+def test_levels_are_told_apart_and_those_without_success_are_no_good() -> None:
+    plan = plan_of("0-7", Factor("set.reach", "m", (0.3, 0.4)), Factor("condition.friction", ends=(0.79, 0.791)))
+    results = {
+        trial.number: Result("success" if trial.given["set.reach"] < 0.35 else "failure", "") for trial in plan.trials
+    }
+    said = Summary(Table.of(plan, results), {})
+    texts = [level.text for level in said.levels["condition.friction"]]
+    assert all(re.fullmatch(r"0\.79\d+ to 0\.79\d+", text) for text in texts)
+    assert all(len(set(text.split(" to "))) == 2 for text in texts)
+    assert html(said, [], Path()).count('class="dot lost"') == 1
+
+
+def test_what_is_reported_with_a_sign_has_two_ends() -> None:
+    told = dict(figures(Summary(table_of(lambda _: True, lambda seed: (seed - 80) / 1000), {})))
+    assert told["hand error"] == "median -3 cm, 90 % from -7.5 cm to 1.4 cm"
+    told = dict(figures(Summary(table_of(lambda _: True, lambda seed: seed / 1000), {})))
+    assert told["hand error"] == "median 5 cm, 95 % within 9.4 cm"
 
 
 def test_the_page_tells_what_is_not_done(said: Summary) -> None:

@@ -23,6 +23,7 @@ def _requirement(text: str) -> Requirement:
         ("success >= 90 %", True, "success is 90 %"),
         ("success > 90%", False, "success is 90 %"),
         ("success_low > 0.7 and success_high < 1", True, "success_low is 76.9 %, success_high is 96 %"),
+        ("success >= 1 or success > 0", True, "success is 90 %"),
         ("time_median < 10.1 s", True, "time_median is 10 s"),
         ("hand_error_max < 3.8 cm", False, "hand_error_max is 3.9 cm"),
         ("failures == 4 and fell + crashed + hung == 0", True, "failures is 4, fell is 0, crashed is 0, hung is 0"),
@@ -51,6 +52,9 @@ def test_every_way_to_fail_is_counted_apart() -> None:
         ("state.standing", "not about a robot"),
         ("success >=", "no expression"),
         ("success >= 95 %%", "no expression"),
+        ("success >= 95", "'success' is a share, from 0 to 1, and never 95.*\\n.*did you mean 95 %"),
+        ("fell == 0 and not 3 > success_low", "'success_low' is a share.*\\n.*did you mean 3 %"),
+        ("success_high > -0.5", "'success_high' is a share.*\\n.*valid: 0 % to 100 %"),
     ],
 )
 def test_what_no_campaign_can_tell_is_refused_before_it_runs(text: str, message: str) -> None:

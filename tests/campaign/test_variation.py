@@ -19,7 +19,7 @@ def _factor(value: Any, spec: Param = _LENGTH) -> Factor:
 
 def test_a_list_is_tried_whole() -> None:
     assert _factor(["45 cm", 0.5]).levels == (0.45, 0.5)
-    assert _factor("45 cm").levels == (0.45,)
+    assert _factor(["35 cm", "40cm", "12.3 cm", "300 mm"]).levels == (0.35, 0.4, 0.123, 0.3)
 
 
 def test_what_is_drawn_lies_between_its_ends_and_fills_them() -> None:

@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 
 from humanoid_bt.checking.check import checked, findings, settled
+from humanoid_bt.cli import main
 from humanoid_bt.core.errors import Place, Problem
 from humanoid_bt.files.workspace import Workspace, builtin_root
 
@@ -64,6 +65,17 @@ def test_a_file_that_is_not_text_has_a_place(folder: Path) -> None:
     path = Path("trees/a.yaml")
     path.write_bytes(b"format: 1\n# \xc3\xa4 \xff\n")
     assert told(checked(path, Workspace(folder))) == ["trees/a.yaml:2:5: unreadable"]
+
+
+def test_a_link_that_leads_nowhere_is_told_by_its_name(
+    folder: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(folder)
+    Path("trees/a.yaml").symlink_to(folder.parent / "gone")
+    for command in (["check", "trees"], ["fmt", "--check", "trees"]):
+        assert main(command) == 2
+        told = capsys.readouterr()
+        assert "trees/a.yaml: error: cannot be read: No such file or directory" in told.out + told.err
 
 
 def test_comments_are_heard_in_every_file_of_a_load(folder: Path) -> None:

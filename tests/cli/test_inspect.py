@@ -76,7 +76,7 @@ def test_robots_are_listed(capsys: pytest.CaptureFixture[str]) -> None:
         (["run", "fetch", "--robto=x"], "unknown argument '--robto=x'; did you mean '--robot'?"),
         (["run", "fetch", "--seed", "x"], "argument --seed: must be a whole number, 0 or more, not 'x'"),
         (["run", "fetch", "--seed", "-1"], "must be a whole number, 0 or more"),
-        (["run", "fetch", "--duration", "0"], "must be a number above 0, not '0'"),
+        (["run", "fetch", "--duration", "0"], "must be a number above 0, in s or with a unit (ms, min), not '0'"),
         (["run", "fetch", "--serve", "99999"], "must be a port from 1 to 65534"),
         (["run", "fetch", "--mode", "fast"], "unknown --mode 'fast': valid: lockstep"),
         (["run", "fetch", "--view", "--no-view"], "not allowed with argument --view"),

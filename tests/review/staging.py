@@ -117,6 +117,10 @@ TREES = {
         "flicker",
         WATCHED + f"reactive_selector: [{{reactive_sequence: [{SURE}, idle]}}, {{wait: 60 s}}]}}}}",
     ),
+    "gives_way": (
+        "hidden",
+        WATCHED + f"reactive_selector: [{{reactive_sequence: [{{inverter: {SURE}}}, {{wait: 60 s}}]}}, walk]}}}}",
+    ),
     "far": ("ball_on_stand", WATCHED + "reach: {target: target, hand: left, patience: 0.2 s}}}"),
 }
 """Tree -> its scene, and what stands below its emergency stop."""

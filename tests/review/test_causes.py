@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from humanoid_bt.core.errors import ControlLost
 from humanoid_bt.core.messages import Command, Measurement
 from humanoid_bt.review.cause import Cause
 from humanoid_bt.review.causes import _and_raised
@@ -34,6 +35,10 @@ def pressed(session: Session) -> None:
 
 def pushed(session: Session) -> None:
     session.push((0.0, -400.0, 0.0), 0.2)
+
+
+def leant_on(session: Session) -> None:
+    session.push((0.0, -110.0, 0.0), 1.0)
 
 
 def blinded(session: Session) -> None:
@@ -89,6 +94,17 @@ def deluded(session: Session) -> None:
     supervisor.check = deluded_check
 
 
+def lost(session: Session) -> None:
+    """Let control be gone 5 ms after the last tick."""
+
+    def advance() -> None:
+        for _ in range(5):
+            session.engine.clock.advance()  # type: ignore[attr-defined]
+        raise ControlLost("the control process has ended (signal SIGKILL)")
+
+    session.engine.advance = advance  # type: ignore[method-assign]
+
+
 CASES: dict[str, tuple[str, str, dict[str, Any], str]] = {
     "estop by hand": (
         "walk",
@@ -113,13 +129,21 @@ CASES: dict[str, tuple[str, str, dict[str, Any], str]] = {
         "walk",
         "push",
         {"at": 1.0, "do": pushed, "duration": 4.0},
-        r"the robot fell at 1\.4\d\d s: something pushed it to the right at 1\.00 s while 'walk' commanded the base",
+        r"the robot fell at 1\.4\d\d s: it was pushed to the right with 400 N at 1\.000 s "
+        r"while 'walk' commanded the base",
+    ),
+    "push that is no jolt, and fall": (
+        "walk",
+        "push",
+        {"at": 1.0, "do": leant_on, "duration": 4.0},
+        r"the robot fell at \d\.\d\d\d s: it was pushed to the right with 110 N at 1\.000 s "
+        r"while 'walk' commanded the base",
     ),
     "fall in an emergency stop": (
         "walk",
         "push",
         {"at": 0.3, "do": pressed_then_pushed, "duration": 4.0, "on_estop": "wait"},
-        r"the robot fell at \d\.\d+ s: something pushed it to the left at 0\.9\d s, "
+        r"the robot fell at \d\.\d+ s: it was pushed to the left with 600 N at 0\.9\d0 s, "
         r"in the emergency stop since 0\.300 s",
     ),
     "no finite state": (
@@ -229,6 +253,24 @@ CASES: dict[str, tuple[str, str, dict[str, Any], str]] = {
         {"duration": 0.1},
         r"the run was ended at 0\.100 s, its 0\.1 s were up while 'pause' .*",
     ),
+    "time is up long after a branch was halted": (
+        "gives_way",
+        "unfinished",
+        {"duration": 0.6},
+        r"the run was ended at 0\.600 s, its 0\.6 s were up while 'wait' ran .*",
+    ),
+    "time is up in the tick that halts a branch": (
+        "gives_way",
+        "unfinished",
+        {"duration": 0.4},
+        r"the run was ended at 0\.400 s, its 0\.4 s were up while 'wait' ran",
+    ),
+    "control lost right after the first tick": (
+        "walk",
+        "control",
+        {"do": lost},
+        r"control was lost at 0\.00\d s: the control process has ended \(signal SIGKILL\)",
+    ),
     "interrupted": (
         "walk",
         "interrupted",
@@ -252,6 +294,9 @@ TELLING = (
     "two owners",
     "percept lost",
     "flapping",
+    "time is up long after a branch was halted",
+    "time is up in the tick that halts a branch",
+    "control lost right after the first tick",
     "interrupted in its first tick",
     "success",
 )
@@ -266,6 +311,7 @@ def test_the_first_line_says_what_stopped_the_robot(play: Play, name: str) -> No
     found = explain(play(tree, **how))
     assert re.fullmatch(headline, found.headline), found.headline
     assert found.kind == kind
+    assert found.node or kind != "control"
     assert (("", "and 2 more") in found.after) == (len(found.data["stops"]) == 7)  # of which five are listed
     for width in (60, 80):
         lines = found.text(width).splitlines()

@@ -55,7 +55,10 @@ def test_the_direction_of_a_push_is_as_the_robot_sees_it(
     play: Play, force: tuple[float, float, float], direction: str
 ) -> None:
     found = hbt.explain(play("stand", duration=3.0, at=0.5, do=lambda session: session.push(force, 0.2)))
-    assert f"something pushed it {direction} at 0." in found.headline
+    assert f"it was pushed {direction} with 400 N at 0.500 s" in found.headline
+    push = Motion(read_flight(found.recording), 0.0, found.time or 0.0).push()
+    assert push is not None
+    assert push.direction == direction
 
 
 def test_a_moment_tells_node_command_percepts_and_joints(seen: Path) -> None:
@@ -125,7 +128,7 @@ def test_the_setup_has_the_limits_of_the_robot(fallen: Path) -> None:
         (["--node", "aproach"], "did you mean 'approach'?"),
         (["--joint", "right_elbw"], "did you mean 'right_elbow'?"),
         (["--at", "99"], "valid: 0.00 to "),
-        (["--at", "-1"], "must be a time in seconds, 0 or more"),
+        (["--at", "-1"], "must be a time, 0 or more, in s or with a unit"),
         (["--at", "1", "--node", "x"], "not allowed with argument"),
     ],
 )

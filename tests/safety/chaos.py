@@ -38,13 +38,18 @@ exit codes:
 
 
 def soak(seed: int, numbers: Iterable[int], folder: Path, links: Path, until: float) -> Iterator[Trial]:
-    """Yield one trial after the other, until a time on the monotonic clock [s]; the bystander's is the last one."""
-    camera = _renders(folder)
+    """Yield one trial after the other, until a time on the monotonic clock [s]; the bystander's is the last one.
+
+    None is begun that would last longer than until then, if it took as long as the longest one so far.
+    """
+    camera, longest = _renders(folder), 0.0
     with bystander(seed, folder, links) as beside:
         for number in numbers:
-            if time.monotonic() >= until:
+            began = time.monotonic()
+            if began + longest >= until:
                 break
             yield tried(planned(seed, number, camera), folder, links)
+            longest = max(longest, time.monotonic() - began)
     yield beside
 
 
@@ -114,7 +119,9 @@ def _parser() -> argparse.ArgumentParser:
         epilog=_EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    parser.add_argument("--minutes", type=float, default=30.0, help="how long (default: %(default)g)")
+    parser.add_argument(
+        "--minutes", type=float, default=30.0, help="how long, but for the first run and the end (default: %(default)g)"
+    )
     parser.add_argument("--seed", type=int, default=0, help="of everything that is random (default: %(default)s)")
     parser.add_argument("--trial", type=int, metavar="N", help="only this one")
     parser.add_argument("--list", type=int, metavar="N", help="print what the first N would be, and do nothing")

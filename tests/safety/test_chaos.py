@@ -6,6 +6,7 @@ import os
 import subprocess
 import sys
 from collections.abc import Iterator
+from contextlib import nullcontext
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
@@ -18,7 +19,7 @@ from humanoid_bt.control.cycle_log import MODES
 from humanoid_bt.core.messages import Mode
 from tests.realtime import helpers
 from tests.realtime.helpers import environment, until
-from tests.safety import promises
+from tests.safety import chaos, promises
 from tests.safety.apart import keep_apart
 from tests.safety.chaos import main, summary
 from tests.safety.plans import planned
@@ -45,6 +46,22 @@ def test_what_is_gone_is_not_struck_again() -> None:
         for _, fault in plan.faults:
             assert not gone.intersection(fault.roles), plan
             gone.update(fault.ends)
+
+
+def test_no_run_is_begun_that_would_not_end_in_time(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    now = [1000.0]
+
+    def takes_25_s(*_: object) -> str:
+        now[0] += 25.0
+        return "trial"
+
+    monkeypatch.setattr(chaos, "time", SimpleNamespace(monotonic=lambda: now[0]))
+    monkeypatch.setattr(chaos, "_renders", lambda _: False)
+    monkeypatch.setattr(chaos, "bystander", lambda *_: nullcontext("bystander"))
+    monkeypatch.setattr(chaos, "tried", takes_25_s)
+    for minutes, trials in ((0.1, 1), (1.0, 2), (1.3, 3)):
+        until_ = now[0] + 60 * minutes
+        assert list(chaos.soak(0, range(99), tmp_path, tmp_path, until_)) == [*["trial"] * trials, "bystander"]
 
 
 def test_it_lists_what_it_would_do(capsys: pytest.CaptureFixture[str]) -> None:

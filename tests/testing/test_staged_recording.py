@@ -58,7 +58,7 @@ def test_a_push_that_was_staged_explains_the_fall(stage, tmp_path):
     assert run.fell
     explanation = explain(run.recording)
     assert explanation.kind == "push"
-    assert explanation.headline.endswith("; a test staged at 0.300 s: push (force [0, 900, 0] N)")
+    assert explanation.headline.endswith(": it was pushed to the left with 900 N at 0.300 s; a test staged it")
 
 
 @pytest.mark.trials

@@ -41,7 +41,7 @@ exit codes:
   0    all trials are done, and what is required holds; compare: nothing got worse beyond chance
   1    something that is required does not hold; compare: something got worse; rerun: it failed
   2    usage, or a mistake in a file
-  4    internal error, or the results cannot be written
+  4    every trial ended with an exception in a skill, died or hung; an internal error; the results cannot be written
   130  interrupted; --resume goes on
 """
 

@@ -8,11 +8,12 @@ from collections.abc import Callable
 from typing import Any
 
 from humanoid_bt.core.sizes import VALID, read_size, shown_size
+from humanoid_bt.core.units import factors
 from humanoid_bt.record.parts import SMALLEST_PART
 from humanoid_bt.session.limits import Limit
 
 PHASE = Limit(float, "a number from 0.1 to 3600", lambda value: 0.1 <= value <= 3600, "s")
-TIME = Limit(float, "a time in seconds, 0 or more", lambda value: 0 <= value < math.inf, "s")
+TIME = Limit(float, "a time, 0 or more", lambda value: 0 <= value < math.inf, "s")
 PERCENT = Limit(float, "a number from 0 to 100", lambda value: 0 <= value <= 100)
 COUNT = Limit(int, "a whole number above 0", lambda value: value > 0)
 
@@ -32,6 +33,8 @@ def number(limit: Limit) -> Callable[[str], Any]:
         try:
             return limit.read(text)
         except ValueError as error:
-            raise argparse.ArgumentTypeError(f"must be {limit.valid}, not {text!r}") from error
+            others = ", ".join(unit for unit in factors(limit.unit) if unit != limit.unit)
+            more = f", in {limit.unit} or with a unit ({others})" if others else ""
+            raise argparse.ArgumentTypeError(f"must be {limit.valid}{more}, not {text!r}") from error
 
     return read
