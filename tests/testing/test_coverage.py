@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +12,7 @@ import pytest
 
 import humanoid_bt.testing.rig  # noqa: F401 (the inner pytest forgets what it imports, and numpy loads only once)
 from humanoid_bt.cli import main
+from humanoid_bt.core.errors import UserError, relative
 from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.testing.coverage import counting, coverage_in, save, tree_coverage, tree_files
 from humanoid_bt.tree.counting import FOLDER
@@ -164,6 +166,17 @@ def test_what_was_counted_apart_is_merged(halted: Path, capsys: pytest.CaptureFi
     assert main(["coverage", "counted", "nightly.json", "--json", "all.json", "--html", "all.html"]) == 0
     assert capsys.readouterr().out.startswith("trees/chooses.yaml       5/12   41 %\n")
     assert Coverage.read(halted / "all.json").files.keys() == coverage_in(halted / "counted").files.keys()
+
+
+@pytest.mark.parametrize("asked", [[], ["."], ["trees"]])
+def test_the_trees_of_a_workspace_are_no_scenes_scenarios_and_campaigns(halted: Path, asked: list[str]) -> None:
+    for other in ("scenarios/x.yaml", "campaigns/x.yaml", "sim/scenes/x.yaml", "trees/parts/x.yaml"):
+        (halted / other).parent.mkdir(parents=True, exist_ok=True)
+        (halted / other).write_text("format: 1\n", encoding="utf-8")
+    assert [relative(file) for file in tree_files(asked, halted)] == ["trees/chooses.yaml", "trees/parts/x.yaml"]
+    shutil.rmtree(halted / "trees")
+    with pytest.raises(UserError, match="no tree (files|named)"):
+        tree_files(asked, halted)
 
 
 def test_of_an_edited_file_nothing_counts(halted: Path) -> None:
