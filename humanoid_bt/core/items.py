@@ -24,6 +24,15 @@ class Item:
     key_places: dict[str, Place] = field(default_factory=dict)
     text_at: int | None = field(default=None, compare=False)
 
+    def place_of(self, *keys: str) -> Place:
+        """Return where a value in it is written, or what stands around it where it is not."""
+        found = self
+        for key in keys:
+            if not isinstance(found.value, dict) or key not in found.value:
+                break
+            found = found.value[key]
+        return found.place
+
     def plain(self) -> Any:
         """Return the value as ``yaml.safe_load`` would give it."""
         if isinstance(self.value, dict):

@@ -29,7 +29,7 @@ from humanoid_bt.session.options import OnEStop
 from humanoid_bt.testing.check_skill_result import SkillCheck
 from humanoid_bt.testing.check_skill_rules import tried
 from humanoid_bt.testing.conditions import Conditions
-from humanoid_bt.testing.events import Event
+from humanoid_bt.testing.events import Event, script_of
 from humanoid_bt.testing.rig_result import RigResult
 from humanoid_bt.testing.scripted_perception import ScriptedPerception
 from humanoid_bt.testing.stage import Stage
@@ -231,7 +231,7 @@ class Rig:
             parameters=given(parameters, values),
             duration=duration,
             on_estop=on_estop,
-            script=[*seen, *script],
+            script=[*seen, *script_of(script)],
             conditions=conditions,
             replace=replace,
             record=record,

@@ -73,6 +73,10 @@ class Scenario:
             if isinstance(one, Within) and one.limit > duration:
                 message = f"a run ends after {duration:g} s, before {one.limit:g} s are over"
                 yield Problem(message, one.place, f"duration: {one.limit:g} s", "out-of-range")
+        for event in values.get("script", ()):
+            if event.at is not None and event.at >= duration:
+                message = f"the event at {event.at:g} s never happens: a run ends after {duration:g} s"
+                yield Problem(message, event.place_of("at"), "an earlier moment, or a longer duration", "out-of-range")
 
     @property
     def name(self) -> str:
@@ -81,12 +85,7 @@ class Scenario:
 
     def place(self, *keys: str) -> Place:
         """Return where a value is written, or what stands around it where it is not."""
-        found = self.item
-        for key in keys:
-            if not isinstance(found.value, dict) or key not in found.value:
-                break
-            found = found.value[key]
-        return found.place
+        return self.item.place_of(*keys)
 
 
 def load_scenario(path: Path) -> Scenario:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import OrderedDict
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from os import PathLike
 from pathlib import Path
 from typing import Any, cast
@@ -125,12 +126,12 @@ class Stage:
                 on_estop=on_estop or ("wait" if any(event.reset for event in staging.script) else "end"),
                 duration=None if duration is None else limits.DURATION.take(duration, "duration"),
                 sinks=Sinks(file=_recording(record)),
-                staged=staging.told,
+                staged=staging.told(),
             )
             listener = _Changes()
             drive = Drive(options, self.workspace, listener, engine=cast(Engine, engine), looks=not self.dry)
             engine.enter(_known(drive.runner.tree, staging, ready), drive.runner.robot, staging.lines)
-            return _run(drive, engine, listener, watchers)
+            return _run(drive, engine, listener, watchers, staging)
         finally:
             for key, initial in initials:
                 key.initial = initial
@@ -195,7 +196,7 @@ def _check(staging: Staging, tree: Tree, ready: Ready) -> None:
         raise UserError(problems)
 
 
-def _run(drive: Drive, engine: Staged, listener: _Changes, watchers: Sequence[Watcher]) -> TreeRun:
+def _run(drive: Drive, engine: Staged, listener: _Changes, watchers: Sequence[Watcher], staging: Staging) -> TreeRun:
     """Run a tree to its end, and return what there was to see."""
     tree, config = drive.runner.tree, engine.robot.config
     view, samples = View(tree, drive.runner.robot), list[Sample]()
@@ -209,13 +210,15 @@ def _run(drive: Drive, engine: Staged, listener: _Changes, watchers: Sequence[Wa
                 engine.look(view)
                 for watcher in watchers:
                     watcher.tick(view)
+        missed = engine.close_script()
     except BaseException as error:  # a mistake of a watcher too: the robot stands and the recording is whole first
         drive.leave("interrupted", "Ctrl-C" if isinstance(error, KeyboardInterrupt) else str(error))
         raise
     finally:
         drive.close()
     assert drive.report is not None
-    run = TreeRun(drive.report, tree, samples, listener.all, list(engine.supervisor.stops), config)
+    report = replace(drive.report, staged=staging.told([one.event for one in missed]))
+    run = TreeRun(report, tree, samples, listener.all, list(engine.supervisor.stops), config, missed)
     for watcher in watchers:
         watcher.end(run)
     return run

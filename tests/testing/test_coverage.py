@@ -175,7 +175,7 @@ def test_the_trees_of_a_workspace_are_no_scenes_scenarios_and_campaigns(halted: 
         (halted / other).write_text("format: 1\n", encoding="utf-8")
     assert [relative(file) for file in tree_files(asked, halted)] == ["trees/chooses.yaml", "trees/parts/x.yaml"]
     shutil.rmtree(halted / "trees")
-    with pytest.raises(UserError, match="no tree (files|named)"):
+    with pytest.raises(UserError, match=r"no tree (files|named)"):
         tree_files(asked, halted)
 
 
