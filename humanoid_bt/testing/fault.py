@@ -25,6 +25,7 @@ class Known(NamedTuple):
         joints: the robot's, in its order.
         bodies: those that can be pushed.
         percepts: those that the scene publishes or the script dictates.
+        asked: those that the scene publishes or the tree asks for.
         dry: whether there is no simulated body.
     """
 
@@ -33,6 +34,7 @@ class Known(NamedTuple):
     joints: Sequence[str]
     bodies: Collection[str]
     percepts: Collection[str]
+    asked: Collection[str]
     dry: bool
 
 

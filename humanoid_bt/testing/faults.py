@@ -141,8 +141,10 @@ class See(_Sensory):
     duration: float | None = param(None, above=0, unit="s", doc="How long" + _FOR_GOOD)
 
     def misnamed(self, known: Known) -> Iterator[Problem]:
-        """Yield nothing: any name may be seen."""
-        yield from ()
+        """Yield that nobody asks for the percept, unless nobody asks for any."""
+        if known.asked and self.percept not in known.asked:
+            message = f"neither the tree nor the scene knows a percept {self.percept!r}"
+            yield Problem(message, hint=nearest(self.percept, known.asked), code="unknown-percept")
 
     def seen(
         self, name: str, percept: Percept | None, state: State, due: bool, numbers: np.random.Generator

@@ -80,7 +80,7 @@ def _misfits(scenario: Scenario, workspace: Workspace) -> Iterator[Problem]:
         if name in scenario.conditions.of_body:
             message = f"the condition {name!r} needs a body, and a dry run simulates none"
             yield Problem(message, scenario.place("conditions", name), "leave it out, or dry", "exclusive-keys")
-    known = _known(scenario, run, scene, robot)
+    known = _known(scenario, tree, run, scene, robot)
     yield from mistakes(scenario.script, known)
     try:
         scenario.expect.check(run, known.percepts)
@@ -98,8 +98,9 @@ def _unknown_nodes(scenario: Scenario, tree: Tree) -> Iterator[Problem]:
             yield Problem(message, place, nearest(node, course.node_names), "unknown-node")
 
 
-def _known(scenario: Scenario, tree: Tree, scene: SceneConfig, robot: RobotModel) -> Known:
+def _known(scenario: Scenario, loaded: Tree, tree: Tree, scene: SceneConfig, robot: RobotModel) -> Known:
     """Return what names in a scenario can mean."""
     percepts = {*scene.percepts, *(event.see.percept for event in scenario.script if event.see)}
+    asked = {*scene.percepts, *loaded.percepts}
     bodies = [robot.model.body(number).name for number in range(1, robot.model.nbody)]
-    return Known(tree, robot.config.torso, robot.joint_names, bodies, percepts, scenario.dry)
+    return Known(tree, robot.config.torso, robot.joint_names, bodies, percepts, asked, scenario.dry)

@@ -7,12 +7,12 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from os import PathLike
 from pathlib import Path
-from typing import Any, cast
+from typing import Any, cast, get_args
 
 from py_trees.common import Status
 
 from humanoid_bt.checking.check import load_checked
-from humanoid_bt.core.errors import UserError
+from humanoid_bt.core.errors import UserError, nearest
 from humanoid_bt.decision.result import results_of
 from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.record.sinks import Sinks
@@ -102,6 +102,12 @@ class Stage:
             KeyboardInterrupt: Ctrl-C; the robot was brought to a stand first.
         """
         seed = int(limits.SEED.take(seed, "seed"))
+        if on_estop not in (None, *get_args(OnEStop)):
+            raise UserError(f"'on_estop' cannot be {on_estop!r}", hint=nearest(str(on_estop), get_args(OnEStop)))
+        for watcher in watchers:
+            if lacking := [name for name in ("tick", "end") if not callable(getattr(watcher, name, None))]:
+                hint = "a watcher is an object with tick(view), called after every tick, and end(run)"
+                raise UserError(f"the watcher {watcher!r} has no {' and no '.join(lacking)}", hint=hint)
         staging = Staging(
             self.dry,
             Conditions.of(conditions),
@@ -114,7 +120,7 @@ class Stage:
             ready = self._engines.ready(loaded, seed, staging.conditions)
             engine = Staged(ready.engine, staging.script, seed, ready.set_strength)
             if staging.script:
-                _check(staging, self._remade(loaded, staging), ready)
+                _check(staging, loaded, self._remade(loaded, staging), ready)
                 for key, initial in initials:  # trying what is set has changed them
                     key.initial = initial
             options = RunOptions(
@@ -130,7 +136,7 @@ class Stage:
             )
             listener = _Changes()
             drive = Drive(options, self.workspace, listener, engine=cast(Engine, engine), looks=not self.dry)
-            engine.enter(_known(drive.runner.tree, staging, ready), drive.runner.robot, staging.lines)
+            engine.enter(_known(loaded, drive.runner.tree, staging, ready), drive.runner.robot, staging.lines)
             return _run(drive, engine, listener, watchers, staging)
         finally:
             for key, initial in initials:
@@ -180,19 +186,26 @@ def _recording(record: str | PathLike[str] | None) -> Path | None:
     return path
 
 
-def _known(tree: Tree, staging: Staging, ready: Ready) -> Known:
+def _known(loaded: Tree, tree: Tree, staging: Staging, ready: Ready) -> Known:
     scene, robot = ready.engine.scene.config, ready.engine.robot
     percepts = [*scene.percepts, *(event.see.percept for event in staging.script if event.see is not None)]
-    return Known(tree, robot.config.torso, robot.joint_names, ready.bodies, percepts, staging.dry)
+    asked = {*scene.percepts, *loaded.percepts}
+    return Known(tree, robot.config.torso, robot.joint_names, ready.bodies, percepts, asked, staging.dry)
 
 
-def _check(staging: Staging, tree: Tree, ready: Ready) -> None:
+def _check(staging: Staging, loaded: Tree, tree: Tree, ready: Ready) -> None:
     """Try the names in a script on a tree that is not run after it.
+
+    Args:
+        staging: what the test does.
+        loaded: the tree as its file says.
+        tree: the same with stand-ins.
+        ready: what it runs on.
 
     Raises:
         UserError: with everything that a script asks for and is not there.
     """
-    if problems := list(mistakes(staging.script, _known(tree, staging, ready))):
+    if problems := list(mistakes(staging.script, _known(loaded, tree, staging, ready))):
         raise UserError(problems)
 
 

@@ -82,6 +82,12 @@ class Tree:
         message, hint = f"the tree {self.name!r} has no node {path!r}", nearest(path.rsplit("/", 1)[-1], names)
         raise UserError(message, hint=hint, code="no-file")
 
+    @property
+    def percepts(self) -> set[str]:
+        """The percepts that its nodes ask for, by name."""
+        asked = (node.type.percepts(node.values) for node in self.nodes)
+        return {percept for names in asked for percepts in names.values() for percept in percepts}
+
     def to_yaml(self) -> str:
         """Return the text of a file that loads to the same tree; sub-trees stay in their own files.
 
