@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import dataclass, field
+from numbers import Number
+from os import PathLike
 from typing import Any
 
 from humanoid_bt.core.errors import Place
@@ -45,13 +48,14 @@ class Item:
     def kind(self) -> str:
         """The value's kind in words, for messages."""
         names = {dict: "a mapping", list: "a list", str: "text", bool: "a boolean", type(None): "nothing"}
-        return names.get(type(self.value), "a number")
+        other = "a number" if isinstance(self.value, Number) else f"an object of type {type(self.value).__name__}"
+        return names.get(type(self.value), other)
 
 
 def item_of(value: Any, place: Place) -> Item:
-    """Wrap a plain Python value (a default, a ``--set`` argument) as an item with one place."""
+    """Wrap a plain Python value (a default, a ``--set`` argument) as an item with one place; a path is its text."""
     if isinstance(value, dict):
         return Item({key: item_of(child, place) for key, child in value.items()}, place)
     if isinstance(value, (list, tuple)):
         return Item([item_of(child, place) for child in value], place)
-    return Item(value, place)
+    return Item(os.fspath(value) if isinstance(value, PathLike) else value, place)

@@ -8,7 +8,7 @@ import typing
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from os import PathLike
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 from py_trees.common import Status
@@ -19,7 +19,7 @@ from humanoid_bt.core.errors import Place, UserError, nearest, relative
 from humanoid_bt.core.items import item_of
 from humanoid_bt.core.messages import Command, Percept, Side, State
 from humanoid_bt.core.params import PerceptName
-from humanoid_bt.core.reading import convert
+from humanoid_bt.core.reading import convert, needed
 from humanoid_bt.decision.result import results_of
 from humanoid_bt.decision.robot import Robot
 from humanoid_bt.files.workspace import Workspace
@@ -94,7 +94,13 @@ class Rig:
         return self._lockstep.controller.state()
 
     def hand_distance(self, side: Side, position: Any) -> float:
-        """Return how far a palm is from a position, shape (3,), world frame [m]."""
+        """Return how far a palm is from a position, shape (3,), world frame [m].
+
+        Raises:
+            UserError: there is no such side.
+        """
+        if side not in get_args(Side):
+            raise UserError(f"'side' cannot be {side!r}", hint=nearest(str(side), get_args(Side)))
         return float(np.linalg.norm(self.state.hands[side] - np.asarray(position, dtype=float)))
 
     # ---- what the test dictates -------------------------------------------------------------------------------------
@@ -273,13 +279,15 @@ class Rig:
 
     def _convert(self, node_type: NodeType, values: dict[str, Any]) -> dict[str, Any]:
         converted: dict[str, Any] = {}
-        if missing := [name for name, spec in node_type.params.items() if spec.required and name not in values]:
-            raise UserError(f"the skill {node_type.type_name!r} needs the parameter {missing[0]!r}")
+        params, what = node_type.params, f"the skill {node_type.type_name!r}"
+        if unknown := [name for name in values if name not in params]:
+            hint = nearest(unknown[0], params) or "it has none"
+            raise UserError(f"{what} has no parameter {unknown[0]!r}", hint=hint, code="unknown-parameter")
+        if missing := [name for name, spec in params.items() if spec.required and name not in values]:
+            hint = needed(params[missing[0]])
+            raise UserError(f"{what} needs the parameter {missing[0]!r}", hint=hint, code="missing-parameter")
         for name, value in values.items():
-            spec = node_type.params.get(name)
-            if spec is None:
-                hint = nearest(name, node_type.params)
-                raise UserError(f"the skill {node_type.type_name!r} has no parameter {name!r}", hint=hint)
+            spec = params[name]
             if PerceptName in (spec.type, *typing.get_args(spec.type)) and not isinstance(value, str):
                 self.see(name, value)
                 self._wait_for_perception()

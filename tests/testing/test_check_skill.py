@@ -107,6 +107,7 @@ def test_a_thread_that_commands_on_is_noticed(rig: hbt.Rig) -> None:
 def test_what_is_missing_or_unknown_is_one_message(rig: hbt.Rig) -> None:
     for skill, values, said in [
         ("reach", {}, "the skill 'reach' needs the parameter 'target'"),
+        ("reach", {"targt": BALL}, "has no parameter 'targt'[^\0]*did you mean 'target'"),
         ("reech", {}, "no skill named 'reech'"),
         ("good", {"width": 1}, "has no parameter 'width'"),
     ]:

@@ -39,6 +39,8 @@ def test_mistakes_name_what_is_valid(rig):
         rig.run("puase")
     with pytest.raises(UserError, match="did you mean 'duration'"):
         rig.run("pause", durations=1)
+    with pytest.raises(UserError, match="'side' cannot be 'lft'"):
+        rig.hand_distance("lft", (0, 0, 0))
 
 def test_a_scripted_emergency_stop(rig):
     rig.at(0.1, rig.raise_estop)

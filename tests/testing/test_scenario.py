@@ -101,6 +101,12 @@ MISTAKES = {
         "did you mean 'approach'?",
     ),
     "a stand-in": (", success]", ", sucess]", "14:45: error: 'status' cannot be 'sucess'", "did you mean 'success'?"),
+    "a recording": (
+        "[{status: failure, after: 2 s}, success]",
+        "{recorded: none.rrd}",
+        "14:24: error: 'scenarios/none.rrd' is no recording that can be read: No such file",
+        "",
+    ),
     "nothing expected": (
         WHOLE[WHOLE.index("expect:") :],
         "expect: []",
