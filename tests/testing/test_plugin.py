@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 
 import pytest
 
@@ -83,6 +84,21 @@ def test_a_skill_that_is_not_there_names_the_workspace(user: pytest.Pytester) ->
     result = user.runpytest_inprocess("-p", "no:cacheprovider")
     result.assert_outcomes(failed=1)
     result.stdout.fnmatch_lines(["*no skill named 'hail' in the workspace '*"])
+
+
+def test_a_mistake_in_a_test_is_shown_at_its_own_line(user: pytest.Pytester) -> None:
+    make_project(user.path)
+    mistakes = (
+        "rig.run('pause', durations=1)",
+        "rig.run_tree('wait', dry=True, replace={'wait': {'recorded': 'no.rrd'}})",
+        "rig.run_tree('wait', dry=True).expect('never: fel')",
+    )
+    tests = (f"def test_{number}(rig):\n    {mistake}\n" for number, mistake in enumerate(mistakes))
+    user.makepyfile(test_mine="\n".join(tests))
+    short, full = (user.runpytest_inprocess("-p", "no:cacheprovider", *options) for options in ((), ("--full-trace",)))
+    shown, all_ = ([line for line in of.outlines if re.match(r"\S+\.py:\d+: ", line)] for of in (short, full))
+    assert [line.rpartition(":")[0] for line in shown] == ["test_mine.py:2", "test_mine.py:5", "test_mine.py:8"]
+    assert any("/humanoid_bt/testing/rig.py" in line for line in all_)
 
 
 def test_the_workspace_can_lie_elsewhere(user: pytest.Pytester) -> None:
