@@ -27,14 +27,25 @@ class Item:
     key_places: dict[str, Place] = field(default_factory=dict)
     text_at: int | None = field(default=None, compare=False)
 
-    def place_of(self, *keys: str) -> Place:
-        """Return where a value in it is written, or what stands around it where it is not."""
-        found = self
-        for key in keys:
-            if not isinstance(found.value, dict) or key not in found.value:
+    def place_of(self, *keys: str | int, key: bool = False) -> Place:
+        """Return where a value in it is written, or what stands around it where it is not.
+
+        Args:
+            keys: those of mappings and indices of lists that lead to it.
+            key: return where its key stands instead.
+        """
+        found, place = self, self.place
+        for one in keys:
+            if isinstance(found.value, dict) and one in found.value:
+                written = found.key_places.get(str(one), found.place)
+                found = found.value[one]
+            elif isinstance(found.value, list) and isinstance(one, int):
+                found = found.value[one]
+                written = found.place
+            else:
                 break
-            found = found.value[key]
-        return found.place
+            place = written if key else found.place
+        return place
 
     def plain(self) -> Any:
         """Return the value as ``yaml.safe_load`` would give it."""

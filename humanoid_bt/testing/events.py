@@ -92,9 +92,9 @@ class Event:
     def __str__(self) -> str:
         return f"{self.moment} {self.fault}"
 
-    def place_of(self, *keys: str) -> Place:
-        """Return where a value of it is written, as near as that is known."""
-        return self.item.place_of(*keys) if self.item is not None else self.place or Place("")
+    def place_of(self, *keys: str | int, key: bool = False) -> Place:
+        """Return where a value of it is written, or its key, as near as that is known."""
+        return self.item.place_of(*keys, key=key) if self.item is not None else self.place or Place("")
 
     @property
     def name(self) -> str:
@@ -151,8 +151,8 @@ def mistakes(events: Sequence[Event], known: Known) -> Iterator[Problem]:
             what, hint = event.name, "run it without dry, or leave the event out"
             yield Problem(f"{what!r} needs a body, and a dry run simulates none", event.place, hint)
             continue
-        for problem in event.fault.misnamed(known):
-            yield replace(problem, place=event.place)
+        for problem, keys, key in event.fault.misnamed(known):
+            yield replace(problem, place=event.place_of(event.name, *keys, key=key))
         if event.when is not None:
             try:
                 event.when.link(RunNames(Course(known.tree), known.percepts))

@@ -38,6 +38,20 @@ class Known(NamedTuple):
     dry: bool
 
 
+class Misnamed(NamedTuple):
+    """Something that a fault names and that is not there.
+
+    Attributes:
+        problem: what is wrong with it.
+        keys: where in the fault it stands: keys of mappings, indices of lists.
+        key: whether it is the last of these itself, and not its value.
+    """
+
+    problem: Problem
+    keys: tuple[str | int, ...]
+    key: bool = False
+
+
 class Acting(Protocol):
     """What faults act on."""
 
@@ -85,7 +99,7 @@ class Fault:
         fault: Self = read(cls, item, repr(name))
         return fault
 
-    def misnamed(self, known: Known) -> Iterator[Problem]:
+    def misnamed(self, known: Known) -> Iterator[Misnamed]:
         """Yield what it names and is not there."""
         yield from ()
 

@@ -91,7 +91,26 @@ MISTAKES = {
     "a fault": ("push:", "pusch:", "11:15: error: unknown key 'pusch' of the event", "did you mean 'push'?"),
     "a late event": ("at: 2 s,", "at: 1 min,", "11:10: error: the event at 60 s never happens", "an earlier moment"),
     "no moment": ("at: 2 s, ", "", "11:5: error: an event happens at a time or when", "write at: 2 s, or when:"),
-    "a percept of a fault": ("lose: target", "lose: taget", "12:5: error: the scene publishes no percept", "'target'"),
+    "a percept of a fault": ("lose: target", "lose: taget", "12:42: error: the scene publishes no percept", "'target'"),
+    "a body of a fault": (
+        "{force: [0, 60, 0]}}",
+        "{force: [0, 60, 0], body: trso}}",
+        "11:47: error: there is no body 'trso' to push [unknown-body]",
+        "'torso'",
+    ),
+    "a node of a fault": (
+        "lose: target",
+        "raise: reech",
+        "12:43: error: the tree 'fetch' has no node 'reech' [unknown-node]",
+        "'reach'",
+    ),
+    "a name to set": (
+        "lose: target",
+        "set: {lok: 2}",
+        "12:42: error: the tree has no key or parameter 'lok' [unknown-parameter]",
+        "'look'",
+    ),
+    "a value to set": ("lose: target", "set: {reach.hold: x}", "12:54: error: 'hold' must be a number", ""),
     "a moment": ("(target) < 1", "(taget) < 1", "12:12: error: in 'distance(taget) < 1 m': there is no", "'target'"),
     "physics in a dry run": ("seeds: 0-2, 7", "dry: true", "11:5: error: 'push' needs a body", "run it without dry"),
     "a node to replace": (
@@ -106,6 +125,12 @@ MISTAKES = {
         "{recorded: none.rrd}",
         "14:24: error: 'scenarios/none.rrd' is no recording that can be read: No such file",
         "",
+    ),
+    "another stand-in": (
+        "[{status: failure, after: 2 s}, success]",
+        "sucess",
+        "14:13: error: nothing can stand in for 'approach' like this",
+        "did you mean 'success'?",
     ),
     "nothing expected": (
         WHOLE[WHOLE.index("expect:") :],
