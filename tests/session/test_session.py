@@ -285,7 +285,7 @@ def use(*calls: Callable[[hbt.Session], object]) -> Callable[[hbt.Session], obje
         (lambda s: s.run_until(True), "'condition' must be a time"),
         (lambda s: s.run_until(math.nan), "'condition' must be a time"),
         (lambda s: s.run_until(1.0, timeout=-1), "'timeout' must be a number of seconds, 0 or more, not -1"),
-        (lambda s: s.node("paus"), "has no node 'paus' [no-file]\n    did you mean 'pause'?"),
+        (lambda s: s.node("paus"), "has no node 'paus' [unknown-node]\n    did you mean 'pause'?"),
         (lambda s: s.blackboard["n"], "the tree has no key 'n'\n    the tree has no keys"),
         (lambda s: s.push("hard"), "'force' must be three numbers [N], not 'hard'"),
         (lambda s: s.push((0, 1e6, 0)), "'force' must be at most 10000 N in each direction, not 1000000.0"),
