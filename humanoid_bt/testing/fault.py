@@ -24,7 +24,7 @@ class Known(NamedTuple):
         torso: the body that is pushed where none is named.
         joints: the robot's, in its order.
         bodies: those that can be pushed.
-        percepts: those that the scene publishes or the script dictates.
+        percepts: those that the scene publishes or the script dictates; None if that is not known.
         asked: those that the scene publishes or the tree asks for.
         dry: whether there is no simulated body.
     """
@@ -33,7 +33,7 @@ class Known(NamedTuple):
     torso: str
     joints: Sequence[str]
     bodies: Collection[str]
-    percepts: Collection[str]
+    percepts: Collection[str] | None
     asked: Collection[str]
     dry: bool
 

@@ -112,7 +112,7 @@ class _Sensory(Fault):
     def misnamed(self, known: Known) -> Iterator[Misnamed]:
         """Yield that nobody publishes the percept."""
         name = str(vars(self)["percept"])
-        if name and name not in known.percepts:
+        if name and known.percepts is not None and name not in known.percepts:
             hint = nearest(name, known.percepts) or "it publishes none; the event 'see' dictates one"
             problem = Problem(f"the scene publishes no percept {name!r}", hint=hint, code="unknown-percept")
             yield Misnamed(problem, ("percept",))

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from contextlib import suppress
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 from humanoid_bt.core.errors import Place, Problem, UserError
 from humanoid_bt.core.items import Item
-from humanoid_bt.core.params import param
-from humanoid_bt.core.reading import read
+from humanoid_bt.core.params import Param, param, params_of
+from humanoid_bt.core.reading import convert, read
 from humanoid_bt.files import document
 from humanoid_bt.files.reading import is_file
 from humanoid_bt.testing.conditions import Conditions
@@ -96,9 +96,50 @@ def load_scenario(path: Path) -> Scenario:
     """
     item = document.load(path)
     scenario: Scenario = read(Scenario, item, "the scenario")
+    return _located(scenario, path, item)
+
+
+def readable_scenario(path: Path) -> Scenario | None:
+    """Read of a scenario file with mistakes what can be read, so that the rest can be checked, too.
+
+    Returns:
+        It without the values and items that have mistakes; None if it names no tree.
+
+    Raises:
+        UserError: the file is no YAML.
+    """
+    item = document.load(path)
+    values: dict[str, Any] = {"format": 1, "expect": Expectations(())}
+    for name, spec in params_of(Scenario).items() if isinstance(item.value, dict) else ():
+        if name in item.value:
+            with suppress(UserError):
+                values[name] = convert(spec, _readable(spec, item.value[name]))
+    return _located(Scenario(**values), path, item) if "tree" in values else None
+
+
+def _readable(spec: Param, item: Item) -> Item:
+    """Return a value without those of its items that cannot be read."""
+    if isinstance(item.value, list):
+        return replace(item, value=[part for part in item.value if _reads(spec, replace(item, value=[part]))])
+    if isinstance(item.value, dict):
+        parts = {key: replace(item, value={key: part}) for key, part in item.value.items()}
+        return replace(item, value={key: item.value[key] for key, part in parts.items() if _reads(spec, part)})
+    return item
+
+
+def _reads(spec: Param, item: Item) -> bool:
+    try:
+        convert(spec, item)
+    except UserError:
+        return False
+    return True
+
+
+def _located(scenario: Scenario, path: Path, item: Item) -> Scenario:
+    """Return a scenario with its file, and with the files that it names beside that."""
     beside: dict[str, Any] = {key: _file(path, getattr(scenario, key)) for key in ("tree", "robot", "scene")}
     beside["replace"] = {name: _beside(path, stand_in) for name, stand_in in scenario.replace.items()}
-    return dataclasses.replace(scenario, **beside, path=path, item=item)
+    return replace(scenario, **beside, path=path, item=item)
 
 
 def _file(path: Path, name: str | None) -> str | None:
@@ -111,4 +152,4 @@ def _beside(path: Path, stand_in: Replacement) -> Replacement:
     """Return a stand-in whose recording is looked for beside the scenario's file."""
     if stand_in.recorded is None:
         return stand_in
-    return dataclasses.replace(stand_in, recorded=path.parent / stand_in.recorded)
+    return replace(stand_in, recorded=path.parent / stand_in.recorded)

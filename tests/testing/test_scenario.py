@@ -182,9 +182,22 @@ def test_a_sub_tree_does_not_run_alone(folder: Path) -> None:
 
 
 def test_all_mistakes_are_told_in_one_round(folder: Path) -> None:
-    text = WHOLE.replace("[fell,", "[fel,").replace("aproach", "aproch").replace("idle,", "idel,")
+    text = (
+        WHOLE.replace("ball_on_stand", "ball").replace("stop_distance", "stop_distanc").replace("friction", "frition")
+    )
+    text = text.replace("push:", "pusch:").replace("lose: target", "set: {lok: 2}").replace("approach:", "approch:")
+    text = text.replace("[fell,", "[fel,").replace("idle,", "idel,").replace("2 cm", "2 s")
     problems = check(str(write(folder, text)))
-    assert [problem.place.line for problem in problems if problem.place] == [17, 18]
+    assert [problem.place.line for problem in problems if problem.place] == [5, 8, 9, 11, 12, 14, 17, 18, 19]
+
+
+def test_no_percept_is_missed_where_it_is_not_known_which_there_are(folder: Path) -> None:
+    broken = WHOLE.replace("lose: target", "see: {percept: cup, position: [1]}").replace(
+        "hand_error < 2 cm", "cup.age < 1 s"
+    )
+    for text in (WHOLE.replace("ball_on_stand", "ball").replace("distance(target)", "distance(cup)"), broken):
+        (problem,) = check(str(write(folder, text)))
+        assert "no scene named 'ball'" in problem.message or "'position' must have 3 values" in problem.message
 
 
 def test_a_fault_without_parameters_has_its_defaults(folder: Path) -> None:
