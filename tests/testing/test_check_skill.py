@@ -56,9 +56,15 @@ def caught(rig: hbt.Rig, skill: str, rule: str, said: str, line: str) -> None:
     assert said in result.evidence
     assert f"broken.py:{line_of(line)}:" in result.evidence if line else "broken.py" not in result.evidence
     assert result.advice in RULES[rule][1] and result.advice
+    assert rule != "halting" or len(result.advice) < 100, "what to do about this cause, and not about others"
     assert not check.passed
-    with pytest.raises(AssertionError, match=f"✗ {result.title}"):
+    with pytest.raises(AssertionError) as raised:
         check.assert_passed()
+    head, first, *_ = str(raised.value).splitlines()
+    assert f"keeps {len([one for one in check.rules.values() if one.verdict == 'passed'])} of 12 rules" in head
+    assert first.startswith(f"  ✗ {result.title}") and "✓" not in str(raised.value)
+    assert str(raised.value).count("○ not tried") <= 2, "each reason is said once"
+    assert str(check).splitlines()[1] == first
 
 
 def line_of(text: str) -> int:
