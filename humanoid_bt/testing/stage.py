@@ -73,7 +73,7 @@ class Stage:
         *,
         seed: int = 0,
         parameters: Mapping[str, Any] | None = None,
-        duration: float | None = None,
+        duration: float | str | None = None,
         on_estop: OnEStop | None = None,
         script: Iterable[Event | Mapping[str, Any]] = (),
         conditions: Conditions | Mapping[str, Any] | None = None,
@@ -87,7 +87,7 @@ class Stage:
             tree: its name or file, or one that was loaded.
             seed: of everything random.
             parameters: values for the tree's parameters: 0.45, or text as after ``--set``, "45 cm".
-            duration: longest simulated time [s]; as in ``humanoid-bt run`` if None.
+            duration: longest simulated time [s], or text, "2 min"; as in ``humanoid-bt run`` if None.
             on_estop: what an emergency stop does to the run: "wait" for its reset, or "end"; if None it waits where
                 the script resets it.
             script: faults, each at a time or at a moment; as events, or as in YAML.

@@ -21,7 +21,9 @@ def test_a_skill_of_this_project(rig):
     assert result.time == pytest.approx(0.3)
 
 def test_a_built_in_skill(rig):
-    assert rig.run("idle", timeout=0.2).commands
+    assert rig.run("idle", timeout="200 ms").commands
+    with pytest.raises(UserError, match="'timeout' must be a number above 0, not '2 m'"):
+        rig.run("idle", timeout="2 m")
 
 def test_every_test_starts_afresh(rig):
     assert rig.time == 0.0
