@@ -139,7 +139,7 @@ def expect(run: Run, texts: Iterable[str], percepts: Collection[str]) -> None:
 
 def _unplayed(missed: Missed, time: float) -> Failure:
     """Return that an event did not happen: a test whose script was not played out shows nothing."""
-    why = "the run was over, and the event had never happened; if that may be, say optional: true"
+    why = "the run was over, and it had never happened (optional: true allows that)"
     return Failure(f"event {missed.event}", missed.place, time, why, missed.values)
 
 

@@ -186,7 +186,7 @@ def test_what_never_happened_is_told_and_keeps_expectations_from_being_met(dry):
     assert [text for text in texts(run) if "never" in text] == [f"staged: never happened: {event}" for event in told]
     with pytest.raises(AssertionError) as raised:
         run.expect("never: fell")
-    assert str(raised.value).count("at 0.34 s the run was over, and the event had never happened") == 2
+    assert str(raised.value).count("at 0.34 s the run was over, and it had never happened") == 2
     dry.run("fetch", script=[HERE, far]).expect("never: fell")
 
 
