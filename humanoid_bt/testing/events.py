@@ -160,6 +160,14 @@ def mistakes(events: Sequence[Event], known: Known) -> Iterator[Problem]:
                 yield from error.problems if event.place is None else _placed(error, event.place)
 
 
+def too_late(events: Iterable[Event], duration: float) -> Iterator[Problem]:
+    """Yield the events that cannot happen in a run of at most this long [s]."""
+    for event in events:
+        if event.at is not None and event.at >= duration:
+            message = f"the event at {event.at:g} s never happens: a run ends after {duration:g} s"
+            yield Problem(message, event.place_of("at"), "an earlier moment, or a longer duration", "out-of-range")
+
+
 def _placed(error: UserError, place: Place) -> Iterator[Problem]:
     """Yield the problems of a moment, where they are in its file, or with the event."""
     for problem in error.problems:

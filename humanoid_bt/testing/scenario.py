@@ -15,7 +15,7 @@ from humanoid_bt.core.reading import convert, read
 from humanoid_bt.files import document
 from humanoid_bt.files.reading import is_file
 from humanoid_bt.testing.conditions import Conditions
-from humanoid_bt.testing.events import Event
+from humanoid_bt.testing.events import Event, too_late
 from humanoid_bt.testing.expectation import Within
 from humanoid_bt.testing.expectations import Expectations
 from humanoid_bt.testing.seeds import Seeds
@@ -73,10 +73,7 @@ class Scenario:
             if isinstance(one, Within) and one.limit > duration:
                 message = f"a run ends after {duration:g} s, before {one.limit:g} s are over"
                 yield Problem(message, one.place, f"duration: {one.limit:g} s", "out-of-range")
-        for event in values.get("script", ()):
-            if event.at is not None and event.at >= duration:
-                message = f"the event at {event.at:g} s never happens: a run ends after {duration:g} s"
-                yield Problem(message, event.place_of("at"), "an earlier moment, or a longer duration", "out-of-range")
+        yield from too_late(values.get("script", ()), duration)
 
     @property
     def name(self) -> str:
