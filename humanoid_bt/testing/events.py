@@ -128,6 +128,8 @@ def script_of(script: Iterable[Event | Mapping[str, Any]]) -> tuple[Event, ...]:
     Raises:
         UserError: with everything that is wrong with them.
     """
+    if isinstance(script, (str, Mapping)):
+        raise UserError(f"a script is a list of events, not {script!r}", hint='like [{"at": "1 s", "lose": "target"}]')
     events: list[Event] = []
     problems: list[Problem] = []
     for number, event in enumerate(script, 1):
@@ -163,7 +165,7 @@ def mistakes(events: Sequence[Event], known: Known) -> Iterator[Problem]:
 def too_late(events: Iterable[Event], duration: float) -> Iterator[Problem]:
     """Yield the events that cannot happen in a run of at most this long [s]."""
     for event in events:
-        if event.at is not None and event.at >= duration:
+        if event.at is not None and event.at > duration:
             message = f"the event at {event.at:g} s never happens: a run ends after {duration:g} s"
             yield Problem(message, event.place_of("at"), "an earlier moment, or a longer duration", "out-of-range")
 

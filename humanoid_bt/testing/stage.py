@@ -104,7 +104,10 @@ class Stage:
         seed = int(limits.SEED.take(seed, "seed"))
         if on_estop not in (None, *get_args(OnEStop)):
             raise UserError(f"'on_estop' cannot be {on_estop!r}", hint=nearest(str(on_estop), get_args(OnEStop)))
-        for watcher in watchers:
+        for name, value in {"parameters": parameters, "replace": replace}.items():
+            if not isinstance(value, (Mapping, type(None))):
+                raise UserError(f"{name!r} must be a mapping of names to values, not {value!r}", code="wrong-type")
+        for watcher in watchers if isinstance(watchers, Iterable) else [watchers]:
             if lacking := [name for name in ("tick", "end") if not callable(getattr(watcher, name, None))]:
                 hint = "a watcher is an object with tick(view), called after every tick, and end(run)"
                 raise UserError(f"the watcher {watcher!r} has no {' and no '.join(lacking)}", hint=hint)

@@ -89,7 +89,7 @@ MISTAKES = {
     "a parameter's unit": ("35 cm", "35 s", "8:29: error: 'stop_distance' has the unit 's'", "valid: m, cm, mm"),
     "a condition": ("friction: 0.8", "frition: 0.8", "9:14: error: unknown key 'frition'", "did you mean 'friction'?"),
     "a fault": ("push:", "pusch:", "11:15: error: unknown key 'pusch' of the event", "did you mean 'push'?"),
-    "a late event": ("at: 2 s,", "at: 1 min,", "11:10: error: the event at 60 s never happens", "an earlier moment"),
+    "a late event": ("at: 2 s,", "at: 61 s,", "11:10: error: the event at 61 s never happens", "an earlier moment"),
     "no moment": ("at: 2 s, ", "", "11:5: error: an event happens at a time or when", "write at: 2 s, or when:"),
     "a percept of a fault": ("lose: target", "lose: taget", "12:42: error: the scene publishes no percept", "'target'"),
     "a body of a fault": (

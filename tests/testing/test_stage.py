@@ -156,6 +156,8 @@ def test_parameters_are_those_of_the_tree(dry):
         ({"duration": 0}, "'duration' must be a number above 0"),
         ({"tree": "fetsh"}, "did you mean 'fetch'"),
         ({"on_estop": "wiat"}, "'on_estop' cannot be 'wiat'\n    did you mean 'wait'\\? valid: end, wait"),
+        ({"replace": "reach"}, "'replace' must be a mapping of names to values, not 'reach'"),
+        ({"script": {"at": 1, "lose": "target"}}, "a script is a list of events, not {'at': 1"),
         ({"watchers": [print]}, "the watcher <built-in function print> has no tick and no end\n    a watcher is"),
         ({"record": "flight.txt"}, "'record' must be a file that ends in .rrd, not 'flight.txt'"),
     ],
