@@ -34,7 +34,7 @@ def pytest_make_collect_report(
 ) -> Generator[None, pytest.CollectReport, pytest.CollectReport]:
     """Collect links that lead nowhere, too: pytest itself passes over them."""
     report = yield
-    if isinstance(collector, pytest.Directory) and report.passed:
+    if isinstance(collector, pytest.Directory) and "scenarios" in collector.path.parts and report.passed:
         lost = (path for path in sorted(collector.path.glob("*.yaml")) if not path.exists())
         report.result += [_file(path, collector) for path in lost if _is_scenario(path)]
     return report
@@ -51,9 +51,9 @@ def _is_scenario(path: Path) -> bool:
     Other tools have folders of this name too: what does not look like a scenario is one where the folder stands in a
     workspace.
     """
-    folders = [folder for folder in path.parents if folder.name == "scenarios"]
-    if path.suffix != ".yaml" or not folders:
+    if path.suffix != ".yaml" or "scenarios" not in path.parent.parts:
         return False
+    folders = [folder for folder in path.parents if folder.name == "scenarios"]
     looks = path.is_file() and _KEY.search(path.read_bytes()) is not None
     return looks or any((folder.parent / name).is_dir() for folder in folders for name in _WORKSPACE)
 
