@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -15,7 +16,7 @@ from humanoid_bt.core.params import param, params_of
 from humanoid_bt.core.reading import read
 from humanoid_bt.files import document
 from humanoid_bt.testing.conditions import Conditions
-from humanoid_bt.testing.events import Event
+from humanoid_bt.testing.events import Event, too_late
 from humanoid_bt.testing.seeds import Seeds
 from humanoid_bt.tree.expressions.expression import Truth
 
@@ -100,6 +101,7 @@ class CampaignFile:
             if name not in (known := params_of(Conditions)):
                 hint = f"valid: {', '.join(known)}"
                 yield Problem(f"there is no condition {name!r}", place, hint, "unknown-key")
+        yield from too_late(values.get("script", ()), values.get("duration") or math.inf)
         if "name" in values and not _NAME.fullmatch(values["name"]):
             hint = "letters, digits, blanks, _, - and ., for it names a folder"
             yield Problem(f"{values['name']!r} cannot be a name", item.value["name"].place, hint, "bad-name")

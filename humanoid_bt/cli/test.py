@@ -149,8 +149,8 @@ class _Teller:
             self._print(f"{INDENT}{name:<11}", text, breaks=False)
 
     def _print(self, head: str, text: str, style: str = "", breaks: bool = True) -> None:
-        """Print a text behind a head; what is to be copied from a terminal is not broken."""
-        lines = hanging(head, one_line(text)) if breaks and self._console.is_terminal else [head + one_line(text)]
+        """Print a text behind a head, wrapped; what is to be copied is not broken."""
+        lines = hanging(head, one_line(text)) if breaks else [head + one_line(text)]
         line = Text("\n".join(lines))
         line.stylize(style, len(head))
         self._console.print(line, soft_wrap=True)

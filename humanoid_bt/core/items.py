@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import dataclass, field
+from numbers import Number
+from os import PathLike
 from typing import Any
 
 from humanoid_bt.core.errors import Place
@@ -24,6 +27,26 @@ class Item:
     key_places: dict[str, Place] = field(default_factory=dict)
     text_at: int | None = field(default=None, compare=False)
 
+    def place_of(self, *keys: str | int, key: bool = False) -> Place:
+        """Return where a value in it is written, or what stands around it where it is not.
+
+        Args:
+            keys: those of mappings and indices of lists that lead to it.
+            key: return where its key stands instead.
+        """
+        found, place = self, self.place
+        for one in keys:
+            if isinstance(found.value, dict) and one in found.value:
+                written = found.key_places.get(str(one), found.place)
+                found = found.value[one]
+            elif isinstance(found.value, list) and isinstance(one, int):
+                found = found.value[one]
+                written = found.place
+            else:
+                break
+            place = written if key else found.place
+        return place
+
     def plain(self) -> Any:
         """Return the value as ``yaml.safe_load`` would give it."""
         if isinstance(self.value, dict):
@@ -36,13 +59,14 @@ class Item:
     def kind(self) -> str:
         """The value's kind in words, for messages."""
         names = {dict: "a mapping", list: "a list", str: "text", bool: "a boolean", type(None): "nothing"}
-        return names.get(type(self.value), "a number")
+        other = "a number" if isinstance(self.value, Number) else f"an object of type {type(self.value).__name__}"
+        return names.get(type(self.value), other)
 
 
 def item_of(value: Any, place: Place) -> Item:
-    """Wrap a plain Python value (a default, a ``--set`` argument) as an item with one place."""
+    """Wrap a plain Python value (a default, a ``--set`` argument) as an item with one place; a path is its text."""
     if isinstance(value, dict):
         return Item({key: item_of(child, place) for key, child in value.items()}, place)
     if isinstance(value, (list, tuple)):
         return Item([item_of(child, place) for child in value], place)
-    return Item(value, place)
+    return Item(os.fspath(value) if isinstance(value, PathLike) else value, place)

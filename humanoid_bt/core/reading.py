@@ -162,8 +162,12 @@ def _convert(kind: Any, item: Item, spec: Param, what: str = "") -> Any:  # noqa
     if origin is dict:
         if not isinstance(item.value, dict):
             raise _wrong(item, spec, kind)
-        parts = [(args[1], child, f"the {_one(spec.name)} {key!r}") for key, child in item.value.items()]
-        return dict(zip(item.value, _convert_all(parts, spec), strict=True))
+        what = f"the {_one(spec.name)}"
+        parts = [
+            (args[1], child, f"{what} {key!r}", dataclasses.replace(spec, name=key))
+            for key, child in item.value.items()
+        ]
+        return dict(zip(item.value, _convert_all(parts), strict=True))
     if hasattr(kind, "from_item"):  # a type that reads itself
         return kind.from_item(item, spec.name)
     if dataclasses.is_dataclass(kind):
@@ -204,14 +208,14 @@ def _convert_sequence(origin: Any, args: tuple[Any, ...], item: Item, spec: Para
         message = f"{spec.name!r} must have {len(kinds)} values, not {len(item.value)}"
         raise UserError(message, item.place, spec.doc, code="wrong-length")
     what = with_article(_one(spec.name))
-    return origin(_convert_all(((kind, part, what) for kind, part in zip(kinds, item.value, strict=True)), spec))
+    return origin(_convert_all((kind, part, what, spec) for kind, part in zip(kinds, item.value, strict=True)))
 
 
-def _convert_all(parts: Iterable[tuple[Any, Item, str]], spec: Param) -> list[Any]:
-    """Convert the parts of a list or a mapping, each with what it is; what is wrong with them is raised together."""
+def _convert_all(parts: Iterable[tuple[Any, Item, str, Param]]) -> list[Any]:
+    """Convert the parts of a list or a mapping, each as what it is; what is wrong with them is raised together."""
     values: list[Any] = []
     problems: list[Problem] = []
-    for kind, item, what in parts:
+    for kind, item, what, spec in parts:
         try:
             values.append(_convert(kind, item, spec, what))
         except UserError as error:

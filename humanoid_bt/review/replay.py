@@ -8,10 +8,10 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from os import PathLike
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, get_args
 
 from humanoid_bt.checking.check import load_checked
-from humanoid_bt.core.errors import UserError, relative
+from humanoid_bt.core.errors import UserError, nearest, relative
 from humanoid_bt.core.plain import plain
 from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.record.reading import FlightLog, read_flight
@@ -110,6 +110,8 @@ def replay(
             did to the run what a replay cannot.
         NodeError: a skill raised an exception in ``setup``.
     """
+    if files not in get_args(Files):
+        raise UserError(f"'files' cannot be {files!r}", hint=nearest(str(files), get_args(Files)))
     log = read_flight(recording)
     run = recorded_run(log)
     _refuse_staged(log)

@@ -13,7 +13,7 @@ PREFIX = "staged: "
 """How events begin that tell what a test does."""
 
 _LINES = 5  # that are told
-_OVER = "over: "
+_OVER, _NEVER = "over: ", "never happened: "
 
 
 def told(setup: Mapping[str, Any]) -> list[str]:
@@ -28,7 +28,8 @@ def told(setup: Mapping[str, Any]) -> list[str]:
 
 def staged_rows(history: History) -> list[Row]:
     """Return what a test did to a run."""
-    lines = told(history.setup)
+    never = {event.text.removeprefix(PREFIX + _NEVER) for event in history.events if _NEVER in event.text}
+    lines = [f"{line}, which never happened" if line in never else line for line in told(history.setup)]
     rows = [("staged", cut(line, 200)) for line in lines[:_LINES]]
     return [*rows, ("staged", f"and {len(lines) - _LINES} more")] if len(lines) > _LINES else rows
 
@@ -40,7 +41,9 @@ def staged_before(history: History, cause: Cause) -> str:
     faults = [
         event
         for event in history.events
-        if event.text.startswith(PREFIX) and AT < event.time <= cause.time + AT and _OVER not in event.text
+        if event.text.startswith(PREFIX)
+        and AT < event.time <= cause.time + AT
+        and not event.text.removeprefix(PREFIX).startswith((_OVER, _NEVER))
     ]
     if cause.kind == "push" and any(abs(event.time - (cause.began or 0.0)) < AT for event in faults):
         return "; a test staged it"

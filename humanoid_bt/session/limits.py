@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from humanoid_bt.core.errors import UserError
-from humanoid_bt.core.units import quantity
+from humanoid_bt.core.units import factors, quantity
 
 
 @dataclass(frozen=True)
@@ -38,9 +38,11 @@ class Limit:
         Raises:
             UserError: it is none that is valid.
         """
-        number = self._number(value)
+        written = quantity(value) if isinstance(value, str) and self.unit else None
+        number = written[0] if written and written[1] == self.unit else self._number(value)
         if number is None or not self.holds(number):
-            raise UserError(f"{name!r} must be {self.valid}, not {value!r}")
+            hint = f"in {self.unit}, or as text with its unit: {', '.join(factors(self.unit))}" if self.unit else ""
+            raise UserError(f"{name!r} must be {self.valid}, not {value!r}", hint=hint)
         return number
 
     def read(self, text: str) -> float:

@@ -47,8 +47,8 @@ class Session(Debugging):
         seed: of everything random.
         mode: "lockstep": simulated time, all in one process, deterministic. "realtime": the wall clock, with control
             and perception as processes of their own.
-        duration: longest simulated time [s]; if None without end in realtime mode, with a live view and with
-            ``watch``, else 600, or what the tree's own time-outs allow if that is more.
+        duration: longest simulated time [s], or text, "2 min"; if None without end in realtime mode, with a live view
+            and with ``watch``, else 600, or what the tree's own time-outs allow if that is more.
         on_estop: what an emergency stop does to the run: "wait" for its reset, or "end". If None it waits where
             ``duration`` is without end by default, and ends elsewhere. A fall always ends it.
         pace: simulated seconds per second; if None 1 where somebody watches, else as fast as it can.
@@ -77,7 +77,7 @@ class Session(Debugging):
         scene: str | PathLike[str] | None = None,
         seed: int = 0,
         mode: Mode = "lockstep",
-        duration: float | None = None,
+        duration: float | str | None = None,
         on_estop: OnEStop | None = None,
         pace: float | None = None,
         hold: float = HOLD_TIME,

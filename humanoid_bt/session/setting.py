@@ -46,7 +46,11 @@ def assign_value(tree: Tree, name: str, value: Any) -> str:
     path, dot, parameter = name.rpartition(".")
     if not dot:
         hint = nearest(name, [*keys, *tree.parameters]) or "the tree has neither"
-        raise UserError(f"the tree has no key or parameter {name!r}", hint=f"{hint}; of a node: NODE.PARAMETER")
+        raise UserError(
+            f"the tree has no key or parameter {name!r}",
+            hint=f"{hint}; of a node: NODE.PARAMETER",
+            code="unknown-parameter",
+        )
     node = tree.node(path)
     if parameter not in node.type.params:
         hint = nearest(parameter, node.type.params) or "it has none"

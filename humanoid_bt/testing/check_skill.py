@@ -15,7 +15,7 @@ def check_skill(
     *,
     workspace: str | PathLike[str] | Workspace | None = None,
     robot: str = "humanoid",
-    timeout: float = 10.0,
+    timeout: float | str = 10.0,
     **values: Any,
 ) -> SkillCheck:
     """Try a skill against the contract on a rig of its own; print what comes back, or call its ``assert_passed()``.
@@ -26,7 +26,7 @@ def check_skill(
         skill: its name in trees.
         workspace: where skills are found; the working directory if None.
         robot: name of the robot.
-        timeout: longest simulated time of one of its lives [s].
+        timeout: longest simulated time of one of its lives [s]; or text, "2 min".
         values: its parameters, best such with which it succeeds. For one that names a percept a position (x, y, z) may
             be given, world frame [m]: the robot sees a thing there.
 

@@ -11,6 +11,13 @@ from typing import Literal
 Verdict = Literal["passed", "failed", "not tried"]
 """What came of one rule; not tried is what an earlier failure stands in the way of."""
 
+_LETTING_GO: Mapping[str, str] = {
+    "still commanded": "Leave `stop` alone, which lets go of everything.",
+    "in the tick after it": "End in `terminate` every thread that the skill has started, so that none commands on.",
+    "raised": "Clean up in `terminate` so that nothing raises there.",
+}
+"""How a skill does not let go -> what to do."""
+
 RULES: Mapping[str, tuple[str, str]] = {
     "exceptions": (
         "raises nothing",
@@ -23,7 +30,7 @@ RULES: Mapping[str, tuple[str, str]] = {
     ),
     "halting": (
         "lets go when halted",
-        "Leave `stop` alone; clean up in `terminate`, which must neither raise nor leave a thread that commands on.",
+        " ".join(_LETTING_GO.values()),
     ),
     "restarting": (
         "starts anew",
@@ -67,7 +74,7 @@ RULES: Mapping[str, tuple[str, str]] = {
 }
 """Rule -> what a skill that keeps it does, and what to do about one that does not."""
 
-_MARKS: Mapping[Verdict, str] = {"passed": "✓", "failed": "✗", "not tried": "○"}
+_MARKS: Mapping[str, str] = {"failed": "✗", "passed": "✓", "not tried": "○"}
 
 
 @dataclass(frozen=True)
@@ -92,7 +99,10 @@ class RuleResult:
     @property
     def advice(self) -> str:
         """What to do if it failed, else ""."""
-        return RULES[self.rule][1] if self.verdict == "failed" else ""
+        if self.verdict != "failed":
+            return ""
+        causes = _LETTING_GO if self.rule == "halting" else {}
+        return next((advice for cause, advice in causes.items() if cause in self.evidence), RULES[self.rule][1])
 
 
 @dataclass(frozen=True)
@@ -123,27 +133,36 @@ class SkillCheck:
         """Fail a test unless the skill keeps every rule.
 
         Raises:
-            AssertionError: it breaks some; all of it as text.
+            AssertionError: it breaks some; those that it does not keep as text.
         """
         if not self.passed:
-            raise AssertionError(str(self))
+            raise AssertionError(self.text(kept=False))
 
-    def text(self, width: int | None = None) -> str:
-        """Return every rule with what shows it and what to do, in lines of at most ``width`` characters."""
-        return "\n".join(self._lines(max(width or shutil.get_terminal_size().columns, 40)))
+    def text(self, width: int | None = None, kept: bool = True) -> str:
+        """Return every rule with what shows it and what to do, first those that are broken.
+
+        Args:
+            width: longest line; that of the terminal if not given.
+            kept: also those that are kept.
+        """
+        return "\n".join(self._lines(max(width or shutil.get_terminal_size().columns, 40), kept))
 
     def __str__(self) -> str:
         return self.text()
 
-    def _lines(self, width: int) -> Iterator[str]:
-        kept = sum(result.verdict == "passed" for result in self.rules.values())
-        yield from textwrap.wrap(
-            f"{self.skill} keeps {kept} of {len(self.rules)} rules of skills ({self.place})", width
-        )
-        column = max(len(result.title) for result in self.rules.values())
-        for result in self.rules.values():
-            head = f"  {_MARKS[result.verdict]} {result.title.ljust(column)}  "
+    def _lines(self, width: int, kept: bool) -> Iterator[str]:
+        of = {verdict: [one for one in self.rules.values() if one.verdict == verdict] for verdict in _MARKS}
+        count = f"{len(of['passed'])} of {len(self.rules)}"
+        yield from textwrap.wrap(f"{self.skill} keeps {count} rules of skills ({self.place})", width)
+        rows = [("failed", one.title, one.evidence, one.advice) for one in of["failed"]]
+        rows += [("passed", one.title, one.evidence, "") for one in of["passed"] if kept]
+        for reason in dict.fromkeys(one.evidence for one in of["not tried"]):
+            titles = ", ".join(one.title for one in of["not tried"] if one.evidence == reason)
+            rows.append(("not tried", "not tried", f"{titles}: {reason}", ""))
+        column = max(len(title) for title, _ in RULES.values())
+        for verdict, title, evidence, advice in rows:
+            head = f"  {_MARKS[verdict]} {title.ljust(column)}  "
             indent = " " * (len(head) if width >= 2 * len(head) else 6)
-            yield from textwrap.wrap(head + result.evidence, width, subsequent_indent=indent)
-            if result.advice:
-                yield from textwrap.wrap(f"→ {result.advice}", width, initial_indent=indent, subsequent_indent=indent)
+            yield from textwrap.wrap(head + evidence, width, subsequent_indent=indent)
+            if advice:
+                yield from textwrap.wrap(f"→ {advice}", width, initial_indent=indent, subsequent_indent=indent)

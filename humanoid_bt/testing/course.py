@@ -8,7 +8,7 @@ from typing import NamedTuple, Protocol
 from py_trees.common import Status
 
 from humanoid_bt.control.supervisor import Stop
-from humanoid_bt.core.errors import HumanoidBtError
+from humanoid_bt.core.errors import HumanoidBtError, Place
 from humanoid_bt.core.messages import Mode, State
 from humanoid_bt.decision.result import ResultValue
 from humanoid_bt.decision.robot import Robot
@@ -46,6 +46,22 @@ class View(Protocol):
         """What the skills that ran in it have reported by then: path -> name -> value, in SI units."""
 
 
+class Missed(NamedTuple):
+    """An event of a run's script that never happened.
+
+    Attributes:
+        event: its moment and what it would have done.
+        place: where it is written.
+        optional: whether that may be so.
+        values: what its moment asks, and the values at the end, as people read them.
+    """
+
+    event: str
+    place: Place
+    optional: bool
+    values: Mapping[str, str]
+
+
 class Run(Protocol):
     """A run that is over."""
 
@@ -56,6 +72,10 @@ class Run(Protocol):
     @property
     def stops(self) -> Sequence[Stop]:
         """Every stop the supervisor ordered."""
+
+    @property
+    def missed(self) -> Sequence[Missed]:
+        """The events of its script that never happened."""
 
     @property
     def outcome(self) -> str:

@@ -21,6 +21,7 @@ from humanoid_bt.tree.coverage import Coverage, FileCoverage, NodeCoverage, dige
 from humanoid_bt.tree.source.load import load_tree
 
 _NARROW = 40  # columns, at least
+_OTHERS = frozenset({"sim", "scenarios", "campaigns"})  # folders of a workspace that hold no trees
 
 
 @contextmanager
@@ -159,17 +160,23 @@ def tree_files(paths: Sequence[str], root: Path) -> list[Path]:
     """
     found: dict[Path, None] = {}
     workspace = Workspace(root)
-    for name in paths or [str(workspace.root)]:
+    for name in paths or [str(workspace.root / "trees")]:
         folder = Path(name)
-        if not folder.is_dir():
+        if paths and not folder.is_dir():
             found[resolved(workspace.find_tree(name))] = None
             continue
-        inside = [path for path in yaml_files(folder) if "sim" not in path.relative_to(folder).parts]
+        inside = _trees_in(folder)
         if not inside:
             hint = "valid: a tree's file or name, or a folder with trees"
-            raise UserError(f"there are no tree files in {name!r}", hint=hint, code="no-file")
+            raise UserError(f"there are no tree files in {relative(folder)!r}", hint=hint, code="no-file")
         found |= dict.fromkeys(map(resolved, inside))
     return sorted(found)
+
+
+def _trees_in(folder: Path) -> list[Path]:
+    """Return the trees of a workspace, or of any other folder: no scenes, scenarios and campaigns."""
+    base = trees if (trees := resolved(folder) / "trees").is_dir() else resolved(folder)
+    return [path for path in yaml_files(base) if _OTHERS.isdisjoint(path.relative_to(base.parent).parts)]
 
 
 def tree_coverage(counted: Coverage, paths: Iterable[Path]) -> TreeCoverage:

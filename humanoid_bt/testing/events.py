@@ -29,6 +29,7 @@ from humanoid_bt.testing.faults import (
 )
 
 _MOMENTS = ("at", "when")
+_WITH = (*_MOMENTS, "optional")  # what an event says beside its fault
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -37,6 +38,7 @@ class Event:
 
     Attributes:
         place: where it is written.
+        item: it as it is written, None if it was made in Python.
     """
 
     at: float | None = param(None, minimum=0, unit="s", doc="When, on the engine's clock.")
@@ -52,13 +54,15 @@ class Event:
     weaken: Weaken | None = param(None, doc="Let drives give less torque than they are asked for.")
     raise_: Raise | None = param(None, doc="Let a node raise an exception.")
     set: Set | None = param(None, doc="Give keys of the blackboard, or parameters of nodes, a value.")
+    optional: bool = param(False, doc="Whether the run may as well end before it happens.")
     place: Place | None = field(default=None, compare=False)
+    item: Item | None = field(default=None, compare=False, repr=False)
 
     @classmethod
     def from_item(cls, item: Item, _name: str = "") -> Event:
         """Read an event from a YAML mapping; raises UserError with everything that is wrong with it."""
         event: Event = read(cls, _filled(item), "the event")
-        return replace(event, place=item.place)
+        return replace(event, place=item.place, item=item)
 
     @staticmethod
     def mistakes(item: Item, _values: Mapping[str, Any]) -> Iterator[Problem]:
@@ -71,7 +75,7 @@ class Event:
         if len(faults) > 1:
             message = f"an event is one fault, not {' and '.join(faults)}"
             yield Problem(message, item.place, "make an event of each", code="exclusive-keys")
-        elif not faults and not [key for key in item.value if key not in (*_MOMENTS, *FAULTS)]:
+        elif not faults and not [key for key in item.value if key not in (*_WITH, *FAULTS)]:
             yield Problem("this event does nothing", item.place, f"valid: {', '.join(FAULTS)}", code="exclusive-keys")
 
     @property
@@ -83,10 +87,14 @@ class Event:
     def plain(self) -> dict[str, Any]:
         """The event as data for JSON, as a file would say it."""
         moment = {"at": self.at} if self.when is None else {"when": self.when.text}
-        return {**moment, self.name: plain(self.fault)}
+        return {**moment, self.name: plain(self.fault), **({"optional": True} if self.optional else {})}
 
     def __str__(self) -> str:
         return f"{self.moment} {self.fault}"
+
+    def place_of(self, *keys: str | int, key: bool = False) -> Place:
+        """Return where a value of it is written, or its key, as near as that is known."""
+        return self.item.place_of(*keys, key=key) if self.item is not None else self.place or Place("")
 
     @property
     def name(self) -> str:
@@ -109,7 +117,7 @@ def _filled(item: Item) -> Item:
     return Item({**given, **empty}, item.place, item.key_places)
 
 
-_FIELDS = tuple(name for name in Event.__dataclass_fields__ if name not in (*_MOMENTS, "place"))
+_FIELDS = tuple(name for name in Event.__dataclass_fields__ if name not in (*_WITH, "place", "item"))
 FAULTS = tuple(map(written, _FIELDS))
 """What an event can be."""
 
@@ -120,6 +128,8 @@ def script_of(script: Iterable[Event | Mapping[str, Any]]) -> tuple[Event, ...]:
     Raises:
         UserError: with everything that is wrong with them.
     """
+    if isinstance(script, (str, Mapping)):
+        raise UserError(f"a script is a list of events, not {script!r}", hint='like [{"at": "1 s", "lose": "target"}]')
     events: list[Event] = []
     problems: list[Problem] = []
     for number, event in enumerate(script, 1):
@@ -143,13 +153,21 @@ def mistakes(events: Sequence[Event], known: Known) -> Iterator[Problem]:
             what, hint = event.name, "run it without dry, or leave the event out"
             yield Problem(f"{what!r} needs a body, and a dry run simulates none", event.place, hint)
             continue
-        for problem in event.fault.misnamed(known):
-            yield replace(problem, place=event.place)
+        for problem, keys, key in event.fault.misnamed(known):
+            yield replace(problem, place=event.place_of(event.name, *keys, key=key))
         if event.when is not None:
             try:
                 event.when.link(RunNames(Course(known.tree), known.percepts))
             except UserError as error:
                 yield from error.problems if event.place is None else _placed(error, event.place)
+
+
+def too_late(events: Iterable[Event], duration: float) -> Iterator[Problem]:
+    """Yield the events that cannot happen in a run of at most this long [s]."""
+    for event in events:
+        if event.at is not None and event.at > duration:
+            message = f"the event at {event.at:g} s never happens: a run ends after {duration:g} s"
+            yield Problem(message, event.place_of("at"), "an earlier moment, or a longer duration", "out-of-range")
 
 
 def _placed(error: UserError, place: Place) -> Iterator[Problem]:

@@ -11,7 +11,7 @@ P                           it is true at the end
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from humanoid_bt.core.errors import Place
@@ -232,6 +232,8 @@ class Order(Expectation):
         super().__init__(text, place)
         self._steps = steps
         self._came: list[float] = []
+        self._times: dict[str, list[float]] = {}  # all at which a step came, in order or not
+        self._early: tuple[float, str] | None = None  # when one came that was not its turn, and how
         self._looked = False
 
     @property
@@ -242,7 +244,7 @@ class Order(Expectation):
     def begin(self, names: RunNames) -> None:
         """Begin with a run."""
         super().begin(names)
-        self._came, self._looked = [], False
+        self._came, self._times, self._early, self._looked = [], {}, None, False
         for step in self._steps:
             step.begin(names)
 
@@ -250,6 +252,10 @@ class Order(Expectation):
         """See which steps come."""
         looked = {step.text: step for step in self._steps}
         now = {text for text, step in looked.items() if step.comes(course)}
+        for text in now:
+            self._times.setdefault(text, []).append(course.time)
+        if self._early is not None:
+            return
         while len(self._came) < len(self._steps) and (text := self._steps[len(self._came)].text) in now:
             now.remove(text)
             self._came.append(course.time)
@@ -260,17 +266,25 @@ class Order(Expectation):
         self._looked = True
         early = [step.text for step in waiting if step.text in now and step.text not in passed]
         if early:
-            self._break(course, f"{early[0]!r} came before {waiting[0].text!r}")
+            self._early = course.time, f"{early[0]!r} came before {waiting[0].text!r}"
 
     def close(self, course: Course) -> None:
-        """Judge what did not come."""
+        """Judge what came when it was not its turn, and what did not come: only now it is known when each did."""
         waiting = self._steps[len(self._came) :]
-        if waiting:
-            self._break(course, f"{waiting[0].text!r} did not come" + (" after that" if self._came else ""))
-
-    def _break(self, course: Course, why: str) -> None:
-        came = [f"came at {time:.2f} s" for time in self._came] + ["did not come"] * len(self._steps)
+        if not waiting:
+            return
+        why = f"{waiting[0].text!r} did not come" + (" after that" if self._came else "")
+        time, why = self._early or (course.time, why)
         names = [step.text for step in self._steps]
         again = {index: names[:index].count(name) + 1 for index, name in enumerate(names)}
         shown = [f"{name} #{again[index]}" if again[index] > 1 else name for index, name in enumerate(names)]
-        self.broken = Broken(course.time, why, dict(zip(shown, came, strict=False)))
+        came = [f"came at {time:.2f} s" if time is not None else "did not come" for time in self._all_came()]
+        self.broken = Broken(time, why, dict(zip(shown, came, strict=True)))
+
+    def _all_came(self) -> Iterator[float | None]:
+        """Yield when each step came, in order or not; None if it did not."""
+        yield from self._came
+        last = {step.text: time for step, time in zip(self._steps, self._came, strict=False)}
+        left = {text: [time for time in times if time > last.get(text, -1.0)] for text, times in self._times.items()}
+        for step in self._steps[len(self._came) :]:
+            yield left[step.text].pop(0) if left.get(step.text) else None

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import NamedTuple
 
 from humanoid_bt.core.errors import Place, Problem, UserError, nearest
@@ -70,11 +71,25 @@ def expectation(text: str) -> Expectation:
 def _of_text(whole: _Text) -> Expectation:
     head, rest = whole.split(_COLON)
     if rest is None:
-        return AtEnd(whole.text, whole.place, whole.claim)
+        return AtEnd(whole.text, whole.place, _claim_at_end(whole))
     steps = rest
     if head.text == "order" and rest.text[:1] + rest.text[-1:] == "[]":
         steps = rest.part(1, len(rest.text) - 1)
     return _of_kind(head, rest, list(_steps(steps)))
+
+
+def _claim_at_end(whole: _Text) -> Claim:
+    """Return the claim of an expectation without a kind; raises UserError, which knows a colon that was forgotten."""
+    try:
+        return whole.claim
+    except UserError as error:
+        kind, _, rest = whole.text.partition(" ")
+        if kind == "within" and (time := read_quantity(whole.text, len("within "))):
+            kind, rest = whole.text[: time[2]], whole.text[time[2] :].strip()
+        if not rest or rest.startswith("after ") or _kind(whole) not in KINDS:
+            raise
+        hint = f'did you mean "{kind}: {rest}"?'
+        raise UserError([replace(problem, hint=hint) for problem in error.problems]) from None
 
 
 def expectations_in(item: Item, name: str) -> list[Expectation]:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from humanoid_bt.core.errors import Place, Problem, UserError
 from humanoid_bt.core.items import Item
 from humanoid_bt.testing.claim import RunNames
-from humanoid_bt.testing.course import Course, Run
+from humanoid_bt.testing.course import Course, Missed, Run
 from humanoid_bt.testing.expectation import Broken, Expectation
 from humanoid_bt.testing.expectation_text import expectation, expectations_in
 from humanoid_bt.tree.tree import Tree
@@ -112,6 +112,7 @@ class Expectations:
         for one in self._all:
             one.end(course)
         found = [_failure(one, one.broken) for one in self._all if one.broken]
+        found += [_unplayed(missed, run.time) for missed in run.missed if not missed.optional]
         if run.outcome == "error" and not any(claim.asks_outcome for one in self._all for claim in one.claims):
             why = f"the run ended with an error: {run.reason}"
             found.append(Failure("no error", Place(""), run.time, why, {}))
@@ -134,6 +135,12 @@ def expect(run: Run, texts: Iterable[str], percepts: Collection[str]) -> None:
     failures = Expectations.of(texts).failures(run, percepts)
     if failures:
         raise AssertionError("\n".join([*map(str, failures), f"{run.outcome}: {run.reason}"]))
+
+
+def _unplayed(missed: Missed, time: float) -> Failure:
+    """Return that an event did not happen: a test whose script was not played out shows nothing."""
+    why = "the run was over, and it had never happened (optional: true allows that)"
+    return Failure(f"event {missed.event}", missed.place, time, why, missed.values)
 
 
 def _failure(one: Expectation, broken: Broken) -> Failure:

@@ -24,7 +24,8 @@ class Known(NamedTuple):
         torso: the body that is pushed where none is named.
         joints: the robot's, in its order.
         bodies: those that can be pushed.
-        percepts: those that the scene publishes or the script dictates.
+        percepts: those that the scene publishes or the script dictates; None if that is not known.
+        asked: those that the scene publishes or the tree asks for.
         dry: whether there is no simulated body.
     """
 
@@ -32,8 +33,23 @@ class Known(NamedTuple):
     torso: str
     joints: Sequence[str]
     bodies: Collection[str]
-    percepts: Collection[str]
+    percepts: Collection[str] | None
+    asked: Collection[str]
     dry: bool
+
+
+class Misnamed(NamedTuple):
+    """Something that a fault names and that is not there.
+
+    Attributes:
+        problem: what is wrong with it.
+        keys: where in the fault it stands: keys of mappings, indices of lists.
+        key: whether it is the last of these itself, and not its value.
+    """
+
+    problem: Problem
+    keys: tuple[str | int, ...]
+    key: bool = False
 
 
 class Acting(Protocol):
@@ -83,7 +99,7 @@ class Fault:
         fault: Self = read(cls, item, repr(name))
         return fault
 
-    def misnamed(self, known: Known) -> Iterator[Problem]:
+    def misnamed(self, known: Known) -> Iterator[Misnamed]:
         """Yield what it names and is not there."""
         yield from ()
 

@@ -16,7 +16,7 @@ from humanoid_bt.core.items import Item
 from humanoid_bt.core.messages import Array, Percept, State
 from humanoid_bt.core.params import param
 from humanoid_bt.session.setting import assign_value
-from humanoid_bt.testing.fault import Acting, Fault, Known
+from humanoid_bt.testing.fault import Acting, Fault, Known, Misnamed
 
 __all__ = ["Delay", "EStop", "Lose", "Noise", "Push", "Raise", "Reset", "See", "Set", "Silence", "Weaken"]
 
@@ -38,11 +38,12 @@ class Push(Fault):
     duration: float = param(0.1, above=0, unit="s", doc="How long.")
     body: str = param("", doc="The body of the robot's model that is pushed; the torso if not given.")
 
-    def misnamed(self, known: Known) -> Iterator[Problem]:
+    def misnamed(self, known: Known) -> Iterator[Misnamed]:
         """Yield that there is no such body."""
         if self.body and self.body not in known.bodies:
             hint = nearest(self.body, known.bodies)
-            yield Problem(f"there is no body {self.body!r} to push", hint=hint, code="unknown-body")
+            problem = Problem(f"there is no body {self.body!r} to push", hint=hint, code="unknown-body")
+            yield Misnamed(problem, ("body",))
 
     def begin(self, on: Acting) -> None:
         """Push."""
@@ -59,12 +60,13 @@ class Weaken(Fault):
     to: float = param(minimum=0, maximum=1, doc="What they still give, of what they are asked for and at most.")
     duration: float | None = param(None, above=0, unit="s", doc="How long" + _FOR_GOOD)
 
-    def misnamed(self, known: Known) -> Iterator[Problem]:
+    def misnamed(self, known: Known) -> Iterator[Misnamed]:
         """Yield which joints there are not."""
-        for pattern in self.joints:
+        for index, pattern in enumerate(self.joints):
             if not fnmatch.filter(known.joints, pattern):
                 hint = nearest(pattern, known.joints)
-                yield Problem(f"the robot has no joint {pattern!r}", hint=hint, code="unknown-joint")
+                problem = Problem(f"the robot has no joint {pattern!r}", hint=hint, code="unknown-joint")
+                yield Misnamed(problem, ("joints", index))
 
     def strength(self, joints: Sequence[str]) -> Array:
         """Return what each drive still gives."""
@@ -107,12 +109,13 @@ class _Sensory(Fault):
     sensory: ClassVar[bool] = True
     main: ClassVar[str] = "percept"
 
-    def misnamed(self, known: Known) -> Iterator[Problem]:
+    def misnamed(self, known: Known) -> Iterator[Misnamed]:
         """Yield that nobody publishes the percept."""
         name = str(vars(self)["percept"])
-        if name and name not in known.percepts:
+        if name and known.percepts is not None and name not in known.percepts:
             hint = nearest(name, known.percepts) or "it publishes none; the event 'see' dictates one"
-            yield Problem(f"the scene publishes no percept {name!r}", hint=hint, code="unknown-percept")
+            problem = Problem(f"the scene publishes no percept {name!r}", hint=hint, code="unknown-percept")
+            yield Misnamed(problem, ("percept",))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -140,9 +143,12 @@ class See(_Sensory):
     confidence: float = param(0.95, minimum=0, maximum=1, doc="How sure perception is.")
     duration: float | None = param(None, above=0, unit="s", doc="How long" + _FOR_GOOD)
 
-    def misnamed(self, known: Known) -> Iterator[Problem]:
-        """Yield nothing: any name may be seen."""
-        yield from ()
+    def misnamed(self, known: Known) -> Iterator[Misnamed]:
+        """Yield that nobody asks for the percept, unless nobody asks for any."""
+        if known.asked and self.percept not in known.asked:
+            message = f"neither the tree nor the scene knows a percept {self.percept!r}"
+            problem = Problem(message, hint=nearest(self.percept, known.asked), code="unknown-percept")
+            yield Misnamed(problem, ("percept",))
 
     def seen(
         self, name: str, percept: Percept | None, state: State, due: bool, numbers: np.random.Generator
@@ -229,12 +235,12 @@ class Raise(Fault):
     node: str = param(doc="Its path, or the end of it.")
     message: str = param("raised by the test", doc="The exception's text.")
 
-    def misnamed(self, known: Known) -> Iterator[Problem]:
+    def misnamed(self, known: Known) -> Iterator[Misnamed]:
         """Yield that there is no such node."""
         try:
             known.tree.node(self.node)
         except UserError as error:
-            yield from error.problems
+            yield from (Misnamed(problem, ("node",)) for problem in error.problems)
 
     def begin(self, on: Acting) -> None:
         """Let it raise."""
@@ -255,13 +261,14 @@ class Set(Fault):
             raise UserError(f"{name!r} must be a mapping of names to values", item.place, hint, "wrong-type")
         return cls(values=item.plain())
 
-    def misnamed(self, known: Known) -> Iterator[Problem]:
+    def misnamed(self, known: Known) -> Iterator[Misnamed]:
         """Yield what cannot be set so."""
         for name, value in self.values.items():
             try:
                 assign_value(known.tree, name, value)
             except UserError as error:
-                yield from error.problems
+                for problem in error.problems:
+                    yield Misnamed(problem, (name,), key=problem.code.startswith("unknown-"))
 
     def begin(self, on: Acting) -> None:
         """Set them."""

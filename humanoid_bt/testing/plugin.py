@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from pathlib import Path
+from types import TracebackType
 from typing import TYPE_CHECKING
 
 import pytest
+
+_PACKAGE = Path(__file__).resolve().parents[1]
 
 pytest_plugins = ["humanoid_bt.testing.plugin_coverage", "humanoid_bt.testing.plugin_scenarios"]
 
@@ -18,6 +21,28 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     nearest = "the nearest folder above the test that is one, or pytest's root folder"
     parser.addini("humanoid_bt_workspace", f"folder with skills/, trees/, sim/ (default: {nearest})")
     parser.addini("humanoid_bt_robot", "robot that the rig simulates (default: humanoid)", default="humanoid")
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_runtest_makereport(item: pytest.Item, call: pytest.CallInfo[None]) -> None:
+    """Show of a mistake in what a test has given the line of the test, and not the way through this package."""
+    if call.excinfo is None or item.config.getoption("fulltrace"):
+        return
+    from humanoid_bt.core.errors import UserError
+
+    error = call.excinfo.value
+    if isinstance(error, UserError):
+        _hide_own_frames(error.__traceback__)
+        error.__cause__, error.__suppress_context__ = None, True
+
+
+def _hide_own_frames(entry: TracebackType | None) -> None:
+    """Take the frames of this package out of a traceback, but for those that pytest itself has called: fixtures."""
+    while entry is not None:
+        if "_pytest" not in Path(entry.tb_frame.f_code.co_filename).parts:
+            while (inner := entry.tb_next) and Path(inner.tb_frame.f_code.co_filename).is_relative_to(_PACKAGE):
+                entry.tb_next = inner.tb_next
+        entry = entry.tb_next
 
 
 @pytest.fixture(scope="session")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Generator, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,17 +14,48 @@ if TYPE_CHECKING:
     from humanoid_bt.testing.trial import Trial, Trials
 
 _TRIALS: pytest.StashKey[Trials] = pytest.StashKey()
-_KEY = re.compile(rb"^(tree|expect)\s*:", re.MULTILINE)  # other tools have folders of this name too
+_KEY = re.compile(rb"^(tree|expect)\s*:", re.MULTILINE)
+_WORKSPACE = ("trees", "skills", "sim", "campaigns")
 
 
 def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> ScenarioFile | None:
     """Collect the scenarios of a folder ``scenarios/``."""
-    if file_path.suffix != ".yaml" or "scenarios" not in (folder.name for folder in file_path.parents):
-        return None
-    if not file_path.is_file() or not _KEY.search(file_path.read_bytes()):
-        return None
-    file: ScenarioFile = ScenarioFile.from_parent(parent, path=file_path)
+    return _file(file_path, parent) if _is_scenario(file_path) else None
+
+
+def pytest_collect_directory(path: Path, parent: pytest.Collector) -> ScenarioFile | None:
+    """Collect a folder that is named like a scenario, to tell of it."""
+    return _file(path, parent) if _is_scenario(path) else None
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_make_collect_report(
+    collector: pytest.Collector,
+) -> Generator[None, pytest.CollectReport, pytest.CollectReport]:
+    """Collect links that lead nowhere, too: pytest itself passes over them."""
+    report = yield
+    if isinstance(collector, pytest.Directory) and "scenarios" in collector.path.parts and report.passed:
+        lost = (path for path in sorted(collector.path.glob("*.yaml")) if not path.exists())
+        report.result += [_file(path, collector) for path in lost if _is_scenario(path)]
+    return report
+
+
+def _file(path: Path, parent: pytest.Collector) -> ScenarioFile:
+    file: ScenarioFile = ScenarioFile.from_parent(parent, path=path)
     return file
+
+
+def _is_scenario(path: Path) -> bool:
+    """Return whether a path is to be read as a scenario, also if it is a broken one.
+
+    Other tools have folders of this name too: what does not look like a scenario is one where the folder stands in a
+    workspace.
+    """
+    if path.suffix != ".yaml" or "scenarios" not in path.parent.parts:
+        return False
+    folders = [folder for folder in path.parents if folder.name == "scenarios"]
+    looks = path.is_file() and _KEY.search(path.read_bytes()) is not None
+    return looks or any((folder.parent / name).is_dir() for folder in folders for name in _WORKSPACE)
 
 
 class ScenarioFile(pytest.File):

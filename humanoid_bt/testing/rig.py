@@ -8,7 +8,7 @@ import typing
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from os import PathLike
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 from py_trees.common import Status
@@ -19,17 +19,18 @@ from humanoid_bt.core.errors import Place, UserError, nearest, relative
 from humanoid_bt.core.items import item_of
 from humanoid_bt.core.messages import Command, Percept, Side, State
 from humanoid_bt.core.params import PerceptName
-from humanoid_bt.core.reading import convert
+from humanoid_bt.core.reading import convert, needed
 from humanoid_bt.decision.result import results_of
 from humanoid_bt.decision.robot import Robot
 from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.plant.scene import Scene, load_scene
+from humanoid_bt.session import limits
 from humanoid_bt.session.lockstep import Lockstep
 from humanoid_bt.session.options import OnEStop
 from humanoid_bt.testing.check_skill_result import SkillCheck
 from humanoid_bt.testing.check_skill_rules import tried
 from humanoid_bt.testing.conditions import Conditions
-from humanoid_bt.testing.events import Event
+from humanoid_bt.testing.events import Event, script_of
 from humanoid_bt.testing.rig_result import RigResult
 from humanoid_bt.testing.scripted_perception import ScriptedPerception
 from humanoid_bt.testing.stage import Stage
@@ -94,7 +95,13 @@ class Rig:
         return self._lockstep.controller.state()
 
     def hand_distance(self, side: Side, position: Any) -> float:
-        """Return how far a palm is from a position, shape (3,), world frame [m]."""
+        """Return how far a palm is from a position, shape (3,), world frame [m].
+
+        Raises:
+            UserError: there is no such side.
+        """
+        if side not in get_args(Side):
+            raise UserError(f"'side' cannot be {side!r}", hint=nearest(str(side), get_args(Side)))
         return float(np.linalg.norm(self.state.hands[side] - np.asarray(position, dtype=float)))
 
     # ---- what the test dictates -------------------------------------------------------------------------------------
@@ -107,17 +114,17 @@ class Rig:
         """Let perception of a thing end: its last percept grows old."""
         self._perception.lose(name)
 
-    def push(self, force: Any, duration: float = 0.1, body: str = "") -> None:
+    def push(self, force: Any, duration: float | str = 0.1, body: str = "") -> None:
         """Push a body (default: the torso) with a force, shape (3,), world frame [N], for a time [s]."""
-        self._lockstep.plant.push(body or self._model.config.torso, np.asarray(force, dtype=float), duration)
+        self._lockstep.plant.push(body or self._model.config.torso, np.asarray(force, dtype=float), _time(duration))
 
     def raise_estop(self, reason: str = "raised by the test") -> None:
         """Raise the emergency stop."""
         self._lockstep.controller.supervisor.raise_estop("rig", reason)
 
-    def silence_decision(self, duration: float) -> None:
+    def silence_decision(self, duration: float | str) -> None:
         """Let no command reach control for a time [s], as if decision were stuck."""
-        self._silent_until = self.time + duration
+        self._silent_until = self.time + _time(duration)
 
     def at(self, time: float, action: Callable[[], None]) -> None:
         """Do something at an engine time [s], such as ``rig.at(1.0, lambda: rig.lose("target"))``."""
@@ -125,12 +132,12 @@ class Rig:
 
     # ---- running ----------------------------------------------------------------------------------------------------
 
-    def run(self, skill: str, *, timeout: float = 10.0, **values: Any) -> RigResult:
+    def run(self, skill: str, *, timeout: float | str = 10.0, **values: Any) -> RigResult:
         """Run one skill until it ends or the time is up; then it is halted.
 
         Args:
             skill: its name in trees.
-            timeout: longest simulated time [s].
+            timeout: longest simulated time [s]; or text, "2 min".
             values: its parameters. For a parameter that names a percept a position (x, y, z) may be given, world
                 frame [m]: the robot sees a thing there under the parameter's name.
 
@@ -138,6 +145,7 @@ class Rig:
             UserError: there is no such skill or parameter, or a value has the wrong type.
             NodeError: the skill raised an exception.
         """
+        longest = _time(timeout, "timeout")
         node_type = self._skill(skill)
         tree = _alone(node_type, self._convert(node_type, values))
         changes: list[NodeChange] = []
@@ -152,7 +160,7 @@ class Rig:
             states.append(state)
             commands.append(command)
             status, feedback = behaviour.status, behaviour.feedback_message
-            if status is not Status.RUNNING or self.time - begin >= timeout:
+            if status is not Status.RUNNING or self.time - begin >= longest:
                 break
             self._advance(command)
         if status is Status.RUNNING:
@@ -161,7 +169,7 @@ class Rig:
         results = dict(results_of(behaviour))
         return RigResult(status, feedback, self.time - begin, results, states, commands, changes, stops)
 
-    def check_skill(self, skill: str, *, timeout: float = 10.0, **values: Any) -> SkillCheck:
+    def check_skill(self, skill: str, *, timeout: float | str = 10.0, **values: Any) -> SkillCheck:
         """Try a skill against the contract, rule by rule; raise nothing for what it breaks.
 
         It lives many times, each time from the start of the robot, which then stands there again: undisturbed,
@@ -170,13 +178,13 @@ class Rig:
 
         Args:
             skill: its name in trees.
-            timeout: longest simulated time of one life [s].
+            timeout: longest simulated time of one life [s]; or text, "2 min".
             values: its parameters, as for :meth:`run`; best such with which it succeeds.
 
         Raises:
             UserError: there is no such skill or parameter, or a value has the wrong type.
         """
-        return tried(_Tried(self, skill, values), timeout)
+        return tried(_Tried(self, skill, values), _time(timeout, "timeout"))
 
     def run_tree(
         self,
@@ -186,7 +194,7 @@ class Rig:
         percepts: Mapping[str, Any] | None = None,
         dry: bool = False,
         seed: int = 0,
-        duration: float | None = None,
+        duration: float | str | None = None,
         on_estop: OnEStop | None = None,
         script: Iterable[Event | Mapping[str, Any]] = (),
         conditions: Conditions | Mapping[str, Any] | None = None,
@@ -205,7 +213,7 @@ class Rig:
                 frame [m].
             dry: without physics: the robot is at once where it is told to be. For the logic of trees only.
             seed: of everything random.
-            duration: longest simulated time [s]; as in ``humanoid-bt run`` if None.
+            duration: longest simulated time [s], or text, "2 min"; as in ``humanoid-bt run`` if None.
             on_estop: what an emergency stop does to the run: "wait" for its reset, or "end"; if None it waits where
                 the script resets it.
             script: faults, each at a time or at a moment; as events, or as in YAML.
@@ -231,16 +239,16 @@ class Rig:
             parameters=given(parameters, values),
             duration=duration,
             on_estop=on_estop,
-            script=[*seen, *script],
+            script=[*seen, *script_of(script)],
             conditions=conditions,
             replace=replace,
             record=record,
             watchers=watchers,
         )
 
-    def settle(self, duration: float = 2.0) -> State:
+    def settle(self, duration: float | str = 2.0) -> State:
         """Let the robot come to rest with nothing commanded, for a time [s]; return the state then."""
-        until = self.time + duration
+        until = self.time + _time(duration)
         while self.time < until:
             state, percepts = self._sense()
             self._robot.begin_tick(state, percepts)
@@ -273,13 +281,15 @@ class Rig:
 
     def _convert(self, node_type: NodeType, values: dict[str, Any]) -> dict[str, Any]:
         converted: dict[str, Any] = {}
-        if missing := [name for name, spec in node_type.params.items() if spec.required and name not in values]:
-            raise UserError(f"the skill {node_type.type_name!r} needs the parameter {missing[0]!r}")
+        params, what = node_type.params, f"the skill {node_type.type_name!r}"
+        if unknown := [name for name in values if name not in params]:
+            hint = nearest(unknown[0], params) or "it has none"
+            raise UserError(f"{what} has no parameter {unknown[0]!r}", hint=hint, code="unknown-parameter")
+        if missing := [name for name, spec in params.items() if spec.required and name not in values]:
+            hint = needed(params[missing[0]])
+            raise UserError(f"{what} needs the parameter {missing[0]!r}", hint=hint, code="missing-parameter")
         for name, value in values.items():
-            spec = node_type.params.get(name)
-            if spec is None:
-                hint = nearest(name, node_type.params)
-                raise UserError(f"the skill {node_type.type_name!r} has no parameter {name!r}", hint=hint)
+            spec = params[name]
             if PerceptName in (spec.type, *typing.get_args(spec.type)) and not isinstance(value, str):
                 self.see(name, value)
                 self._wait_for_perception()
@@ -294,6 +304,11 @@ class Rig:
             state, percepts = self._sense()
             self._robot.begin_tick(state, percepts)
             self._advance(self._robot.release_all())
+
+
+def _time(duration: float | str, name: str = "duration") -> float:
+    """Return a time that was given in seconds, or as text with its unit [s]; raises UserError if it is none."""
+    return limits.DURATION.take(duration, name)
 
 
 def _seen(name: str, position: Any) -> Event:

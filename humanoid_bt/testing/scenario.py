@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from contextlib import suppress
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 from humanoid_bt.core.errors import Place, Problem, UserError
 from humanoid_bt.core.items import Item
-from humanoid_bt.core.params import param
-from humanoid_bt.core.reading import read
+from humanoid_bt.core.params import Param, param, params_of
+from humanoid_bt.core.reading import convert, read
 from humanoid_bt.files import document
 from humanoid_bt.files.reading import is_file
 from humanoid_bt.testing.conditions import Conditions
-from humanoid_bt.testing.events import Event
+from humanoid_bt.testing.events import Event, too_late
 from humanoid_bt.testing.expectation import Within
 from humanoid_bt.testing.expectations import Expectations
 from humanoid_bt.testing.seeds import Seeds
@@ -73,6 +73,7 @@ class Scenario:
             if isinstance(one, Within) and one.limit > duration:
                 message = f"a run ends after {duration:g} s, before {one.limit:g} s are over"
                 yield Problem(message, one.place, f"duration: {one.limit:g} s", "out-of-range")
+        yield from too_late(values.get("script", ()), duration)
 
     @property
     def name(self) -> str:
@@ -81,12 +82,7 @@ class Scenario:
 
     def place(self, *keys: str) -> Place:
         """Return where a value is written, or what stands around it where it is not."""
-        found = self.item
-        for key in keys:
-            if not isinstance(found.value, dict) or key not in found.value:
-                break
-            found = found.value[key]
-        return found.place
+        return self.item.place_of(*keys)
 
 
 def load_scenario(path: Path) -> Scenario:
@@ -97,9 +93,50 @@ def load_scenario(path: Path) -> Scenario:
     """
     item = document.load(path)
     scenario: Scenario = read(Scenario, item, "the scenario")
+    return _located(scenario, path, item)
+
+
+def readable_scenario(path: Path) -> Scenario | None:
+    """Read of a scenario file with mistakes what can be read, so that the rest can be checked, too.
+
+    Returns:
+        It without the values and items that have mistakes; None if it names no tree.
+
+    Raises:
+        UserError: the file is no YAML.
+    """
+    item = document.load(path)
+    values: dict[str, Any] = {"format": 1, "expect": Expectations(())}
+    for name, spec in params_of(Scenario).items() if isinstance(item.value, dict) else ():
+        if name in item.value:
+            with suppress(UserError):
+                values[name] = convert(spec, _readable(spec, item.value[name]))
+    return _located(Scenario(**values), path, item) if "tree" in values else None
+
+
+def _readable(spec: Param, item: Item) -> Item:
+    """Return a value without those of its items that cannot be read."""
+    if isinstance(item.value, list):
+        return replace(item, value=[part for part in item.value if _reads(spec, replace(item, value=[part]))])
+    if isinstance(item.value, dict):
+        parts = {key: replace(item, value={key: part}) for key, part in item.value.items()}
+        return replace(item, value={key: item.value[key] for key, part in parts.items() if _reads(spec, part)})
+    return item
+
+
+def _reads(spec: Param, item: Item) -> bool:
+    try:
+        convert(spec, item)
+    except UserError:
+        return False
+    return True
+
+
+def _located(scenario: Scenario, path: Path, item: Item) -> Scenario:
+    """Return a scenario with its file, and with the files that it names beside that."""
     beside: dict[str, Any] = {key: _file(path, getattr(scenario, key)) for key in ("tree", "robot", "scene")}
     beside["replace"] = {name: _beside(path, stand_in) for name, stand_in in scenario.replace.items()}
-    return dataclasses.replace(scenario, **beside, path=path, item=item)
+    return replace(scenario, **beside, path=path, item=item)
 
 
 def _file(path: Path, name: str | None) -> str | None:
@@ -112,4 +149,4 @@ def _beside(path: Path, stand_in: Replacement) -> Replacement:
     """Return a stand-in whose recording is looked for beside the scenario's file."""
     if stand_in.recorded is None:
         return stand_in
-    return dataclasses.replace(stand_in, recorded=path.parent / stand_in.recorded)
+    return replace(stand_in, recorded=path.parent / stand_in.recorded)

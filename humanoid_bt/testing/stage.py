@@ -4,14 +4,15 @@ from __future__ import annotations
 
 from collections import OrderedDict
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from os import PathLike
 from pathlib import Path
-from typing import Any, cast
+from typing import Any, cast, get_args
 
 from py_trees.common import Status
 
 from humanoid_bt.checking.check import load_checked
-from humanoid_bt.core.errors import UserError
+from humanoid_bt.core.errors import UserError, nearest
 from humanoid_bt.decision.result import results_of
 from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.plant.mujoco_plant import MujocoPlant
@@ -73,7 +74,7 @@ class Stage:
         *,
         seed: int = 0,
         parameters: Mapping[str, Any] | None = None,
-        duration: float | None = None,
+        duration: float | str | None = None,
         on_estop: OnEStop | None = None,
         script: Iterable[Event | Mapping[str, Any]] = (),
         conditions: Conditions | Mapping[str, Any] | None = None,
@@ -87,7 +88,7 @@ class Stage:
             tree: its name or file, or one that was loaded.
             seed: of everything random.
             parameters: values for the tree's parameters: 0.45, or text as after ``--set``, "45 cm".
-            duration: longest simulated time [s]; as in ``humanoid-bt run`` if None.
+            duration: longest simulated time [s], or text, "2 min"; as in ``humanoid-bt run`` if None.
             on_estop: what an emergency stop does to the run: "wait" for its reset, or "end"; if None it waits where
                 the script resets it.
             script: faults, each at a time or at a moment; as events, or as in YAML.
@@ -102,6 +103,15 @@ class Stage:
             KeyboardInterrupt: Ctrl-C; the robot was brought to a stand first.
         """
         seed = int(limits.SEED.take(seed, "seed"))
+        if on_estop not in (None, *get_args(OnEStop)):
+            raise UserError(f"'on_estop' cannot be {on_estop!r}", hint=nearest(str(on_estop), get_args(OnEStop)))
+        for name, value in {"parameters": parameters, "replace": replace}.items():
+            if not isinstance(value, (Mapping, type(None))):
+                raise UserError(f"{name!r} must be a mapping of names to values, not {value!r}", code="wrong-type")
+        for watcher in watchers if isinstance(watchers, Iterable) else [watchers]:
+            if lacking := [name for name in ("tick", "end") if not callable(getattr(watcher, name, None))]:
+                hint = "a watcher is an object with tick(view), called after every tick, and end(run)"
+                raise UserError(f"the watcher {watcher!r} has no {' and no '.join(lacking)}", hint=hint)
         staging = Staging(
             self.dry,
             Conditions.of(conditions),
@@ -114,7 +124,7 @@ class Stage:
             ready = self._engines.ready(loaded, seed, staging.conditions)
             engine = Staged(ready.engine, staging.script, seed, ready.set_strength)
             if staging.script:
-                _check(staging, self._remade(loaded, staging), ready)
+                _check(staging, loaded, self._remade(loaded, staging), ready)
                 for key, initial in initials:  # trying what is set has changed them
                     key.initial = initial
             options = RunOptions(
@@ -126,12 +136,12 @@ class Stage:
                 on_estop=on_estop or ("wait" if any(event.reset for event in staging.script) else "end"),
                 duration=None if duration is None else limits.DURATION.take(duration, "duration"),
                 sinks=Sinks(file=_recording(record)),
-                staged=staging.told,
+                staged=staging.told(),
             )
             listener = _Changes()
             drive = Drive(options, self.workspace, listener, engine=cast(Engine, engine), looks=not self.dry)
-            engine.enter(_known(drive.runner.tree, staging, ready), drive.runner.robot, staging.lines)
-            return _run(drive, engine, listener, watchers)
+            engine.enter(_known(loaded, drive.runner.tree, staging, ready), drive.runner.robot, staging.lines)
+            return _run(drive, engine, listener, watchers, staging)
         finally:
             for key, initial in initials:
                 key.initial = initial
@@ -185,23 +195,30 @@ def _recording(record: str | PathLike[str] | None) -> Path | None:
     return path
 
 
-def _known(tree: Tree, staging: Staging, ready: Ready) -> Known:
+def _known(loaded: Tree, tree: Tree, staging: Staging, ready: Ready) -> Known:
     scene, robot = ready.engine.scene.config, ready.engine.robot
     percepts = [*scene.percepts, *(event.see.percept for event in staging.script if event.see is not None)]
-    return Known(tree, robot.config.torso, robot.joint_names, ready.bodies, percepts, staging.dry)
+    asked = {*scene.percepts, *loaded.percepts}
+    return Known(tree, robot.config.torso, robot.joint_names, ready.bodies, percepts, asked, staging.dry)
 
 
-def _check(staging: Staging, tree: Tree, ready: Ready) -> None:
+def _check(staging: Staging, loaded: Tree, tree: Tree, ready: Ready) -> None:
     """Try the names in a script on a tree that is not run after it.
+
+    Args:
+        staging: what the test does.
+        loaded: the tree as its file says.
+        tree: the same with stand-ins.
+        ready: what it runs on.
 
     Raises:
         UserError: with everything that a script asks for and is not there.
     """
-    if problems := list(mistakes(staging.script, _known(tree, staging, ready))):
+    if problems := list(mistakes(staging.script, _known(loaded, tree, staging, ready))):
         raise UserError(problems)
 
 
-def _run(drive: Drive, engine: Staged, listener: _Changes, watchers: Sequence[Watcher]) -> TreeRun:
+def _run(drive: Drive, engine: Staged, listener: _Changes, watchers: Sequence[Watcher], staging: Staging) -> TreeRun:
     """Run a tree to its end, and return what there was to see."""
     tree, config = drive.runner.tree, engine.robot.config
     view, samples = View(tree, drive.runner.robot), list[Sample]()
@@ -215,13 +232,15 @@ def _run(drive: Drive, engine: Staged, listener: _Changes, watchers: Sequence[Wa
                 engine.look(view)
                 for watcher in watchers:
                     watcher.tick(view)
+        missed = engine.close_script()
     except BaseException as error:  # a mistake of a watcher too: the robot stands and the recording is whole first
         drive.leave("interrupted", "Ctrl-C" if isinstance(error, KeyboardInterrupt) else str(error))
         raise
     finally:
         drive.close()
     assert drive.report is not None
-    run = TreeRun(drive.report, tree, samples, listener.all, list(engine.supervisor.stops), config)
+    report = replace(drive.report, staged=staging.told([one.event for one in missed]))
+    run = TreeRun(report, tree, samples, listener.all, list(engine.supervisor.stops), config, missed)
     for watcher in watchers:
         watcher.end(run)
     return run

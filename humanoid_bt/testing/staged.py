@@ -11,16 +11,18 @@ import numpy as np
 from py_trees.behaviour import Behaviour
 
 from humanoid_bt.core.clock import PERCEPTION_PERIOD, cycles
+from humanoid_bt.core.errors import Place
 from humanoid_bt.core.messages import Array, Command, Percept, State
 from humanoid_bt.decision.robot import Robot
 from humanoid_bt.link.wire import Event as Notice
 from humanoid_bt.plant.scene import random_stream
 from humanoid_bt.session.engine import Engine
 from humanoid_bt.testing.claim import RunNames
-from humanoid_bt.testing.course import Course, View
+from humanoid_bt.testing.course import Course, Missed, View
 from humanoid_bt.testing.events import Event
 from humanoid_bt.testing.fault import Fault, Known
 from humanoid_bt.tree.ticking.tick import Branch
+from humanoid_bt.tree.tree import Tree
 
 _AT = 1e-9  # s; engine times are sums of floats
 _LOOK = cycles(PERCEPTION_PERIOD)
@@ -62,6 +64,7 @@ class Staged:
         self._looks = False  # whether moments are asked of the course
         self._robot: Robot
         self.percepts: Mapping[str, Percept] = {}
+        self._script = script
         self._waiting = [(event, random_stream(seed, "fault", str(number))) for number, event in enumerate(script)]
         self._sensory = any(event.fault.sensory for event in script)
         self._set_strength = set_strength
@@ -94,6 +97,19 @@ class Staged:
         """Look at what a tick has brought: moments of the script are asked of it."""
         if self._looks:
             self._course.tick(view)
+
+    def close_script(self) -> list[Missed]:
+        """End the script with its tree; return what of it never happened."""
+        waiting = {id(event) for event, _ in self._waiting}
+        missed = [event for event in self._script if id(event) in waiting or _is_armed(event, self.known.tree)]
+        self._waiting = []
+        for event in missed:
+            self.tell(f"never happened: {event}")
+        return [self._missed(event) for event in missed]
+
+    def _missed(self, event: Event) -> Missed:
+        values = {} if event.when is None else event.when.values(self._robot)
+        return Missed(str(event), event.place or Place(""), event.optional, values)
 
     def tell(self, text: str) -> None:
         """Note for people, and for the recording, what was staged."""
@@ -209,10 +225,23 @@ class Staged:
         return (name for lasting in self._lasting if (name := getattr(lasting.fault, "percept", "")))
 
 
+def _ticked(node: Behaviour) -> str:
+    """Return the method of a node that does its own work in a tick."""
+    own = "update" if type(node).tick is Behaviour.tick else "tick"
+    return "advance" if isinstance(node, Branch) else own
+
+
+def _is_armed(event: Event, tree: Tree) -> bool:
+    """Return whether a node that is to raise has not got its next tick yet."""
+    if event.raise_ is None:
+        return False
+    node = tree.node(event.raise_.node).behaviour
+    return _ticked(node) in vars(node)
+
+
 def _raise_once(node: Behaviour, error: Exception) -> None:
     """Let a node raise an exception in its next tick, as if its own code did."""
-    own = "update" if type(node).tick is Behaviour.tick else "tick"
-    ticked = "advance" if isinstance(node, Branch) else own
+    ticked = _ticked(node)
 
     def raising(*_: object) -> Any:
         del vars(node)[ticked]

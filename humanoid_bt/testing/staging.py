@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -35,10 +35,14 @@ class Staging:
             lines.append(str(self.conditions))
         return [*lines, *(f"{name} is replaced: {of}" for name, of in self.replace.items())]
 
-    @property
-    def told(self) -> dict[str, Any] | None:
-        """The same and the script as data for the report and the recording; None if nothing is done to the run."""
-        lines = [*self.lines, *map(str, self.script)]
+    def told(self, missed: Collection[str] = ()) -> dict[str, Any] | None:
+        """Return the same and the script as data for the report and the recording; None if nothing is done to the run.
+
+        Args:
+            missed: the events of the script that never happened.
+        """
+        events = [f"{event}, which never happened" if event in missed else event for event in map(str, self.script)]
+        lines = [*self.lines, *events]
         if not lines:
             return None
         return {
@@ -47,4 +51,5 @@ class Staging:
             "conditions": self.conditions.changed,
             "replace": {name: str(of) for name, of in self.replace.items()},
             "script": [event.plain for event in self.script],
+            "missed": list(missed),
         }

@@ -35,6 +35,11 @@ class Answer:
     feedback: str = param("", doc="What it says.")
     results: dict[str, Any] = param({}, doc="What it reports in the end, by the names that the skill declares.")
 
+    def __post_init__(self) -> None:
+        """Refuse another status, also in Python."""
+        if self.status not in _ANSWERS:
+            raise UserError(f"'status' cannot be {self.status!r}", hint=nearest(str(self.status), _ANSWERS))
+
 
 @dataclass(frozen=True)
 class Replacement:
@@ -73,7 +78,7 @@ class Replacement:
         if isinstance(value, str) and value in _ANSWERS:
             return cls((read(Answer, Item({"status": item}, item.place), repr(name)),), place=item.place)
         if isinstance(value, dict) and "recorded" in value:
-            return cls(recorded=Path(read(_Recorded, item, repr(name)).recorded), place=item.place)
+            return cls(recorded=Path(read(_Recorded, item, repr(name)).recorded), place=value["recorded"].place)
         answers = value if isinstance(value, list) else [item]
         if isinstance(value, (dict, list)) and answers:
             return cls(tuple(_answer(answer, name) for answer in answers), place=item.place)
@@ -187,7 +192,10 @@ def _stand_in(draft: Draft, path: str, replacement: Replacement) -> Draft:
     if replacement.recorded is not None:
         from humanoid_bt.testing.recorded import recorded  # noqa: PLC0415 (what reads recordings takes a while to import)
 
-        answers = tuple(Answer(**answer) for answer in recorded(replacement.recorded, path))
+        try:
+            answers = tuple(Answer(**answer) for answer in recorded(replacement.recorded, path))
+        except UserError as error:
+            raise UserError([replace(problem, place=replacement.place) for problem in error.problems]) from None
     declared = declared_results(draft.type.cls)
     place = replacement.place or Place(f"replace {path}")
     cls = type("StandIn", (StandIn,), {"answers": tuple(_in_si(answer, declared, place) for answer in answers)})

@@ -16,6 +16,7 @@ from humanoid_bt.decision.robot import Robot
 from humanoid_bt.perception.track import Track
 from humanoid_bt.robot.config import RobotConfig
 from humanoid_bt.session.report import Report
+from humanoid_bt.testing.course import Missed
 from humanoid_bt.testing.expectations import expect
 from humanoid_bt.tree.ticking.executor import NodeChange
 from humanoid_bt.tree.tree import Tree
@@ -125,6 +126,7 @@ class TreeRun:
         changes: every change of a node's status.
         stops: every stop the supervisor ordered.
         config: the robot's numbers.
+        missed: the events of the script that never happened.
     """
 
     report: Report
@@ -133,6 +135,7 @@ class TreeRun:
     changes: Sequence[NodeChange] = field(repr=False)
     stops: Sequence[Stop]
     config: RobotConfig = field(repr=False)
+    missed: Sequence[Missed] = ()
 
     @property
     def outcome(self) -> str:

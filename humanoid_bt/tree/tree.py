@@ -77,10 +77,16 @@ class Tree:
             return (exact or found)[0]
         if found:
             message = f"{len(found)} nodes of the tree {self.name!r} have paths that end with {path!r}"
-            raise UserError(message, hint=f"valid: {', '.join(node.path for node in found)}", code="no-file")
+            raise UserError(message, hint=f"valid: {', '.join(node.path for node in found)}", code="unknown-node")
         names = [node.path.rsplit("/", 1)[-1] for node in self.nodes]
         message, hint = f"the tree {self.name!r} has no node {path!r}", nearest(path.rsplit("/", 1)[-1], names)
-        raise UserError(message, hint=hint, code="no-file")
+        raise UserError(message, hint=hint, code="unknown-node")
+
+    @property
+    def percepts(self) -> set[str]:
+        """The percepts that its nodes ask for, by name."""
+        asked = (node.type.percepts(node.values) for node in self.nodes)
+        return {percept for names in asked for percepts in names.values() for percept in percepts}
 
     def to_yaml(self) -> str:
         """Return the text of a file that loads to the same tree; sub-trees stay in their own files.

@@ -68,6 +68,7 @@ def test_a_file_becomes_a_plan(file: Path) -> None:
         ("1.2", "12", "10:13: error: 'friction' must be >= 0 and <= 10"),
         ("force: [0, 60], ", "", "12:5: error: the key 'force' of"),
         ("90 deg", "90 cm", "12:49: error: 'direction' has the unit 'cm'"),
+        ("script:", "duration: 2 s\nscript:", "15:10: error: the event at 3 s never happens"),
         ("lose:", "loose:", "14:15: error: unknown key 'loose'"),
         ("success >=", "sucess >=", "15:11: error: unknown name 'sucess'"),
         ("name: slippery", "name: ../../mine", "2:7: error: '../../mine' cannot be a name"),

@@ -59,6 +59,7 @@ def told(folder: Path) -> tuple[int, str]:
     """Run all scenarios once: exit code, what is printed; JUnit's XML is in junit.xml."""
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(folder)
+        patch.setenv("COLUMNS", "60")
         with (folder / "out.txt").open("w", encoding="utf-8") as stream:
             patch.setattr("sys.stdout", stream)
             code = main(["test", "--junit", "junit.xml"])
@@ -69,14 +70,16 @@ def test_what_fails_is_told_with_its_place_the_moment_and_the_values(told: tuple
     code, out = told
     assert code == 1
     out = re.sub(r"\d{8}-\d{6}", "DATE", re.sub(r"in [\d.]+ s", "in T s", out))
-    assert out.splitlines()[:13] == [
+    assert out.splitlines()[:15] == [
         "✗ bad   1 seed, 0.00 s in T s, dry",
         "  seed 4: failure: give_up: the thing is not there",
-        "    scenarios/bad.yaml:7:5: outcome == success and contains(give_up.feedback, 'there')",
+        "    scenarios/bad.yaml:7:5: outcome == success and",
+        "    contains(give_up.feedback, 'there')",
         "      at 0.00 s it was not so at the end",
         "        outcome: failure",
         "        give_up.feedback: the thing is not there",
-        "    scenarios/bad.yaml:8:5: order: [give_up, give_up succeeded]",
+        "    scenarios/bad.yaml:8:5: order: [give_up, give_up",
+        "    succeeded]",
         "      at 0.00 s 'give_up succeeded' did not come after that",
         "        give_up: came at 0.00 s",
         "        give_up succeeded: did not come",

@@ -209,6 +209,8 @@ def test_what_is_missing_is_told(raising: Path, project: Path, monkeypatch: pyte
     log.setup["files"].append(mesh)
     with pytest.raises(UserError, match="1 files of the run are not in the recording"):
         replay(raising)
+    with pytest.raises(UserError, match="'files' cannot be 'curent'\n    did you mean 'current'"):
+        replay(raising, files="curent")
     with pytest.raises(UserError, match=r"'trees/late\.yaml' of the run is not in"):
         replay(raising, files="current", workspace=project.parent)
     log.setup = SETUP({})

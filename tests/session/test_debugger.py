@@ -299,7 +299,7 @@ def test_a_halt_is_a_breakpoint_but_not_that_of_the_end() -> None:
 @pytest.mark.parametrize(
     ("where", "said"),
     [
-        ("wolk", "the tree 'walks' has no node 'wolk' [no-file]\n    did you mean 'walk'?"),
+        ("wolk", "the tree 'walks' has no node 'wolk' [unknown-node]\n    did you mean 'walk'?"),
         ("wolk=FAILURE", "has no node 'wolk'"),
         ("walk=FAIL", "did you mean 'FAILURE'?"),
         ("distance(target < 1", "breakpoint:1:20: "),

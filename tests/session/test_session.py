@@ -39,7 +39,7 @@ def in_project(project: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_steps_make_the_same_run(tmp_path: Path) -> None:
-    whole = hbt.run("walk", duration=0.4)
+    whole = hbt.run("walk", duration="400 ms")
     with hbt.Session("walk", duration=0.4) as session:
         steps = 0
         while session.step():
@@ -216,6 +216,10 @@ def test_a_recording_is_made_only_if_asked_for(tmp_path: Path, monkeypatch: pyte
         ({"duration": -1}, "'duration' must be a number above 0, not -1"),
         ({"duration": math.nan}, "'duration' must be a number above 0, not nan"),
         ({"duration": "3"}, "'duration' must be a number above 0, not '3'"),
+        (
+            {"duration": "2 m"},
+            "'duration' must be a number above 0, not '2 m'\n    in s, or as text with its unit: s, ms, min",
+        ),
         ({"seed": 0.5}, "'seed' must be a whole number, 0 or more, not 0.5"),
         ({"seed": None}, "'seed' must be a whole number, 0 or more, not None"),
         ({"pace": 0}, "'pace' must be a number above 0, not 0"),
@@ -288,7 +292,7 @@ def use(*calls: Callable[[hbt.Session], object]) -> Callable[[hbt.Session], obje
         (lambda s: s.run_until(True), "'condition' must be a time"),
         (lambda s: s.run_until(math.nan), "'condition' must be a time"),
         (lambda s: s.run_until(1.0, timeout=-1), "'timeout' must be a number of seconds, 0 or more, not -1"),
-        (lambda s: s.node("paus"), "has no node 'paus' [no-file]\n    did you mean 'pause'?"),
+        (lambda s: s.node("paus"), "has no node 'paus' [unknown-node]\n    did you mean 'pause'?"),
         (lambda s: s.blackboard["n"], "the tree has no key 'n'\n    the tree has no keys"),
         (lambda s: s.push("hard"), "'force' must be three numbers [N], not 'hard'"),
         (lambda s: s.push((0, 1e6, 0)), "'force' must be at most 10000 N in each direction, not 1000000.0"),

@@ -21,4 +21,5 @@ def dry() -> Stage:
 def recorded(dry: Stage, tmp_path_factory: pytest.TempPathFactory) -> TreeRun:
     """Return a staged run with its recording."""
     file = tmp_path_factory.mktemp("staged") / "staged.rrd"
-    return dry.run("fetch", record=file, script=[{"at": 0.1, "lose": "target"}], replace={"idle": "running"})
+    script = [{"at": 0.1, "lose": "target"}, {"at": 9, "estop": "too late"}]
+    return dry.run("fetch", record=file, script=script, replace={"idle": "running"})

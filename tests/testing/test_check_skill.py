@@ -77,9 +77,16 @@ def caught(rig: hbt.Rig, skill: str, rule: str, said: str, line: str) -> hbt.Ski
     assert said in result.evidence
     assert f"broken.py:{line_of(line)}:" in result.evidence if line else "broken.py" not in result.evidence
     assert result.advice in RULES[rule][1] and result.advice
+    assert rule != "halting" or len(result.advice) < 100, "what to do about this cause, and not about others"
     assert not check.passed
-    with pytest.raises(AssertionError, match=f"✗ {result.title}"):
+    with pytest.raises(AssertionError) as raised:
         check.assert_passed()
+    kept = len([one for one in check.rules.values() if one.verdict == "passed"])
+    head, _, rest = str(raised.value).partition("\n  ✗ ")
+    assert f"keeps {kept} of 12 rules" in " ".join(head.split())
+    assert rest.startswith(result.title) and "✓" not in rest
+    assert rest.count("○ not tried") <= 2, "each reason is said once"
+    assert str(check).partition("\n  ✗ ")[2].startswith(result.title)
     return check
 
 
@@ -223,6 +230,7 @@ def test_what_is_declared_in_vain_is_told(rig: hbt.Rig) -> None:
 def test_what_is_missing_or_unknown_is_one_message(rig: hbt.Rig) -> None:
     for skill, values, said in [
         ("reach", {}, "the skill 'reach' needs the parameter 'target'"),
+        ("reach", {"targt": BALL}, "has no parameter 'targt'[^\0]*did you mean 'target'"),
         ("reech", {}, "no skill named 'reech'"),
         ("good", {"width": 1}, "has no parameter 'width'"),
     ]:

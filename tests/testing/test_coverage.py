@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +12,7 @@ import pytest
 
 import humanoid_bt.testing.rig  # noqa: F401 (the inner pytest forgets what it imports, and numpy loads only once)
 from humanoid_bt.cli import main
+from humanoid_bt.core.errors import UserError, relative
 from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.testing.coverage import TreeCoverage, counting, coverage_in, save, tree_coverage, tree_files
 from humanoid_bt.tree.counting import FOLDER
@@ -174,12 +176,6 @@ def test_what_was_counted_apart_is_merged(halted: Path, capsys: pytest.CaptureFi
     assert Coverage.read(halted / "all.json").files.keys() == coverage_in(halted / "counted").files.keys()
 
 
-def test_scenes_and_robots_are_no_trees(halted: Path) -> None:
-    (halted / "sim" / "scenes").mkdir(parents=True)
-    (halted / "sim" / "scenes" / "kitchen.yaml").write_text("format: 1\n", encoding="utf-8")
-    assert [path.stem for path in tree_files([], halted)] == ["chooses"]
-
-
 def report_of(*seen: set[str]) -> TreeCoverage:
     """Return what there is to say of nodes that can do all and did this."""
     nodes = {(line, 1): NodeCoverage(line, 1, "n", "act", set(DEEDS), did) for line, did in enumerate(seen, 1)}
@@ -202,6 +198,17 @@ def test_nearly_all_is_not_all() -> None:
 def test_what_a_node_did_and_should_not_be_able_to_is_counted() -> None:
     node = NodeCoverage(1, 1, "n", "act", {"success", "running"}, {"failure"})
     assert (node.counted, node.missing) == (("success", "failure", "running"), ("success", "running"))
+
+
+@pytest.mark.parametrize("asked", [[], ["."], ["trees"]])
+def test_the_trees_of_a_workspace_are_no_scenes_scenarios_and_campaigns(halted: Path, asked: list[str]) -> None:
+    for other in ("scenarios/x.yaml", "campaigns/x.yaml", "sim/scenes/x.yaml", "trees/parts/x.yaml"):
+        (halted / other).parent.mkdir(parents=True, exist_ok=True)
+        (halted / other).write_text("format: 1\n", encoding="utf-8")
+    assert [relative(file) for file in tree_files(asked, halted)] == ["trees/chooses.yaml", "trees/parts/x.yaml"]
+    shutil.rmtree(halted / "trees")
+    with pytest.raises(UserError, match=r"no tree (files|named)"):
+        tree_files(asked, halted)
 
 
 def test_of_an_edited_file_nothing_counts(halted: Path) -> None:

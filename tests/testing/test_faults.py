@@ -173,8 +173,21 @@ def test_any_kind_of_node_can_raise(dry, node):
     assert f"{node}' raised InjectedError: raised by the test" in run.reason
 
 
-def test_a_node_that_is_not_ticked_does_not_raise(dry):
-    assert dry.run("fetch", script=[{"at": 0, "raise": "turn"}]).succeeded
+def test_what_never_happened_is_told_and_keeps_expectations_from_being_met(dry):
+    far = {"when": "distance(target) > 5 m", "estop": "far", "optional": True}
+    never = [{"at": 9, "lose": "target"}, {"at": 0, "raise": "turn"}, far]
+    run = dry.run("fetch", script=[HERE, *never])
+    assert run.succeeded
+    told = ["at 9 s lose (percept target)", "at 0 s raise (node turn)", f"when {far['when']} estop (reason far)"]
+    assert [missed.event for missed in run.missed] == run.report.staged["missed"] == told
+    assert [line for line in run.report.staged["told"] if line.endswith(", which never happened")] == [
+        f"{event}, which never happened" for event in told
+    ]
+    assert [text for text in texts(run) if "never" in text] == [f"staged: never happened: {event}" for event in told]
+    with pytest.raises(AssertionError) as raised:
+        run.expect("never: fell")
+    assert str(raised.value).count("at 0.34 s the run was over, and it had never happened") == 2
+    dry.run("fetch", script=[HERE, far]).expect("never: fell")
 
 
 def test_parameters_of_nodes_are_set_while_they_run(dry):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 
 import pytest
 
@@ -20,7 +21,9 @@ def test_a_skill_of_this_project(rig):
     assert result.time == pytest.approx(0.3)
 
 def test_a_built_in_skill(rig):
-    assert rig.run("idle", timeout=0.2).commands
+    assert rig.run("idle", timeout="200 ms").commands
+    with pytest.raises(UserError, match="'timeout' must be a number above 0, not '2 m'"):
+        rig.run("idle", timeout="2 m")
 
 def test_every_test_starts_afresh(rig):
     assert rig.time == 0.0
@@ -39,6 +42,8 @@ def test_mistakes_name_what_is_valid(rig):
         rig.run("puase")
     with pytest.raises(UserError, match="did you mean 'duration'"):
         rig.run("pause", durations=1)
+    with pytest.raises(UserError, match="'side' cannot be 'lft'"):
+        rig.hand_distance("lft", (0, 0, 0))
 
 def test_a_scripted_emergency_stop(rig):
     rig.at(0.1, rig.raise_estop)
@@ -81,6 +86,21 @@ def test_a_skill_that_is_not_there_names_the_workspace(user: pytest.Pytester) ->
     result = user.runpytest_inprocess("-p", "no:cacheprovider")
     result.assert_outcomes(failed=1)
     result.stdout.fnmatch_lines(["*no skill named 'hail' in the workspace '*"])
+
+
+def test_a_mistake_in_a_test_is_shown_at_its_own_line(user: pytest.Pytester) -> None:
+    make_project(user.path)
+    mistakes = (
+        "rig.run('pause', durations=1)",
+        "rig.run_tree('wait', dry=True, replace={'wait': {'recorded': 'no.rrd'}})",
+        "rig.run_tree('wait', dry=True).expect('never: fel')",
+    )
+    tests = (f"def test_{number}(rig):\n    {mistake}\n" for number, mistake in enumerate(mistakes))
+    user.makepyfile(test_mine="\n".join(tests))
+    short, full = (user.runpytest_inprocess("-p", "no:cacheprovider", *options) for options in ((), ("--full-trace",)))
+    shown, all_ = ([line for line in of.outlines if re.match(r"\S+\.py:\d+: ", line)] for of in (short, full))
+    assert [line.rpartition(":")[0] for line in shown] == ["test_mine.py:2", "test_mine.py:5", "test_mine.py:8"]
+    assert any("/humanoid_bt/testing/rig.py" in line for line in all_)
 
 
 def test_the_workspace_can_lie_elsewhere(user: pytest.Pytester) -> None:

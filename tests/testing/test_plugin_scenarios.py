@@ -48,7 +48,29 @@ def test_a_scenario_with_a_mistake_is_one_clear_message(user: pytest.Pytester) -
     result.stdout.no_fnmatch_line("*Traceback*")
 
 
-def test_files_of_other_tools_are_left_alone(user: pytest.Pytester) -> None:
-    write(user, "playbook.yaml", "- hosts: all\n")
-    write(user, "tree.yml", "tree: oak\n")
-    user.runpytest_inprocess("-p", "no:cacheprovider").assert_outcomes()
+def test_what_is_no_scenario_at_all_is_told_too(user: pytest.Pytester) -> None:
+    write(user, "empty.yaml", "")
+    write(user, "list.yaml", "- hosts: all\n")
+    (user.path / "scenarios" / "more").mkdir()
+    (user.path / "scenarios" / "more" / "binary.yaml").write_bytes(b"\xff\x00\xfe")
+    (user.path / "scenarios" / "folder.yaml").mkdir()
+    (user.path / "scenarios" / "lost.yaml").symlink_to("nowhere.yaml")
+    result = user.runpytest_inprocess("-p", "no:cacheprovider")
+    result.assert_outcomes(errors=5)
+    result.stdout.fnmatch_lines_random(
+        [
+            "scenarios/empty.yaml:1:1: error: the file is empty*",
+            "scenarios/list.yaml:1:1: error: the scenario must be a mapping, not a list*",
+            "scenarios/more/binary.yaml:1:1: error: the file is not UTF-8 text*",
+            "scenarios/folder.yaml: error: cannot be read: *",
+            "scenarios/nowhere.yaml: error: cannot be read: No such file or directory*",
+        ]
+    )
+    result.stdout.no_fnmatch_line("*Traceback*")
+
+
+def test_files_of_other_tools_are_left_alone(pytester: pytest.Pytester) -> None:
+    (pytester.path / "scenarios").mkdir()
+    write(pytester, "playbook.yaml", "- hosts: all\n")
+    write(pytester, "tree.yml", "tree: oak\n")
+    pytester.runpytest_inprocess("-p", "no:cacheprovider").assert_outcomes()

@@ -89,8 +89,28 @@ MISTAKES = {
     "a parameter's unit": ("35 cm", "35 s", "8:29: error: 'stop_distance' has the unit 's'", "valid: m, cm, mm"),
     "a condition": ("friction: 0.8", "frition: 0.8", "9:14: error: unknown key 'frition'", "did you mean 'friction'?"),
     "a fault": ("push:", "pusch:", "11:15: error: unknown key 'pusch' of the event", "did you mean 'push'?"),
+    "a late event": ("at: 2 s,", "at: 61 s,", "11:10: error: the event at 61 s never happens", "an earlier moment"),
     "no moment": ("at: 2 s, ", "", "11:5: error: an event happens at a time or when", "write at: 2 s, or when:"),
-    "a percept of a fault": ("lose: target", "lose: taget", "12:5: error: the scene publishes no percept", "'target'"),
+    "a percept of a fault": ("lose: target", "lose: taget", "12:42: error: the scene publishes no percept", "'target'"),
+    "a body of a fault": (
+        "{force: [0, 60, 0]}}",
+        "{force: [0, 60, 0], body: trso}}",
+        "11:47: error: there is no body 'trso' to push [unknown-body]",
+        "'torso'",
+    ),
+    "a node of a fault": (
+        "lose: target",
+        "raise: reech",
+        "12:43: error: the tree 'fetch' has no node 'reech' [unknown-node]",
+        "'reach'",
+    ),
+    "a name to set": (
+        "lose: target",
+        "set: {lok: 2}",
+        "12:42: error: the tree has no key or parameter 'lok' [unknown-parameter]",
+        "'look'",
+    ),
+    "a value to set": ("lose: target", "set: {reach.hold: x}", "12:54: error: 'hold' must be a number", ""),
     "a moment": ("(target) < 1", "(taget) < 1", "12:12: error: in 'distance(taget) < 1 m': there is no", "'target'"),
     "physics in a dry run": ("seeds: 0-2, 7", "dry: true", "11:5: error: 'push' needs a body", "run it without dry"),
     "a node to replace": (
@@ -100,6 +120,18 @@ MISTAKES = {
         "did you mean 'approach'?",
     ),
     "a stand-in": (", success]", ", sucess]", "14:45: error: 'status' cannot be 'sucess'", "did you mean 'success'?"),
+    "a recording": (
+        "[{status: failure, after: 2 s}, success]",
+        "{recorded: none.rrd}",
+        "14:24: error: 'scenarios/none.rrd' is no recording that can be read: No such file",
+        "",
+    ),
+    "another stand-in": (
+        "[{status: failure, after: 2 s}, success]",
+        "sucess",
+        "14:13: error: nothing can stand in for 'approach' like this",
+        "did you mean 'success'?",
+    ),
     "nothing expected": (
         WHOLE[WHOLE.index("expect:") :],
         "expect: []",
@@ -150,9 +182,22 @@ def test_a_sub_tree_does_not_run_alone(folder: Path) -> None:
 
 
 def test_all_mistakes_are_told_in_one_round(folder: Path) -> None:
-    text = WHOLE.replace("[fell,", "[fel,").replace("aproach", "aproch").replace("idle,", "idel,")
+    text = (
+        WHOLE.replace("ball_on_stand", "ball").replace("stop_distance", "stop_distanc").replace("friction", "frition")
+    )
+    text = text.replace("push:", "pusch:").replace("lose: target", "set: {lok: 2}").replace("approach:", "approch:")
+    text = text.replace("[fell,", "[fel,").replace("idle,", "idel,").replace("2 cm", "2 s")
     problems = check(str(write(folder, text)))
-    assert [problem.place.line for problem in problems if problem.place] == [17, 18]
+    assert [problem.place.line for problem in problems if problem.place] == [5, 8, 9, 11, 12, 14, 17, 18, 19]
+
+
+def test_no_percept_is_missed_where_it_is_not_known_which_there_are(folder: Path) -> None:
+    broken = WHOLE.replace("lose: target", "see: {percept: cup, position: [1]}").replace(
+        "hand_error < 2 cm", "cup.age < 1 s"
+    )
+    for text in (WHOLE.replace("ball_on_stand", "ball").replace("distance(target)", "distance(cup)"), broken):
+        (problem,) = check(str(write(folder, text)))
+        assert "no scene named 'ball'" in problem.message or "'position' must have 3 values" in problem.message
 
 
 def test_a_fault_without_parameters_has_its_defaults(folder: Path) -> None:

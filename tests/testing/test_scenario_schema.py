@@ -64,4 +64,4 @@ def test_every_key_and_every_fault_is_explained(schema: jsonschema.Draft7Validat
     properties = schema.schema["properties"]
     assert properties.keys() == params_of(Scenario).keys()
     assert all(part["description"] for part in properties.values())
-    assert {"at", "when", *FAULTS} == properties["script"]["items"]["properties"].keys()
+    assert {"at", "when", "optional", *FAULTS} == properties["script"]["items"]["properties"].keys()

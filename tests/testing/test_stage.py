@@ -155,6 +155,10 @@ def test_parameters_are_those_of_the_tree(dry):
         ({"seed": -1}, "'seed' must be a whole number"),
         ({"duration": 0}, "'duration' must be a number above 0"),
         ({"tree": "fetsh"}, "did you mean 'fetch'"),
+        ({"on_estop": "wiat"}, "'on_estop' cannot be 'wiat'\n    did you mean 'wait'\\? valid: end, wait"),
+        ({"replace": "reach"}, "'replace' must be a mapping of names to values, not 'reach'"),
+        ({"script": {"at": 1, "lose": "target"}}, "a script is a list of events, not {'at': 1"),
+        ({"watchers": [print]}, "the watcher <built-in function print> has no tick and no end\n    a watcher is"),
         ({"record": "flight.txt"}, "'record' must be a file that ends in .rrd, not 'flight.txt'"),
     ],
 )
@@ -193,4 +197,10 @@ def test_the_rig_runs_whole_trees(rig):
     assert run.report.scene == "empty"
     with pytest.raises(UserError, match="the percept 'target': error: 'position' must have 3 values, not 2"):
         rig.run_tree("fetch", percepts={"target": (0.4, 0.2)}, dry=True)
+    with pytest.raises(
+        UserError, match=r"the percept 'targt': error: neither the tree nor [^\0]*did you mean 'target'"
+    ):
+        rig.run_tree("fetch", percepts={"targt": (0.4, 0.2, 0.9)}, dry=True, replace={"watchdog": "running"})
+    with pytest.raises(UserError, match="event 1 of the script: error: the scene publishes no percept 'targt'"):
+        rig.run_tree("fetch", percepts={"target": (0.4, 0, 1)}, dry=True, script=[{"at": 1, "lose": "targt"}])
     assert rig.run_tree("fetch", scene="ball_on_stand", dry=True, replace={"reach": "success"}).succeeded

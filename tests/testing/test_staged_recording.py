@@ -14,15 +14,20 @@ LINES = [
     "idle is replaced: running",
     "at 0.1 s lose (percept target)",
 ]
+LATE = "at 9 s estop (reason too late)"
 
 
 def test_the_report_says_what_was_staged(recorded, tmp_path):
     assert recorded.report.staged == {
         "dry": True,
-        "told": LINES,
+        "told": [*LINES, f"{LATE}, which never happened"],
         "conditions": {},
         "replace": {"idle": "running"},
-        "script": [{"at": 0.1, "lose": {"percept": "target", "duration": None}}],
+        "script": [
+            {"at": 0.1, "lose": {"percept": "target", "duration": None}},
+            {"at": 9, "estop": {"reason": "too late"}},
+        ],
+        "missed": [LATE],
     }
     assert repr(recorded).splitlines()[0] == "fetch on humanoid in ball_on_stand, seed 0, dry: without physics"
     assert f"  staged     {LINES[0]}" in repr(recorded).splitlines()
@@ -33,9 +38,14 @@ def test_the_report_says_what_was_staged(recorded, tmp_path):
 
 def test_the_recording_says_what_was_staged(recorded):
     recording = open_recording(recorded.recording)
-    assert recording.setup["staged"]["told"] == LINES
+    assert recording.setup["staged"]["told"] == [*LINES, LATE]
     told = [(row["time"], row["text"]) for row in recording.happened.events if row["text"].startswith("staged: ")]
-    assert told == [(0.0, f"staged: {LINES[0]}"), (0.0, f"staged: {LINES[1]}"), (0.1, "staged: lose (percept target)")]
+    assert told == [
+        (0.0, f"staged: {LINES[0]}"),
+        (0.0, f"staged: {LINES[1]}"),
+        (0.1, "staged: lose (percept target)"),
+        (0.34, f"staged: never happened: {LATE}"),
+    ]
 
 
 def test_an_explanation_names_what_was_staged(recorded):
@@ -43,6 +53,7 @@ def test_an_explanation_names_what_was_staged(recorded):
     assert explanation.headline.endswith("; a test staged at 0.100 s: lose (percept target)")
     assert ("staged", LINES[0]) in explanation.rows
     assert ("", LINES[2]) in explanation.rows
+    assert ("", f"{LATE}, which never happened") in explanation.rows
 
 
 def test_a_staged_run_is_not_replayed_as_if_nothing_had_been_done_to_it(recorded):

@@ -83,7 +83,7 @@ def test_a_stand_in_says_nothing_to_the_robot(dry):
 
 
 def test_what_a_node_did_in_a_recording_stands_in_for_it(dry, recorded):
-    run = dry.run("fetch", replace={"reach": {"recorded": str(recorded.recording)}}, script=HERE)
+    run = dry.run("fetch", replace={"reach": {"recorded": recorded.recording}}, script=HERE)
     was, now = ([change for change in of.changes if change.path.endswith("/reach")] for of in (recorded, run))
     assert [change.status for change in now] == [change.status for change in was]
     assert now[-1].time - now[0].time == pytest.approx(was[-1].time - was[0].time)
@@ -101,12 +101,14 @@ def test_what_a_node_did_in_a_recording_stands_in_for_it(dry, recorded):
         ({"reach": [{"status": "success", "afer": 1}]}, "did you mean 'after'"),
         ({"reach": [{"status": "success", "results": {"hand": 1}}]}, "the skill reports no 'hand'"),
         ({"reach": [{"status": "success", "results": {"hand_error": "3 kg"}}]}, "has the unit 'kg'"),
-        ({"reach": {"recorded": "nowhere.rrd"}}, "'nowhere.rrd' is no recording"),
+        ({"reach": {"recorded": "nowhere.rrd"}}, "replace reach: error: 'nowhere.rrd' is no recording"),
+        ({"reach": {"recorded": object()}}, "'recorded' must be text, not an object of type object"),
     ],
 )
 def test_what_cannot_stand_in_is_said_before_anything_moves(dry, replace, message):
-    with pytest.raises(UserError, match=message):
+    with pytest.raises(UserError, match=message) as raised:
         dry.run("fetch", replace=replace)
+    assert raised.value.__cause__ is None
 
 
 def test_a_recording_without_the_node_says_so(dry, recorded):
@@ -115,6 +117,8 @@ def test_a_recording_without_the_node_says_so(dry, recorded):
 
 
 def test_answers_can_be_made_in_python(dry):
+    with pytest.raises(UserError, match="'status' cannot be 'sucess'\n    did you mean 'success'"):
+        Answer(status="sucess")
     made = Replacement((Answer(status="success", after=0.1),))
     assert dry.run("fetch", replace={"reach": made}, script=HERE).trace == (
         dry.run("fetch", replace={"reach": [{"status": "success", "after": "100 ms"}]}, script=HERE).trace
