@@ -151,7 +151,7 @@ def measured(rows: Sequence[str], workers: int, folder: Path | None = None) -> l
     return found
 
 
-@pytest.mark.slow
+@pytest.mark.trials
 def test_trials_are_the_same_in_any_number_of_processes_and_recorded_or_not(tmp_path: Path) -> None:
     rows = ["push-standing-60", "push-standing-200"]
     one, two, (again,) = measured(rows, 1), measured(rows, 2), measured(rows[1:], 1, tmp_path)

@@ -63,7 +63,7 @@ def test_what_is_no_scenario_at_all_is_told_too(user: pytest.Pytester) -> None:
             "scenarios/list.yaml:1:1: error: the scenario must be a mapping, not a list*",
             "scenarios/more/binary.yaml:1:1: error: the file is not UTF-8 text*",
             "scenarios/folder.yaml: error: cannot be read: *",
-            "scenarios/nowhere.yaml: error: cannot be read: No such file or directory*",
+            "scenarios/lost.yaml: error: cannot be read: No such file or directory*",
         ]
     )
     result.stdout.no_fnmatch_line("*Traceback*")
