@@ -78,6 +78,7 @@ def test_encoders_are_off_to_both_sides() -> None:
     assert 60 < sum(error > 0 for error in errors) < 140
 
 
+@pytest.mark.trials
 def test_the_robot_is_walking_whenever_it_is_pushed_on_its_way() -> None:
     tree = row("goals").trial(0, "mine", 0).tree
     nearest = {"x": 0.5, "y": 0.0, "heading": 0.0}  # no goal is reached in fewer steps

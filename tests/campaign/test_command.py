@@ -62,6 +62,7 @@ def test_campaigns_are_compared(done: Path, tmp_path: Path, capsys: pytest.Captu
     assert "there is no campaign in" in capsys.readouterr().err
 
 
+@pytest.mark.trials
 def test_parameters_of_a_trial_come_with_what_was_staged(done: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["campaign", "rerun", str(done), "1"]) in (0, 5)
     (recording,) = (done / "recordings").iterdir()

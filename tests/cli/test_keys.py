@@ -93,6 +93,7 @@ def start(project: Path) -> Iterator[Callable[..., Terminal]]:
 RUN = ("--no-record", "--no-view", "--duration", "60")
 
 
+@pytest.mark.trials
 @pytest.mark.parametrize("key", [" ", "e"])
 def test_a_key_stops_the_robot(key: str, start: Callable[..., Terminal]) -> None:
     terminal = start("run", "walk", *RUN, "--pace", "1", "--on-estop", "end")

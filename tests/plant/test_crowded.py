@@ -36,6 +36,7 @@ def test_what_cannot_be_a_name_is_told(name: str, tmp_path: Path) -> None:
     assert (problem.code, problem.place and problem.place.line) == ("bad-name", 4)
 
 
+@pytest.mark.trials
 def test_what_mujoco_warns_of_is_an_event_and_no_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     file = scene(tmp_path, [f"o{number}" for number in range(500)])

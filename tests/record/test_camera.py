@@ -120,6 +120,7 @@ def test_nothing_is_said_of_pictures_that_nobody_wants(record: Maker, file: Path
     assert why(file) == ["no picture: it is switched off"]
 
 
+@pytest.mark.trials
 def test_pictures_that_take_too_long_are_left_to_who_insists(
     recorded: Maker, record: Maker, file: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -344,6 +344,7 @@ with Session("walk", workspace=sys.argv[1], record=sys.argv[2], camera=False) as
 """
 
 
+@pytest.mark.trials
 def test_a_program_that_was_killed_is_told(stage: Path, tmp_path: Path) -> None:
     file = tmp_path / "run.rrd"
     subprocess.run([sys.executable, "-c", _KILLED, stage, file], capture_output=True, check=False, timeout=60)

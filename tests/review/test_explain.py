@@ -50,6 +50,7 @@ def test_a_push_is_found_where_it_was_and_steps_are_none(fallen: Path) -> None:
     assert Motion(log, 0.0, 0.99).push() is None
 
 
+@pytest.mark.trials
 @pytest.mark.parametrize(("force", "direction"), [((400.0, 0.0, 0.0), "forward"), ((0.0, 400.0, 0.0), "to the left")])
 def test_the_direction_of_a_push_is_as_the_robot_sees_it(
     play: Play, force: tuple[float, float, float], direction: str

@@ -114,6 +114,7 @@ def test_a_run_again_is_the_same_to_the_bit(disturbed: Path) -> None:
     assert (again.outcome, again.recorded_outcome) == ("unfinished", "unfinished")
 
 
+@pytest.mark.trials
 def test_so_is_one_that_ends_with_an_exception(raising: Path) -> None:
     again = replay(raising)
     assert again.identical
@@ -132,6 +133,7 @@ def test_it_needs_nothing_of_the_workspace(raising: Path, project: Path, tmp_pat
         moved.rename(project)
 
 
+@pytest.mark.trials
 def test_without_its_inputs_it_is_another_run(disturbed: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     log = read_flight(disturbed)
     log.news[:] = [news for news in log.news if not (news.kind == "input" and news.value[1] == "push")]
@@ -218,6 +220,7 @@ def test_what_is_missing_is_told(raising: Path, project: Path, monkeypatch: pyte
         replay(raising)
 
 
+@pytest.mark.trials
 def test_a_recording_that_says_something_else_is_answered(raising: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     chance, whole, answered = random.Random(3), read_flight(raising), 0
     times, kinds = [0.1, -1.0, 1e300, math.nan], ["node", "unseen", "input", "stop", "tree", "end", "limits"]

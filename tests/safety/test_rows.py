@@ -52,6 +52,7 @@ def test_a_robot_that_falls_is_noticed() -> None:
     assert outcome.limp
 
 
+@pytest.mark.trials
 def test_the_table_counts_what_went_as_told() -> None:
     row = ROWS["e-stop raised"]
     outcomes = [trial(row.name, "standing still", 0), trial("decision killed", "turning", 1)]

@@ -33,6 +33,7 @@ def swapped(tmp_path_factory: pytest.TempPathFactory) -> Ran:
     return watched(root, WALK, edits, duration=12.0)
 
 
+@pytest.mark.trials
 @shows("reload-mistake")
 def test_a_mistake_leaves_the_old_tree_running(swapped: Ran) -> None:
     first, second = swapped.report.reloads[:2]

@@ -23,6 +23,7 @@ def test_the_engine_does_what_the_model_says(workspace: Workspace, story: Story)
     compare(workspace, story)
 
 
+@pytest.mark.trials
 @random_lives
 @given(story=stories(raising=True))
 def test_the_engine_and_the_model_agree_on_exceptions(workspace: Workspace, story: Story) -> None:

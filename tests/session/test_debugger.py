@@ -32,6 +32,7 @@ def events(session: hbt.Session) -> list[str]:
 # ---- pausing -------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.trials
 def test_a_walking_robot_comes_to_a_stand_and_the_tree_goes_on() -> None:
     with hbt.Session("walks") as session:
         session.run_until(0.8)

@@ -97,6 +97,7 @@ for seed in range(3):
 """
 
 
+@pytest.mark.trials
 def test_ctrl_c_ends_a_program_with_the_robot_standing(tmp_path: Path, project: Path) -> None:
     script = tmp_path / "script.py"
     script.write_text(CTRL_C, encoding="utf-8")
@@ -115,6 +116,7 @@ def test_ctrl_c_while_the_robot_comes_to_a_stand_waits_for_it(monkeypatch: pytes
     assert session.engine.sense()[0].base_settled
 
 
+@pytest.mark.trials
 def test_ctrl_c_while_the_run_is_closed_costs_neither_the_report_nor_what_else_is_closed(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

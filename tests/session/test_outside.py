@@ -108,6 +108,7 @@ def test_an_estop_that_nobody_resets_ends_a_run_that_nobody_watches(project: Pat
     assert (report.exit_code, report.reason) == (3, "in the way (terminal)")
 
 
+@pytest.mark.trials
 def test_the_commands(project: Path, capsys: pytest.CaptureFixture[str]) -> None:
     with begun(project, 2) as sessions:
 

@@ -138,6 +138,7 @@ def small_files(project: Path, tmp_path: Path) -> Iterator[int]:
     resource.setrlimit(resource.RLIMIT_FSIZE, before)
 
 
+@pytest.mark.trials
 def test_a_recording_that_cannot_grow_is_told(project: Path, tmp_path: Path, small_files: int) -> None:
     file = tmp_path / "run.rrd"
     report = harmed(project, file, lambda _session: None)
@@ -223,6 +224,7 @@ def test_a_run_that_begins_removes_old_recordings_and_tells_it(
     assert json.loads((runs / f"{stem}.json").read_text())["outcome"] == "unfinished"
 
 
+@pytest.mark.trials
 def test_a_recording_that_was_named_removes_nothing(
     project: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -246,6 +248,7 @@ def test_mistakes_in_the_limits_are_told_before_the_run(
     Session("walk", workspace=project)
 
 
+@pytest.mark.trials
 def test_a_long_recording_is_in_several_files(project: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(options, "SMALLEST_PART", 1)
     file = tmp_path / "run.rrd"

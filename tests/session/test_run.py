@@ -235,6 +235,7 @@ def test_a_skill_cannot_leave_the_program(project: Path, error: str) -> None:
     assert done.settled
 
 
+@pytest.mark.trials
 def test_a_skill_that_raises_when_halted_is_an_error(project: Path) -> None:
     report = ran("stubborn", project, duration=0.1).report
     assert report.exit_code == 4
@@ -273,6 +274,7 @@ def test_a_percept_that_never_comes_is_told(project: Path) -> None:
     assert (0.0, "warning", "the scene 'empty' publishes no percept 'target' (it publishes none)") in told.events
 
 
+@pytest.mark.trials
 def test_the_same_run_has_the_same_hash_and_another_seed_another(project: Path) -> None:
     hashes = [ran("fetch", project, seed=seed, duration=1.0).report.trace_hash for seed in (3, 3, 4)]
     assert hashes[0] == hashes[1] != hashes[2]

@@ -107,6 +107,7 @@ def test_an_edited_tree_starts_when_the_robot_stands(root: Path) -> None:
     assert ran.session.tree is ran.told.shown[0]
 
 
+@pytest.mark.trials
 def test_the_robot_is_held_between_two_trees_and_commands_are_counted_on(
     root: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

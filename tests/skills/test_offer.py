@@ -51,6 +51,7 @@ def test_stays_clear_of_a_target_that_is_near(rig: Rig, bearing: float) -> None:
     assert nearest(result, target) > 0.17
 
 
+@pytest.mark.trials
 def test_draws_the_hand_back_from_a_target_that_comes_nearer(rig: Rig) -> None:
     for i in range(20):
         rig.at(2.0 + 0.1 * i, lambda i=i: rig.see("target", (0.8 - 0.02 * i, 0.0, 1.2)))

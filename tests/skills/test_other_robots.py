@@ -76,6 +76,7 @@ def test_a_robot_without_a_neck_leans_to_keep_in_view_what_is_near(tmp_path: Pat
     assert math.atan2(first.gaze_position[2] - target[2], target[0] - first.gaze_position[0]) > HALF_VIEW
 
 
+@pytest.mark.trials
 def test_a_robot_without_a_neck_does_not_lose_what_it_walks_up_to(tmp_path: Path) -> None:
     workspace = without(NECK, tmp_path).workspace
     (tmp_path / "sim" / "scenes").mkdir()

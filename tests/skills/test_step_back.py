@@ -14,6 +14,7 @@ def test_walks_straight_back_without_turning(rig: Rig, distance: float) -> None:
     assert not result.stops
 
 
+@pytest.mark.trials
 def test_back_is_where_it_does_not_face(rig: Rig) -> None:
     assert rig.run("turn", angle=1.57).succeeded
     result = rig.run("step_back", distance=0.3)
@@ -28,6 +29,7 @@ def test_gives_up_when_it_comes_no_farther(rig: Rig) -> None:
     assert "comes no farther: 0.00 of 0.25 m made" in result.feedback.replace("-0.00", "0.00")
 
 
+@pytest.mark.trials
 def test_stops_within_a_step_when_halted(rig: Rig) -> None:
     result = rig.run("step_back", distance=2.0, timeout=2.5)
     assert result.states[-1].gait is Gait.STEP

@@ -47,6 +47,7 @@ def test_waits_for_a_steady_base(rig: Rig) -> None:
     assert not any(command.targets for command in result.commands)
 
 
+@pytest.mark.trials
 def test_takes_the_hand_back_when_halted_and_begins_anew(rig: Rig) -> None:
     rest = rig.state.hands["left"].copy()
     rig.run("wave", hand="left", timeout=2.0)

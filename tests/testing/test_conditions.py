@@ -106,6 +106,7 @@ def test_the_floor_is_as_steep_as_it_is_to_be(stage):
     assert up[1] < -0.06  # away from where the floor rises
 
 
+@pytest.mark.trials
 def test_feet_step_on_plates(stage):
     def highest(plates):
         run = stage.run(WALK, parameters={"x": 1.2}, duration=5, conditions={"plates": plates})

@@ -19,6 +19,7 @@ def hands_are_back(run: Ran) -> bool:
     return all(np.linalg.norm(palm[:2] - state.stance[:2]) < 0.35 for palm in state.hands.values())
 
 
+@pytest.mark.trials
 def test_walks_up_holds_the_hand_out_and_steps_back(run_tree: RunTree) -> None:
     run = run_tree(HANDOVER.format(", taken: {wait: 3 s}"), "visitor_ahead")
     assert run.report.outcome == "success", run.report.reason

@@ -14,6 +14,7 @@ def test_an_action_that_succeeds_at_once_needs_no_motion(run_tree: RunTree) -> N
     assert not ended(run, "step_back")
 
 
+@pytest.mark.trials
 def test_takes_the_hands_back_and_steps_back_before_it_tries_again(run_tree: RunTree) -> None:
     run = run_tree("""\
     sequence:

@@ -88,6 +88,7 @@ def test_a_damaged_recording_is_answered(file: Path, tmp_path: Path, capfd: pyte
     assert capfd.readouterr().err == ""
 
 
+@pytest.mark.trials
 def test_commands_answer_too(file: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     broken = tmp_path / "broken.rrd"
     for number, data in enumerate(islice(damaged(file.read_bytes(), ALL), 12)):
