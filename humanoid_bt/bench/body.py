@@ -125,7 +125,7 @@ def measure_body(
     waiting = list(rows)
     with tempfile.TemporaryDirectory() as logs:
         running = Workers(make, (), count=workers, time_limit=_TIME_LIMIT, memory=None, logs=Path(logs))
-        with closing(running), closing(running.run(tasks)) as found:  # type: ignore[type-var]
+        with closing(running), closing(running.run(tasks)) as found:
             for one in found:
                 row, _ = wanted[one.task.trial.number]
                 done[row.name].append(one)

@@ -10,7 +10,7 @@ import subprocess
 import sys
 import time
 from collections import deque
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Generator, Iterable, Iterator
 from dataclasses import dataclass, field
 from multiprocessing.connection import Connection, Pipe, wait
 from pathlib import Path
@@ -85,8 +85,8 @@ class Workers:
         self._workers: list[_Worker] = []
         self._made = 0
 
-    def run(self, tasks: Iterable[Task]) -> Iterator[Done]:
-        """Yield tasks as they are done; end the processes when all are, or nobody wants more.
+    def run(self, tasks: Iterable[Task]) -> Generator[Done]:
+        """Yield tasks as they are done; end the processes when all are, or when it is closed.
 
         Raises:
             HumanoidBtError: a process cannot be started.
