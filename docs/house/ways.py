@@ -38,7 +38,7 @@ PERCEPT = (
     Step(
         "perception/simulated.py",
         "SimulatedPerception.observe",
-        "Looks from where the robot's eyes are: a `Percept`, in the base frame, with a confidence.",
+        "Looks from where the robot's eyes really are: a `Percept`, in the base frame, with a confidence.",
     ),
     Step(
         "link/wire/percepts.py",
@@ -99,7 +99,7 @@ COMMAND = (
     Step(
         "control/controller.py",
         "Controller.run_cycle",
-        "One servo cycle: supervise, every fifth time plan the whole body, drive the joints, measure.",
+        "One servo cycle: supervise, every fifth time plan the whole body, drive the joints, hear the sensors.",
     ),
     Step(
         "control/body/whole_body.py",

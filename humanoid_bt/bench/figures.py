@@ -23,7 +23,7 @@ from humanoid_bt.control.cycle_log import CycleLog, Layout
 from humanoid_bt.control.servo import Servo
 from humanoid_bt.control.supervisor import Supervisor
 from humanoid_bt.core.clock import DECISION_PERIOD, WHOLE_BODY_PERIOD, cycles
-from humanoid_bt.core.messages import JointCommand
+from humanoid_bt.core.messages import Estimate, JointCommand
 from humanoid_bt.files.workspace import Workspace, builtin_root
 from humanoid_bt.link.table import LocalTable
 from humanoid_bt.plant.mujoco_plant import MujocoPlant
@@ -109,15 +109,14 @@ def _controller() -> tuple[Controller, MujocoPlant]:
 
 
 def _whole_body(repetitions: int) -> Figure:
-    controller, plant = _controller()
+    controller, _ = _controller()
     period = cycles(WHOLE_BODY_PERIOD)
     kinematics = controller.whole_body.kinematics
 
     def ours() -> float:
         spent = 0.0
         for _ in range(_CALLS):
-            measurement = plant.measure()
-            spent += cpu(lambda: controller.whole_body.update(measurement, {}, False))  # noqa: B023
+            spent += cpu(lambda: controller.whole_body.update(controller.estimator.estimate, {}, False))
             for _ in range(period):
                 controller.run_cycle()
         return spent / _CALLS
@@ -145,7 +144,6 @@ class _TimedLog(CycleLog):
     def __init__(self, plans: LocalTable, servo_cycles: LocalTable, layout: Layout) -> None:
         super().__init__(plans, servo_cycles, layout)
         self.spent: list[float] = []
-        self._publish, self.end = self.end, self._timed_end
 
     def begin(self, cycle: int, supervisor: Supervisor, servo: Servo, body: WholeBody) -> None:
         began = time.perf_counter()
@@ -153,9 +151,9 @@ class _TimedLog(CycleLog):
         ended = time.perf_counter()
         self.spent.append(ended - began - (time.perf_counter() - ended))
 
-    def _timed_end(self) -> None:
+    def end(self, estimate: Estimate) -> None:
         began = time.perf_counter()
-        self._publish()
+        CycleLog.end(self, estimate)
         ended = time.perf_counter()
         self.spent[-1] += ended - began - (time.perf_counter() - ended)
 

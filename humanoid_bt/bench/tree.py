@@ -15,7 +15,7 @@ from humanoid_bt.bench.promises import LOAD, TICK
 from humanoid_bt.bench.samples import sample_tree
 from humanoid_bt.control.body.standing import load_robot
 from humanoid_bt.control.controller import Controller
-from humanoid_bt.core.messages import Percept, State
+from humanoid_bt.core.messages import Percept, State, truth_of
 from humanoid_bt.decision.robot import Robot
 from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.plant.mujoco_plant import MujocoPlant
@@ -92,7 +92,7 @@ def _percepts(tree: Tree, state: State) -> dict[str, Percept]:
         for names in node.type.percepts(node.values).values():
             for name in names:
                 perception.see(name, _SEEN_AT, _CONFIDENCE)
-    return {percept.name: percept for percept in perception.observe(state)}
+    return {percept.name: percept for percept in perception.observe(truth_of(state))}
 
 
 class _StoppedClock:

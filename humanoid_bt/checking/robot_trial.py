@@ -16,7 +16,7 @@ from humanoid_bt.core.messages import SIDES, Array, BaseTarget, Command, Mode, T
 from humanoid_bt.plant.mujoco_plant import MujocoPlant
 from humanoid_bt.plant.scene import Scene
 from humanoid_bt.plant.scene_config import SceneConfig
-from humanoid_bt.robot.model import BASE_COORDINATES, RobotModel, carriers
+from humanoid_bt.robot.model import RobotModel, carriers
 
 _STAND, _WALK = 1.0, 2.0  # s
 _GOAL = 2.0  # m ahead, farther than it gets
@@ -80,7 +80,7 @@ class _Trial:
         seen.ticks += 1
         seen.saturated += np.abs(measured.joint_torque) >= self.robot.torque_limit
         if stands:
-            off = np.abs(self.controller.servo.command.position - measured.qpos[BASE_COORDINATES:])
+            off = np.abs(self.controller.servo.command.position - measured.joint_position)
             seen.lag, seen.held = np.maximum(seen.lag, off), np.abs(measured.joint_torque)
         model, data = self.plant.model, self.plant.data
         robot_bodies = self.robot.model.nbody

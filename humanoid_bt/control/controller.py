@@ -9,6 +9,8 @@ import numpy as np
 
 from humanoid_bt.control.body.whole_body import WholeBody
 from humanoid_bt.control.cycle_log import CycleLog
+from humanoid_bt.control.dynamics import RobotDynamics
+from humanoid_bt.control.estimator.estimator import Estimator
 from humanoid_bt.control.servo import Servo
 from humanoid_bt.control.supervisor import Supervisor
 from humanoid_bt.core.clock import WHOLE_BODY_PERIOD, cycles
@@ -16,11 +18,12 @@ from humanoid_bt.core.messages import (
     SIDES,
     Array,
     Command,
+    Estimate,
     FootPose,
     Gait,
     HandTarget,
-    Measurement,
     Mode,
+    Reading,
     Side,
     State,
 )
@@ -37,35 +40,46 @@ class Controller:
     Args:
         robot: the robot.
         plant: what it drives.
+        place: where the robot stands, as in :meth:`reset`.
 
     Attributes:
         supervisor: decides what is allowed.
+        estimator: says where the robot is.
         whole_body: plans the setpoints.
         servo: drives the joints.
         log: is told every servo cycle, if there is one.
         cycle: servo cycles so far.
     """
 
-    def __init__(self, robot: RobotModel, plant: Plant) -> None:
+    def __init__(self, robot: RobotModel, plant: Plant, place: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> None:
         self._robot, self._plant = robot, plant
         self.supervisor = Supervisor(robot.config.fall)
-        self.whole_body = WholeBody(robot)
+        dynamics = RobotDynamics(robot)
+        self.estimator = Estimator(robot, dynamics)
+        self.whole_body = WholeBody(robot, dynamics)
         self.servo = Servo(robot)
         self.log: CycleLog | None = None
         self._whole_body_period = cycles(WHOLE_BODY_PERIOD)
-        self.reset()
+        self._reading = Reading(len(robot.joint_names))
+        self.reset(place)
 
-    def reset(self) -> None:
-        """Start a run with the robot standing as the plant has it."""
+    def reset(self, place: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> None:
+        """Start a run with the robot standing at rest.
+
+        Args:
+            place: where it stands, as it is told: x, y [m] of the middle between its soles, and their heading [rad].
+        """
         self.cycle = 0
         self._setpoint_fault = ""
         self._limp = False
         self._held = False
         self._next_plan = 0  # cycle
-        self._measurement = self._plant.measure()
-        self.whole_body.reset(self._measurement)
-        self.servo.reset(self._measurement.qpos[BASE_COORDINATES:])
-        self.supervisor.reset_run(float(self._measurement.qpos[2]))
+        self._reading = self._plant.measure(self._reading)
+        self.estimator.reset(self._reading, place)
+        estimate = self.estimator.estimate
+        self.whole_body.reset(estimate)
+        self.servo.reset(estimate.qpos[BASE_COORDINATES:])
+        self.supervisor.reset_run(float(estimate.qpos[2]))
 
     def submit(self, command: Command) -> bool:
         """Give a command from decision to the supervisor; return whether it is in force."""
@@ -73,31 +87,33 @@ class Controller:
 
     def run_cycle(self) -> None:
         """Run one servo cycle."""
-        supervisor, log = self.supervisor, self.log
-        measurement = self._measurement
-        supervisor.check(self.cycle, measurement, self._setpoint_fault)
+        supervisor, estimator, log = self.supervisor, self.estimator, self.log
+        estimate = estimator.estimate
+        supervisor.check(self.cycle, estimate, self._setpoint_fault, estimator.watch.fault)
         if log is not None:
             log.begin(self.cycle + 1, supervisor, self.servo, self.whole_body)
         if supervisor.mode is Mode.DAMP:
             self._let_go()
         elif self.cycle >= self._next_plan or (supervisor.hold and not self._held):
             if self._limp:
-                self._stand_up(measurement)
-            self._plan(measurement)
+                self._stand_up(estimate)
+            self._plan(estimate)
             self._next_plan = self.cycle + self._whole_body_period
         self._held = supervisor.hold
         self._plant.step(self.servo.command)
         self.cycle += 1
-        if log is None:
-            self._measurement = self._plant.measure()
-        else:
-            self._measurement = self._plant.measure(log.measured)
-            log.end()
+        reading = self._reading if log is None else log.measured
+        self._plant.measure(reading)
+        estimator.take(reading)
+        if self.cycle == self._next_plan or estimator.heard >= self._whole_body_period:
+            estimator.update(reading, self.servo.setpoint)
+        if log is not None:
+            log.end(estimator.estimate)
 
-    def _plan(self, measurement: Measurement) -> None:
+    def _plan(self, estimate: Estimate) -> None:
         supervisor, body = self.supervisor, self.whole_body
         self._end_logged_plan()
-        setpoint = body.update(measurement, supervisor.targets, supervisor.hold)
+        setpoint = body.update(estimate, supervisor.targets, supervisor.hold)
         refused = self.servo.follow(setpoint)
         self._setpoint_fault = refused or ("" if body.solved else "inverse kinematics without a solution")
 
@@ -112,10 +128,10 @@ class Controller:
         if self.log is not None:
             self.log.end_plan(self.servo, self.whole_body)
 
-    def _stand_up(self, measurement: Measurement) -> None:
+    def _stand_up(self, estimate: Estimate) -> None:
         """Stiffen limp joints where they are: the setpoints from before the fall would be a blow."""
-        self.whole_body.restart(measurement)
-        self.servo.reset(measurement.qpos[BASE_COORDINATES:])
+        self.whole_body.restart(estimate)
+        self.servo.reset(estimate.qpos[BASE_COORDINATES:])
         self._limp = False
 
     @property
@@ -131,23 +147,23 @@ class Controller:
 
     def state(self) -> State:
         """Return a snapshot of everything."""
-        measurement, body, supervisor = self._measurement, self.whole_body, self.supervisor
+        estimate, body, supervisor = self.estimator.estimate, self.whole_body, self.supervisor
         dynamics, walker, command = body.dynamics, body.walker, supervisor.command
-        dynamics.update(measurement)
         joint_command = self.servo.command
         feet: dict[Side, FootPose] = {side: dynamics.foot_pose(side) for side in SIDES}
         return State(
-            time=measurement.time,
+            time=estimate.time,
             cycle=self.cycle,
-            joint_positions=measurement.qpos[BASE_COORDINATES:].copy(),
-            joint_velocities=measurement.qvel[BASE_DOFS:].copy(),
-            joint_torques=measurement.joint_torque.copy(),
+            joint_positions=estimate.qpos[BASE_COORDINATES:].copy(),
+            joint_velocities=estimate.qvel[BASE_DOFS:].copy(),
+            joint_torques=estimate.joint_torque.copy(),
             setpoint_positions=joint_command.position.copy(),
             setpoint_velocities=joint_command.velocity.copy(),
-            base_position=measurement.qpos[:3].copy(),
-            base_quaternion=measurement.qpos[3:7].copy(),
-            base_linear_velocity=measurement.qvel[:3].copy(),
-            base_angular_velocity=measurement.qvel[3:6].copy(),
+            base_position=estimate.qpos[:3].copy(),
+            base_quaternion=estimate.qpos[3:7].copy(),
+            base_linear_velocity=estimate.qvel[:3].copy(),
+            base_angular_velocity=estimate.qvel[3:6].copy(),
+            base_covariance=self.estimator.covariance,
             com=dynamics.com,
             com_velocity=dynamics.com_velocity,
             hands=dynamics.hands,
@@ -155,7 +171,7 @@ class Controller:
             stance=walker.stance,
             gaze_position=dynamics.gaze_position,
             gaze_direction=dynamics.gaze_direction,
-            foot_force=dict(zip(SIDES, measurement.foot_force.tolist(), strict=True)),
+            foot_force=dict(zip(SIDES, estimate.foot_force.tolist(), strict=True)),
             gait=walker.gait,
             footsteps=tuple((step.side, _foot_pose(step.pose)) for step in walker.footsteps),
             base_settled=self.settled,
@@ -172,7 +188,7 @@ class Controller:
     def _limit_flags(self) -> tuple[str, ...]:
         """Return the joints whose setpoint was clamped or whose drive gives all the torque it has."""
         robot = self._robot
-        limited = self.servo.limited | (np.abs(self._measurement.joint_torque) >= robot.torque_limit)
+        limited = self.servo.limited | (np.abs(self.estimator.estimate.joint_torque) >= robot.torque_limit)
         return tuple(robot.joint_names[i] for i in np.flatnonzero(limited))
 
     def _hand_errors(self, hands: dict[Side, Array]) -> dict[Side, float]:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from humanoid_bt.core.clock import DECISION_PERIOD, WHOLE_BODY_PERIOD, cycles
-from humanoid_bt.core.messages import SIDES, Array, Gait, Measurement, Mode
+from humanoid_bt.core.messages import SIDES, Array, Estimate, Gait, Mode, Reading
 from humanoid_bt.link.table import LocalTable, TableWriter
 
 if TYPE_CHECKING:  # who reads a recording needs no simulator
@@ -112,14 +112,18 @@ class Layout:
         )
         cycle = Row(
             Column("servo", "", 1.0, ("cycle", "mode", "command")),
-            Column("base_position", "m", 1e-6, xyz),
-            Column("base_quaternion", "", 1e-6, ("w", *xyz)),
-            Column("position", "rad", 1e-5, joints),
-            Column("base_velocity", "m/s", 1e-5, xyz),
-            Column("base_rate", "rad/s", 1e-4, xyz),
-            Column("velocity", "rad/s", 1e-4, joints),
-            Column("torque", "Nm", 1e-3, joints),
-            Column("foot_force", "N", 1e-2, SIDES),
+            Column("base_position", "m", 1e-5, xyz),
+            Column("base_quaternion", "", 1e-5, ("w", *xyz)),
+            Column("base_velocity", "m/s", 1e-4, xyz),
+            Column("base_rate", "rad/s", 1e-3, xyz),
+            Column("foot_force", "N", 1e-1, SIDES),
+            Column("foot_sensor", "N", 1e-1, SIDES),
+            Column("orientation", "", 2e-4, ("w", *xyz)),
+            Column("position", "rad", 2e-5, joints),
+            Column("accelerometer", "m/s^2", 2e-2, xyz),
+            Column("gyro", "rad/s", 1e-3, xyz),
+            Column("velocity", "rad/s", 5e-3, joints),
+            Column("torque", "Nm", 1e-1, joints),
         )
         return cls(joints, plan, cycle)
 
@@ -150,7 +154,6 @@ class CycleLog:
 
     Attributes:
         measured: where the plant is to measure what comes of the cycle; it stays until the row's turn comes again.
-        end: lets readers see the cycle, after that.
     """
 
     def __init__(self, plans: Table, servo_cycles: Table, layout: Layout) -> None:
@@ -158,16 +161,15 @@ class CycleLog:
         joints = len(layout.joints)
         parts = _parts(plans.rows, 4 + len(SIDES), 3, 3 * joints)
         self._plan_rows = [(numbers, com, of.reshape(3, joints), limited) for numbers, com, of, limited in parts]
-        rows = _parts(servo_cycles.rows, 3, _POSE + joints, _TWIST + joints, joints)
-        self._rows = [(row[0], Measurement(0.0, *row[1:])) for row in rows]
+        rows = _parts(servo_cycles.rows, 3, _POSE, _TWIST, len(SIDES))
+        self._rows = [(*believed, Reading(joints, values)) for *believed, values in rows]
         self._count = len(rows)
         self._clamped = [bool(row[-1].any()) for row in parts]
         self._commands = -1  # of the servo, as far as they were seen; -1 before the first, which is no plan
         self._plan, self._left = 0, 0  # cycle of the last plan, and how much is left to copy of it
         self._mode = self._plan_mode = MODES[0]
         self._mode_number = 0  # an enumeration is slow to look up
-        self.measured = self._rows[0][1]
-        self.end = servo_cycles.publish
+        _, self._pose, self._twist, self._force, self.measured = self._rows[0]
 
     def begin(self, cycle: int, supervisor: Supervisor, servo: Servo, body: WholeBody) -> None:
         """Take what was decided in a servo cycle, as soon as it is, before anything is planned or driven.
@@ -185,10 +187,16 @@ class CycleLog:
         command, mode = supervisor.command, supervisor.mode
         if mode is not self._mode:
             self._mode, self._mode_number = mode, MODES.index(mode)
-        numbers, self.measured = self._rows[self._cycles.count % self._count]
+        numbers, self._pose, self._twist, self._force, self.measured = self._rows[self._cycles.count % self._count]
         numbers[0] = cycle
         numbers[1] = self._mode_number
         numbers[2] = NONE if command is None else command.sequence
+
+    def end(self, estimate: Estimate) -> None:
+        """Let readers see the cycle, with what is believed of base and feet after it."""
+        self._pose[:], self._twist[:] = estimate.qpos[:_POSE], estimate.qvel[:_TWIST]
+        self._force[:] = estimate.foot_force
+        self._cycles.publish()
 
     def end_plan(self, servo: Servo, body: WholeBody) -> None:
         """Copy what is left of a plan, before there is another one."""

@@ -14,9 +14,9 @@ from humanoid_bt.core.messages import (
     RESOURCES,
     BaseTarget,
     Command,
+    Estimate,
     GazeTarget,
     HandTarget,
-    Measurement,
     Mode,
     Pause,
     PostureTarget,
@@ -31,6 +31,9 @@ DECISION_TIMEOUT = 0.100
 
 NO_SOLUTION_TIMEOUT = 0.200
 """Time without a new valid setpoint [s] after which the robot goes to a protective stop."""
+
+SENSOR_FAILED = "a sensor failed: "
+"""What the reason of a stop begins with whose cause is a sensor."""
 
 _MOST = 1000  # stops, and refusals, that are kept
 _COMMANDED = (Mode.RUN, Mode.PAUSED)  # decision is heard, and nothing stops the robot
@@ -171,25 +174,26 @@ class Supervisor:
 
     # ---- every servo cycle ----------------------------------------------------------------------------------------
 
-    def check(self, cycle: int, measurement: Measurement, setpoint_fault: str = "") -> None:
+    def check(self, cycle: int, estimate: Estimate, setpoint_fault: str = "", sensor_fault: str = "") -> None:
         """Look at everything in the order of precedence and set the mode.
 
         Args:
             cycle: the servo cycle that begins.
-            measurement: the measured state.
+            estimate: what is believed of the robot.
             setpoint_fault: why there is no new valid setpoint, else "".
+            sensor_fault: which sensor has failed, else "".
         """
         self._cycle = cycle
         if setpoint_fault and not self._faulty_cycles:
             self.rejected.append(f"setpoint at {cycle * SERVO_PERIOD:.3f} s: {setpoint_fault}")
         self._faulty_cycles = self._faulty_cycles + 1 if setpoint_fault else 0
-        self._falling = self._why_falling(measurement)
+        self._falling = self._why_falling(estimate)
         if self._falling:
             self._stop(Mode.DAMP, self._falling, "supervisor")
         elif self._estop is not None:
             self._stop(Mode.EMERGENCY_STOP, self._estop[1], self._estop[0])
         elif self.mode in (*_COMMANDED, Mode.PROTECTIVE_STOP):
-            cause = self._protective_cause(setpoint_fault)
+            cause = self._protective_cause(setpoint_fault, sensor_fault)
             if cause:
                 self._stop(Mode.PROTECTIVE_STOP, *cause)
             elif self.command is not None and (pause := self.command.pause) is not None:
@@ -197,8 +201,10 @@ class Supervisor:
             elif self.mode is not Mode.RUN:
                 self.mode, self.reason, self.source = Mode.RUN, "", ""
 
-    def _protective_cause(self, setpoint_fault: str) -> tuple[str, str] | None:
+    def _protective_cause(self, setpoint_fault: str, sensor_fault: str) -> tuple[str, str] | None:
         """Return (reason, source) of what keeps the robot from being commanded, if anything does."""
+        if sensor_fault:
+            return f"{SENSOR_FAILED}{sensor_fault}", "supervisor"
         if self._requested is not None:
             source, reason = self._requested
             return reason, source
@@ -215,11 +221,11 @@ class Supervisor:
         resources = dict(self.command.sources) if self.command else {}
         self.stops.append(Stop(self._cycle * SERVO_PERIOD, mode, reason, source, resources))
 
-    def _why_falling(self, measurement: Measurement) -> str:
+    def _why_falling(self, estimate: Estimate) -> str:
         """Return why the robot cannot be kept on its feet, "" when it can."""
-        if not math.isfinite(measurement.qpos @ measurement.qpos + measurement.qvel @ measurement.qvel):
-            return "the measured state is not finite"
-        _, _, height, _, x, y, _ = measurement.qpos[:BASE_COORDINATES].tolist()
+        if not math.isfinite(estimate.qpos @ estimate.qpos + estimate.qvel @ estimate.qvel):
+            return "the estimated state is not finite"
+        _, _, height, _, x, y, _ = estimate.qpos[:BASE_COORDINATES].tolist()
         if height < self._fall.height * self._home_height:
             return "the robot is falling: its base is low"
         upright = 1 - 2 * (x * x + y * y)  # cosine of the base's tilt

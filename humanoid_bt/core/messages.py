@@ -21,6 +21,9 @@ Side = Literal["left", "right"]
 SIDES: tuple[Side, Side] = ("left", "right")
 """Both of them."""
 
+READING_SIZE = 2 + 4 + 3 + 3
+"""Numbers of a reading besides the three of each joint."""
+
 Level = Literal["info", "warning", "error"]
 """How much an event of a run matters."""
 
@@ -150,9 +153,55 @@ class JointCommand:
     torque: Array
 
 
+class Reading:
+    """What the sensors of a robot say: all that control knows of it.
+
+    Views of one row of numbers, so that a reading is copied at once; in the order of MuJoCo's qpos and qvel.
+
+    Args:
+        joints: how many the robot has.
+        values: the row, if it exists already, shape (12 + 3 joints,).
+
+    Attributes:
+        time: engine time at which it arrived [s].
+        values: all of it.
+        imu: the next two, shape (6,).
+        accelerometer: specific force at the base, base frame, shape (3,) [m/s^2]; at rest 9.81 upward.
+        gyro: angular velocity of the base, base frame, shape (3,) [rad/s].
+        orientation: of the base, as the IMU's own filter gives it, wxyz, shape (4,); its heading drifts.
+        foot_force: normal force on the (left, right) foot, shape (2,) [N]; 0 where the robot has no such sensor.
+        joint_position, joint_velocity: shape (nj,) [rad], [rad/s].
+        joint_torque: what the drives say they apply, shape (nj,) [Nm].
+    """
+
+    __slots__ = (
+        "accelerometer",
+        "foot_force",
+        "gyro",
+        "imu",
+        "joint_position",
+        "joint_torque",
+        "joint_velocity",
+        "orientation",
+        "time",
+        "values",
+    )
+
+    def __init__(self, joints: int, values: Array | None = None) -> None:
+        self.time = 0.0
+        self.values = values = np.zeros(READING_SIZE + 3 * joints) if values is None else values
+        self.foot_force, self.orientation, self.joint_position = values[:2], values[2:6], values[6 : 6 + joints]
+        rates = values[6 + joints :]
+        self.imu, self.accelerometer, self.gyro = rates[:6], rates[:3], rates[3:6]
+        self.joint_velocity, self.joint_torque = rates[6:].reshape(2, joints)
+
+
 @dataclass(frozen=True, slots=True)
-class Measurement:
-    """What the plant measured in one cycle, in MuJoCo's layout for a robot with a free base.
+class Estimate:
+    """What control believes of the robot, in MuJoCo's layout for one with a free base.
+
+    The world is where the robot was told to be when the run began, and odometry since then: it drifts. Heights are
+    above the ground that the robot stands on.
 
     Attributes:
         time: engine time [s].
@@ -168,6 +217,25 @@ class Measurement:
     qvel: Array
     joint_torque: Array
     foot_force: Array
+
+
+@dataclass(frozen=True, slots=True)
+class Truth:
+    """Where the robot really is, which control never knows: for what surrounds it, and to see how wrong control is.
+
+    Attributes:
+        time: engine time [s].
+        base_position: world frame, shape (3,) [m].
+        base_quaternion: world frame, wxyz, shape (4,).
+        gaze_position: where the gaze site is, world frame, shape (3,) [m].
+        gaze_direction: unit vector, world frame, shape (3,).
+    """
+
+    time: float
+    base_position: Array
+    base_quaternion: Array
+    gaze_position: Array
+    gaze_direction: Array
 
 
 class Mode(Enum):
@@ -216,6 +284,8 @@ class State:
         base_quaternion: world frame, wxyz, shape (4,).
         base_linear_velocity: world frame, shape (3,) [m/s].
         base_angular_velocity: base frame, shape (3,) [rad/s].
+        base_covariance: of what is believed of the base: (turn, velocity, position), world frame, shape (9, 9)
+            [rad, m/s, m].
         com, com_velocity: centre of mass, world frame, shape (3,) [m], [m/s].
         hands: palm positions, world frame, side -> shape (3,) [m].
         feet: measured sole poses.
@@ -247,6 +317,7 @@ class State:
     base_quaternion: Array
     base_linear_velocity: Array
     base_angular_velocity: Array
+    base_covariance: Array
     com: Array
     com_velocity: Array
     hands: Mapping[Side, Array]
@@ -266,6 +337,11 @@ class State:
     targets: Mapping[str, Target]
     hand_errors: Mapping[Side, float]
     limit_flags: tuple[str, ...]
+
+
+def truth_of(state: State) -> Truth:
+    """Return where a robot is that knows exactly where it is."""
+    return Truth(state.time, state.base_position, state.base_quaternion, state.gaze_position, state.gaze_direction)
 
 
 _ARRAYS = tuple(field.name for field in fields(State) if field.type == "Array")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from humanoid_bt.core.geometry import rotation_matrix
-from humanoid_bt.core.messages import Array, Percept, State
+from humanoid_bt.core.messages import Array, Percept, Truth
 from humanoid_bt.core.units import readable
 from humanoid_bt.plant.scene import Scene, random_stream
 from humanoid_bt.plant.scene_config import PerceptConfig
@@ -22,7 +22,7 @@ class SimulatedPerception:
     """Sees the scene's objects from where the robot's eyes are, as a tracker does.
 
     A thing is published from the moment it was first seen. While it is hidden, or out of view or range, it is
-    published where it was last seen, with low confidence. Nothing but the state and the scene's script is read,
+    published where it was last seen, with low confidence. Nothing but where it is and the scene's script is read,
     so perception can run in a process of its own.
 
     Args:
@@ -39,8 +39,8 @@ class SimulatedPerception:
         self._last_seen: dict[str, Array] = {}
         self.unseen: dict[str, str] = dict.fromkeys(scene.config.percepts, "perception has not looked yet")
 
-    def observe(self, state: State) -> list[Percept]:
-        """Return what is published at the state's time; call it once per perception period.
+    def observe(self, robot: Truth) -> list[Percept]:
+        """Return what is published now; call it once per perception period.
 
         Positions are in the robot's base frame at that time.
         """
@@ -52,11 +52,11 @@ class SimulatedPerception:
             position_noise, confidence_noise = numbers.standard_normal(3), numbers.standard_normal()
             if dropped:
                 continue
-            position = self._scene.object_position(config.object, state.time)
-            offset = position - state.gaze_position
+            position = self._scene.object_position(config.object, robot.time)
+            offset = position - robot.gaze_position
             distance = math.sqrt(offset @ offset)
-            hidden = self._scene.hidden(config.object, state.time)
-            why_not = "hidden" if hidden else _out_of_sight(offset, distance, state, config)
+            hidden = self._scene.hidden(config.object, robot.time)
+            why_not = "hidden" if hidden else _out_of_sight(offset, distance, robot, config)
             if not why_not:
                 self.unseen.pop(name, None)
                 self._last_seen[name] = position + position_noise * (config.noise + config.noise_per_meter * distance)
@@ -69,19 +69,19 @@ class SimulatedPerception:
                 continue
             noise = _CONFIDENCE_NOISE * float(confidence_noise)
             confidence += min(max(noise, -_CONFIDENCE_NOISE_LIMIT), _CONFIDENCE_NOISE_LIMIT)
-            in_base = rotation_matrix(state.base_quaternion).T @ (self._last_seen[name] - state.base_position)
-            percepts.append(Percept(name, state.time, in_base, confidence))
+            in_base = rotation_matrix(robot.base_quaternion).T @ (self._last_seen[name] - robot.base_position)
+            percepts.append(Percept(name, robot.time, in_base, confidence))
         return percepts
 
 
-def _out_of_sight(offset: Array, distance: float, state: State, config: PerceptConfig) -> str:
+def _out_of_sight(offset: Array, distance: float, robot: Truth, config: PerceptConfig) -> str:
     """Return why a position, seen from the eyes (world frame [m]), is beyond the range or the angles of view, or ""."""
     if distance > config.range:
         return f"out of range: {readable(distance, 'm')} away, seen up to {readable(config.range, 'm')}"
-    fx, fy, fz = state.gaze_direction.tolist()
+    fx, fy, fz = robot.gaze_direction.tolist()
     lx, ly, lz = -fy, fx, 0.0  # what is up, across forward
     if math.hypot(lx, ly) < 1e-6:  # looking straight up or down: the body says where left is
-        lx, ly, lz = rotation_matrix(state.base_quaternion)[:, 1].tolist()
+        lx, ly, lz = rotation_matrix(robot.base_quaternion)[:, 1].tolist()
     length = math.sqrt(lx * lx + ly * ly + lz * lz)
     lx, ly, lz = lx / length, ly / length, lz / length
     x, y, z = offset.tolist()

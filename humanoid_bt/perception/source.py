@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Protocol
 
-from humanoid_bt.core.messages import Percept, State
+from humanoid_bt.core.messages import Percept, Truth
 
 
 class PerceptSource(Protocol):
     """What sees: called once per perception period."""
 
-    def observe(self, state: State) -> list[Percept]:
-        """Return what is published at the state's time."""
+    def observe(self, robot: Truth) -> list[Percept]:
+        """Return what is published now, in the base frame of where the robot really is."""
         ...
 
     @property

@@ -6,9 +6,8 @@ from collections import deque
 from dataclasses import replace
 
 from humanoid_bt.core.clock import SERVO_PERIOD
-from humanoid_bt.core.messages import Array, JointCommand, Measurement
+from humanoid_bt.core.messages import Array, JointCommand, Reading
 from humanoid_bt.plant.interface import Plant
-from humanoid_bt.robot.model import BASE_COORDINATES
 
 
 class ImperfectPlant:
@@ -37,12 +36,12 @@ class ImperfectPlant:
         self._given: JointCommand | None = None  # the latest command,
         self._held: JointCommand | None = None  # and where joints come to rest that hold their encoders there
 
-    def measure(self, into: Measurement | None = None) -> Measurement:
+    def measure(self, into: Reading | None = None) -> Reading:
         """Return what the sensors say now, as :class:`~humanoid_bt.plant.interface.Plant` wants it."""
-        measurement = self._plant.measure(into)
+        reading = self._plant.measure(into)
         if self._encoders is not None:
-            measurement.qpos[BASE_COORDINATES:] += self._encoders
-        return measurement
+            reading.joint_position += self._encoders
+        return reading
 
     def step(self, command: JointCommand) -> None:
         """Drive the joints for one servo period."""

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from typing import Protocol
 
-from humanoid_bt.core.messages import JointCommand, Measurement
+from humanoid_bt.core.messages import JointCommand, Reading
 
 
 class Plant(Protocol):
     """What the servo drives: a simulation or a real robot."""
 
-    def measure(self, into: Measurement | None = None) -> Measurement:
+    def measure(self, into: Reading | None = None) -> Reading:
         """Return what the sensors say now.
 
         Args:

@@ -9,9 +9,10 @@ import numpy as np
 
 from humanoid_bt.core.clock import SERVO_PERIOD
 from humanoid_bt.core.errors import ControlLost, Place, UserError, nearest, relative
-from humanoid_bt.core.messages import SIDES, Array, JointCommand, Measurement
-from humanoid_bt.plant.scene import Scene
-from humanoid_bt.robot.model import BASE_COORDINATES, BASE_DOFS, RobotModel, foot_sensor
+from humanoid_bt.core.messages import SIDES, Array, JointCommand, Reading, Truth
+from humanoid_bt.plant.scene import Scene, random_stream
+from humanoid_bt.plant.sensors import Sensors
+from humanoid_bt.robot.model import BASE_COORDINATES, GAZE_SITE, RobotModel, foot_sensor
 
 
 class MujocoPlant:
@@ -47,11 +48,11 @@ class MujocoPlant:
             raise UserError(message, where, code="model") from error
         self.data = mujoco.MjData(self.model)
         joints = len(robot.joint_names)
-        self._nq, self._nv = BASE_COORDINATES + joints, BASE_DOFS + joints
+        self._nq = BASE_COORDINATES + joints
         self._objects = {name: self.model.body(f"object_{name}").id for name in scene.config.objects}
-        data = self.data  # views of it, which stay
-        self._qpos, self._qvel, self._torque = data.qpos[: self._nq], data.qvel[: self._nv], data.actuator_force
-        self._feet = [data.sensor(foot_sensor(side)).data[2:] for side in SIDES]
+        self._sensors = Sensors(robot.config.sensors, self.data, joints, -float(self.model.opt.gravity[2]))
+        self._gaze = self.model.site(GAZE_SITE).id
+        self._feet = [self.data.sensor(foot_sensor(side)).data[2:] for side in SIDES]  # views, which stay
         self._stiffness, self._damping = robot.stiffness, robot.damping
         self._drives, self._payloads = 1.0, (0.0, 0.0)
         self._strength = np.ones(joints)  # what each drive gives of the torque that it is asked for
@@ -95,17 +96,28 @@ class MujocoPlant:
             mujoco.mj_forward(self.model, self.data)
         except mujoco.FatalError as error:
             raise UserError(_gives_up(error), Place(relative(self.scene.config.path)), code="model") from error
+        self._sensors.reset(random_stream(self.scene.seed, "sensors"), self.foot_force)
 
-    def measure(self, into: Measurement | None = None) -> Measurement:
-        """Return what the robot's sensors say now, as :class:`~humanoid_bt.plant.interface.Plant` wants it."""
+    @property
+    def foot_force(self) -> tuple[float, float]:
+        """The true normal force on the (left, right) foot [N]."""
         left, right = self._feet
-        if into is None:
-            qpos, qvel, torque, force = self._qpos.copy(), self._qvel.copy(), self._torque.copy(), np.empty(2)
-        else:
-            qpos, qvel, torque, force = into.qpos, into.qvel, into.joint_torque, into.foot_force
-            qpos[:], qvel[:], torque[:] = self._qpos, self._qvel, self._torque
-        force[0], force[1] = abs(left.item()), abs(right.item())
-        return Measurement(self.time, qpos, qvel, torque, force)
+        return abs(left.item()), abs(right.item())
+
+    def truth(self) -> Truth:
+        """Return where the robot really is."""
+        data = self.data
+        mujoco.mj_kinematics(self.model, data)  # MuJoCo's own is of the beginning of its step
+        pose = data.qpos[:BASE_COORDINATES].copy()
+        forward = data.site_xmat[self._gaze][[0, 3, 6]]
+        return Truth(self.time, pose[:3], pose[3:], data.site_xpos[self._gaze].copy(), forward)
+
+    def measure(self, into: Reading | None = None) -> Reading:
+        """Return what the robot's sensors say now, as :class:`~humanoid_bt.plant.interface.Plant` wants it."""
+        reading = Reading(len(self._strength)) if into is None else into
+        self._sensors.read(reading)
+        reading.time = self.time
+        return reading
 
     def step(self, command: JointCommand) -> None:
         """Drive the joints for one servo period.
@@ -122,6 +134,7 @@ class MujocoPlant:
         except mujoco.FatalError as error:
             raise ControlLost(_gives_up(error)) from error
         self.cycle += 1
+        self._sensors.sense(self.foot_force)
 
     def _take(self, command: JointCommand) -> None:
         self._command = command
@@ -129,7 +142,8 @@ class MujocoPlant:
             self._stiffness, self._damping = command.stiffness, command.damping
             self.model.actuator_biasprm[:, 1] = -self._strength * command.stiffness
             self.model.actuator_biasprm[:, 2] = -self._strength * command.damping
-        self.data.ctrl[:] = command.stiffness * command.position + command.damping * command.velocity + command.torque
+        position = command.position - self._sensors.encoder_bias  # the drive believes its encoder
+        self.data.ctrl[:] = command.stiffness * position + command.damping * command.velocity + command.torque
 
     def move_objects(self) -> None:
         """Put the scene's objects where its script says they are now."""
@@ -170,6 +184,10 @@ class MujocoPlant:
         self.model.actuator_gainprm[:, 0] = self._strength
         self.model.actuator_biasprm[:, 1] = -self._strength * self._stiffness
         self.model.actuator_biasprm[:, 2] = -self._strength * self._damping
+
+    def fail_sensor(self, sensor: str, how: str) -> None:
+        """Let a sensor fail until :meth:`place`; see :meth:`Sensors.fail <humanoid_bt.plant.sensors.Sensors.fail>`."""
+        self._sensors.fail(sensor, how, self.robot.joint_names)
 
     def push(self, body: str, force: Array, duration: float) -> None:
         """Push a body with an external force: a disturbance for tests, counted in ``external_force_max``.

@@ -20,6 +20,7 @@ _SIZES: dict[str, tuple[int, int]] = {  # ring -> (bytes in a slot, slots)
     "command": (8192, 8),  # decision -> control
     "request": (4096, 8),  # decision -> control: a stop, with source and reason
     "state": (16384, 16),  # control -> all; 80 ms at 200 Hz
+    "truth": (256, 8),  # plant -> perception, decision: where the simulated robot really is
     "percept": (16384, 8),  # perception -> decision
     "notice": (4096, 256),  # control -> decision: what happened
     "refusal": (1024, 256),  # control -> decision: commands that were refused

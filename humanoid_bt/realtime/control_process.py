@@ -24,7 +24,15 @@ from humanoid_bt.core.errors import ControlLost, UserError
 from humanoid_bt.core.messages import Gait, Mode
 from humanoid_bt.link.run_folder import RunFolder
 from humanoid_bt.link.table import TableWriter
-from humanoid_bt.link.wire import Event, WireError, decode_command, decode_event, encode_event, encode_state
+from humanoid_bt.link.wire import (
+    Event,
+    WireError,
+    decode_command,
+    decode_event,
+    encode_event,
+    encode_state,
+    encode_truth,
+)
 from humanoid_bt.link.wire.event import Level
 from humanoid_bt.plant.mujoco_plant import MujocoPlant
 from humanoid_bt.plant.scene import Scene, load_scene
@@ -54,7 +62,7 @@ class ControlProcess:
         robot, start = load_robot(Path(spec.robot))
         self._plant = MujocoPlant(robot, Scene(load_scene(Path(spec.scene)), spec.seed))
         self._plant.place(start)
-        self._controller = Controller(robot, self._plant)
+        self._controller = Controller(robot, self._plant, self._plant.scene.start_pose)
         tables = channels.cycle_tables(folder)
         if all(table.exists() for table in tables):
             plans, servo_cycles = map(TableWriter.open, tables)
@@ -62,6 +70,7 @@ class ControlProcess:
         self._commands = channels.reader(folder, "command")
         self._requests = channels.reader(folder, "request")
         self._states = channels.writer(folder, "state")
+        self._truths = channels.writer(folder, "truth")
         self._notices = channels.writer(folder, "notice")
         self._refusals = channels.writer(folder, "refusal")
         self._timings = channels.writer(folder, "timing")
@@ -145,6 +154,8 @@ class ControlProcess:
             for text in supervisor.rejected:
                 self._refusals.write(text.encode(errors="backslashreplace")[:1000])
             supervisor.rejected.clear()
+        if cycle % self._object_phase == 1:
+            self._truths.write(encode_truth(self._plant.truth()))
         for text in mujoco_warnings.taken():
             self._tell("warning", text)
         if cycle % _TIMING_PERIOD == 3:

@@ -16,7 +16,7 @@ from humanoid_bt.control.cycle_log import Layout
 from humanoid_bt.core.clock import DECISION_PERIOD
 from humanoid_bt.core.errors import ControlLost, HumanoidBtError, UserError
 from humanoid_bt.core.kept import Kept
-from humanoid_bt.core.messages import Array, Command, Percept, State
+from humanoid_bt.core.messages import Array, Command, Percept, State, Truth
 from humanoid_bt.link.ring import RingReader, RingWriter
 from humanoid_bt.link.run_folder import RunFolder, RunInfo, clean_stale, live_runs
 from humanoid_bt.link.wire import (
@@ -24,6 +24,7 @@ from humanoid_bt.link.wire import (
     decode_event,
     decode_percepts,
     decode_state,
+    decode_truth,
     encode_command,
     encode_event,
     percepts_room,
@@ -47,7 +48,7 @@ HOLD_TIME = 10.0
 _START_TIMEOUT = 30.0  # s until the first state must be there
 _SILENCE = 1.0  # s without a new state after which control counts as lost
 _POLL = 0.005  # s between two looks at processes that start or end
-_READ = ("state", "stop", "notice", "refusal", "percept", "timing")
+_READ = ("state", "stop", "notice", "refusal", "percept", "truth", "timing")
 _WRITTEN = ("command", "request")
 
 
@@ -67,6 +68,7 @@ class Realtime:
         notices: what happened in other processes so far: (time [s], level, text).
         inputs: keys of the blackboard that a program set; what else comes from outside is sensed.
         external_force_max: largest external force on any body; known after :meth:`close`.
+        truth: where the simulated robot really was lately, None before control says it.
         unseen: percepts that were never published so far, and why.
     """
 
@@ -79,6 +81,7 @@ class Realtime:
         self.inputs: Kept[Any] = Kept()
         self.external_force_max = 0.0
         self.timing = Timing()
+        self.truth: Truth | None = None
         self.unseen: Mapping[str, str] = {}
         self._tree, self._hold = tree, hold
         self._folder: RunFolder | None = None
@@ -283,6 +286,9 @@ class Realtime:
             self.notices.append(decode_event(payload))
         for payload in self._new("refusal"):
             self.supervisor.rejected.append(payload.decode(errors="replace"))
+        latest = self._readers["truth"].latest()
+        if latest is not None:
+            self.truth = decode_truth(latest[1])
         latest = self._readers["timing"].latest()
         if latest is not None:
             self.timing = Timing.from_bytes(latest[1])

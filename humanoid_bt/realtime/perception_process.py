@@ -9,7 +9,7 @@ from pathlib import Path
 
 from humanoid_bt.core.clock import PERCEPTION_PERIOD
 from humanoid_bt.link.run_folder import RunFolder
-from humanoid_bt.link.wire import Sight, decode_state, encode_percepts
+from humanoid_bt.link.wire import Sight, decode_truth, encode_percepts
 from humanoid_bt.perception.simulated import SimulatedPerception
 from humanoid_bt.plant.scene import Scene, load_scene
 from humanoid_bt.realtime import channels
@@ -22,14 +22,14 @@ def run(folder: RunFolder) -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the terminal's Ctrl-C is for decision
     spec = RunSpec.read(folder)
     perception = SimulatedPerception(Scene(load_scene(Path(spec.scene)), spec.seed), spec.seed)
-    states, percepts = channels.reader(folder, "state"), channels.writer(folder, "percept")
+    truths, percepts = channels.reader(folder, "truth"), channels.writer(folder, "percept")
     quit_flag = channels.quit_flag(folder)
     schedule = Schedule(PERCEPTION_PERIOD, spin=False)
     while not quit_flag.count and os.getppid() == spec.parent:
         schedule.wait()
-        latest = states.latest()
+        latest = truths.latest()
         if latest is not None:
-            seen = perception.observe(decode_state(latest[1]))
+            seen = perception.observe(decode_truth(latest[1]))
             percepts.write(encode_percepts(Sight(seen, perception.unseen)))
 
 

@@ -99,7 +99,7 @@ class Recorder:
         self._results = ResultSeries()
         self._flight = Flight(joint_names, setup or {})
         self._views = (self._scene, self._overlays, self._stop_sign, self._plots, self._tree)
-        self._last_flush = self._last_frame = self._sampled = -np.inf
+        self._last_flush = self._last_frame = self._last_truth = self._sampled = -np.inf
         self.written = -np.inf
         self._closed = False
         self._announce = announce
@@ -125,6 +125,17 @@ class Recorder:
     def trouble(self) -> str:
         """What is wrong with the file, or missing in it, "" while nothing is."""
         return self._outlet.trouble or self._flight.trouble
+
+    def truth(self, time: float, pose: Sequence[float]) -> None:
+        """Record where the base really is, of which control knows nothing.
+
+        Args:
+            time: [s].
+            pose: world frame, seven numbers.
+        """
+        if time - self._last_truth >= _FRAME - _SLACK:
+            self._last_truth = time
+            self._scene.add_truth(time, np.array(pose))
 
     def sample(
         self,

@@ -153,6 +153,10 @@ class RemoteRecorder:
             self._collected.append(encode_sample(tick, tracks, objects, hidden))
         self._hand_over()
 
+    def truth(self, time: float, pose: Sequence[float]) -> None:
+        """Record where the base really is, as :meth:`~humanoid_bt.record.recorder.Recorder.truth`."""
+        self._collected.append(encode_call("truth", time, pose))
+
     def cycles(self, plans: Array, cycles: Array) -> None:
         """Record servo cycles, as :meth:`~humanoid_bt.record.recorder.Recorder.cycles`."""
         self._collected.append(encode_call("cycles", plans, cycles))

@@ -22,6 +22,7 @@ POSES = "poses"
 """The one entity that carries the poses of all moving bodies."""
 
 _BASE_HEIGHTS = (0.4, 1.2)  # believable ones [m]: a model may also leave its base at the origin
+TRUTH = f"{WORLD}/truth"
 OBJECT_PREFIX = "object_"
 """What the names of bodies that are scene objects begin with."""
 
@@ -60,6 +61,9 @@ class SceneView:
         self._looks: dict[str, list[tuple[str, int, Any]]] = {name: [] for name in self._objects}
         self._hidden: dict[str, bool] = {}
         self._hidings: list[tuple[float, str, bool]] = []
+        self._base = model.body(base).id
+        self._true_times: list[float] = []
+        self._true_poses: list[Array] = []
 
     def log_static(self, stream: Any) -> None:
         """Write the geoms: those of moving bodies in their bodies' frames, the others in the world's.
@@ -89,6 +93,20 @@ class SceneView:
             elif isinstance(drawn, geoms.PRIMITIVES):
                 written.append(type(drawn).from_fields(**geoms.look(model, geom)))
             stream.log(path, *written, static=True)
+            if body == self._base and isinstance(drawn, geoms.PRIMITIVES):
+                outline = type(drawn).from_fields(**geoms.look(model, geom, hidden=True))
+                written = [drawn, pose, outline, rr.CoordinateFrame(TRUTH)]
+                stream.log(path.replace(self._folder(body), TRUTH), *written, static=True)
+
+    def add_truth(self, time: float, pose: Array) -> None:
+        """Show where the base really is, as an outline.
+
+        Args:
+            time: [s].
+            pose: world frame, shape (7,).
+        """
+        self._true_times.append(time)
+        self._true_poses.append(pose)
 
     def add(self, state: State, objects: Mapping[str, Array], hidden: Container[str]) -> None:
         """Compute the bodies' poses in one state.
@@ -131,6 +149,17 @@ class SceneView:
                 child_frame=self._frames * rows,
             )
             send(stream, POSES, np.repeat(self._times, bodies), columns)
+        if self._true_times:
+            poses = np.array(self._true_poses)
+            rows = len(poses)
+            columns = rr.Transform3D.columns(
+                translation=poses[:, :3],
+                quaternion=xyzw(poses[:, 3:]),
+                parent_frame=[WORLD] * rows,
+                child_frame=[TRUTH] * rows,
+            )
+            send(stream, TRUTH, self._true_times, columns)
+            self._true_times, self._true_poses = [], []
         for time, name, hidden in self._hidings:
             for path, geom, kind in self._looks[name]:
                 look = kind.columns(**geoms.look(self._model, geom, hidden=hidden))

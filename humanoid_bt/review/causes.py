@@ -16,11 +16,12 @@ from humanoid_bt.review.history import AT, Happened, History, Stopped
 from humanoid_bt.review.pushed import hardest_push
 from humanoid_bt.review.words import cut, doing, last, line_of, when
 
-STOPS = ("state", "fall", "push", "estop", "estop_node", "slow_tick", "silent", "refused", "ik", "stop")
+STOPS = ("state", "fall", "push", "estop", "estop_node", "slow_tick", "silent", "refused", "sensor", "ik", "stop")
 """Kinds of causes that are stops."""
 
 _LATCHED = ("state", "fall", "push", "estop", "estop_node")
 _LOOK_BACK = 4.0  # s before a fall in which its reason is looked for
+_SENSOR = "a sensor failed: "
 _GONE = "the process of the run ended without closing the recording"
 _UPRIGHT = 0.3  # rad of tilt up to which a joint at its limit may be why the robot fell, not what came of it
 _SILENT = 0.08  # s that a tick must take to explain that decision was silent for 0.1 s
@@ -153,19 +154,25 @@ def _error(history: History, time: float) -> Cause:
 
 
 def _of_stop(history: History, stop: Stopped) -> Cause:
-    if stop.mode == "damp" and "falling" not in stop.reason:
-        text = f"the drives were let go at {when(stop.time)}: {stop.reason}"
-        return Cause("state", text, stop.time, _commander(stop))
     if stop.mode == "damp":
-        return _fall(history, stop)
+        return _limp(history, stop)
     if stop.mode == "emergency_stop":
         return _estop(history, stop)
     if stop.reason.startswith("decision silent"):
         return _silence(history, stop)
+    text, commander = f"the robot was stopped at {when(stop.time)}", _commander(stop)
+    if stop.reason.startswith(_SENSOR):
+        return Cause("sensor", f"a sensor failed, {stop.reason.removeprefix(_SENSOR)}: {text}", stop.time, commander)
     if stop.source != "supervisor":
-        return Cause("stop", f"the robot was stopped at {when(stop.time)}: {stop.reason} ({stop.source})", stop.time)
-    text = f"the robot was stopped at {when(stop.time)}: {stop.reason}"
-    return Cause("ik", text, stop.time, _commander(stop), _refused_rows(history, stop.time))
+        return Cause("stop", f"{text}: {stop.reason} ({stop.source})", stop.time)
+    return Cause("ik", f"{text}: {stop.reason}", stop.time, commander, _refused_rows(history, stop.time))
+
+
+def _limp(history: History, stop: Stopped) -> Cause:
+    if "falling" in stop.reason:
+        return _fall(history, stop)
+    text = f"the drives were let go at {when(stop.time)}: {stop.reason}"
+    return Cause("state", text, stop.time, _commander(stop))
 
 
 def _estop(history: History, stop: Stopped) -> Cause:

@@ -32,6 +32,7 @@ HINTS: dict[str, tuple[str, ...]] = {
     "push": ("nothing in the tree did it: look at what touched the robot; docs/safety.md says what it withstands",),
     "fall": ("look at the seconds before in the viewer; slower walking and nearer targets leave more balance",),
     "state": ("a sensor that sends nonsense, or a simulation that diverged: look at the joints with --at",),
+    "sensor": ("look at that sensor and its cable; humanoid-bt explain --joint NAME shows what it said",),
     "ik": ("a target that cannot be met together with the others: command fewer, or nearer ones",),
     "exception": ("catch it in the skill, or put on_error above the node; the traceback is in the report (--report)",),
     "conflict": ("only one node at a time may command a resource: docs/concepts.md",),

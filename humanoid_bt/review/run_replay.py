@@ -13,7 +13,7 @@ from typing import Any, Self
 import numpy as np
 
 from humanoid_bt.core.clock import DECISION_PERIOD
-from humanoid_bt.core.messages import Array, Level, Measurement
+from humanoid_bt.core.messages import Array, Estimate, Level
 from humanoid_bt.decision.result import Reported
 from humanoid_bt.perception.track import Track
 from humanoid_bt.record.reading import FlightLog
@@ -103,10 +103,10 @@ class _Outside:
         self._inputs, self._estops = deque(run.inputs), deque(run.estops)
         check = self._supervisor.check
 
-        def raised_again(cycle: int, measurement: Measurement, setpoint_fault: str = "") -> None:
+        def raised_again(cycle: int, estimate: Estimate, setpoint_fault: str = "", sensor_fault: str = "") -> None:
             if self._estops and self._estops[0][0] <= cycle:
                 self._supervisor.raise_estop(*self._estops.popleft()[1:])
-            check(cycle, measurement, setpoint_fault)
+            check(cycle, estimate, setpoint_fault, sensor_fault)
 
         self._supervisor.check = raised_again  # type: ignore[method-assign]  # what nobody in this process raises
 
@@ -154,6 +154,9 @@ class Comparison:
         self.difference: Parting | None = None
         self.count, self.lasted, self.exhausted = 0, 0.0, self._next is None
         self.url, self.missing = "", 0.0
+
+    def truth(self, time: float, pose: Sequence[float]) -> None:
+        """Ignore it: it follows from the rest."""
 
     def sample(
         self, tick: Tick, _tracks: Mapping[str, Track], _objects: Mapping[str, Array], _hidden: Iterable[str] = ()

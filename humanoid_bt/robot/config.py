@@ -15,6 +15,7 @@ from humanoid_bt.core.params import param
 from humanoid_bt.core.reading import read
 from humanoid_bt.files import document
 from humanoid_bt.files.reading import is_file, read_bytes
+from humanoid_bt.robot.sensor_config import SensorsConfig
 
 _MAX_MODEL = 20_000_000  # bytes of an MJCF file, without its meshes
 
@@ -177,6 +178,7 @@ class RobotConfig:
     gait: GaitConfig = param(GaitConfig(), doc="How it walks.")
     whole_body: WholeBodyConfig = param(WholeBodyConfig(), doc="How the body shares its work.")
     reach_distance: float = param(0.40, above=0, unit="m", doc="Where to stand to reach: the target this far ahead.")
+    sensors: SensorsConfig = param(SensorsConfig(), doc="What its sensors are like.")
     fall: FallConfig = param(FallConfig(), doc="When it counts as falling.")
     path: Path = field(default=Path(), compare=False)
     written: Item | None = field(default=None, compare=False, repr=False)

@@ -11,7 +11,7 @@ import mujoco
 from humanoid_bt.control.supervisor import Stop
 from humanoid_bt.core.clock import Clock
 from humanoid_bt.core.kept import Kept
-from humanoid_bt.core.messages import Array, Command, Percept, State
+from humanoid_bt.core.messages import Array, Command, Percept, State, Truth
 from humanoid_bt.link.wire import Event
 from humanoid_bt.plant.scene import Scene
 from humanoid_bt.realtime.timing import Timing
@@ -64,6 +64,10 @@ class Engine(Protocol):
     @property
     def supervisor(self) -> SupervisorView:
         """The supervisor, or what is known of it."""
+
+    @property
+    def truth(self) -> Truth | None:
+        """Where the robot really is, None if nobody knows."""
 
     @property
     def external_force_max(self) -> float:

@@ -19,7 +19,7 @@ from humanoid_bt.control.cycle_log import CycleLog, Layout
 from humanoid_bt.control.supervisor import Supervisor, reset_text
 from humanoid_bt.core.clock import DECISION_PERIOD, PERCEPTION_PERIOD, CycleClock, cycles
 from humanoid_bt.core.kept import Kept
-from humanoid_bt.core.messages import Array, Command, Level, Percept, State, frozen
+from humanoid_bt.core.messages import Array, Command, Level, Percept, State, Truth, frozen
 from humanoid_bt.link.run_folder import RunInfo
 from humanoid_bt.link.segment import LinkError
 from humanoid_bt.link.table import LocalTable
@@ -67,7 +67,7 @@ class Lockstep:
         self.plant = MujocoPlant(robot, scene)
         self.plant.place(start)
         self.driven = self.plant if driven is None else driven(self.plant)
-        self.controller = Controller(robot, self.driven)
+        self.controller = Controller(robot, self.driven, scene.start_pose)
         self.perception = perception
         self.notices: Kept[Event] = Kept()
         self.inputs: Kept[Input] = Kept()
@@ -95,6 +95,11 @@ class Lockstep:
     def external_force_max(self) -> float:
         """Largest external force or torque there ever was on any body [N, Nm]."""
         return self.plant.external_force_max
+
+    @property
+    def truth(self) -> Truth:
+        """Where the robot really is."""
+        return self.plant.truth()
 
     @property
     def timing(self) -> None:
@@ -172,7 +177,7 @@ class Lockstep:
             self.scene = self.plant.scene = scene
         self.clock.cycle = 0
         self.plant.place(self._start)
-        self.controller.reset()
+        self.controller.reset(self.scene.start_pose)
         self.perception = perception
         self._percepts = {}
         self._command = self._state = None
@@ -190,7 +195,7 @@ class Lockstep:
         if self._link is not None:
             self._link.sensed(state)
         if self.clock.due(self._perceive):
-            for percept in self.perception.observe(state):
+            for percept in self.perception.observe(self.plant.truth()):
                 self._percepts[percept.name] = percept
         return state, dict(self._percepts)
 

@@ -51,6 +51,9 @@ class RunRecorder(Protocol):
     def cycles(self, plans: Array, cycles: Array) -> None:
         """Take servo cycles."""
 
+    def truth(self, time: float, pose: Sequence[float]) -> None:
+        """Record where the base really is."""
+
     def sample(
         self, tick: Tick, tracks: Mapping[str, Track], objects: Mapping[str, Array], hidden: Iterable[str] = ()
     ) -> None:

@@ -175,6 +175,8 @@ class Teller:
             for path, skill in runner.reporting:
                 if skill.status is Status.RUNNING:
                     self.recorder.results(state.time, path, reported(skill))
+            if (truth := self._engine.truth) is not None:
+                self.recorder.truth(truth.time, [*truth.base_position.tolist(), *truth.base_quaternion.tolist()])
             tick = Tick(state, self._changes.percepts(percepts), command, took)
             self.recorder.sample(tick, robot.tracks, objects, hidden)
             self.news(self.recorder)

@@ -10,7 +10,7 @@ from pathlib import Path
 import mujoco
 import numpy as np
 
-from humanoid_bt.control.body.dynamics import RobotDynamics
+from humanoid_bt.control.dynamics import RobotDynamics
 from humanoid_bt.control.supervisor import Supervisor, reset_text
 from humanoid_bt.core.clock import DECISION_PERIOD, PERCEPTION_PERIOD, CycleClock, cycles
 from humanoid_bt.core.errors import UserError
@@ -21,15 +21,16 @@ from humanoid_bt.core.messages import (
     Array,
     BaseTarget,
     Command,
+    Estimate,
     FootPose,
     Gait,
     GazeTarget,
     HandTarget,
-    Measurement,
     Percept,
     PostureTarget,
     Side,
     State,
+    truth_of,
 )
 from humanoid_bt.link.wire import Event
 from humanoid_bt.perception.source import PerceptSource
@@ -63,7 +64,7 @@ class Dry:
         self.clock = CycleClock()
         self.supervisor = Supervisor(robot.config.fall)
         joints = len(robot.joint_names)
-        self._measured = Measurement(0.0, start, np.zeros(BASE_DOFS + joints), np.zeros(joints), np.zeros(2))
+        self._measured = Estimate(0.0, start, np.zeros(BASE_DOFS + joints), np.zeros(joints), np.zeros(2))
         self._body = _Body(robot, self._measured)
         self._model: mujoco.MjModel | None = None
         self.reset(perception, scene)
@@ -87,6 +88,10 @@ class Dry:
         if self._model is None:
             self._model = MujocoPlant(self.robot, self.scene).model
         return self._model
+
+    @property
+    def truth(self) -> None:
+        """None: the robot is where it believes to be."""
 
     @property
     def unseen(self) -> Mapping[str, str]:
@@ -129,7 +134,7 @@ class Dry:
             self.notices.append(Event(now, "warning", reset_text(source, self.supervisor.reset())))
         state = self._body.state(now, self.clock.cycle, self.supervisor)
         if self.clock.due(_LOOK):
-            for percept in self.perception.observe(state):
+            for percept in self.perception.observe(truth_of(state)):
                 self._percepts[percept.name] = percept
         return state, dict(self._percepts)
 
@@ -157,7 +162,7 @@ class _Body:
         measured: how it stands with the middle between its feet at the origin, heading along x.
     """
 
-    def __init__(self, robot: RobotModel, measured: Measurement) -> None:
+    def __init__(self, robot: RobotModel, measured: Estimate) -> None:
         dynamics = RobotDynamics(robot)
         dynamics.update(measured)
         self._hands: tuple[Side, ...] = tuple(dynamics.hands)
@@ -168,6 +173,7 @@ class _Body:
         self._forward = dynamics.gaze_direction
         self._pose = measured.qpos[:BASE_COORDINATES].copy()
         self._joints = _kept(measured.qpos[BASE_COORDINATES:].copy())
+        self._certain = _kept(np.zeros((9, 9)))
         self._zeros, self._nothing = _kept(np.zeros(len(self._joints))), _kept(np.zeros(3))
         self._weight = robot.mass * _GRAVITY / len(SIDES)
         self.stand_at(np.zeros(2), 0.0)
@@ -230,6 +236,7 @@ class _Body:
             base_quaternion=self._base[3:],
             base_linear_velocity=self._nothing,
             base_angular_velocity=self._nothing,
+            base_covariance=self._certain,
             com=com,
             com_velocity=self._nothing,
             hands=placed,

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from humanoid_bt.core.geometry import rotation_matrix
-from humanoid_bt.core.messages import Array, Percept, State
+from humanoid_bt.core.messages import Array, Percept, Truth
 
 
 class ScriptedPerception:
@@ -33,10 +33,10 @@ class ScriptedPerception:
         """What is published now: name -> position, shape (3,), world frame [m], and confidence."""
         return dict(self._seen)
 
-    def observe(self, state: State) -> list[Percept]:
+    def observe(self, robot: Truth) -> list[Percept]:
         """Return what is published now, in the robot's base frame."""
-        rotation = rotation_matrix(state.base_quaternion)
+        rotation = rotation_matrix(robot.base_quaternion)
         return [
-            Percept(name, state.time, rotation.T @ (position - state.base_position), confidence)
+            Percept(name, robot.time, rotation.T @ (position - robot.base_position), confidence)
             for name, (position, confidence) in self._seen.items()
         ]

@@ -2,10 +2,12 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from humanoid_bt.control.body.standing import standing_posture
-from humanoid_bt.core.messages import Array, Measurement
+from humanoid_bt.control.dynamics import GRAVITY
+from humanoid_bt.core.messages import Array, Estimate
 from humanoid_bt.robot.config import load_robot_config
 from humanoid_bt.robot.model import RobotModel
 from tests.control.control_rig import ControlRig
@@ -39,6 +41,7 @@ def rig(shared_rig: ControlRig) -> ControlRig:
 
 
 @pytest.fixture
-def measurement(rig: ControlRig) -> Measurement:
-    """What the sensors say of the standing robot."""
-    return rig.plant.measure()
+def estimate(robot: RobotModel, standing: Array) -> Estimate:
+    """What control would believe of the standing robot if it knew everything."""
+    joints = len(robot.joint_names)
+    return Estimate(0.0, standing, np.zeros(6 + joints), np.zeros(joints), np.full(2, robot.mass * GRAVITY / 2))

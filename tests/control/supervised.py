@@ -12,8 +12,8 @@ import numpy as np
 from humanoid_bt.control.supervisor import Supervisor
 from humanoid_bt.core.messages import (
     Command,
+    Estimate,
     HandTarget,
-    Measurement,
     Mode,
     Pause,
     Target,
@@ -21,7 +21,7 @@ from humanoid_bt.core.messages import (
 from humanoid_bt.robot.config import FallConfig
 
 HEIGHT = 0.7
-UPRIGHT = Measurement(
+UPRIGHT = Estimate(
     time=0.0,
     qpos=np.array([0, 0, HEIGHT, 1, 0, 0, 0, 0.1, -0.1]),
     qvel=np.zeros(8),
@@ -32,7 +32,7 @@ HAND: Mapping[str, Target] = {"left_hand": HandTarget(np.array([0.4, 0.1, 0.9]))
 SOURCES = {"left_hand": "root/reach"}
 
 
-def lying(pitch: float = 1.5, height: float = HEIGHT) -> Measurement:
+def lying(pitch: float = 1.5, height: float = HEIGHT) -> Estimate:
     qpos = UPRIGHT.qpos.copy()
     qpos[2:7] = [height, math.cos(pitch / 2), 0, math.sin(pitch / 2), 0]
     return replace(UPRIGHT, qpos=qpos)
@@ -52,11 +52,11 @@ class Run:
     def mode(self) -> Mode:
         return self.supervisor.mode
 
-    def go(self, cycles: int = 1, measurement: Measurement = UPRIGHT, fault: str = "", alive: bool = False) -> None:
+    def go(self, cycles: int = 1, estimate: Estimate = UPRIGHT, fault: str = "", alive: bool = False) -> None:
         """Pass some cycles; ``alive``: decision sends a command in each of them."""
         for _ in range(cycles):
             self.cycle += 1
-            self.supervisor.check(self.cycle, measurement, fault)
+            self.supervisor.check(self.cycle, estimate, fault)
             if alive:
                 self.send()
 

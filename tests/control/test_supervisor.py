@@ -10,9 +10,9 @@ import pytest
 from humanoid_bt.core.messages import (
     BaseTarget,
     Command,
+    Estimate,
     GazeTarget,
     HandTarget,
-    Measurement,
     Mode,
     PostureTarget,
 )
@@ -249,7 +249,7 @@ def test_a_solution_in_between_starts_the_count_again(run: Run) -> None:
 
 
 @pytest.mark.parametrize(
-    ("measurement", "why"),
+    ("estimate", "why"),
     [
         (lying(pitch=0.95), "tilted"),
         (lying(pitch=-0.95), "tilted"),
@@ -259,9 +259,9 @@ def test_a_solution_in_between_starts_the_count_again(run: Run) -> None:
         (replace(UPRIGHT, qvel=np.full(8, np.inf)), "not finite"),
     ],
 )
-def test_a_falling_robot_is_damped_and_that_is_latched(run: Run, measurement: Measurement, why: str) -> None:
+def test_a_falling_robot_is_damped_and_that_is_latched(run: Run, estimate: Estimate, why: str) -> None:
     run.send()
-    run.go(1, measurement)
+    run.go(1, estimate)
     assert run.mode is Mode.DAMP
     assert why in run.supervisor.reason
     assert run.supervisor.targets == {}
@@ -269,9 +269,9 @@ def test_a_falling_robot_is_damped_and_that_is_latched(run: Run, measurement: Me
     assert run.mode is Mode.DAMP
 
 
-@pytest.mark.parametrize("measurement", [lying(pitch=0.8), lying(pitch=0.0, height=0.44)])
-def test_leaning_and_crouching_are_not_falling(run: Run, measurement: Measurement) -> None:
-    run.go(10, measurement)
+@pytest.mark.parametrize("estimate", [lying(pitch=0.8), lying(pitch=0.0, height=0.44)])
+def test_leaning_and_crouching_are_not_falling(run: Run, estimate: Estimate) -> None:
+    run.go(10, estimate)
     assert run.mode is Mode.RUN
 
 

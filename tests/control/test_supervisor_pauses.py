@@ -62,7 +62,7 @@ def test_a_stop_of_a_paused_robot_stays_until_its_reset(run: Run) -> None:
     run.go()
     assert run.mode is Mode.RUN
     run.send(pause=PAUSE)
-    run.go(measurement=lying())
+    run.go(estimate=lying())
     assert run.mode is Mode.DAMP
 
 

@@ -66,6 +66,7 @@ def make_state(joints: int = 31) -> State:
         base_quaternion=array(4),
         base_linear_velocity=array(3),
         base_angular_velocity=array(3),
+        base_covariance=np.add.outer(spread := array(9), spread),
         com=array(3),
         com_velocity=array(3),
         hands={"left": array(3), "right": array(3)},
@@ -177,7 +178,7 @@ def test_noise_is_no_message() -> None:
     chance = random.Random(3)
     for decode in {decode for _, decode, _ in CASES}:
         for size in (0, 1, 23, 24, 100, 3000):
-            with pytest.raises(WireError, match=r"too short|not a message of version 2"):
+            with pytest.raises(WireError, match=r"too short|not a message of version 3"):
                 decode(chance.randbytes(size))
 
 
@@ -185,8 +186,8 @@ def test_a_message_of_another_kind_or_version_is_refused() -> None:
     data = wire.encode_command(COMMAND)
     with pytest.raises(WireError, match=r"kind 2 where state \(1\) is expected"):
         wire.decode_state(data)
-    with pytest.raises(WireError, match="not a message of version 2"):
-        wire.decode_command(data[:2] + b"\3" + data[3:])
+    with pytest.raises(WireError, match="not a message of version 3"):
+        wire.decode_command(data[:2] + b"\2" + data[3:])
     assert issubclass(WireError, HumanoidBtError)
 
 

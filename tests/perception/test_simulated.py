@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from humanoid_bt.core.messages import Array, FootPose, Gait, Mode, Percept, State
+from humanoid_bt.core.messages import Percept, Truth
 from humanoid_bt.perception.simulated import SimulatedPerception
 from humanoid_bt.plant.scene import Scene, load_scene
 
@@ -26,31 +26,26 @@ def scene(folder: Path, position: str, percept: str = EXACT, events: str = "[]")
     return Scene(load_scene(path), 0)
 
 
-def state(time: float = 0.0, base: tuple[float, float, float] = (0, 0, 0.7), yaw: float = 0, gaze: float = 0) -> State:
+def robot(time: float = 0.0, base: tuple[float, float, float] = (0, 0, 0.7), yaw: float = 0, gaze: float = 0) -> Truth:
     """A robot at ``base`` that faces ``yaw`` and looks ``gaze`` to the left of that."""
     c, s = math.cos(yaw), math.sin(yaw)
     rotation = np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
-    none: Array = np.zeros(0)
-    zero: Array = np.zeros(3)
-    return State(
-        time=time, cycle=round(time * 1000), joint_positions=none, joint_velocities=none, joint_torques=none,
-        setpoint_positions=none, setpoint_velocities=none, base_position=np.array(base),
-        base_quaternion=np.array([math.cos(yaw / 2), 0, 0, math.sin(yaw / 2)]), base_linear_velocity=zero,
-        base_angular_velocity=zero, com=zero, com_velocity=zero, hands={}, feet={"left": FootPose(0, 0.09, 0)},
-        stance=zero, gaze_position=np.array(base) + rotation @ EYES,
-        gaze_direction=np.array([math.cos(yaw + gaze), math.sin(yaw + gaze), 0]), foot_force={}, gait=Gait.STAND,
-        footsteps=(), base_settled=True, mode=Mode.RUN, stop_reason="", stop_source="", command_sequence=-1,
-        command_sources={}, targets={}, hand_errors={}, limit_flags=(),
-    )  # fmt: skip
+    return Truth(
+        time,
+        base_position=np.array(base),
+        base_quaternion=np.array([math.cos(yaw / 2), 0, 0, math.sin(yaw / 2)]),
+        gaze_position=np.array(base) + rotation @ EYES,
+        gaze_direction=np.array([math.cos(yaw + gaze), math.sin(yaw + gaze), 0]),
+    )
 
 
 def watch(perception: SimulatedPerception, seconds: float, yaw: float = 0) -> list[Percept]:
-    return [seen for step in range(round(seconds * 10)) for seen in perception.observe(state(step / 10, yaw=yaw))]
+    return [seen for step in range(round(seconds * 10)) for seen in perception.observe(robot(step / 10, yaw=yaw))]
 
 
 def test_the_position_is_in_the_frame_of_a_turned_and_moved_base(tmp_path: Path) -> None:
     perception = SimulatedPerception(scene(tmp_path, "[2, 3, 0.9]"), 0)
-    (seen,) = perception.observe(state(time=1.5, base=(2, 1, 0.7), yaw=math.pi / 2))
+    (seen,) = perception.observe(robot(time=1.5, base=(2, 1, 0.7), yaw=math.pi / 2))
     np.testing.assert_allclose(seen.position, [2, 0, 0.2], atol=1e-12)
     assert (seen.name, seen.stamp) == ("target", 1.5)
     assert seen.confidence > 0.9
@@ -59,17 +54,17 @@ def test_the_position_is_in_the_frame_of_a_turned_and_moved_base(tmp_path: Path)
 def test_a_tilted_base_tilts_the_position(tmp_path: Path) -> None:
     perception = SimulatedPerception(scene(tmp_path, "[1, 0, 0.7]"), 0)
     half = math.pi / 12  # leaning forward by 30 degrees
-    leaning = replace(state(), base_quaternion=np.array([math.cos(half), 0, math.sin(half), 0]))
+    leaning = replace(robot(), base_quaternion=np.array([math.cos(half), 0, math.sin(half), 0]))
     (seen,) = perception.observe(leaning)
     np.testing.assert_allclose(seen.position, [math.cos(math.pi / 6), 0, 0.5], atol=1e-12)
 
 
 def test_what_is_behind_is_not_published_before_it_was_seen(tmp_path: Path) -> None:
     perception = SimulatedPerception(scene(tmp_path, "[-1, 0, 0.9]"), 0)
-    assert perception.observe(state(0.0)) == []
-    (seen,) = perception.observe(state(0.1, yaw=math.pi))
+    assert perception.observe(robot(0.0)) == []
+    (seen,) = perception.observe(robot(0.1, yaw=math.pi))
     assert seen.confidence > 0.9
-    (remembered,) = perception.observe(state(0.2))
+    (remembered,) = perception.observe(robot(0.2))
     assert remembered.confidence < 0.15
     assert remembered.stamp == 0.2
     np.testing.assert_allclose(remembered.position, [-1, 0, 0.2], atol=1e-12)
@@ -101,7 +96,7 @@ def test_what_is_hidden_stays_where_it_was_last_seen(tmp_path: Path) -> None:
 )
 def test_the_eyes_see_100_by_80_degrees_and_4_meters(tmp_path: Path, position: str, gaze: float, visible: bool) -> None:
     perception = SimulatedPerception(scene(tmp_path, position), 0)
-    assert bool(perception.observe(state(gaze=math.radians(gaze)))) == visible
+    assert bool(perception.observe(robot(gaze=math.radians(gaze)))) == visible
 
 
 def test_confidence_falls_with_distance_but_stays_clear_of_usual_thresholds(tmp_path: Path) -> None:
@@ -143,7 +138,7 @@ def test_what_was_seen_before_does_not_change_later_noise(tmp_path: Path) -> Non
     blind, seeing = SimulatedPerception(ahead, 5), SimulatedPerception(ahead, 5)
     watch(blind, 2, yaw=math.pi)
     watch(seeing, 2)
-    first, second = blind.observe(state(2.0)), seeing.observe(state(2.0))
+    first, second = blind.observe(robot(2.0)), seeing.observe(robot(2.0))
     assert [seen.confidence for seen in first] == [seen.confidence for seen in second]
 
 
@@ -153,7 +148,7 @@ def test_drop_outs_publish_nothing_and_remember_nothing(tmp_path: Path) -> None:
 
 
 def test_looking_straight_down_still_sees_what_is_there(tmp_path: Path) -> None:
-    down = replace(state(), gaze_direction=np.array([0.0, 0.0, -1.0]))
+    down = replace(robot(), gaze_direction=np.array([0.0, 0.0, -1.0]))
     assert SimulatedPerception(scene(tmp_path, "[0.1, 0, 0.3]"), 0).observe(down)
     assert not SimulatedPerception(scene(tmp_path, "[1.5, 0, 1.2]"), 0).observe(down)
 
@@ -170,16 +165,16 @@ def test_looking_straight_down_still_sees_what_is_there(tmp_path: Path) -> None:
 def test_what_was_never_seen_has_a_reason(tmp_path: Path, position: str, percept: str, why: str) -> None:
     perception = SimulatedPerception(scene(tmp_path, position, f"{EXACT}, {percept}"), 0)
     assert perception.unseen == {"target": "perception has not looked yet"}
-    perception.observe(state())
+    perception.observe(robot())
     assert perception.unseen == {"target": why}
 
 
 def test_what_was_hidden_is_no_longer_unseen_once_it_was_seen(tmp_path: Path) -> None:
     events = "[{at: 0, hide: ball}, {at: 1, show: ball}, {at: 2, hide: ball}]"
     perception = SimulatedPerception(scene(tmp_path, "[1, 0, 0.9]", events=events), 0)
-    perception.observe(state(0.5))
+    perception.observe(robot(0.5))
     assert perception.unseen == {"target": "hidden"}
-    perception.observe(state(1.5))
+    perception.observe(robot(1.5))
     assert perception.unseen == {}
-    perception.observe(state(2.5))
+    perception.observe(robot(2.5))
     assert perception.unseen == {}

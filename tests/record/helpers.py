@@ -41,6 +41,7 @@ def make_state(
         base_quaternion=np.array([math.cos(yaw / 2), 0.0, 0.0, math.sin(yaw / 2)]),
         base_linear_velocity=velocity,
         base_angular_velocity=velocity,
+        base_covariance=np.zeros((9, 9)),
         com=position,
         com_velocity=np.array([0.3, 0.0, 0.0]),
         hands={"left": np.array([0.2, 0.2, 1.0]), "right": np.array([0.2, -0.2, 1.0])},

@@ -17,7 +17,7 @@ import numpy as np
 import pytest
 
 from humanoid_bt.core.errors import ControlLost
-from humanoid_bt.core.messages import Command, Measurement
+from humanoid_bt.core.messages import Command, Estimate
 from humanoid_bt.review.cause import Cause
 from humanoid_bt.review.causes import _and_raised
 from humanoid_bt.review.explain import explain
@@ -88,7 +88,7 @@ def deluded(session: Session) -> None:
     supervisor = session.engine.controller.supervisor  # type: ignore[attr-defined]
     check = supervisor.check
 
-    def deluded_check(cycle: int, measurement: Measurement, fault: str = "") -> None:
+    def deluded_check(cycle: int, measurement: Estimate, fault: str = "") -> None:
         check(cycle, replace(measurement, qvel=np.full_like(measurement.qvel, np.nan)), fault)
 
     supervisor.check = deluded_check
@@ -277,6 +277,12 @@ CASES: dict[str, tuple[str, str, dict[str, Any], str]] = {
         {"at": 0.2, "do": lambda session: session.interrupt("enough")},
         r"the run was ended at 0\.200 s while 'walk' ran: enough",
     ),
+    "a sensor fails": (
+        "walk",
+        "sensor",
+        {"at": 0.6, "do": lambda session: session.engine.plant.fail_sensor("left_knee", "frozen")},
+        r"a sensor failed, the sensors of left_knee are frozen: the robot was stopped at 0\.63\d s",
+    ),
     "interrupted in its first tick": (
         "walk",
         "interrupted",
@@ -294,6 +300,7 @@ TELLING = (
     "two owners",
     "percept lost",
     "flapping",
+    "a sensor fails",
     "time is up long after a branch was halted",
     "time is up in the tick that halts a branch",
     "control lost right after the first tick",

@@ -11,6 +11,7 @@ import numpy as np
 
 from humanoid_bt.core.clock import cycles
 from humanoid_bt.core.messages import BaseTarget, Command, HandTarget, Mode, Pause
+from humanoid_bt.plant.sensors import FAILURES
 from tests.safety.machine import Machine, intact, resent, seconds
 
 STOP, PROTECT, DAMP, RUN, PAUSED = Mode.EMERGENCY_STOP, Mode.PROTECTIVE_STOP, Mode.DAMP, Mode.RUN, Mode.PAUSED
@@ -181,6 +182,31 @@ def _direction(rng: np.random.Generator) -> np.ndarray:
     return np.array([np.cos(angle), np.sin(angle), 0.0])
 
 
+# ---- sensors --------------------------------------------------------------------------------------------------------
+
+
+def imu_fails(how: str) -> Fault:
+    """Let one of the IMU's sensors fail."""
+
+    def fault(machine: Machine, rng: np.random.Generator) -> None:
+        machine.plant.fail_sensor(str(rng.choice(["gyro", "accelerometer", "orientation"])), how)
+
+    return fault
+
+
+def joint_fails(how: str) -> Fault:
+    """Let the sensors of a joint fail."""
+
+    def fault(machine: Machine, rng: np.random.Generator) -> None:
+        machine.plant.fail_sensor(str(rng.choice(machine.robot.joint_names)), how)
+
+    return fault
+
+
+def blind_to_itself(machine: Machine, _: np.random.Generator) -> None:
+    machine.plant.fail_sensor("imu", "silent")
+
+
 FRESH, NEVER = "fresh commands", "nothing here"
 
 ROWS = {
@@ -200,6 +226,9 @@ ROWS = {
         Row("IK without solution for 0.1 s", unsolvable(0.1), (), "a solution", lasts=0.4, releases=True),
         Row("IK without solution for 0.5 s", unsolvable(0.5), (PROTECT, RUN), "a solution", lasts=1.2, releases=True),
         Row("knocked over, 600 N for 0.2 s", knocked_over, (DAMP,), "a reset, back on its feet", 2.0, stands=False),
+        *(Row(f"a sensor of the IMU {how}", imu_fails(how), (PROTECT,), "the run's end") for how in FAILURES),
+        *(Row(f"the sensors of a joint {how}", joint_fails(how), (PROTECT,), "the run's end") for how in FAILURES),
+        Row("the whole IMU silent", blind_to_itself, (PROTECT,), "the run's end", promised=False),
         Row("pushed, 60 N for 0.1 s, in a stop", pushed_while_stopped, (PROTECT,), NEVER, 1.3, promised=False),
     ]
 }

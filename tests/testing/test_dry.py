@@ -29,10 +29,10 @@ def test_the_robot_is_in_the_next_tick_where_it_is_told_to_be(dry):
 def test_it_stands_as_the_simulated_robot_does(dry, stage):
     one, other = dry.run("stand", duration=0.02).states[0], stage.run("stand", duration=0.02).states[0]
     for name in ("joint_positions", "base_position", "base_quaternion", "com", "stance", "gaze_position"):
-        np.testing.assert_allclose(getattr(one, name), getattr(other, name), atol=2e-3, err_msg=name)
+        np.testing.assert_allclose(getattr(one, name), getattr(other, name), atol=5e-3, err_msg=name)
     for side in ("left", "right"):
-        np.testing.assert_allclose(one.hands[side], other.hands[side], atol=1e-3)
-        assert one.feet[side].x == pytest.approx(other.feet[side].x, abs=1e-3)
+        np.testing.assert_allclose(one.hands[side], other.hands[side], atol=5e-3)
+        assert one.feet[side].x == pytest.approx(other.feet[side].x, abs=5e-3)
 
 
 def test_it_begins_where_the_scene_says(tmp_path):

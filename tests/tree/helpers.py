@@ -197,6 +197,7 @@ def make_state(time: float = 0.0, mode: Mode = Mode.RUN, reason: str = "", sourc
         base_quaternion=np.array([1.0, 0, 0, 0]),
         base_linear_velocity=zero,
         base_angular_velocity=zero,
+        base_covariance=np.zeros((9, 9)),
         com=zero,
         com_velocity=zero,
         hands={"left": zero, "right": zero},

@@ -17,9 +17,6 @@ from humanoid_bt.control.body.footsteps import Footstep
 from humanoid_bt.core.messages import Array
 from humanoid_bt.robot.config import GaitConfig
 
-GRAVITY = 9.81
-"""[m/s^2]"""
-
 _REST = 0.5  # s of rest at the end of a plan, so that its tail is flat
 
 

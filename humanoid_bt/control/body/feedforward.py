@@ -6,8 +6,8 @@ import math
 
 import numpy as np
 
-from humanoid_bt.control.body.dynamics import RobotDynamics
 from humanoid_bt.control.body.stabilizer import Load
+from humanoid_bt.control.dynamics import RobotDynamics
 from humanoid_bt.core.messages import SIDES, Array, Side
 from humanoid_bt.robot.model import BASE_COORDINATES, BASE_DOFS, RobotModel
 

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from humanoid_bt.control.body.dcm import GRAVITY
 from humanoid_bt.control.body.footsteps import OTHER
 from humanoid_bt.control.body.planar import inside
+from humanoid_bt.control.dynamics import GRAVITY
 from humanoid_bt.core.geometry import clamp
 from humanoid_bt.core.messages import SIDES, Array, Side
 from humanoid_bt.robot.config import GaitConfig, SoleConfig

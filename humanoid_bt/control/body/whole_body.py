@@ -12,7 +12,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from humanoid_bt.control.body.body_task import BodyTargets
-from humanoid_bt.control.body.dynamics import RobotDynamics
 from humanoid_bt.control.body.feedforward import Feedforward
 from humanoid_bt.control.body.inverse_kinematics import InverseKinematics
 from humanoid_bt.control.body.lean import LeanReference
@@ -20,15 +19,16 @@ from humanoid_bt.control.body.references import GazeReference, HandReference, Po
 from humanoid_bt.control.body.stabilizer import Stabilizer
 from humanoid_bt.control.body.swing import TiltCompensation
 from humanoid_bt.control.body.walking import Walker
+from humanoid_bt.control.dynamics import RobotDynamics
 from humanoid_bt.core.clock import WHOLE_BODY_PERIOD
 from humanoid_bt.core.messages import (
     SIDES,
     Array,
     BaseTarget,
+    Estimate,
     Gait,
     GazeTarget,
     HandTarget,
-    Measurement,
     PostureTarget,
     Side,
     Target,
@@ -61,18 +61,19 @@ class WholeBody:
 
     Args:
         robot: the robot.
+        dynamics: as it is estimated, always up to date.
 
     Attributes:
-        dynamics: the measured robot, as of the last update.
+        dynamics: likewise.
         walker: its gait.
         kinematics: its planned motion.
         solved: whether the last inverse kinematics had a solution.
     """
 
-    def __init__(self, robot: RobotModel) -> None:
+    def __init__(self, robot: RobotModel, dynamics: RobotDynamics) -> None:
         config, dt = robot.config, WHOLE_BODY_PERIOD
         self._robot, self._dt = robot, dt
-        self.dynamics = RobotDynamics(robot)
+        self.dynamics = dynamics
         self.walker = Walker(config.gait, config.sole, dt)
         self._stabilizer = Stabilizer(config.gait, config.sole, robot.mass, dt)
         self._tilt = TiltCompensation(dt)
@@ -92,20 +93,18 @@ class WholeBody:
         self._commanded: frozenset[Side] = frozenset()
         self._zmp: Array = np.zeros(2)
 
-    def reset(self, measurement: Measurement) -> None:
+    def reset(self, estimate: Estimate) -> None:
         """Begin a run: the robot stands at rest, and how it stands is its home posture."""
-        self._home_joints = measurement.qpos[BASE_COORDINATES:].copy()
-        self.dynamics.update(measurement)
+        self._home_joints = estimate.qpos[BASE_COORDINATES:].copy()
         self._home_height = float(self.dynamics.com[2])
         least_share = self._robot.config.fall.height + _FALL_MARGIN
-        self.kinematics.height_limit.lowest = least_share * float(measurement.qpos[2])
-        self.restart(measurement)
+        self.kinematics.height_limit.lowest = least_share * float(estimate.qpos[2])
+        self.restart(estimate)
 
-    def restart(self, measurement: Measurement) -> None:
+    def restart(self, estimate: Estimate) -> None:
         """Stand where the robot is, with everything at rest, and return to the home posture slowly."""
         config, dt = self._robot.config, self._dt
-        self.dynamics.update(measurement)
-        self.kinematics.reset(measurement.qpos)
+        self.kinematics.reset(estimate.qpos)
         self._stabilizer.reset(self.dynamics.com)
         self.walker.reset(self.dynamics.soles, self._stabilizer.omega)
         self._tilt = TiltCompensation(dt)
@@ -124,19 +123,18 @@ class WholeBody:
         """Whether the last inverse kinematics had a solution."""
         return self.kinematics.solved
 
-    def update(self, measurement: Measurement, targets: Mapping[str, Target], hold: bool) -> Setpoint:
+    def update(self, estimate: Estimate, targets: Mapping[str, Target], hold: bool) -> Setpoint:
         """Return the setpoints of this control period.
 
         Args:
-            measurement: the measured state.
+            estimate: the robot, as it is believed to be; its dynamics are up to date with it.
             targets: resource -> target; what is missing comes to rest.
             hold: finish the step, stand, and keep hands, gaze and height where they are relative to the stance. They
                 are kept, too, after inverse kinematics without a solution.
         """
         dynamics, walker, stabilizer = self.dynamics, self.walker, self._stabilizer
-        dynamics.update(measurement)
         dcm = dynamics.com[:2] + dynamics.com_velocity[:2] / stabilizer.omega
-        force: dict[Side, float] = dict(zip(SIDES, measurement.foot_force.tolist(), strict=True))
+        force: dict[Side, float] = dict(zip(SIDES, estimate.foot_force.tolist(), strict=True))
         goal = None if hold else _goal(targets)
         walker.update(goal, dcm, self._zmp, dynamics.soles, force)
         load = stabilizer.update(
@@ -149,7 +147,7 @@ class WholeBody:
             contact=walker.contact,
         )
         self._zmp = load.zmp
-        self._tilt.update(walker.swing, measurement.qpos[:BASE_COORDINATES], self.kinematics.base_pose)
+        self._tilt.update(walker.swing, estimate.qpos[:BASE_COORDINATES], self.kinematics.base_pose)
         self.kinematics.step(self._body_targets(targets, hold or not self.solved))
         position = self.kinematics.joints.copy()
         velocity = self.kinematics.velocity[BASE_DOFS:]

@@ -9,6 +9,7 @@ from humanoid_bt.link.wire.event import Event, Level, decode_event, encode_event
 from humanoid_bt.link.wire.format import MAX_PATH, MAX_TEXT, Header, MessageKind, WireError, peek
 from humanoid_bt.link.wire.percepts import Sight, decode_percepts, encode_percepts, percepts_room
 from humanoid_bt.link.wire.state import decode_state, encode_state, state_room
+from humanoid_bt.link.wire.truth import decode_truth, encode_truth
 
 __all__ = [
     "MAX_PATH",
@@ -23,10 +24,12 @@ __all__ = [
     "decode_event",
     "decode_percepts",
     "decode_state",
+    "decode_truth",
     "encode_command",
     "encode_event",
     "encode_percepts",
     "encode_state",
+    "encode_truth",
     "peek",
     "percepts_room",
     "state_room",

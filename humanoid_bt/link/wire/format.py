@@ -13,7 +13,7 @@ import numpy as np
 from humanoid_bt.core.errors import HumanoidBtError
 from humanoid_bt.core.messages import Array
 
-VERSION = 2
+VERSION = 3
 """Of the format; both ends must have the same."""
 
 MAX_TEXT = 2048
@@ -44,6 +44,7 @@ class MessageKind(IntEnum):
     COMMAND = 2
     PERCEPTS = 3
     EVENT = 4
+    TRUTH = 5
 
 
 class Header(NamedTuple):
@@ -51,7 +52,7 @@ class Header(NamedTuple):
 
     Attributes:
         kind: what follows.
-        sequence: a command's sequence, a state's cycle, the number of percepts, 0 for an event.
+        sequence: a command's sequence, a state's cycle, the number of percepts, 0 for an event or truth.
         stamp: engine time [s]; of percepts the newest, 0 without any.
     """
 

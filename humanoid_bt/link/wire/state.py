@@ -6,6 +6,8 @@ import struct
 from collections.abc import Iterable, Mapping
 from typing import TypeVar
 
+import numpy as np
+
 from humanoid_bt.core.messages import SIDES, Array, FootPose, Gait, Mode, Side, State
 from humanoid_bt.link.wire.format import (
     FLOAT,
@@ -31,7 +33,8 @@ _GAIT_INDEX = {gait: index for index, gait in enumerate(_GAITS)}
 _MODE_INDEX = {mode: index for index, mode in enumerate(_MODES)}
 _SIDES_OF_BITS: tuple[tuple[Side, ...], ...] = ((), SIDES[:1], SIDES[1:], SIDES)
 _JOINT_ARRAYS = 5
-_FIXED_FLOATS = 28
+_COVARIANCE = np.triu_indices(9)  # it is symmetric
+_FIXED_FLOATS = 28 + len(_COVARIANCE[0])
 _V = TypeVar("_V")
 
 
@@ -79,6 +82,7 @@ def encode_state(state: State) -> bytes:
         pack_floats(state.base_quaternion, 4),
         pack_floats(state.base_linear_velocity, 3),
         pack_floats(state.base_angular_velocity, 3),
+        pack_floats(state.base_covariance[_COVARIANCE], len(_COVARIANCE[0])),
         pack_floats(state.com, 3),
         pack_floats(state.com_velocity, 3),
         pack_floats(state.stance, 3),
@@ -138,6 +142,7 @@ def decode_state(data: bytes | memoryview) -> State:
         base_quaternion=block.take(4),
         base_linear_velocity=block.take(3),
         base_angular_velocity=block.take(3),
+        base_covariance=_symmetric(block.take(len(_COVARIANCE[0]))),
         com=block.take(3),
         com_velocity=block.take(3),
         stance=block.take(3),
@@ -183,6 +188,14 @@ class _Block:
 
 def _pack_foot(foot: FootPose) -> bytes:
     return _FOOT.pack(foot.x, foot.y, foot.z, foot.yaw)
+
+
+def _symmetric(upper: Array) -> Array:
+    whole: Array = np.zeros((9, 9))
+    whole[_COVARIANCE] = upper
+    whole.T[_COVARIANCE] = upper
+    whole.flags.writeable = False
+    return whole
 
 
 def _by_side(values: Mapping[Side, _V]) -> tuple[list[_V], int]:

@@ -5,19 +5,18 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from humanoid_bt.control.body.dcm import GRAVITY
-from humanoid_bt.control.body.dynamics import RobotDynamics
 from humanoid_bt.control.body.feedforward import Feedforward
 from humanoid_bt.control.body.stabilizer import Load
-from humanoid_bt.core.messages import SIDES, Array, JointCommand, Measurement
+from humanoid_bt.control.dynamics import GRAVITY, RobotDynamics
+from humanoid_bt.core.messages import SIDES, Array, Estimate, JointCommand
 from humanoid_bt.robot.model import BASE_COORDINATES, BASE_DOFS, RobotModel
 from tests.control.control_rig import ControlRig
 
 
 @pytest.fixture
-def dynamics(robot: RobotModel, measurement: Measurement) -> RobotDynamics:
+def dynamics(robot: RobotModel, estimate: Estimate) -> RobotDynamics:
     dynamics = RobotDynamics(robot)
-    dynamics.update(measurement)
+    dynamics.update(estimate)
     return dynamics
 
 
@@ -53,7 +52,7 @@ def test_the_robot_stands_almost_still_on_feedforward_alone(
         command = JointCommand(joints, np.zeros_like(joints), robot.stiffness, robot.damping, feedforward)
         for _ in range(300):
             rig.plant.step(command)
-        sag[name] = np.abs(rig.plant.measure().qpos[BASE_COORDINATES:] - joints).max()
+        sag[name] = np.abs(rig.plant.data.qpos[BASE_COORDINATES:] - joints).max()
     assert sag["with"] < 2e-3
     assert sag["without"] > 20 * sag["with"]
 
@@ -90,10 +89,10 @@ def test_planned_acceleration_adds_inertia(robot: RobotModel, dynamics: RobotDyn
     assert more[elbow] > 0
 
 
-def test_stance_hips_resist_a_tilt_by_their_share(robot: RobotModel, measurement: Measurement) -> None:
+def test_stance_hips_resist_a_tilt_by_their_share(robot: RobotModel, estimate: Estimate) -> None:
     upright, leaning = RobotDynamics(robot), RobotDynamics(robot)
-    upright.update(measurement)
-    leaning.update(measurement)
+    upright.update(estimate)
+    leaning.update(estimate)
     leaning.pitch += 0.1  # the tilt alone, with everything else as it was
     load = standing_load(robot, upright, left=0.75)
     more = torques(robot, leaning, load) - torques(robot, upright, load)
@@ -127,13 +126,13 @@ def test_an_unloaded_foot_has_no_ankle_limit(robot: RobotModel, dynamics: RobotD
     assert torques(robot, dynamics, load, far)[ankle] == pytest.approx(near[ankle])
 
 
-def test_dynamics_measure_tilt_and_centre_of_mass(robot: RobotModel, measurement: Measurement) -> None:
+def test_dynamics_measure_tilt_and_centre_of_mass(robot: RobotModel, estimate: Estimate) -> None:
     dynamics = RobotDynamics(robot)
-    qpos = measurement.qpos.copy()
+    qpos = estimate.qpos.copy()
     qpos[3:7] = [np.cos(0.05), 0, np.sin(0.05), 0]
-    qvel = measurement.qvel.copy()
+    qvel = estimate.qvel.copy()
     qvel[0] = 0.3
-    dynamics.update(replace(measurement, qpos=qpos, qvel=qvel))
+    dynamics.update(replace(estimate, qpos=qpos, qvel=qvel))
     assert dynamics.pitch == pytest.approx(0.1)
     assert dynamics.roll == pytest.approx(0)
     np.testing.assert_allclose(dynamics.com_velocity, [0.3, 0, 0], atol=1e-9)

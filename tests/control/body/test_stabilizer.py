@@ -5,9 +5,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from humanoid_bt.control.body.dcm import GRAVITY
 from humanoid_bt.control.body.planar import seen_from
 from humanoid_bt.control.body.stabilizer import Load, Stabilizer
+from humanoid_bt.control.dynamics import GRAVITY
 from humanoid_bt.core.messages import SIDES
 from humanoid_bt.robot.config import GaitConfig, SoleConfig
 

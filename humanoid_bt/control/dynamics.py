@@ -1,4 +1,4 @@
-"""The control layer's own copy of the robot: kinematics and dynamics at the measured state."""
+"""The control layer's own copy of the robot: kinematics and dynamics of what it believes."""
 
 from __future__ import annotations
 
@@ -7,12 +7,15 @@ import math
 import mujoco
 import numpy as np
 
-from humanoid_bt.core.messages import SIDES, Array, FootPose, Measurement, Side
+from humanoid_bt.core.messages import SIDES, Array, Estimate, FootPose, Side
 from humanoid_bt.robot.model import GAZE_SITE, RobotModel, palm_site, sole_site
+
+GRAVITY = 9.81
+"""[m/s^2]"""
 
 
 class RobotDynamics:
-    """Kinematics and dynamics of the measured robot; everything in the world frame.
+    """Kinematics and dynamics of the estimated robot; everything in the world frame.
 
     Args:
         robot: the robot.
@@ -29,6 +32,7 @@ class RobotDynamics:
         self.data = mujoco.MjData(robot.model)
         self._base = robot.model.body(robot.config.base).id
         self._sole = {side: robot.model.site(sole_site(side)).id for side in SIDES}
+        self._soles = list(self._sole.values())
         self._palm = {side: robot.model.site(palm_site(side)).id for side in robot.config.hands if side in SIDES}
         self._gaze = robot.model.site(GAZE_SITE).id
         self._foot = {side: robot.model.body(robot.config.legs[side].sole.body).id for side in SIDES}
@@ -38,11 +42,11 @@ class RobotDynamics:
         self.roll = self.pitch = 0.0
         self._product = np.zeros(robot.model.nv)
 
-    def update(self, measurement: Measurement) -> None:
-        """Take over the measured state."""
+    def update(self, estimate: Estimate) -> None:
+        """Take over an estimate."""
         model, data = self.model, self.data
-        data.qpos[:] = measurement.qpos
-        data.qvel[:] = measurement.qvel
+        data.qpos[:] = estimate.qpos
+        data.qvel[:] = estimate.qvel
         mujoco.mj_kinematics(model, data)
         mujoco.mj_comPos(model, data)
         mujoco.mj_makeM(model, data)
@@ -73,6 +77,16 @@ class RobotDynamics:
     def gyro(self) -> Array:
         """Angular velocity of the base, base frame, shape (3,) [rad/s]."""
         return np.asarray(self.data.qvel[3:6])
+
+    @property
+    def sole_positions(self) -> Array:
+        """Positions of the (left, right) sole, shape (2, 3) [m]."""
+        return np.asarray(self.data.site_xpos[self._soles])
+
+    def sole_tilt(self, foot: int) -> Array:
+        """Return how the (0: left, 1: right) sole is turned from level, rotation vector, world frame, shape (3,)."""
+        up = self.data.site_xmat[self._soles[foot]][2::3]
+        return np.array([-up[1], up[0], 0.0])
 
     def inertia_times(self, acceleration: Array) -> Array:
         """Return M(q) acceleration, shape (nv,); valid until the next call."""

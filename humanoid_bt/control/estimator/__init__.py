@@ -1,0 +1,1 @@
+"""Readings in, what control believes out: contact, base pose and velocity, failed sensors."""

@@ -1,0 +1,226 @@
+"""Readings in, at 1 kHz; an estimate of the robot out, at 200 Hz."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from humanoid_bt.control.body.planar import middle
+from humanoid_bt.control.dynamics import GRAVITY, RobotDynamics
+from humanoid_bt.control.estimator.foot_load import FootLoad
+from humanoid_bt.control.estimator.invariant_filter import FREE, FilterNoise, InvariantFilter
+from humanoid_bt.control.estimator.sensor_watch import SensorWatch
+from humanoid_bt.core.clock import SERVO_PERIOD
+from humanoid_bt.core.messages import SIDES, Array, Estimate, Reading
+from humanoid_bt.robot.model import BASE_COORDINATES, BASE_DOFS, RobotModel
+
+_STILL_AFTER = 0.3  # s on both feet after which soles no longer roll
+_STILL = 0.1  # of the slip of a sole that rolls
+_ROLLING = 5.0  # times the slip of a loaded sole: one that lands or lifts off
+_ROLLS_BELOW = 0.25  # share of the weight
+_LEVEL_SHARE = 1.0  # of what the legs say of the base's tilt that is believed in a period
+_RATE_SHARE = 0.2  # of what the legs say of the base's turning that is believed in a period
+_STEADY = 0.5  # s upright after which nothing throws the robot about any more
+_SURELY_UPRIGHT = 0.95  # cosine of the base's tilt, 18 degrees
+_LOST_AFTER = 0.3  # s without a foot on the ground after which the robot hangs or lies: IMU alone would drift away
+
+
+class Estimator:
+    """What control believes of the robot.
+
+    Args:
+        robot: the robot.
+        dynamics: is kept up to date with what is believed.
+
+    Attributes:
+        estimate: of the last update; its arrays are the same ones always.
+        load: what the feet carry.
+        watch: says which sensors failed.
+        heard: readings since the last update.
+    """
+
+    def __init__(self, robot: RobotModel, dynamics: RobotDynamics) -> None:
+        joints, sensors = len(robot.joint_names), robot.config.sensors
+        self._dynamics = dynamics
+        self._filter = InvariantFilter(
+            FilterNoise(
+                gyro_bias=sensors.gyro.bias,
+                accelerometer_bias=sensors.accelerometer.bias,
+                tilt=sensors.orientation.bias + sensors.orientation.noise,
+            )
+        )
+        self.load = FootLoad(robot, dynamics)
+        self._feels = sensors.foot_force is not None
+        self._rolls_below = _ROLLS_BELOW * robot.mass * GRAVITY
+        self.estimate = Estimate(
+            0.0, np.zeros(BASE_COORDINATES + joints), np.zeros(BASE_DOFS + joints), np.zeros(joints), self.load.force
+        )
+        self.watch = SensorWatch(robot)
+        self._velocity_before: Array = np.zeros(BASE_DOFS + joints)
+        self._imu: Array = np.zeros(6)
+        self._torque: Array = np.zeros(joints)
+        self.heard = self._since = self._doubted = 0
+        self._rate: Array = np.zeros(3)  # of the base, where the gyroscope does not say it
+        self._upright = _STEADY  # s
+        self._still = self._lost = 0.0
+        self._least_upright = math.cos(robot.config.fall.tilt)
+
+    def reset(self, reading: Reading, place: tuple[float, float, float]) -> None:
+        """Begin with a robot that stands at rest, both feet on the ground.
+
+        Args:
+            reading: what its sensors say.
+            place: where it stands: x, y [m] of the middle between its soles, and their heading [rad].
+        """
+        estimate, dynamics = self.estimate, self._dynamics
+        x, y, heading = place
+        estimate.qvel[:] = 0.0
+        estimate.qpos[:3] = 0.0
+        estimate.qpos[3:BASE_COORDINATES] = reading.orientation / np.linalg.norm(reading.orientation)
+        estimate.qpos[BASE_COORDINATES:] = reading.joint_position
+        estimate.joint_torque[:] = reading.joint_torque
+        dynamics.update(estimate)
+        turn = heading - middle(dynamics.soles["left"], dynamics.soles["right"]).item(2)
+        estimate.qpos[3:BASE_COORDINATES] = _turned(estimate.qpos[3:BASE_COORDINATES], turn)
+        dynamics.update(estimate)
+        estimate.qpos[:3] = (x, y, 0.0) - dynamics.sole_positions.mean(axis=0)
+        dynamics.update(estimate)
+        self.load.reset()
+        self._filter.reset(estimate.qpos[3:BASE_COORDINATES], estimate.qpos[:3])
+        self.watch.reset(reading)
+        self._clear()
+        self._velocity_before[:] = 0.0
+        self._rate[:] = 0.0
+        self._upright = _STEADY  # s
+        self._still = self._lost = 0.0
+        self._since = self._doubted = 0
+        self._correct()
+        self.estimate = replace(estimate, time=reading.time)
+
+    def take(self, reading: Reading) -> None:
+        """Hear what the sensors say, once a servo cycle."""
+        self._imu += reading.imu
+        self._torque += reading.joint_torque
+        self.heard += 1
+
+    def update(self, reading: Reading, setpoint: Array) -> Estimate:
+        """Return what is believed now, with everything that was heard since the last time.
+
+        Args:
+            reading: the last one that was heard.
+            setpoint: position, velocity and torque of the joints as the servo has them, which stand in for sensors
+                that failed, shape (3, nj).
+        """
+        estimate, dynamics, belief = self.estimate, self._dynamics, self._filter
+        time = self.heard * SERVO_PERIOD
+        imu = self._imu / self.heard
+        watch = self.watch
+        watch.look(reading, imu, self._upright >= _STEADY)
+        doubtful = bool(watch.failed) or not math.isfinite(imu @ imu)
+        if doubtful:
+            self._without_imu(imu, time)
+        belief.predict(imu[3:], imu[:3], time)
+        qpos, qvel = estimate.qpos, estimate.qvel
+        qpos[:3], qpos[3:BASE_COORDINATES] = belief.position, belief.quaternion
+        qpos[BASE_COORDINATES:] = reading.joint_position
+        self._velocity_before[:] = qvel
+        qvel[:3] = belief.velocity
+        np.subtract(imu[3:] if doubtful else reading.gyro, belief.gyro_bias, out=qvel[3:BASE_DOFS])
+        qvel[BASE_DOFS:] = reading.joint_velocity
+        estimate.joint_torque[:] = reading.joint_torque
+        if watch.any_bad:
+            bad = watch.bad_joints
+            qpos[BASE_COORDINATES:][bad], qvel[BASE_DOFS:][bad] = setpoint[0, bad], setpoint[1, bad]
+            estimate.joint_torque[bad] = setpoint[2, bad]
+            self._torque[bad] = setpoint[2, bad] * self.heard
+        dynamics.update(estimate)
+        if self._feels:
+            self.load.sensed(reading.foot_force)
+        else:
+            acceleration = (qvel - self._velocity_before) / time
+            self.load.explain(qvel, acceleration, self._torque / self.heard)
+        self._since += self.heard
+        self._clear()
+        self._note_contact(time)
+        if self._lost > _LOST_AFTER:
+            self._rest(reading)
+        elif self._doubted:  # by turns: each takes as long as everything else
+            self._correct()
+            self._doubted = 0
+        else:
+            belief.doubt(self._since * SERVO_PERIOD, self._slip())
+            self._doubted, self._since = 1, 0
+        self.estimate = replace(estimate, time=reading.time)
+        return self.estimate
+
+    @property
+    def covariance(self) -> Array:
+        """Of (turn, velocity, position) of the base, world frame, shape (9, 9) [rad, m/s, m]."""
+        return self._filter.covariance
+
+    def _correct(self) -> None:
+        dynamics = self._dynamics
+        headings = [dynamics.soles[side].item(2) for side in SIDES]
+        self._filter.correct(dynamics.sole_positions, headings, self.load.standing)
+
+    def _note_contact(self, time: float) -> None:
+        standing, (_, x, y, _) = self.load.standing, self.estimate.qpos[3:BASE_COORDINATES].tolist()
+        upright = 1 - 2 * (x * x + y * y)  # cosine of the base's tilt
+        if upright < self._least_upright:
+            standing[:] = False, False
+        self._upright = self._upright + time if upright > _SURELY_UPRIGHT else 0.0
+        self._still = self._still + time if all(standing) else 0.0
+        self._lost = 0.0 if any(standing) else self._lost + time
+
+    def _rest(self, reading: Reading) -> None:
+        """Take the tilt from the IMU's own filter and the height from the legs: no foot says more."""
+        quaternion, position = self._filter.quaternion, self._filter.position
+        height = position[2] - self._dynamics.sole_positions[:, 2].min()
+        if "orientation" in self.watch.failed:
+            return
+        said = reading.orientation / np.linalg.norm(reading.orientation)
+        self._filter.rest(_turned(said, _yaw(quaternion) - _yaw(said)), np.array([position[0], position[1], height]))
+        self._doubted = self._since = 0
+
+    def _without_imu(self, imu: Array, time: float) -> None:
+        """Put something else in the place of what the IMU does not say any more."""
+        failed, belief = self.watch.failed, self._filter
+        if "accelerometer" in failed or not math.isfinite(imu[:3].sum()):
+            imu[:3] = belief.still
+            belief.lose_accelerometer()
+        if "gyro" in failed or not math.isfinite(imu[3:].sum()):
+            if any(self.load.standing):  # a sole is flat on the ground
+                tilt = self._dynamics.sole_tilt(int(np.argmax(self.load.force)))
+                turn = belief.level(tilt * _LEVEL_SHARE)
+                self._rate += turn * (_RATE_SHARE / time)
+            imu[3:] = self._rate + belief.gyro_bias
+        else:
+            self._rate[:] = imu[3:] - belief.gyro_bias
+
+    def _slip(self) -> tuple[float, float]:
+        if self._still > _STILL_AFTER:
+            return _STILL, _STILL
+        left, right = (
+            (_ROLLING if force < self._rolls_below else 1.0) if stands else FREE
+            for force, stands in zip(self.load.force.tolist(), self.load.standing, strict=True)
+        )
+        return left, right
+
+    def _clear(self) -> None:
+        self._imu[:] = 0.0
+        self._torque[:] = 0.0
+        self.heard = 0
+
+
+def _turned(quaternion: Array, yaw: float) -> Array:
+    """Return a quaternion, shape (4,), turned about the vertical [rad]."""
+    w, x, y, z = quaternion.tolist()
+    cos, sin = math.cos(yaw / 2), math.sin(yaw / 2)
+    return np.array([cos * w - sin * z, cos * x - sin * y, cos * y + sin * x, cos * z + sin * w])
+
+
+def _yaw(quaternion: Array) -> float:
+    w, x, y, z = quaternion.tolist()
+    return math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))

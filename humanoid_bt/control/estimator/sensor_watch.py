@@ -1,0 +1,156 @@
+"""Sensors that fail: silent, frozen, or saying what cannot be."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from humanoid_bt.core.clock import WHOLE_BODY_PERIOD
+from humanoid_bt.core.messages import Array, Reading
+from humanoid_bt.robot.model import RobotModel
+
+_SILENT_AFTER, _FROZEN_AFTER = 3, 5  # looks: 15 and 25 ms; half of what is promised
+_JUMPS_AFTER = 2  # looks in which an IMU's sensor jumps: an impact does it once
+_GYRO_JUMP, _ACCELEROMETER_JUMP, _ORIENTATION_JUMP = 4.0, 25.0, 0.1  # from look to look; walking: 0.5, 4 and 0.01
+_DRIFT, _DRIFTS_AFTER = 0.03, 2  # rad that gyro and orientation disagree in two looks, and how often
+_COMPARED_EVERY = 2  # looks
+_FORGET = 0.5  # looks that another one in which nothing is seen takes off
+_SPEEDS, _SLACK = 2.0, 0.03  # times its limit that a joint may be fast, and rad beside that
+_IMU = ("gyro", "accelerometer", "orientation")
+
+
+class SensorWatch:
+    """Looks at every reading that the body is controlled with, at 200 Hz. What failed once is not believed again.
+
+    A frozen sensor is found by its noise: one that has none, by its configuration, may say the same for ever.
+
+    Args:
+        robot: the robot.
+
+    Attributes:
+        fault: what failed first, for people; "" while nothing has.
+        failed: which of the IMU's sensors failed.
+        bad_joints: whether each joint's sensors failed, or are doubted now, shape (nj,).
+        any_bad: whether those of any did.
+    """
+
+    def __init__(self, robot: RobotModel) -> None:
+        self._names = robot.joint_names
+        joints, sensors = len(robot.joint_names), robot.config.sensors
+        self._imu_flickers = {
+            "gyro": sensors.gyro.noise > sensors.gyro.resolution,
+            "accelerometer": sensors.accelerometer.noise > sensors.accelerometer.resolution,
+            "orientation": sensors.orientation.noise > 0,
+        }
+        self._joints_flicker = sensors.encoders.torque_noise > 0 and sensors.encoders.speed_noise > 0
+        self._before, self._moved, self._most = Reading(joints), Reading(joints), Reading(joints)
+        self._most.values[:] = np.inf  # that a number may change from look to look
+        self._most.gyro[:], self._most.accelerometer[:] = _GYRO_JUMP, _ACCELEROMETER_JUMP
+        self._most.orientation[:] = _ORIENTATION_JUMP / 2  # of a quaternion's numbers
+        self._most.joint_position[:] = _SPEEDS * robot.speed_limit * WHOLE_BODY_PERIOD + _SLACK
+        self._noisy = self._moved.values[6 + joints :]  # IMU, speeds, torques: they hardly ever say the same twice
+        self._counts: dict[tuple[str, str], float] = {}  # looks in which something was seen of a sensor
+        self._silent, self._frozen = np.zeros(joints, dtype=int), np.zeros(joints, dtype=int)
+        self._dead = np.zeros(joints, dtype=bool)
+        self._suspicious = False
+        self._turned: Array = np.zeros(3)  # by what the gyro says, since the orientation was compared with it
+        self._turned_looks = 0
+        self._compared = self._before.orientation.tolist()
+        self.bad_joints = np.zeros(joints, dtype=bool)
+        self.any_bad = False
+        self.failed: set[str] = set()
+        self.fault = ""
+
+    def reset(self, reading: Reading) -> None:
+        """Begin with sensors that work."""
+        self._before.values[:] = reading.values
+        self._counts.clear()
+        for joints in (self._silent, self._frozen, self._dead, self.bad_joints):
+            joints[:] = 0
+        self._suspicious = self.any_bad = False
+        self._compare_from(reading)
+        self.failed.clear()
+        self.fault = ""
+
+    def look(self, reading: Reading, imu: Array, upright: bool) -> None:
+        """Judge a reading, of those that are 5 ms apart.
+
+        Args:
+            reading: the last one.
+            imu: specific force and rate, on average since the one before, shape (6,).
+            upright: whether the robot stands or walks; one that falls is thrown about, and so are its sensors.
+        """
+        values, moved = reading.values, self._moved.values
+        np.abs(np.subtract(values, self._before.values, out=moved), out=moved)
+        calm = math.isfinite(values @ values) and not (moved > self._most.values).any()
+        if self._suspicious or not calm or not self._noisy.all() or not self._moved.orientation.all():
+            self._look_closer(reading, upright)
+        self._before.values[:] = values
+        self._compare(reading, imu, upright)
+
+    def _look_closer(self, reading: Reading, upright: bool) -> None:
+        for name in _IMU:
+            moved, most = getattr(self._moved, name), getattr(self._most, name)
+            silent = not math.isfinite(getattr(reading, name).sum())
+            self._count(name, "is silent", silent, _SILENT_AFTER)
+            self._count(name, "is frozen", self._imu_flickers[name] and not moved.any(), _FROZEN_AFTER)
+            self._count(name, "jumps", upright and bool((moved > most).any()), _JUMPS_AFTER)
+        self._look_at_joints(reading, upright)
+        self._suspicious = bool(self._counts) or bool(self._silent.any() or self._frozen.any() or self.any_bad)
+
+    def _compare(self, reading: Reading, imu: Array, upright: bool) -> None:
+        """Compare now and then how the orientation has turned with what the gyro says."""
+        self._turned += imu[3:] * WHOLE_BODY_PERIOD
+        self._turned_looks += 1
+        if self._turned_looks < _COMPARED_EVERY:
+            return
+        if upright and not self.failed:
+            turned = _turn(self._compared, reading.orientation.tolist())
+            off = max(abs(one - other) for one, other in zip(turned, self._turned.tolist(), strict=True))
+            self._count("gyro", "says something else than the orientation", off > _DRIFT, _DRIFTS_AFTER)
+        self._compare_from(reading)
+
+    def _compare_from(self, reading: Reading) -> None:
+        self._turned[:] = 0.0
+        self._turned_looks = 0
+        self._compared = reading.orientation.tolist()
+
+    def _count(self, name: str, how: str, seen: bool, most: float) -> None:
+        """Count the looks in which something was seen, half as many others off; take it for a failure if it is much."""
+        key = name, how
+        if not seen:
+            if key in self._counts and (count := self._counts.pop(key)) > _FORGET:
+                self._counts[key] = count - _FORGET
+            return
+        self._counts[key] = count = self._counts.get(key, 0.0) + 1.0
+        if count >= most and name not in self.failed:
+            self.failed.add(name)
+            self.fault = self.fault or f"the {name} {how}"
+
+    def _look_at_joints(self, reading: Reading, upright: bool) -> None:
+        moved = self._moved
+        silent = ~np.isfinite(reading.joint_position + reading.joint_velocity + reading.joint_torque)
+        same = (moved.joint_position == 0) & (moved.joint_velocity == 0) & (moved.joint_torque == 0)
+        jumped = (moved.joint_position > self._most.joint_position) & ~silent & upright
+        self._silent[:] = (self._silent + 1) * silent
+        self._frozen[:] = (self._frozen + 1) * (same & self._joints_flicker)
+        for joints, how in (
+            (self._silent >= _SILENT_AFTER, "are silent"),
+            (self._frozen >= _FROZEN_AFTER, "are frozen"),
+            (jumped, "jumped"),
+        ):
+            for joint in np.flatnonzero(joints & ~self._dead):
+                self.fault = self.fault or f"the sensors of {self._names[joint]} {how}"
+            self._dead |= joints
+        np.logical_or(self._dead, silent, out=self.bad_joints)
+        self.any_bad = bool(self.bad_joints.any())
+
+
+def _turn(before: list[float], after: list[float]) -> list[float]:
+    """Return the rotation vector from one quaternion to another, in the body's frame, for small turns [rad]."""
+    w, x, y, z = before
+    a, b, c, d = after
+    sign = 2.0 if w * a + x * b + y * c + z * d >= 0 else -2.0
+    turn = (w * b - x * a - y * d + z * c, w * c + x * d - y * a - z * b, w * d - x * c + y * b - z * a)
+    return [sign * part for part in turn]

@@ -1,0 +1,177 @@
+"""The simulated sensors of a robot: what is true, with noise, bias, resolution and delay."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import mujoco
+import numpy as np
+
+from humanoid_bt.core.clock import SERVO_PERIOD, cycles
+from humanoid_bt.core.messages import Array, Reading
+from humanoid_bt.robot.sensor_config import SensorsConfig
+
+_BLOCK = 25  # servo cycles for which noise is drawn at once
+_FINEST = 1e-12  # stands for the resolution of a sensor that is said to have none
+
+
+FAILURES = ("frozen", "silent", "jumping")
+"""How a sensor can fail: it says the same for ever, nothing (NaN), or anything."""
+
+_JUMPS = {"gyro": 10.0, "accelerometer": 100.0, "orientation": 0.5, "joint": 0.5}  # as far as they jump
+
+
+class Sensors:
+    """What the sensors say, a while after it was so.
+
+    Args:
+        config: what they are like.
+        data: MuJoCo's, of the robot in its scene; the robot's coordinates come first.
+        joints: how many the robot has.
+        gravity: upward [m/s^2].
+
+    Attributes:
+        encoder_bias: what each joint's zero is off, shape (nj,) [rad]; the drive's control sees it, too.
+    """
+
+    def __init__(self, config: SensorsConfig, data: mujoco.MjData, joints: int, gravity: float) -> None:
+        self._config, self._joints, self._gravity = config, joints, gravity
+        self._velocity_now, self._quaternion = data.qvel[:3], data.qpos[3:7]
+        self._pose, self._rates, self._torques = (
+            data.qpos[3 : 7 + joints],
+            data.qvel[3 : 6 + joints],
+            data.actuator_force,
+        )
+        self._true = Reading(joints)
+        self._true_pose, self._true_rates = self._true.values[2 : 6 + joints], self._true.values[9 + joints : -joints]
+        self._joint_positions = slice(6, 6 + joints)
+        self._places = {"orientation": slice(2, 6), "accelerometer": slice(6 + joints, 9 + joints)}
+        self._places["gyro"] = slice(9 + joints, 12 + joints)
+        self._feels = config.foot_force is not None
+        self._noise, self._bias, resolution = self._described()
+        self._finest = np.maximum(resolution, _FINEST)
+        self._delay = cycles(config.delay)
+        self._rows = np.zeros((self._delay + 1, len(self._true.values)))
+        self._velocity: Array = np.zeros(3)
+        self._force: Array = np.zeros(3)
+        self._back: Array = np.zeros(4)
+        self._numbers = np.random.default_rng(0)
+        self._offset: Array = np.zeros(len(self._true.values))
+        self._errors: Array = np.zeros((_BLOCK, len(self._offset)))
+        self._drift = 0.0
+        self._tilt = 0.0, 0.0
+        self._turned: Array = np.eye(4)
+        self.encoder_bias: Array = np.zeros(joints)
+        self._count = 0
+        self._failures: dict[str, tuple[slice | list[int], str]] = {}
+        self._last: Array = self._rows[0].copy()
+
+    def _described(self) -> tuple[Array, Array, Array]:
+        """Return the standard deviations of noise and bias and the resolution of every number."""
+        config = self._config
+        noise, bias, resolution = Reading(self._joints), Reading(self._joints), Reading(self._joints)
+        for name, sensor in (("gyro", config.gyro), ("accelerometer", config.accelerometer)):
+            getattr(noise, name)[:] = sensor.noise
+            getattr(bias, name)[:] = sensor.bias
+            getattr(resolution, name)[:] = sensor.resolution
+        noise.orientation[:] = config.orientation.noise / 2  # of a quaternion's numbers
+        if config.foot_force is not None:
+            noise.foot_force[:], bias.foot_force[:] = config.foot_force.noise, config.foot_force.bias
+            resolution.foot_force[:] = config.foot_force.resolution
+        encoders = config.encoders
+        noise.joint_position[:], bias.joint_position[:] = encoders.noise, encoders.bias
+        resolution.joint_position[:] = encoders.resolution
+        noise.joint_velocity[:] = encoders.speed_noise
+        noise.joint_torque[:], bias.joint_torque[:] = encoders.torque_noise, encoders.torque_bias
+        return noise.values, bias.values, resolution.values
+
+    def reset(self, numbers: np.random.Generator, foot_force: tuple[float, float]) -> None:
+        """Begin a run with a robot at rest: what is off is drawn anew."""
+        self._numbers = numbers
+        self._offset = numbers.standard_normal(len(self._offset)) * self._bias
+        self.encoder_bias = self._offset[self._joint_positions]
+        tilt = self._config.orientation.bias
+        roll, pitch = (tilt * numbers.standard_normal(2)).tolist()
+        self._tilt = roll, pitch
+        self._drift = float(numbers.standard_normal()) * self._config.orientation.drift
+        self._count = 0
+        self._failures.clear()
+        self._velocity[:] = self._velocity_now
+        for _ in self._rows:
+            self.sense(foot_force)
+
+    def sense(self, foot_force: tuple[float, float]) -> None:
+        """Measure what is true now; call it once a servo cycle.
+
+        Args:
+            foot_force: normal force on the (left, right) foot [N].
+        """
+        true, count = self._true, self._count
+        place = count % _BLOCK
+        if place == 0:
+            self._errors = self._numbers.standard_normal(self._errors.shape) * self._noise + self._offset
+            self._turned = _slightly(*self._tilt, self._drift * count * SERVO_PERIOD)
+        np.subtract(self._velocity_now, self._velocity, out=self._force)
+        self._velocity[:] = self._velocity_now
+        self._force /= SERVO_PERIOD
+        self._force[2] += self._gravity
+        self._true_pose[:], self._true_rates[:] = self._pose, self._rates
+        true.joint_torque[:] = self._torques
+        mujoco.mju_negQuat(self._back, self._quaternion)
+        mujoco.mju_rotVecQuat(true.accelerometer, self._force, self._back)
+        np.matmul(self._turned, self._quaternion, out=true.orientation)
+        if self._feels:
+            true.foot_force[0], true.foot_force[1] = foot_force
+        row = self._rows[count % len(self._rows)]
+        np.add(true.values, self._errors[place], out=row)
+        row /= self._finest
+        np.rint(row, out=row)
+        row *= self._finest
+        self._count += 1
+        if self._failures:
+            self._spoil(row)
+
+    def fail(self, sensor: str, how: str, joints: Sequence[str]) -> None:
+        """Let a sensor fail until :meth:`reset`.
+
+        Args:
+            sensor: "gyro", "accelerometer", "orientation", "imu" for all three, or a joint.
+            how: one of :data:`FAILURES`.
+            joints: the robot's.
+
+        Raises:
+            ValueError: there is no such sensor, or it cannot fail so.
+        """
+        self._last = self._rows[(self._count - 1) % len(self._rows)].copy()
+        if how not in FAILURES:
+            raise ValueError(f"a sensor cannot fail {how!r}; valid: {', '.join(FAILURES)}")
+        if sensor in joints:
+            first, count = joints.index(sensor), len(joints)
+            self._failures[sensor] = [6 + first, 12 + count + first, 12 + 2 * count + first], how
+        elif sensor == "imu":
+            self._failures |= {name: (place, how) for name, place in self._places.items()}
+        elif sensor in self._places:
+            self._failures[sensor] = self._places[sensor], how
+        else:
+            raise ValueError(f"there is no sensor {sensor!r}; valid: imu, {', '.join((*self._places, *joints))}")
+
+    def _spoil(self, row: Array) -> None:
+        for name, (place, how) in self._failures.items():
+            if how == "frozen":
+                row[place] = self._last[place]
+            elif how == "silent":
+                row[place] = np.nan
+            else:
+                far = _JUMPS.get(name, _JUMPS["joint"])
+                row[place] += self._numbers.uniform(-far, far, len(row[place]))
+        self._last = row.copy()
+
+    def read(self, into: Reading) -> None:
+        """Copy what they say now, which was so a while ago."""
+        np.copyto(into.values, self._rows[self._count % len(self._rows)])
+
+
+def _slightly(x: float, y: float, z: float) -> Array:
+    """Return the matrix, shape (4, 4), that turns a quaternion by small angles about the axes of the world [rad]."""
+    turn = np.array([[0.0, -x, -y, -z], [x, 0.0, -z, y], [y, z, 0.0, -x], [z, -y, x, 0.0]])
+    return np.eye(4) + turn / 2

@@ -1,0 +1,120 @@
+"""The estimator in the loop: a robot that walks on what its sensors say."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from humanoid_bt.control.controller import Controller
+from humanoid_bt.control.dynamics import GRAVITY
+from humanoid_bt.core.messages import BaseTarget, JointCommand, Mode, Reading
+from humanoid_bt.robot.config import load_robot_config
+from humanoid_bt.robot.model import RobotModel
+from humanoid_bt.robot.sensor_config import FootForceConfig
+from tests.control.conftest import ROBOT
+from tests.control.control_rig import ControlRig
+
+WALK = {"base": BaseTarget(np.array([1.0, 0.3]), 0.5)}
+
+
+class Log:
+    """How far the estimate was from the truth, every tick."""
+
+    def __init__(self, rig: ControlRig) -> None:
+        self.rig = rig
+        self.position, self.velocity, self.force = [], [], []
+
+    def __call__(self, _: object) -> bool:
+        plant, estimate = self.rig.plant, self.rig.controller.estimator.estimate
+        self.position.append(estimate.qpos[:3] - plant.data.qpos[:3])
+        self.velocity.append(estimate.qvel[:3] - plant.data.qvel[:3])
+        self.force.append(estimate.foot_force - plant.foot_force)
+        return False
+
+
+@pytest.mark.parametrize("feet", [None, FootForceConfig()], ids=["by torques", "by sensors in the feet"])
+def test_a_robot_walks_on_what_its_sensors_say(robot: RobotModel, standing: np.ndarray, feet: object) -> None:
+    if feet is not None:
+        config = load_robot_config(ROBOT)
+        robot = RobotModel(replace(config, sensors=replace(config.sensors, foot_force=feet)))
+    rig = ControlRig(robot, standing)
+    log = Log(rig)
+    rig.run(4.0, WALK, until=log)
+    assert rig.state.mode is Mode.RUN
+    position, velocity, force = np.array(log.position), np.array(log.velocity), np.array(log.force)
+    assert 0 < np.abs(position).max() < 0.02
+    assert np.sqrt((velocity**2).mean(axis=0)).max() < 0.03
+    assert np.percentile(np.abs(force), 90) < 0.15 * robot.mass * GRAVITY
+    way = math.hypot(*rig.plant.data.qpos[:2])
+    assert way > 0.6
+
+
+def test_feet_carry_the_weight_of_a_standing_robot(rig: ControlRig, robot: RobotModel) -> None:
+    rig.run(0.5, {})
+    forces = []
+    rig.run(0.5, {}, until=lambda state: bool(forces.append(sum(state.foot_force.values()))))
+    assert np.mean(forces) == pytest.approx(robot.mass * GRAVITY, rel=0.05)
+
+
+def test_it_is_where_it_was_told(robot: RobotModel, standing: np.ndarray) -> None:
+    rig = ControlRig(robot, standing)
+    rig.controller.reset((3.0, -2.0, 1.2))
+    np.testing.assert_allclose(rig.state.stance, [3.0, -2.0, 1.2], atol=1e-6)
+    rig.run(1.0, {})
+    np.testing.assert_allclose(rig.state.stance, [3.0, -2.0, 1.2], atol=5e-3)
+
+
+def test_a_robot_that_lies_does_not_drift_away(rig: ControlRig) -> None:
+    rig.run(0.1, {})
+    rig.plant.push("torso", np.array([600.0, 0, 0]), 0.2)
+    assert rig.run(3.0, {}, until=lambda state: state.mode is Mode.DAMP)
+    rig.run(2.0)
+    lying = rig.state.base_position
+    rig.run(5.0)
+    assert np.abs(rig.state.base_position - lying)[:2].max() < 0.02
+    assert rig.state.base_position[2] < 0.4
+
+
+class Played:
+    """A plant that is none: the same readings as before, whatever is commanded."""
+
+    def __init__(self, readings: list[np.ndarray]) -> None:
+        self._readings, self._next, self.commands = readings, 0, []
+
+    def measure(self, into: Reading | None = None) -> Reading:
+        values = self._readings[self._next]
+        self._next += 1
+        reading = into or Reading((len(values) - 12) // 3)
+        reading.values[:], reading.time = values, (self._next - 1) * 1e-3
+        return reading
+
+    def step(self, command: JointCommand) -> None:
+        self.commands.append(np.concatenate([command.position, command.velocity, command.torque]))
+
+
+def test_control_knows_nothing_but_readings(robot: RobotModel, standing: np.ndarray) -> None:
+    """Given the same readings again, without any simulation behind them, it commands the same, bit for bit."""
+    rig, heard, commanded = ControlRig(robot, standing), [], []
+    measure, step = rig.plant.measure, rig.plant.step
+
+    def overheard(into: Reading | None = None) -> Reading:
+        reading = measure(into)
+        heard.append(reading.values.copy())
+        return reading
+
+    def noted(command: JointCommand) -> None:
+        commanded.append(np.concatenate([command.position, command.velocity, command.torque]))
+        step(command)
+
+    rig.plant.measure, rig.plant.step = overheard, noted
+    rig.reset()
+    rig.run(1.5, WALK)
+    played = Played(heard)
+    again = object.__new__(ControlRig)
+    again.robot, again.standing, again.plant, again.sequence = robot, standing, played, 0
+    again.controller = Controller(robot, played)
+    again.run(1.5, WALK)
+    np.testing.assert_array_equal(played.commands, commanded)

@@ -1,0 +1,57 @@
+"""Sensors that fail are noticed within 50 ms, and the robot stops and stands."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from humanoid_bt.core.messages import BaseTarget, Mode
+from humanoid_bt.robot.model import RobotModel
+from tests.control.control_rig import ControlRig
+
+WALK = {"base": BaseTarget(np.array([2.0, 0.3]), 0.0)}
+FAILURES = {
+    ("gyro", "frozen"): "the gyro is frozen",
+    ("gyro", "silent"): "the gyro is silent",
+    ("gyro", "jumping"): "the gyro jumps",
+    ("accelerometer", "frozen"): "the accelerometer is frozen",
+    ("accelerometer", "silent"): "the accelerometer is silent",
+    ("accelerometer", "jumping"): "the accelerometer jumps",
+    ("orientation", "frozen"): "the orientation is frozen",
+    ("orientation", "silent"): "the orientation is silent",
+    ("orientation", "jumping"): "the orientation jumps",
+    ("left_knee", "frozen"): "the sensors of left_knee are frozen",
+    ("right_hip_roll", "silent"): "the sensors of right_hip_roll are silent",
+    ("left_elbow", "jumping"): "the sensors of left_elbow jumped",
+}
+
+
+@pytest.mark.parametrize(("sensor", "how"), FAILURES)
+def test_a_sensor_that_fails_is_noticed(rig: ControlRig, sensor: str, how: str) -> None:
+    rig.run(0.3, {})
+    rig.plant.fail_sensor(sensor, how)
+    rig.run(0.06, {})
+    (stop,) = rig.controller.supervisor.stops
+    assert stop.reason == f"a sensor failed: {FAILURES[sensor, how]}"
+    assert stop.mode is Mode.PROTECTIVE_STOP
+    assert 0.3 < stop.time <= 0.35
+
+
+@pytest.mark.parametrize(("sensor", "how"), [("gyro", "silent"), ("accelerometer", "frozen"), ("left_knee", "jumping")])
+def test_a_robot_that_walks_stops_and_stands_without_a_sensor(rig: ControlRig, sensor: str, how: str) -> None:
+    rig.run(2.0, WALK)
+    rig.plant.fail_sensor(sensor, how)
+    rig.run(1.0, WALK)
+    assert rig.state.mode is Mode.PROTECTIVE_STOP
+    assert rig.stands()
+    assert rig.plant.data.qpos[2] == pytest.approx(rig.standing[2], rel=0.05)
+    rig.run(0.5, WALK)
+    assert rig.state.mode is Mode.PROTECTIVE_STOP  # until the run ends
+
+
+def test_sensors_that_work_are_believed(rig: ControlRig, robot: RobotModel) -> None:
+    rig.run(0.5, {})
+    rig.plant.push(robot.config.torso, np.array([60.0, 80.0, 0.0]), 0.1)
+    rig.run(2.5, WALK)
+    assert rig.controller.estimator.watch.fault == ""
+    assert rig.state.mode is Mode.RUN

@@ -1,0 +1,175 @@
+"""The simulated sensors: what is true, with noise, bias, resolution and delay; and how they fail."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from humanoid_bt.control.body.standing import standing_posture
+from humanoid_bt.core.geometry import rotation_matrix
+from humanoid_bt.core.messages import Array, JointCommand, Reading
+from humanoid_bt.plant.mujoco_plant import MujocoPlant
+from humanoid_bt.plant.scene import Scene
+from humanoid_bt.plant.scene_config import SceneConfig
+from humanoid_bt.robot.config import RobotConfig, load_robot_config
+from humanoid_bt.robot.model import BASE_COORDINATES, RobotModel
+from humanoid_bt.robot.sensor_config import EncoderConfig, FootForceConfig, GyroConfig, SensorsConfig
+from tests.sensors import EXACT
+
+SIM = Path(__file__).resolve().parents[2] / "sim"
+
+
+@pytest.fixture(scope="module")
+def config() -> RobotConfig:
+    return load_robot_config(SIM / "humanoid" / "robot.yaml")
+
+
+@pytest.fixture(scope="module")
+def standing(config: RobotConfig) -> Array:
+    return standing_posture(RobotModel(config))
+
+
+def plant_with(config: RobotConfig, standing: Array, sensors: SensorsConfig, seed: int = 0) -> MujocoPlant:
+    plant = MujocoPlant(RobotModel(replace(config, sensors=sensors)), Scene(SceneConfig(format=1, name="empty"), seed))
+    plant.place(standing)
+    return plant
+
+
+def hold(plant: MujocoPlant, joints: Array) -> JointCommand:
+    zeros = np.zeros_like(joints)
+    return JointCommand(joints, zeros, plant.robot.stiffness, plant.robot.damping, zeros)
+
+
+def readings(plant: MujocoPlant, standing: Array, cycles: int) -> list[Reading]:
+    command = hold(plant, standing[BASE_COORDINATES:])
+    found = []
+    for _ in range(cycles):
+        plant.step(command)
+        found.append(plant.measure())
+    return found
+
+
+def test_exact_sensors_say_what_is(config: RobotConfig, standing: Array) -> None:
+    plant = plant_with(config, standing, EXACT)
+    plant.push("torso", np.array([80.0, 30.0, 0.0]), 0.05)
+    readings(plant, standing, 1)
+    before = plant.data.qvel[:3].copy()
+    (reading,) = readings(plant, standing, 1)
+    data, joints = plant.data, len(plant.robot.joint_names)
+    near = {"rtol": 0, "atol": 1e-9}
+    np.testing.assert_allclose(reading.joint_position, data.qpos[7 : 7 + joints], **near)
+    np.testing.assert_allclose(reading.joint_velocity, data.qvel[6 : 6 + joints], **near)
+    np.testing.assert_allclose(reading.joint_torque, data.actuator_force, **near)
+    np.testing.assert_allclose(reading.orientation, data.qpos[3:7], **near)
+    np.testing.assert_allclose(reading.gyro, data.qvel[3:6], **near)
+    np.testing.assert_allclose(reading.foot_force, plant.foot_force, **near)
+    felt = rotation_matrix(data.qpos[3:7]).T @ ((data.qvel[:3] - before) / 1e-3 + [0, 0, 9.81])
+    np.testing.assert_allclose(reading.accelerometer, felt, atol=1e-6)
+
+
+def test_a_robot_without_sensors_in_its_feet_says_nothing_of_them(config: RobotConfig, standing: Array) -> None:
+    (reading,) = readings(plant_with(config, standing, SensorsConfig()), standing, 1)
+    assert reading.foot_force.tolist() == [0, 0]
+
+
+@pytest.mark.parametrize("delay", [0.0, 0.002, 0.005])
+def test_what_is_read_was_so_a_while_ago(config: RobotConfig, standing: Array, delay: float) -> None:
+    plant = plant_with(config, standing, replace(EXACT, delay=delay))
+    truth, read = [], []
+    for _ in range(20):
+        read += [reading.joint_velocity.copy() for reading in readings(plant, standing, 1)]
+        truth.append(plant.data.qvel[6:].copy())
+    late = round(delay / 1e-3)
+    np.testing.assert_allclose(read[late:], truth[: len(truth) - late], atol=1e-9)
+
+
+def test_noise_bias_and_resolution_are_those_of_the_file(config: RobotConfig, standing: Array) -> None:
+    sensors = replace(
+        EXACT,
+        gyro=GyroConfig(noise=0.02, bias=0.5, resolution=0.01),
+        encoders=EncoderConfig(noise=0, bias=0, resolution=0.125, speed_noise=0.3, torque_noise=2.0),
+        foot_force=FootForceConfig(noise=0, bias=0, resolution=10.0),
+    )
+    plant = plant_with(config, standing, sensors, seed=3)
+    said, true = [], []
+    for _ in range(400):
+        (reading,) = readings(plant, standing, 1)
+        said.append(reading)
+        true.append((plant.data.qvel[3:6].copy(), plant.data.qvel[6:].copy(), plant.data.actuator_force.copy()))
+    rate, speed, torque = (np.array([row[i] for row in true]) for i in range(3))
+    gyro = np.array([reading.gyro for reading in said])
+    off = (gyro - rate).mean(axis=0)
+    assert 0.02 < np.abs(off).max() < 1.5
+    assert (gyro - rate - off).std() == pytest.approx(0.02, rel=0.15)
+    np.testing.assert_allclose(gyro * 100, np.rint(gyro * 100), atol=1e-6)
+    assert (np.array([reading.joint_velocity for reading in said]) - speed).std() == pytest.approx(0.3, rel=0.05)
+    assert (np.array([reading.joint_torque for reading in said]) - torque).std() == pytest.approx(2.0, rel=0.05)
+    position, force = said[-1].joint_position, said[-1].foot_force
+    np.testing.assert_array_equal(position % 0.125, np.zeros_like(position))
+    assert not (force % 10).any()
+
+
+def test_a_drive_believes_its_encoder(config: RobotConfig, standing: Array) -> None:
+    sensors = replace(EXACT, encoders=replace(EXACT.encoders, bias=0.01))
+    plant = plant_with(config, standing, sensors)
+    wanted = plant.measure().joint_position.copy()  # what the encoders say of where it stands
+    off = wanted - standing[BASE_COORDINATES:]
+    assert np.abs(off).max() > 0.005
+    plant.step(hold(plant, wanted))
+    assert np.abs(plant.data.actuator_force).max() < 1.0
+    plant.step(hold(plant, standing[BASE_COORDINATES:]))
+    assert np.abs(plant.data.actuator_force).max() > 1.0
+
+
+def test_a_seed_makes_the_noise(config: RobotConfig, standing: Array) -> None:
+    def values(plant: MujocoPlant) -> bytes:
+        plant.place(standing)
+        return b"".join(reading.values.tobytes() for reading in readings(plant, standing, 40))
+
+    one = plant_with(config, standing, SensorsConfig(), seed=1)
+    first = values(one)
+    assert values(one) == first
+    assert values(plant_with(config, standing, SensorsConfig(), seed=1)) == first
+    assert values(plant_with(config, standing, SensorsConfig(), seed=2)) != first
+
+
+def test_a_heading_drifts_and_a_tilt_is_off(config: RobotConfig, standing: Array) -> None:
+    orientation = replace(EXACT.orientation, bias=0.02, drift=0.05)
+    plant = plant_with(config, standing, replace(EXACT, orientation=orientation))
+    said = [reading.orientation.copy() for reading in readings(plant, standing, 400)]
+    turned = 2 * (said[-1][3] - said[0][3])  # about the vertical, for small angles
+    assert 0.002 < abs(turned) < 0.1
+    assert 0.002 < 2 * np.abs(said[0][1:3] - plant.data.qpos[4:6]).max() < 0.1
+
+
+@pytest.mark.parametrize("sensor", ["gyro", "accelerometer", "orientation", "left_knee"])
+def test_sensors_fail_as_they_are_told(config: RobotConfig, standing: Array, sensor: str) -> None:
+    def of(reading: Reading) -> list[float]:
+        if sensor != "left_knee":
+            return list(getattr(reading, sensor))
+        joint = plant.robot.joint(sensor)
+        return [reading.joint_position[joint], reading.joint_velocity[joint], reading.joint_torque[joint]]
+
+    plant = plant_with(config, standing, SensorsConfig())
+    for how in ("frozen", "silent", "jumping"):
+        plant.place(standing)
+        usual = [of(reading) for reading in readings(plant, standing, 10)]
+        plant.fail_sensor(sensor, how)
+        said = np.array([of(reading) for reading in readings(plant, standing, 20)])[2:]  # it comes with the delay
+        if how == "frozen":
+            assert (said == said[0]).all()
+        elif how == "silent":
+            assert np.isnan(said).all()
+        else:
+            assert np.abs(np.diff(said[:, 0])).max() > 10 * np.abs(np.diff(np.array(usual)[:, 0])).max()
+
+
+def test_there_is_no_such_failure(config: RobotConfig, standing: Array) -> None:
+    plant = plant_with(config, standing, SensorsConfig())
+    with pytest.raises(ValueError, match="cannot fail 'slow'; valid: frozen, silent, jumping"):
+        plant.fail_sensor("gyro", "slow")
+    with pytest.raises(ValueError, match="no sensor 'giro'; valid: imu, "):
+        plant.fail_sensor("giro", "silent")
