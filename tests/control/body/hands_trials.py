@@ -17,7 +17,7 @@ import numpy as np
 from humanoid_bt.control.body.planar import ahead
 from humanoid_bt.control.body.standing import load_robot
 from humanoid_bt.core.clock import DECISION_PERIOD
-from humanoid_bt.core.messages import SIDES, Array, HandTarget, Mode, Side
+from humanoid_bt.core.messages import SIDES, Array, Gait, HandTarget, Mode, Side
 from tests.control.body.own_links import OwnLinks, Pair
 from tests.control.control_rig import ControlRig
 
@@ -85,23 +85,25 @@ class Seen:
 
     Attributes:
         motions: how many.
-        touched: links that touched each other -> in how many motions.
+        touched: links that touched each other -> in which motions.
         touching: motions in which any did.
         nearest: links -> least distance [m].
         missed: kind -> how far the palms were from their places in the end [m].
         torque: largest share of its limit that a joint's torque had, by joint.
         strained: joint -> ticks in which its drive gave all it has.
+        stepped: in which motions the robot stepped to keep its balance.
         falls, stops: how many.
         ticks: how long it all took.
     """
 
     motions: int = 0
-    touched: Counter[Pair] = field(default_factory=Counter)
+    touched: dict[Pair, list[int]] = field(default_factory=dict)
     touching: int = 0
     nearest: dict[Pair, float] = field(default_factory=dict)
     missed: dict[str, list[float]] = field(default_factory=dict)
     torque: dict[str, float] = field(default_factory=dict)
     strained: Counter[str] = field(default_factory=Counter)
+    stepped: list[int] = field(default_factory=list)
     falls: int = 0
     stops: int = 0
     ticks: int = 0
@@ -119,20 +121,24 @@ class Trials:
         self._rig, self._seconds = rig, seconds
         self._links = OwnLinks(rig.plant)
 
-    def run(self, motion: Motion, seen: Seen) -> None:
-        """Let the robot make a motion, from where the last one has left it."""
+    def run(self, number: int, motion: Motion, seen: Seen) -> None:
+        """Let the robot make a motion, the given one of all, from where the last one has left it."""
         rig = self._rig
         stance = rig.state.stance
         places = {side: np.array([*ahead(stance, *place[:2])[:2], place[2]]) for side, place in motion.places.items()}
         targets = {f"{side}_hand": HandTarget(place) for side, place in places.items()}
         touched: set[Pair] = set()
+        stepped = False
         for _ in range(round(self._seconds / DECISION_PERIOD)):
             rig.run(DECISION_PERIOD, targets, cycle=lambda: touched.update(self._links.touching()))
             self._look(seen)
+            stepped |= rig.controller.whole_body.walker.gait is not Gait.STAND
             if rig.controller.supervisor.mode is not Mode.RUN:
                 break
         seen.motions += 1
-        seen.touched.update(touched)
+        for pair in touched:
+            seen.touched.setdefault(pair, []).append(number)
+        seen.stepped += [number] * stepped
         seen.touching += bool(touched)
         seen.stops += rig.controller.supervisor.mode is not Mode.RUN
         if rig.controller.supervisor.mode is Mode.DAMP:
@@ -156,16 +162,22 @@ class Trials:
 def report(seen: Seen, write: Callable[[str], object]) -> None:
     """Say what was seen."""
     write(f"{seen.motions} motions, {seen.ticks * DECISION_PERIOD:.0f} s: own links touched in {seen.touching}\n")
-    write(f"falls {seen.falls}, stops {seen.stops}\n")
-    for pair, count in seen.touched.most_common(12):
-        write(f"  touched in {count:4d}: {' and '.join(pair)}\n")
+    write(f"falls {seen.falls}, stops {seen.stops}, stepped in {_numbers(seen.stepped)}\n")
+    for pair, motions in sorted(seen.touched.items(), key=lambda item: -len(item[1]))[:12]:
+        write(f"  touched in {len(motions):4d}: {' and '.join(pair)}, {_numbers(motions)}\n")
     for pair, distance in sorted(seen.nearest.items(), key=lambda item: item[1])[:12]:
         write(f"  nearest {distance * 100:6.2f} cm: {' and '.join(pair)}\n")
     for kind, missed in seen.missed.items():
         within = np.mean(np.array(missed) < 0.02) * 100
         write(f"  {kind}: within 2 cm {within:.0f} %, median {np.median(missed) * 100:.1f} cm\n")
     for name, ticks in seen.strained.most_common(6):
-        write(f"  {name}: all its torque in {ticks} ticks\n")
+        if ticks:
+            write(f"  {name}: all its torque in {ticks} ticks\n")
+
+
+def _numbers(motions: list[int]) -> str:
+    shown = ", ".join(map(str, motions[:5]))
+    return f"motions {shown}{', ...' if len(motions) > 5 else ''}" if motions else "none"
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -179,7 +191,7 @@ def main(arguments: list[str] | None = None) -> int:
     options = parser.parse_args(arguments)
     trials, seen = Trials(ControlRig(*load_robot(options.robot)), options.seconds), Seen()
     for number in range(options.first, options.first + options.motions):
-        trials.run(motion(options.seed, number), seen)
+        trials.run(number, motion(options.seed, number), seen)
     report(seen, sys.stdout.write)
     return 1 if seen.touching or seen.falls else 0
 

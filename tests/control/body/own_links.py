@@ -6,7 +6,6 @@ import itertools
 from collections.abc import Iterator
 
 import mujoco
-import numpy as np
 
 from humanoid_bt.plant.mujoco_plant import MujocoPlant
 
