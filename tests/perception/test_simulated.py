@@ -40,7 +40,7 @@ def state(time: float = 0.0, base: tuple[float, float, float] = (0, 0, 0.7), yaw
         stance=zero, gaze_position=np.array(base) + rotation @ EYES,
         gaze_direction=np.array([math.cos(yaw + gaze), math.sin(yaw + gaze), 0]), foot_force={}, gait=Gait.STAND,
         footsteps=(), base_settled=True, mode=Mode.RUN, stop_reason="", stop_source="", command_sequence=-1,
-        command_sources={}, targets={}, hand_errors={}, limit_flags=(),
+        command_sources={}, targets={}, hand_errors={}, hand_obstacles={}, limit_flags=(),
     )  # fmt: skip
 
 
