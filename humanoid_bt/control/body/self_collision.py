@@ -57,15 +57,18 @@ class SelfCollisionLimit(mink.Limit):  # type: ignore[misc]  # mink has no types
             return mink.Constraint()
         data = configuration.data
         mujoco.mj_collision(self.model, data)
-        geoms, distance = data.contact.geom, data.contact.dist
-        near = np.flatnonzero(distance < self._links.begins[geoms[:, 0], geoms[:, 1]])
+        contact = data.contact
+        geoms, distance = contact.geom, contact.dist
+        far = distance >= self._links.begins[geoms[:, 0], geoms[:, 1]]
+        near = np.flatnonzero(~far)
         self._geoms = geoms[near]
         self.pressures = np.zeros(len(near))
         if not len(near):
             self._rests = _LOOKS
             return mink.Constraint()
-        mujoco.mj_makeConstraint(self.model, data)  # gives how each contact opens
-        self._approach = -data.efc_J.reshape(-1, self.model.nv)[near]
+        contact.exclude[:] = far
+        mujoco.mj_makeConstraint(self.model, data)  # gives how each contact opens that is not excluded
+        self._approach = -data.efc_J.reshape(-1, self.model.nv)
         room = distance[near] - self._links.margins[self._geoms[:, 0], self._geoms[:, 1]]
         return mink.Constraint(self._approach, np.maximum(room * (dt / _BRAKE_TIME), -_PART_SPEED * dt))
 
