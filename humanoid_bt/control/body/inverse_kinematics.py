@@ -23,7 +23,7 @@ _ACCELERATION_LIMIT = 100.0  # rad/s^2, of the planned motion, as it goes into t
 # What was held back and comes free must not catch up so fast that it throws the robot:
 _ARM_SPEED = 2.5  # rad/s of its joints
 _RISE_SPEED = 0.2  # m/s of the base, up and down
-_TURN_SPEED = 1.5  # rad/s of the base
+_TURN_SPEED = 1.5  # rad/s of the base, and of the waist's joints
 _PARTING = 50.0  # cost per metre of links that do not part, where not all can: that of a foot
 _SMOOTH_TIME = 0.02  # s, low-pass of planned acceleration and momentum rate
 
@@ -76,6 +76,8 @@ class InverseKinematics:
         self._farthest = robot.speed_limit * dt
         of_arms = np.isin(robot.model.jnt_bodyid[1:], [body for arm in self._arms.values() for body in arm])
         np.minimum(self._farthest, _ARM_SPEED * dt, out=self._farthest, where=of_arms)
+        of_waist = np.isin(robot.model.jnt_bodyid[1:], list(trunk))
+        np.minimum(self._farthest, _TURN_SPEED * dt, out=self._farthest, where=of_waist)
         for bound, sign in ((self._low, -1.0), (self._high, 1.0)):
             bound[2], bound[3:BASE_DOFS] = sign * _RISE_SPEED * dt, sign * _TURN_SPEED * dt
         self._root = self._model.body(robot.config.base).id
