@@ -92,7 +92,7 @@ class Offer(Skill):
         if there:
             self._error.restart()
         elif not self._error.update(error, now):
-            return self.fail(f"{hand} hand comes no nearer than {self._error.best * 100:.0f} cm")
+            return self.fail(self.robot.why_no_nearer(hand, self._error.best))
         return self.running("holding it out" if there else f"{hand} hand {error * 100:.0f} cm away")
 
     def _choose(self, bearing: float) -> Side:

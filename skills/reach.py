@@ -12,7 +12,7 @@ class Reach(Skill):
     """Stand and bring a palm to the target, balanced, and keep it there for a moment.
 
     Waits for a steady base before it moves a hand. Fails if the target was never seen, or if the palm comes no
-    nearer: it does not walk.
+    nearer: it does not walk. Then it says which own link is in the way, if one is.
     """
 
     resources = ("left_hand", "right_hand", "gaze")
@@ -64,7 +64,7 @@ class Reach(Skill):
         if there:
             self._error.restart()
         elif not self._error.update(error, now):
-            return self.fail(f"{self._hand} hand comes no nearer than {self._error.best * 100:.0f} cm")
+            return self.fail(self.robot.why_no_nearer(self._hand, self._error.best))
         return self.running(f"{self._hand} hand {error * 100:.0f} cm away")
 
     def _choose(self, bearing: float) -> Side:

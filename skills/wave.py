@@ -59,7 +59,7 @@ class Wave(Skill):
             self._strokes += 1
             self._error.restart()
         elif not self._error.update(error, self.robot.clock.now()):
-            return self.fail(f"{self._hand} hand comes no nearer than {self._error.best * 100:.0f} cm")
+            return self.fail(self.robot.why_no_nearer(self._hand, self._error.best))
         self.waved = max(self._strokes, 0) // 2
         if self.waved == self.times:
             return self.succeed(f"waved the {self._hand} hand {_times(self.times)}")

@@ -182,6 +182,7 @@ class Controller:
             command_sources=command.sources if command else {},
             targets=supervisor.targets,
             hand_errors=self._hand_errors(dynamics.hands),
+            hand_obstacles=body.kinematics.hand_obstacles,
             limit_flags=self._limit_flags(),
         )
 

@@ -303,6 +303,8 @@ class State:
         command_sources: resource -> path of the node, of the command in force.
         targets: resource -> target, of the command in force.
         hand_errors: measured distance of each commanded palm to its target [m].
+        hand_obstacles: the own link that keeps a commanded palm from its target, by the name of its body; a hand that
+            none keeps is missing.
         limit_flags: joints at a soft, rate or torque limit in this cycle, by name.
     """
 
@@ -336,6 +338,7 @@ class State:
     command_sources: Mapping[str, str]
     targets: Mapping[str, Target]
     hand_errors: Mapping[Side, float]
+    hand_obstacles: Mapping[Side, str]
     limit_flags: tuple[str, ...]
 
 

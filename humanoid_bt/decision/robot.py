@@ -252,6 +252,15 @@ class RobotHandle:
         """Say why there is no track of this name: ``'cup' was never seen: hidden``."""
         return self._robot.why_unseen(name)
 
+    def why_no_nearer(self, side: Side, distance: float) -> str:
+        """Say that a palm comes no nearer to its target than this [m], and which own link is in its way.
+
+        ``left hand comes no nearer than 12 cm: the right forearm is in the way``
+        """
+        obstacle = self.state.hand_obstacles.get(side)
+        why = f": the {obstacle.replace('_', ' ')} is in the way" if obstacle else ""
+        return f"{side} hand comes no nearer than {distance * 100:.0f} cm{why}"
+
     def walk_to(self, position: Any, heading: float) -> None:
         """Ask the robot to walk until it stands at a place.
 

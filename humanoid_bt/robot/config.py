@@ -157,6 +157,26 @@ class FallConfig:
 
 
 @dataclass(frozen=True, kw_only=True)
+class CapsuleConfig:
+    """A shape of a link: what is within a radius of the line between two points of it."""
+
+    body: str = param(doc="Body that it belongs to.")
+    start: tuple[float, float, float] = param(unit="m", doc="One end of the line, in the body's frame.")
+    end: tuple[float, float, float] = param(unit="m", doc="Its other end; the same point makes a ball.")
+    radius: float = param(above=0, unit="m", doc="Around the line.")
+
+
+@dataclass(frozen=True, kw_only=True)
+class CollisionConfig:
+    """How the robot keeps its own links apart."""
+
+    margin: float = param(0.035, above=0, unit="m", doc="Links are kept this far apart.")
+    capsules: list[CapsuleConfig] = param(
+        [], doc="Shapes of the links they name, instead of the model's; other links keep the model's collision shapes."
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
 class RobotConfig:
     """A robot. Angles [rad], lengths [m], from ``robot.yaml``."""
 
@@ -180,6 +200,7 @@ class RobotConfig:
     reach_distance: float = param(0.40, above=0, unit="m", doc="Where to stand to reach: the target this far ahead.")
     sensors: SensorsConfig = param(SensorsConfig(), doc="What its sensors are like.")
     fall: FallConfig = param(FallConfig(), doc="When it counts as falling.")
+    collision: CollisionConfig = param(CollisionConfig(), doc="How it keeps its own links apart.")
     path: Path = field(default=Path(), compare=False)
     written: Item | None = field(default=None, compare=False, repr=False)
 

@@ -210,6 +210,8 @@ def _named_bodies(config: RobotConfig) -> Iterator[_Reference]:
     for side, hand in config.hands.items():
         yield ("hands", side, "body"), hand.body
     yield ("gaze", "body"), config.gaze.body
+    for i, capsule in enumerate(config.collision.capsules):
+        yield ("collision", "capsules", i, "body"), capsule.body
 
 
 def _named_joints(config: RobotConfig) -> Iterator[_Reference]:

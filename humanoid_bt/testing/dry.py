@@ -255,6 +255,7 @@ class _Body:
             command_sources=command.sources if command else {},
             targets=supervisor.targets,
             hand_errors=dict.fromkeys(self._held, 0.0),
+            hand_obstacles={},
             limit_flags=(),
         )
 

@@ -38,14 +38,22 @@ class ControlRig:
         return self.controller.state()
 
     def run(
-        self, seconds: float, targets: Mapping[str, Target] | None = None, until: Callable[[State], bool] | None = None
+        self,
+        seconds: float,
+        targets: Mapping[str, Target] | None = None,
+        until: Callable[[State], bool] | None = None,
+        cycle: Callable[[], object] = lambda: None,
     ) -> bool:
-        """Run with these targets commanded (None: decision is silent); return whether ``until`` came true."""
+        """Run with these targets commanded (None: decision is silent); return whether ``until`` came true.
+
+        ``cycle`` is called after each servo cycle.
+        """
         for _ in range(round(seconds / DECISION_PERIOD)):
             if targets is not None:
                 self.command(targets)
             for _ in range(TICK):
                 self.controller.run_cycle()
+                cycle()
             if until is not None and until(self.state):
                 return True
         return False

@@ -85,6 +85,7 @@ def make_state(joints: int = 31) -> State:
         command_sources=SOURCES,
         targets=TARGETS,
         hand_errors={"right": 0.02},
+        hand_obstacles={"right": "linker_unterarm_ü"},
         limit_flags=("left_knee", "schulter_ü"),
     )
 
@@ -92,7 +93,7 @@ def make_state(joints: int = 31) -> State:
 STATE = make_state()
 BARE_STATE = replace(
     make_state(0), hands={}, feet={}, foot_force={}, footsteps=(), command_sources={}, targets={}, hand_errors={},
-    limit_flags=(), stop_reason="", stop_source="", command_sequence=-1, base_settled=True,
+    hand_obstacles={}, limit_flags=(), stop_reason="", stop_source="", command_sequence=-1, base_settled=True,
 )  # fmt: skip
 
 

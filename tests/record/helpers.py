@@ -60,6 +60,7 @@ def make_state(
         command_sources={},
         targets=targets or {},
         hand_errors={},
+        hand_obstacles={},
         limit_flags=(),
     )
 

@@ -35,3 +35,18 @@ def test_two_that_look_cannot_run_at_once(run_tree: RunTree) -> None:
     with pytest.raises(UserError, match="'one' and 'other' run at once and both command gaze") as raised:
         run_tree(BOTH.format("true", "true"), "two_balls")
     assert "look: false in 'other' leaves gaze alone" in raised.value.problems[0].hint
+
+
+def test_a_hand_that_the_other_one_keeps_from_the_ball_says_so(run_tree: RunTree) -> None:
+    both = """\
+watchdog:
+  percept: left
+  max_age: 1 s
+  parallel:
+    - reach: {name: one, target: left, hand: left, look: true, hold: 20 s}
+    - reach: {name: other, target: left, hand: right, look: false, hold: 20 s}
+"""
+    run = run_tree(both, "two_balls")
+    assert run.report.outcome == "failure"
+    assert run.report.reason.endswith(" hand is in the way"), run.report.reason
+    assert not run.report.fell

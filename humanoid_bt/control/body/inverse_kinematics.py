@@ -13,12 +13,18 @@ import qpsolvers
 from humanoid_bt.control.body.body_task import BodyTargets, BodyTask
 from humanoid_bt.control.body.height_limit import HeightLimit
 from humanoid_bt.control.body.mink_terms import SOLVER, frame_task
+from humanoid_bt.control.body.self_collision import SelfCollisionLimit
 from humanoid_bt.core.geometry import clamp
 from humanoid_bt.core.messages import SIDES, Array, Side
-from humanoid_bt.robot.model import BASE_COORDINATES, BASE_DOFS, RobotModel, palm_site
+from humanoid_bt.robot.model import BASE_COORDINATES, BASE_DOFS, RobotModel, carriers, palm_site
 
 _NO_BOUND = 1e30  # for the solver
 _ACCELERATION_LIMIT = 100.0  # rad/s^2, of the planned motion, as it goes into the feedforward
+# What was held back and comes free must not catch up so fast that it throws the robot:
+_ARM_SPEED = 2.5  # rad/s of its joints
+_RISE_SPEED = 0.2  # m/s of the base, up and down
+_TURN_SPEED = 1.5  # rad/s of the base, and of the waist's joints
+_PARTING = 50.0  # cost per metre of links that do not part, where not all can: that of a foot
 _SMOOTH_TIME = 0.02  # s, low-pass of planned acceleration and momentum rate
 
 
@@ -44,19 +50,36 @@ class InverseKinematics:
 
     def __init__(self, robot: RobotModel, dt: float) -> None:
         self._robot, self._dt = robot, dt
-        self._model, self._damping = robot.model, robot.config.whole_body.damping
+        self._own_links = SelfCollisionLimit(robot)
+        self._model, self._damping = self._own_links.model, robot.config.whole_body.damping
         self.configuration = mink.Configuration(self._model)
         self._body = BodyTask(robot, self._model)
-        weights = robot.config.whole_body
+        config, weights = robot.config, robot.config.whole_body
         self._hands = {
             side: frame_task(palm_site(side), "site", weights.hand, 0.0, weights.hand_damping)
             for side in SIDES
-            if side in robot.config.hands
+            if side in config.hands
         }
         self.tasks: list[mink.BaseTask] = [self._body]
         self.height_limit = HeightLimit(self._model.nv)
-        self.limits: list[mink.Limit] = [self.height_limit]
+        self.limits: list[mink.Limit] = [self._own_links, self.height_limit]
         self._low, self._high = np.full(self._model.nv, -_NO_BOUND), np.full(self._model.nv, _NO_BOUND)
+        trunk = set(carriers(robot.model, robot.model.body(config.torso).id))
+        self._arms = {
+            side: [
+                body
+                for body in carriers(robot.model, robot.model.body(config.hands[side].body).id)
+                if body not in trunk
+            ]
+            for side in self._hands
+        }
+        self._farthest = robot.speed_limit * dt
+        of_arms = np.isin(robot.model.jnt_bodyid[1:], [body for arm in self._arms.values() for body in arm])
+        np.minimum(self._farthest, _ARM_SPEED * dt, out=self._farthest, where=of_arms)
+        of_waist = np.isin(robot.model.jnt_bodyid[1:], list(trunk))
+        np.minimum(self._farthest, _TURN_SPEED * dt, out=self._farthest, where=of_waist)
+        for bound, sign in ((self._low, -1.0), (self._high, 1.0)):
+            bound[2], bound[3:BASE_DOFS] = sign * _RISE_SPEED * dt, sign * _TURN_SPEED * dt
         self._root = self._model.body(robot.config.base).id
         self._palms = {side: self._model.site(palm_site(side)).id for side in self._hands}
         where = self.configuration.data.site_xpos
@@ -68,6 +91,7 @@ class InverseKinematics:
         start = qpos.copy()
         start[BASE_COORDINATES:] = clamp(start[BASE_COORDINATES:], self._robot.lower, self._robot.upper)
         self.configuration.update(start)
+        self._own_links.look()
         self.velocity: Array = np.zeros(self._model.nv)
         self.acceleration: Array = np.zeros(self._model.nv)
         self.momentum_rate: Array = np.zeros(3)
@@ -105,6 +129,18 @@ class InverseKinematics:
         goals, palms = self._hand_goals, self._palm_positions
         return {side: math.dist(goal.tolist(), palms[side].tolist()) for side, goal in goals.items()} if goals else {}
 
+    @property
+    def hand_obstacles(self) -> dict[Side, str]:
+        """The body that keeps a commanded palm from its target, of those that one keeps."""
+        found: dict[Side, str] = {}
+        for side, goal in self._hand_goals.items():
+            jacobian = np.zeros((3, self._model.nv))
+            mujoco.mj_jacSite(self._model, self.configuration.data, jacobian, None, self._palms[side])
+            body = self._own_links.obstacle(self._arms[side], (goal - self._palm_positions[side]) @ jacobian)
+            if body:
+                found[side] = body
+        return found
+
     def step(self, targets: BodyTargets) -> bool:
         """Move one control period toward the targets; return whether there was a solution within all limits."""
         self._body.aim(self.configuration.data, targets)
@@ -130,11 +166,16 @@ class InverseKinematics:
         """Return the velocity within all limits, shape (nv,); None if there is none."""
         problem = self._problem(self.limits)
         problem.lb, problem.ub = self._low, self._high
-        np.subtract(self._robot.lower, self.joints, out=problem.lb[BASE_DOFS:])
-        np.subtract(self._robot.upper, self.joints, out=problem.ub[BASE_DOFS:])
+        joints = self.joints
+        np.maximum(self._robot.lower - joints, -self._farthest, out=self._low[BASE_DOFS:])
+        np.minimum(self._robot.upper - joints, self._farthest, out=self._high[BASE_DOFS:])
         solution = qpsolvers.solve_problem(problem, SOLVER)
+        if not solution.found and _asks_to_part(problem):
+            solution = qpsolvers.solve_problem(problem, SOLVER)
         if not solution.found or solution.x is None or not np.isfinite(solution.x).all():
             return None
+        if solution.z is not None:
+            self._own_links.pressures = solution.z[: len(self._own_links.pressures)]
         return np.asarray(solution.x / self._dt)
 
     def _without_limits(self) -> Array:
@@ -162,3 +203,15 @@ class InverseKinematics:
         momentum = data.subtree_angmom[self._root].copy()
         self.momentum_rate += smooth * ((momentum - self._momentum) / self._dt - self.momentum_rate)
         self._momentum = momentum
+
+
+def _asks_to_part(problem: qpsolvers.Problem) -> bool:
+    """Make a goal of it, and no condition, that links that are too near part; return whether there are any."""
+    rows, rooms = np.asarray(problem.G), np.asarray(problem.h)
+    parting = rooms < 0
+    if not parting.any():
+        return False
+    problem.P += _PARTING**2 * rows[parting].T @ rows[parting]
+    problem.q -= _PARTING**2 * rooms[parting] @ rows[parting]
+    rooms[parting] = 0.0
+    return True

@@ -23,8 +23,9 @@ from humanoid_bt.link.wire.format import (
 from humanoid_bt.link.wire.targets import pack_sources, pack_targets, unpack_sources, unpack_targets
 
 # Command sequence; joints, footsteps, limit flags; gait, mode, settled; which sides have a hand, a foot, a foot force,
-# a hand error; targets, sources. With the header a whole number of float64, so that the block after it is aligned.
-_COUNTS = struct.Struct("<qHHH9Bx")
+# a hand error; targets, sources; which sides have an obstacle, 0 in recordings from before there were any. With the
+# header a whole number of float64, so that the block after it is aligned.
+_COUNTS = struct.Struct("<qHHH10B")
 _FOOT = struct.Struct("<4d")  # x, y, z, yaw
 _NUMBER = struct.Struct("<d")
 _SIDE = struct.Struct("<B")
@@ -56,6 +57,7 @@ def encode_state(state: State) -> bytes:
     feet, foot_bits = _by_side(state.feet)
     forces, force_bits = _by_side(state.foot_force)
     errors, error_bits = _by_side(state.hand_errors)
+    obstacles, obstacle_bits = _by_side(state.hand_obstacles)
     parts = [
         header(MessageKind.STATE, state.cycle, state.time),
         _COUNTS.pack(
@@ -72,6 +74,7 @@ def encode_state(state: State) -> bytes:
             error_bits,
             len(state.targets),
             len(state.command_sources),
+            obstacle_bits,
         ),
         pack_floats(state.joint_positions, joints),
         pack_floats(state.joint_velocities, joints),
@@ -99,6 +102,7 @@ def encode_state(state: State) -> bytes:
         pack_cut_text(state.stop_reason),
         pack_cut_text(state.stop_source),
         *[pack_text(name) for name in state.limit_flags],
+        *[pack_text(name) for name in obstacles],
     ]
     return b"".join(parts)
 
@@ -115,7 +119,8 @@ def decode_state(data: bytes | memoryview) -> State:
     cursor.offset += _COUNTS.size
     sequence, joints, footstep_count, flag_count, gait, mode, settled = counts[:7]
     hands, feet, forces, errors = (_SIDES_OF_BITS[bits] for bits in counts[7:11])
-    target_count, source_count = counts[11:]
+    target_count, source_count = counts[11:13]
+    obstacles = _SIDES_OF_BITS[counts[13]]
     if settled > 1:
         raise WireError(f"{settled} is no truth value")
     block = _Block(
@@ -161,7 +166,8 @@ def decode_state(data: bytes | memoryview) -> State:
         command_sources=unpack_sources(cursor, source_count),
         stop_reason=cursor.text(),
         stop_source=cursor.text(),
-        limit_flags=_last_texts(cursor, flag_count),
+        limit_flags=tuple([cursor.text() for _ in range(flag_count)]),
+        hand_obstacles=dict(zip(obstacles, _last_texts(cursor, len(obstacles)), strict=True)),
     )
 
 
