@@ -25,6 +25,7 @@ _RATE_SHARE = 0.2  # of what the legs say of the base's turning that is believed
 _STEADY = 0.5  # s upright after which nothing throws the robot about any more
 _SURELY_UPRIGHT = 0.95  # cosine of the base's tilt, 18 degrees
 _LOST_AFTER = 0.3  # s without a foot on the ground after which the robot hangs or lies: IMU alone would drift away
+_ASTRAY = 0.2  # rad by which believed and measured tilt differ, as of a robot that was put back on its feet
 
 
 class Estimator:
@@ -144,7 +145,7 @@ class Estimator:
         self._since += self.heard
         self._clear()
         self._note_contact(time)
-        if self._lost > _LOST_AFTER:
+        if self._lost > _LOST_AFTER or self._astray(reading):
             self._rest(reading)
         elif self._doubted:  # by turns: each takes as long as everything else
             self._correct()
@@ -173,6 +174,13 @@ class Estimator:
         self._upright = self._upright + time if upright > _SURELY_UPRIGHT else 0.0
         self._still = self._still + time if all(standing) else 0.0
         self._lost = 0.0 if any(standing) else self._lost + time
+
+    def _astray(self, reading: Reading) -> bool:
+        """Return whether a robot that is believed to lie or fall is elsewhere, as the IMU's own filter says."""
+        if self._upright or self.watch.failed:
+            return False
+        believed, said = _up(self._filter.quaternion), _up(reading.orientation)
+        return math.dist(believed, said) > _ASTRAY
 
     def _rest(self, reading: Reading) -> None:
         """Take the tilt from the IMU's own filter and the height from the legs: no foot says more."""
@@ -219,6 +227,12 @@ def _turned(quaternion: Array, yaw: float) -> Array:
     w, x, y, z = quaternion.tolist()
     cos, sin = math.cos(yaw / 2), math.sin(yaw / 2)
     return np.array([cos * w - sin * z, cos * x - sin * y, cos * y + sin * x, cos * z + sin * w])
+
+
+def _up(quaternion: Array) -> tuple[float, float, float]:
+    """Return the vertical of the world in the frame of the base."""
+    w, x, y, z = quaternion.tolist()
+    return 2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)
 
 
 def _yaw(quaternion: Array) -> float:

@@ -11,7 +11,8 @@ from humanoid_bt.core.messages import Array, Reading
 from humanoid_bt.robot.model import RobotModel
 
 _SILENT_AFTER, _FROZEN_AFTER = 3, 5  # looks: 15 and 25 ms; half of what is promised
-_JUMPS_AFTER = 2  # looks in which an IMU's sensor jumps: an impact does it once
+_JUMPS_AFTER = {"gyro": 2, "accelerometer": 4, "orientation": 2}  # looks in which it jumps: a blow rings for two
+_SHAKEN = 1.2  # rad/s from look to look, of two joints: a blow, which an accelerometer feels; walking 0.5
 _GYRO_JUMP, _ACCELEROMETER_JUMP, _ORIENTATION_JUMP = 4.0, 25.0, 0.1  # from look to look; walking: 0.5, 4 and 0.01
 _DRIFT, _DRIFTS_AFTER = 0.03, 2  # rad that gyro and orientation disagree in two looks, and how often
 _COMPARED_EVERY = 2  # looks
@@ -90,12 +91,14 @@ class SensorWatch:
         self._compare(reading, imu, upright)
 
     def _look_closer(self, reading: Reading, upright: bool) -> None:
+        shaken = np.partition(self._moved.joint_velocity, -2)[-2] > _SHAKEN
         for name in _IMU:
             moved, most = getattr(self._moved, name), getattr(self._most, name)
             silent = not math.isfinite(getattr(reading, name).sum())
             self._count(name, "is silent", silent, _SILENT_AFTER)
             self._count(name, "is frozen", self._imu_flickers[name] and not moved.any(), _FROZEN_AFTER)
-            self._count(name, "jumps", upright and bool((moved > most).any()), _JUMPS_AFTER)
+            jumps = bool((moved > most).any()) and upright and not (shaken and name == "accelerometer")
+            self._count(name, "jumps", jumps, _JUMPS_AFTER[name])
         self._look_at_joints(reading, upright)
         self._suspicious = bool(self._counts) or bool(self._silent.any() or self._frozen.any() or self.any_bad)
 
