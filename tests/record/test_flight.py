@@ -41,7 +41,7 @@ def test_a_run_has_every_cycle_as_it_was(tmp_path: Path, file: Path) -> None:
     assert (np.diff(cycles.time) == pytest.approx(1e-3)) and cycles.time[0] == pytest.approx(1e-3)
     assert cycles.time[-1] == pytest.approx(state.time)
     np.testing.assert_allclose(cycles.columns["position"][-1], state.joint_positions, atol=1e-5)
-    np.testing.assert_allclose(cycles.columns["base_position"][-1], state.base_position, atol=1e-6)
+    np.testing.assert_allclose(cycles.columns["base_position"][-1], state.base_position, atol=6e-6)
     np.testing.assert_allclose(plans.columns["setpoint"][-1], state.setpoint_positions, atol=1e-5)
     assert cycles.described["position"].unit == "rad"
     assert cycles.described["position"].labels == session.engine.robot.joint_names

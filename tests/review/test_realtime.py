@@ -50,11 +50,12 @@ def test_control_that_stalls_for_long_ends_the_run_and_is_named(play: Callable[.
     assert told, found.headline
     assert -0.001 < float(told[1]) - since[0] < 0.1  # the headline tells milliseconds
     assert (found.kind, found.node) == ("control", "walk/emergency_stop/walk")
-    assert any(re.search(r"control stalled for 1[23]\d\d ms", text) for _, text in found.rows)
+    (stall,) = (told for _, text in found.rows if (told := re.search(r"control stalled for (\d+) ms", text)))
+    assert 1200 <= int(stall[1]) < 3000  # a busy machine wakes it late
 
 
 @pytest.mark.trials
 def test_control_that_stalls_for_a_moment_is_told_beside(play: Callable[..., Path]) -> None:
     found = explain(play("walk", duration=1.0, mode="realtime", at=1.5, do=stalled(0.2, [])))
     assert found.kind == "unfinished"
-    assert any(name == "warned" and re.search(r"control stalled for [12]\d\d ms", text) for name, text in found.rows)
+    assert any(name == "warned" and re.search(r"control stalled for [1-9]\d\d ms", text) for name, text in found.rows)

@@ -170,7 +170,7 @@ class InverseKinematics:
         np.maximum(self._robot.lower - joints, -self._farthest, out=self._low[BASE_DOFS:])
         np.minimum(self._robot.upper - joints, self._farthest, out=self._high[BASE_DOFS:])
         solution = qpsolvers.solve_problem(problem, SOLVER)
-        if not solution.found and _asks_to_part(problem):
+        if not solution.found and _asks_to_part(problem, len(self._own_links.pressures)):
             solution = qpsolvers.solve_problem(problem, SOLVER)
         if not solution.found or solution.x is None or not np.isfinite(solution.x).all():
             return None
@@ -205,9 +205,14 @@ class InverseKinematics:
         self._momentum = momentum
 
 
-def _asks_to_part(problem: qpsolvers.Problem) -> bool:
-    """Make a goal of it, and no condition, that links that are too near part; return whether there are any."""
-    rows, rooms = np.asarray(problem.G), np.asarray(problem.h)
+def _asks_to_part(problem: qpsolvers.Problem, pairs: int) -> bool:
+    """Make a goal of it, and no condition, that links that are too near part; return whether there are any.
+
+    Args:
+        problem: its first conditions are those of pairs of links.
+        pairs: how many.
+    """
+    rows, rooms = np.asarray(problem.G)[:pairs], np.asarray(problem.h)[:pairs]
     parting = rooms < 0
     if not parting.any():
         return False
