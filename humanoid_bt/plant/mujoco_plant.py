@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import deque
 
 import mujoco
 import numpy as np
@@ -58,6 +59,8 @@ class MujocoPlant:
         self._strength = np.ones(joints)  # what each drive gives of the torque that it is asked for
         self._friction, self._mass = self.model.geom_friction.copy(), self.model.body_mass.copy()
         self._command: JointCommand | None = None  # which the drives have
+        self._late = 0  # servo cycles until they hear of one
+        self._coming: deque[JointCommand] = deque()
         self._pushes: dict[int, tuple[float, Array]] = {}
         self.external_force_max = 0.0
         self.cycle = 0
@@ -88,6 +91,7 @@ class MujocoPlant:
         self.data.qpos[: self._nq] = start
         self.data.ctrl[:] = self._stiffness * start[BASE_COORDINATES:]  # the drives hold what they find
         self._command = None
+        self._coming.clear()
         self._pushes.clear()
         self.external_force_max = 0.0
         self.cycle = 0
@@ -125,6 +129,9 @@ class MujocoPlant:
         Raises:
             ControlLost: physics cannot go on.
         """
+        if self._late:
+            self._coming.extend([command] * (1 if self._coming else self._late + 1))
+            command = self._coming.popleft()
         if command is not self._command:
             self._take(command)
         if self._pushes:
@@ -151,7 +158,14 @@ class MujocoPlant:
             self.model.body_pos[body] = self.scene.object_position(name, self.time)
 
     def alter(
-        self, friction: float = 1.0, payload: float = 0.0, hand_payload: float = 0.0, drives: float = 1.0
+        self,
+        *,
+        friction: float = 1.0,
+        payload: float = 0.0,
+        hand_payload: float = 0.0,
+        drives: float = 1.0,
+        drive_delay: float = 0.0,
+        encoders: Array | None = None,
     ) -> None:
         """Let the world differ from what the robot's numbers say, from the next :meth:`place` on.
 
@@ -160,6 +174,10 @@ class MujocoPlant:
             payload: what the torso carries besides its own mass, at its centre of mass [kg].
             hand_payload: what each hand carries in the same way [kg].
             drives: what every drive gives of the torque that it is asked for, and of the largest.
+            drive_delay: from when control commands something until the drives hear of it [s], in whole servo periods.
+                The drives' own loops are as quick as before.
+            encoders: what each encoder shows too much, to control and to its drive alike, shape (nj,) [rad]; nothing
+                if None.
         """
         self.model.geom_friction[:] = self._friction * friction
         if (payload, hand_payload) != self._payloads:
@@ -171,6 +189,8 @@ class MujocoPlant:
                 self.model.body(hand.body).mass += hand_payload
             mujoco.mj_setConst(self.model, self.data)
         self._drives = drives
+        self._late = round(drive_delay / SERVO_PERIOD)
+        self._sensors.encoder_error[:] = 0.0 if encoders is None else encoders
 
     def set_strength(self, strength: Array) -> None:
         """Let drives give a part of the torque that they are asked for, and of the largest, until :meth:`place`.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Literal, get_args
 
 import mujoco
 import numpy as np
@@ -14,9 +15,14 @@ from humanoid_bt.robot.sensor_config import SensorsConfig
 _BLOCK = 25  # servo cycles for which noise is drawn at once
 _FINEST = 1e-12  # stands for the resolution of a sensor that is said to have none
 
-
-FAILURES = ("frozen", "silent", "jumping")
+SensorFailure = Literal["frozen", "silent", "jumping"]
 """How a sensor can fail: it says the same for ever, nothing (NaN), or anything."""
+
+FAILURES: tuple[SensorFailure, ...] = get_args(SensorFailure)
+"""All of them."""
+
+IMU_SENSORS = ("gyro", "accelerometer", "orientation", "imu")
+"""The sensors of the IMU, and all three of them."""
 
 _JUMPS = {"gyro": 10.0, "accelerometer": 100.0, "orientation": 0.5, "joint": 0.5}  # as far as they jump
 
@@ -31,7 +37,8 @@ class Sensors:
         gravity: upward [m/s^2].
 
     Attributes:
-        encoder_bias: what each joint's zero is off, shape (nj,) [rad]; the drive's control sees it, too.
+        encoder_error: what each encoder is off besides that, from the next :meth:`reset` on, shape (nj,) [rad].
+        encoder_bias: what each joint's zero is off now, shape (nj,) [rad]; the drive's control sees it, too.
     """
 
     def __init__(self, config: SensorsConfig, data: mujoco.MjData, joints: int, gravity: float) -> None:
@@ -61,7 +68,7 @@ class Sensors:
         self._drift = 0.0
         self._tilt = 0.0, 0.0
         self._turned: Array = np.eye(4)
-        self.encoder_bias: Array = np.zeros(joints)
+        self.encoder_error, self.encoder_bias = np.zeros(joints), np.zeros(joints)
         self._count = 0
         self._failures: dict[str, tuple[slice | list[int], str]] = {}
         self._last: Array = self._rows[0].copy()
@@ -90,6 +97,7 @@ class Sensors:
         self._numbers = numbers
         self._offset = numbers.standard_normal(len(self._offset)) * self._bias
         self.encoder_bias = self._offset[self._joint_positions]
+        self.encoder_bias += self.encoder_error
         tilt = self._config.orientation.bias
         roll, pitch = (tilt * numbers.standard_normal(2)).tolist()
         self._tilt = roll, pitch

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import logging
 from collections import deque
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
 
@@ -25,7 +25,6 @@ from humanoid_bt.link.segment import LinkError
 from humanoid_bt.link.table import LocalTable
 from humanoid_bt.link.wire import Event
 from humanoid_bt.perception.source import PerceptSource
-from humanoid_bt.plant.interface import Plant
 from humanoid_bt.plant.mujoco_plant import MujocoPlant
 from humanoid_bt.plant.scene import Scene
 from humanoid_bt.realtime.lockstep_link import LockstepLink
@@ -45,10 +44,9 @@ class Lockstep:
         start: configuration to start in, shape (7 + nj,).
         scene: what surrounds it.
         perception: what it sees.
-        driven: makes of the plant what control drives in its place; the plant itself if None.
 
     Attributes:
-        plant, driven, controller, perception: the parts.
+        plant, controller, perception: the parts.
         clock: the engine's clock.
         notices: what happened besides stops: resets.
         inputs: what came from outside.
@@ -60,14 +58,12 @@ class Lockstep:
         start: Array,
         scene: Scene,
         perception: PerceptSource,
-        driven: Callable[[Plant], Plant] | None = None,
     ) -> None:
         self.robot, self.scene, self._start = robot, scene, start
         self.clock = CycleClock()
         self.plant = MujocoPlant(robot, scene)
         self.plant.place(start)
-        self.driven = self.plant if driven is None else driven(self.plant)
-        self.controller = Controller(robot, self.driven, scene.start_pose)
+        self.controller = Controller(robot, self.plant, scene.start_pose)
         self.perception = perception
         self.notices: Kept[Event] = Kept()
         self.inputs: Kept[Input] = Kept()

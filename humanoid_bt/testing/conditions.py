@@ -78,7 +78,7 @@ class Conditions:
     @property
     def of_body(self) -> dict[str, float]:
         """Those that the simulated body has in it, as arguments of ``MujocoPlant.alter``."""
-        return {name: getattr(self, name) for name in ("friction", "drives", "payload", "hand_payload")}
+        return {name: getattr(self, name) for name in ("friction", "payload", "hand_payload", "drives", "drive_delay")}
 
     @property
     def floor(self) -> Floor:

@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
 
 from humanoid_bt.control.body.standing import load_robot
 from humanoid_bt.core.errors import UserError
-from humanoid_bt.core.messages import Array
 from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.perception.simulated import SimulatedPerception
-from humanoid_bt.plant.imperfect import ImperfectPlant
 from humanoid_bt.plant.mujoco_plant import MujocoPlant
 from humanoid_bt.plant.scene import Scene, SceneConfig, load_scene
 from humanoid_bt.session.engine import Engine
@@ -27,13 +24,13 @@ class Ready(NamedTuple):
 
     Attributes:
         engine: it.
-        set_strength: lets drives give a part of their torque, shape (nj,); None where there are none.
+        plant: what is simulated; None if no body is.
         bodies: those that can be pushed.
         robot, scene: the files.
     """
 
     engine: Engine
-    set_strength: Callable[[Array], None] | None
+    plant: MujocoPlant | None
     bodies: list[str]
     robot: Path
     scene: Path
@@ -74,18 +71,15 @@ class Engines:
         for _, why in conditions.refused(engine.robot, self._dry):
             raise UserError(why)
         assert isinstance(engine, (Lockstep, Dry))
-        if isinstance(engine, Lockstep):
-            assert isinstance(engine.driven, ImperfectPlant)
-            engine.plant.alter(**conditions.of_body)
-            engine.driven.alter(conditions.drive_delay, conditions.encoders(engine.robot, seed))
+        if ready.plant is not None:
+            ready.plant.alter(**conditions.of_body, encoders=conditions.encoders(engine.robot, seed))
         engine.reset(perception, scene)
         return ready
 
     @property
     def plant(self) -> MujocoPlant | None:
         """The simulated plant as it is now, None if there is none."""
-        engine = self._kept[1].engine if self._kept else None
-        return engine.plant if isinstance(engine, Lockstep) else None
+        return self._kept[1].plant if self._kept else None
 
     def _load(self, robot: str, scene: str) -> tuple[Path, SceneConfig]:
         """Return a robot's file and what a scene's file says, read once."""
@@ -99,6 +93,6 @@ class Engines:
         if self._dry:
             return Ready(Dry(robot, start, scene, perception), None, [], robot_file, scene.config.path)
         standing = scene.floor.under(start, scene.start_pose[2])
-        engine = Lockstep(robot, standing, scene, perception, ImperfectPlant)
+        engine = Lockstep(robot, standing, scene, perception)
         bodies = [engine.model.body(number).name for number in range(1, engine.model.nbody)]
-        return Ready(engine, engine.plant.set_strength, bodies, robot_file, scene.config.path)
+        return Ready(engine, engine.plant, bodies, robot_file, scene.config.path)

@@ -15,6 +15,7 @@ from humanoid_bt.testing.claim import Claim, RunNames
 from humanoid_bt.testing.course import Course
 from humanoid_bt.testing.fault import Fault, Known
 from humanoid_bt.testing.faults import (
+    Break,
     Delay,
     EStop,
     Lose,
@@ -52,6 +53,7 @@ class Event:
     silence: Silence | None = param(None, doc="Let no command reach control.")
     delay: Delay | None = param(None, doc="Let every command reach control later.")
     weaken: Weaken | None = param(None, doc="Let drives give less torque than they are asked for.")
+    break_: Break | None = param(None, doc="Let a sensor fail.")
     raise_: Raise | None = param(None, doc="Let a node raise an exception.")
     set: Set | None = param(None, doc="Give keys of the blackboard, or parameters of nodes, a value.")
     optional: bool = param(False, doc="Whether the run may as well end before it happens.")

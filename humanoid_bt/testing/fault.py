@@ -60,6 +60,9 @@ class Acting(Protocol):
     def push(self, body: str, force: Array, duration: float) -> None:
         """Push a body with a force, shape (3,), world frame [N], for a time [s]."""
 
+    def fail_sensor(self, sensor: str, how: str) -> None:
+        """Let a sensor fail for good: one of the IMU's, "imu", or a joint's; frozen, silent or jumping."""
+
     def raise_estop(self, source: str, reason: str) -> None:
         """Raise the emergency stop."""
 

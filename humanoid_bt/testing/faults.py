@@ -15,10 +15,24 @@ from humanoid_bt.core.geometry import rotation_matrix
 from humanoid_bt.core.items import Item
 from humanoid_bt.core.messages import Array, Percept, State
 from humanoid_bt.core.params import param
+from humanoid_bt.plant.sensors import IMU_SENSORS, SensorFailure
 from humanoid_bt.session.setting import assign_value
 from humanoid_bt.testing.fault import Acting, Fault, Known, Misnamed
 
-__all__ = ["Delay", "EStop", "Lose", "Noise", "Push", "Raise", "Reset", "See", "Set", "Silence", "Weaken"]
+__all__ = [
+    "Break",
+    "Delay",
+    "EStop",
+    "Lose",
+    "Noise",
+    "Push",
+    "Raise",
+    "Reset",
+    "See",
+    "Set",
+    "Silence",
+    "Weaken",
+]
 
 _FOR_GOOD = "; for good if not given."
 
@@ -72,6 +86,29 @@ class Weaken(Fault):
         """Return what each drive still gives."""
         weak = {name for pattern in self.joints for name in fnmatch.filter(joints, pattern)}
         return np.array([self.to if name in weak else 1.0 for name in joints])
+
+
+@dataclass(frozen=True, kw_only=True)
+class Break(Fault):
+    """Let a sensor fail, for good."""
+
+    physical: ClassVar[bool] = True
+    main: ClassVar[str] = "sensor"
+
+    sensor: str = param(doc="Of the IMU gyro, accelerometer, orientation, or imu for all three; or a joint.")
+    how: SensorFailure = param("silent", doc="Whether it says nothing, the same for ever, or anything.")
+
+    def misnamed(self, known: Known) -> Iterator[Misnamed]:
+        """Yield that there is no such sensor."""
+        sensors = (*IMU_SENSORS, *known.joints)
+        if self.sensor not in sensors:
+            hint = nearest(self.sensor, sensors)
+            problem = Problem(f"the robot has no sensor {self.sensor!r}", hint=hint, code="unknown-sensor")
+            yield Misnamed(problem, ("sensor",))
+
+    def begin(self, on: Acting) -> None:
+        """Break it."""
+        on.fail_sensor(self.sensor, self.how)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -15,6 +15,7 @@ from humanoid_bt.core.errors import Place
 from humanoid_bt.core.messages import Array, Command, Percept, State
 from humanoid_bt.decision.robot import Robot
 from humanoid_bt.link.wire import Event as Notice
+from humanoid_bt.plant.mujoco_plant import MujocoPlant
 from humanoid_bt.plant.scene import random_stream
 from humanoid_bt.session.engine import Engine
 from humanoid_bt.testing.claim import RunNames
@@ -47,16 +48,14 @@ class Staged:
         engine: it.
         script: what is done.
         seed: of the faults' random numbers; each fault has its own.
-        set_strength: lets drives give a part of their torque, shape (nj,).
+        plant: what is simulated; None if no body is.
 
     Attributes:
         known: what the names in the script mean.
         percepts: what decision was given at the last tick.
     """
 
-    def __init__(
-        self, engine: Engine, script: Sequence[Event], seed: int, set_strength: Callable[[Array], None] | None
-    ) -> None:
+    def __init__(self, engine: Engine, script: Sequence[Event], seed: int, plant: MujocoPlant | None) -> None:
         self.engine = engine
         self.clock, self.supervisor, self.notices = engine.clock, engine.supervisor, engine.notices
         self.known: Known
@@ -67,7 +66,7 @@ class Staged:
         self._script = script
         self._waiting = [(event, random_stream(seed, "fault", str(number))) for number, event in enumerate(script)]
         self._sensory = any(event.fault.sensory for event in script)
-        self._set_strength = set_strength
+        self._plant = plant
         self._lasting: list[_Lasting] = []
         self._known: Mapping[str, Percept] = {}  # what would have been seen
         self._coming: list[tuple[float, Percept]] = []  # when it arrives [s]
@@ -158,6 +157,11 @@ class Staged:
         """Push a body with a force, shape (3,), world frame [N], for a time [s]."""
         self.engine.push(body, force, duration)
 
+    def fail_sensor(self, sensor: str, how: str) -> None:
+        """Let a sensor fail for good."""
+        assert self._plant is not None
+        self._plant.fail_sensor(sensor, how)
+
     def raise_estop(self, source: str, reason: str) -> None:
         """Raise the emergency stop."""
         self.engine.supervisor.raise_estop(source, reason)
@@ -201,8 +205,8 @@ class Staged:
     def _weaken(self) -> None:
         joints = self.known.joints
         strengths = [found for lasting in self._lasting if (found := lasting.fault.strength(joints)) is not None]
-        if self._set_strength is not None:
-            self._set_strength(functools.reduce(np.multiply, strengths, np.ones(len(joints))))
+        if self._plant is not None:
+            self._plant.set_strength(functools.reduce(np.multiply, strengths, np.ones(len(joints))))
 
     def _seen(self, state: State, percepts: Mapping[str, Percept]) -> Mapping[str, Percept]:
         """Return what decision is given in the place of percepts."""

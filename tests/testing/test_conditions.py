@@ -13,9 +13,10 @@ from humanoid_bt import Stage, UserError, check
 from humanoid_bt.control.body.standing import load_robot
 from humanoid_bt.core.clock import SERVO_PERIOD
 from humanoid_bt.core.geometry import rotation_matrix
-from humanoid_bt.core.messages import JointCommand
+from humanoid_bt.core.messages import SIDES, JointCommand
 from humanoid_bt.plant.mujoco_plant import MujocoPlant
 from humanoid_bt.plant.scene import Scene, load_scene
+from humanoid_bt.robot.model import sole_site
 
 WALK = Path(humanoid_bt.__file__).with_name("bench") / "walk.yaml"
 
@@ -95,7 +96,7 @@ def test_one_encoder_of_a_leg_is_off_and_the_seed_says_which(stage):
     joints = [int(np.flatnonzero(off(seed, "0.5 deg")).item()) for seed in range(6)]
     assert len(set(joints)) > 2
     assert all(robot.joint_names[joint].split("_")[1] in ("hip", "knee", "ankle") for joint in joints)
-    assert off(3, "-0.5 deg").sum() == pytest.approx(-np.radians(0.5))
+    assert off(3, "-0.5 deg").sum() == pytest.approx(-np.radians(0.5), abs=2e-5)  # what an encoder resolves
 
 
 def test_the_floor_is_as_steep_as_it_is_to_be(stage):
@@ -107,10 +108,20 @@ def test_the_floor_is_as_steep_as_it_is_to_be(stage):
 
 
 @pytest.mark.trials
-def test_feet_step_on_plates(stage):
+def test_feet_step_on_plates(stage, monkeypatch):
+    heights = []
+    step = MujocoPlant.step
+
+    def watched(plant, command):
+        step(plant, command)
+        heights.append(min(plant.data.site(sole_site(side)).xpos[2].item() for side in SIDES))
+
+    monkeypatch.setattr(MujocoPlant, "step", watched)
+
     def highest(plates):
-        run = stage.run(WALK, parameters={"x": 1.2}, duration=5, conditions={"plates": plates})
-        return max(min(foot.z for foot in state.feet.values()) for state in run.states)
+        heights.clear()
+        stage.run(WALK, parameters={"x": 1.2}, duration=5, conditions={"plates": plates})
+        return max(heights)
 
     assert highest("0 mm") < 0.003
     assert highest("10 mm") > 0.007

@@ -51,6 +51,16 @@ def test_weak_drives_give_no_more_than_their_part_and_then_all_again(stage):
     assert np.abs(torque[0.24][weak]).max() > noise
 
 
+def test_a_sensor_that_breaks_stops_the_robot_and_the_next_run_has_it_whole(stage):
+    run = stage.run("stand", duration=0.3, script=[{"at": 0.1, "break": {"sensor": "gyro", "how": "jumping"}}])
+    (stop,) = run.stops
+    assert (stop.mode.value, stop.reason) == ("protective_stop", "a sensor failed: the gyro jumps")
+    assert 0.1 < stop.time <= 0.15
+    assert texts(run)[0] == "staged: break (sensor gyro, how jumping)"
+    assert stage.run("stand", duration=0.3, script=[{"at": 0.2, "break": "left_knee"}]).stops[0].time > 0.2
+    assert not stage.run("stand", duration=0.3).stops
+
+
 def test_an_emergency_stop_ends_the_run_unless_the_script_resets_it(dry):
     stopped = dry.run("fetch", script=[{"at": 0.1, "estop": "a hand on the button"}])
     assert (stopped.outcome, stopped.reason) == ("stopped", "a hand on the button (the test)")
@@ -235,6 +245,8 @@ def test_events_are_written_as_in_files_or_made_in_python(stage):
         ({"at": 1, "set": "reach"}, "must be a mapping of names to values"),
         ({"at": 1, "push": {"force": [1, 0, 0], "body": "trso"}}, "there is no body 'trso'"),
         ({"at": 1, "weaken": {"joints": ["knee"], "to": 0.5}}, "the robot has no joint 'knee'"),
+        ({"at": 1, "break": "giro"}, "the robot has no sensor 'giro'"),
+        ({"at": 1, "break": {"sensor": "imu", "how": "odd"}}, "'how' cannot be 'odd'"),
         ({"at": 1, "weaken": {"joints": ["*"], "to": 2}}, "'to' must be >= 0 and <= 1"),
         ({"when": "distance(cup) < 1 m", "estop": {}}, "there is no percept 'cup' in this run"),
         ({"when": "rech runs", "estop": {}}, "did you mean 'reach'"),
