@@ -5,7 +5,7 @@ from __future__ import annotations
 import tempfile
 from collections.abc import Callable, Generator, Mapping, Sequence
 from contextlib import closing
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
 from functools import cached_property
 from pathlib import Path
@@ -128,7 +128,7 @@ def measure_body(
         with closing(running), closing(running.run(tasks)) as found:
             for one in found:
                 row, _ = wanted[one.task.trial.number]
-                done[row.name].append(one)
+                done[row.name].append(replace(one, result=row.judged(one.result)))
                 progress(_withstood(row, done))
                 while waiting and len(done[waiting[0].name]) == len(seeds):
                     yield _withstood(waiting.pop(0), done)

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
 
 from humanoid_bt.bench.promises import BODY, HARD_PUSH, Promise
+from humanoid_bt.campaign.result import Result
 from humanoid_bt.campaign.trial import CONDITION, PUSH, SET, Trial
+from humanoid_bt.core.units import readable
 from humanoid_bt.plant.scene import random_stream
 
 _WALK, _STAND = str(Path(__file__).with_name("walk.yaml")), "stand"
@@ -36,6 +38,8 @@ class Row:
         conditions: what is different from the robot's numbers.
         drawn: conditions that the seed says, each with what draws it.
         hands: whether it takes hands.
+        distance: of the goals, least and largest [m].
+        limits: what of a trial may be at most how much, in SI units: "drift" and the like.
     """
 
     name: str
@@ -46,6 +50,8 @@ class Row:
     conditions: Mapping[str, float] = field(default_factory=dict)
     drawn: Mapping[str, Callable[[np.random.Generator], float]] = field(default_factory=dict)
     hands: bool = False
+    distance: tuple[float, float] = _DISTANCE
+    limits: Mapping[str, float] = field(default_factory=dict)
 
     def trial(self, number: int, robot: str, seed: int) -> Trial:
         """Return a trial of this row.
@@ -58,7 +64,7 @@ class Row:
             seed: of everything random.
         """
         numbers = random_stream(seed, "bench", "body")
-        ends = (_DISTANCE, _AROUND, _AROUND, _PUSHED_AT, _AROUND)
+        ends = (self.distance, _AROUND, _AROUND, _PUSHED_AT, _AROUND)
         distance, bearing, heading, at, side = (float(numbers.uniform(*pair)) for pair in ends)
         goal = {"x": distance * math.cos(bearing), "y": distance * math.sin(bearing), "heading": heading}
         push = {"at": at, "force": self.push, "direction": side, "duration": _PUSH_TIME}
@@ -68,6 +74,15 @@ class Row:
         given |= {f"{PUSH}.1.{name}": value for name, value in push.items()} if self.push else {}
         tree, duration = (_WALK, _WALKING_TIME) if self.walks else (_STAND, _STANDING_TIME)
         return Trial(number, tree, robot, _SCENE, seed, given, duration)
+
+    def judged(self, result: Result) -> Result:
+        """Return what came of a trial: no success if something was more than it may be."""
+        for name, most in self.limits.items():
+            if result.succeeded and (value := float(result.values[name])) > most:
+                unit = result.units.get(name, "")
+                reason = f"{name.replace('_', ' ')} {readable(value, unit)}, at most {readable(most, unit)}"
+                return replace(result, outcome="failure", reason=reason)
+        return result
 
 
 def _around(numbers: np.random.Generator) -> float:
@@ -94,6 +109,12 @@ def _pushed(walks: bool, *forces: float) -> list[Row]:
 
 ROWS = (
     Row("goals", "walks to a random goal"),
+    Row(
+        "odometry",
+        "5 m to a random goal: off by 1.5 % of it, 1.5 deg, 3 cm/s",
+        distance=(5.0, 5.0),
+        limits={"drift": 0.015, "heading_error": math.radians(1.5), "velocity_error": 0.03},
+    ),
     *_pushed(True, 60, 100, 150, 200),
     *_pushed(False, 60, 100, 130, 150, 200),
     *(Row(f"friction-{value:g}", f"friction {value:g}", conditions={"friction": value}) for value in (0.6, 0.4, 0.3)),

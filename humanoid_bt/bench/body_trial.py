@@ -14,12 +14,14 @@ from humanoid_bt.campaign.stage_trials import pushes, result_of
 from humanoid_bt.campaign.trial import CONDITION, SET, Task, Trial
 from humanoid_bt.campaign.work import Answer, Run
 from humanoid_bt.control.body.standing import load_robot
+from humanoid_bt.core.clock import DECISION_PERIOD
 from humanoid_bt.core.geometry import rotation_matrix
-from humanoid_bt.core.messages import SIDES, Array
+from humanoid_bt.core.messages import SIDES, Array, odometry_error
 from humanoid_bt.files.workspace import Workspace, builtin_root
 from humanoid_bt.plant.mujoco_plant import MujocoPlant
 from humanoid_bt.robot.model import sole_site
 from humanoid_bt.testing.stage import Stage
+from humanoid_bt.testing.tree_run import TreeRun
 
 NEAR, TURNED = 0.10, 0.20
 """A goal is reached when the middle between the feet is this near [m], and turned this little from it [rad]."""
@@ -47,7 +49,8 @@ def make() -> Run:
             record=task.recording or None,
         )
         assert stage.plant is not None
-        return judged(result_of(found), trial, stage.plant), None, time.monotonic() - began
+        result = judged(result_of(found), trial, stage.plant)
+        return _with_odometry(result, found), None, time.monotonic() - began
 
     return run
 
@@ -74,6 +77,24 @@ class _Body:
         stance = np.array([*middle[:2], math.atan2(ahead[1], ahead[0])])
         up = rotation_matrix(plant.data.qpos[3:7])[2, 2]
         return cls(stance, math.acos(min(1.0, float(up))), float(plant.data.qpos[2] - middle[2]))
+
+
+def _with_odometry(result: Result, run: TreeRun) -> Result:
+    """Add how wrong the robot was about itself.
+
+    Position in the end, as a share of the way from its start; heading in the end; velocity, root of the mean square,
+    with the velocity from tick to tick for the true one.
+    """
+    states, truths = run.states, run.truths
+    off, turned = odometry_error(states[-1], truths[-1])
+    way = math.dist(truths[-1].base_position[:2], truths[0].base_position[:2])
+    places = np.array([truth.base_position for truth in truths])
+    believed = np.array([state.base_linear_velocity for state in states])
+    wrong = (believed[1:] + believed[:-1]) / 2 - np.diff(places, axis=0) / DECISION_PERIOD
+    velocity = math.sqrt(float(np.mean(np.sum(wrong[:, :2] ** 2, axis=1))))
+    values = {"drift": off / way if way else 0.0, "heading_error": turned, "velocity_error": velocity}
+    units = {"heading_error": "rad", "velocity_error": "m/s"}
+    return replace(result, values={**result.values, **values}, units={**result.units, **units})
 
 
 def judged(result: Result, trial: Trial, plant: MujocoPlant) -> Result:

@@ -11,7 +11,7 @@ from typing import Any
 
 from humanoid_bt.core.ctrl_c import is_ctrl_c
 from humanoid_bt.core.errors import ControlLost, UserError
-from humanoid_bt.core.messages import Pause
+from humanoid_bt.core.messages import Pause, Truth
 from humanoid_bt.core.plain import plain
 from humanoid_bt.decision.robot import Robot
 from humanoid_bt.files.workspace import Workspace
@@ -178,6 +178,11 @@ class Drive:
             except Exception as error:
                 self.end = self._ending.bug(error)
 
+    @property
+    def truth(self) -> Truth | None:
+        """Where the robot really was at the last tick, None if nobody knows."""
+        return self._teller.truth
+
     def keep_key(self, name: str, *value: Any) -> None:
         """Keep for a replay that a program set a key of the blackboard, or without a value that it deleted it."""
         self.engine.inputs.append(Input(self.engine.clock.now(), "key", [name, *map(plain, value)]))
@@ -224,6 +229,7 @@ class Drive:
             wall_time=wall_time,
             slow_ticks=self.ticks.to_dict(),
             recording_missing=missing,
+            odometry=self._teller.odometry,
         )
         if self._options.numbered and self.report.recording_parts:
             with suppress(UserError):  # on a full disk, which is told

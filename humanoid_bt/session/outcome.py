@@ -83,6 +83,7 @@ def report_of(
     wall_time: float,
     slow_ticks: dict[str, Any],
     recording_missing: float,
+    odometry: dict[str, float] | None,
 ) -> Report:
     """Return the report of a run that is over.
 
@@ -97,6 +98,7 @@ def report_of(
         wall_time: time that took [s].
         slow_ticks: ticks that took longer than their period.
         recording_missing: time that the recording lacks [s].
+        odometry: how far the base is from where it is believed to be.
     """
     file = options.sinks.file
     return Report(
@@ -120,6 +122,7 @@ def report_of(
         fell=any(stop.mode is Mode.DAMP for stop in engine.supervisor.stops),
         stops=stops_of(engine.supervisor.stops),
         external_force_max=engine.external_force_max,
+        odometry=odometry,
         timing=asdict(engine.timing) if engine.timing else None,
         recording=str(file) if file else None,
         versions=versions(),

@@ -5,6 +5,7 @@ from __future__ import annotations
 import functools
 import importlib.metadata
 import json
+import math
 from collections.abc import Iterable, Sequence
 from dataclasses import asdict, dataclass, field
 from enum import IntEnum
@@ -90,6 +91,8 @@ class Report:
         fell: whether the robot fell.
         stops: every stop the supervisor ordered.
         external_force_max: largest external force or torque on any body [N, Nm].
+        odometry: how far the base was in the end from where it was believed to be, seen from above: off [m], and turned
+            [rad]; None where nobody knows.
         timing: how punctual the servo was in realtime mode: cycles, missed, lateness [us]; None in lockstep.
         recording: path of the recording.
         recording_parts: the files it is in, in order: more than one if it became too large for one.
@@ -123,6 +126,7 @@ class Report:
     fell: bool
     stops: list[dict[str, Any]]
     external_force_max: float
+    odometry: dict[str, float] | None
     timing: dict[str, Any] | None
     recording: str | None
     versions: dict[str, str] = field(default_factory=dict)
@@ -153,6 +157,9 @@ class Report:
         rows += self._last_results
         stops = [f"{stop['time']:.2f} s {stop['mode'].replace('_', ' ')}: {stop['reason']}" for stop in self.stops]
         rows += [("stops" if number == 0 else "", text) for number, text in enumerate(stops or ["none"])]
+        if self.odometry is not None:
+            off, turned = self.odometry["off"], math.degrees(self.odometry["turned"])
+            rows.append(("odometry", f"{off * 100:.1f} cm and {turned:.1f} deg off"))
         if self.reloads:
             refused = sum(reload.outcome == "refused" for reload in self.reloads)
             done = sum(reload.outcome == "reloaded" for reload in self.reloads)

@@ -9,7 +9,7 @@ from typing import Any
 from py_trees.common import Status
 
 from humanoid_bt.core.errors import UserError, nearest
-from humanoid_bt.core.messages import Command, Level, Percept, State
+from humanoid_bt.core.messages import Command, Level, Percept, State, Truth, odometry_error
 from humanoid_bt.core.plain import plain
 from humanoid_bt.core.texts import shortened
 from humanoid_bt.decision.result import reported
@@ -70,6 +70,8 @@ class Teller:
         trace: what is kept for the report.
         recorder: the recording, if there is one; set to None it is told no more.
         waits: whether an emergency stop is waited for, until its reset.
+        truth: where the robot really was at the last tick, None if nobody knows.
+        odometry: how far that is from where it was believed to be: off [m], turned [rad]; None likewise.
     """
 
     def __init__(self, listener: Listener, engine: Engine, given: Mapping[str, Any]) -> None:
@@ -78,6 +80,8 @@ class Teller:
         self.trace = Trace()
         self.recorder: RunRecorder | None = None
         self.waits = False
+        self.truth: Truth | None = None
+        self.odometry: dict[str, float] | None = None
         self._began = time.monotonic()
         self._ticks = 0
 
@@ -164,6 +168,9 @@ class Teller:
             took: how long the tree took, on the wall clock [s].
         """
         robot, tip = runner.robot, runner.tip
+        self.truth = truth = self._engine.truth
+        if truth is not None:
+            self.odometry = dict(zip(("off", "turned"), odometry_error(state, truth), strict=True))
         if self.recorder is not None:
             scene = self._engine.scene
             objects = {name: scene.object_position(name, state.time) for name in scene.config.objects}
@@ -175,7 +182,7 @@ class Teller:
             for path, skill in runner.reporting:
                 if skill.status is Status.RUNNING:
                     self.recorder.results(state.time, path, reported(skill))
-            if (truth := self._engine.truth) is not None:
+            if truth is not None:
                 self.recorder.truth(truth.time, [*truth.base_position.tolist(), *truth.base_quaternion.tolist()])
             tick = Tick(state, self._changes.percepts(percepts), command, took)
             self.recorder.sample(tick, robot.tracks, objects, hidden)

@@ -122,7 +122,7 @@ class Stage:
         initials = [(key, key.initial) for key in loaded.keys]
         try:
             ready = self._engines.ready(loaded, seed, staging.conditions)
-            engine = Staged(ready.engine, staging.script, seed, ready.set_strength)
+            engine = Staged(ready.engine, staging.script, seed, ready.plant)
             if staging.script:
                 _check(staging, loaded, self._remade(loaded, staging), ready)
                 for key, initial in initials:  # trying what is set has changed them
@@ -256,7 +256,8 @@ def _sample(drive: Drive, engine: Staged, listener: _Changes) -> Sample | None:
         if skill.status is Status.RUNNING:
             results[path] = dict(results_of(skill))
     keys = {key.name: key.value for key in drive.runner.tree.keys if key.is_set}
-    return Sample(state, engine.percepts, command if command.stamp == state.time else None, changes, keys, results)
+    commanded = command if command.stamp == state.time else None
+    return Sample(state, engine.percepts, commanded, changes, keys, results, drive.truth)
 
 
 class _Changes(Listener):

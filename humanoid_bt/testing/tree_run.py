@@ -10,7 +10,7 @@ from typing import Any, NamedTuple, Protocol
 from py_trees.common import Status
 
 from humanoid_bt.control.supervisor import Stop
-from humanoid_bt.core.messages import Command, Percept, State
+from humanoid_bt.core.messages import Command, Percept, State, Truth
 from humanoid_bt.decision.result import ResultValue
 from humanoid_bt.decision.robot import Robot
 from humanoid_bt.perception.track import Track
@@ -32,6 +32,7 @@ class Sample(NamedTuple):
         changes: the nodes whose status it changed.
         keys: value of every key of the tree's blackboard that has one, by name.
         results: what the skills that ran in it have reported by then: path -> name -> value, in SI units.
+        truth: where the robot really was, None in a dry run.
     """
 
     state: State
@@ -40,6 +41,7 @@ class Sample(NamedTuple):
     changes: tuple[NodeChange, ...]
     keys: Mapping[str, Any]
     results: Mapping[str, Mapping[str, ResultValue]]
+    truth: Truth | None
 
 
 class View:
@@ -181,6 +183,11 @@ class TreeRun:
     def states(self) -> list[State]:
         """The state at every tick."""
         return [sample.state for sample in self.samples]
+
+    @property
+    def truths(self) -> list[Truth]:
+        """Where the robot really was at every tick, which nobody told it; empty after a dry run."""
+        return [sample.truth for sample in self.samples if sample.truth is not None]
 
     @property
     def commands(self) -> list[Command | None]:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import pytest
 from py_trees.common import Status
 
@@ -71,6 +73,22 @@ def test_what_one_run_leaves_the_next_does_not_find(stage):
 
 
 @pytest.mark.trials
+def test_where_the_robot_really_was_is_known_beside_what_it_believed(stage, dry):
+    push = {"at": 0.1, "push": {"force": [0, 120, 0], "duration": "0.1 s"}}
+    run = stage.run("stand", duration=1.0, seed=3, script=[push])
+    both = list(zip(run.states, run.truths, strict=True))
+    assert all(state.time == truth.time for state, truth in both)
+    off = [math.dist(state.base_position[:2], truth.base_position[:2]) for state, truth in both]
+    assert 1e-5 < max(off) < 0.01
+    odometry = run.report.odometry
+    assert odometry["off"] == pytest.approx(off[-1], abs=1e-3)  # once more at rest
+    assert 0 < odometry["turned"] < math.radians(1)
+    told = f"{100 * odometry['off']:.1f} cm and {math.degrees(odometry['turned']):.1f} deg off"
+    assert dict(run.report.summary)["odometry"] == told
+    nobody = dry.run("stand", duration=0.1)
+    assert (nobody.truths, nobody.report.odometry) == ([], None)
+
+
 def test_a_robot_that_fell_stands_again_in_the_next_run(stage):
     alone = stage.run("stand", **SHORT).trace
     fallen = stage.run("stand", script=[{"at": 0, "weaken": {"joints": ["*"], "to": 0.1}}], duration=2)
