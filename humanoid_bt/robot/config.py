@@ -29,6 +29,18 @@ class SiteConfig:
 
 
 @dataclass(frozen=True, kw_only=True)
+class HandConfig(SiteConfig):
+    """A palm: a point on the hand, and two of the hand's axes, in the frame of the body that carries it."""
+
+    fingers: tuple[float, float, float] | None = param(
+        None, doc="Where the fingers point, as a direction; default: from the body's origin to the palm."
+    )
+    facing: tuple[float, float, float] | None = param(
+        None, doc="Where the palm faces, as a direction; default: to the other side (along y), or down (-z)."
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
 class LegConfig:
     """The joints and the sole of one leg."""
 
@@ -127,6 +139,11 @@ class WholeBodyConfig:
     hand_lead: float = param(
         0.08, above=0, unit="m", doc="Farthest a hand's reference is ahead of the planned hand: bounds its pull."
     )
+    hand_orientation: float = param(1.5, above=0, doc="Cost of a commanded hand's orientation or direction.")
+    hand_turn_speed: float = param(1.5, above=0, unit="rad/s", doc="Speed at which a hand's reference turns.")
+    hand_turn_lead: float = param(
+        0.3, above=0, unit="rad", doc="Farthest a hand's reference is turned ahead of the planned hand."
+    )
     hand_integral: float = param(2.0, minimum=0, doc="Gain on a hand's measured error near its target [1/s].")
     hand_farthest: float = param(
         0.6,
@@ -135,6 +152,9 @@ class WholeBodyConfig:
         doc="While it walks, a hand whose target is farther away than this is let go.",
     )
     hand_nearest: float = param(0.1, unit="m", doc="While it walks, a hand whose target is less far ahead is let go.")
+    arm: float = param(8.0, above=0, doc="Cost of commanded arm joints.")
+    arm_speed: float = param(1.5, above=0, unit="rad/s", doc="Speed of the references of commanded arm joints.")
+    arm_lead: float = param(0.2, above=0, unit="rad", doc="Farthest these are ahead of the planned joint.")
     gaze_speed: float = param(1.5, above=0, unit="rad/s", doc="Speed of the gaze's reference.")
     gaze_yaw: float = param(2.35, above=0, unit="rad", doc="Farthest the gaze turns, with the torso's help.")
     gaze_below: float = param(
@@ -188,7 +208,7 @@ class RobotConfig:
     torso: str = param(doc="Body that carries the arms.")
     legs: dict[str, LegConfig] = param(doc="The legs: left and right.")
     sole: SoleConfig = param(doc="Shape of both soles.")
-    hands: dict[str, SiteConfig] = param({}, doc="Palms: left, right, or none.")
+    hands: dict[str, HandConfig] = param({}, doc="Palms: left, right, or none.")
     gaze: SiteConfig = param(doc="The eyes, x in the direction of view.")
     neck: NeckConfig | None = param(None, doc="Neck joints, if it has any.")
     drives: list[DriveConfig] = param(doc="Drives of all joints; the first group that matches a joint counts.")

@@ -10,9 +10,10 @@ import mujoco
 import numpy as np
 
 from humanoid_bt.core.errors import Place, Problem, UserError, nearest, relative
-from humanoid_bt.core.messages import SIDES, Array
+from humanoid_bt.core.messages import SIDES, Array, Side
 from humanoid_bt.robot import mujoco_warnings
 from humanoid_bt.robot.config import RobotConfig, SiteConfig
+from humanoid_bt.robot.palm import palm_axes
 
 BASE_DOFS = 6
 BASE_COORDINATES = 7
@@ -66,6 +67,8 @@ class RobotModel:
         speed_limit: shape (nj,) [rad/s].
         home_qpos: home posture above the origin, feet not yet on the ground, shape (7 + nj,).
         mass: [kg].
+        palm_axes: of each hand the rotation from its palm's frame (x along the fingers, z where the palm faces) to that
+            of its body, shape (3, 3).
     """
 
     def __init__(self, config: RobotConfig) -> None:
@@ -85,11 +88,21 @@ class RobotModel:
         self.upper: Array = np.where(limited, model.jnt_range[1:, 1] - margin, np.inf)
         home = np.array([config.home_angle(name) for name in self.joint_names])
         self.home_qpos: Array = np.concatenate([model.qpos0[:BASE_COORDINATES], np.clip(home, self.lower, self.upper)])
+        self.palm_axes: dict[Side, Array] = {side: palm_axes(config, side) for side in SIDES if side in config.hands}
         self.mass = float(model.body_subtreemass[model.body(config.base).id])
 
     def joint(self, name: str) -> int:
         """Return a joint's index in the arrays over joints."""
         return self.joint_names.index(name)
+
+    def arm_joints(self, side: Side) -> list[int]:
+        """Return the joints between the torso and a hand, as indices of the arrays over joints; none without hands."""
+        model, config = self.model, self.config
+        if side not in config.hands:
+            return []
+        trunk = carriers(model, model.body(config.torso).id)
+        arm = set(carriers(model, model.body(config.hands[side].body).id)) - set(trunk)
+        return [j - 1 for j in range(1, model.njnt) if int(model.jnt_bodyid[j]) in arm]
 
     @property
     def leg_joints(self) -> list[int]:
