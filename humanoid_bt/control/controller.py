@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from humanoid_bt.control.body.palm_task import PalmGoal, palm_in_world, turn_left
 from humanoid_bt.control.body.whole_body import WholeBody
 from humanoid_bt.control.cycle_log import CycleLog
 from humanoid_bt.control.dynamics import RobotDynamics
@@ -14,6 +15,7 @@ from humanoid_bt.control.estimator.estimator import Estimator
 from humanoid_bt.control.servo import Servo
 from humanoid_bt.control.supervisor import Supervisor
 from humanoid_bt.core.clock import WHOLE_BODY_PERIOD, cycles
+from humanoid_bt.core.geometry import quaternion
 from humanoid_bt.core.messages import (
     SIDES,
     Array,
@@ -28,6 +30,7 @@ from humanoid_bt.core.messages import (
     State,
 )
 from humanoid_bt.plant.interface import Plant
+from humanoid_bt.robot.arms import arms_of
 from humanoid_bt.robot.model import BASE_COORDINATES, BASE_DOFS, RobotModel
 
 _SETTLED_AFTER = 0.2  # s of standing
@@ -53,7 +56,7 @@ class Controller:
 
     def __init__(self, robot: RobotModel, plant: Plant, place: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> None:
         self._robot, self._plant = robot, plant
-        self.supervisor = Supervisor(robot.config.fall)
+        self.supervisor = Supervisor(robot.config.fall, arms_of(robot))
         dynamics = RobotDynamics(robot)
         self.estimator = Estimator(robot, dynamics)
         self.whole_body = WholeBody(robot, dynamics)
@@ -150,6 +153,7 @@ class Controller:
         estimate, body, supervisor = self.estimator.estimate, self.whole_body, self.supervisor
         dynamics, walker, command = body.dynamics, body.walker, supervisor.command
         joint_command = self.servo.command
+        hand_errors, turn_errors = self._hand_errors(dynamics)
         feet: dict[Side, FootPose] = {side: dynamics.foot_pose(side) for side in SIDES}
         return State(
             time=estimate.time,
@@ -167,6 +171,7 @@ class Controller:
             com=dynamics.com,
             com_velocity=dynamics.com_velocity,
             hands=dynamics.hands,
+            hand_orientations={side: quaternion(dynamics.palm_frame(side)) for side in dynamics.hands},
             feet=feet,
             stance=walker.stance,
             gaze_position=dynamics.gaze_position,
@@ -181,7 +186,8 @@ class Controller:
             command_sequence=command.sequence if command else -1,
             command_sources=command.sources if command else {},
             targets=supervisor.targets,
-            hand_errors=self._hand_errors(dynamics.hands),
+            hand_errors=hand_errors,
+            hand_turn_errors=turn_errors,
             hand_obstacles=body.kinematics.hand_obstacles,
             limit_flags=self._limit_flags(),
         )
@@ -192,14 +198,23 @@ class Controller:
         limited = self.servo.limited | (np.abs(self.estimator.estimate.joint_torque) >= robot.torque_limit)
         return tuple(robot.joint_names[i] for i in np.flatnonzero(limited))
 
-    def _hand_errors(self, hands: dict[Side, Array]) -> dict[Side, float]:
+    def _hand_errors(self, dynamics: RobotDynamics) -> tuple[dict[Side, float], dict[Side, float]]:
+        """Return how far the hands are from their targets [m], and how far they are turned from them [rad]."""
         errors: dict[Side, float] = {}
-        for side, palm in hands.items():
+        turns: dict[Side, float] = {}
+        for side, palm in dynamics.hands.items():
             target = self.supervisor.targets.get(f"{side}_hand")
-            if isinstance(target, HandTarget):
-                offset = target.position - palm
-                errors[side] = float((offset @ offset) ** 0.5)
-        return errors
+            if not isinstance(target, HandTarget):
+                continue
+            goal = PalmGoal(target.position, target.orientation, target.relative)
+            if goal.relative:
+                leader: Side = "left" if side == "right" else "right"
+                goal = palm_in_world(goal, dynamics.palm(leader), dynamics.palm_frame(leader))
+            offset = goal.position - palm
+            errors[side] = float((offset @ offset) ** 0.5)
+            if goal.orientation is not None:
+                turns[side] = turn_left(dynamics.palm_frame(side), goal.orientation)
+        return errors, turns
 
 
 def _foot_pose(pose: Array) -> FootPose:

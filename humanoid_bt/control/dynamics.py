@@ -34,6 +34,7 @@ class RobotDynamics:
         self._sole = {side: robot.model.site(sole_site(side)).id for side in SIDES}
         self._soles = list(self._sole.values())
         self._palm = {side: robot.model.site(palm_site(side)).id for side in robot.config.hands if side in SIDES}
+        self._palm_axes = robot.palm_axes
         self._gaze = robot.model.site(GAZE_SITE).id
         self._foot = {side: robot.model.body(robot.config.legs[side].sole.body).id for side in SIDES}
         self.com: Array = np.zeros(3)
@@ -100,6 +101,10 @@ class RobotDynamics:
     def palm(self, side: Side) -> Array:
         """Return a palm's position, shape (3,)."""
         return np.array(self.data.site_xpos[self._palm[side]])
+
+    def palm_frame(self, side: Side) -> Array:
+        """Return how a palm is turned: the rotation matrix of its frame, shape (3, 3)."""
+        return np.asarray(self.data.site_xmat[self._palm[side]].reshape(3, 3) @ self._palm_axes[side])
 
     @property
     def hands(self) -> dict[Side, Array]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import get_args
 
 import numpy as np
 
@@ -12,17 +13,23 @@ from humanoid_bt.core.clock import SERVO_PERIOD, cycles
 from humanoid_bt.core.kept import Kept
 from humanoid_bt.core.messages import (
     RESOURCES,
+    SIDES,
+    ArmTarget,
+    Array,
     BaseTarget,
     Command,
     Estimate,
     GazeTarget,
     HandTarget,
     Mode,
+    PalmAxis,
     Pause,
+    Pointing,
     PostureTarget,
     Target,
 )
 from humanoid_bt.core.texts import shortened
+from humanoid_bt.robot.arms import Arms, joints_fault, speed_fault
 from humanoid_bt.robot.config import FallConfig
 from humanoid_bt.robot.model import BASE_COORDINATES
 
@@ -40,11 +47,12 @@ _COMMANDED = (Mode.RUN, Mode.PAUSED)  # decision is heard, and nothing stops the
 
 _WORKSPACE = 1000.0  # m from the world's origin beyond which a target is malformed
 _HEIGHT_OFFSET = 0.5  # m
+_UNIT = 1e-3  # of a length from 1, of directions and quaternions
 
-_TARGET_TYPES: dict[str, type] = {
+_TARGET_TYPES: dict[str, type | tuple[type, ...]] = {
     "base": BaseTarget,
-    "left_hand": HandTarget,
-    "right_hand": HandTarget,
+    "left_hand": (HandTarget, ArmTarget),
+    "right_hand": (HandTarget, ArmTarget),
     "gaze": GazeTarget,
     "posture": PostureTarget,
 }
@@ -74,6 +82,7 @@ class Supervisor:
 
     Args:
         fall: when the robot counts as falling.
+        arms: joints that can be commanded by name.
 
     Attributes:
         mode: what is allowed now.
@@ -83,8 +92,8 @@ class Supervisor:
         rejected: what was refused so far, as text: commands, and setpoints that the body could not plan; as of stops.
     """
 
-    def __init__(self, fall: FallConfig) -> None:
-        self._fall = fall
+    def __init__(self, fall: FallConfig, arms: Arms | None = None) -> None:
+        self._fall, self._arms = fall, arms or {}
         self._least_upright = math.cos(fall.tilt)
         self._decision_timeout = cycles(DECISION_TIMEOUT)
         self._no_solution_timeout = cycles(NO_SOLUTION_TIMEOUT)
@@ -167,10 +176,17 @@ class Supervisor:
         for resource, target in command.targets.items():
             if resource not in RESOURCES or not isinstance(target, _TARGET_TYPES[resource]):
                 return f"{resource!r} cannot take a {type(target).__name__}"
-            fault = _target_fault(target)
+            if isinstance(target, ArmTarget):
+                fault = self._joints_fault(resource, target)
+            else:
+                fault = _target_fault(target) or _manner_fault(resource, target, command)
             if fault:
                 return f"the target of {resource!r} {fault} (from {command.sources.get(resource, 'unknown')!r})"
         return ""
+
+    def _joints_fault(self, resource: str, target: ArmTarget) -> str:
+        side = next(side for side in SIDES if resource == f"{side}_hand")
+        return joints_fault(self._arms, side, target.joints) or speed_fault(target.speed)
 
     # ---- every servo cycle ----------------------------------------------------------------------------------------
 
@@ -249,7 +265,7 @@ def reset_text(source: str, refusal: str) -> str:
     return f"reset by {source}: " + (f"refused: {refusal}" if refusal else "done")
 
 
-def _target_fault(target: Target) -> str:
+def _target_fault(target: BaseTarget | HandTarget | GazeTarget | PostureTarget) -> str:
     match target:
         case BaseTarget(position=position, heading=heading):
             values, shape, number, limit = position, (2,), heading, _WORKSPACE
@@ -265,3 +281,32 @@ def _target_fault(target: Target) -> str:
     if max(map(abs, numbers)) > limit:
         return "is out of range"
     return ""
+
+
+def _manner_fault(resource: str, target: Target, command: Command) -> str:
+    """Return what is wrong with how a hand is to move, besides where to."""
+    if not isinstance(target, HandTarget):
+        return ""
+    if target.orientation is not None and (fault := _orientation_fault(target.orientation)):
+        return fault
+    if target.relative:
+        leader = "left_hand" if resource == "right_hand" else "right_hand"
+        leads = command.targets.get(leader)
+        if not isinstance(leads, HandTarget) or leads.relative:
+            return f"is relative to {leader!r}, for which there is no position in the world"
+    return speed_fault(target.speed)
+
+
+def _orientation_fault(orientation: Array | Pointing) -> str:
+    if isinstance(orientation, Pointing):
+        values, size, what = orientation.direction, 3, "direction"
+        if orientation.axis not in get_args(PalmAxis):
+            return f"points along {orientation.axis!r}, which is no axis of a palm"
+    else:
+        values, size, what = orientation, 4, "orientation"
+    if not isinstance(values, np.ndarray) or values.shape != (size,) or values.dtype.kind not in "fi":
+        return f"has a malformed {what}"
+    length = math.sqrt(values @ values)
+    if not math.isfinite(length):
+        return f"has a {what} that is not finite"
+    return f"has a {what} of length {length:.3g} and not 1" if abs(length - 1) > _UNIT else ""

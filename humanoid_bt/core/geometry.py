@@ -31,6 +31,53 @@ def rotation_matrix(quaternion: Array) -> Array:
     )
 
 
+def quaternion(matrix: Array) -> Array:
+    """Return the unit quaternion, shape (4,), of a rotation matrix, shape (3, 3): the one with w >= 0.
+
+    The largest part is found first, and the others by it (Shepperd, "Quaternion from rotation matrix", 1978).
+    """
+    (a, b, c), (d, e, f), (g, h, i) = matrix.tolist()
+    squares = (1 + a + e + i, 1 + a - e - i, 1 - a + e - i, 1 - a - e + i)  # of w, x, y, z, four times
+    largest = max(range(4), key=squares.__getitem__)
+    rows = (
+        (squares[0], h - f, c - g, d - b),
+        (h - f, squares[1], b + d, c + g),
+        (c - g, b + d, squares[2], f + h),
+        (d - b, c + g, f + h, squares[3]),
+    )
+    found: Array = np.array(rows[largest])
+    return found * (math.copysign(1.0, found[0]) / math.sqrt(found @ found))
+
+
+def quaternion_product(first: Array, second: Array) -> Array:
+    """Return the quaternion, shape (4,), that turns as ``second`` does and then as ``first`` does."""
+    return np.array(_product(first.tolist(), second.tolist()))
+
+
+def turn_between(start: Array, end: Array) -> Array:
+    """Return the rotation vector, shape (3,), that turns ``start`` into ``end``, in the frame of both; quaternions."""
+    inverse = start * [1.0, -1.0, -1.0, -1.0]
+    return log(np.concatenate([[0.0, 0.0, 0.0], quaternion_product(end, inverse)]))[3:]
+
+
+def turned(orientation: Array, turn: Array) -> Array:
+    """Return a quaternion, shape (4,), after it was turned by a rotation vector, shape (3,), of its outer frame."""
+    after = quaternion_product(exp(np.concatenate([[0.0, 0.0, 0.0], turn]))[3:], orientation)
+    return np.asarray(after / math.sqrt(after @ after))
+
+
+def turn_of_axis(start: Array, end: Array) -> Array:
+    """Return the shortest rotation vector, shape (3,), that turns a unit vector into another one."""
+    across = np.array(_cross(start.tolist(), end.tolist()))
+    sine, cosine = math.sqrt(across @ across), float(start @ end)
+    if sine > _SMALL:
+        return np.asarray(across * (math.atan2(sine, cosine) / sine))
+    if cosine > 0:
+        return across
+    aside = np.array(_cross(start.tolist(), np.eye(3)[int(np.argmin(np.abs(start)))].tolist()))
+    return np.asarray(aside * (math.pi / math.sqrt(aside @ aside)))
+
+
 def planar_pose(x: float, y: float, z: float, yaw: float) -> Array:
     """Return the pose, shape (7,), of something upright at a position, turned by ``yaw``."""
     return np.array([x, y, z, math.cos(yaw / 2), 0.0, 0.0, math.sin(yaw / 2)])

@@ -45,15 +45,51 @@ class BaseTarget:
     heading: float
 
 
+PalmAxis = Literal["fingers", "facing"]
+"""An axis of a palm: where its fingers point (x of its frame), or where it faces (z)."""
+
+
 @dataclass(frozen=True, slots=True)
-class HandTarget:
-    """Where to bring a palm.
+class Pointing:
+    """Where an axis of a palm is to point; about it the hand may turn as it likes.
 
     Attributes:
-        position: shape (3,), world frame [m].
+        direction: unit vector, shape (3,), in the frame of the target.
+        axis: which one.
+    """
+
+    direction: Array
+    axis: PalmAxis = "fingers"
+
+
+@dataclass(frozen=True, slots=True)
+class HandTarget:
+    """Where to bring a palm, and how to turn it.
+
+    Attributes:
+        position: shape (3,) [m].
+        orientation: of the palm's frame, wxyz, shape (4,), or where one of its axes is to point; any if None.
+        relative: both are as seen from the other palm, in its frame, and not in the world.
+        speed: at most this fast [m/s], and turning as much slower than it can; the robot's own limit if None.
     """
 
     position: Array
+    orientation: Array | Pointing | None = None
+    relative: bool = False
+    speed: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class ArmTarget:
+    """How to hold the joints of an arm; those that are not named go home.
+
+    Attributes:
+        joints: name -> angle [rad].
+        speed: at most this fast [rad/s]; the robot's own limit if None.
+    """
+
+    joints: Mapping[str, float]
+    speed: float | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,7 +114,20 @@ class PostureTarget:
     height: float
 
 
-Target = BaseTarget | HandTarget | GazeTarget | PostureTarget
+Target = BaseTarget | HandTarget | ArmTarget | GazeTarget | PostureTarget
+
+
+@dataclass(frozen=True, slots=True)
+class Pose:
+    """Where something is, and how it is turned.
+
+    Attributes:
+        position: shape (3,), world frame [m].
+        quaternion: wxyz, shape (4,), of its frame in the world.
+    """
+
+    position: Array
+    quaternion: Array
 
 
 @dataclass(frozen=True, slots=True)
@@ -289,6 +338,8 @@ class State:
             [rad, m/s, m].
         com, com_velocity: centre of mass, world frame, shape (3,) [m], [m/s].
         hands: palm positions, world frame, side -> shape (3,) [m].
+        hand_orientations: of the palms' frames, x along the fingers, z where the palm faces: world frame, wxyz, side ->
+            shape (4,).
         feet: measured sole poses.
         stance: middle between the feet on the ground and its heading, world frame, shape (3,): x, y [m], yaw [rad].
         gaze_position: where the gaze site is, world frame, shape (3,) [m].
@@ -304,6 +355,7 @@ class State:
         command_sources: resource -> path of the node, of the command in force.
         targets: resource -> target, of the command in force.
         hand_errors: measured distance of each commanded palm to its target [m].
+        hand_turn_errors: how far each palm whose orientation or direction is commanded is turned from it [rad].
         hand_obstacles: the own link that keeps a commanded palm from its target, by the name of its body; a hand that
             none keeps is missing.
         limit_flags: joints at a soft, rate or torque limit in this cycle, by name.
@@ -324,6 +376,7 @@ class State:
     com: Array
     com_velocity: Array
     hands: Mapping[Side, Array]
+    hand_orientations: Mapping[Side, Array]
     feet: Mapping[Side, FootPose]
     stance: Array
     gaze_position: Array
@@ -339,6 +392,7 @@ class State:
     command_sources: Mapping[str, str]
     targets: Mapping[str, Target]
     hand_errors: Mapping[Side, float]
+    hand_turn_errors: Mapping[Side, float]
     hand_obstacles: Mapping[Side, str]
     limit_flags: tuple[str, ...]
 
@@ -367,6 +421,6 @@ def frozen(state: State) -> State:
     """Return a state after nobody can write into its arrays any more: what one skill sees is what all see."""
     for name in _ARRAYS:
         getattr(state, name).setflags(write=False)
-    for hand in state.hands.values():
+    for hand in (*state.hands.values(), *state.hand_orientations.values()):
         hand.setflags(write=False)
     return state

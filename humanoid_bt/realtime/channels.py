@@ -17,7 +17,7 @@ from humanoid_bt.realtime.timing import STOP_ROOM
 
 _ESTOP, _LEFT = "estop", "left"
 _SIZES: dict[str, tuple[int, int]] = {  # ring -> (bytes in a slot, slots)
-    "command": (8192, 8),  # decision -> control
+    "command": (16384, 8),  # decision -> control
     "request": (4096, 8),  # decision -> control: a stop, with source and reason
     "state": (16384, 16),  # control -> all; 80 ms at 200 Hz
     "truth": (256, 8),  # plant -> perception, decision: where the simulated robot really is

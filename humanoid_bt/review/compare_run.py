@@ -226,7 +226,7 @@ def _first_difference(name: str, one: Any, other: Any, tolerance: float) -> tupl
 def _equal(one: Any, other: Any, tolerance: float) -> bool:
     if isinstance(one, (int, float)) and isinstance(other, (int, float)):
         return one == other or abs(one - other) <= tolerance or (math.isnan(one) and math.isnan(other))
-    return bool(one == other)
+    return type(one) is type(other) and bool(one == other)
 
 
 def _texts(one: Any, other: Any) -> tuple[str, str]:

@@ -2,11 +2,22 @@
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Iterable, Iterator
 from typing import Any
 
-from humanoid_bt.core.messages import SIDES, BaseTarget, GazeTarget, HandTarget, PostureTarget, Target
+from humanoid_bt.core.messages import (
+    SIDES,
+    ArmTarget,
+    Array,
+    BaseTarget,
+    GazeTarget,
+    HandTarget,
+    Pointing,
+    PostureTarget,
+    Target,
+)
 from humanoid_bt.record.tick import Tick
 from humanoid_bt.review.happened import Row, Running
 
@@ -77,7 +88,27 @@ def target_values(target: Target) -> dict[str, Any]:
     match target:
         case BaseTarget(position, heading):
             return {"x": float(position[0]), "y": float(position[1]), "heading": heading}
-        case HandTarget(position) | GazeTarget(position):
-            return dict(zip("xyz", map(float, position), strict=False))
+        case HandTarget(position):
+            return {**_numbers(position, "xyz"), **_manner(target), "speed": target.speed}
+        case ArmTarget(joints, speed):
+            return {"joints": json.dumps(dict(joints)), "speed": speed}
+        case GazeTarget(point):
+            return _numbers(point, "xyz")
         case PostureTarget(height):
             return {"height": height}
+
+
+def _manner(hand: HandTarget) -> dict[str, Any]:
+    """Return how a hand is to move, besides where to and how fast."""
+    values: dict[str, Any] = {"relative": hand.relative}
+    match hand.orientation:
+        case None:
+            return values
+        case Pointing(direction, axis):
+            return {**values, "axis": axis, **_numbers(direction, ("dx", "dy", "dz"))}
+        case orientation:
+            return {**values, **_numbers(orientation, ("qw", "qx", "qy", "qz"))}
+
+
+def _numbers(values: Array, names: Iterable[str]) -> dict[str, float]:
+    return dict(zip(names, map(float, values), strict=False))

@@ -6,7 +6,16 @@ import math
 import re
 from collections.abc import Mapping
 
-from humanoid_bt.core.messages import BaseTarget, GazeTarget, HandTarget, PostureTarget, Target
+from humanoid_bt.core.messages import (
+    ArmTarget,
+    Array,
+    BaseTarget,
+    GazeTarget,
+    HandTarget,
+    Pointing,
+    PostureTarget,
+    Target,
+)
 from humanoid_bt.core.texts import one_line
 from humanoid_bt.core.units import readable
 from humanoid_bt.review.history import Change, Sight
@@ -59,11 +68,31 @@ def target(resource: str, of: Target) -> str:
         case BaseTarget(position=position, heading=heading):
             return f"{name} to {_point(position)}, heading {math.degrees(heading):.0f} deg"
         case HandTarget(position=position):
-            return f"{name} to {_point(position)}"
+            return f"{name} to {_point(position)}{_manner(of)}"
+        case ArmTarget(joints=joints):
+            angles = ", ".join(f"{joint} {math.degrees(angle):.0f}" for joint, angle in joints.items())
+            return f"{name.replace('hand', 'arm')} at {angles} deg{_at_most(of.speed, 'rad/s')}"
         case GazeTarget(point=point):
             return f"{name} at {_point(point)}"
         case PostureTarget(height=height):
             return f"{name} {height * 100:+.1f} cm"
+
+
+def _manner(hand: HandTarget) -> str:
+    """Return how a hand is to move, besides where to."""
+    said = " from the other palm" if hand.relative else ""
+    match hand.orientation:
+        case None:
+            pass
+        case Pointing(direction=direction, axis=axis):
+            said += f", {axis} along {_numbers(direction)}"
+        case orientation:
+            said += f", turned to {_numbers(orientation)}"
+    return said + _at_most(hand.speed, "m/s")
+
+
+def _at_most(speed: float | None, unit: str) -> str:
+    return "" if speed is None else f", at most {speed:g} {unit}"
 
 
 def command(number: int, targets: Mapping[str, Target], sources: Mapping[str, str]) -> str:
@@ -82,5 +111,9 @@ def sight(of: Sight) -> str:
     return f"{of.name} seen {age}, confidence {of.confidence:.2f}, {readable(of.distance, 'm')} away"
 
 
-def _point(position: object) -> str:
-    return "(" + ", ".join(f"{number:.2f}" for number in position.tolist()) + ") m"  # type: ignore[attr-defined]
+def _point(position: Array) -> str:
+    return f"{_numbers(position)} m"
+
+
+def _numbers(values: Array) -> str:
+    return "(" + ", ".join(f"{number:.2f}" for number in values.tolist()) + ")"

@@ -5,19 +5,29 @@ from __future__ import annotations
 import math
 from collections import deque
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 
 import mujoco
 import numpy as np
 
+from humanoid_bt.control.body.palm_task import PalmGoal, axis_of, palm_in_world
 from humanoid_bt.control.dynamics import RobotDynamics
 from humanoid_bt.control.supervisor import Supervisor, reset_text
 from humanoid_bt.core.clock import DECISION_PERIOD, PERCEPTION_PERIOD, CycleClock, cycles
 from humanoid_bt.core.errors import UserError
-from humanoid_bt.core.geometry import planar_pose, pose_product
+from humanoid_bt.core.geometry import (
+    planar_pose,
+    pose_product,
+    quaternion,
+    rotation_matrix,
+    turn_of_axis,
+    turned,
+)
 from humanoid_bt.core.kept import Kept
 from humanoid_bt.core.messages import (
     SIDES,
+    ArmTarget,
     Array,
     BaseTarget,
     Command,
@@ -27,6 +37,7 @@ from humanoid_bt.core.messages import (
     GazeTarget,
     HandTarget,
     Percept,
+    Pointing,
     PostureTarget,
     Side,
     State,
@@ -36,10 +47,12 @@ from humanoid_bt.link.wire import Event
 from humanoid_bt.perception.source import PerceptSource
 from humanoid_bt.plant.mujoco_plant import MujocoPlant
 from humanoid_bt.plant.scene import Scene
+from humanoid_bt.robot.arms import arms_of
 from humanoid_bt.robot.model import BASE_COORDINATES, BASE_DOFS, RobotModel
 from humanoid_bt.session.engine import Input
 from humanoid_bt.tree.tree import Tree
 
+_UNTURNED = np.array([1.0, 0.0, 0.0, 0.0])
 _GRAVITY = 9.81  # m/s^2
 _DECISION, _LOOK = cycles(DECISION_PERIOD), cycles(PERCEPTION_PERIOD)
 
@@ -62,7 +75,7 @@ class Dry:
     def __init__(self, robot: RobotModel, start: Array, scene: Scene, perception: PerceptSource) -> None:
         self.robot = robot
         self.clock = CycleClock()
-        self.supervisor = Supervisor(robot.config.fall)
+        self.supervisor = Supervisor(robot.config.fall, arms_of(robot))
         joints = len(robot.joint_names)
         self._measured = Estimate(0.0, start, np.zeros(BASE_DOFS + joints), np.zeros(joints), np.zeros(2))
         self._body = _Body(robot, self._measured)
@@ -163,8 +176,10 @@ class _Body:
     """
 
     def __init__(self, robot: RobotModel, measured: Estimate) -> None:
-        dynamics = RobotDynamics(robot)
+        self._names = robot.joint_names
+        self._dynamics = dynamics = RobotDynamics(robot)
         dynamics.update(measured)
+        self._home, self._frames = measured, {side: dynamics.palm_frame(side) for side in dynamics.hands}
         self._hands: tuple[Side, ...] = tuple(dynamics.hands)
         self._feet = {side: dynamics.foot_pose(side) for side in SIDES}
         hands = (dynamics.hands[side] for side in self._hands)
@@ -172,9 +187,9 @@ class _Body:
         self._points = np.array(points)
         self._forward = dynamics.gaze_direction
         self._pose = measured.qpos[:BASE_COORDINATES].copy()
-        self._joints = _kept(measured.qpos[BASE_COORDINATES:].copy())
+        self._home_joints = _kept(measured.qpos[BASE_COORDINATES:].copy())
         self._certain = _kept(np.zeros((9, 9)))
-        self._zeros, self._nothing = _kept(np.zeros(len(self._joints))), _kept(np.zeros(3))
+        self._zeros, self._nothing = _kept(np.zeros(len(self._home_joints))), _kept(np.zeros(3))
         self._weight = robot.mass * _GRAVITY / len(SIDES)
         self.stand_at(np.zeros(2), 0.0)
 
@@ -187,6 +202,7 @@ class _Body:
         self._stance = _kept(np.array([x, y, heading]))
         self._placed = self._points @ turn.T + ground
         self._ahead = _kept(turn @ self._forward)
+        self._turn = turn
         self._base = _kept(pose_product(planar_pose(x, y, 0.0, heading), self._pose))
         self._stood: dict[Side, FootPose] = {}
         for side, foot in self._feet.items():
@@ -198,7 +214,11 @@ class _Body:
         """Command nothing but where it stands."""
         self._up = np.zeros(3)
         self._looks = self._ahead
-        self._held: dict[Side, Array] = {}
+        self._joints = self._home_joints
+        self._held: dict[Side, Array] = {}  # palms
+        self._frames_now = {side: self._turn @ frame for side, frame in self._frames.items()}
+        self._errors: dict[Side, float] = {}
+        self._turn_errors: dict[Side, float] = {}
 
     def obey(self, supervisor: Supervisor) -> None:
         """Be where the targets in force say."""
@@ -207,17 +227,52 @@ class _Body:
         if isinstance(base, BaseTarget) and (*base.position.tolist(), base.heading) != tuple(self._stance.tolist()):
             self.stand_at(base.position, base.heading)
         self._rest()
-        for resource, target in targets.items():
-            match target:
-                case HandTarget(position=position):
-                    self._held["left" if resource == "left_hand" else "right"] = position
-                case PostureTarget(height=height):
-                    self._up = np.array([0.0, 0.0, height])
+        posture = targets.get("posture")
+        if isinstance(posture, PostureTarget):
+            self._up = np.array([0.0, 0.0, posture.height])
+        hands = {side: target for side in SIDES if (target := targets.get(f"{side}_hand"))}
+        for side, hand in hands.items():
+            if isinstance(hand, ArmTarget):
+                self._bend(side, hand)
+        for side in sorted(hands, key=lambda side: isinstance(of := hands[side], HandTarget) and of.relative):
+            if isinstance(hand := hands[side], HandTarget):
+                self._bring(side, hand)
         gaze = targets.get("gaze")
         if isinstance(gaze, GazeTarget):
             offset = gaze.point - (self._placed[1] + self._up)
             distance = math.sqrt(offset @ offset)
             self._looks = _kept(offset / distance) if distance > 0 else self._ahead
+
+    def _bend(self, side: Side, target: ArmTarget) -> None:
+        """Have an arm's joints where they are told to be, and the palm where that brings it."""
+        joints = self._joints.copy()
+        for name, angle in target.joints.items():
+            joints[self._names.index(name)] = angle
+        self._joints = _kept(joints)
+        qpos = np.concatenate([self._base, joints])
+        qpos[2] += self._up[2]
+        self._dynamics.update(replace(self._home, qpos=qpos))
+        self._held[side] = _kept(self._dynamics.palm(side))
+        self._frames_now[side] = self._dynamics.palm_frame(side)
+
+    def _bring(self, side: Side, target: HandTarget) -> None:
+        """Have a palm where it is told to be, turned as it is told."""
+        goal = PalmGoal(target.position, target.orientation, target.relative)
+        if goal.relative:
+            leader: Side = "left" if side == "right" else "right"
+            goal = palm_in_world(goal, self._held[leader], self._frames_now[leader])
+        self._held[side] = _kept(goal.position)
+        self._errors[side] = 0.0
+        match goal.orientation:
+            case None:
+                return
+            case Pointing(direction=direction, axis=axis):
+                frame = self._frames_now[side]
+                turn = turn_of_axis(axis_of(frame, axis), direction)
+                self._frames_now[side] = rotation_matrix(turned(_UNTURNED, turn)) @ frame
+            case orientation:
+                self._frames_now[side] = rotation_matrix(orientation)
+        self._turn_errors[side] = 0.0
 
     def state(self, time: float, cycle: int, supervisor: Supervisor) -> State:
         """Return the robot's state."""
@@ -240,6 +295,7 @@ class _Body:
             com=com,
             com_velocity=self._nothing,
             hands=placed,
+            hand_orientations={side: _kept(quaternion(self._frames_now[side])) for side in self._hands},
             feet=self._stood,
             stance=self._stance,
             gaze_position=gaze,
@@ -254,7 +310,8 @@ class _Body:
             command_sequence=command.sequence if command else -1,
             command_sources=command.sources if command else {},
             targets=supervisor.targets,
-            hand_errors=dict.fromkeys(self._held, 0.0),
+            hand_errors=dict(self._errors),
+            hand_turn_errors=dict(self._turn_errors),
             hand_obstacles={},
             limit_flags=(),
         )

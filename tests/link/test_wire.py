@@ -12,6 +12,7 @@ import pytest
 
 from humanoid_bt.core.errors import HumanoidBtError
 from humanoid_bt.core.messages import (
+    ArmTarget,
     BaseTarget,
     Command,
     FootPose,
@@ -21,6 +22,7 @@ from humanoid_bt.core.messages import (
     Mode,
     Pause,
     Percept,
+    Pointing,
     PostureTarget,
     State,
     Target,
@@ -35,6 +37,14 @@ TARGETS: dict[str, Target] = {
     "base": BaseTarget(np.array([0.1, -0.0]), math.pi),
     "left_hand": HandTarget(np.array([math.nan, math.inf, 5e-324])),
     "posture": PostureTarget(-0.05),
+}
+MANNERS: dict[str, Target] = {
+    "left_hand": HandTarget(np.array([0.1, 0.2, math.nan]), np.array([0.5, -0.5, math.inf, -0.0]), speed=0.1),
+    "right_hand": HandTarget(np.array([0.0, -0.0, 0.3]), Pointing(np.array([0.0, 0.0, -1.0]), "facing"), relative=True),
+}
+ARMS: dict[str, Target] = {
+    "left_hand": ArmTarget({"linker_ellbogen_ü": -1.2, "left_wrist_yaw": math.nan}, speed=0.4),
+    "right_hand": ArmTarget({}),
 }
 SOURCES = {"gaze": "fetch/look", "base": "fetch/größe/approach", "posture": ""}
 COMMAND = Command(12, 0.24, TARGETS, SOURCES)
@@ -85,6 +95,8 @@ def make_state(joints: int = 31) -> State:
         command_sources=SOURCES,
         targets=TARGETS,
         hand_errors={"right": 0.02},
+        hand_orientations={"left": array(4)},
+        hand_turn_errors={"left": 0.5},
         hand_obstacles={"right": "linker_unterarm_ü"},
         limit_flags=("left_knee", "schulter_ü"),
     )
@@ -93,7 +105,8 @@ def make_state(joints: int = 31) -> State:
 STATE = make_state()
 BARE_STATE = replace(
     make_state(0), hands={}, feet={}, foot_force={}, footsteps=(), command_sources={}, targets={}, hand_errors={},
-    hand_obstacles={}, limit_flags=(), stop_reason="", stop_source="", command_sequence=-1, base_settled=True,
+    hand_obstacles={}, hand_orientations={}, hand_turn_errors={}, limit_flags=(), stop_reason="", stop_source="",
+    command_sequence=-1, base_settled=True,
 )  # fmt: skip
 
 
@@ -116,13 +129,26 @@ CASES: list[tuple[Callable[[Any], bytes], Callable[[Any], Any], Any]] = [
     (wire.encode_state, wire.decode_state, STATE),
     (wire.encode_state, wire.decode_state, BARE_STATE),
     (wire.encode_command, wire.decode_command, COMMAND),
+    (wire.encode_command, wire.decode_command, Command(13, 0.26, MANNERS, SOURCES)),
+    (wire.encode_command, wire.decode_command, Command(14, 0.28, ARMS, SOURCES)),
     (wire.encode_command, wire.decode_command, Command(0, 0.0)),
     (wire.encode_command, wire.decode_command, Command(3, 0.06, pause=Pause("break at fetch/reach", "Größe"))),
     (wire.encode_percepts, wire.decode_percepts, wire.Sight(PERCEPTS, {"cup": "hidden", "Ø": ""})),
     (wire.encode_percepts, wire.decode_percepts, wire.Sight([], {})),
     (wire.encode_event, wire.decode_event, EVENT),
 ]
-NAMES = ["state", "bare state", "command", "empty command", "pause", "percepts", "no percepts", "event"]
+NAMES = [
+    "state",
+    "bare state",
+    "command",
+    "manners",
+    "arms",
+    "empty command",
+    "pause",
+    "percepts",
+    "no percepts",
+    "event",
+]
 each_message = pytest.mark.parametrize(("encode", "decode", "message"), CASES, ids=NAMES)
 
 
@@ -179,7 +205,7 @@ def test_noise_is_no_message() -> None:
     chance = random.Random(3)
     for decode in {decode for _, decode, _ in CASES}:
         for size in (0, 1, 23, 24, 100, 3000):
-            with pytest.raises(WireError, match=r"too short|not a message of version 3"):
+            with pytest.raises(WireError, match=r"too short|not a message of version 4"):
                 decode(chance.randbytes(size))
 
 
@@ -187,7 +213,7 @@ def test_a_message_of_another_kind_or_version_is_refused() -> None:
     data = wire.encode_command(COMMAND)
     with pytest.raises(WireError, match=r"kind 2 where state \(1\) is expected"):
         wire.decode_state(data)
-    with pytest.raises(WireError, match="not a message of version 3"):
+    with pytest.raises(WireError, match="not a message of version 4"):
         wire.decode_command(data[:2] + b"\2" + data[3:])
     assert issubclass(WireError, HumanoidBtError)
 

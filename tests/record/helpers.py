@@ -60,6 +60,8 @@ def make_state(
         command_sources={},
         targets=targets or {},
         hand_errors={},
+        hand_orientations={},
+        hand_turn_errors={},
         hand_obstacles={},
         limit_flags=(),
     )

@@ -216,6 +216,8 @@ def make_state(time: float = 0.0, mode: Mode = Mode.RUN, reason: str = "", sourc
         command_sources={},
         targets={},
         hand_errors={},
+        hand_orientations={},
+        hand_turn_errors={},
         hand_obstacles={},
         limit_flags=(),
     )

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 
 import mink
 import mujoco
 import numpy as np
 from mink.tasks import BaseTask
 
+from humanoid_bt.control.body.palm_task import PalmGoal
 from humanoid_bt.core.geometry import exp, leaning, planar_pose, pose_product, view_along
 from humanoid_bt.core.messages import SIDES, Array, Side
 from humanoid_bt.robot.model import BASE_COORDINATES, BASE_DOFS, GAZE_SITE, RobotModel, sole_site
@@ -34,6 +35,8 @@ class BodyTargets:
         hands: palm positions, shape (3,) [m], of the hands that are commanded.
         reaching: how far the body is given to the hands, in [0, 1].
         posture: joint posture, shape (nj,) [rad].
+        palms: goals of those of these hands that are turned, or held relative to the other one.
+        arms: joints, by their indices, that are commanded by name: the posture has their angles.
     """
 
     com: Array
@@ -47,6 +50,8 @@ class BodyTargets:
     hands: Mapping[Side, Array]
     reaching: float
     posture: Array
+    palms: Mapping[Side, PalmGoal] = field(default_factory=dict)
+    arms: Sequence[int] = ()
 
 
 class _Rows:
@@ -100,10 +105,11 @@ class BodyTask(BaseTask):  # type: ignore[misc]  # mink has no types
         posture = next(firsts)
         self.jacobian[posture:, BASE_DOFS:] = np.eye(joints)
         self.cost[posture:] = weights.posture
-        self._posture_error = self.error[posture:]
+        self._posture_error, self._posture_cost = self.error[posture:], self.cost[posture:]
         self._root, self._trunk = model.body(config.base).id, model.body(config.torso).id
         self._sole_sites = {side: model.site(sole_site(side)).id for side in SIDES}
         self._gaze_site = model.site(GAZE_SITE).id if config.neck else -1
+        self._arms: Sequence[int] = ()
         self._given = (-1.0, -1.0)  # to the hands, and how far it leans for the eyes
 
     def aim(self, data: mujoco.MjData, targets: BodyTargets) -> None:
@@ -130,6 +136,10 @@ class BodyTask(BaseTask):  # type: ignore[misc]  # mink has no types
             goal = view_along(targets.heading + yaw, pitch)
             _turn_to(goal, _site_quaternion(data, self._gaze_site), self._gaze.error)
         np.subtract(targets.posture, data.qpos[BASE_COORDINATES:], out=self._posture_error)
+        if targets.arms != self._arms:
+            self._arms = targets.arms
+            self._posture_cost[:] = self._weights.posture
+            self._posture_cost[list(self._arms)] = self._weights.arm
         if (targets.reaching, torso_lean) != self._given:
             self._give_body_to_hands(targets.reaching, torso_lean)
 

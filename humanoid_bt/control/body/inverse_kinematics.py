@@ -13,6 +13,7 @@ import qpsolvers
 from humanoid_bt.control.body.body_task import BodyTargets, BodyTask
 from humanoid_bt.control.body.height_limit import HeightLimit
 from humanoid_bt.control.body.mink_terms import SOLVER, frame_task
+from humanoid_bt.control.body.palm_task import PalmTask
 from humanoid_bt.control.body.self_collision import SelfCollisionLimit
 from humanoid_bt.core.geometry import clamp
 from humanoid_bt.core.messages import SIDES, Array, Side
@@ -60,6 +61,7 @@ class InverseKinematics:
             for side in SIDES
             if side in config.hands
         }
+        self._turned_hands = {side: PalmTask(robot, self._model, side) for side in self._hands}
         self.tasks: list[mink.BaseTask] = [self._body]
         self.height_limit = HeightLimit(self._model.nv)
         self.limits: list[mink.Limit] = [self._own_links, self.height_limit]
@@ -118,6 +120,11 @@ class InverseKinematics:
         """Reference position of a palm, world frame, shape (3,)."""
         return np.array(self.configuration.data.site_xpos[self._palms[side]])
 
+    def palm_frame(self, side: Side) -> Array:
+        """Reference of how a palm is turned: the rotation matrix of its frame, shape (3, 3)."""
+        site = self.configuration.data.site_xmat[self._palms[side]].reshape(3, 3)
+        return np.asarray(site @ self._robot.palm_axes[side])
+
     @property
     def com_error(self) -> Array:
         """From where the centre of mass was planned to be to where it was to go in the last step, shape (3,) [m]."""
@@ -145,9 +152,14 @@ class InverseKinematics:
         """Move one control period toward the targets; return whether there was a solution within all limits."""
         self._body.aim(self.configuration.data, targets)
         self._hand_goals = targets.hands
+        self.tasks = [self._body]
         for side, position in targets.hands.items():
-            self._hands[side].set_target(mink.SE3.from_translation(position))
-        self.tasks = [self._body, *(self._hands[side] for side in targets.hands)]
+            if goal := targets.palms.get(side):
+                self._turned_hands[side].aim(self.configuration.data, goal)
+                self.tasks.append(self._turned_hands[side])
+            else:
+                self._hands[side].set_target(mink.SE3.from_translation(position))
+                self.tasks.append(self._hands[side])
         velocity = self._within_limits()
         self.solved = velocity is not None
         if velocity is None:

@@ -1,4 +1,4 @@
-"""References of hands, gaze and posture.
+"""References of hands, arms, gaze and posture.
 
 They follow targets at limited speed, and come to rest when released.
 """
@@ -6,12 +6,13 @@ They follow targets at limited speed, and come to rest when released.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
 from humanoid_bt.control.body.planar import ahead, rotate, seen_from, wrap
 from humanoid_bt.core.geometry import clamp
-from humanoid_bt.core.messages import Array
+from humanoid_bt.core.messages import ArmTarget, Array
 from humanoid_bt.robot.config import WholeBodyConfig
 
 _CORRECT_WITHIN = 0.05  # m from the target at which the measured error is integrated
@@ -54,6 +55,7 @@ class HandReference:
         *,
         stance: Array,
         walks: bool = False,
+        speed: float | None = None,
     ) -> Array | None:
         """Return where the inverse kinematics shall bring the palm, or None when it is free.
 
@@ -63,6 +65,7 @@ class HandReference:
             measured, reference: palm positions, of the robot and of the inverse kinematics, shape (3,) [m].
             stance: pose of the middle between the feet, world frame, shape (3,).
             walks: whether the stance moves.
+            speed: at most this fast [m/s]; the robot's own limit if None.
         """
         lead = self._weights.hand_lead
         before, self._stance = self._stance, stance
@@ -81,7 +84,8 @@ class HandReference:
             return None
         if self._position is None:
             self._position = self._sent = reference.copy()
-        step = self._weights.hand_speed * self._dt
+        fastest = self._weights.hand_speed
+        step = (fastest if speed is None else min(speed, fastest)) * self._dt
         error = target - self._position
         self._position = _toward(self._position, target, step)
         self._position = _toward(reference - self._correction, self._position, lead)
@@ -167,6 +171,50 @@ class PostureReference:
         """Move back toward home."""
         error = self._home - self.joints
         self.joints = self.joints + clamp(error, -self._step, self._step)
+
+    def hold(self, joints: list[int], angles: Array) -> None:
+        """Put some joints, by their indices, where somebody else wants them: at angles, shape (len(joints),) [rad]."""
+        self.joints[joints] = angles
+
+
+class ArmReference:
+    """The reference of the joints of an arm that are commanded by name; they follow at limited speed.
+
+    As that of a hand it is never far ahead of the planned joints: an arm that is in its own way pulls no harder.
+
+    Args:
+        names: of all joints of the robot.
+        weights: the robot's numbers.
+        dt: control period [s].
+
+    Attributes:
+        joints: those that are commanded, as indices of the arrays over joints.
+        angles: theirs, shape (len(joints),) [rad].
+    """
+
+    def __init__(self, names: Sequence[str], weights: WholeBodyConfig, dt: float) -> None:
+        self._index = {name: index for index, name in enumerate(names)}
+        self._weights, self._dt = weights, dt
+        self.joints: list[int] = []
+        self.angles: Array = np.zeros(0)
+
+    def update(self, target: ArmTarget | None, planned: Array) -> None:
+        """Follow a target, or let go of the joints.
+
+        Args:
+            target: None to release the arm.
+            planned: joints of the inverse kinematics, shape (nj,) [rad].
+        """
+        if target is None:
+            self.joints, self.angles = [], np.zeros(0)
+            return
+        joints = [self._index[name] for name in target.joints]
+        known = dict(zip(self.joints, self.angles.tolist(), strict=True))
+        now = np.array([known.get(joint, planned[joint]) for joint in joints])
+        fastest, lead = self._weights.arm_speed, self._weights.arm_lead
+        step = (fastest if target.speed is None else min(target.speed, fastest)) * self._dt
+        ahead = now + clamp(np.array(list(target.joints.values())) - now, -step, step)
+        self.joints, self.angles = joints, clamp(ahead, planned[joints] - lead, planned[joints] + lead)
 
 
 def _carried(point: Array, before: Array, after: Array) -> Array:

@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -15,7 +16,9 @@ from humanoid_bt.control.body.body_task import BodyTargets
 from humanoid_bt.control.body.feedforward import Feedforward
 from humanoid_bt.control.body.inverse_kinematics import InverseKinematics
 from humanoid_bt.control.body.lean import LeanReference
-from humanoid_bt.control.body.references import GazeReference, HandReference, PostureReference, approach
+from humanoid_bt.control.body.palm_reference import PalmReference
+from humanoid_bt.control.body.palm_task import PalmGoal, palm_in_world
+from humanoid_bt.control.body.references import ArmReference, GazeReference, PostureReference, approach
 from humanoid_bt.control.body.stabilizer import Stabilizer
 from humanoid_bt.control.body.swing import TiltCompensation
 from humanoid_bt.control.body.walking import Walker
@@ -23,6 +26,7 @@ from humanoid_bt.control.dynamics import RobotDynamics
 from humanoid_bt.core.clock import WHOLE_BODY_PERIOD
 from humanoid_bt.core.messages import (
     SIDES,
+    ArmTarget,
     Array,
     BaseTarget,
     Estimate,
@@ -85,12 +89,14 @@ class WholeBody:
             neck_range = float(min(robot.upper[yaw], -robot.lower[yaw]))
         self._gaze = GazeReference(config.whole_body, dt, neck_range)
         self._lean = LeanReference(robot, dt)
-        self._hands: dict[Side, HandReference] = {}
+        self._hands: dict[Side, PalmReference] = {}
+        self._arms: dict[Side, ArmReference] = {}
         self._home_joints: Array = robot.home_qpos[BASE_COORDINATES:]
         self._posture = PostureReference(self._home_joints, dt)
         self._height = self._home_height = 0.0
         self._reaching = 0.0
         self._commanded: frozenset[Side] = frozenset()
+        self._held_joints: tuple[int, ...] = ()
         self._zmp: Array = np.zeros(2)
 
     def reset(self, estimate: Estimate) -> None:
@@ -110,7 +116,10 @@ class WholeBody:
         self._tilt = TiltCompensation(dt)
         self._gaze.yaw = self._gaze.pitch = 0.0
         self._lean.reset()
-        self._hands = {side: HandReference(config.whole_body, dt) for side in self.dynamics.hands}
+        sides, names = tuple(self.dynamics.hands), self._robot.joint_names
+        self._hands = {side: PalmReference(config.whole_body, dt) for side in sides}
+        self._arms = {side: ArmReference(names, config.whole_body, dt) for side in sides}
+        self._held_joints = ()
         self._posture = PostureReference(self._home_joints, dt)
         self._posture.release_from(self.kinematics.joints)
         self._height = float(self.dynamics.com[2]) - self._home_height
@@ -157,7 +166,7 @@ class WholeBody:
     def _body_targets(self, targets: Mapping[str, Target], hold: bool) -> BodyTargets:
         walker = self.walker
         heading = float(walker.stance[2])
-        hands = self._hand_positions(targets, hold)
+        hands, palms = self._hand_goals(targets, hold)
         gaze = targets.get("gaze")
         point = gaze.point if isinstance(gaze, GazeTarget) else None
         eyes, base = self.dynamics.gaze_position, self.dynamics.base_position
@@ -168,7 +177,7 @@ class WholeBody:
             posture = targets.get("posture")
             wanted = posture.height if isinstance(posture, PostureTarget) else 0.0
             self._height = approach(self._height, wanted, self._robot.config.whole_body.height_speed * self._dt)
-            self._posture.update()
+            self._hold_arms(targets)
         x, y = self._stabilizer.com_reference
         return BodyTargets(
             com=np.array([x, y, self._home_height + self._height - self._lean.crouch]),
@@ -182,18 +191,37 @@ class WholeBody:
             hands=hands,
             reaching=self._reaching,
             posture=self._posture.joints,
+            palms=palms,
+            arms=self._held_joints,
         )
 
-    def _hand_positions(self, targets: Mapping[str, Target], hold: bool) -> dict[Side, Array]:
+    def _hand_goals(self, targets: Mapping[str, Target], hold: bool) -> tuple[dict[Side, Array], dict[Side, PalmGoal]]:
+        """Return the places of the hands that are commanded, and the goals of those that are more than a place."""
         positions: dict[Side, Array] = {}
+        palms: dict[Side, PalmGoal] = {}
+        followers: dict[Side, HandTarget | None] = {}
         stance, walks = self.walker.stance, self.walker.gait is not Gait.STAND
         for side, reference in self._hands.items():
             target = targets.get(f"{side}_hand")
-            point = target.position if isinstance(target, HandTarget) else None
-            measured, planned = self.dynamics.palm(side), self.kinematics.palm(side)
-            position = reference.update(point, hold, measured, planned, stance=stance, walks=walks)
-            if position is not None:
-                positions[side] = position
+            hand = target if isinstance(target, HandTarget) else None
+            if reference.relative if hold else hand is not None and hand.relative:
+                followers[side] = hand
+                continue
+            found = reference.update(
+                hand,
+                hold,
+                self.dynamics.palm(side),
+                self.kinematics.palm(side),
+                stance=stance,
+                walks=walks,
+                frames=partial(self._palm_frames, side),
+            )
+            if found is not None:
+                positions[side], goal = found
+                if goal is not None:
+                    palms[side] = goal
+        for side, hand in followers.items():
+            self._follow(side, hand, hold, positions, palms)
         commanded = frozenset(positions)
         if self._commanded - commanded:
             self._posture.release_from(self.kinematics.joints)
@@ -201,7 +229,43 @@ class WholeBody:
             sunk = self._home_height - self._lean.crouch
             self._height = self.kinematics.com_height - sunk  # it rises from there, slowly
         self._commanded = commanded
-        return positions
+        return positions, palms
+
+    def _palm_frames(self, side: Side) -> tuple[Array, Array]:
+        return self.dynamics.palm_frame(side), self.kinematics.palm_frame(side)
+
+    def _follow(
+        self,
+        side: Side,
+        target: HandTarget | None,
+        hold: bool,
+        positions: dict[Side, Array],
+        palms: dict[Side, PalmGoal],
+    ) -> None:
+        """Hold a palm relative to the other one; where that one is free, let it go, too."""
+        leader: Side = "left" if side == "right" else "right"
+        if leader not in positions:
+            self._hands[side].release()
+            return
+        bodies = (self.dynamics, self.kinematics)
+        measured, planned = ((body.palm(side), body.palm_frame(side)) for body in bodies)
+        led, leads = ((body.palm(leader), body.palm_frame(leader)) for body in bodies)
+        goal = self._hands[side].follow(target, hold, measured, planned, (led, leads))
+        if goal is not None:
+            palms[side] = goal
+            positions[side] = palm_in_world(goal, *leads).position
+
+    def _hold_arms(self, targets: Mapping[str, Target]) -> None:
+        """Move the posture: home, and the joints of arms that are commanded to where they are to be."""
+        self._posture.update()
+        held: list[int] = []
+        for side, arm in self._arms.items():
+            target = targets.get(f"{side}_hand")
+            if arm.joints or isinstance(target, ArmTarget):
+                arm.update(target if isinstance(target, ArmTarget) else None, self.kinematics.joints)
+                self._posture.hold(arm.joints, arm.angles)
+                held += arm.joints
+        self._held_joints = tuple(held)
 
     @property
     def com_speed(self) -> float:

@@ -23,9 +23,9 @@ from humanoid_bt.link.wire.format import (
 from humanoid_bt.link.wire.targets import pack_sources, pack_targets, unpack_sources, unpack_targets
 
 # Command sequence; joints, footsteps, limit flags; gait, mode, settled; which sides have a hand, a foot, a foot force,
-# a hand error; targets, sources; which sides have an obstacle, 0 in recordings from before there were any. With the
-# header a whole number of float64, so that the block after it is aligned.
-_COUNTS = struct.Struct("<qHHH10B")
+# a hand error; targets, sources; which sides have an obstacle, how a hand is turned, a turn error. With the header a
+# whole number of float64, so that the block after it is aligned.
+_COUNTS = struct.Struct("<qHHH12B6x")
 _FOOT = struct.Struct("<4d")  # x, y, z, yaw
 _NUMBER = struct.Struct("<d")
 _SIDE = struct.Struct("<B")
@@ -58,6 +58,8 @@ def encode_state(state: State) -> bytes:
     forces, force_bits = _by_side(state.foot_force)
     errors, error_bits = _by_side(state.hand_errors)
     obstacles, obstacle_bits = _by_side(state.hand_obstacles)
+    orientations, orientation_bits = _by_side(state.hand_orientations)
+    turn_errors, turn_error_bits = _by_side(state.hand_turn_errors)
     parts = [
         header(MessageKind.STATE, state.cycle, state.time),
         _COUNTS.pack(
@@ -75,6 +77,8 @@ def encode_state(state: State) -> bytes:
             len(state.targets),
             len(state.command_sources),
             obstacle_bits,
+            orientation_bits,
+            turn_error_bits,
         ),
         pack_floats(state.joint_positions, joints),
         pack_floats(state.joint_velocities, joints),
@@ -92,9 +96,10 @@ def encode_state(state: State) -> bytes:
         pack_floats(state.gaze_position, 3),
         pack_floats(state.gaze_direction, 3),
         *[pack_floats(hand, 3) for hand in hands],
+        *[pack_floats(orientation, 4) for orientation in orientations],
         *[_pack_foot(foot) for foot in feet],
         *[_NUMBER.pack(force) for force in forces],
-        *[_NUMBER.pack(error) for error in errors],
+        *[_NUMBER.pack(error) for error in (*errors, *turn_errors)],
         *[_pack_foot(foot) for _, foot in state.footsteps],
         *[_SIDE.pack(SIDES.index(side)) for side, _ in state.footsteps],
         pack_targets(state.targets),
@@ -120,7 +125,7 @@ def decode_state(data: bytes | memoryview) -> State:
     sequence, joints, footstep_count, flag_count, gait, mode, settled = counts[:7]
     hands, feet, forces, errors = (_SIDES_OF_BITS[bits] for bits in counts[7:11])
     target_count, source_count = counts[11:13]
-    obstacles = _SIDES_OF_BITS[counts[13]]
+    obstacles, orientations, turn_errors = (_SIDES_OF_BITS[bits] for bits in counts[13:16])
     if settled > 1:
         raise WireError(f"{settled} is no truth value")
     block = _Block(
@@ -128,9 +133,11 @@ def decode_state(data: bytes | memoryview) -> State:
             _JOINT_ARRAYS * joints
             + _FIXED_FLOATS
             + 3 * len(hands)
+            + 4 * len(orientations)
             + 4 * len(feet)
             + len(forces)
             + len(errors)
+            + len(turn_errors)
             + 4 * footstep_count
         )
     )
@@ -154,9 +161,11 @@ def decode_state(data: bytes | memoryview) -> State:
         gaze_position=block.take(3),
         gaze_direction=block.take(3),
         hands={side: block.take(3) for side in hands},
+        hand_orientations={side: block.take(4) for side in orientations},
         feet={side: block.take_foot() for side in feet},
         foot_force={side: block.take_number() for side in forces},
         hand_errors={side: block.take_number() for side in errors},
+        hand_turn_errors={side: block.take_number() for side in turn_errors},
         footsteps=_footsteps(cursor, [block.take_foot() for _ in range(footstep_count)]),
         gait=_GAITS[gait],
         mode=_MODES[mode],

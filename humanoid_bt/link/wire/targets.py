@@ -7,13 +7,29 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from humanoid_bt.core.messages import RESOURCES, Array, BaseTarget, GazeTarget, HandTarget, PostureTarget, Target
-from humanoid_bt.link.wire.format import Cursor, WireError, pack_path
+from humanoid_bt.core.messages import (
+    RESOURCES,
+    ArmTarget,
+    Array,
+    BaseTarget,
+    GazeTarget,
+    HandTarget,
+    PalmAxis,
+    Pointing,
+    PostureTarget,
+    Target,
+)
+from humanoid_bt.link.wire.format import Cursor, WireError, pack_path, pack_text
 
 _TARGET = struct.Struct("<BB3d")  # resource, type, numbers; those a type does not need are 0
+_MANNER = struct.Struct("<BBB5d")  # of a hand: is it relative, has it a speed, how does it turn; speed, orientation
+_JOINTS = struct.Struct("<HBd")  # of an arm: how many, has it a speed; speed
+_ANGLE = struct.Struct("<d")
 _RESOURCE = struct.Struct("<B")
 _INDEX = {resource: index for index, resource in enumerate(RESOURCES)}
-_BASE, _HAND, _GAZE, _POSTURE = range(4)
+_BASE, _HAND, _GAZE, _POSTURE, _MANNERED_HAND, _ARM = range(6)
+_ANY, _ORIENTATION, _FINGERS, _FACING = range(4)  # how a hand turns
+_AXES: dict[PalmAxis, int] = {"fingers": _FINGERS, "facing": _FACING}
 
 
 def pack_targets(targets: Mapping[str, Target]) -> bytes:
@@ -26,7 +42,11 @@ def unpack_targets(cursor: Cursor, count: int) -> dict[str, Target]:
     targets: dict[str, Target] = {}
     for _ in range(count):
         resource, kind, x, y, z = cursor.take(_TARGET)
-        targets[_resource(resource, targets)] = _target(kind, x, y, z)
+        name = _resource(resource, targets)
+        if kind == _MANNERED_HAND:
+            targets[name] = _unpack_hand(cursor, _fixed(x, y, z))
+        else:
+            targets[name] = _unpack_arm(cursor) if kind == _ARM else _target(kind, x, y, z)
     return targets
 
 
@@ -49,13 +69,60 @@ def _pack_target(resource: int, target: Target) -> bytes:
         case BaseTarget(position=position, heading=heading):
             x, y = _numbers(position, 2)
             return _TARGET.pack(resource, _BASE, x, y, heading)
-        case HandTarget(position=position):
+        case HandTarget(position=position, orientation=None, relative=False, speed=None):
             return _TARGET.pack(resource, _HAND, *_numbers(position, 3))
+        case HandTarget(position=position):
+            return _TARGET.pack(resource, _MANNERED_HAND, *_numbers(position, 3)) + _pack_manner(target)
+        case ArmTarget():
+            return _TARGET.pack(resource, _ARM, 0.0, 0.0, 0.0) + _pack_joints(target)
         case GazeTarget(point=position):
             return _TARGET.pack(resource, _GAZE, *_numbers(position, 3))
         case PostureTarget(height=height):
             return _TARGET.pack(resource, _POSTURE, height, 0.0, 0.0)
     raise WireError(f"{type(target).__name__} is no target")
+
+
+def _pack_manner(hand: HandTarget) -> bytes:
+    """Return how a hand moves: what :func:`_unpack_hand` takes after its position."""
+    turns, numbers = _ANY, [0.0] * 4
+    match hand.orientation:
+        case None:
+            pass
+        case Pointing(direction=direction, axis=axis):
+            turns, numbers = _AXES[axis], [*_numbers(direction, 3), 0.0]
+        case orientation:
+            turns, numbers = _ORIENTATION, _numbers(orientation, 4)
+    return _MANNER.pack(hand.relative, hand.speed is not None, turns, hand.speed or 0.0, *numbers)
+
+
+def _unpack_hand(cursor: Cursor, position: Array) -> HandTarget:
+    relative, hurries, turns, speed, *numbers = cursor.take(_MANNER)
+    if max(relative, hurries) > 1 or turns > _FACING:
+        raise WireError("a hand moves in a way that there is not")
+    orientation: Array | Pointing | None = None
+    if turns == _ORIENTATION:
+        orientation = _fixed(*numbers)
+    elif turns != _ANY:
+        orientation = Pointing(_fixed(*numbers[:3]), "fingers" if turns == _FINGERS else "facing")
+    return HandTarget(position, orientation, bool(relative), speed if hurries else None)
+
+
+def _pack_joints(arm: ArmTarget) -> bytes:
+    head = _JOINTS.pack(len(arm.joints), arm.speed is not None, arm.speed or 0.0)
+    return head + b"".join([pack_text(name) + _ANGLE.pack(angle) for name, angle in arm.joints.items()])
+
+
+def _unpack_arm(cursor: Cursor) -> ArmTarget:
+    count, hurries, speed = cursor.take(_JOINTS)
+    if hurries > 1:
+        raise WireError(f"{hurries} is no truth value")
+    joints: dict[str, float] = {}
+    for _ in range(int(count)):
+        name = cursor.text()
+        if name in joints:
+            raise WireError(f"the joint {name!r} is there twice")
+        joints[name] = cursor.take(_ANGLE)[0]
+    return ArmTarget(joints, speed if hurries else None)
 
 
 def _target(kind: float, x: float, y: float, z: float) -> Target:

@@ -1,0 +1,134 @@
+"""A palm that is turned, or that is held relative to the other one, as one task of mink's."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import mink
+import mujoco
+import numpy as np
+from mink.tasks import BaseTask
+
+from humanoid_bt.core.geometry import quaternion, quaternion_product, turn_between, turn_of_axis
+from humanoid_bt.core.messages import Array, PalmAxis, Pointing, Side
+from humanoid_bt.robot.model import RobotModel, palm_site
+
+_AXIS: dict[PalmAxis, int] = {"fingers": 0, "facing": 2}  # columns of a palm's rotation matrix
+
+
+def axis_of(matrix: Array, axis: PalmAxis) -> Array:
+    """Return an axis of a palm, shape (3,), whose frame is a rotation matrix, shape (3, 3)."""
+    return np.asarray(matrix[:, _AXIS[axis]])
+
+
+@dataclass(frozen=True)
+class PalmGoal:
+    """Where a palm shall be in this control period, in the world frame or in that of the other palm.
+
+    Attributes:
+        position: shape (3,) [m].
+        orientation: of its frame, wxyz, shape (4,), or where one of its axes points; any if None.
+        relative: whether this is in the frame of the other palm.
+    """
+
+    position: Array
+    orientation: Array | Pointing | None
+    relative: bool
+
+
+class PalmTask(BaseTask):  # type: ignore[misc]  # mink has no types
+    """Position of a palm, and its orientation or the direction of one of its axes.
+
+    Its rows are those of resolved-rate control, as of the body's task. A direction has two degrees of freedom: the
+    rows of an orientation, without what turns about the axis. Of two palms relative to each other the rows are those
+    of the difference of their motions, so that neither lags behind the other, and the trunk has no part in it
+    (Caccavale, Uchiyama, "Cooperative manipulation", in "Springer Handbook of Robotics", 2016, section 39.2).
+
+    Args:
+        robot: the robot.
+        model: its model as the inverse kinematics has it.
+        side: of the hand.
+
+    Attributes:
+        jacobian: shape (6, nv), world frame.
+        error: from where it is to its target, shape (6,): position [m], rotation vector [rad].
+        cost: of an error, shape (6,).
+    """
+
+    def __init__(self, robot: RobotModel, model: mujoco.MjModel, side: Side) -> None:
+        self._weights, self._model = robot.config.whole_body, model
+        other: Side = "left" if side == "right" else "right"
+        self._sites = {of: model.site(palm_site(of)).id for of in (side, other) if of in robot.palm_axes}
+        self._axes: Mapping[Side, Array] = robot.palm_axes
+        self._side, self._other = side, other
+        self.jacobian, self._of_other = np.zeros((6, model.nv)), np.zeros((6, model.nv))
+        self.error, self.cost = np.zeros(6), np.zeros(6)
+        self.cost[:3] = self._weights.hand
+
+    def aim(self, data: mujoco.MjData, goal: PalmGoal) -> None:
+        """Take the goal of this control period, and how far the palm is from it now."""
+        place, turn = self._at(data, self._side)
+        mujoco.mj_jacSite(self._model, data, self.jacobian[:3], self.jacobian[3:], self._sites[self._side])
+        position, orientation = goal.position, goal.orientation
+        if goal.relative:
+            origin, frame = self._at(data, self._other)
+            arm = frame @ position
+            position = origin + arm
+            self._go_along(data, arm)
+            orientation = _in_world(frame, orientation)
+        self.error[:3] = position - place
+        self.cost[3:] = 0.0 if orientation is None else self._weights.hand_orientation
+        if isinstance(orientation, Pointing):
+            axis = axis_of(turn, orientation.axis)
+            self.error[3:] = turn_of_axis(axis, orientation.direction)
+            self.jacobian[3:] -= np.outer(axis, axis @ self.jacobian[3:])
+        elif orientation is not None:
+            self.error[3:] = turn_between(quaternion(turn), orientation)
+
+    def compute_qp_residual(self, configuration: mink.Configuration) -> tuple[Array, Array, float]:
+        """Return the weighted Jacobian, the weighted error, and how much it damps: less and less near the goal."""
+        error = self.cost * self.error
+        return self.cost[:, None] * self.jacobian, error, self._weights.hand_damping * float(error @ error)
+
+    def compute_qp_objective(self, configuration: mink.Configuration) -> mink.Objective:
+        """Return the same as a quadratic objective."""
+        jacobian, error, damping = self.compute_qp_residual(configuration)
+        return mink.Objective(jacobian.T @ jacobian + damping * np.eye(len(jacobian.T)), -(error @ jacobian))
+
+    def _at(self, data: mujoco.MjData, side: Side) -> tuple[Array, Array]:
+        """Return place and frame of a palm, shape (3,) and (3, 3)."""
+        site = self._sites[side]
+        return data.site_xpos[site], data.site_xmat[site].reshape(3, 3) @ self._axes[side]
+
+    def _go_along(self, data: mujoco.MjData, arm: Array) -> None:
+        """Take from the rows how a point moves that the other palm carries: from its origin by ``arm``, world frame."""
+        mujoco.mj_jacSite(self._model, data, self._of_other[:3], self._of_other[3:], self._sites[self._other])
+        x, y, z = arm.tolist()
+        across = np.array([[0.0, z, -y], [-z, 0.0, x], [y, -x, 0.0]])  # a turn w moves the point by w x arm
+        self.jacobian[:3] -= self._of_other[:3] + across @ self._of_other[3:]
+        self.jacobian[3:] -= self._of_other[3:]
+
+
+def _in_world(frame: Array, orientation: Array | Pointing | None) -> Array | Pointing | None:
+    """Return an orientation that is given in a frame, shape (3, 3), as one of the world."""
+    if orientation is None:
+        return None
+    if isinstance(orientation, Pointing):
+        return Pointing(frame @ orientation.direction, orientation.axis)
+    return quaternion_product(quaternion(frame), orientation)
+
+
+def turn_left(frame: Array, orientation: Array | Pointing) -> float:
+    """Return how far a palm, whose frame is a rotation matrix, is turned from its goal [rad]."""
+    if isinstance(orientation, Pointing):
+        turn = turn_of_axis(axis_of(frame, orientation.axis), orientation.direction)
+    else:
+        turn = turn_between(quaternion(frame), orientation)
+    return math.sqrt(turn @ turn)
+
+
+def palm_in_world(goal: PalmGoal, origin: Array, frame: Array) -> PalmGoal:
+    """Return a goal that is relative to a palm, place shape (3,) and frame shape (3, 3), as one of the world."""
+    return PalmGoal(origin + frame @ goal.position, _in_world(frame, goal.orientation), relative=False)
