@@ -124,10 +124,12 @@ class Pose:
     Attributes:
         position: shape (3,), world frame [m].
         quaternion: wxyz, shape (4,), of its frame in the world.
+        rotation: the same as a matrix, shape (3, 3), whose columns are the frame's axes.
     """
 
     position: Array
     quaternion: Array
+    rotation: Array
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,35 +10,42 @@ import math
 from collections import deque
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
-
-import numpy as np
 
 from humanoid_bt.core.clock import Clock, TreeClock
 from humanoid_bt.core.errors import HumanoidBtError, ResourceConflict, nearest
 from humanoid_bt.core.geometry import rotation_matrix
 from humanoid_bt.core.messages import (
     RESOURCES,
+    SIDES,
+    ArmTarget,
     Array,
     BaseTarget,
     Command,
     GazeTarget,
     HandTarget,
     Level,
+    PalmAxis,
     Percept,
+    Pose,
     PostureTarget,
     Side,
     State,
     Target,
 )
+from humanoid_bt.decision.arguments import how_turned, number, speed_of, vector
 from humanoid_bt.perception.track import Track
 
 if TYPE_CHECKING:  # a skill's file is imported without it
+    from humanoid_bt.decision.anatomy import Anatomy, ArmJoint
     from humanoid_bt.robot.config import RobotConfig
+    from humanoid_bt.robot.model import RobotModel
 
 _log = logging.getLogger(__name__)
 _LEVELS: dict[Level, int] = {"info": logging.INFO, "warning": logging.WARNING, "error": logging.ERROR}
 
+_AT_LIMIT = 0.03  # rad
 _POSE_HISTORY = 64  # ticks of base poses kept to place late percepts: 1.3 s at 50 Hz
 
 
@@ -51,6 +58,7 @@ class Robot:
         raise_estop: called at once with source and reason when a node raises the emergency stop.
         log: called at once with source, level and text when a node has something to tell; the program's log if None.
         unseen: answers with the percepts that were never published so far, and why.
+        model: the robot; made when it is first asked for where parts of the body are if None, which takes a while.
 
     Attributes:
         clock: the tree's clock, which stands still while the run is paused.
@@ -63,8 +71,11 @@ class Robot:
         raise_estop: Callable[[str, str], None] | None = None,
         log: Callable[[str, Level, str], None] | None = None,
         unseen: Callable[[], Mapping[str, str]] | None = None,
+        *,
+        model: RobotModel | None = None,
     ) -> None:
         self._raise_estop = raise_estop
+        self._model = model
         self._unseen = unseen
         self._tell = log or _to_log
         self.config = config
@@ -89,6 +100,13 @@ class Robot:
         if self._state is None:
             raise HumanoidBtError("the robot has no state before the first tick")
         return self._state
+
+    @cached_property
+    def anatomy(self) -> Anatomy:
+        """The robot's body."""
+        from humanoid_bt.decision.anatomy import Anatomy  # noqa: PLC0415 (a skill's file needs no simulator)
+
+        return Anatomy(self._model or self.config)
 
     def handle(self, node_path: str, resources: tuple[str, ...]) -> RobotHandle:
         """Return the handle through which one tree node commands the robot.
@@ -164,6 +182,7 @@ class Robot:
 
         Raises:
             ResourceConflict: two nodes that are both alive command one resource.
+            HumanoidBtError: a hand is to go where the other one is, which has no place to go to.
         """
         targets: dict[str, Target] = {}
         sources: dict[str, str] = {}
@@ -175,6 +194,7 @@ class Robot:
                     )
                 targets[resource] = target
                 sources[resource] = handle.path
+        _check_relative(targets, sources)
         command = Command(self._sequence, self.state.time, targets, sources)
         self._sequence += 1
         return command
@@ -261,6 +281,22 @@ class RobotHandle:
         why = f": the {obstacle.replace('_', ' ')} is in the way" if obstacle else ""
         return f"{side} hand comes no nearer than {distance * 100:.0f} cm{why}"
 
+    def why_not_turned(self, side: Side, angle: float) -> str:
+        """Say that a palm is turned no nearer to its target than this [rad], and what keeps it.
+
+        ``left hand turns no nearer than 12 deg: left_wrist_pitch is at its limit``
+        """
+        limited = [
+            name
+            for name, joint in self.arm_joints(side).items()
+            if min(joint.angle - joint.lower, joint.upper - joint.angle) < _AT_LIMIT
+        ]
+        obstacle = self.state.hand_obstacles.get(side)
+        why = f": the {obstacle.replace('_', ' ')} is in the way" if obstacle else ""
+        if limited:
+            why = f": {' and '.join(limited)} {'is at its limit' if len(limited) == 1 else 'are at their limits'}"
+        return f"{side} hand turns no nearer than {math.degrees(angle):.0f} deg{why}"
+
     def walk_to(self, position: Any, heading: float) -> None:
         """Ask the robot to walk until it stands at a place.
 
@@ -268,19 +304,81 @@ class RobotHandle:
             position: shape (2,), middle between the feet, world frame [m].
             heading: world frame [rad].
         """
-        self._set("base", BaseTarget(_vector(position, 2), _number(heading)))
+        self._set("base", BaseTarget(vector(position, 2), number(heading)))
 
-    def move_hand(self, side: Side, position: Any) -> None:
-        """Ask for a palm at a position: shape (3,), world frame [m]."""
-        self._set(f"{side}_hand", HandTarget(_vector(position, 3)))
+    def move_hand(
+        self,
+        side: Side,
+        position: Any,
+        orientation: Any = None,
+        *,
+        direction: Any = None,
+        axis: PalmAxis = "fingers",
+        relative: bool = False,
+        speed: float | None = None,
+    ) -> None:
+        """Ask for a palm at a position: shape (3,), world frame [m]; and turned, if that is said.
+
+        Args:
+            side: of the hand.
+            position: shape (3,) [m].
+            orientation: of the palm's frame, whose x is along the fingers and whose z is where the palm faces:
+                quaternion wxyz, shape (4,), or rotation matrix, shape (3, 3).
+            direction: where one axis of the palm is to point, shape (3,), of any length; in place of an orientation.
+            axis: which one: "fingers", or "facing".
+            relative: all of this is as seen from the other palm, in its frame, and not in the world. The same node
+                moves the other hand to a place in the world.
+            speed: at most this fast [m/s], and turning as much slower; never faster than the robot's own limit.
+
+        Raises:
+            ValueError: a number is not finite, or something is not what it is to be.
+        """
+        turn = how_turned(orientation, direction, axis)
+        self._set(f"{side}_hand", HandTarget(vector(position, 3), turn, bool(relative), speed_of(speed)))
+
+    def move_arm(self, side: Side, joints: Mapping[str, float], *, speed: float | None = None) -> None:
+        """Ask for joints of an arm, by their names, at angles [rad]; those that are not named go home.
+
+        An arm has one owner: its resource is that of its hand.
+
+        Args:
+            side: of the arm.
+            joints: name -> angle, within its limits (see ``arm_joints``).
+            speed: at most this fast [rad/s]; never faster than the robot's own limit.
+
+        Raises:
+            HumanoidBtError: a name is none of this arm's joints, or an angle is outside its limits.
+        """
+        angles = {name: float(angle) for name, angle in joints.items()}
+        if fault := self._robot.anatomy.joints_fault(side, angles):
+            raise HumanoidBtError(f"a target of the {side} arm {fault}")
+        self._set(f"{side}_hand", ArmTarget(angles, speed_of(speed)))
+
+    def arm_joints(self, side: Side) -> dict[str, ArmJoint]:
+        """Return the joints of an arm by name, from the shoulder to the hand: ``angle``, ``lower``, ``upper`` [rad]."""
+        return self._robot.anatomy.arm_joints(side, self.state)
+
+    def arm_length(self, side: Side) -> float:
+        """Return how far a palm is from the shoulder when the arm is stretched [m]."""
+        return self._robot.anatomy.arm_length(side)
+
+    def pose(self, name: str) -> Pose:
+        """Return where a body or a site of the model is, in the world: ``position`` and ``quaternion``.
+
+        Every robot has ``left_palm``, ``left_shoulder``, ``left_sole``, those of the right side, and ``gaze``.
+
+        Raises:
+            HumanoidBtError: the robot has neither of this name.
+        """
+        return self._robot.anatomy.pose(name, self.state)
 
     def look_at(self, point: Any) -> None:
         """Ask the head, and the torso where the neck ends, to look at a point: shape (3,), world frame [m]."""
-        self._set("gaze", GazeTarget(_vector(point, 3)))
+        self._set("gaze", GazeTarget(vector(point, 3)))
 
     def set_height(self, offset: float) -> None:
         """Ask for the centre of mass this much above (or below) its home height [m]."""
-        self._set("posture", PostureTarget(_number(offset)))
+        self._set("posture", PostureTarget(number(offset)))
 
     def raise_estop(self, reason: str) -> None:
         """Raise the emergency stop at once; only a reset from outside ends it."""
@@ -302,22 +400,17 @@ class RobotHandle:
         self._robot.note(self)
 
 
+def _check_relative(targets: Mapping[str, Target], sources: Mapping[str, str]) -> None:
+    """Refuse a hand that is to go where the other one is, which has no place of its own to go to."""
+    for side, other in (SIDES, SIDES[::-1]):
+        target, leader = (targets.get(f"{of}_hand") for of in (side, other))
+        if not isinstance(target, HandTarget) or not target.relative:
+            continue
+        if not isinstance(leader, HandTarget) or leader.relative:
+            path = sources[f"{side}_hand"]
+            why = f"relative to the {other} one, which nothing moves to a place in the world"
+            raise HumanoidBtError(f"{path!r} moves the {side} hand {why}")
+
+
 def _to_log(source: str, level: Level, text: str) -> None:
     _log.log(_LEVELS[level], "%s: %s", source, text)
-
-
-def _vector(values: Any, size: int) -> Array:
-    vector: Array = np.array(values, dtype=float)
-    if vector.shape != (size,):
-        raise ValueError(f"a target's position must have shape ({size},), not {vector.shape}")
-    if not all(map(math.isfinite, vector.tolist())):
-        raise ValueError(f"a target's position must be finite, not {vector.tolist()}")
-    vector.setflags(write=False)
-    return vector
-
-
-def _number(value: Any) -> float:
-    number = float(value)
-    if not math.isfinite(number):
-        raise ValueError(f"a target must be finite, not {number}")
-    return number

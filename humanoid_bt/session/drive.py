@@ -103,7 +103,8 @@ class Drive:
         """Return what ticks a tree, set up. Edited trees are set up in another thread, while the old one runs."""
         engine = self.engine
         raise_estop, tells = engine.supervisor.raise_estop, self._teller.node_tells
-        robot = Robot(engine.robot.config, engine.clock, raise_estop, tells, lambda: engine.unseen)
+        model, clock = engine.robot, engine.clock
+        robot = Robot(model.config, clock, raise_estop, tells, lambda: engine.unseen, model=model)
         teller, debugger = self._teller, self.debugger  # not self: whoever forgets a run shall be rid of it at once
 
         def changed(change: NodeChange) -> None:

@@ -78,7 +78,9 @@ class Rig:
         self._lockstep.reset(self._perception)
         lockstep = self._lockstep
         raise_estop = lockstep.controller.supervisor.raise_estop
-        self._robot = Robot(self._model.config, lockstep.clock, raise_estop, unseen=lambda: lockstep.unseen)
+        self._robot = Robot(
+            self._model.config, lockstep.clock, raise_estop, unseen=lambda: lockstep.unseen, model=self._model
+        )
         self._script = []
         self._silent_until = -math.inf
 

@@ -1,0 +1,82 @@
+"""What skills ask of the robot, as the numbers of targets: checked, with one message for what is none."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, get_args
+
+import numpy as np
+
+from humanoid_bt.core.geometry import quaternion
+from humanoid_bt.core.messages import Array, PalmAxis, Pointing
+
+_ALMOST = 1e-2  # of a length from 1, and of a rotation matrix from one: more is no rounding
+
+
+def vector(values: Any, size: int, what: str = "position") -> Array:
+    """Return numbers, shape (size,), that nobody can write into; raises ValueError if they are not finite."""
+    found: Array = np.array(values, dtype=float)
+    if found.shape != (size,):
+        raise ValueError(f"a target's {what} must have shape ({size},), not {found.shape}")
+    if not all(map(math.isfinite, found.tolist())):
+        raise ValueError(f"a target's {what} must be finite, not {found.tolist()}")
+    found.setflags(write=False)
+    return found
+
+
+def number(value: Any) -> float:
+    """Return a number; raises ValueError if it is not finite."""
+    found = float(value)
+    if not math.isfinite(found):
+        raise ValueError(f"a target must be finite, not {found}")
+    return found
+
+
+def speed_of(value: Any) -> float | None:
+    """Return a speed, None for the robot's own; raises ValueError if it is not above 0."""
+    if value is None:
+        return None
+    found = float(value)
+    if not (math.isfinite(found) and found > 0):
+        raise ValueError(f"the speed of a motion must be above 0, not {found:g}")
+    return found
+
+
+def how_turned(orientation: Any, direction: Any, axis: str) -> Array | Pointing | None:
+    """Return how a palm is to be turned, None for any way.
+
+    Args:
+        orientation: quaternion wxyz, shape (4,), or rotation matrix, shape (3, 3); None for none.
+        direction: shape (3,), where an axis of the palm is to point; None for none.
+        axis: which one.
+
+    Raises:
+        ValueError: these are none, or both are given.
+    """
+    if orientation is not None and direction is not None:
+        raise ValueError("a hand's target takes an orientation or a direction, not both")
+    if direction is not None:
+        if axis not in get_args(PalmAxis):
+            raise ValueError(f"the axis of a palm is 'fingers' or 'facing', not {axis!r}")
+        found = vector(direction, 3, "direction")
+        length = math.sqrt(found @ found)
+        if length == 0:
+            raise ValueError("a target's direction must not be zero")
+        return Pointing(_kept(found / length), axis)  # type: ignore[arg-type]  # it is one of them
+    if orientation is None:
+        return None
+    if np.shape(orientation) == (3, 3):
+        matrix = vector(np.ravel(orientation), 9, "orientation").reshape(3, 3)
+        if np.abs(matrix @ matrix.T - np.eye(3)).max() > _ALMOST or np.linalg.det(matrix) < 0:
+            raise ValueError(f"a target's orientation is no rotation matrix: {matrix.tolist()}")
+        return _kept(quaternion(matrix))
+    found = vector(orientation, 4, "orientation")
+    length = math.sqrt(found @ found)
+    if abs(length - 1) > _ALMOST:
+        raise ValueError(f"a target's orientation is no unit quaternion (w, x, y, z): {found.tolist()}")
+    return _kept(found / length)
+
+
+def _kept(values: Array) -> Array:
+    values.setflags(write=False)
+    return values
