@@ -1,5 +1,6 @@
 """Bring a hand to something seen."""
 
+import math
 from collections.abc import Mapping
 from typing import Any, Literal
 
@@ -11,8 +12,9 @@ from humanoid_bt import Improving, Lasting, PerceptName, Side, Skill, Status, St
 class Reach(Skill):
     """Stand and bring a palm to the target, balanced, and keep it there for a moment.
 
-    Waits for a steady base before it moves a hand. Fails if the target was never seen, or if the palm comes no
-    nearer: it does not walk. Then it says which own link is in the way, if one is.
+    With a direction it turns the hand, too: its fingers point there, or the palm faces there. Waits for a steady base
+    before it moves a hand. Fails if the target was never seen, or if the palm comes no nearer: it does not walk. Then
+    it says which own link is in the way, if one is.
     """
 
     resources = ("left_hand", "right_hand", "gaze")
@@ -23,10 +25,17 @@ class Reach(Skill):
     tolerance: float = param(0.015, unit="m", above=0, doc="Reached when the palm is this close.")
     hold: float = param(0.3, unit="s", minimum=0, doc="How long it must stay there.")
     patience: float = param(2.0, unit="s", above=0, doc="Fails when the palm comes no nearer for this long.")
+    direction: tuple[float, float, float] | None = param(
+        None, doc="Where to point an axis of the hand, as seen from the robot: ahead, left, up; default: anywhere."
+    )
+    axis: Literal["fingers", "facing"] = param("fingers", doc="Which axis: the fingers, or where the palm faces.")
+    turn_tolerance: float = param(0.05, unit="rad", above=0, doc="Turned there when this close.")
+    speed: float | None = param(None, unit="m/s", above=0, doc="At most this fast; default: as the robot can.")
     smoothing: float = param(0.4, unit="s", minimum=0, doc="Low-pass time of the target's position.")
     look: bool = param(True, doc="Look at the target, too.")
 
     hand_error: float = result(unit="m", doc="From the palm to the target.")
+    turn_error: float = result(unit="rad", doc="From where the hand points to the direction, if one is given.")
 
     @classmethod
     def resources_for(cls, values: Mapping[str, Any]) -> tuple[str, ...]:
@@ -39,6 +48,7 @@ class Reach(Skill):
         self._place = Steady(self.smoothing)
         self._held = Lasting(self.hold)
         self._error = Improving(self.patience, step=0.005)
+        self._turn_error = Improving(self.patience, step=0.02)
 
     def update(self) -> Status:
         """Wait for a steady base, then move the palm to the target."""
@@ -54,18 +64,44 @@ class Reach(Skill):
             if self._hand not in self.robot.state.hands:
                 return self.fail(f"the robot has no {self._hand} hand")
         aim = self._place.update(track.position_world, track.stamp)
-        self.robot.move_hand(self._hand, aim)
+        if self.direction is not None and not any(self.direction):
+            return self.fail("the direction is zero: it points nowhere")
+        return self._bring(self._hand, aim, self._direction())
 
-        now = self.robot.clock.now()
-        self.hand_error = error = float(np.linalg.norm(self.robot.state.hands[self._hand] - aim))
-        there = error <= self.tolerance
-        if self._held.update(there, now):
-            return self.succeed(f"{self._hand} hand {error * 100:.1f} cm from {self.target}")
-        if there:
+    def _bring(self, hand: Side, aim: np.ndarray, direction: np.ndarray | None) -> Status:
+        self.robot.move_hand(hand, aim, direction=direction, axis=self.axis, speed=self.speed)
+        now, turn_error = self.robot.clock.now(), 0.0
+        self.hand_error = error = float(np.linalg.norm(self.robot.state.hands[hand] - aim))
+        if direction is not None:
+            axis = self.robot.pose(f"{hand}_palm").rotation[:, 0 if self.axis == "fingers" else 2]
+            self.turn_error = turn_error = math.acos(max(-1.0, min(1.0, float(axis @ direction))))
+        there, turned = error <= self.tolerance, turn_error <= self.turn_tolerance
+        if self._held.update(there and turned, now):
+            return self.succeed(f"{hand} hand {error * 100:.1f} cm from {self.target}")
+        if there and turned:
             self._error.restart()
-        elif not self._error.update(error, now):
-            return self.fail(self.robot.why_no_nearer(self._hand, self._error.best))
-        return self.running(f"{self._hand} hand {error * 100:.0f} cm away")
+            self._turn_error.restart()
+        elif not self._improves(error, turn_error, now):
+            if there:
+                return self.fail(self.robot.why_not_turned(hand, self._turn_error.best))
+            return self.fail(self.robot.why_no_nearer(hand, self._error.best))
+        if there and not turned:
+            return self.running(f"{hand} hand turned {math.degrees(turn_error):.0f} deg away")
+        return self.running(f"{hand} hand {error * 100:.0f} cm away")
+
+    def _improves(self, error: float, turn_error: float, now: float) -> bool:
+        nearer, turns = self._error.update(error, now), self._turn_error.update(turn_error, now)
+        return nearer or (turns and turn_error > self.turn_tolerance)
+
+    def _direction(self) -> np.ndarray | None:
+        """Return the direction as a unit vector, shape (3,), world frame."""
+        if self.direction is None:
+            return None
+        x, y, z = self.direction
+        heading = self.robot.state.stance[2]
+        cos, sin = math.cos(heading), math.sin(heading)
+        direction = np.array([cos * x - sin * y, sin * x + cos * y, z])
+        return direction / np.linalg.norm(direction)
 
     def _choose(self, bearing: float) -> Side:
         if self.hand != "nearest":
