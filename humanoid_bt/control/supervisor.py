@@ -299,14 +299,14 @@ def _manner_fault(resource: str, target: Target, command: Command) -> str:
 
 def _orientation_fault(orientation: Array | Pointing) -> str:
     if isinstance(orientation, Pointing):
-        values, size, what = orientation.direction, 3, "direction"
+        values, size, what = orientation.direction, 3, "a direction"
         if orientation.axis not in get_args(PalmAxis):
             return f"points along {orientation.axis!r}, which is no axis of a palm"
     else:
-        values, size, what = orientation, 4, "orientation"
+        values, size, what = orientation, 4, "an orientation"
     if not isinstance(values, np.ndarray) or values.shape != (size,) or values.dtype.kind not in "fi":
-        return f"has a malformed {what}"
+        return f"has {what} that is malformed"
     length = math.sqrt(values @ values)
     if not math.isfinite(length):
-        return f"has a {what} that is not finite"
-    return f"has a {what} of length {length:.3g} and not 1" if abs(length - 1) > _UNIT else ""
+        return f"has {what} that is not finite"
+    return f"has {what} of length {length:.3g} and not 1" if abs(length - 1) > _UNIT else ""

@@ -18,6 +18,7 @@ from humanoid_bt.core.messages import (
     Pause,
     Target,
 )
+from humanoid_bt.robot.arms import Arms
 from humanoid_bt.robot.config import FallConfig
 
 HEIGHT = 0.7
@@ -28,6 +29,7 @@ UPRIGHT = Estimate(
     joint_torque=np.zeros(2),
     foot_force=np.zeros(2),
 )
+ARMS: Arms = {"left": {"left_elbow": (-2.28, -0.02)}, "right": {"right_elbow": (-2.28, -0.02)}}
 HAND: Mapping[str, Target] = {"left_hand": HandTarget(np.array([0.4, 0.1, 0.9]))}
 SOURCES = {"left_hand": "root/reach"}
 
@@ -42,7 +44,7 @@ class Run:
     """A supervisor and its cycles."""
 
     def __init__(self) -> None:
-        self.supervisor = Supervisor(FallConfig())
+        self.supervisor = Supervisor(FallConfig(), ARMS)
         self.supervisor.reset_run(HEIGHT)
         self.cycle = -1
         self.sequence = 0

@@ -8,12 +8,14 @@ import numpy as np
 import pytest
 
 from humanoid_bt.core.messages import (
+    ArmTarget,
     BaseTarget,
     Command,
     Estimate,
     GazeTarget,
     HandTarget,
     Mode,
+    Pointing,
     PostureTarget,
 )
 from tests.control.supervised import HAND, HEIGHT, SOURCES, UPRIGHT, Run, lying
@@ -183,6 +185,30 @@ GOOD = np.array([0.4, 0.1, 0.9])
         ({"tail": HandTarget(GOOD)}, "cannot take a HandTarget"),
         ({"left_hand": GOOD}, "cannot take a ndarray"),
         (None, "malformed"),
+        ({"left_hand": HandTarget(GOOD, np.array([1.0, 0, 0, np.nan]))}, "an orientation that is not finite"),
+        ({"left_hand": HandTarget(GOOD, np.zeros(4))}, "an orientation of length 0 and not 1"),
+        ({"left_hand": HandTarget(GOOD, np.zeros(3))}, "an orientation that is malformed"),
+        ({"left_hand": HandTarget(GOOD, Pointing(np.array([0, 0, 2.0])))}, "a direction of length 2 and not 1"),
+        ({"left_hand": HandTarget(GOOD, Pointing(np.zeros(4)))}, "a direction that is malformed"),
+        ({"left_hand": HandTarget(GOOD, Pointing(np.eye(3)[0], "thumb"))}, "no axis of a palm"),  # type: ignore[arg-type]
+        ({"left_hand": HandTarget(GOOD, speed=0.0)}, "the speed 0.0, which is not above 0"),
+        ({"left_hand": HandTarget(GOOD, speed=math.nan)}, "a speed that is not finite"),
+        ({"left_hand": HandTarget(GOOD, speed="fast")}, "malformed"),  # type: ignore[arg-type]
+        ({"left_hand": HandTarget(GOOD, relative=True)}, "relative to 'right_hand', for which there is no position"),
+        (
+            {"left_hand": HandTarget(GOOD, relative=True), "right_hand": HandTarget(GOOD, relative=True)},
+            "is relative to 'right_hand'",
+        ),
+        ({"left_hand": ArmTarget({})}, "names no joint"),
+        ({"left_hand": ArmTarget({"left_elbow": math.nan})}, "not finite: nan rad of 'left_elbow'"),
+        (
+            {"left_hand": ArmTarget({"left_elbow": 1.2})},
+            "asks 1.2 rad of 'left_elbow', whose limits are -2.28 to",
+        ),
+        ({"left_hand": ArmTarget({"right_elbow": -1.0})}, "names 'right_elbow', a joint of the right arm"),
+        ({"left_hand": ArmTarget({"left_elbo": -1.0})}, "did you mean 'left_elbow'?"),
+        ({"left_hand": ArmTarget({"left_elbow": -1.0}, speed=-1.0)}, "the speed -1.0, which is not above 0"),
+        ({"base": ArmTarget({"left_elbow": -1.0})}, "cannot take a ArmTarget"),
     ],
 )
 def test_a_command_that_is_not_intact_is_refused_and_the_last_good_one_holds(run: Run, targets: Any, why: str) -> None:

@@ -153,6 +153,7 @@ class TurnReference:
         """Begin from the planned palm the next time."""
         self._heading = 0.0  # of the stance, to which it belongs
         self._now: Array | Pointing | None = None
+        self._sent: Array | Pointing | None = None  # what was returned last
         self._correction: Array = np.zeros(3)  # rotation vector
 
     def update(
@@ -168,21 +169,23 @@ class TurnReference:
         """
         before, self._heading = self._heading, heading
         if _kind(self._now) != _kind(target) and target is not None:
-            self._now, self._correction = None, np.zeros(3)
+            self._now, self._sent, self._correction = None, None, np.zeros(3)
         kind = target if self._now is None else self._now
         assert kind is not None  # it is held only after it was commanded
         start = _as(kind, planned)
-        now = start if self._now is None else self._now
+        now, sent = start if self._now is None else self._now, start if self._sent is None else self._sent
         if target is None:
             turn = np.array([0.0, 0.0, heading - before])
-            now, self._correction = _turned(now, turn), rotation_matrix(turned(_UPRIGHT, turn)) @ self._correction
+            now, sent = _turned(now, turn), _turned(sent, turn)
+            self._correction = rotation_matrix(turned(_UPRIGHT, turn)) @ self._correction
         else:
             now = _toward(now, target, step)
             if _way(now, target) < _CORRECT_WITHIN:
                 error = _turn_between(_as(kind, measured), target)
                 self._correction = clamp(self._correction + self._gain * error, -_CORRECT_MAX, _CORRECT_MAX)
         self._now = _toward(start, now, self._lead + _CORRECT_MAX)
-        return _turned(self._now, self._correction)
+        self._sent = _toward(sent, _turned(self._now, self._correction), step)
+        return self._sent
 
 
 def _kind(orientation: Array | Pointing | None) -> object:
