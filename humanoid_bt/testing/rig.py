@@ -13,11 +13,13 @@ from typing import Any, get_args
 import numpy as np
 from py_trees.common import Status
 
+from humanoid_bt.control.body.palm_task import axis_of
 from humanoid_bt.control.body.standing import load_robot
 from humanoid_bt.core.clock import PERCEPTION_PERIOD
 from humanoid_bt.core.errors import Place, UserError, nearest, relative
+from humanoid_bt.core.geometry import turn_of_axis
 from humanoid_bt.core.items import item_of
-from humanoid_bt.core.messages import Command, Percept, Side, State
+from humanoid_bt.core.messages import Command, PalmAxis, Percept, Pose, Side, State
 from humanoid_bt.core.params import PerceptName
 from humanoid_bt.core.reading import convert, needed
 from humanoid_bt.decision.result import results_of
@@ -105,6 +107,34 @@ class Rig:
         if side not in get_args(Side):
             raise UserError(f"'side' cannot be {side!r}", hint=nearest(str(side), get_args(Side)))
         return float(np.linalg.norm(self.state.hands[side] - np.asarray(position, dtype=float)))
+
+    def pose(self, name: str) -> Pose:
+        """Return where a body or a site of the robot is, as ``self.robot.pose`` of a skill does.
+
+        Raises:
+            HumanoidBtError: the robot has neither of this name.
+        """
+        return self._robot.anatomy.pose(name, self.state)
+
+    def hand_turned(self, side: Side, direction: Any, axis: PalmAxis = "fingers") -> float:
+        """Return the angle from an axis of a palm to a direction, shape (3,), world frame [rad].
+
+        Args:
+            side: of the hand.
+            direction: of any length.
+            axis: "fingers", or "facing": where the palm faces.
+
+        Raises:
+            UserError: there is no such side or axis, or the direction is zero.
+        """
+        for what, name, valid in (("side", side, get_args(Side)), ("axis", axis, get_args(PalmAxis))):
+            if name not in valid:
+                raise UserError(f"{what!r} cannot be {name!r}", hint=nearest(str(name), valid))
+        wanted = np.asarray(direction, dtype=float)
+        if wanted.shape != (3,) or not (length := float(np.linalg.norm(wanted))) > 0:
+            raise UserError(f"'direction' cannot be {direction!r}", hint="three numbers, not all of them zero")
+        pointed = axis_of(self.pose(f"{side}_palm").rotation, axis)
+        return float(np.linalg.norm(turn_of_axis(pointed, wanted / length)))
 
     # ---- what the test dictates -------------------------------------------------------------------------------------
 

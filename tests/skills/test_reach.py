@@ -21,6 +21,33 @@ def test_brings_the_nearest_palm_to_the_target_and_reports_how_near(
     assert not result.stops
 
 
+@pytest.mark.parametrize(("axis", "column", "direction"), [("fingers", 0, (1, 0, 0)), ("facing", 2, (0, 0, -2))])
+def test_turns_the_hand_where_it_is_told(rig: Rig, axis: str, column: int, direction: tuple[float, ...]) -> None:
+    target = (0.40, 0.15, 0.9)
+    result = rig.run("reach", target=target, direction=direction, axis=axis, hold="1 s")
+    assert result.succeeded, result.feedback
+    assert rig.hand_distance("left", target) < 0.015
+    pointed = rig.pose("left_palm").rotation[:, column]
+    error = np.arccos(pointed @ direction / np.linalg.norm(direction))
+    assert error < np.radians(3)
+    assert result.results["turn_error"] == pytest.approx(error, abs=0.01)
+
+
+def test_says_what_keeps_it_from_turning_the_hand(rig: Rig) -> None:
+    result = rig.run("reach", target=(0.40, 0.15, 0.9), direction=(-1, 0, 0))
+    assert result.failed
+    assert result.feedback.startswith("left hand turns no nearer than")
+    assert "limit" in result.feedback
+    assert rig.run("reach", target="target", direction=(0, 0, 0)).feedback == "the direction is zero: it points nowhere"
+
+
+def test_moves_as_slowly_as_it_is_told(rig: Rig) -> None:
+    result = rig.run("reach", target=(0.40, 0.15, 0.9), speed=0.1)
+    assert result.succeeded, result.feedback
+    palms = np.array([state.hands["left"] for state in result.states])
+    assert np.linalg.norm(palms[5:] - palms[:-5], axis=1).max() / 0.1 < 0.13
+
+
 def test_uses_the_hand_it_is_told(rig: Rig) -> None:
     target = (0.40, 0.05, 0.9)
     result = rig.run("reach", target=target, hand="right")

@@ -1,0 +1,69 @@
+"""The skill ``point_at``, alone on the simulated robot."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from humanoid_bt import Rig, Side
+
+CLOSE = math.radians(3)
+
+
+def off(rig: Rig, side: Side, target: tuple[float, float, float]) -> float:
+    """Return the angle from a hand's fingers to the line from its shoulder to the target [rad]."""
+    shoulder = rig.pose(f"{side}_shoulder").position
+    way = np.array(target) - shoulder
+    return math.acos(min(1.0, rig.pose(f"{side}_palm").rotation[:, 0] @ way / np.linalg.norm(way)))
+
+
+@pytest.mark.parametrize(
+    ("target", "side"), [((1.2, 0.4, 0.9), "left"), ((2.0, -0.8, 0.2), "right"), ((0.8, -0.1, 1.7), "right")]
+)
+def test_points_along_the_line_from_the_shoulder(rig: Rig, target: tuple[float, float, float], side: Side) -> None:
+    result = rig.run("point_at", target=target)
+    assert result.succeeded, result.feedback
+    assert result.feedback.startswith(f"{side} hand points at target")
+    assert off(rig, side, target) < CLOSE
+    assert result.results["angle_error"] == pytest.approx(off(rig, side, target), abs=0.01)
+    shoulder = rig.pose(f"{side}_shoulder").position
+    assert np.linalg.norm(rig.state.hands[side] - shoulder) > 0.45  # the arm is stretched
+    assert not result.stops
+
+
+@pytest.mark.trials
+@pytest.mark.parametrize("seed", range(50))
+def test_points_at_what_is_anywhere_in_front_of_it(rig: Rig, seed: int) -> None:
+    numbers = np.random.default_rng(seed)
+    bearing, distance = numbers.uniform(-1, 1), numbers.uniform(0.6, 2.5)
+    target = (distance * math.cos(bearing), distance * math.sin(bearing), numbers.uniform(0.1, 1.8))
+    result = rig.run("point_at", target=target)
+    assert result.succeeded, result.feedback
+    assert off(rig, "left" if bearing > 0 else "right", target) < CLOSE
+    assert not result.stops
+
+
+def test_follows_a_target_that_moves(rig: Rig) -> None:
+    rig.at(1.5, lambda: rig.see("target", (1.2, 0.2, 1.3)))
+    result = rig.run("point_at", target=(1.2, 0.5, 0.7), hold="2 s")
+    assert result.succeeded, result.feedback
+    assert off(rig, "left", (1.2, 0.2, 1.3)) < CLOSE
+
+
+def test_says_that_something_is_too_near(rig: Rig) -> None:
+    result = rig.run("point_at", target=(0.3, 0.2, 0.9))
+    assert result.failed
+    assert result.feedback.startswith("target is too near to point at: 3")
+
+
+def test_says_what_keeps_it_from_pointing(rig: Rig) -> None:
+    result = rig.run("point_at", target=(-1.0, 0.6, 0.9), hand="right", look=False)
+    assert result.failed
+    assert result.feedback.startswith(("right hand turns no nearer than", "right hand comes no nearer than"))
+    assert not result.stops
+
+
+def test_says_that_it_never_saw_it(rig: Rig) -> None:
+    assert rig.run("point_at", target="cup").feedback.startswith("'cup' was never seen")
