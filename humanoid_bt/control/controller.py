@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from humanoid_bt.control.body.palm_task import PalmGoal, palm_in_world, turn_left
 from humanoid_bt.control.body.whole_body import WholeBody
 from humanoid_bt.control.cycle_log import CycleLog
 from humanoid_bt.control.dynamics import RobotDynamics
@@ -29,6 +28,7 @@ from humanoid_bt.core.messages import (
     Side,
     State,
 )
+from humanoid_bt.core.palm import in_world, other_side, turn_left
 from humanoid_bt.plant.interface import Plant
 from humanoid_bt.robot.arms import arms_of
 from humanoid_bt.robot.model import BASE_COORDINATES, BASE_DOFS, RobotModel
@@ -206,10 +206,10 @@ class Controller:
             target = self.supervisor.targets.get(f"{side}_hand")
             if not isinstance(target, HandTarget):
                 continue
-            goal = PalmGoal(target.position, target.orientation, target.relative)
+            goal = target
             if goal.relative:
-                leader: Side = "left" if side == "right" else "right"
-                goal = palm_in_world(goal, dynamics.palm(leader), dynamics.palm_frame(leader))
+                leader = other_side(side)
+                goal = in_world(goal, dynamics.palm(leader), dynamics.palm_frame(leader))
             offset = goal.position - palm
             errors[side] = float((offset @ offset) ** 0.5)
             if goal.orientation is not None:

@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 import rerun as rr
 
-from humanoid_bt.core.messages import Array, BaseTarget, HandTarget, State
+from humanoid_bt.core.messages import SIDES, Array, BaseTarget, State
+from humanoid_bt.core.palm import commanded
 from humanoid_bt.perception.track import Track
 from humanoid_bt.record.columns import send, xyzw
 from humanoid_bt.record.scene_view import WORLD
@@ -78,8 +79,9 @@ class Eye:
         for target in state.targets.values():
             if isinstance(target, BaseTarget):
                 points.append(_near(points[0], np.array([*target.position, 0.0])))
-            elif isinstance(target, HandTarget):
-                points.append(_near(points[0], target.position))
+        for side in SIDES:
+            if (hand := commanded(state, side)) is not None:
+                points.append(_near(points[0], hand.position))
         for track in tracks.values():
             seen = track.position_world
             points += [_near(points[0], seen), _near(points[0], np.array([*seen[:2], 0.0]))]

@@ -9,7 +9,19 @@ from typing import Any
 import numpy as np
 import rerun as rr
 
-from humanoid_bt.core.messages import SIDES, Array, BaseTarget, FootPose, GazeTarget, HandTarget, Side, State
+from humanoid_bt.core.geometry import rotation_matrix
+from humanoid_bt.core.messages import (
+    SIDES,
+    Array,
+    BaseTarget,
+    FootPose,
+    GazeTarget,
+    HandTarget,
+    Pointing,
+    Side,
+    State,
+)
+from humanoid_bt.core.palm import commanded
 from humanoid_bt.perception.track import Track
 from humanoid_bt.record.columns import Color, entity, send, send_sets
 from humanoid_bt.record.scene_view import WORLD
@@ -28,6 +40,7 @@ _LOADED = 20.0  # force above which a foot supports [N]
 _PATH_SPACING = 0.04  # distance between points of the ground path [m]
 _LIFT = 0.004  # flat things lie this far above the floor, or they flicker [m]
 _GAZE_LENGTH = 0.35  # of the gaze without a target [m]
+_AXIS_LENGTH = 0.12  # of the axes of a hand that is to be turned [m]
 _FADED = 0.5  # age at which a percept is drawn grey [s]; perception runs at 10 Hz
 _COM_COLOR = (255, 255, 255)
 _DCM_COLOR = (240, 101, 149)
@@ -35,6 +48,7 @@ _SUPPORT_COLOR = (105, 219, 124)
 _PATH_COLOR = (134, 142, 150)
 _GAZE_COLOR = (102, 217, 232)
 _BASE_COLOR = (252, 196, 25)
+_AXIS_COLORS = ((250, 82, 82), (81, 207, 102), (76, 110, 245))  # x along the fingers, y, z where the palm faces
 _OLD_COLOR = (120, 124, 130)
 
 
@@ -52,6 +66,7 @@ class Overlays:
         self._footsteps: tuple[tuple[Side, FootPose], ...] | None = None
         self._last_path: Array | None = None
         self._percepts: set[str] = set()
+        self._turns = False  # a hand was turned
 
     def log_static(self, stream: Any) -> None:
         """Write what never changes: frames, sizes, colours."""
@@ -66,6 +81,8 @@ class Overlays:
         stream.log(f"{WORLD}/footsteps", frame, static=True)
         stream.log(f"{WORLD}/targets/hands", frame, rr.Points3D.from_fields(radii=[0.028]), static=True)
         stream.log(f"{WORLD}/targets/errors", frame, rr.LineStrips3D.from_fields(radii=[0.004]), static=True)
+        turns = rr.Arrows3D.from_fields(radii=[0.005])
+        stream.log(f"{WORLD}/targets/turns", frame, turns, static=True)
         base = rr.Arrows3D.from_fields(colors=[_BASE_COLOR], radii=[0.012])
         stream.log(f"{WORLD}/targets/base", frame, base, static=True)
         gaze = rr.LineStrips3D.from_fields(colors=[_GAZE_COLOR], radii=[0.0025])
@@ -117,13 +134,13 @@ class Overlays:
         send_sets(stream, f"{WORLD}/balance/support", times, strips, [min(len(polygon), 1) for polygon in polygons])
 
     def _flush_hands(self, stream: Any, times: list[float]) -> None:
-        targets = [
-            [
-                (side, target.position, state.hands.get(side, target.position))
-                for side in SIDES
-                if isinstance(target := state.targets.get(f"{side}_hand"), HandTarget)
-            ]
+        goals = [
+            [(side, goal) for side in SIDES if (goal := commanded(state, side)) is not None]
             for state, _ in self._samples
+        ]
+        targets = [
+            [(side, goal.position, state.hands.get(side, goal.position)) for side, goal in row]
+            for row, (state, _) in zip(goals, self._samples, strict=True)
         ]
         counts = [len(row) for row in targets]
         flat = [hand for row in targets for hand in row]
@@ -132,6 +149,16 @@ class Overlays:
         send_sets(stream, f"{WORLD}/targets/hands", times, points, counts)
         lines = rr.LineStrips3D.columns(strips=[np.array([target, palm]) for _, target, palm in flat], colors=colors)
         send_sets(stream, f"{WORLD}/targets/errors", times, lines, counts)
+        axes = [[axis for _, goal in row for axis in _axes(goal)] for row in goals]
+        drawn = [axis for row in axes for axis in row]
+        if drawn or self._turns:  # most runs turn no hand
+            arrows = rr.Arrows3D.columns(
+                origins=_rows([origin for origin, _, _ in drawn]),
+                vectors=_rows([vector for _, vector, _ in drawn]),
+                colors=[color for _, _, color in drawn],
+            )
+            send_sets(stream, f"{WORLD}/targets/turns", times, arrows, [len(row) for row in axes])
+            self._turns = True
 
     def _flush_base_and_gaze(self, stream: Any, times: list[float]) -> None:
         bases = [state.targets.get("base") for state, _ in self._samples]
@@ -190,6 +217,18 @@ class Overlays:
             return np.empty((0, 3))
         hull = _convex_hull(corners)
         return np.array([(x, y, _LIFT) for x, y in (*hull, hull[0])])
+
+
+def _axes(target: HandTarget) -> list[tuple[Array, Array, Color]]:
+    """Return origin, vector and colour of the axes that a hand is to have: all three, or the one that points."""
+    match target.orientation:
+        case None:
+            return []
+        case Pointing(direction=direction, axis=axis):
+            return [(target.position, _AXIS_LENGTH * direction, _AXIS_COLORS[0 if axis == "fingers" else 2])]
+        case orientation:
+            axes = _AXIS_LENGTH * rotation_matrix(orientation).T
+            return [(target.position, axis, color) for axis, color in zip(axes, _AXIS_COLORS, strict=True)]
 
 
 def _rows(values: list[Any]) -> Array:

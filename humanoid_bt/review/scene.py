@@ -62,8 +62,11 @@ def body_row(history: History, time: float) -> Row:
 def hand_row(history: History, time: float) -> Row | None:
     """Return how far hands were from their targets, None if none was commanded."""
     tick = history.tick(time)
-    errors = tick.state.hand_errors if tick else {}
-    told = [f"{side} {readable(error, 'm')} from its target" for side, error in errors.items()]
+    if tick is None:
+        return None
+    turns = {side: f" and {readable(turn, 'rad')}" for side, turn in tick.state.hand_turn_errors.items()}
+    errors = tick.state.hand_errors.items()
+    told = [f"{side} {readable(error, 'm')}{turns.get(side, '')} from its target" for side, error in errors]
     return ("hands", ", ".join(told)) if told else None
 
 

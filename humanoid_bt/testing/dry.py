@@ -11,7 +11,6 @@ from pathlib import Path
 import mujoco
 import numpy as np
 
-from humanoid_bt.control.body.palm_task import PalmGoal, axis_of, palm_in_world
 from humanoid_bt.control.dynamics import RobotDynamics
 from humanoid_bt.control.supervisor import Supervisor, reset_text
 from humanoid_bt.core.clock import DECISION_PERIOD, PERCEPTION_PERIOD, CycleClock, cycles
@@ -43,6 +42,7 @@ from humanoid_bt.core.messages import (
     State,
     truth_of,
 )
+from humanoid_bt.core.palm import axis_of, in_world, other_side
 from humanoid_bt.link.wire import Event
 from humanoid_bt.perception.source import PerceptSource
 from humanoid_bt.plant.mujoco_plant import MujocoPlant
@@ -257,10 +257,10 @@ class _Body:
 
     def _bring(self, side: Side, target: HandTarget) -> None:
         """Have a palm where it is told to be, turned as it is told."""
-        goal = PalmGoal(target.position, target.orientation, target.relative)
+        goal = target
         if goal.relative:
-            leader: Side = "left" if side == "right" else "right"
-            goal = palm_in_world(goal, self._held[leader], self._frames_now[leader])
+            leader = other_side(side)
+            goal = in_world(goal, self._held[leader], self._frames_now[leader])
         self._held[side] = _kept(goal.position)
         self._errors[side] = 0.0
         match goal.orientation:

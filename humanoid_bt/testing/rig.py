@@ -13,13 +13,13 @@ from typing import Any, get_args
 import numpy as np
 from py_trees.common import Status
 
-from humanoid_bt.control.body.palm_task import axis_of
 from humanoid_bt.control.body.standing import load_robot
 from humanoid_bt.core.clock import PERCEPTION_PERIOD
 from humanoid_bt.core.errors import Place, UserError, nearest, relative
 from humanoid_bt.core.geometry import turn_of_axis
 from humanoid_bt.core.items import item_of
 from humanoid_bt.core.messages import Command, PalmAxis, Percept, Pose, Side, State
+from humanoid_bt.core.palm import axis_of
 from humanoid_bt.core.params import PerceptName
 from humanoid_bt.core.reading import convert, needed
 from humanoid_bt.decision.result import results_of

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from humanoid_bt.core.errors import HumanoidBtError
-from humanoid_bt.core.messages import FootPose, HandTarget
+from humanoid_bt.core.messages import FootPose, HandTarget, Pointing
 from humanoid_bt.record.recorder import Recorder
 from tests.record.helpers import entities, events, make_state, make_track, rows
 
@@ -138,6 +139,33 @@ def test_targets_and_footsteps_come_and_go(record: Maker, file: Path) -> None:
     assert [len(points) for _, points in hands] == [0, 1, 1, 0]
     boxes = rows(file, "/world/footsteps", "Boxes3D:centers")
     assert [(time, len(value)) for time, value in boxes] == [(0.0, 0), (0.04, 2), (0.12, 0)]
+
+
+def test_axes_show_how_a_hand_is_to_be_turned(record: Maker, file: Path) -> None:
+    """All three of an orientation, one of a direction; what is relative to the other palm is drawn where that is."""
+    half = np.sqrt(0.5)
+    hands = {"left": np.array([0.3, 0.2, 0.9]), "right": np.array([0.3, -0.2, 0.9])}
+    frames = {"left": np.array([half, 0, 0, half]), "right": np.array([1.0, 0, 0, 0])}
+    turned = {"left_hand": HandTarget(hands["left"], np.array([half, 0, 0, half]))}
+    along = Pointing(np.array([1.0, 0, 0]), "facing")
+    both = {
+        "left_hand": HandTarget(hands["left"]),
+        "right_hand": HandTarget(np.array([0.1, 0, 0]), along, relative=True),
+    }
+    with record() as recorder:
+        for time, targets in ((0.0, {}), (0.04, turned), (0.08, both), (0.12, {})):
+            state = replace(make_state(time, targets=targets), hands=hands, hand_orientations=frames)
+            recorder.sample(state, {}, {})
+    path = "/world/targets/turns"
+    origins, vectors, colors = (rows(file, path, f"Arrows3D:{part}") for part in ("origins", "vectors", "colors"))
+    assert [len(arrows) for _, arrows in vectors] == [0, 3, 1, 0]
+    x, y, z = np.array(vectors[1][1]) / np.linalg.norm(vectors[1][1][0])
+    np.testing.assert_allclose([x, y, z], [[0, 1, 0], [-1, 0, 0], [0, 0, 1]], atol=1e-6)
+    np.testing.assert_allclose(origins[2][1][0], [0.3, 0.3, 0.9], atol=1e-6)
+    np.testing.assert_allclose(vectors[2][1][0] / np.linalg.norm(vectors[2][1][0]), [0, 1, 0], atol=1e-6)
+    assert colors[2][1][0] == colors[1][1][2]
+    points = rows(file, "/world/targets/hands", "Points3D:positions")
+    np.testing.assert_allclose(points[2][1][1], [0.3, 0.3, 0.9], atol=1e-6)
 
 
 def test_the_support_polygon_is_that_of_the_loaded_feet(record: Maker, file: Path) -> None:

@@ -15,6 +15,8 @@ from humanoid_bt.cli import main
 from humanoid_bt.core.errors import UserError
 from humanoid_bt.record.reading import read_flight
 from humanoid_bt.record.shape import SETUP
+from humanoid_bt.review.explain import explain
+from humanoid_bt.review.recording import open_recording
 from humanoid_bt.review.replay import replay
 from humanoid_bt.session.session import Session
 from tests.projects import make_project
@@ -104,6 +106,54 @@ def test_a_run_that_was_paused_is_compared_up_to_that(project: Path, alone: bool
     assert again.identical
     assert again.notes[0].startswith("somebody paused the run at 0.2")
     assert again.duration == pytest.approx(0.2, abs=0.021)
+
+
+GESTURE = """
+from humanoid_bt import Skill, Status
+
+
+class Gesture(Skill):
+    \"\"\"Turn both hands, then bend an arm.\"\"\"
+
+    resources = ("left_hand", "right_hand")
+    bounded = True
+
+    def initialise(self) -> None:
+        self.since = self.robot.clock.now()
+
+    def update(self) -> Status:
+        now = self.robot.clock.now() - self.since
+        if now > 1.0:
+            return self.succeed("done")
+        if now > 0.6:
+            self.robot.move_arm("right", {"right_elbow": -1.2}, speed=0.8)
+            return self.running("bending")
+        place = self.robot.pose("left_shoulder").position + (0.3, 0, -0.2)
+        self.robot.move_hand("left", place, direction=(1, 0, 0), speed=0.2)
+        self.robot.move_hand("right", (0, 0, 0.3), (0, 1, 0, 0), relative=True)
+        return self.running("turning")
+"""
+
+
+@pytest.mark.parametrize("alone", [False, True])
+def test_what_is_asked_of_hands_and_arms_comes_again_to_the_bit(project: Path, alone: bool) -> None:
+    (project / "skills/gesture.py").write_text(GESTURE, encoding="utf-8")
+    (project / "trees/gesture.yaml").write_text("format: 1\nroot: {emergency_stop: gesture}\n", encoding="utf-8")
+    file = project / f"gesture-{alone}.rrd"
+    with recorded_directly(), Session("gesture", workspace=project, record=file, camera=False) as session:
+        assert session.run().outcome == "success"
+    again = replay(file, **({"tree": "gesture", "workspace": project} if alone else {}))
+    assert (again.whole, again.identical) == (not alone, True)
+    rows = open_recording(file).table("commands").to_pylist()
+    followed = next(row for row in rows if row["relative"])
+    assert (followed["resource"], followed["z"], followed["qx"]) == ("right_hand", 0.3, 1.0)
+    led = next(row for row in rows if row["axis"])
+    assert (led["axis"], led["dx"], led["speed"]) == ("fingers", 1.0, 0.2)
+    assert next(json.loads(row["joints"]) for row in rows if row["joints"]) == {"right_elbow": -1.2}
+    told = " ".join(str(explain(file, at=0.4)).split())
+    assert "left hand to (" in told and "fingers along (1.00, 0.00, 0.00), at most 0.2 m/s" in told
+    assert "right hand to (0.00, 0.00, 0.30) m from the other palm, turned to (0.00, 1.00, 0.00, 0.00)" in told
+    assert "right arm at right_elbow -69 deg, at most 0.8 rad/s" in " ".join(str(explain(file, at=0.8)).split())
 
 
 def test_a_run_again_is_the_same_to_the_bit(disturbed: Path) -> None:

@@ -8,7 +8,7 @@ from dataclasses import fields
 import numpy as np
 import pytest
 
-from humanoid_bt import Stage, UserError
+from humanoid_bt import Stage, UserError, Workspace, rotation_matrix
 from humanoid_bt.core.messages import Mode
 
 
@@ -24,6 +24,54 @@ def test_the_robot_is_in_the_next_tick_where_it_is_told_to_be(dry):
             np.testing.assert_array_equal(state.hands["right"], command.targets["right_hand"].position)
         looked = command.targets["gaze"].point - state.gaze_position
         np.testing.assert_allclose(state.gaze_direction, looked / np.linalg.norm(looked))
+
+
+def test_hands_turn_follow_each_other_and_arms_bend_at_once(tmp_path):
+    (tmp_path / "skills").mkdir()
+    (tmp_path / "skills" / "ask.py").write_text(ASK)
+    (tmp_path / "trees").mkdir()
+    (tmp_path / "trees" / "ask.yaml").write_text("format: 1\nscene: empty\nroot: {emergency_stop: {ask: {}}}\n")
+    run = Stage(workspace=Workspace(tmp_path), dry=True).run("ask")
+    assert run.succeeded, run.report
+    both, bent = run.states[1], run.states[2]
+    frames = {side: rotation_matrix(turn) for side, turn in both.hand_orientations.items()}
+    np.testing.assert_allclose(frames["left"], np.eye(3), atol=1e-9)
+    np.testing.assert_allclose(both.hands["right"], [0.4, 0.1, 1.2], atol=1e-9)
+    np.testing.assert_allclose(frames["right"][:, 2], [0, 0, -1], atol=1e-9)
+    assert (both.hand_errors, both.hand_turn_errors) == ({"left": 0, "right": 0}, {"left": 0, "right": 0})
+    assert bent.hand_errors == {}
+    np.testing.assert_array_equal(bent.hands["right"], run.states[0].hands["right"])
+    assert bent.hands["left"][2] > run.states[0].hands["left"][2] + 0.05
+
+
+ASK = """
+import numpy as np
+
+from humanoid_bt import Skill, Status
+
+
+class Ask(Skill):
+    \"\"\"Turn both hands, then bend an arm.\"\"\"
+
+    resources = ("left_hand", "right_hand")
+
+    def initialise(self) -> None:
+        self.ticks = 0
+
+    def update(self) -> Status:
+        self.ticks += 1
+        if self.ticks == 1:
+            self.robot.move_hand("left", (0.4, 0.1, 0.9), np.eye(3))
+            self.robot.move_hand("right", (0, 0, 0.3), direction=(0, 0, -1), axis="facing", relative=True)
+            return self.running("turning")
+        if self.ticks == 2:
+            palm = self.robot.pose("right_palm")
+            assert palm.position.tolist() == [0.4, 0.1, 1.2], palm
+            self.robot.move_arm("left", {"left_elbow": -1.8})
+            return self.running("bending")
+        assert abs(self.robot.arm_joints("left")["left_elbow"].angle + 1.8) < 1e-9
+        return self.succeed("bent")
+"""
 
 
 def test_it_stands_as_the_simulated_robot_does(dry, stage):

@@ -10,9 +10,8 @@ import mujoco
 import numpy as np
 from mink.tasks import BaseTask
 
-from humanoid_bt.control.body.palm_task import PalmGoal
 from humanoid_bt.core.geometry import exp, leaning, planar_pose, pose_product, view_along
-from humanoid_bt.core.messages import SIDES, Array, Side
+from humanoid_bt.core.messages import SIDES, Array, HandTarget, Side
 from humanoid_bt.robot.model import BASE_COORDINATES, BASE_DOFS, GAZE_SITE, RobotModel, sole_site
 
 _NO_TWIST = 1e-14  # square of a twist too small to matter
@@ -50,7 +49,7 @@ class BodyTargets:
     hands: Mapping[Side, Array]
     reaching: float
     posture: Array
-    palms: Mapping[Side, PalmGoal] = field(default_factory=dict)
+    palms: Mapping[Side, HandTarget] = field(default_factory=dict)
     arms: Sequence[int] = ()
 
 

@@ -7,7 +7,6 @@ from collections.abc import Callable
 
 import numpy as np
 
-from humanoid_bt.control.body.palm_task import PalmGoal, axis_of
 from humanoid_bt.control.body.references import HandReference
 from humanoid_bt.core.geometry import (
     clamp,
@@ -18,6 +17,7 @@ from humanoid_bt.core.geometry import (
     turned,
 )
 from humanoid_bt.core.messages import Array, HandTarget, Pointing
+from humanoid_bt.core.palm import axis_of
 from humanoid_bt.robot.config import WholeBodyConfig
 
 Frame = tuple[Array, Array]
@@ -58,7 +58,7 @@ class PalmReference:
         stance: Array,
         walks: bool,
         frames: Callable[[], tuple[Array, Array]],
-    ) -> tuple[Array, PalmGoal | None] | None:
+    ) -> tuple[Array, HandTarget | None] | None:
         """Return where to bring the palm, world frame, and its goal if that is more; None when it is free.
 
         Args:
@@ -77,11 +77,11 @@ class PalmReference:
         orientation = self._orientation(target, hold, position is None, frames, float(stance[2]))
         if position is None:
             return None
-        return position, None if orientation is None else PalmGoal(position, orientation, relative=False)
+        return position, None if orientation is None else HandTarget(position, orientation, relative=False)
 
     def follow(
         self, target: HandTarget | None, hold: bool, measured: Frame, planned: Frame, leader: tuple[Frame, Frame]
-    ) -> PalmGoal | None:
+    ) -> HandTarget | None:
         """Return the goal of a palm that is held relative to the other one, in that one's frame.
 
         Args:
@@ -97,7 +97,7 @@ class PalmReference:
         position = self._place.update(place, hold, *seen, stance=_NOWHERE, speed=speed)
         frames = tuple(one[1].T @ other[1] for one, other in zip(leader, (measured, planned), strict=True))
         orientation = self._orientation(target, hold, position is None, lambda: (frames[0], frames[1]), 0.0)
-        return None if position is None else PalmGoal(position, orientation, relative=True)
+        return None if position is None else HandTarget(position, orientation, relative=True)
 
     def release(self) -> None:
         """Let the palm go."""

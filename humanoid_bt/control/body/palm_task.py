@@ -2,40 +2,17 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 import mink
 import mujoco
 import numpy as np
 from mink.tasks import BaseTask
 
-from humanoid_bt.core.geometry import quaternion, quaternion_product, turn_between, turn_of_axis
-from humanoid_bt.core.messages import Array, PalmAxis, Pointing, Side
+from humanoid_bt.core.geometry import quaternion, turn_between, turn_of_axis
+from humanoid_bt.core.messages import Array, HandTarget, Pointing, Side
+from humanoid_bt.core.palm import axis_of, other_side, turned_with
 from humanoid_bt.robot.model import RobotModel, palm_site
-
-_AXIS: dict[PalmAxis, int] = {"fingers": 0, "facing": 2}  # columns of a palm's rotation matrix
-
-
-def axis_of(matrix: Array, axis: PalmAxis) -> Array:
-    """Return an axis of a palm, shape (3,), whose frame is a rotation matrix, shape (3, 3)."""
-    return np.asarray(matrix[:, _AXIS[axis]])
-
-
-@dataclass(frozen=True)
-class PalmGoal:
-    """Where a palm shall be in this control period, in the world frame or in that of the other palm.
-
-    Attributes:
-        position: shape (3,) [m].
-        orientation: of its frame, wxyz, shape (4,), or where one of its axes points; any if None.
-        relative: whether this is in the frame of the other palm.
-    """
-
-    position: Array
-    orientation: Array | Pointing | None
-    relative: bool
 
 
 class PalmTask(BaseTask):  # type: ignore[misc]  # mink has no types
@@ -59,7 +36,7 @@ class PalmTask(BaseTask):  # type: ignore[misc]  # mink has no types
 
     def __init__(self, robot: RobotModel, model: mujoco.MjModel, side: Side) -> None:
         self._weights, self._model = robot.config.whole_body, model
-        other: Side = "left" if side == "right" else "right"
+        other = other_side(side)
         self._sites = {of: model.site(palm_site(of)).id for of in (side, other) if of in robot.palm_axes}
         self._axes: Mapping[Side, Array] = robot.palm_axes
         self._side, self._other = side, other
@@ -67,7 +44,7 @@ class PalmTask(BaseTask):  # type: ignore[misc]  # mink has no types
         self.error, self.cost = np.zeros(6), np.zeros(6)
         self.cost[:3] = self._weights.hand
 
-    def aim(self, data: mujoco.MjData, goal: PalmGoal) -> None:
+    def aim(self, data: mujoco.MjData, goal: HandTarget) -> None:
         """Take the goal of this control period, and how far the palm is from it now."""
         place, turn = self._at(data, self._side)
         mujoco.mj_jacSite(self._model, data, self.jacobian[:3], self.jacobian[3:], self._sites[self._side])
@@ -77,7 +54,7 @@ class PalmTask(BaseTask):  # type: ignore[misc]  # mink has no types
             arm = frame @ position
             position = origin + arm
             self._go_along(data, arm)
-            orientation = _in_world(frame, orientation)
+            orientation = turned_with(frame, orientation)
         self.error[:3] = position - place
         self.cost[3:] = 0.0 if orientation is None else self._weights.hand_orientation
         if isinstance(orientation, Pointing):
@@ -109,26 +86,3 @@ class PalmTask(BaseTask):  # type: ignore[misc]  # mink has no types
         across = np.array([[0.0, z, -y], [-z, 0.0, x], [y, -x, 0.0]])  # a turn w moves the point by w x arm
         self.jacobian[:3] -= self._of_other[:3] + across @ self._of_other[3:]
         self.jacobian[3:] -= self._of_other[3:]
-
-
-def _in_world(frame: Array, orientation: Array | Pointing | None) -> Array | Pointing | None:
-    """Return an orientation that is given in a frame, shape (3, 3), as one of the world."""
-    if orientation is None:
-        return None
-    if isinstance(orientation, Pointing):
-        return Pointing(frame @ orientation.direction, orientation.axis)
-    return quaternion_product(quaternion(frame), orientation)
-
-
-def turn_left(frame: Array, orientation: Array | Pointing) -> float:
-    """Return how far a palm, whose frame is a rotation matrix, is turned from its goal [rad]."""
-    if isinstance(orientation, Pointing):
-        turn = turn_of_axis(axis_of(frame, orientation.axis), orientation.direction)
-    else:
-        turn = turn_between(quaternion(frame), orientation)
-    return math.sqrt(turn @ turn)
-
-
-def palm_in_world(goal: PalmGoal, origin: Array, frame: Array) -> PalmGoal:
-    """Return a goal that is relative to a palm, place shape (3,) and frame shape (3, 3), as one of the world."""
-    return PalmGoal(origin + frame @ goal.position, _in_world(frame, goal.orientation), relative=False)

@@ -17,7 +17,6 @@ from humanoid_bt.control.body.feedforward import Feedforward
 from humanoid_bt.control.body.inverse_kinematics import InverseKinematics
 from humanoid_bt.control.body.lean import LeanReference
 from humanoid_bt.control.body.palm_reference import PalmReference
-from humanoid_bt.control.body.palm_task import PalmGoal, palm_in_world
 from humanoid_bt.control.body.references import ArmReference, GazeReference, PostureReference, approach
 from humanoid_bt.control.body.stabilizer import Stabilizer
 from humanoid_bt.control.body.swing import TiltCompensation
@@ -37,6 +36,7 @@ from humanoid_bt.core.messages import (
     Side,
     Target,
 )
+from humanoid_bt.core.palm import in_world, other_side
 from humanoid_bt.robot.model import BASE_COORDINATES, BASE_DOFS, RobotModel
 
 _BLENDED = 1e-3  # of a share; the rest is taken in one step
@@ -195,10 +195,12 @@ class WholeBody:
             arms=self._held_joints,
         )
 
-    def _hand_goals(self, targets: Mapping[str, Target], hold: bool) -> tuple[dict[Side, Array], dict[Side, PalmGoal]]:
+    def _hand_goals(
+        self, targets: Mapping[str, Target], hold: bool
+    ) -> tuple[dict[Side, Array], dict[Side, HandTarget]]:
         """Return the places of the hands that are commanded, and the goals of those that are more than a place."""
         positions: dict[Side, Array] = {}
-        palms: dict[Side, PalmGoal] = {}
+        palms: dict[Side, HandTarget] = {}
         followers: dict[Side, HandTarget | None] = {}
         stance, walks = self.walker.stance, self.walker.gait is not Gait.STAND
         for side, reference in self._hands.items():
@@ -240,10 +242,10 @@ class WholeBody:
         target: HandTarget | None,
         hold: bool,
         positions: dict[Side, Array],
-        palms: dict[Side, PalmGoal],
+        palms: dict[Side, HandTarget],
     ) -> None:
         """Hold a palm relative to the other one; where that one is free, let it go, too."""
-        leader: Side = "left" if side == "right" else "right"
+        leader = other_side(side)
         if leader not in positions:
             self._hands[side].release()
             return
@@ -253,7 +255,7 @@ class WholeBody:
         goal = self._hands[side].follow(target, hold, measured, planned, (led, leads))
         if goal is not None:
             palms[side] = goal
-            positions[side] = palm_in_world(goal, *leads).position
+            positions[side] = in_world(goal, *leads).position
 
     def _hold_arms(self, targets: Mapping[str, Target]) -> None:
         """Move the posture: home, and the joints of arms that are commanded to where they are to be."""

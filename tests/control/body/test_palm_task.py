@@ -7,9 +7,10 @@ import mujoco
 import numpy as np
 import pytest
 
-from humanoid_bt.control.body.palm_task import PalmGoal, PalmTask, palm_in_world, turn_left
+from humanoid_bt.control.body.palm_task import PalmTask
 from humanoid_bt.core.geometry import quaternion, rotation_matrix, turned
-from humanoid_bt.core.messages import Array, PalmAxis, Pointing
+from humanoid_bt.core.messages import Array, HandTarget, PalmAxis, Pointing
+from humanoid_bt.core.palm import in_world, turn_left
 from humanoid_bt.robot.model import RobotModel, palm_site
 from tests.control.body.pose import Pose
 
@@ -29,7 +30,7 @@ def frame(robot: RobotModel, qpos: Array, side: str) -> Array:
     return Pose(robot, qpos).rotation(palm_site(side)) @ robot.palm_axes[side]  # type: ignore[index]
 
 
-def near(robot: RobotModel, qpos: Array, relative: bool, axis: PalmAxis | None) -> PalmGoal:
+def near(robot: RobotModel, qpos: Array, relative: bool, axis: PalmAxis | None) -> HandTarget:
     """Return a goal near where the right palm is."""
     pose = Pose(robot, qpos)
     turn, place = frame(robot, qpos, "right"), pose.site(palm_site("right"))
@@ -38,9 +39,9 @@ def near(robot: RobotModel, qpos: Array, relative: bool, axis: PalmAxis | None) 
         turn, place = leader.T @ turn, leader.T @ (place - pose.site(palm_site("left")))
     goal = turned(quaternion(turn), ASIDE)
     if axis is None:
-        return PalmGoal(place + ASIDE, goal, relative)
+        return HandTarget(place + ASIDE, goal, relative)
     column = 0 if axis == "fingers" else 2
-    return PalmGoal(place + ASIDE, Pointing(rotation_matrix(goal)[:, column], axis), relative)
+    return HandTarget(place + ASIDE, Pointing(rotation_matrix(goal)[:, column], axis), relative)
 
 
 @pytest.mark.parametrize("relative", [False, True])
@@ -64,7 +65,7 @@ def test_the_jacobian_is_the_errors_derivative(
 def test_the_trunk_has_no_part_in_how_palms_are_to_each_other(robot: RobotModel, standing: Array) -> None:
     task = PalmTask(robot, robot.model, "right")
     goal = near(robot, standing, relative=True, axis=None)
-    turned_away = PalmGoal(goal.position - ASIDE, goal.orientation, relative=True)
+    turned_away = HandTarget(goal.position - ASIDE, goal.orientation, relative=True)
     task.aim(data_at(robot, standing), turned_away)
     arms = [6 + joint for side in ("left", "right") for joint in robot.arm_joints(side)]  # type: ignore[arg-type]
     others = np.setdiff1d(np.arange(robot.model.nv), arms)
@@ -77,7 +78,7 @@ def test_without_an_orientation_only_the_place_counts(robot: RobotModel, standin
     goal = near(robot, standing, relative=True, axis=None)
     task.aim(data_at(robot, standing), goal)
     assert task.cost[3:].min() > 0
-    task.aim(data_at(robot, standing), PalmGoal(goal.position, None, relative=True))
+    task.aim(data_at(robot, standing), HandTarget(goal.position, None, relative=True))
     np.testing.assert_array_equal(task.cost[3:], 0)
 
 
@@ -92,7 +93,7 @@ def test_its_residual_and_its_objective_are_one_problem(robot: RobotModel, stand
 
 def test_a_goal_relative_to_a_palm_has_a_place_in_the_world(robot: RobotModel, standing: Array) -> None:
     pose, leader = Pose(robot, standing), frame(robot, standing, "left")
-    goal = palm_in_world(near(robot, standing, True, None), pose.site(palm_site("left")), leader)
+    goal = in_world(near(robot, standing, True, None), pose.site(palm_site("left")), leader)
     np.testing.assert_allclose(goal.position, pose.site(palm_site("right")) + leader @ ASIDE, atol=1e-12)
     assert goal.orientation is not None
     assert turn_left(frame(robot, standing, "right"), goal.orientation) == pytest.approx(np.linalg.norm(ASIDE))
