@@ -83,7 +83,7 @@ def test_editors_know_its_skill(made: str) -> None:
     schemas = settings["yaml.schemas"]
     assert set(schemas) == {str(path) for path in SCHEMAS.values()}
     assert all(list(Path().glob(pattern)) for patterns in schemas.values() for pattern in patterns)
-    assert "type_point_at" in json.loads(SCHEMAS["trees"].read_text(encoding="utf-8"))["definitions"]
+    assert "type_stretch_toward" in json.loads(SCHEMAS["trees"].read_text(encoding="utf-8"))["definitions"]
     assert json.loads(SCHEMAS["scenarios"].read_text(encoding="utf-8"))["properties"]["expect"]
     assert json.loads(SCHEMAS["campaigns"].read_text(encoding="utf-8"))["properties"]["require"]
 

@@ -1,4 +1,4 @@
-"""Point at something."""
+"""Stretch a hand toward something."""
 
 import numpy as np
 
@@ -7,7 +7,7 @@ from humanoid_bt import Improving, Lasting, PerceptName, Side, Skill, Status, pa
 _CHEST = 0.8  # of the eyes' height
 
 
-class PointAt(Skill):
+class StretchToward(Skill):
     """Stretch the hand on its side toward the target, and keep it there for a moment.
 
     Waits for a steady base before it moves a hand. Fails if the target was never seen, or if the palm does not get
