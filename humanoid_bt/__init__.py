@@ -48,6 +48,8 @@ __all__ = [  # noqa: RUF022 (grouped as a reader looks for them)
     "PerceptName",
     "RobotHandle",
     "Track",
+    "Pose",
+    "ArmJoint",
     "State",
     "Mode",
     "Gait",
@@ -93,10 +95,12 @@ if TYPE_CHECKING:
     from humanoid_bt.core.messages import SIDES as SIDES
     from humanoid_bt.core.messages import Gait as Gait
     from humanoid_bt.core.messages import Mode as Mode
+    from humanoid_bt.core.messages import Pose as Pose
     from humanoid_bt.core.messages import Side as Side
     from humanoid_bt.core.messages import State as State
     from humanoid_bt.core.params import PerceptName as PerceptName
     from humanoid_bt.core.params import param as param
+    from humanoid_bt.decision.anatomy import ArmJoint as ArmJoint
     from humanoid_bt.decision.blackboard import Key as Key
     from humanoid_bt.decision.result import result as result
     from humanoid_bt.decision.robot import RobotHandle as RobotHandle
@@ -148,8 +152,9 @@ else:
         "humanoid_bt.decision.blackboard": "Key",
         "humanoid_bt.core.errors": "HumanoidBtError Place Problem UserError",
         "humanoid_bt.core.geometry": "rotation_matrix",
-        "humanoid_bt.core.messages": "SIDES Gait Mode Side State",
+        "humanoid_bt.core.messages": "SIDES Gait Mode Pose Side State",
         "humanoid_bt.core.params": "PerceptName param",
+        "humanoid_bt.decision.anatomy": "ArmJoint",
         "humanoid_bt.decision.result": "result",
         "humanoid_bt.decision.robot": "RobotHandle",
         "humanoid_bt.perception.track": "Track",

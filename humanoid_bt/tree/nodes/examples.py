@@ -245,6 +245,12 @@ reach: {target: target, hand: left, hold: 1 s}
     "look_at": """\
 look_at: {target: target, hold: 1 s}
 """,
+    "point_at": """\
+point_at: {target: target, hold: 2 s}
+""",
+    "touch_with_both": """\
+touch_with_both: {target: target, width: 20 cm}
+""",
     "offer": """\
 offer: {target: target, height: 90 cm, hold: 5 s}
 """,
