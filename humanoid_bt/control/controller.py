@@ -14,7 +14,6 @@ from humanoid_bt.control.estimator.estimator import Estimator
 from humanoid_bt.control.servo import Servo
 from humanoid_bt.control.supervisor import Supervisor
 from humanoid_bt.core.clock import WHOLE_BODY_PERIOD, cycles
-from humanoid_bt.core.geometry import quaternion
 from humanoid_bt.core.messages import (
     SIDES,
     Array,
@@ -171,7 +170,7 @@ class Controller:
             com=dynamics.com,
             com_velocity=dynamics.com_velocity,
             hands=dynamics.hands,
-            hand_orientations={side: quaternion(dynamics.palm_frame(side)) for side in dynamics.hands},
+            hand_orientations=dynamics.hand_orientations,
             feet=feet,
             stance=walker.stance,
             gaze_position=dynamics.gaze_position,

@@ -7,6 +7,7 @@ import math
 import mujoco
 import numpy as np
 
+from humanoid_bt.core.geometry import quaternion
 from humanoid_bt.core.messages import SIDES, Array, Estimate, FootPose, Side
 from humanoid_bt.robot.model import GAZE_SITE, RobotModel, palm_site, sole_site
 
@@ -35,6 +36,7 @@ class RobotDynamics:
         self._soles = list(self._sole.values())
         self._palm = {side: robot.model.site(palm_site(side)).id for side in robot.config.hands if side in SIDES}
         self._palm_axes = robot.palm_axes
+        self._palm_turns = {side: quaternion(axes) for side, axes in robot.palm_axes.items()}
         self._gaze = robot.model.site(GAZE_SITE).id
         self._foot = {side: robot.model.body(robot.config.legs[side].sole.body).id for side in SIDES}
         self.com: Array = np.zeros(3)
@@ -105,6 +107,16 @@ class RobotDynamics:
     def palm_frame(self, side: Side) -> Array:
         """Return how a palm is turned: the rotation matrix of its frame, shape (3, 3)."""
         return np.asarray(self.data.site_xmat[self._palm[side]].reshape(3, 3) @ self._palm_axes[side])
+
+    @property
+    def hand_orientations(self) -> dict[Side, Array]:
+        """How the palms' frames are turned, wxyz, of the hands that the robot has."""
+        found: dict[Side, Array] = {}
+        for side, site in self._palm.items():
+            found[side] = turn = np.empty(4)
+            mujoco.mju_mat2Quat(turn, self.data.site_xmat[site])
+            mujoco.mju_mulQuat(turn, turn.copy(), self._palm_turns[side])
+        return found
 
     @property
     def hands(self) -> dict[Side, Array]:
