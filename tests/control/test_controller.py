@@ -9,9 +9,9 @@ from dataclasses import fields
 import mujoco
 import numpy as np
 import pytest
-import qpsolvers
 
 from humanoid_bt.control.body.planar import seen_from
+from humanoid_bt.control.body.quadratic_program import QuadraticProgram
 from humanoid_bt.control.body.whole_body import Setpoint
 from humanoid_bt.core.messages import (
     SIDES,
@@ -266,13 +266,13 @@ def test_setpoints_that_are_refused_are_told_and_end_in_a_protective_stop(
 def test_inverse_kinematics_without_a_solution_holds_then_stops(
     rig: ControlRig, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def no_solution(problem: qpsolvers.Problem, _: str) -> qpsolvers.Solution:
-        return qpsolvers.Solution(problem)
+    def no_solution(_: QuadraticProgram) -> None:
+        return None
 
     rig.run(0.3, REACH)
     before = rig.state.setpoint_positions
     with monkeypatch.context() as patch:
-        patch.setattr(qpsolvers, "solve_problem", no_solution)
+        patch.setattr(QuadraticProgram, "solve", no_solution)
         rig.run(0.18, REACH)
         assert rig.state.mode is Mode.RUN
         np.testing.assert_allclose(rig.state.setpoint_positions, before, atol=0.02)  # it only balances

@@ -8,18 +8,17 @@ from collections.abc import Mapping
 import mink
 import mujoco
 import numpy as np
-import qpsolvers
 
 from humanoid_bt.control.body.body_task import BodyTargets, BodyTask
 from humanoid_bt.control.body.height_limit import HeightLimit
-from humanoid_bt.control.body.mink_terms import SOLVER, frame_task
+from humanoid_bt.control.body.mink_terms import frame_task
 from humanoid_bt.control.body.palm_task import PalmTask
+from humanoid_bt.control.body.quadratic_program import QuadraticProgram
 from humanoid_bt.control.body.self_collision import SelfCollisionLimit
 from humanoid_bt.core.geometry import clamp
 from humanoid_bt.core.messages import SIDES, Array, Side
 from humanoid_bt.robot.model import BASE_COORDINATES, BASE_DOFS, RobotModel, carriers, palm_site
 
-_NO_BOUND = 1e30  # for the solver
 _ACCELERATION_LIMIT = 100.0  # rad/s^2, of the planned motion, as it goes into the feedforward
 # What was held back and comes free must not catch up so fast that it throws the robot:
 _ARM_SPEED = 2.5  # rad/s of its joints
@@ -52,7 +51,8 @@ class InverseKinematics:
     def __init__(self, robot: RobotModel, dt: float) -> None:
         self._robot, self._dt = robot, dt
         self._own_links = SelfCollisionLimit(robot)
-        self._model, self._damping = self._own_links.model, robot.config.whole_body.damping
+        self._model = self._own_links.model
+        self._program = QuadraticProgram(self._model.nv, robot.config.whole_body.damping)
         self.configuration = mink.Configuration(self._model)
         self._body = BodyTask(robot, self._model)
         config, weights = robot.config, robot.config.whole_body
@@ -65,7 +65,6 @@ class InverseKinematics:
         self.tasks: list[mink.BaseTask] = [self._body]
         self.height_limit = HeightLimit(self._model.nv)
         self.limits: list[mink.Limit] = [self._own_links, self.height_limit]
-        self._low, self._high = np.full(self._model.nv, -_NO_BOUND), np.full(self._model.nv, _NO_BOUND)
         trunk = set(carriers(robot.model, robot.model.body(config.torso).id))
         self._arms = {
             side: [
@@ -80,7 +79,7 @@ class InverseKinematics:
         np.minimum(self._farthest, _ARM_SPEED * dt, out=self._farthest, where=of_arms)
         of_waist = np.isin(robot.model.jnt_bodyid[1:], list(trunk))
         np.minimum(self._farthest, _TURN_SPEED * dt, out=self._farthest, where=of_waist)
-        for bound, sign in ((self._low, -1.0), (self._high, 1.0)):
+        for bound, sign in ((self._program.low, -1.0), (self._program.high, 1.0)):
             bound[2], bound[3:BASE_DOFS] = sign * _RISE_SPEED * dt, sign * _TURN_SPEED * dt
         self._root = self._model.body(robot.config.base).id
         self._palms = {side: self._model.site(palm_site(side)).id for side in self._hands}
@@ -168,33 +167,27 @@ class InverseKinematics:
         self._follow_motion(velocity)
         return self.solved
 
-    def _problem(self, limits: list[mink.Limit]) -> qpsolvers.Problem:
-        problem: qpsolvers.Problem = mink.build_ik(
-            self.configuration, self.tasks, self._dt, damping=self._damping, limits=limits
-        )
-        return problem
-
     def _within_limits(self) -> Array | None:
         """Return the velocity within all limits, shape (nv,); None if there is none."""
-        problem = self._problem(self.limits)
-        problem.lb, problem.ub = self._low, self._high
-        joints = self.joints
-        np.maximum(self._robot.lower - joints, -self._farthest, out=self._low[BASE_DOFS:])
-        np.minimum(self._robot.upper - joints, self._farthest, out=self._high[BASE_DOFS:])
-        solution = qpsolvers.solve_problem(problem, SOLVER)
-        if not solution.found and _asks_to_part(problem, len(self._own_links.pressures)):
-            solution = qpsolvers.solve_problem(problem, SOLVER)
-        if not solution.found or solution.x is None or not np.isfinite(solution.x).all():
+        program, joints = self._program, self.joints
+        program.aim(self.configuration, self.tasks)
+        program.limit(self.configuration, self.limits, self._dt)
+        np.maximum(self._robot.lower - joints, -self._farthest, out=program.low[BASE_DOFS:])
+        np.minimum(self._robot.upper - joints, self._farthest, out=program.high[BASE_DOFS:])
+        way = program.solve()
+        if way is None and _asks_to_part(program, len(self._own_links.pressures)):
+            way = program.solve()
+        if way is None:
             return None
-        if solution.z is not None:
-            self._own_links.pressures = solution.z[: len(self._own_links.pressures)]
-        return np.asarray(solution.x / self._dt)
+        self._own_links.pressures = program.pressures[: len(self._own_links.pressures)]
+        return way / self._dt
 
     def _without_limits(self) -> Array:
         """Return the velocity of damped least squares, shape (nv,), clamped; zero if even that has no solution."""
-        problem = self._problem([])
+        program = self._program
+        program.aim(self.configuration, self.tasks)
         try:
-            way = np.linalg.solve(problem.P, -problem.q)
+            way = np.linalg.solve(program.hessian, -program.gradient)
         except np.linalg.LinAlgError:
             return np.zeros(self._model.nv)
         if not np.isfinite(way).all():
@@ -217,18 +210,18 @@ class InverseKinematics:
         self._momentum = momentum
 
 
-def _asks_to_part(problem: qpsolvers.Problem, pairs: int) -> bool:
+def _asks_to_part(program: QuadraticProgram, pairs: int) -> bool:
     """Make a goal of it, and no condition, that links that are too near part; return whether there are any.
 
     Args:
-        problem: its first conditions are those of pairs of links.
+        program: its first conditions are those of pairs of links.
         pairs: how many.
     """
-    rows, rooms = np.asarray(problem.G)[:pairs], np.asarray(problem.h)[:pairs]
+    rows, rooms = program.rows[:pairs], program.rooms[:pairs]
     parting = rooms < 0
     if not parting.any():
         return False
-    problem.P += _PARTING**2 * rows[parting].T @ rows[parting]
-    problem.q -= _PARTING**2 * rooms[parting] @ rows[parting]
+    program.hessian += _PARTING**2 * rows[parting].T @ rows[parting]
+    program.gradient -= _PARTING**2 * rooms[parting] @ rows[parting]
     rooms[parting] = 0.0
     return True

@@ -2,9 +2,9 @@ from __future__ import annotations
 
 from typing import Any
 
+import daqp
 import numpy as np
 import pytest
-import qpsolvers
 
 from humanoid_bt.control.body.body_task import BodyTargets
 from humanoid_bt.control.body.inverse_kinematics import InverseKinematics
@@ -118,12 +118,12 @@ def test_a_base_below_its_limit_may_stay(robot: RobotModel, standing: Array, kin
     assert kinematics.base_pose[2] == pytest.approx(standing[2], abs=5e-3)
 
 
-def no_solution(problem: qpsolvers.Problem, _: str) -> qpsolvers.Solution:
-    return qpsolvers.Solution(problem)
+def no_solution(hessian: Array, *_: Array) -> tuple[Array, float, int, dict[str, Array]]:
+    return np.zeros(len(hessian)), 0.0, -1, {}
 
 
-def not_finite(problem: qpsolvers.Problem, _: str) -> qpsolvers.Solution:
-    return qpsolvers.Solution(problem, x=np.full(problem.q.shape, np.nan), found=True)
+def not_finite(hessian: Array, *_: Array) -> tuple[Array, float, int, dict[str, Array]]:
+    return np.full(len(hessian), np.nan), 0.0, 1, {}
 
 
 @pytest.mark.parametrize("failure", [no_solution, not_finite])
@@ -131,7 +131,7 @@ def test_without_a_solution_it_goes_on_without_limits_and_says_so(
     robot: RobotModel, standing: Array, kinematics: InverseKinematics, monkeypatch: pytest.MonkeyPatch, failure: Any
 ) -> None:
     wanted = targets(robot, standing, com=Pose(robot, standing).com + np.array([0.0, 0.02, 0.0]))
-    monkeypatch.setattr(qpsolvers, "solve_problem", failure)
+    monkeypatch.setattr(daqp, "solve", failure)
     for _ in range(20):
         assert not kinematics.step(wanted)
         assert not kinematics.solved
@@ -147,7 +147,7 @@ def test_without_a_solution_it_goes_on_without_limits_and_says_so(
 def test_without_a_solution_the_joints_stay_inside_the_soft_limits(
     robot: RobotModel, standing: Array, kinematics: InverseKinematics, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(qpsolvers, "solve_problem", no_solution)
+    monkeypatch.setattr(daqp, "solve", no_solution)
     for _ in range(40):
         kinematics.step(targets(robot, standing, hands={"left": np.array([1.5, 0.2, 1.5])}, reaching=1.0))
     assert (kinematics.joints >= robot.lower - 1e-9).all()
@@ -158,7 +158,7 @@ def test_with_neither_it_stays_where_it_is(
     robot: RobotModel, standing: Array, kinematics: InverseKinematics, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     before = configuration(kinematics)
-    monkeypatch.setattr(qpsolvers, "solve_problem", no_solution)
+    monkeypatch.setattr(daqp, "solve", no_solution)
     assert not kinematics.step(targets(robot, standing, com=np.full(3, np.nan)))
     np.testing.assert_allclose(configuration(kinematics), before, atol=1e-12)
     np.testing.assert_array_equal(kinematics.velocity, np.zeros(robot.model.nv))

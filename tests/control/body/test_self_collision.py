@@ -6,9 +6,9 @@ import mink
 import mujoco
 import numpy as np
 import pytest
-import qpsolvers
 
 from humanoid_bt.control.body.inverse_kinematics import InverseKinematics
+from humanoid_bt.control.body.quadratic_program import QuadraticProgram
 from humanoid_bt.control.body.self_collision import SelfCollisionLimit
 from humanoid_bt.core.messages import Array, Mode
 from humanoid_bt.robot.model import BASE_COORDINATES, BASE_DOFS, RobotModel
@@ -125,15 +125,15 @@ def test_links_that_are_too_near_part(robot: RobotModel, standing: Array, kinema
 def test_links_that_cannot_part_may_stay_and_the_body_goes_on(
     robot: RobotModel, standing: Array, kinematics: InverseKinematics, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    solve = qpsolvers.solve_problem
+    solve = QuadraticProgram.solve
 
-    def none_may_part(problem: qpsolvers.Problem, solver: str) -> qpsolvers.Solution:
-        return qpsolvers.Solution(problem) if (problem.h < 0).any() else solve(problem, solver)
+    def none_may_part(program: QuadraticProgram) -> Array | None:
+        return None if (program.rooms < 0).any() else solve(program)
 
     start = inside(robot, standing)
     kinematics.reset(start)
     before = nearest(robot, kinematics, "left_forearm", "pelvis")
-    monkeypatch.setattr(qpsolvers, "solve_problem", none_may_part)
+    monkeypatch.setattr(QuadraticProgram, "solve", none_may_part)
     for _ in range(50):
         assert kinematics.step(targets(robot, standing, posture=start[BASE_COORDINATES:]))
     assert nearest(robot, kinematics, "left_forearm", "pelvis") > before + 0.01
