@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 
 import numpy as np
 
@@ -58,6 +57,9 @@ class Estimator:
         self.estimate = Estimate(
             0.0, np.zeros(BASE_COORDINATES + joints), np.zeros(BASE_DOFS + joints), np.zeros(joints), self.load.force
         )
+        qpos, qvel = self.estimate.qpos, self.estimate.qvel
+        self._position, self._quaternion, self._joints = qpos[:3], qpos[3:BASE_COORDINATES], qpos[BASE_COORDINATES:]
+        self._velocity, self._rotation, self._speeds = qvel[:3], qvel[3:BASE_DOFS], qvel[BASE_DOFS:]
         self.watch = SensorWatch(robot)
         self._velocity_before: Array = np.zeros(BASE_DOFS + joints)
         self._imu: Array = np.zeros(6)
@@ -98,7 +100,7 @@ class Estimator:
         self._still = self._lost = 0.0
         self._since = self._doubted = 0
         self._correct()
-        self.estimate = replace(estimate, time=reading.time)
+        self._dated(reading.time)
 
     def take(self, reading: Reading) -> None:
         """Hear what the sensors say, once a servo cycle."""
@@ -114,35 +116,28 @@ class Estimator:
             setpoint: position, velocity and torque of the joints as the servo has them, which stand in for sensors
                 that failed, shape (3, nj).
         """
-        estimate, dynamics, belief = self.estimate, self._dynamics, self._filter
-        time = self.heard * SERVO_PERIOD
-        imu = self._imu / self.heard
-        watch = self.watch
+        estimate, dynamics, belief, watch = self.estimate, self._dynamics, self._filter, self.watch
+        heard, qvel = self.heard, estimate.qvel
+        time = heard * SERVO_PERIOD
+        imu = self._imu / heard
         watch.look(reading, imu, self._upright >= _STEADY)
-        doubtful = bool(watch.failed) or not math.isfinite(imu @ imu)
+        doubtful = bool(watch.failed) or not math.isfinite(sum(imu.tolist()))
         if doubtful:
             self._without_imu(imu, time)
         belief.predict(imu[3:], imu[:3], time)
-        qpos, qvel = estimate.qpos, estimate.qvel
-        qpos[:3], qpos[3:BASE_COORDINATES] = belief.position, belief.quaternion
-        qpos[BASE_COORDINATES:] = reading.joint_position
         self._velocity_before[:] = qvel
-        qvel[:3] = belief.velocity
-        np.subtract(imu[3:] if doubtful else reading.gyro, belief.gyro_bias, out=qvel[3:BASE_DOFS])
-        qvel[BASE_DOFS:] = reading.joint_velocity
+        self._position[:], self._quaternion[:], self._joints[:] = belief.position, belief.quaternion, reading.joint_position
+        self._velocity[:], self._speeds[:] = belief.velocity, reading.joint_velocity
+        np.subtract(imu[3:] if doubtful else reading.gyro, belief.gyro_bias, out=self._rotation)
         estimate.joint_torque[:] = reading.joint_torque
         if watch.any_bad:
-            bad = watch.bad_joints
-            qpos[BASE_COORDINATES:][bad], qvel[BASE_DOFS:][bad] = setpoint[0, bad], setpoint[1, bad]
-            estimate.joint_torque[bad] = setpoint[2, bad]
-            self._torque[bad] = setpoint[2, bad] * self.heard
+            self._stand_in(setpoint)
         dynamics.update(estimate)
         if self._feels:
             self.load.sensed(reading.foot_force)
         else:
-            acceleration = (qvel - self._velocity_before) / time
-            self.load.explain(qvel, acceleration, self._torque / self.heard)
-        self._since += self.heard
+            self.load.explain(qvel, (qvel - self._velocity_before) / time, self._torque / heard)
+        self._since += heard
         self._clear()
         self._note_contact(time)
         if self._lost > _LOST_AFTER or self._astray(reading):
@@ -153,7 +148,18 @@ class Estimator:
         else:
             belief.doubt(self._since * SERVO_PERIOD, self._slip())
             self._doubted, self._since = 1, 0
-        self.estimate = replace(estimate, time=reading.time)
+        return self._dated(reading.time)
+
+    def _stand_in(self, setpoint: Array) -> None:
+        """Believe of joints whose sensors failed that they are where the servo has them."""
+        bad = self.watch.bad_joints
+        self._joints[bad], self._speeds[bad], self.estimate.joint_torque[bad] = setpoint[:, bad]
+        self._torque[bad] = setpoint[2, bad] * self.heard
+
+    def _dated(self, time: float) -> Estimate:
+        """Return the estimate as one of a time [s]: ``replace`` takes as long as a small matrix product."""
+        before = self.estimate
+        self.estimate = Estimate(time, before.qpos, before.qvel, before.joint_torque, before.foot_force)
         return self.estimate
 
     @property
@@ -167,7 +173,7 @@ class Estimator:
         self._filter.correct(dynamics.sole_positions, headings, self.load.standing)
 
     def _note_contact(self, time: float) -> None:
-        standing, (_, x, y, _) = self.load.standing, self.estimate.qpos[3:BASE_COORDINATES].tolist()
+        standing, (_, x, y, _) = self.load.standing, self._quaternion.tolist()
         upright = 1 - 2 * (x * x + y * y)  # cosine of the base's tilt
         if upright < self._least_upright:
             standing[:] = False, False

@@ -58,10 +58,11 @@ class FootLoad:
         dynamics = self._dynamics
         left = dynamics.bias + dynamics.inertia_times(acceleration) + self._damping * velocity
         left[BASE_DOFS:] -= torque
+        model, data, whole = dynamics.model, dynamics.data, self._jacobian
         for foot, (site, leg) in enumerate(zip(self._sites, self._legs, strict=True)):
-            mujoco.mj_jacSite(dynamics.model, dynamics.data, self._jacobian, None, site)
-            jacobian = self._jacobian[:, leg]
-            self.force[foot] = _vertical(jacobian @ jacobian.T, jacobian @ left[leg])
+            mujoco.mj_jacSite(model, data, whole, None, site)
+            jacobian = whole[:, leg]
+            self.force[foot] = _vertical(jacobian.dot(jacobian.T), jacobian.dot(left[leg]))
         self._judge()
 
     def _judge(self) -> None:

@@ -14,6 +14,8 @@ from dataclasses import dataclass, replace
 
 import mujoco
 import numpy as np
+from scipy.linalg.blas import dtrsm
+from scipy.linalg.lapack import dpotrf
 
 from humanoid_bt.control.dynamics import GRAVITY
 from humanoid_bt.core.messages import Array
@@ -183,13 +185,13 @@ class InvariantFilter:
         if time != self._time:
             self._set_time(time)
         noise, covariance, transition = self._noise, self._covariance, self._transition
-        np.matmul(self._points, _CROSS, out=self._cross)
+        np.dot(self._points, _CROSS, out=self._cross)
         turn = self._turn * -time
-        np.matmul(self._lever, turn, out=transition[:_TURNED, _GYRO])
+        transition[:_TURNED, _GYRO] = self._lever.dot(turn)
         transition[_VELOCITY, _ACCELEROMETER] = turn
-        np.matmul(transition, covariance, out=self._scratch)
-        np.matmul(self._scratch, transition.T, out=covariance)
-        covariance[:_TURNED, :_TURNED] += np.dot(self._lever, self._lever.T * (noise.gyro**2 * time))
+        np.dot(transition, covariance, out=self._scratch)
+        np.dot(self._scratch, transition.T, out=covariance)
+        covariance[:_TURNED, :_TURNED] += self._lever.dot(self._lever.T) * (noise.gyro**2 * time)
         growth = self._growth
         for foot in range(2):
             growth[_FEET[foot]] = (noise.slip * slip[foot]) ** 2 * time
@@ -222,14 +224,14 @@ class InvariantFilter:
             measures[8 + foot, 0], measures[8 + foot, 1] = y, -x
             self._doubt[8 + foot] = self._noise.ground**2 if standing[foot] else 1e2
         np.matmul(measures, covariance, out=innovation)
-        spread = innovation @ measures.T
+        spread = innovation.dot(measures.T)
         spread.reshape(-1)[:: _ROWS + 1] += self._doubt
-        change = innovation.T @ np.linalg.solve(spread, self._innovation)
-        covariance -= change[:, :_SIZE]
-        covariance += covariance.T.copy()
-        covariance *= 0.5
-        turn, rest = change[:3, _SIZE], change[3:, _SIZE]
-        np.matmul(self._points, _CROSS, out=self._cross)
+        factor, _ = dpotrf(spread, lower=1)
+        halves = dtrsm(1.0, factor, self._innovation, lower=1)
+        change = halves.T.dot(halves)  # exactly symmetric: the covariance stays so
+        covariance -= change[:_SIZE, :_SIZE]
+        turn, rest = change[:3, _SIZE], change[3:_SIZE, _SIZE]
+        np.dot(self._points, _CROSS, out=self._cross)
         state[:12] -= self._lever[3:] @ turn
         state += rest
         mujoco.mju_quatIntegrate(self.quaternion, turn @ self._turn, 1.0)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import sys
 
 import numpy as np
 
@@ -18,6 +19,7 @@ _DRIFT, _DRIFTS_AFTER = 0.03, 2  # rad that gyro and orientation disagree in two
 _COMPARED_EVERY = 2  # looks
 _FORGET = 0.5  # looks that another one in which nothing is seen takes off
 _SPEEDS, _SLACK = 2.0, 0.03  # times its limit that a joint may be fast, and rad beside that
+_FALSE = b"\0"
 _IMU = ("gyro", "accelerometer", "orientation")
 
 
@@ -46,11 +48,15 @@ class SensorWatch:
         }
         self._joints_flicker = sensors.encoders.torque_noise > 0 and sensors.encoders.speed_noise > 0
         self._before, self._moved, self._most = Reading(joints), Reading(joints), Reading(joints)
-        self._most.values[:] = np.inf  # that a number may change from look to look
+        self._most.values[:] = sys.float_info.max  # that a number may change from look to look
         self._most.gyro[:], self._most.accelerometer[:] = _GYRO_JUMP, _ACCELEROMETER_JUMP
         self._most.orientation[:] = _ORIENTATION_JUMP / 2  # of a quaternion's numbers
         self._most.joint_position[:] = _SPEEDS * robot.speed_limit * WHOLE_BODY_PERIOD + _SLACK
-        self._noisy = self._moved.values[6 + joints :]  # IMU, speeds, torques: they hardly ever say the same twice
+        least = Reading(joints)  # IMU, speeds, torques: they hardly ever say the same twice
+        least.values[:] = -1.0
+        least.values[6 + joints :] = least.orientation[:] = 0.0
+        self._least = least.values
+        self._usual = np.ones((2, len(self._least)), dtype=bool)  # not too much, and enough
         self._counts: dict[tuple[str, str], float] = {}  # looks in which something was seen of a sensor
         self._silent, self._frozen = np.zeros(joints, dtype=int), np.zeros(joints, dtype=int)
         self._dead = np.zeros(joints, dtype=bool)
@@ -84,8 +90,9 @@ class SensorWatch:
         """
         values, moved = reading.values, self._moved.values
         np.abs(np.subtract(values, self._before.values, out=moved), out=moved)
-        calm = math.isfinite(values @ values) and not (moved > self._most.values).any()
-        if self._suspicious or not calm or not self._noisy.all() or not self._moved.orientation.all():
+        np.less_equal(moved, self._most.values, out=self._usual[0])  # false also of what is not finite
+        np.greater(moved, self._least, out=self._usual[1])
+        if self._suspicious or _FALSE in self._usual.tobytes():  # a tenth of the time of all()
             self._look_closer(reading, upright)
         self._before.values[:] = values
         self._compare(reading, imu, upright)
