@@ -111,6 +111,7 @@ class Supervisor:
         self._forgiven = False  # this silence, because control itself was held up
         self._faulty_cycles = 0
         self._falling = ""
+        self._looked_at: Estimate | None = None
         self._estop: tuple[str, str] | None = None
         self._requested: tuple[str, str] | None = None
         self._cycle = 0
@@ -203,7 +204,8 @@ class Supervisor:
         if setpoint_fault and not self._faulty_cycles:
             self.rejected.append(f"setpoint at {cycle * SERVO_PERIOD:.3f} s: {setpoint_fault}")
         self._faulty_cycles = self._faulty_cycles + 1 if setpoint_fault else 0
-        self._falling = self._why_falling(estimate)
+        if estimate is not self._looked_at:  # a new one every fifth cycle
+            self._looked_at, self._falling = estimate, self._why_falling(estimate)
         if self._falling:
             self._stop(Mode.DAMP, self._falling, "supervisor")
         elif self._estop is not None:
@@ -239,7 +241,7 @@ class Supervisor:
 
     def _why_falling(self, estimate: Estimate) -> str:
         """Return why the robot cannot be kept on its feet, "" when it can."""
-        if not math.isfinite(estimate.qpos @ estimate.qpos + estimate.qvel @ estimate.qvel):
+        if not math.isfinite(estimate.qpos.dot(estimate.qpos) + estimate.qvel.dot(estimate.qvel)):
             return "the estimated state is not finite"
         _, _, height, _, x, y, _ = estimate.qpos[:BASE_COORDINATES].tolist()
         if height < self._fall.height * self._home_height:

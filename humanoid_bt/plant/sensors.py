@@ -127,7 +127,7 @@ class Sensors:
         true.joint_torque[:] = self._torques
         mujoco.mju_negQuat(self._back, self._quaternion)
         mujoco.mju_rotVecQuat(true.accelerometer, self._force, self._back)
-        np.matmul(self._turned, self._quaternion, out=true.orientation)
+        np.dot(self._turned, self._quaternion, out=true.orientation)
         if self._feels:
             true.foot_force[0], true.foot_force[1] = foot_force
         row = self._rows[count % len(self._rows)]

@@ -16,30 +16,33 @@ def wrap(angle: float) -> float:
 
 def rotate(vector: Array, yaw: float) -> Array:
     """Turn a plane vector, shape (2,), by ``yaw``."""
+    x, y = vector.tolist()
     cos, sin = math.cos(yaw), math.sin(yaw)
-    return np.array([cos * vector[0] - sin * vector[1], sin * vector[0] + cos * vector[1]])
+    return np.array([cos * x - sin * y, sin * x + cos * y])
 
 
 def ahead(pose: Array, x: float, y: float, yaw: float = 0.0) -> Array:
     """Return the pose that lies at (x, y, yaw) as seen from ``pose``."""
-    cos, sin = math.cos(pose[2]), math.sin(pose[2])
-    return np.array([pose[0] + cos * x - sin * y, pose[1] + sin * x + cos * y, pose[2] + yaw])
+    from_x, from_y, heading = pose.tolist()
+    cos, sin = math.cos(heading), math.sin(heading)
+    return np.array([from_x + cos * x - sin * y, from_y + sin * x + cos * y, heading + yaw])
 
 
 def seen_from(pose: Array, point: Array) -> Array:
     """Return a point's plane coordinates, shape (2,), as seen from ``pose``."""
-    return rotate(point[:2] - pose[:2], -pose[2])
+    return rotate(point[:2] - pose[:2], -pose.item(2))
 
 
 def middle(left: Array, right: Array) -> Array:
     """Return the pose halfway between two."""
-    yaw = left[2] + 0.5 * wrap(right[2] - left[2])
-    return np.array([0.5 * (left[0] + right[0]), 0.5 * (left[1] + right[1]), yaw])
+    (left_x, left_y, left_yaw), (right_x, right_y, right_yaw) = left.tolist(), right.tolist()
+    yaw = left_yaw + 0.5 * wrap(right_yaw - left_yaw)
+    return np.array([0.5 * (left_x + right_x), 0.5 * (left_y + right_y), yaw])
 
 
 def inside(pose: Array, point: Array, half_length: float, half_width: float) -> Array:
     """Return the point of a rectangle around ``pose`` that is nearest to ``point``, both shape (2,)."""
-    x, y = seen_from(pose, point)
+    x, y = seen_from(pose, point).tolist()
     x = min(max(x, -half_length), half_length)
     y = min(max(y, -half_width), half_width)
     return ahead(pose, x, y)[:2]

@@ -15,6 +15,7 @@ from humanoid_bt.core.clock import SERVO_PERIOD
 from humanoid_bt.core.messages import SIDES, Array, Estimate, Reading
 from humanoid_bt.robot.model import BASE_COORDINATES, BASE_DOFS, RobotModel
 
+_TURNS = 3  # updates from one correction to the next
 _STILL_AFTER = 0.3  # s on both feet after which soles no longer roll
 _STILL = 0.1  # of the slip of a sole that rolls
 _ROLLING = 5.0  # times the slip of a loaded sole: one that lands or lifts off
@@ -64,7 +65,7 @@ class Estimator:
         self._velocity_before: Array = np.zeros(BASE_DOFS + joints)
         self._imu: Array = np.zeros(6)
         self._torque: Array = np.zeros(joints)
-        self.heard = self._since = self._doubted = 0
+        self.heard = self._since = self._turn = 0
         self._rate: Array = np.zeros(3)  # of the base, where the gyroscope does not say it
         self._upright = _STEADY  # s
         self._still = self._lost = 0.0
@@ -98,7 +99,7 @@ class Estimator:
         self._rate[:] = 0.0
         self._upright = _STEADY  # s
         self._still = self._lost = 0.0
-        self._since = self._doubted = 0
+        self._since = self._turn = 0
         self._correct()
         self._dated(reading.time)
 
@@ -142,12 +143,8 @@ class Estimator:
         self._note_contact(time)
         if self._lost > _LOST_AFTER or self._astray(reading):
             self._rest(reading)
-        elif self._doubted:  # by turns: each takes as long as everything else
-            self._correct()
-            self._doubted = 0
         else:
-            belief.doubt(self._since * SERVO_PERIOD, self._slip())
-            self._doubted, self._since = 1, 0
+            self._filter_by_turns()
         return self._dated(reading.time)
 
     def _stand_in(self, setpoint: Array) -> None:
@@ -166,6 +163,15 @@ class Estimator:
     def covariance(self) -> Array:
         """Of (turn, velocity, position) of the base, world frame, shape (9, 9) [rad, m/s, m]."""
         return self._filter.covariance
+
+    def _filter_by_turns(self) -> None:
+        """Let doubt grow, correct, rest: each of the first two takes as long as all the rest of an update."""
+        self._turn = (self._turn + 1) % _TURNS
+        if self._turn == 1:
+            self._filter.doubt(self._since * SERVO_PERIOD, self._slip())
+            self._since = 0
+        elif self._turn == 2:
+            self._correct()
 
     def _correct(self) -> None:
         dynamics = self._dynamics
@@ -196,7 +202,7 @@ class Estimator:
             return
         said = reading.orientation / np.linalg.norm(reading.orientation)
         self._filter.rest(_turned(said, _yaw(quaternion) - _yaw(said)), np.array([position[0], position[1], height]))
-        self._doubted = self._since = 0
+        self._turn = self._since = 0
 
     def _without_imu(self, imu: Array, time: float) -> None:
         """Put something else in the place of what the IMU does not say any more."""
