@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from humanoid_bt.control.body.whole_body import Setpoint
@@ -12,6 +14,8 @@ from humanoid_bt.robot.model import RobotModel
 
 LIMIT_TOLERANCE = 1e-3
 """How far [rad] a setpoint may lie outside the soft limits before it is flagged: solvers overshoot by 1e-6."""
+
+_TOLERANCES = np.array([[LIMIT_TOLERANCE], [0.0], [0.0]])  # of position, velocity, torque
 
 
 class Servo:
@@ -32,6 +36,8 @@ class Servo:
     def __init__(self, robot: RobotModel) -> None:
         self._robot = robot
         self._step = robot.speed_limit * WHOLE_BODY_PERIOD
+        high = np.array((robot.upper, robot.speed_limit, robot.torque_limit))
+        self._low, self._high = -high, high  # of position, which moves along with it, velocity and torque
         self._zeros: Array = np.zeros_like(robot.lower)
         self.position: Array = self._zeros.copy()
         self.limited = np.zeros(len(robot.lower), dtype=bool)
@@ -62,22 +68,17 @@ class Servo:
             Why the setpoint was refused, "" when it is in force.
         """
         robot = self._robot
-        values = (setpoint.position, setpoint.velocity, setpoint.torque)
-        if not all(np.isfinite(value).all() for value in values):
+        wanted = np.array((setpoint.position, setpoint.velocity, setpoint.torque))
+        if not math.isfinite(wanted.sum()):
             self.hold()
             return "the setpoint is not finite"
-        kept = np.empty_like(self.setpoint)
+        np.maximum(robot.lower, self.position - self._step, out=self._low[0])
+        np.minimum(robot.upper, self.position + self._step, out=self._high[0])
+        kept = clamp(wanted, self._low, self._high)
         position, velocity, torque = kept
-        slow = clamp(setpoint.position, self.position - self._step, self.position + self._step)
-        clamp(slow, robot.lower, robot.upper, position)
-        clamp(setpoint.velocity, -robot.speed_limit, robot.speed_limit, velocity)
-        clamp(setpoint.torque, -robot.torque_limit, robot.torque_limit, torque)
-        self.limited = (
-            (np.abs(position - setpoint.position) > LIMIT_TOLERANCE)
-            | (velocity != setpoint.velocity)
-            | (torque != setpoint.torque)
-        )
-        self.clamped = bool(self.limited.any())
+        outside = np.abs(kept - wanted) > _TOLERANCES
+        self.clamped = bool(outside.any())
+        self.limited = outside.any(axis=0)
         self.clamps += self.clamped
         self.position, self.setpoint = position, kept
         self._drive(JointCommand(position, velocity, robot.stiffness, robot.damping, torque))

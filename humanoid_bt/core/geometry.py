@@ -85,14 +85,12 @@ def planar_pose(x: float, y: float, z: float, yaw: float) -> Array:
 
 def view_along(yaw: float, pitch: float) -> Array:
     """Return the quaternion, shape (4,), of what looks along a yaw and then a pitch [rad]."""
-    cy, sy, cp, sp = math.cos(yaw / 2), math.sin(yaw / 2), math.cos(pitch / 2), math.sin(pitch / 2)
-    return np.array([cy * cp, -sy * sp, cy * sp, sy * cp])
+    return np.array(_view_along(yaw, pitch))
 
 
 def leaning(heading: float, lean: float, yaw: float = 0.0) -> Array:
     """Return the quaternion, shape (4,), of what leans ahead along a heading, and turns about its own axis [rad]."""
-    leans = view_along(heading, lean).tolist()
-    return np.array(_product(leans, [math.cos(yaw / 2), 0.0, 0.0, math.sin(yaw / 2)]))
+    return np.array(_product(_view_along(heading, lean), [math.cos(yaw / 2), 0.0, 0.0, math.sin(yaw / 2)]))
 
 
 def pose_product(first: Array, second: Array) -> Array:
@@ -141,6 +139,11 @@ def log(pose: Array) -> Array:
 
 
 _SMALL = 1e-6  # rad; below it the series' first terms are exact to the last bit
+
+
+def _view_along(yaw: float, pitch: float) -> list[float]:
+    cy, sy, cp, sp = math.cos(yaw / 2), math.sin(yaw / 2), math.cos(pitch / 2), math.sin(pitch / 2)
+    return [cy * cp, -sy * sp, cy * sp, sy * cp]
 
 
 def _product(first: list[float], second: list[float]) -> list[float]:

@@ -92,6 +92,8 @@ class BodyTask(BaseTask):  # type: ignore[misc]  # mink has no types
         joints = model.nv - BASE_DOFS
         count = 3 * (3 + 2 * len(SIDES) + bool(config.neck)) + joints
         self.jacobian, self.error, self.cost = np.zeros((count, model.nv)), np.zeros(count), np.zeros(count)
+        self._column, self._weighted = self.cost[:, None], np.zeros_like(self.jacobian)
+        self._turn, self._quaternion = np.zeros(3), np.zeros(4)
         firsts = iter(range(0, count, 3))
 
         def rows(cost: float) -> _Rows:
@@ -115,17 +117,17 @@ class BodyTask(BaseTask):  # type: ignore[misc]  # mink has no types
         """Take the targets of this control period, and how far the body is from them now."""
         model = self._model
         mujoco.mj_jacSubtreeCom(model, data, self._com.jacobian, self._root)
-        self._com.error[:] = targets.com - data.subtree_com[self._root]
+        np.subtract(targets.com, data.subtree_com[self._root], out=self._com.error)
         for side, (position, turn) in self._soles.items():
-            x, y, yaw = targets.soles[side]
+            x, y, yaw = targets.soles[side].tolist()
             pose = planar_pose(x, y, targets.sole_heights[side], yaw)
             twist = targets.sole_twists[side]
-            if twist @ twist > _NO_TWIST:
+            if twist.dot(twist) > _NO_TWIST:
                 pose = pose_product(exp(twist), pose)
             site = self._sole_sites[side]
             mujoco.mj_jacSite(model, data, position.jacobian, turn.jacobian, site)
-            position.error[:] = pose[:3] - data.site_xpos[site]
-            _turn_to(pose[3:], _site_quaternion(data, site), turn.error)
+            np.subtract(pose[:3], data.site_xpos[site], out=position.error)
+            self._turn_site(data, turn, site, pose[3:])
         base_lean, torso_lean = targets.lean
         self._turn_body(data, self._base, self._root, leaning(targets.heading, base_lean))
         self._turn_body(data, self._torso, self._trunk, leaning(targets.heading, torso_lean, targets.torso_yaw))
@@ -133,7 +135,7 @@ class BodyTask(BaseTask):  # type: ignore[misc]  # mink has no types
             yaw, pitch = targets.gaze
             mujoco.mj_jacSite(model, data, None, self._gaze.jacobian, self._gaze_site)
             goal = view_along(targets.heading + yaw, pitch)
-            _turn_to(goal, _site_quaternion(data, self._gaze_site), self._gaze.error)
+            self._turn_site(data, self._gaze, self._gaze_site, goal)
         np.subtract(targets.posture, data.qpos[BASE_COORDINATES:], out=self._posture_error)
         if targets.arms != self._arms:
             self._arms = targets.arms
@@ -148,8 +150,9 @@ class BodyTask(BaseTask):  # type: ignore[misc]  # mink has no types
         return self._com.error
 
     def compute_qp_residual(self, configuration: mink.Configuration) -> tuple[Array, Array, float]:
-        """Return the weighted Jacobian, the weighted error, and how much it damps: not at all."""
-        return self.cost[:, None] * self.jacobian, self.cost * self.error, 0.0
+        """Return the weighted Jacobian, which stays until the next time, the weighted error, and no damping."""
+        np.multiply(self._column, self.jacobian, out=self._weighted)
+        return self._weighted, self.cost * self.error, 0.0
 
     def compute_qp_objective(self, configuration: mink.Configuration) -> mink.Objective:
         """Return the same as a quadratic objective."""
@@ -158,7 +161,16 @@ class BodyTask(BaseTask):  # type: ignore[misc]  # mink has no types
 
     def _turn_body(self, data: mujoco.MjData, rows: _Rows, body: int, goal: Array) -> None:
         mujoco.mj_jacBody(self._model, data, None, rows.jacobian, body)
-        _turn_to(goal, data.xquat[body], rows.error)
+        self._turn_to(goal, data.xquat[body], rows.error)
+
+    def _turn_site(self, data: mujoco.MjData, rows: _Rows, site: int, goal: Array) -> None:
+        mujoco.mju_mat2Quat(self._quaternion, data.site_xmat[site])
+        self._turn_to(goal, self._quaternion, rows.error)
+
+    def _turn_to(self, goal: Array, now: Array, turn: Array) -> None:
+        """Write the rotation vector, world frame, that turns one orientation into another; quaternions wxyz."""
+        mujoco.mju_subQuat(self._turn, goal, now)
+        mujoco.mju_rotVecQuat(turn, self._turn, now)
 
     def _give_body_to_hands(self, reaching: float, lean: float) -> None:
         weights = self._weights
@@ -167,18 +179,6 @@ class BodyTask(BaseTask):  # type: ignore[misc]  # mink has no types
         self._com.cost[:] = (*weights.com[:2], _blend(weights.com[2], weights.reach_height, reaching))
         self._base.cost[:] = _blend(weights.base_orientation, weights.reach_base, reaching)
         self._torso.cost[:] = _blend(weights.torso_orientation, torso, reaching)
-
-
-def _site_quaternion(data: mujoco.MjData, site: int) -> Array:
-    quaternion = np.empty(4)
-    mujoco.mju_mat2Quat(quaternion, data.site_xmat[site])
-    return quaternion
-
-
-def _turn_to(goal: Array, now: Array, turn: Array) -> None:
-    """Write the rotation vector, world frame, that turns one orientation into another; quaternions wxyz."""
-    mujoco.mju_subQuat(turn, goal, now)
-    mujoco.mju_rotVecQuat(turn, turn.copy(), now)
 
 
 def _blend(free: float, reaching: float, share: float) -> float:
