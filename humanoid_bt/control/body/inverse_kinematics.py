@@ -54,6 +54,8 @@ class InverseKinematics:
         self._model = self._own_links.model
         self._program = QuadraticProgram(self._model.nv, robot.config.whole_body.damping)
         self.configuration = mink.Configuration(self._model)
+        qpos = self.configuration.data.qpos
+        self._base_pose, self._joints = qpos[:BASE_COORDINATES], qpos[BASE_COORDINATES:]  # views, as those below
         self._body = BodyTask(robot, self._model)
         config, weights = robot.config, robot.config.whole_body
         self._hands = {
@@ -84,7 +86,8 @@ class InverseKinematics:
         self._root = self._model.body(robot.config.base).id
         self._palms = {side: self._model.site(palm_site(side)).id for side in self._hands}
         where = self.configuration.data.site_xpos
-        self._palm_positions = {side: where[site] for side, site in self._palms.items()}  # views, which stay
+        self._palm_positions = {side: where[site] for side, site in self._palms.items()}
+        self._spin, self._speed = self.configuration.data.subtree_angmom[self._root], self.configuration.data.qvel
         self.reset(robot.home_qpos)
 
     def reset(self, qpos: Array) -> None:
@@ -103,12 +106,12 @@ class InverseKinematics:
     @property
     def base_pose(self) -> Array:
         """Reference of the base: position and quaternion wxyz, shape (7,)."""
-        return np.asarray(self.configuration.data.qpos[:BASE_COORDINATES])
+        return self._base_pose
 
     @property
     def joints(self) -> Array:
         """Reference of the joints, shape (nj,) [rad]."""
-        return np.asarray(self.configuration.data.qpos[BASE_COORDINATES:])
+        return self._joints
 
     @property
     def com_height(self) -> float:
@@ -169,11 +172,11 @@ class InverseKinematics:
 
     def _within_limits(self) -> Array | None:
         """Return the velocity within all limits, shape (nv,); None if there is none."""
-        program, joints = self._program, self.joints
+        program, joints, robot = self._program, self._joints, self._robot
         program.aim(self.configuration, self.tasks)
         program.limit(self.configuration, self.limits, self._dt)
-        np.maximum(self._robot.lower - joints, -self._farthest, out=program.low[BASE_DOFS:])
-        np.minimum(self._robot.upper - joints, self._farthest, out=program.high[BASE_DOFS:])
+        np.maximum(robot.lower - joints, -self._farthest, out=program.low[BASE_DOFS:])
+        np.minimum(robot.upper - joints, self._farthest, out=program.high[BASE_DOFS:])
         way = program.solve()
         if way is None and _asks_to_part(program, len(self._own_links.pressures)):
             way = program.solve()
@@ -197,17 +200,15 @@ class InverseKinematics:
         return np.asarray(way / self._dt)
 
     def _follow_motion(self, velocity: Array) -> None:
-        smooth = min(1.0, self._dt / _SMOOTH_TIME)
+        data, smooth = self.configuration.data, min(1.0, self._dt / _SMOOTH_TIME)
         rate = clamp((velocity - self.velocity) / self._dt, -_ACCELERATION_LIMIT, _ACCELERATION_LIMIT)
         self.acceleration += smooth * (rate - self.acceleration)
         self.velocity = velocity
-        data = self.configuration.data
-        data.qvel[:] = velocity
+        self._speed[:] = velocity
         mujoco.mj_comVel(self._model, data)
         mujoco.mj_subtreeVel(self._model, data)
-        momentum = data.subtree_angmom[self._root].copy()
-        self.momentum_rate += smooth * ((momentum - self._momentum) / self._dt - self.momentum_rate)
-        self._momentum = momentum
+        self.momentum_rate += smooth * ((self._spin - self._momentum) / self._dt - self.momentum_rate)
+        self._momentum[:] = self._spin
 
 
 def _asks_to_part(program: QuadraticProgram, pairs: int) -> bool:

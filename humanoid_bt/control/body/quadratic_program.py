@@ -1,4 +1,4 @@
-"""mink's tasks and limits as one quadratic program, solved by daqp."""
+"""mink's tasks and limits as one quadratic program, in buffers that stay, solved by daqp."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ import numpy as np
 from humanoid_bt.core.messages import Array
 
 _NO_BOUND = 1e30  # for the solver
+_ROWS = 32  # of limits that there is room for at first
 
 
 class QuadraticProgram:
@@ -33,41 +34,57 @@ class QuadraticProgram:
 
     def __init__(self, nv: int, damping: float) -> None:
         self._nv, self._damping = nv, damping
-        self._no_rows = np.zeros((0, nv)), np.zeros(0)
         self.hessian, self.gradient = np.zeros((nv, nv)), np.zeros(nv)
-        self.rows, self.rooms = self._no_rows
-        self.low, self.high = np.full(nv, -_NO_BOUND), np.full(nv, _NO_BOUND)
+        self._diagonal = self.hessian.reshape(-1)[:: nv + 1]
         self.pressures: Array = np.zeros(0)
+        self._rows: Array = np.zeros((0, nv))
+        self._make_room(_ROWS)
+        self.rows, self.rooms = self._rows[:0], self._high[:0]
 
     def aim(self, configuration: mink.Configuration, tasks: Sequence[mink.BaseTask]) -> None:
         """Take the tasks, each of which has a residual."""
-        hessian, gradient, damping = self.hessian, self.gradient, self._damping
-        hessian[:] = 0.0
-        gradient[:] = 0.0
-        for task in tasks:
+        jacobian, error, damping = tasks[0].compute_qp_residual(configuration)
+        np.dot(jacobian.T, jacobian, out=self.hessian)
+        np.dot(error, jacobian, out=self.gradient)
+        for task in tasks[1:]:
             jacobian, error, own_damping = task.compute_qp_residual(configuration)
-            hessian += jacobian.T @ jacobian
-            gradient -= error @ jacobian
+            self.hessian += jacobian.T @ jacobian
+            self.gradient += error @ jacobian
             damping += own_damping
-        hessian.reshape(-1)[:: self._nv + 1] += damping
+        np.negative(self.gradient, out=self.gradient)
+        self._diagonal += self._damping + damping
 
     def limit(self, configuration: mink.Configuration, limits: Sequence[mink.Limit], dt: float) -> None:
         """Take the limits."""
-        found = [limit.compute_qp_inequalities(configuration, dt) for limit in limits]
-        active = [one for one in found if not one.inactive]
-        self.rows, self.rooms = (
-            (np.concatenate([one.G for one in active]), np.concatenate([one.h for one in active]))
-            if active
-            else self._no_rows
-        )
+        end = 0
+        for limit in limits:
+            rows, rooms = limit.compute_qp_inequalities(configuration, dt)
+            if rows is None or rooms is None:
+                continue
+            begin, end = end, end + len(rooms)
+            if end > len(self._rows):
+                self._make_room(2 * end)
+            self._rows[begin:end] = rows
+            self._high[self._nv + begin : self._nv + end] = rooms
+        self.rows, self.rooms = self._rows[:end], self._high[self._nv : self._nv + end]
 
     def solve(self) -> Array | None:
         """Return the step, shape (nv,); None if there is none."""
-        count = len(self.rooms)
-        high, low = np.concatenate((self.high, self.rooms)), np.concatenate((self.low, np.full(count, -_NO_BOUND)))
-        kinds = np.zeros(len(high), dtype=np.intc)
-        step, _, found, told = daqp.solve(self.hessian, self.gradient, self.rows, high, low, kinds)
-        if found <= 0 or not math.isfinite(step @ step):
+        end = self._nv + len(self.rooms)
+        step, _, found, told = daqp.solve(
+            self.hessian, self.gradient, self.rows, self._high[:end], self._low[:end], self._kinds[:end]
+        )
+        if found <= 0 or not math.isfinite(step.dot(step)):
             return None
         self.pressures = told["lam"][self._nv :]
         return np.asarray(step)
+
+    def _make_room(self, most: int) -> None:
+        """Make buffers for so many rows, whose bounds stand behind those of the step, as the solver wants it."""
+        nv, had = self._nv, len(self._rows)
+        rows, low, high = np.zeros((most, nv)), np.full(nv + most, -_NO_BOUND), np.full(nv + most, _NO_BOUND)
+        if had:
+            rows[:had], low[: nv + had], high[: nv + had] = self._rows, self._low, self._high
+        self._rows, self._low, self._high = rows, low, high
+        self._kinds = np.zeros(nv + most, dtype=np.intc)  # all of them inequalities
+        self.low, self.high = low[:nv], high[:nv]
