@@ -28,6 +28,7 @@ NONE = -1.0
 
 _NO_HANDS = (NONE,) * len(SIDES)
 _POSE, _TWIST = 3 + 4, 3 + 3  # numbers of the base: position and quaternion, velocity and rate
+_FEET = _POSE + _TWIST  # of what is believed, the first number of the feet
 _LATE = 4.0  # s that a reader may be late before it misses something
 
 
@@ -161,15 +162,18 @@ class CycleLog:
         joints = len(layout.joints)
         parts = _parts(plans.rows, 4 + len(SIDES), 3, 3 * joints)
         self._plan_rows = [(numbers, com, of.reshape(3, joints), limited) for numbers, com, of, limited in parts]
-        rows = _parts(servo_cycles.rows, 3, _POSE, _TWIST, len(SIDES))
-        self._rows = [(*believed, Reading(joints, values)) for *believed, values in rows]
+        rows = _parts(servo_cycles.rows, 3, _FEET + len(SIDES))
+        self._rows = [(numbers, believed, Reading(joints, values)) for numbers, believed, values in rows]
         self._count = len(rows)
+        self._believed: Array = np.zeros(_FEET + len(SIDES))
+        self._pose, self._twist, self._force = np.split(self._believed, (_POSE, _FEET))
+        self._estimate: Estimate | None = None  # that these are of
         self._clamped = [bool(row[-1].any()) for row in parts]
         self._commands = -1  # of the servo, as far as they were seen; -1 before the first, which is no plan
         self._plan, self._left = 0, 0  # cycle of the last plan, and how much is left to copy of it
         self._mode = self._plan_mode = MODES[0]
         self._mode_number = 0  # an enumeration is slow to look up
-        _, self._pose, self._twist, self._force, self.measured = self._rows[0]
+        _, self._row_believed, self.measured = self._rows[0]
 
     def begin(self, cycle: int, supervisor: Supervisor, servo: Servo, body: WholeBody) -> None:
         """Take what was decided in a servo cycle, as soon as it is, before anything is planned or driven.
@@ -187,15 +191,19 @@ class CycleLog:
         command, mode = supervisor.command, supervisor.mode
         if mode is not self._mode:
             self._mode, self._mode_number = mode, MODES.index(mode)
-        numbers, self._pose, self._twist, self._force, self.measured = self._rows[self._cycles.count % self._count]
+        numbers, self._row_believed, self.measured = self._rows[self._cycles.count % self._count]
         numbers[0] = cycle
         numbers[1] = self._mode_number
         numbers[2] = NONE if command is None else command.sequence
 
     def end(self, estimate: Estimate) -> None:
         """Let readers see the cycle, with what is believed of base and feet after it."""
-        self._pose[:], self._twist[:] = estimate.qpos[:_POSE], estimate.qvel[:_TWIST]
-        self._force[:] = estimate.foot_force
+        if estimate is not self._estimate:  # a new one every fifth cycle, in the same arrays
+            if self._estimate is None or estimate.qpos is not self._estimate.qpos:
+                self._sources = estimate.qpos[:_POSE], estimate.qvel[:_TWIST], estimate.foot_force
+            self._estimate = estimate
+            self._pose[:], self._twist[:], self._force[:] = self._sources
+        self._row_believed[:] = self._believed
         self._cycles.publish()
 
     def end_plan(self, servo: Servo, body: WholeBody) -> None:
@@ -208,18 +216,19 @@ class CycleLog:
         self._left -= 1
         row = self._plans.count % len(self._plan_rows)
         numbers, com_error, setpoint, limited = self._plan_rows[row]
+        kinematics = body.kinematics
         if self._left:
             setpoint[:] = servo.setpoint
-            com_error[:] = body.kinematics.com_error
+            com_error[:] = kinematics.com_error
             if servo.clamped or self._clamped[row]:  # else they are zero, as they are to be
                 limited[:] = servo.limited
                 self._clamped[row] = servo.clamped
             return
         numbers[0] = self._plan
         numbers[1] = GAITS.index(body.walker.gait)
-        numbers[2] = body.solved
+        numbers[2] = kinematics.solved
         numbers[3] = self._plan_mode is not Mode.DAMP
-        errors = body.kinematics.hand_errors
+        errors = kinematics.hand_errors
         numbers[4], numbers[5] = [errors.get(side, NONE) for side in SIDES] if errors else _NO_HANDS
         self._plans.publish()
 
