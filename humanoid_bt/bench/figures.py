@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import gc
 import tempfile
-import time
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -12,22 +10,14 @@ import mink
 import mujoco
 import numpy as np
 
+from humanoid_bt.bench.control import CommandedRobot, measure_control
 from humanoid_bt.bench.figure import Figure, cpu, figure
-from humanoid_bt.bench.promises import LOG, SPEED, STACK
+from humanoid_bt.bench.promises import SPEED, STACK
 from humanoid_bt.bench.tree import measure_tree
 from humanoid_bt.control.body.mink_terms import SOLVER
-from humanoid_bt.control.body.standing import load_robot
-from humanoid_bt.control.body.whole_body import WholeBody
-from humanoid_bt.control.controller import Controller
-from humanoid_bt.control.cycle_log import CycleLog, Layout
-from humanoid_bt.control.servo import Servo
-from humanoid_bt.control.supervisor import Supervisor
 from humanoid_bt.core.clock import DECISION_PERIOD, WHOLE_BODY_PERIOD, cycles
-from humanoid_bt.core.messages import Estimate, JointCommand
+from humanoid_bt.core.messages import JointCommand
 from humanoid_bt.files.workspace import Workspace, builtin_root
-from humanoid_bt.link.table import LocalTable
-from humanoid_bt.plant.mujoco_plant import MujocoPlant
-from humanoid_bt.plant.scene import Scene, load_scene
 from humanoid_bt.session.lockstep import Lockstep
 from humanoid_bt.session.session import Session
 
@@ -45,7 +35,7 @@ def measure(repetitions: int) -> Iterator[Figure]:
         recording = Path(folder) / "bench.rrd"
         yield from _whole_stack(repetitions, recording)
     yield _whole_body(repetitions)
-    yield from _cycle_log(repetitions)
+    yield from measure_control(repetitions)
     workspace = Workspace(builtin_root())
     yield from measure_tree(workspace.find_tree(_TREE), workspace, repetitions)
 
@@ -99,17 +89,8 @@ def _new_run(workspace: Workspace, recording: Path, duration: float | None = Non
 # ---- whole-body control against the bare solver ---------------------------------------------------------------------
 
 
-def _controller() -> tuple[Controller, MujocoPlant]:
-    """Return the built-in robot's, standing."""
-    workspace = Workspace(builtin_root())
-    robot, start = load_robot(workspace.find_robot("humanoid"))
-    plant = MujocoPlant(robot, Scene(load_scene(workspace.find_scene("empty")), 0))
-    plant.place(start)
-    return Controller(robot, plant), plant
-
-
 def _whole_body(repetitions: int) -> Figure:
-    controller, _ = _controller()
+    controller = CommandedRobot({}).controller
     period = cycles(WHOLE_BODY_PERIOD)
     kinematics = controller.whole_body.kinematics
 
@@ -133,51 +114,3 @@ def _whole_body(repetitions: int) -> Figure:
     ours()
     pairs = [(ours(), theirs()) for _ in range(repetitions)]
     return figure("whole-body step: walking, balance, IK, torques", "mink.solve_ik alone", "us CPU", pairs, scale=1e6)
-
-
-# ---- keeping servo cycles -------------------------------------------------------------------------------------------
-
-
-class _TimedLog(CycleLog):
-    """Notes how long it takes in each cycle [s], without what it takes to read the clock."""
-
-    def __init__(self, plans: LocalTable, servo_cycles: LocalTable, layout: Layout) -> None:
-        super().__init__(plans, servo_cycles, layout)
-        self.spent: list[float] = []
-
-    def begin(self, cycle: int, supervisor: Supervisor, servo: Servo, body: WholeBody) -> None:
-        began = time.perf_counter()
-        CycleLog.begin(self, cycle, supervisor, servo, body)
-        ended = time.perf_counter()
-        self.spent.append(ended - began - (time.perf_counter() - ended))
-
-    def end(self, estimate: Estimate) -> None:
-        began = time.perf_counter()
-        CycleLog.end(self, estimate)
-        ended = time.perf_counter()
-        self.spent[-1] += ended - began - (time.perf_counter() - ended)
-
-
-def _cycle_log(repetitions: int) -> Iterator[Figure]:
-    controller, plant = _controller()
-    layout = Layout.of(plant.robot.joint_names)
-    log = controller.log = _TimedLog(*layout.local(), layout)
-
-    def once() -> tuple[float, float, float]:
-        log.spent.clear()
-        ran = []
-        for _ in range(5 * _CALLS):
-            began = time.perf_counter()
-            controller.run_cycle()
-            ran.append(time.perf_counter() - began)
-        half, most = np.percentile(log.spent, (50, 99))
-        return float(half), float(most), float(np.mean(ran))
-
-    once()
-    gc.disable()  # as in control's process
-    measured = [once() for _ in range(repetitions)]
-    gc.enable()
-    name, beside = "keeping a servo cycle for the recording", "a cycle, mean"
-    pairs = [(half, ran) for half, _, ran in measured]
-    yield figure(f"{name}, p50", beside, "us", pairs, scale=1e6)
-    yield figure(f"{name}, p99", beside, "us", [(most, ran) for _, most, ran in measured], scale=1e6, promise=LOG)

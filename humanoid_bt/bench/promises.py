@@ -44,6 +44,9 @@ def verdict(kept: bool) -> Verdict:
 
 STACK = Promise("the whole stack, recording on, beside `mj_step` of the same motion", 6.0, "x")
 SPEED = Promise("simulated time of a run, recording on, beside the CPU time it takes", 4.0, "x", at_least=True)
+ESTIMATE = Promise("estimating the robot, beside `mj_step` for as long", 0.8, "x")
+OWN_LINKS = Promise("keeping own links apart that are near each other, beside `mj_step` for as long", 0.4, "x")
+LOG_USUAL = Promise("keeping a servo cycle for the recording, p50, beside a cycle", 0.02, "x")
 LOG = Promise("keeping a servo cycle for the recording, p99, beside a cycle", 0.05, "x")
 TICK = Promise("a tick, snapshot and command included, beside plain py_trees with the same leaves", 1.0, "x")
 LOAD = Promise("loading a tree of 500 nodes with all checks, beside `yaml.safe_load` of its text", 2.0, "x")
@@ -68,4 +71,5 @@ _BODY = "bench --body"
 BODY = Promise("random goals reached, or pushes withstood, under each of its conditions", 95.0, "%", True, _BODY)
 HARD_PUSH = Promise("pushes of 200 N for 0.1 s withstood standing", 90.0, "%", True, _BODY)
 
-PROMISES = (STACK, SPEED, LOG, TICK, LOAD, LATENESS, E_STOP, PROTECTIVE_STOP, RECORDED_TICK, BODY, HARD_PUSH)
+_WHOLE = (STACK, SPEED, ESTIMATE, OWN_LINKS, LOG_USUAL, LOG, TICK, LOAD)
+PROMISES = (*_WHOLE, LATENESS, E_STOP, PROTECTIVE_STOP, RECORDED_TICK, BODY, HARD_PUSH)

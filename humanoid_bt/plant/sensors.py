@@ -51,6 +51,7 @@ class Sensors:
         )
         self._true = Reading(joints)
         self._true_pose, self._true_rates = self._true.values[2 : 6 + joints], self._true.values[9 + joints : -joints]
+        self._true_torque = self._true.joint_torque
         self._joint_positions = slice(6, 6 + joints)
         self._places = {"orientation": slice(2, 6), "accelerometer": slice(6 + joints, 9 + joints)}
         self._places["gyro"] = slice(9 + joints, 12 + joints)
@@ -59,9 +60,7 @@ class Sensors:
         self._finest = np.maximum(resolution, _FINEST)
         self._delay = cycles(config.delay)
         self._rows = np.zeros((self._delay + 1, len(self._true.values)))
-        self._velocity: Array = np.zeros(3)
-        self._force: Array = np.zeros(3)
-        self._back: Array = np.zeros(4)
+        self._velocity = [0.0, 0.0, 0.0]
         self._numbers = np.random.default_rng(0)
         self._offset: Array = np.zeros(len(self._true.values))
         self._errors: Array = np.zeros((_BLOCK, len(self._offset)))
@@ -104,7 +103,7 @@ class Sensors:
         self._drift = float(numbers.standard_normal()) * self._config.orientation.drift
         self._count = 0
         self._failures.clear()
-        self._velocity[:] = self._velocity_now
+        self._velocity = self._velocity_now.tolist()
         for _ in self._rows:
             self.sense(foot_force)
 
@@ -119,14 +118,11 @@ class Sensors:
         if place == 0:
             self._errors = self._numbers.standard_normal(self._errors.shape) * self._noise + self._offset
             self._turned = _slightly(*self._tilt, self._drift * count * SERVO_PERIOD)
-        np.subtract(self._velocity_now, self._velocity, out=self._force)
-        self._velocity[:] = self._velocity_now
-        self._force /= SERVO_PERIOD
-        self._force[2] += self._gravity
-        self._true_pose[:], self._true_rates[:] = self._pose, self._rates
-        true.joint_torque[:] = self._torques
-        mujoco.mju_negQuat(self._back, self._quaternion)
-        mujoco.mju_rotVecQuat(true.accelerometer, self._force, self._back)
+        self._true_pose[:], self._true_rates[:], self._true_torque[:] = self._pose, self._rates, self._torques
+        x, y, z = self._velocity
+        vx, vy, vz = self._velocity = self._velocity_now.tolist()
+        force = (vx - x) / SERVO_PERIOD, (vy - y) / SERVO_PERIOD, (vz - z) / SERVO_PERIOD + self._gravity
+        true.accelerometer[:] = _seen_from(self._quaternion.tolist(), force)
         np.dot(self._turned, self._quaternion, out=true.orientation)
         if self._feels:
             true.foot_force[0], true.foot_force[1] = foot_force
@@ -177,6 +173,14 @@ class Sensors:
     def read(self, into: Reading) -> None:
         """Copy what they say now, which was so a while ago."""
         np.copyto(into.values, self._rows[self._count % len(self._rows)])
+
+
+def _seen_from(quaternion: Sequence[float], vector: tuple[float, float, float]) -> tuple[float, float, float]:
+    """Return a vector of the world in the frame that a quaternion turns."""
+    w, x, y, z = quaternion
+    a, b, c = vector
+    u, v, t = 2 * (y * c - z * b), 2 * (z * a - x * c), 2 * (x * b - y * a)
+    return a - w * u + y * t - z * v, b - w * v + z * u - x * t, c - w * t + x * v - y * u
 
 
 def _slightly(x: float, y: float, z: float) -> Array:

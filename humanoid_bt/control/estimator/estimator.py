@@ -127,8 +127,8 @@ class Estimator:
             self._without_imu(imu, time)
         belief.predict(imu[3:], imu[:3], time)
         self._velocity_before[:] = qvel
-        self._position[:], self._quaternion[:], self._joints[:] = belief.position, belief.quaternion, reading.joint_position
-        self._velocity[:], self._speeds[:] = belief.velocity, reading.joint_velocity
+        self._position[:], self._quaternion[:], self._velocity[:] = belief.position, belief.quaternion, belief.velocity
+        self._joints[:], self._speeds[:] = reading.joint_position, reading.joint_velocity
         np.subtract(imu[3:] if doubtful else reading.gyro, belief.gyro_bias, out=self._rotation)
         estimate.joint_torque[:] = reading.joint_torque
         if watch.any_bad:

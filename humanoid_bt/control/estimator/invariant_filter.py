@@ -166,10 +166,12 @@ class InvariantFilter:
         """
         rate = rate - self.gyro_bias
         fx, fy, fz = (force - self.accelerometer_bias).tolist()
-        wx, wy, wz = (rate * (time / 2)).tolist()  # it turns while it accelerates
-        force = np.array([fx + wy * fz - wz * fy, fy + wz * fx - wx * fz, fz + wx * fy - wy * fx])
-        gain = (self._turn @ force) * time
-        gain[2] -= GRAVITY * time
+        wx, wy, wz = rate.tolist()
+        half = time / 2  # it turns while it accelerates
+        turned = (fx + half * (wy * fz - wz * fy), fy + half * (wz * fx - wx * fz), fz + half * (wx * fy - wy * fx))
+        gain = self._turn.dot(turned)
+        gain[2] -= GRAVITY
+        gain *= time
         self.position += (self.velocity + gain / 2) * time
         self.velocity += gain
         mujoco.mju_quatIntegrate(self.quaternion, rate, time)

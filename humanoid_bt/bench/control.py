@@ -1,0 +1,159 @@
+"""What parts of control cost, of a robot that walks or presses its hands together."""
+
+from __future__ import annotations
+
+import copy
+import gc
+import statistics
+import time
+from collections.abc import Callable, Iterator
+
+import mujoco
+import numpy as np
+
+from humanoid_bt.bench.figure import Figure, Pairs, cpu, figure
+from humanoid_bt.bench.promises import ESTIMATE, LOG, LOG_USUAL, OWN_LINKS
+from humanoid_bt.control.body.standing import load_robot
+from humanoid_bt.control.body.whole_body import WholeBody
+from humanoid_bt.control.controller import Controller
+from humanoid_bt.control.cycle_log import CycleLog, Layout
+from humanoid_bt.control.servo import Servo
+from humanoid_bt.control.supervisor import Supervisor
+from humanoid_bt.core.clock import DECISION_PERIOD, SERVO_PERIOD, WHOLE_BODY_PERIOD, cycles
+from humanoid_bt.core.messages import BaseTarget, Command, Estimate, HandTarget, Target
+from humanoid_bt.files.workspace import Workspace, builtin_root
+from humanoid_bt.link.table import LocalTable
+from humanoid_bt.plant.mujoco_plant import MujocoPlant
+from humanoid_bt.plant.scene import Scene, load_scene
+
+_BEGIN, _CYCLES = 1000, 2000  # servo cycles until it walks, and that are measured
+_FAR = {"base": BaseTarget(np.array([100.0, 0.0]), 0.0)}
+_HANDS = {f"{side}_hand": HandTarget(np.array([0.3, 0.0, 0.95])) for side in ("left", "right")}
+_PHYSICS = "mj_step for as long"
+
+
+class CommandedRobot:
+    """The built-in robot in the empty scene, with the same targets in every tick.
+
+    Args:
+        targets: resource -> target.
+
+    Attributes:
+        controller, plant: its own.
+    """
+
+    def __init__(self, targets: dict[str, Target]) -> None:
+        workspace = Workspace(builtin_root())
+        robot, start = load_robot(workspace.find_robot("humanoid"))
+        self.plant = MujocoPlant(robot, Scene(load_scene(workspace.find_scene("empty")), 0))
+        self.plant.place(start)
+        self.controller = Controller(robot, self.plant)
+        self._targets = targets
+
+    def run(self, count: int) -> None:
+        """Run so many servo cycles."""
+        controller = self.controller
+        for _ in range(count):
+            if controller.cycle % cycles(DECISION_PERIOD) == 0:
+                controller.submit(Command(controller.cycle, controller.cycle * SERVO_PERIOD, self._targets))
+            controller.run_cycle()
+
+    def physics(self) -> float:
+        """Return the CPU time of bare physics for a whole-body period, from where the robot is now [s]."""
+        model, data = self.plant.model, copy.copy(self.plant.data)
+        return cpu(lambda: mujoco.mj_step(model, data), _CYCLES) * cycles(WHOLE_BODY_PERIOD)
+
+
+def measure_control(repetitions: int) -> Iterator[Figure]:
+    """Measure the estimator, own links that are kept apart, and the log of servo cycles.
+
+    Args:
+        repetitions: of each pair.
+    """
+    walking, pressing = CommandedRobot(dict(_FAR)), CommandedRobot(dict(_HANDS))
+    robots = (walking, pressing)
+    for robot in robots:
+        robot.run(_BEGIN)
+    title = "estimating the robot for a whole-body period, walking"
+    pairs = _beside_physics(walking, walking.controller.estimator, "update", repetitions)
+    yield figure(title, _PHYSICS, "us CPU", pairs, scale=1e6, promise=ESTIMATE)
+    own_links = pressing.controller.whole_body.kinematics.limits[0]
+    title = "keeping own links apart in one solve, hands pressed together"
+    pairs = _beside_physics(pressing, own_links, "compute_qp_inequalities", repetitions)
+    yield figure(title, _PHYSICS, "us CPU", pairs, scale=1e6, promise=OWN_LINKS)
+    for robot, doing in zip(robots, ("walking", "both hands commanded"), strict=True):
+        yield from _log(doing, robot, repetitions)
+
+
+def _beside_physics(robot: CommandedRobot, owner: object, method: str, repetitions: int) -> Pairs:
+    """Return what a call of an object's method takes while the robot goes on, and what bare physics does."""
+    spent = _note_time(owner, method)
+
+    def ours() -> float:
+        spent.clear()
+        robot.run(_CYCLES)
+        return statistics.fmean(spent)
+
+    pairs = [(ours(), robot.physics()) for _ in range(repetitions)]
+    delattr(owner, method)
+    return pairs
+
+
+def _note_time(owner: object, method: str) -> list[float]:
+    """Have an object note how much CPU time each call of a method takes [s]."""
+    spent: list[float] = []
+    call: Callable[..., object] = getattr(owner, method)
+
+    def noted(*arguments: object) -> object:
+        began = time.thread_time()
+        result = call(*arguments)
+        spent.append(time.thread_time() - began)
+        return result
+
+    setattr(owner, method, noted)
+    return spent
+
+
+# ---- keeping servo cycles -------------------------------------------------------------------------------------------
+
+
+class _TimedLog(CycleLog):
+    """Notes how long it takes in each cycle [s], without what it takes to read the clock."""
+
+    def __init__(self, plans: LocalTable, servo_cycles: LocalTable, layout: Layout) -> None:
+        super().__init__(plans, servo_cycles, layout)
+        self.spent: list[float] = []
+
+    def begin(self, cycle: int, supervisor: Supervisor, servo: Servo, body: WholeBody) -> None:
+        began = time.perf_counter()
+        CycleLog.begin(self, cycle, supervisor, servo, body)
+        ended = time.perf_counter()
+        self.spent.append(ended - began - (time.perf_counter() - ended))
+
+    def end(self, estimate: Estimate) -> None:
+        began = time.perf_counter()
+        CycleLog.end(self, estimate)
+        ended = time.perf_counter()
+        self.spent[-1] += ended - began - (time.perf_counter() - ended)
+
+
+def _log(doing: str, robot: CommandedRobot, repetitions: int) -> Iterator[Figure]:
+    layout = Layout.of(robot.plant.robot.joint_names)
+    log = robot.controller.log = _TimedLog(*layout.local(), layout)
+
+    def once() -> tuple[float, float, float]:
+        log.spent.clear()
+        began = time.perf_counter()
+        robot.run(_CYCLES)
+        whole = (time.perf_counter() - began) / _CYCLES
+        half, most = np.percentile(log.spent, (50, 99))
+        return float(half), float(most), whole
+
+    once()
+    gc.disable()  # as in control's process
+    measured = [once() for _ in range(repetitions)]
+    gc.enable()
+    name, beside = f"keeping a servo cycle for the recording, {doing}", "a cycle, mean"
+    pairs = [(half, whole) for half, _, whole in measured]
+    yield figure(f"{name}, p50", beside, "us", pairs, scale=1e6, promise=LOG_USUAL)
+    yield figure(f"{name}, p99", beside, "us", [(most, whole) for _, most, whole in measured], scale=1e6, promise=LOG)
