@@ -78,7 +78,7 @@ class Servo:
         position, velocity, torque = kept
         outside = np.abs(kept - wanted) > _TOLERANCES
         self.clamped = bool(outside.any())
-        self.limited = outside.any(axis=0)
+        self.limited = np.logical_or.reduce(outside)
         self.clamps += self.clamped
         self.position, self.setpoint = position, kept
         self._drive(JointCommand(position, velocity, robot.stiffness, robot.damping, torque))

@@ -59,9 +59,9 @@ class Feedforward:
         forces = dynamics.bias + dynamics.inertia_times(acceleration)
         for side in SIDES:
             if load.share[side] > _UNLOADED:
-                point = np.array([*load.cop[side], 0.0])
+                point = np.array([*load.cop[side].tolist(), 0.0])
                 dynamics.foot_jacobian(side, point, self._linear)
-                forces -= self._linear.T @ (load.share[side] * load.force)
+                forces -= (load.share[side] * load.force).dot(self._linear)
         torque: Array = forces[BASE_DOFS:].copy()
         self._resist_tilt(torque, load, lean)
         for side in SIDES:
@@ -71,9 +71,9 @@ class Feedforward:
 
     def _resist_tilt(self, torque: Array, load: Load, lean: float) -> None:
         gait, dynamics = self._gait, self._dynamics
-        gyro = dynamics.gyro
-        roll = gait.tilt_stiffness * dynamics.roll + gait.tilt_damping * gyro[0]
-        pitch = gait.tilt_stiffness * (dynamics.pitch - lean) + gait.tilt_damping * gyro[1]
+        roll_rate, pitch_rate, _ = dynamics.gyro.tolist()
+        roll = gait.tilt_stiffness * dynamics.roll + gait.tilt_damping * roll_rate
+        pitch = gait.tilt_stiffness * (dynamics.pitch - lean) + gait.tilt_damping * pitch_rate
         for side in SIDES:
             hip_roll, hip_pitch = self._hips[side]
             torque[hip_roll] += load.share[side] * roll

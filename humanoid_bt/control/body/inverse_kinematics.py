@@ -54,7 +54,7 @@ class InverseKinematics:
         self._model = self._own_links.model
         self._program = QuadraticProgram(self._model.nv, robot.config.whole_body.damping)
         self.configuration = mink.Configuration(self._model)
-        qpos = self.configuration.data.qpos
+        qpos: Array = self.configuration.data.qpos
         self._base_pose, self._joints = qpos[:BASE_COORDINATES], qpos[BASE_COORDINATES:]  # views, as those below
         self._body = BodyTask(robot, self._model)
         config, weights = robot.config, robot.config.whole_body

@@ -38,6 +38,8 @@ class QuadraticProgram:
         self._diagonal = self.hessian.reshape(-1)[:: nv + 1]
         self.pressures: Array = np.zeros(0)
         self._rows: Array = np.zeros((0, nv))
+        self._low: Array = np.zeros(0)
+        self._high: Array = np.zeros(0)
         self._make_room(_ROWS)
         self.rows, self.rooms = self._rows[:0], self._high[:0]
 

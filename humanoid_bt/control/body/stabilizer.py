@@ -10,7 +10,6 @@ import numpy as np
 from humanoid_bt.control.body.footsteps import OTHER
 from humanoid_bt.control.body.planar import inside
 from humanoid_bt.control.dynamics import GRAVITY
-from humanoid_bt.core.geometry import clamp
 from humanoid_bt.core.messages import SIDES, Array, Side
 from humanoid_bt.robot.config import GaitConfig, SoleConfig
 
@@ -81,13 +80,16 @@ class Stabilizer:
             contact: whether each foot is on the ground.
         """
         gait, dt = self._gait, self._dt
-        shift = np.array([-momentum_rate[1], momentum_rate[0]]) / (self._mass * GRAVITY)
-        shift = clamp(shift, -gait.momentum_limit, gait.momentum_limit)
-        wanted = zmp_reference + gait.dcm_gain * (dcm - dcm_reference) + shift
+        roll, pitch, _ = momentum_rate.tolist()
+        most, weight = gait.momentum_limit, self._mass * GRAVITY
+        shift = [min(max(-pitch / weight, -most), most), min(max(roll / weight, -most), most)]
+        now, planned, stands_on = dcm.tolist(), dcm_reference.tolist(), zmp_reference.tolist()
+        wanted = np.array([stands_on[i] + gait.dcm_gain * (now[i] - planned[i]) + shift[i] for i in (0, 1)])
         share, cop = self._share(wanted, soles, contact)
         zmp = share["left"] * cop["left"] + share["right"] * cop["right"]
-        acceleration = self.omega**2 * (com[:2] - (zmp - shift))
-        force = self._mass * np.array([acceleration[0], acceleration[1], GRAVITY])
+        stiffness = self._mass * self.omega**2
+        x, y = (stiffness * (com.item(i) - (zmp.item(i) - shift[i])) for i in (0, 1))
+        force = np.array([x, y, weight])
         reference = self.com_reference
         reference += dt * (self.omega * (dcm_reference - reference) + gait.com_slide * (com[:2] - reference))
         return Load(share, cop, zmp, force)
@@ -99,10 +101,12 @@ class Stabilizer:
             if not contact[OTHER[side]]:
                 cop = inside(soles[side], wanted, *self._half)
                 return {side: 1.0, OTHER[side]: 0.0}, {side: cop, OTHER[side]: soles[OTHER[side]][:2]}
-        left, right = soles["left"][:2], soles["right"][:2]
-        line = right - left
-        on_right = float(np.clip((wanted - left) @ line / (line @ line), 0.0, 1.0))
-        offset = wanted - (left + on_right * line)
-        cop_left = inside(soles["left"], left + offset, *self._half)
-        cop_right = inside(soles["right"], right + offset, *self._half)
+        (left_x, left_y, _), (right_x, right_y, _) = soles["left"].tolist(), soles["right"].tolist()
+        x, y = wanted.tolist()
+        line_x, line_y = right_x - left_x, right_y - left_y
+        along = (x - left_x) * line_x + (y - left_y) * line_y
+        on_right = min(max(along / (line_x**2 + line_y**2), 0.0), 1.0)
+        aside = np.array([x - (left_x + on_right * line_x), y - (left_y + on_right * line_y)])
+        cop_left = inside(soles["left"], soles["left"][:2] + aside, *self._half)
+        cop_right = inside(soles["right"], soles["right"][:2] + aside, *self._half)
         return {"left": 1.0 - on_right, "right": on_right}, {"left": cop_left, "right": cop_right}
