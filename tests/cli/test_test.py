@@ -9,7 +9,7 @@ import re
 import signal
 import subprocess
 import sys
-import threading
+import time
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
@@ -27,6 +27,18 @@ SCENARIOS = {
         "  - outcome == success and contains(give_up.feedback, 'there')\n  - order: [give_up, give_up succeeded]\n"
     ),
 }
+
+MARK = """
+import tempfile
+from humanoid_bt import Skill, Status
+
+class Mark(Skill):
+    \"\"\"Leave a file behind for every run that begins.\"\"\"
+
+    def update(self) -> Status:
+        tempfile.NamedTemporaryFile(dir=".", suffix=".begun", delete=False).close()
+        return self.succeed("marked")
+"""
 
 DIE = """
 import os
@@ -175,12 +187,18 @@ def test_several_processes_give_the_same_answers_in_the_same_order(folder: Path)
 @pytest.mark.trials
 @pytest.mark.parametrize("jobs", ["1", "2"])
 def test_ctrl_c_tells_what_was_done(folder: Path, tmp_path: Path, jobs: str) -> None:
-    text = "format: 1\ntree: stand\nseeds: 0-99\nduration: 3 s\nexpect: not fell\n"
-    (tmp_path / "long.yaml").write_text(text, encoding="utf-8")
+    for name, text in {
+        "skills/mark.py": MARK,
+        "trees/marked.yaml": "format: 1\nroot: {emergency_stop: {sequence: [mark, idle]}}\n",
+        "long.yaml": "format: 1\ntree: marked\nseeds: 0-99\nduration: 3 s\nexpect: not fell\n",
+    }.items():
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).write_text(text, encoding="utf-8")
     command = [sys.executable, "-m", "humanoid_bt", "test", "long.yaml", "-j", jobs, "--junit", "junit.xml"]
     process = subprocess.Popen(command, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-    timer = threading.Timer(12.0, process.send_signal, [signal.SIGINT])
-    timer.start()
+    while process.poll() is None and len(list(tmp_path.glob("*.begun"))) < 4:
+        time.sleep(0.05)
+    process.send_signal(signal.SIGINT)
     out, err = process.communicate(timeout=60)
     assert (process.returncode, err) == (130, "")
     told = r"○ long  (\d+) seeds? of 100, .*\n0 scenarios passed, interrupted after (\d+) of 100 runs\n"
