@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 import re
 import shutil
@@ -14,10 +15,11 @@ import numpy as np
 import pytest
 
 from humanoid_bt.cli import main
+from humanoid_bt.core.messages import Command, HandTarget, Pointing
 from humanoid_bt.record.rrd import RrdFile
 from humanoid_bt.record.shape import SETUP
 from humanoid_bt.record.tick import Tick
-from humanoid_bt.review.compare_run import NodeShift, first_parting, node_shifts
+from humanoid_bt.review.compare_run import NodeShift, command_parting, first_parting, node_shifts
 from humanoid_bt.review.compare_setup import setup_changes
 from humanoid_bt.review.recording import Recording, open_recording
 
@@ -160,3 +162,13 @@ def test_not_a_number_is_like_itself(recording: Recording) -> None:
     broken = replace(one[0], state=replace(one[0].state, com=np.full(3, np.nan)))
     assert parting([broken], [replace(broken, state=replace(broken.state, com=np.full(3, np.nan)))]) is None
     assert open_recording(recording.path).outcome == recording.outcome
+
+
+def test_commands_differ_where_only_one_of_them_turns_a_hand() -> None:
+    place, upright = np.array([0.4, 0.1, 0.9]), np.array([1.0, 0.0, 0.0, 0.0])
+    ways = [None, upright, Pointing(np.array([1.0, 0.0, 0.0]))]
+    for one, other in itertools.permutations(ways, 2):
+        before, after = (Command(1, 0.02, {"left_hand": HandTarget(place, way)}) for way in (one, other))
+        parting = command_parting(0.02, before, after)
+        assert parting is not None and "left_hand orientation" in str(parting)
+        assert command_parting(0.02, before, before) is None
