@@ -42,12 +42,17 @@ def handless(tmp_path_factory: pytest.TempPathFactory) -> Rig:
     return without(HANDS, tmp_path_factory.mktemp("handless"))
 
 
-@pytest.mark.parametrize(("skill", "hand"), [("wave", "right"), ("offer", "left"), ("retract", "left")])
+@pytest.mark.parametrize(
+    ("skill", "hand"),
+    [("wave", "right"), ("offer", "left"), ("retract", "left"), ("point_at", "right"), ("touch_with_both", "left")],
+)
 def test_a_robot_without_hands_is_told_so(handless: Rig, skill: str, hand: str) -> None:
     handless.reset()
     handless.see("person", (1.0, 0.2, 1.2))
     handless.settle(0.5)
     values = {} if skill == "retract" else {"target": "person", "hand": hand}
+    if skill == "touch_with_both":
+        values = {"target": "person", "width": 0.2}
     result = handless.run(skill, **values)
     assert result.failed
     assert result.feedback == f"the robot has no {hand} hand"
