@@ -1,5 +1,7 @@
 """The skill ``reach``, alone on the simulated robot."""
 
+from typing import Literal
+
 import numpy as np
 import pytest
 
@@ -22,7 +24,9 @@ def test_brings_the_nearest_palm_to_the_target_and_reports_how_near(
 
 
 @pytest.mark.parametrize(("axis", "column", "direction"), [("fingers", 0, (1, 0, 0)), ("facing", 2, (0, 0, -2))])
-def test_turns_the_hand_where_it_is_told(rig: Rig, axis: str, column: int, direction: tuple[float, ...]) -> None:
+def test_turns_the_hand_where_it_is_told(
+    rig: Rig, axis: Literal["fingers", "facing"], column: int, direction: tuple[float, ...]
+) -> None:
     target = (0.40, 0.15, 0.9)
     result = rig.run("reach", target=target, direction=direction, axis=axis, hold="1 s")
     assert result.succeeded, result.feedback
@@ -30,6 +34,7 @@ def test_turns_the_hand_where_it_is_told(rig: Rig, axis: str, column: int, direc
     pointed = rig.pose("left_palm").rotation[:, column]
     error = np.arccos(pointed @ direction / np.linalg.norm(direction))
     assert error < np.radians(3)
+    assert rig.hand_turned("left", direction, axis) == pytest.approx(error, abs=1e-6)
     assert result.results["turn_error"] == pytest.approx(error, abs=0.01)
 
 

@@ -44,6 +44,13 @@ def test_mistakes_name_what_is_valid(rig):
         rig.run("pause", durations=1)
     with pytest.raises(UserError, match="'side' cannot be 'lft'"):
         rig.hand_distance("lft", (0, 0, 0))
+    for side, direction, axis, why in (
+        ("lft", (1, 0, 0), "fingers", "'side' cannot be 'lft'"),
+        ("left", (0, 0, 0), "fingers", "'direction' cannot be"),
+        ("left", (1, 0, 0), "thumb", "'axis' cannot be 'thumb'"),
+    ):
+        with pytest.raises(UserError, match=why):
+            rig.hand_turned(side, direction, axis)
 
 def test_a_scripted_emergency_stop(rig):
     rig.at(0.1, rig.raise_estop)
