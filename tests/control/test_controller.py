@@ -326,7 +326,7 @@ def test_a_state_does_not_change_later(rig: ControlRig) -> None:
         now, then = getattr(state, field.name), getattr(kept, field.name)
         if isinstance(now, np.ndarray):
             np.testing.assert_array_equal(now, then, err_msg=field.name)
-        elif field.name == "hands":
+        elif field.name in ("hands", "hand_orientations"):
             for side in SIDES:
                 np.testing.assert_array_equal(now[side], then[side])
         elif field.name not in ("targets", "footsteps"):
