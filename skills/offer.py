@@ -91,7 +91,7 @@ class Offer(Skill):
             return self.succeed(f"held the {hand} hand out for {self.hold:g} s")
         if there:
             self._error.restart()
-        elif not self._error.update(error, now):
+        elif self.robot.touched(hand) or not self._error.update(error, now):
             return self.fail(self.robot.why_no_nearer(hand, self._error.best))
         return self.running("holding it out" if there else f"{hand} hand {error * 100:.0f} cm away")
 

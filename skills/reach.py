@@ -14,7 +14,7 @@ class Reach(Skill):
 
     With a direction it turns the hand, too: its fingers point there, or the palm faces there. Waits for a steady base
     before it moves a hand. Fails if the target was never seen, or if the palm comes no nearer: it does not walk. Then
-    it says which own link is in the way, if one is.
+    it says which own link is in the way, if one is, or what touched the arm.
     """
 
     resources = ("left_hand", "right_hand", "gaze")
@@ -81,7 +81,7 @@ class Reach(Skill):
         if there and turned:
             self._error.restart()
             self._turn_error.restart()
-        elif not self._improves(error, turn_error, now):
+        elif self.robot.touched(hand) or not self._improves(error, turn_error, now):
             if there:
                 return self.fail(self.robot.why_not_turned(hand, self._turn_error.best))
             return self.fail(self.robot.why_no_nearer(hand, self._error.best))

@@ -58,7 +58,7 @@ class Wave(Skill):
         if error < self.width / 4:
             self._strokes += 1
             self._error.restart()
-        elif not self._error.update(error, self.robot.clock.now()):
+        elif self.robot.touched(self._hand) or not self._error.update(error, self.robot.clock.now()):
             return self.fail(self.robot.why_no_nearer(self._hand, self._error.best))
         self.waved = max(self._strokes, 0) // 2
         if self.waved == self.times:

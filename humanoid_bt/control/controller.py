@@ -55,10 +55,10 @@ class Controller:
 
     def __init__(self, robot: RobotModel, plant: Plant, place: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> None:
         self._robot, self._plant = robot, plant
-        self.supervisor = Supervisor(robot.config.fall, arms_of(robot))
+        self.supervisor = Supervisor(robot.config.fall, arms_of(robot), robot.config.contact)
         dynamics = RobotDynamics(robot)
         self.estimator = Estimator(robot, dynamics)
-        self.whole_body = WholeBody(robot, dynamics)
+        self.whole_body = WholeBody(robot, dynamics, self.estimator.contact)
         self.servo = Servo(robot)
         self.log: CycleLog | None = None
         self._whole_body_period = cycles(WHOLE_BODY_PERIOD)
@@ -109,15 +109,32 @@ class Controller:
         estimator.take(reading)
         if self.cycle == self._next_plan or estimator.heard >= self._whole_body_period:
             estimator.update(reading, self.servo.setpoint)
+            self._feel()
         if log is not None:
             log.end(estimator.estimate)
 
     def _plan(self, estimate: Estimate) -> None:
         supervisor, body = self.supervisor, self.whole_body
         self._end_logged_plan()
+        body.arms.sides = supervisor.touch.yielding
         setpoint = body.update(estimate, supervisor.targets, supervisor.hold)
         refused = self.servo.follow(setpoint)
         self._setpoint_fault = refused or ("" if body.solved else "inverse kinematics without a solution")
+
+    def _feel(self) -> None:
+        """Tell the supervisor what pushes the robot, and the observer what of it is nothing that it carries.
+
+        A robot that is limp lies on the floor: that is no contact that matters, and nothing that it carries.
+        """
+        supervisor, contact = self.supervisor, self.estimator.contact
+        if supervisor.mode is Mode.DAMP:
+            contact.reset()
+            supervisor.touch.reset()
+            return
+        pressed = supervisor.touch.pressed
+        supervisor.feel(contact.forces, self.estimator.estimate)
+        if supervisor.touch.pressed != pressed:
+            contact.distrust(supervisor.touch.pressed)
 
     def _let_go(self) -> None:
         self._end_logged_plan()
@@ -189,6 +206,7 @@ class Controller:
             hand_turn_errors=turn_errors,
             hand_obstacles=body.kinematics.hand_obstacles,
             limit_flags=self._limit_flags(),
+            contacts=supervisor.touch.contacts,
         )
 
     def _limit_flags(self) -> tuple[str, ...]:

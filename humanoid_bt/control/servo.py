@@ -44,7 +44,7 @@ class Servo:
         self.clamped = False
         self.setpoint: Array = np.zeros((3, len(robot.lower)))
         self.clamps = self.commands = 0
-        self._hold(self._zeros)
+        self._hold(self._zeros, self._robot.stiffness)
 
     def reset(self, position: Array) -> None:
         """Start from joint positions, shape (nj,)."""
@@ -52,7 +52,7 @@ class Servo:
         self.limited = np.zeros_like(self.limited)
         self.clamped = False
         self.clamps = 0
-        self._hold(self._zeros)
+        self._hold(self._zeros, self._robot.stiffness)
 
     @property
     def command(self) -> JointCommand:
@@ -81,12 +81,13 @@ class Servo:
         self.limited = np.logical_or.reduce(outside)
         self.clamps += self.clamped
         self.position, self.setpoint = position, kept
-        self._drive(JointCommand(position, velocity, robot.stiffness, robot.damping, torque))
+        stiffness = robot.stiffness if setpoint.stiffness is None else robot.stiffness * setpoint.stiffness
+        self._drive(JointCommand(position, velocity, stiffness, robot.damping, torque))
         return ""
 
     def hold(self) -> None:
-        """Hold the last validated setpoint at rest, with the torque that carried it."""
-        self._hold(self._command.torque)
+        """Hold the last validated setpoint at rest, with the torque that carried it, as softly as it was."""
+        self._hold(self._command.torque, self._command.stiffness)
 
     def damp(self) -> None:
         """Let go: no stiffness, only joint damping (stop category 0 of IEC 60204-1)."""
@@ -97,10 +98,9 @@ class Servo:
             self.setpoint = np.array((self.position, zeros, zeros))
             self._drive(JointCommand(self.position, zeros, zeros, self._robot.damping, zeros))
 
-    def _hold(self, torque: Array) -> None:
-        robot = self._robot
+    def _hold(self, torque: Array, stiffness: Array) -> None:
         self.setpoint = np.array((self.position, self._zeros, torque))
-        self._drive(JointCommand(self.position, self._zeros, robot.stiffness, robot.damping, torque))
+        self._drive(JointCommand(self.position, self._zeros, stiffness, self._robot.damping, torque))
 
     def _drive(self, command: JointCommand) -> None:
         self._command = command

@@ -9,6 +9,7 @@ from typing import get_args
 
 import numpy as np
 
+from humanoid_bt.control.contact_rule import MOST_PRESS, ContactRule
 from humanoid_bt.core.clock import SERVO_PERIOD, cycles
 from humanoid_bt.core.kept import Kept
 from humanoid_bt.core.messages import (
@@ -30,7 +31,7 @@ from humanoid_bt.core.messages import (
 )
 from humanoid_bt.core.texts import shortened
 from humanoid_bt.robot.arms import Arms, joints_fault, speed_fault
-from humanoid_bt.robot.config import FallConfig
+from humanoid_bt.robot.config import ContactConfig, FallConfig
 from humanoid_bt.robot.model import BASE_COORDINATES
 
 DECISION_TIMEOUT = 0.100
@@ -83,17 +84,20 @@ class Supervisor:
     Args:
         fall: when the robot counts as falling.
         arms: joints that can be commanded by name.
+        contact: what it does when something touches it.
 
     Attributes:
         mode: what is allowed now.
         reason, source: why and by whom, "" in mode RUN.
         command: the last accepted command.
+        touch: what follows when something touches the robot.
         stops: the stops so far; of very many the first and the latest.
         rejected: what was refused so far, as text: commands, and setpoints that the body could not plan; as of stops.
     """
 
-    def __init__(self, fall: FallConfig, arms: Arms | None = None) -> None:
+    def __init__(self, fall: FallConfig, arms: Arms | None = None, contact: ContactConfig | None = None) -> None:
         self._fall, self._arms = fall, arms or {}
+        self.touch = ContactRule(contact or ContactConfig())
         self._least_upright = math.cos(fall.tilt)
         self._decision_timeout = cycles(DECISION_TIMEOUT)
         self._no_solution_timeout = cycles(NO_SOLUTION_TIMEOUT)
@@ -115,6 +119,7 @@ class Supervisor:
         self._estop: tuple[str, str] | None = None
         self._requested: tuple[str, str] | None = None
         self._cycle = 0
+        self.touch.reset()
 
     # ---- requests -------------------------------------------------------------------------------------------------
 
@@ -191,6 +196,10 @@ class Supervisor:
 
     # ---- every servo cycle ----------------------------------------------------------------------------------------
 
+    def feel(self, forces: Mapping[str, Array], estimate: Estimate) -> None:
+        """Take what pushes arms and torso, group of links -> force, shape (3,) [N], when there is news of it."""
+        self.touch.look(self._cycle, forces, self.command, estimate.qpos[:2])
+
     def check(self, cycle: int, estimate: Estimate, setpoint_fault: str = "", sensor_fault: str = "") -> None:
         """Look at everything in the order of precedence and set the mode.
 
@@ -228,6 +237,8 @@ class Supervisor:
             return reason, source
         if self._heard_cycle is not None and self._cycle - self._heard_cycle > self._decision_timeout:
             return f"decision silent for more than {DECISION_TIMEOUT * 1000:.0f} ms", "supervisor"
+        if self.touch.held:
+            return self.touch.held, "supervisor"
         if self._faulty_cycles > self._no_solution_timeout:
             return f"{setpoint_fault} for more than {NO_SOLUTION_TIMEOUT * 1000:.0f} ms", "supervisor"
         return None
@@ -251,10 +262,14 @@ class Supervisor:
 
     @property
     def targets(self) -> Mapping[str, Target]:
-        """The targets in force; none unless the mode is RUN."""
-        if self.mode is Mode.RUN and self.command is not None:
-            return self.command.targets
-        return {}
+        """The targets in force: none unless the mode is RUN, and none of the hand of an arm that yields."""
+        if self.mode is not Mode.RUN or self.command is None:
+            return {}
+        targets, yielding = self.command.targets, self.touch.yielding
+        if not yielding:
+            return targets
+        let_go = {f"{side}_hand" for side in yielding}
+        return {resource: target for resource, target in targets.items() if resource not in let_go}
 
     @property
     def hold(self) -> bool:
@@ -271,7 +286,11 @@ def _target_fault(target: BaseTarget | HandTarget | GazeTarget | PostureTarget) 
     match target:
         case BaseTarget(position=position, heading=heading):
             values, shape, number, limit = position, (2,), heading, _WORKSPACE
-        case HandTarget(position=position) | GazeTarget(point=position):
+        case HandTarget(position=position, press=press):
+            if not 0 <= press <= MOST_PRESS:
+                return f"presses with {press:g} N"
+            values, shape, number, limit = position, (3,), 0.0, _WORKSPACE
+        case GazeTarget(point=position):
             values, shape, number, limit = position, (3,), 0.0, _WORKSPACE
         case PostureTarget(height=height):
             values, shape, number, limit = np.zeros(0), (0,), height, _HEIGHT_OFFSET

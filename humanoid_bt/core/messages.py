@@ -28,6 +28,12 @@ READING_SIZE = 2 + 4 + 3 + 3
 Level = Literal["info", "warning", "error"]
 """How much an event of a run matters."""
 
+TORSO = "torso"
+"""The trunk and what it carries besides the arms, where something can touch it."""
+
+TOUCHED = ("left_arm", "right_arm", TORSO)
+"""Where the robot can be touched, as far as it feels it."""
+
 RESOURCES = ("base", "left_hand", "right_hand", "gaze", "posture")
 """What a skill can command; each has at most one owner at a time."""
 
@@ -71,12 +77,14 @@ class HandTarget:
         orientation: of the palm's frame, wxyz, shape (4,), or where one of its axes is to point; any if None.
         relative: both are as seen from the other palm, in its frame, and not in the world.
         speed: at most this fast [m/s], and turning as much slower than it can; the robot's own limit if None.
+        press: force with which the palm presses on what it touches on the way there [N]; 0: it is to touch nothing.
     """
 
     position: Array
     orientation: Array | Pointing | None = None
     relative: bool = False
     speed: float | None = None
+    press: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -324,6 +332,21 @@ class FootPose:
 
 
 @dataclass(frozen=True, slots=True)
+class Contact:
+    """Something that touches the robot elsewhere than at the soles, as its drives' torques tell.
+
+    Attributes:
+        force: with which it pushes the robot now, world frame, shape (3,) [N].
+        largest: the largest since it began [N].
+        yields: whether the arm yields: it follows what pushes it, and its hand has been let go.
+    """
+
+    force: Array
+    largest: float
+    yields: bool = False
+
+
+@dataclass(frozen=True, slots=True)
 class State:
     """What control knows, as decision and the recording see it.
 
@@ -361,6 +384,8 @@ class State:
         hand_obstacles: the own link that keeps a commanded palm from its target, by the name of its body; a hand that
             none keeps is missing.
         limit_flags: joints at a soft, rate or torque limit in this cycle, by name.
+        contacts: what touches the robot elsewhere than at the soles: left_arm, right_arm, torso -> contact; where
+            nothing does, it is missing.
     """
 
     time: float
@@ -397,6 +422,12 @@ class State:
     hand_turn_errors: Mapping[Side, float]
     hand_obstacles: Mapping[Side, str]
     limit_flags: tuple[str, ...]
+    contacts: Mapping[str, Contact] = field(default_factory=dict)
+
+
+def touch_text(group: str, contact: Contact) -> str:
+    """Return what touched a group of links, for people: ``right arm touched something: 43 N``."""
+    return f"{group.replace('_', ' ')} touched something: {contact.largest:.0f} N"
 
 
 def truth_of(state: State) -> Truth:
@@ -425,4 +456,6 @@ def frozen(state: State) -> State:
         getattr(state, name).setflags(write=False)
     for hand in (*state.hands.values(), *state.hand_orientations.values()):
         hand.setflags(write=False)
+    for contact in state.contacts.values():
+        contact.force.setflags(write=False)
     return state

@@ -33,6 +33,7 @@ from humanoid_bt.core.messages import (
     Side,
     State,
     Target,
+    touch_text,
 )
 from humanoid_bt.decision.arguments import how_turned, number, speed_of, vector
 from humanoid_bt.perception.track import Track
@@ -277,6 +278,8 @@ class RobotHandle:
 
         ``left hand comes no nearer than 12 cm: the right forearm is in the way``
         """
+        if touched := self.touched(side):
+            return touched
         obstacle = self.state.hand_obstacles.get(side)
         why = f": the {obstacle.replace('_', ' ')} is in the way" if obstacle else ""
         return f"{side} hand comes no nearer than {distance * 100:.0f} cm{why}"
@@ -306,6 +309,14 @@ class RobotHandle:
         """
         self._set("base", BaseTarget(vector(position, 2), number(heading)))
 
+    def touched(self, side: Side) -> str:
+        """Say that an arm yields because something touched it, "" if none did: ``right arm touched something: 43 N``.
+
+        Its hand goes nowhere until the node that wanted it there has let go of it, and nothing touches it any more.
+        """
+        contact = self.state.contacts.get(f"{side}_arm")
+        return touch_text(f"{side}_arm", contact) if contact and contact.yields else ""
+
     def move_hand(
         self,
         side: Side,
@@ -316,6 +327,7 @@ class RobotHandle:
         axis: PalmAxis = "fingers",
         relative: bool = False,
         speed: float | None = None,
+        press: float = 0.0,
     ) -> None:
         """Ask for a palm at a position: shape (3,), world frame [m]; and turned, if that is said.
 
@@ -329,12 +341,15 @@ class RobotHandle:
             relative: all of this is as seen from the other palm, in its frame, and not in the world. The same node
                 moves the other hand to a place in the world.
             speed: at most this fast [m/s], and turning as much slower; never faster than the robot's own limit.
+            press: it may touch something on the way there, and then presses with this force [N], at most 50.
 
         Raises:
             ValueError: a number is not finite, or something is not what it is to be.
         """
-        turn = how_turned(orientation, direction, axis)
-        self._set(f"{side}_hand", HandTarget(vector(position, 3), turn, bool(relative), speed_of(speed)))
+        turn, force = how_turned(orientation, direction, axis), number(press)
+        if force and relative:
+            raise ValueError("a hand that is held relative to the other one cannot press")
+        self._set(f"{side}_hand", HandTarget(vector(position, 3), turn, bool(relative), speed_of(speed), force))
 
     def move_arm(self, side: Side, joints: Mapping[str, float], *, speed: float | None = None) -> None:
         """Ask for joints of an arm, by their names, at angles [rad]; those that are not named go home.

@@ -50,6 +50,9 @@ _GAZE_COLOR = (102, 217, 232)
 _BASE_COLOR = (252, 196, 25)
 _AXIS_COLORS = ((250, 82, 82), (81, 207, 102), (76, 110, 245))  # x along the fingers, y, z where the palm faces
 _OLD_COLOR = (120, 124, 130)
+_CONTACT_COLOR = (255, 82, 82)
+_NEWTON = 0.005  # m of an arrow for each
+_CHEST = 0.25  # m above the base: about where a torso's contact is drawn
 
 
 class Overlays:
@@ -85,6 +88,8 @@ class Overlays:
         stream.log(f"{WORLD}/targets/turns", frame, turns, static=True)
         base = rr.Arrows3D.from_fields(colors=[_BASE_COLOR], radii=[0.012])
         stream.log(f"{WORLD}/targets/base", frame, base, static=True)
+        contacts = rr.Arrows3D.from_fields(colors=[_CONTACT_COLOR], radii=[0.01])
+        stream.log(f"{WORLD}/contacts", frame, contacts, static=True)
         gaze = rr.LineStrips3D.from_fields(colors=[_GAZE_COLOR], radii=[0.0025])
         stream.log(f"{WORLD}/gaze", frame, gaze, static=True)
 
@@ -101,6 +106,7 @@ class Overlays:
         self._flush_balance(stream, times)
         self._flush_hands(stream, times)
         self._flush_base_and_gaze(stream, times)
+        self._flush_contacts(stream, times)
         self._flush_footsteps(stream)
         self._flush_path(stream)
         self._samples = []
@@ -173,6 +179,18 @@ class Overlays:
         rays = np.array([[state.gaze_position, _gaze_end(state)] for state, _ in self._samples])
         send(stream, f"{WORLD}/gaze", times, rr.LineStrips3D.columns(strips=list(rays)))
 
+    def _flush_contacts(self, stream: Any, times: list[float]) -> None:
+        """Draw what pushes the robot as arrows that end where it does."""
+        found = [
+            [(_touched_at(state, group), _NEWTON * contact.force) for group, contact in state.contacts.items()]
+            for state, _ in self._samples
+        ]
+        flat = [arrow for arrows in found for arrow in arrows]
+        columns = rr.Arrows3D.columns(
+            origins=_rows([end - way for end, way in flat]), vectors=_rows([way for _, way in flat])
+        )
+        send_sets(stream, f"{WORLD}/contacts", times, columns, [len(arrows) for arrows in found])
+
     def _flush_footsteps(self, stream: Any) -> None:
         changes: list[State] = []
         for state, _ in self._samples:
@@ -233,6 +251,15 @@ def _axes(target: HandTarget) -> list[tuple[Array, Array, Color]]:
 
 def _rows(values: list[Any]) -> Array:
     return np.array(values, dtype=float).reshape(-1, 3)
+
+
+def _touched_at(state: State, group: str) -> Array:
+    """Return about where a group of links is touched, shape (3,)."""
+    for side in SIDES:
+        if group == f"{side}_arm" and side in state.hands:
+            return state.hands[side]
+    x, y, z = state.base_position.tolist()
+    return np.array([x, y, z + _CHEST])
 
 
 def _gaze_end(state: State) -> Array:

@@ -177,6 +177,20 @@ class FallConfig:
 
 
 @dataclass(frozen=True, kw_only=True)
+class ContactConfig:
+    """What the robot does when something touches its arms or its torso."""
+
+    notice: float = param(8.0, above=0, unit="N", doc="An arm that is pushed harder than this is touched.")
+    limit: float = param(25.0, above=0, unit="N", doc="An arm that is pushed harder than this yields.")
+    torso: float = param(40.0, above=0, unit="N", doc="A torso that is pushed harder than this is touched.")
+    lasting: float = param(0.5, above=0, unit="s", doc="Something that is in its way for this long stops the robot.")
+    quiet: float = param(0.5, above=0, unit="s", doc="Time without contact after which an arm may be stiff again.")
+    stiffness: float = param(
+        0.05, minimum=0, maximum=1, doc="Position gain of an arm that yields, as a share of that of its drives."
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
 class CapsuleConfig:
     """A shape of a link: what is within a radius of the line between two points of it."""
 
@@ -220,6 +234,7 @@ class RobotConfig:
     reach_distance: float = param(0.40, above=0, unit="m", doc="Where to stand to reach: the target this far ahead.")
     sensors: SensorsConfig = param(SensorsConfig(), doc="What its sensors are like.")
     fall: FallConfig = param(FallConfig(), doc="When it counts as falling.")
+    contact: ContactConfig = param(ContactConfig(), doc="What it does when something touches it.")
     collision: CollisionConfig = param(CollisionConfig(), doc="How it keeps its own links apart.")
     path: Path = field(default=Path(), compare=False)
     written: Item | None = field(default=None, compare=False, repr=False)

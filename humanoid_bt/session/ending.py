@@ -103,7 +103,7 @@ class Ending:
             engine.submit(command)
             engine.advance()
             state, percepts = engine.sense()
-            self._teller.happened(state.time)
+            self._teller.happened(state)
             command = runner.hold(state, percepts)
             self._teller.ticked(runner, state, percepts, command)
             if state.mode is Mode.DAMP and end.outcome not in ("stopped", "error"):

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import NamedTuple
 
-from humanoid_bt.core.messages import Level, Mode
+from humanoid_bt.core.messages import TORSO, TOUCHED, Level, Mode, State, touch_text
 from humanoid_bt.session.engine import Engine
 
 _HOW_TO_GO_ON = "; waiting for a reset: key r or 'humanoid-bt reset'; q or Ctrl-C ends the run"
@@ -29,6 +29,7 @@ class Happenings:
 
     def __init__(self, engine: Engine) -> None:
         self._engine, self._supervisor, self._scene = engine, engine.supervisor, engine.scene
+        self._touched: set[str] = set()
         self._stops = self._rejected = self._notices = 0
         self._until = 0.0
         self._fault, self._fault_told, self._fault_count = "", -_REPEAT, 0
@@ -53,6 +54,19 @@ class Happenings:
             text = f"{stop.mode.value.replace('_', ' ')}: {stop.reason} ({stop.source}){how}"
             yield Happening(stop.time, "error", text)
         self._stops = self._supervisor.stops.total
+
+    def touches(self, state: State) -> Iterator[Happening]:
+        """Yield what begins to touch the robot, or ends to, harder than is expected: a torso, an arm that yields."""
+        for group in TOUCHED:
+            contact = state.contacts.get(group)
+            touched = contact is not None and (contact.yields or group == TORSO)
+            if contact is not None and touched and group not in self._touched:
+                self._touched.add(group)
+                more = "; the arm yields" if contact.yields else ""
+                yield Happening(state.time, "warning", f"{touch_text(group, contact)}{more}")
+            elif not touched and group in self._touched:
+                self._touched.discard(group)
+                yield Happening(state.time, "info", f"nothing touches the {group.replace('_', ' ')} any more")
 
     def _refusals(self, now: float) -> Iterator[Happening]:
         """Yield refused commands; one line a second while the reason stays the same."""

@@ -109,7 +109,7 @@ class Loop:
         self.state = state
         if first:
             self.began, self.began_at = state.time, time.monotonic()
-        teller.happened(state.time)
+        teller.happened(state)
         self._debugger.tell()
         return state, percepts
 

@@ -125,9 +125,10 @@ class Teller:
             self.recorder.node_changed(change.time, change.path, change.status.name, said)
             self.recorder.results(change.time, change.path, change.results)
 
-    def happened(self, now: float) -> None:
-        """Tell what happened besides the tree up to now [s]."""
-        for happening in self._happenings.until(now, self.waits):
+    def happened(self, state: State) -> None:
+        """Tell what happened besides the tree up to now."""
+        happenings = self._happenings
+        for happening in (*happenings.until(state.time, self.waits), *happenings.touches(state)):
             self.event(happening.level, happening.text, happening.time)
 
     def news(self, recorder: RunRecorder) -> None:

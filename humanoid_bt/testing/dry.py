@@ -314,6 +314,7 @@ class _Body:
             hand_turn_errors=dict(self._turn_errors),
             hand_obstacles={},
             limit_flags=(),
+            contacts={},
         )
 
 

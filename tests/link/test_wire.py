@@ -15,6 +15,7 @@ from humanoid_bt.core.messages import (
     ArmTarget,
     BaseTarget,
     Command,
+    Contact,
     FootPose,
     Gait,
     GazeTarget,
@@ -37,6 +38,7 @@ TARGETS: dict[str, Target] = {
     "base": BaseTarget(np.array([0.1, -0.0]), math.pi),
     "left_hand": HandTarget(np.array([math.nan, math.inf, 5e-324])),
     "posture": PostureTarget(-0.05),
+    "right_hand": HandTarget(np.array([1.0, -0.0, 3.0]), press=12.5),
 }
 MANNERS: dict[str, Target] = {
     "left_hand": HandTarget(np.array([0.1, 0.2, math.nan]), np.array([0.5, -0.5, math.inf, -0.0]), speed=0.1),
@@ -99,14 +101,18 @@ def make_state(joints: int = 31) -> State:
         hand_turn_errors={"left": 0.5},
         hand_obstacles={"right": "linker_unterarm_ü"},
         limit_flags=("left_knee", "schulter_ü"),
+        contacts={
+            "torso": Contact(np.array([1.0, -2.0, math.inf]), 43.0),
+            "left_arm": Contact(np.array([0.0, -0.0, 30.0]), 31.5, yields=True),
+        },
     )
 
 
 STATE = make_state()
 BARE_STATE = replace(
     make_state(0), hands={}, feet={}, foot_force={}, footsteps=(), command_sources={}, targets={}, hand_errors={},
-    hand_obstacles={}, hand_orientations={}, hand_turn_errors={}, limit_flags=(), stop_reason="", stop_source="",
-    command_sequence=-1, base_settled=True,
+    contacts={}, hand_obstacles={}, hand_orientations={}, hand_turn_errors={}, limit_flags=(), stop_reason="",
+    stop_source="", command_sequence=-1, base_settled=True,
 )  # fmt: skip
 
 

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from humanoid_bt.core.messages import Array, BaseTarget, HandTarget, Mode, State
+from humanoid_bt.core.messages import Array, BaseTarget, Contact, HandTarget, Mode, State
 from humanoid_bt.perception.track import Track
 from humanoid_bt.record import eye, stop_sign
 from humanoid_bt.record.recorder import Recorder
@@ -124,3 +124,17 @@ def test_a_run_without_stops_has_no_sign(record: Maker, file: Path) -> None:
     with record() as recorder:
         recorder.sample(make_state(0.0), {}, {})
     assert rows(file, f"/{stop_sign.DISC}", "Cylinders3D:centers") == []
+
+
+def test_what_pushes_the_robot_is_an_arrow_while_it_does(record: Maker, file: Path) -> None:
+    quiet = make_state(base=(0.5, 0.0, 0.8))
+    pushed = replace(quiet, contacts={"torso": Contact(np.array([-60.0, 0.0, 0.0]), 60.0)})
+    with record() as recorder:
+        for frame, state in enumerate([quiet, pushed, pushed, quiet]):
+            recorder.sample(replace(state, time=frame * 0.04, cycle=frame), {}, {})
+    vectors = [value for _, value in rows(file, "/world/contacts", "Arrows3D:vectors")]
+    origins = [value for _, value in rows(file, "/world/contacts", "Arrows3D:origins")]
+    assert [len(arrows) for arrows in vectors if arrows] == [1, 1]
+    (way,), (begin,) = (next(filter(None, values)) for values in (vectors, origins))
+    assert way == pytest.approx([-0.3, 0.0, 0.0])
+    assert begin[0] + way[0] == pytest.approx(0.5)

@@ -182,6 +182,11 @@ def _direction(rng: np.random.Generator) -> np.ndarray:
     return np.array([np.cos(angle), np.sin(angle), 0.0])
 
 
+def arm_pushed(machine: Machine, rng: np.random.Generator) -> None:
+    """Push a hand harder than an arm stands."""
+    machine.plant.push(str(rng.choice(["left_hand", "right_hand"])), 60 * _direction(rng), 0.2)
+
+
 # ---- sensors --------------------------------------------------------------------------------------------------------
 
 
@@ -230,6 +235,7 @@ ROWS = {
         *(Row(f"the sensors of a joint {how}", joint_fails(how), (PROTECT,), "the run's end") for how in FAILURES),
         Row("the whole IMU silent", blind_to_itself, (PROTECT,), "the run's end", promised=False),
         Row("pushed, 60 N for 0.1 s, in a stop", pushed_while_stopped, (PROTECT,), NEVER, 1.3, promised=False),
+        Row("a hand pushed, 60 N for 0.2 s", arm_pushed, (), "the hand let go of", lasts=1.0, releases=True),
     ]
 }
 

@@ -68,6 +68,19 @@ def test_follows_a_target_that_moves(rig: Rig) -> None:
     assert rig.hand_distance("left", (0.40, 0.20, 0.85)) < 0.02
 
 
+@pytest.mark.parametrize(
+    "skill", ["reach", *(pytest.param(name, marks=pytest.mark.trials) for name in ("offer", "wave"))]
+)
+def test_says_that_something_touched_its_arm(rig: Rig, skill: str) -> None:
+    rig.at(1.0, lambda: rig.push((-60.0, 0.0, 0.0), 0.2, "right_hand"))
+    result = rig.run(skill, target=(0.40, -0.15, 0.95), hand="right")
+    assert result.failed
+    assert result.feedback.startswith("right arm touched something: ")
+    assert not result.fell
+    rig.settle(2.0)
+    assert rig.run("reach", target=(0.40, -0.15, 0.95)).succeeded  # and can be asked anew
+
+
 def test_says_how_near_it_came_when_the_target_is_out_of_reach(rig: Rig) -> None:
     result = rig.run("reach", target=(0.9, 0.2, 0.9), timeout=12)
     assert result.failed

@@ -44,6 +44,7 @@ class InverseKinematics:
         acceleration: smoothed, shape (nv,).
         momentum_rate: smoothed rate of the planned motion's angular momentum, shape (3,) [Nm].
         solved: whether the last step had a solution.
+        still: joints that stay as they are; set it.
         height_limit: how low the base may go.
         configuration, tasks, limits: mink's problem of the last step.
     """
@@ -101,7 +102,17 @@ class InverseKinematics:
         self.momentum_rate: Array = np.zeros(3)
         self._momentum: Array = np.zeros(3)
         self._hand_goals: Mapping[Side, Array] = {}
+        self.still: list[int] = []
         self.solved = True
+
+    def follow(self, joints: list[int], measured: Array, share: float) -> None:
+        """Move some joints of the configuration toward where they are measured, by a share of the way."""
+        qpos = self.configuration.q.copy()
+        places = np.add(joints, BASE_COORDINATES)
+        qpos[places] += share * (measured - qpos[places])
+        qpos[BASE_COORDINATES:] = clamp(qpos[BASE_COORDINATES:], self._robot.lower, self._robot.upper)
+        self.configuration.update(qpos)
+        self._own_links.look()
 
     @property
     def base_pose(self) -> Array:
@@ -177,6 +188,9 @@ class InverseKinematics:
         program.limit(self.configuration, self.limits, self._dt)
         np.maximum(robot.lower - joints, -self._farthest, out=program.low[BASE_DOFS:])
         np.minimum(robot.upper - joints, self._farthest, out=program.high[BASE_DOFS:])
+        if self.still:
+            dofs = np.add(self.still, BASE_DOFS)
+            program.low[dofs] = program.high[dofs] = 0.0
         way = program.solve()
         if way is None and _asks_to_part(program, len(self._own_links.pressures)):
             way = program.solve()

@@ -71,9 +71,10 @@ class PalmReference:
         """
         if not hold:
             self._begin(relative=False)
-        speed = target.speed if target else None
-        place = target.position if target else None
-        position = self._place.update(place, hold, measured, planned, stance=stance, walks=walks, speed=speed)
+        place, speed, presses = (target.position, target.speed, bool(target.press)) if target else (None, None, False)
+        position = self._place.update(
+            place, hold, measured, planned, stance=stance, walks=walks, speed=speed, corrects=not presses
+        )
         orientation = self._orientation(target, hold, position is None, frames, float(stance[2]))
         if position is None:
             return None

@@ -56,6 +56,7 @@ class HandReference:
         stance: Array,
         walks: bool = False,
         speed: float | None = None,
+        corrects: bool = True,
     ) -> Array | None:
         """Return where the inverse kinematics shall bring the palm, or None when it is free.
 
@@ -66,6 +67,7 @@ class HandReference:
             stance: pose of the middle between the feet, world frame, shape (3,).
             walks: whether the stance moves.
             speed: at most this fast [m/s]; the robot's own limit if None.
+            corrects: whether the measured error is integrated; not where the palm meets something on its way.
         """
         lead = self._weights.hand_lead
         before, self._stance = self._stance, stance
@@ -79,8 +81,7 @@ class HandReference:
         if target is None:
             self._let_go = False
         if target is None or self._lets_go(target, stance, walks):
-            self._position = None
-            self._correction = np.zeros(3)
+            self.let_go()
             return None
         if self._position is None:
             self._position = self._sent = reference.copy()
@@ -89,11 +90,16 @@ class HandReference:
         error = target - self._position
         self._position = _toward(self._position, target, step)
         self._position = _toward(reference - self._correction, self._position, lead)
-        if error @ error < _CORRECT_WITHIN**2:
+        if corrects and error @ error < _CORRECT_WITHIN**2:
             correction = self._correction + self._weights.hand_integral * self._dt * (target - measured)
             self._correction = clamp(correction, -_CORRECT_MAX, _CORRECT_MAX)
         self._sent = _toward(self._sent, self._position + self._correction, step)
         return _toward(reference, self._sent, lead)
+
+    def let_go(self) -> None:
+        """Let the hand go, whatever held it."""
+        self._position = None
+        self._correction = np.zeros(3)
 
     def _lets_go(self, target: Array, stance: Array, walks: bool) -> bool:
         weights, margin = self._weights, _REGAIN if self._let_go else 0.0

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
@@ -17,10 +17,12 @@ from humanoid_bt.control.body.feedforward import Feedforward
 from humanoid_bt.control.body.inverse_kinematics import InverseKinematics
 from humanoid_bt.control.body.lean import LeanReference
 from humanoid_bt.control.body.palm_reference import PalmReference
+from humanoid_bt.control.body.press import Press
 from humanoid_bt.control.body.references import ArmReference, GazeReference, PostureReference, approach
 from humanoid_bt.control.body.stabilizer import Stabilizer
 from humanoid_bt.control.body.swing import TiltCompensation
 from humanoid_bt.control.body.walking import Walker
+from humanoid_bt.control.body.yielding import Felt, YieldingArms
 from humanoid_bt.control.dynamics import RobotDynamics
 from humanoid_bt.core.clock import WHOLE_BODY_PERIOD
 from humanoid_bt.core.messages import (
@@ -53,11 +55,13 @@ class Setpoint:
         position: [rad].
         velocity: [rad/s].
         torque: feedforward [Nm].
+        stiffness: share of the drives' stiffness; None for all of it.
     """
 
     position: Array
     velocity: Array
     torque: Array
+    stiffness: Array | None = None
 
 
 class WholeBody:
@@ -66,15 +70,17 @@ class WholeBody:
     Args:
         robot: the robot.
         dynamics: as it is estimated, always up to date.
+        contact: what touches it, likewise.
 
     Attributes:
-        dynamics: likewise.
+        dynamics: as it is estimated, always up to date.
         walker: its gait.
         kinematics: its planned motion.
+        arms: which of its arms yield to what pushes them.
         solved: whether the last inverse kinematics had a solution.
     """
 
-    def __init__(self, robot: RobotModel, dynamics: RobotDynamics) -> None:
+    def __init__(self, robot: RobotModel, dynamics: RobotDynamics, contact: Felt) -> None:
         config, dt = robot.config, WHOLE_BODY_PERIOD
         self._robot, self._dt = robot, dt
         self.dynamics = dynamics
@@ -82,6 +88,8 @@ class WholeBody:
         self._stabilizer = Stabilizer(config.gait, config.sole, robot.mass, dt)
         self._tilt = TiltCompensation(dt)
         self.kinematics = InverseKinematics(robot, dt)
+        self._contact = contact
+        self.arms = YieldingArms(robot, self.kinematics, dt)
         self._feedforward = Feedforward(robot, self.dynamics)
         neck_range = 0.0
         if config.neck:
@@ -120,8 +128,10 @@ class WholeBody:
         self._hands = {side: PalmReference(config.whole_body, dt) for side in sides}
         self._arms = {side: ArmReference(names, config.whole_body, dt) for side in sides}
         self._held_joints = ()
+        self._presses = {side: Press(dt) for side in sides}
         self._posture = PostureReference(self._home_joints, dt)
         self._posture.release_from(self.kinematics.joints)
+        self.arms.reset()
         self._height = float(self.dynamics.com[2]) - self._home_height
         self._reaching = 0.0
         self._commanded = frozenset()
@@ -157,11 +167,13 @@ class WholeBody:
         )
         self._zmp = load.zmp
         self._tilt.update(walker.swing, estimate.qpos[:BASE_COORDINATES], self.kinematics.base_pose)
+        self.arms.update(estimate.qpos, self._contact)
         self.kinematics.step(self._body_targets(targets, hold or not self.solved))
         position = self.kinematics.joints.copy()
         velocity = self.kinematics.velocity[BASE_DOFS:]
         torque = self._feedforward.torques(load, self.kinematics.acceleration, position, velocity, self._lean.base)
-        return Setpoint(position, velocity, torque)
+        self.arms.carry(torque)
+        return Setpoint(position, velocity, torque, self.arms.stiffness)
 
     def _body_targets(self, targets: Mapping[str, Target], hold: bool) -> BodyTargets:
         walker = self.walker
@@ -178,6 +190,7 @@ class WholeBody:
             wanted = posture.height if isinstance(posture, PostureTarget) else 0.0
             self._height = approach(self._height, wanted, self._robot.config.whole_body.height_speed * self._dt)
             self._hold_arms(targets)
+        self.arms.keep(self._posture.joints)
         x, y = self._stabilizer.com_reference
         return BodyTargets(
             com=np.array([x, y, self._home_height + self._height - self._lean.crouch]),
@@ -204,13 +217,17 @@ class WholeBody:
         followers: dict[Side, HandTarget | None] = {}
         stance, walks = self.walker.stance, self.walker.gait is not Gait.STAND
         for side, reference in self._hands.items():
+            if side in self.arms.sides:
+                reference.release()
+                self._presses[side].reset()
+                continue
             target = targets.get(f"{side}_hand")
             hand = target if isinstance(target, HandTarget) else None
             if reference.relative if hold else hand is not None and hand.relative:
                 followers[side] = hand
                 continue
             found = reference.update(
-                hand,
+                self._pressing(side, hand, hold),
                 hold,
                 self.dynamics.palm(side),
                 self.kinematics.palm(side),
@@ -232,6 +249,15 @@ class WholeBody:
             self._height = self.kinematics.com_height - sunk  # it rises from there, slowly
         self._commanded = commanded
         return positions, palms
+
+    def _pressing(self, side: Side, hand: HandTarget | None, hold: bool) -> HandTarget | None:
+        """Return where a palm is to go: one that presses only as far as its force asks for."""
+        press = self._presses[side]
+        if hand is None or hold or not hand.press:
+            press.reset()
+            return hand
+        force = self._contact.forces[f"{side}_arm"]
+        return replace(hand, position=press.aim(hand.position, hand.press, self.kinematics.palm(side), force))
 
     def _palm_frames(self, side: Side) -> tuple[Array, Array]:
         return self.dynamics.palm_frame(side), self.kinematics.palm_frame(side)
@@ -263,8 +289,9 @@ class WholeBody:
         held: list[int] = []
         for side, arm in self._arms.items():
             target = targets.get(f"{side}_hand")
-            if arm.joints or isinstance(target, ArmTarget):
-                arm.update(target if isinstance(target, ArmTarget) else None, self.kinematics.joints)
+            asked = target if isinstance(target, ArmTarget) and side not in self.arms.sides else None
+            if arm.joints or asked is not None:
+                arm.update(asked, self.kinematics.joints)
                 self._posture.hold(arm.joints, arm.angles)
                 held += arm.joints
         self._held_joints = tuple(held)

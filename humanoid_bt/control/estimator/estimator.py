@@ -8,6 +8,7 @@ import numpy as np
 
 from humanoid_bt.control.body.planar import middle
 from humanoid_bt.control.dynamics import GRAVITY, RobotDynamics
+from humanoid_bt.control.estimator.contact_observer import ContactObserver
 from humanoid_bt.control.estimator.foot_load import FootLoad
 from humanoid_bt.control.estimator.invariant_filter import FREE, FilterNoise, InvariantFilter
 from humanoid_bt.control.estimator.sensor_watch import SensorWatch
@@ -38,6 +39,7 @@ class Estimator:
     Attributes:
         estimate: of the last update; its arrays are the same ones always.
         load: what the feet carry.
+        contact: what touches arms and torso.
         watch: says which sensors failed.
         heard: readings since the last update.
     """
@@ -53,6 +55,7 @@ class Estimator:
             )
         )
         self.load = FootLoad(robot, dynamics)
+        self.contact = ContactObserver(robot, dynamics)
         self._feels = sensors.foot_force is not None
         self._rolls_below = _ROLLS_BELOW * robot.mass * GRAVITY
         self.estimate = Estimate(
@@ -92,6 +95,7 @@ class Estimator:
         estimate.qpos[:3] = (x, y, 0.0) - dynamics.sole_positions.mean(axis=0)
         dynamics.update(estimate)
         self.load.reset()
+        self.contact.reset()
         self._filter.reset(estimate.qpos[3:BASE_COORDINATES], estimate.qpos[:3])
         self.watch.reset(reading)
         self._clear()
@@ -134,10 +138,16 @@ class Estimator:
         if watch.any_bad:
             self._stand_in(setpoint)
         dynamics.update(estimate)
+        acceleration, torque = (qvel - self._velocity_before) / time, self._torque / self.heard
         if self._feels:
             self.load.sensed(reading.foot_force)
         else:
-            self.load.explain(qvel, (qvel - self._velocity_before) / time, self._torque / heard)
+            self.load.explain(qvel, acceleration, torque)
+        if doubtful or watch.any_bad:
+            self.contact.forget()
+        else:
+            acceleration[:3] = belief.acceleration(imu[:3])
+            self.contact.update(acceleration, torque, time)
         self._since += heard
         self._clear()
         self._note_contact(time)

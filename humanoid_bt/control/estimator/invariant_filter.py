@@ -145,6 +145,16 @@ class InvariantFilter:
         """What the accelerometer would say at rest, base frame, shape (3,) [m/s^2]."""
         return np.asarray(self._turn[2] * GRAVITY + self.accelerometer_bias)
 
+    def acceleration(self, force: Array) -> Array:
+        """Return the base's acceleration, world frame, shape (3,) [m/s^2].
+
+        Args:
+            force: what the accelerometer says, base frame, shape (3,) [m/s^2].
+        """
+        acceleration = self._turn @ (force - self.accelerometer_bias)
+        acceleration[2] -= GRAVITY
+        return np.asarray(acceleration)
+
     def level(self, tilt: Array) -> Array:
         """Turn the base back by what something level seems to be tilted; return by how much, base frame, shape (3,).
 

@@ -8,7 +8,7 @@ from typing import TypeVar
 
 import numpy as np
 
-from humanoid_bt.core.messages import SIDES, Array, FootPose, Gait, Mode, Side, State
+from humanoid_bt.core.messages import SIDES, TOUCHED, Array, Contact, FootPose, Gait, Mode, Side, State
 from humanoid_bt.link.wire.format import (
     FLOAT,
     Cursor,
@@ -23,12 +23,13 @@ from humanoid_bt.link.wire.format import (
 from humanoid_bt.link.wire.targets import pack_sources, pack_targets, unpack_sources, unpack_targets
 
 # Command sequence; joints, footsteps, limit flags; gait, mode, settled; which sides have a hand, a foot, a foot force,
-# a hand error; targets, sources; which sides have an obstacle, how a hand is turned, a turn error. With the header a
-# whole number of float64, so that the block after it is aligned.
-_COUNTS = struct.Struct("<qHHH12B6x")
+# a hand error; targets, sources; which sides have an obstacle, how a hand is turned, a turn error; contacts. With the
+# header a whole number of float64, so that the block after it is aligned.
+_COUNTS = struct.Struct("<qHHH13B5x")
 _FOOT = struct.Struct("<4d")  # x, y, z, yaw
 _NUMBER = struct.Struct("<d")
 _SIDE = struct.Struct("<B")
+_CONTACT = struct.Struct("<BB4d")  # where, whether the arm yields, force, largest
 _GAITS, _MODES = tuple(Gait), tuple(Mode)
 _GAIT_INDEX = {gait: index for index, gait in enumerate(_GAITS)}
 _MODE_INDEX = {mode: index for index, mode in enumerate(_MODES)}
@@ -79,6 +80,7 @@ def encode_state(state: State) -> bytes:
             obstacle_bits,
             orientation_bits,
             turn_error_bits,
+            len(state.contacts),
         ),
         pack_floats(state.joint_positions, joints),
         pack_floats(state.joint_velocities, joints),
@@ -108,6 +110,7 @@ def encode_state(state: State) -> bytes:
         pack_cut_text(state.stop_source),
         *[pack_text(name) for name in state.limit_flags],
         *[pack_text(name) for name in obstacles],
+        *[_pack_contact(group, contact) for group, contact in state.contacts.items()],
     ]
     return b"".join(parts)
 
@@ -176,7 +179,8 @@ def decode_state(data: bytes | memoryview) -> State:
         stop_reason=cursor.text(),
         stop_source=cursor.text(),
         limit_flags=tuple([cursor.text() for _ in range(flag_count)]),
-        hand_obstacles=dict(zip(obstacles, _last_texts(cursor, len(obstacles)), strict=True)),
+        hand_obstacles={side: cursor.text() for side in obstacles},
+        contacts=_contacts(cursor, counts[16]),
     )
 
 
@@ -226,7 +230,20 @@ def _footsteps(cursor: Cursor, poses: list[FootPose]) -> tuple[tuple[Side, FootP
     return tuple((SIDES[int(cursor.take(_SIDE)[0])], pose) for pose in poses)
 
 
-def _last_texts(cursor: Cursor, count: int) -> tuple[str, ...]:
-    texts = tuple([cursor.text() for _ in range(count)])
+def _pack_contact(group: str, contact: Contact) -> bytes:
+    x, y, z = contact.force.tolist()
+    return _CONTACT.pack(TOUCHED.index(group), contact.yields, x, y, z, contact.largest)
+
+
+def _contacts(cursor: Cursor, count: int) -> dict[str, Contact]:
+    """Return a number of contacts, which come last."""
+    contacts: dict[str, Contact] = {}
+    for _ in range(count):
+        group, yields, x, y, z, largest = cursor.take(_CONTACT)
+        if group >= len(TOUCHED) or yields > 1 or TOUCHED[int(group)] in contacts:
+            raise WireError(f"a contact of number {group} that yields {yields}")
+        force = np.array((x, y, z))
+        force.flags.writeable = False
+        contacts[TOUCHED[int(group)]] = Contact(force, largest, bool(yields))
     cursor.end()
-    return texts
+    return contacts

@@ -22,7 +22,9 @@ from humanoid_bt.core.messages import (
 from humanoid_bt.link.wire.format import Cursor, WireError, pack_path, pack_text
 
 _TARGET = struct.Struct("<BB3d")  # resource, type, numbers; those a type does not need are 0
-_MANNER = struct.Struct("<BBB5d")  # of a hand: is it relative, has it a speed, how does it turn; speed, orientation
+_MANNER = struct.Struct(
+    "<BBB6d"
+)  # of a hand: is it relative, has it a speed, how does it turn; speed, press, orientation
 _JOINTS = struct.Struct("<HBd")  # of an arm: how many, has it a speed; speed
 _ANGLE = struct.Struct("<d")
 _RESOURCE = struct.Struct("<B")
@@ -69,7 +71,7 @@ def _pack_target(resource: int, target: Target) -> bytes:
         case BaseTarget(position=position, heading=heading):
             x, y = _numbers(position, 2)
             return _TARGET.pack(resource, _BASE, x, y, heading)
-        case HandTarget(position=position, orientation=None, relative=False, speed=None):
+        case HandTarget(position=position, orientation=None, relative=False, speed=None, press=0.0):
             return _TARGET.pack(resource, _HAND, *_numbers(position, 3))
         case HandTarget(position=position):
             return _TARGET.pack(resource, _MANNERED_HAND, *_numbers(position, 3)) + _pack_manner(target)
@@ -92,11 +94,11 @@ def _pack_manner(hand: HandTarget) -> bytes:
             turns, numbers = _AXES[axis], [*_numbers(direction, 3), 0.0]
         case orientation:
             turns, numbers = _ORIENTATION, _numbers(orientation, 4)
-    return _MANNER.pack(hand.relative, hand.speed is not None, turns, hand.speed or 0.0, *numbers)
+    return _MANNER.pack(hand.relative, hand.speed is not None, turns, hand.speed or 0.0, hand.press, *numbers)
 
 
 def _unpack_hand(cursor: Cursor, position: Array) -> HandTarget:
-    relative, hurries, turns, speed, *numbers = cursor.take(_MANNER)
+    relative, hurries, turns, speed, press, *numbers = cursor.take(_MANNER)
     if max(relative, hurries) > 1 or turns > _FACING:
         raise WireError("a hand moves in a way that there is not")
     orientation: Array | Pointing | None = None
@@ -104,7 +106,7 @@ def _unpack_hand(cursor: Cursor, position: Array) -> HandTarget:
         orientation = _fixed(*numbers)
     elif turns != _ANY:
         orientation = Pointing(_fixed(*numbers[:3]), "fingers" if turns == _FINGERS else "facing")
-    return HandTarget(position, orientation, bool(relative), speed if hurries else None)
+    return HandTarget(position, orientation, bool(relative), speed if hurries else None, press)
 
 
 def _pack_joints(arm: ArmTarget) -> bytes:

@@ -60,5 +60,10 @@ STATE: Mapping[str, Word[State]] = {
         lambda state: math.hypot(state.base_linear_velocity[0], state.base_linear_velocity[1]),
     ),
     "com_height": Word("Height of the centre of mass.", _M, lambda state: float(state.com[2])),
+    "touched": Word(
+        "Largest force with which something pushes an arm or the torso; 0 where nothing does.",
+        number("N"),
+        lambda state: max((math.hypot(*contact.force) for contact in state.contacts.values()), default=0.0),
+    ),
 }
 """``state.standing``: what can be asked of the robot."""

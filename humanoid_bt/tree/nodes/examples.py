@@ -260,6 +260,9 @@ retract: {hand: both}
     "step_back": """\
 step_back: {distance: 30 cm}
 """,
+    "touch": """\
+touch: {hand: left, direction: down, force: 10 N}
+""",
     "turn": """\
 turn: {angle: -90 deg}
 """,

@@ -1,0 +1,52 @@
+"""A palm that moves on until it touches something, and presses against it with a force."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from humanoid_bt.core.messages import Array
+
+_SPEED = 0.1  # m/s at most, of the palm before and while it presses
+_TOUCHES = 4.0  # N against the palm's way that count as touching
+_GAIN = 0.006  # m/s that it presses on for every newton that is missing
+
+
+class Press:
+    """The reference of a palm that presses: admittance along the way to its target.
+
+    Args:
+        dt: control period [s].
+    """
+
+    def __init__(self, dt: float) -> None:
+        self._dt = dt
+        self._point: Array | None = None
+        self._way: Array = np.zeros(3)
+        self._touches = False
+
+    def reset(self) -> None:
+        """Begin anew the next time."""
+        self._point = None
+
+    def aim(self, target: Array, wanted: float, palm: Array, force: Array) -> Array:
+        """Return where the palm's reference is to go, shape (3,), world frame [m].
+
+        Args:
+            target: where its way would end if nothing were there, shape (3,), world frame [m].
+            wanted: force with which it is to press [N].
+            palm: where it is planned to be, shape (3,), world frame [m].
+            force: what pushes it, world frame, shape (3,) [N].
+        """
+        if self._point is None:
+            self._point, self._touches = palm.copy(), False
+        rest = target - self._point
+        length = math.sqrt(rest @ rest)
+        if not self._touches and length > 0.0:
+            self._way = rest / length
+        pressed = -float(force @ self._way)
+        self._touches = self._touches or pressed > _TOUCHES
+        speed = min(_GAIN * (wanted - pressed), _SPEED) if self._touches else _SPEED
+        self._point = self._point + self._way * min(max(speed, -_SPEED) * self._dt, float(rest @ self._way))
+        return self._point

@@ -1,0 +1,83 @@
+"""What the contact observer feels, beside what really pushes the simulated robot."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from humanoid_bt.core.messages import TORSO, Array, BaseTarget, HandTarget
+from tests.control.control_rig import ControlRig
+
+AHEAD = {"left_hand": HandTarget(np.array([0.3, 0.2, 0.9]))}
+
+
+def felt(rig: ControlRig, group: str) -> Array:
+    """Return what is felt on average over 0.1 s, shape (3,) [N]."""
+    forces: list[Array] = []
+    rig.run(0.1, AHEAD, cycle=lambda: forces.append(rig.controller.estimator.contact.forces[group].copy()))
+    return np.mean(forces, axis=0)
+
+
+def largest(rig: ControlRig, seconds: float, targets: dict) -> dict[str, float]:
+    """Return the largest forces that were felt of each group [N]."""
+    found: dict[str, float] = {}
+
+    def look() -> None:
+        for group, force in rig.controller.estimator.contact.forces.items():
+            found[group] = max(found.get(group, 0.0), float(np.linalg.norm(force)))
+
+    rig.run(seconds, targets, cycle=look)
+    return found
+
+
+@pytest.mark.parametrize("force", [(-20.0, 0.0, 0.0), (0.0, 15.0, 0.0), (0.0, 0.0, 20.0)])
+def test_feels_what_pushes_a_hand_and_from_where(rig: ControlRig, force: tuple[float, ...]) -> None:
+    rig.run(2.0, AHEAD)
+    rig.plant.push("left_hand", np.array(force), 0.3)
+    rig.run(0.16, AHEAD)
+    assert felt(rig, "left_arm") == pytest.approx(force, abs=3.0)
+    assert np.linalg.norm(felt(rig, "right_arm")) < 3.0
+
+
+def test_feels_what_pushes_the_torso_and_not_the_arms(rig: ControlRig) -> None:
+    rig.run(0.5, {})
+    rig.plant.push("torso", np.array([-80.0, 0.0, 0.0]), 0.1)
+    found = largest(rig, 0.14, {})
+    assert 60 < found[TORSO] < 100
+    assert max(found["left_arm"], found["right_arm"]) < 12
+
+
+def test_a_robot_that_walks_and_reaches_feels_nothing(rig: ControlRig) -> None:
+    found = largest(rig, 4.0, {"base": BaseTarget(np.array([0.6, 0.3]), 0.5)})
+    more = largest(rig, 2.0, AHEAD)
+    assert max(found["left_arm"], found["right_arm"], more["left_arm"], more["right_arm"]) < 5
+    assert max(found[TORSO], more[TORSO]) < 25
+
+
+def test_learns_what_a_hand_carries(rig: ControlRig) -> None:
+    rig.plant.alter(hand_payload=2.0)
+    try:
+        rig.reset()
+        rig.run(0.2, {})
+        assert rig.controller.estimator.contact.forces["left_arm"][2] < -10
+        rig.run(6.0, {})
+        assert largest(rig, 2.0, AHEAD)["left_arm"] < 15
+    finally:
+        rig.plant.alter()
+
+
+def test_does_not_learn_what_presses(rig: ControlRig) -> None:
+    rig.run(2.0, AHEAD)
+    contact = rig.controller.estimator.contact
+    contact.distrust({"left_arm"})
+    rig.plant.push("left_hand", np.array([0.0, 0.0, -15.0]), 3.0)
+    rig.run(2.5, AHEAD)
+    assert felt(rig, "left_arm")[2] == pytest.approx(-15.0, abs=3.0)
+    contact.distrust(())
+
+
+def test_forgets_what_it_felt_when_a_sensor_fails(rig: ControlRig) -> None:
+    rig.run(0.5, {})
+    rig.plant.fail_sensor("gyro", "silent")
+    rig.run(0.1, {})
+    assert not any(force.any() for force in rig.controller.estimator.contact.forces.values())

@@ -1,0 +1,116 @@
+"""Arms that touch something: they yield, and are stiff again without a jump."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from humanoid_bt.core.messages import HandTarget, Mode, State
+from humanoid_bt.session.happenings import Happenings
+from tests.control.control_rig import ControlRig
+from tests.safety.contact_trials import Wall, into_wall
+from tests.safety.machine import Machine
+
+HAND = {"right_hand": HandTarget(np.array([0.3, -0.2, 0.9]))}
+
+
+@pytest.fixture(scope="module")
+def wall() -> Wall:
+    return Wall()
+
+
+@pytest.mark.parametrize("seed", [0, 1, *(pytest.param(seed, marks=pytest.mark.trials) for seed in range(2, 12))])
+def test_a_hand_that_moves_into_a_wall_yields(wall: Wall, seed: int) -> None:
+    outcome = into_wall(wall, seed)
+    assert outcome.good, outcome
+    assert outcome.yields < 0.05
+
+
+def test_a_wall_is_noticed_that_is_pushed_on(wall: Wall, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(wall.rig.controller.supervisor, "feel", lambda *_: None)
+    assert into_wall(wall, 0).later > 40
+
+
+def test_an_arm_that_is_pushed_follows_and_is_held_there(rig: ControlRig) -> None:
+    rig.run(2.0, HAND)
+    rig.plant.push("right_hand", np.array([-40.0, 0.0, 0.0]), 0.6)
+    rig.run(0.1, HAND)
+    assert rig.state.contacts["right_arm"].yields
+    assert rig.state.targets == {}
+    before = rig.state.hands["right"]
+    rig.run(0.8, HAND)
+    assert rig.state.hands["right"][0] < before[0] - 0.05
+    joints = rig.robot.arm_joints("right")
+    after = rig.state.joint_positions[joints]
+    rig.run(2.0, HAND)  # its node goes on asking
+    assert rig.state.contacts["right_arm"].yields
+    assert rig.state.joint_positions[joints] == pytest.approx(after, abs=0.15)
+    assert rig.state.mode is Mode.RUN
+
+
+def test_it_is_stiff_again_without_a_jump(rig: ControlRig) -> None:
+    rig.run(2.0, HAND)
+    rig.plant.push("right_hand", np.array([-40.0, 0.0, 0.0]), 0.3)
+    rig.run(1.0, HAND)
+    speeds: list[float] = []
+    joints = rig.robot.arm_joints("right")
+    rig.run(2.0, {}, cycle=lambda: speeds.append(np.abs(rig.plant.data.qvel[6:][joints]).max()))
+    assert not rig.state.contacts
+    assert rig.controller.servo.command.stiffness is rig.robot.stiffness
+    assert max(speeds) < 2.0
+    assert rig.run(3.0, HAND, until=lambda state: state.hand_errors["right"] < 0.01)
+
+
+def test_a_stopped_robot_yields_too(rig: ControlRig) -> None:
+    rig.run(2.0, HAND)
+    rig.controller.supervisor.raise_estop("test", "pressed")
+    rig.run(0.2, HAND)
+    before = rig.state.hands["right"]
+    rig.plant.push("right_hand", np.array([-40.0, 0.0, 0.0]), 0.5)
+    rig.run(0.5, HAND)
+    assert rig.state.hands["right"][0] < before[0] - 0.05
+
+
+def test_a_soft_hand_does_not_drop_what_it_carries(rig: ControlRig) -> None:
+    rig.plant.alter(hand_payload=1.5)
+    try:
+        rig.reset()
+        rig.run(6.0, HAND)
+        rig.plant.push("right_hand", np.array([-40.0, 0.0, 0.0]), 0.2)
+        rig.run(0.5, HAND)
+        assert rig.state.contacts["right_arm"].yields
+        before = rig.state.hands["right"][2]
+        rig.run(1.5, HAND)
+        assert rig.state.hands["right"][2] > before - 0.1
+    finally:
+        rig.plant.alter()
+
+
+def test_contact_is_told_as_an_event_when_it_begins_and_ends() -> None:
+    machine = Machine()
+    happenings = Happenings(machine._lockstep)
+    told: list[str] = []
+
+    def look(state: State) -> bool:
+        told.extend(happening.text for happening in happenings.touches(state))
+        return False
+
+    machine.after(0.5, lambda: machine.plant.push("right_hand", np.array([-60.0, 0.0, 0.0]), 0.2))
+    machine.after(2.5, lambda: machine.plant.push("torso", np.array([-90.0, 0.0, 0.0]), 0.1))
+    machine.run(4000, until=look)
+    assert [text.split(":")[0] for text in told] == [
+        "right arm touched something",
+        "nothing touches the right arm any more",
+        "torso touched something",
+        "nothing touches the torso any more",
+    ]
+    assert told[0].endswith("; the arm yields")
+
+
+def test_a_robot_that_lies_limp_feels_nothing(rig: ControlRig) -> None:
+    rig.run(0.1, {})
+    rig.plant.push("torso", np.array([600.0, 0.0, 0.0]), 0.2)
+    assert rig.run(3.0, {}, until=lambda state: state.mode is Mode.DAMP)
+    rig.run(1.0, {})
+    assert not rig.state.contacts
+    assert not rig.controller.supervisor.touch.yielding
