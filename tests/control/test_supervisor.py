@@ -373,6 +373,6 @@ def test_a_new_run_forgets_everything(run: Run) -> None:
 
 @pytest.mark.parametrize("press", [-1.0, 51.0, math.nan])
 def test_a_hand_that_is_to_press_absurdly_is_rejected(run: Run, press: float) -> None:
-    assert not run.send({"left_hand": HandTarget(np.array([0.4, 0.1, 0.9]), press)})
+    assert not run.send({"left_hand": HandTarget(np.array([0.4, 0.1, 0.9]), press=press)})
     assert "presses with" in run.supervisor.rejected[-1]
-    assert run.send({"left_hand": HandTarget(np.array([0.4, 0.1, 0.9]), 10.0)})
+    assert run.send({"left_hand": HandTarget(np.array([0.4, 0.1, 0.9]), press=10.0)})
