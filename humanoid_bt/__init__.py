@@ -60,6 +60,7 @@ __all__ = [  # noqa: RUF022 (grouped as a reader looks for them)
     "Steady",
     "Lasting",
     "Improving",
+    "Route",
     "rotation_matrix",
     # Tests of skills and trees
     "Rig",
@@ -104,6 +105,7 @@ if TYPE_CHECKING:
     from humanoid_bt.decision.blackboard import Key as Key
     from humanoid_bt.decision.result import result as result
     from humanoid_bt.decision.robot import RobotHandle as RobotHandle
+    from humanoid_bt.decision.route import Route as Route
     from humanoid_bt.decision.signals import Improving as Improving
     from humanoid_bt.decision.signals import Lasting as Lasting
     from humanoid_bt.decision.signals import Steady as Steady
@@ -165,6 +167,7 @@ else:
         "humanoid_bt.session.run": "run",
         "humanoid_bt.session.session": "Session",
         "humanoid_bt.session.teller": "Listener",
+        "humanoid_bt.decision.route": "Route",
         "humanoid_bt.decision.signals": "Improving Lasting Steady",
         "humanoid_bt.decision.skill": "Skill Status of_gaze of_hand",
         "humanoid_bt.review.replay": "Replay replay",

@@ -6,17 +6,24 @@ from typing import Any
 
 import numpy as np
 
-from humanoid_bt import Gait, PerceptName, Skill, Status, of_gaze, param, result
+from humanoid_bt import Gait, PerceptName, Route, Skill, Status, of_gaze, param, result
+
+_SIDES = np.radians(np.arange(0, 360, 15))  # of the target, at which it may stand; the first is the one it comes from
+_FARTHER = np.arange(0, 1.01, 0.05)  # m farther away than asked for, where it cannot stand nearer
+_WORTH = 10.0  # m of way that it goes to stand a metre nearer
 
 
 class Approach(Skill):
-    """Walk until the target is straight ahead at a distance.
+    """Walk until the target is straight ahead at a distance, round everything solid that was seen.
 
-    Succeeds once the robot stands there; follows a target that moves. Fails if the target was never seen.
+    Succeeds once the robot stands there; follows a target that moves. If something stands in that place, as a table
+    does below a cup, it stands at another side of the target, or as near as it can. Waits while something moves in its
+    way. Fails if the target was never seen, and, with what is in the way, if there is no way to it.
     """
 
     resources = ("base", "gaze")
     bounded = False  # the target may move on and on
+    remembered = ("obstacles",)
 
     target: PerceptName = param(doc="Percept to walk up to.")
     distance: float | None = param(
@@ -24,6 +31,9 @@ class Approach(Skill):
     )
     tolerance: float = param(0.06, unit="m", above=0, doc="Arrived when this close to the place to stand at.")
     angle_tolerance: float = param(0.12, unit="rad", above=0, doc="Arrived when the target is ahead to this angle.")
+    clearance: float = param(0.08, unit="m", minimum=0, doc="Keep this far from obstacles, if there is so much room.")
+    obstacles: list[PerceptName] = param([], doc="Percepts to go round, too, besides what is solid.")
+    patience: float = param(5.0, unit="s", above=0, doc="Fails when it has to wait for this long.")
     look: bool = param(True, doc="Look at the target, too.")
 
     target_distance: float = result(unit="m", doc="From the middle between the feet to the target, seen from above.")
@@ -37,18 +47,16 @@ class Approach(Skill):
     def initialise(self) -> None:
         """Forget the last goal."""
         self._goal: np.ndarray | None = None
+        self._goal_of = np.full(2, np.inf)  # where the target was when a goal beside obstacles was chosen
+        self._route = Route(self.robot, self.clearance, self.obstacles, self.patience)
 
     def update(self) -> Status:
         """Walk toward the place from which the target is straight ahead."""
         track = self.robot.track(self.target)
         if track is None:
             return self.fail(self.robot.why_unseen(self.target))
-        stop_at = self.robot.config.reach_distance if self.distance is None else self.distance
-        stance = self.robot.state.stance
-        to_target = track.position_world[:2] - stance[:2]
-        heading = math.atan2(to_target[1], to_target[0])
-        goal = track.position_world[:2] - stop_at * np.array([math.cos(heading), math.sin(heading)])
-        self._goal = self._steady(goal, math.dist(goal, stance[:2]))
+        stance, target = self.robot.state.stance, track.position_world[:2]
+        self._goal = self._place(target, stance[:2])
 
         self.target_distance, self.bearing_error = track.distance, track.bearing
         to_go = math.dist(self._goal, stance[:2])
@@ -59,8 +67,36 @@ class Approach(Skill):
             self.robot.look_at(track.position_world)
         if arrived and self.robot.state.gait is Gait.STAND:
             return self.running("coming to rest")
-        self.robot.walk_to(self._goal, heading)
-        return self.running(f"{to_go:.2f} m to go to {self.target}")
+        ahead = target - (stance[:2] if self._straight else self._goal)
+        if self._route.follow(self._goal, math.atan2(ahead[1], ahead[0]), ignore=[self.target]):
+            return self.running(f"{to_go:.2f} m to go to {self.target}")
+        if self._route.hopeless:
+            return self.fail(f"no way to {self.target}: {self._route.blocked}")
+        return self.running(f"waiting: {self._route.blocked}")
+
+    def _place(self, target: np.ndarray, here: np.ndarray) -> np.ndarray:
+        """Return where to stand: straight before the target if nothing is in the way, else where there is a way to."""
+        stop_at = self.robot.config.reach_distance if self.distance is None else self.distance
+        heading = math.atan2(*(target - here)[::-1])
+        goal = target - stop_at * np.array([math.cos(heading), math.sin(heading)])
+        self._straight = self._route.is_straight(goal) and self._route.free([goal], [self.target])[0]
+        if self._straight:
+            return self._steady(goal, math.dist(goal, here))
+        still = self._goal is not None and self._route.free([self._goal], [self.target])[0]
+        if still and math.dist(target, self._goal_of) < 0.02 + 0.1 * math.dist(self._goal, here):
+            return self._goal
+        self._goal_of = target
+        return self._beside(target, heading, stop_at, goal)
+
+    def _beside(self, target: np.ndarray, heading: float, stop_at: float, goal: np.ndarray) -> np.ndarray:
+        """Return the best place to stand beside a target among obstacles; the one straight ahead if there is none."""
+        directions = np.stack([np.cos(heading + _SIDES), np.sin(heading + _SIDES)], 1)
+        places = target - (stop_at + _FARTHER)[:, None, None] * directions  # (farther, sides, 2)
+        free = np.reshape(self._route.free(places.reshape(-1, 2), [self.target]), places.shape[:2])
+        sides = np.flatnonzero(free.any(axis=0))
+        nearest = free.argmax(axis=0)[sides]
+        best = self._route.nearest(places[nearest, sides], _WORTH * _FARTHER[nearest], [self.target])
+        return goal if best is None else np.asarray(places[nearest[best], sides[best]])
 
     def _steady(self, goal: np.ndarray, to_go: float) -> np.ndarray:
         """Keep the last goal while the new one differs by noise only, which grows with the way left."""

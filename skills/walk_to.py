@@ -4,17 +4,22 @@ import math
 
 import numpy as np
 
-from humanoid_bt import Gait, Improving, Skill, Status, param, result
+from humanoid_bt import Gait, Improving, PerceptName, Route, Skill, Status, param, result
+
+_DETOURS = 20  # longer ways than the one before that it takes
+_LONGER = 2.0  # steps that such a way has more
 
 
 class WalkTo(Skill):
-    """Walk to a place on the floor and stand there.
+    """Walk to a place on the floor, round everything solid that was seen, and stand there.
 
-    The way is straight, without regard to what stands in it. Fails if the robot comes no nearer.
+    Waits while something moves in its way. Fails if it does not get out of the way, if there is no way, or if the robot
+    comes no nearer, and says what is in the way.
     """
 
     resources = ("base",)
     bounded = True  # by its patience
+    remembered = ("obstacles",)
 
     x: float = param(unit="m", doc="Where to stand, in the world.")
     y: float = param(unit="m", doc="Where to stand, in the world.")
@@ -23,7 +28,9 @@ class WalkTo(Skill):
     )
     tolerance: float = param(0.06, unit="m", above=0, doc="Arrived when this close.")
     angle_tolerance: float = param(0.12, unit="rad", above=0, doc="Arrived when turned this close.")
-    patience: float = param(5.0, unit="s", above=0, doc="Fails when it comes no nearer for this long.")
+    clearance: float = param(0.08, unit="m", minimum=0, doc="Keep this far from obstacles, if there is so much room.")
+    obstacles: list[PerceptName] = param([], doc="Percepts to go round, too, besides what is solid.")
+    patience: float = param(5.0, unit="s", above=0, doc="Fails when it comes no nearer, or has to wait, for this long.")
 
     position_error: float = result(unit="m", doc="From where it stands to the place.")
     heading_error: float = result(unit="rad", doc="From where it faces to where it is to face; left is positive.")
@@ -40,6 +47,8 @@ class WalkTo(Skill):
         else:
             self._heading = float(stance[2])
         self._steps = Improving(self.patience, step=0.2)
+        self._route = Route(self.robot, self.clearance, self.obstacles, self.patience)
+        self._left, self._detours = math.inf, 0
 
     def update(self) -> Status:
         """Walk toward the place."""
@@ -52,16 +61,21 @@ class WalkTo(Skill):
             return self.succeed(f"{to_go * 100:.0f} cm from ({self.x:g}, {self.y:g})")
         if there and state.gait is Gait.STAND:
             return self.running("coming to rest")
-        self.robot.walk_to(self._goal, self._heading)
-        if not self._steps.update(self._steps_left(offset), self.robot.clock.now()):
+        if not self._route.follow(self._goal, self._heading):
+            self._steps.restart()
+            if self._route.hopeless:
+                return self.fail(f"no way to ({self.x:g}, {self.y:g}): {self._route.blocked}")
+            return self.running(f"waiting: {self._route.blocked}")
+        before, self._left = self._left, self._steps_left
+        if self._left > before + _LONGER and self._detours < _DETOURS:
+            self._detours += 1
+            self._steps.restart()
+        if not self._steps.update(self._left, self.robot.clock.now()):
             return self.fail(f"comes no nearer: {to_go:.2f} m and {math.degrees(abs(turn)):.0f} deg to go")
-        return self.running(f"{to_go:.2f} m and {math.degrees(abs(turn)):.0f} deg to go")
+        return self.running(f"{self._route.to_go:.2f} m and {math.degrees(abs(turn)):.0f} deg to go")
 
-    def _steps_left(self, offset: np.ndarray) -> float:
-        """Return about how many steps are left: a robot that first turns round comes nearer, too."""
-        gait, facing = self.robot.config.gait, float(self.robot.state.stance[2])
-        way, turns = float(np.linalg.norm(offset)), [self._heading - facing]
-        if way > gait.near:  # it turns to the place, walks there, and turns to the heading
-            direction = math.atan2(offset[1], offset[0])
-            turns = [direction - facing, self._heading - direction]
-        return way / gait.step_forward + sum(abs(math.remainder(turn, math.tau)) for turn in turns) / gait.step_turn
+    @property
+    def _steps_left(self) -> float:
+        """About how many steps are left: a robot that first turns round comes nearer, too."""
+        gait = self.robot.config.gait
+        return self._route.to_go / gait.step_forward + self._route.turns_to_go / gait.step_turn

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from humanoid_bt.core.messages import State
 from humanoid_bt.decision.robot import RobotHandle
+from humanoid_bt.decision.route import Route
 from humanoid_bt.perception.track import Track
 from humanoid_bt.testing.rig import Rig
 from humanoid_bt.testing.rig_result import RigResult
@@ -12,7 +13,13 @@ from parts.markdown import attributes, code, members
 
 def handle() -> str:
     """Return what a skill finds in ``self.robot``."""
-    return members(RobotHandle, hidden=("path", "targets", "release"))
+    return members(RobotHandle, hidden=("path", "targets", "route", "release"))
+
+
+def route() -> str:
+    """Return what a way round obstacles offers."""
+    table = members(Route)
+    return table + "\n" + attributes(Route).partition("| --- | --- |\n")[2]
 
 
 def track() -> str:

@@ -12,6 +12,7 @@ import numpy as np
 from humanoid_bt.checking.robot_trial import tried
 from humanoid_bt.core.errors import Problem
 from humanoid_bt.core.messages import SIDES, Array
+from humanoid_bt.robot.capsules import capsules
 from humanoid_bt.robot.config import SiteConfig, load_robot_config
 from humanoid_bt.robot.footprint import footprint
 from humanoid_bt.robot.model import GAZE_SITE, RobotModel, carriers, palm_site, sole_site
@@ -24,6 +25,7 @@ _MIRRORED = 0.01  # m between a point and its mirror image on the other side
 _NEAR_BODY = 0.15  # m of a palm or of eyes from what carries them
 _MASS = (5.0, 200.0)  # kg
 _AXES = {"hip_roll": 0, "hip_pitch": 1, "ankle_pitch": 1, "ankle_roll": 0}
+_SWAY = 0.08  # m that a walking robot reaches farther than a standing one
 _FALL_TILT, _FALL_HEIGHT = (0.3, 1.3), (0.3, 0.9)  # rad; share of the height
 
 
@@ -53,6 +55,7 @@ def _implausible(robot: RobotModel) -> Iterator[Problem]:
     if not roles:
         yield from _asymmetries(robot, data)
     yield from _odd_numbers(robot)
+    yield from _wider_than_said(robot, data)
 
 
 def _wrong_joints(robot: RobotModel, data: mujoco.MjData) -> Iterator[Problem]:
@@ -235,3 +238,26 @@ def _axis(direction: Array) -> str:
 
 def _numbers(values: Array) -> str:
     return "[" + ", ".join(f"{0.0 if math.isclose(value, 0, abs_tol=5e-4) else value:.3f}" for value in values) + "]"
+
+
+def _wider_than_said(robot: RobotModel, data: mujoco.MjData) -> Iterator[Problem]:
+    """Yield that the standing robot sticks out of the circle within which it is said to walk."""
+    config = robot.config
+    middle = np.mean([data.site(sole_site(side)).xpos[:2] for side in SIDES], axis=0)
+    reaches = [
+        (
+            float(np.linalg.norm((data.xpos[one.body] + data.xmat[one.body].reshape(3, 3) @ end)[:2] - middle))
+            + one.radius,
+            one,
+        )
+        for one in capsules(robot)
+        for end in one.ends
+    ]
+    reach, widest = max(reaches, key=lambda found: found[0], default=(0.0, None))
+    if widest is not None and reach > config.walking_radius:
+        name = robot.model.body(widest.body).name
+        message = (
+            f"{name!r} is {reach:.2f} m from the middle between the feet, walking_radius {config.walking_radius:g} m"
+        )
+        hint = f"walking_radius: {reach + _SWAY:.2f}  # m, with room for sway; nearer things would be bumped into"
+        yield Problem(message, config.place("walking_radius"), hint, code="walking-radius", severity="warning")

@@ -78,6 +78,11 @@ def turn_of_axis(start: Array, end: Array) -> Array:
     return np.asarray(aside * (math.pi / math.sqrt(aside @ aside)))
 
 
+def heading_of(turn: Array) -> float:
+    """Return where the first axis of a rotation matrix, shape (3, 3), points to, seen from above [rad]."""
+    return math.atan2(turn.item(1, 0), turn.item(0, 0))
+
+
 def planar_pose(x: float, y: float, z: float, yaw: float) -> Array:
     """Return the pose, shape (7,), of something upright at a position, turned by ``yaw``."""
     return np.array([x, y, z, math.cos(yaw / 2), 0.0, 0.0, math.sin(yaw / 2)])

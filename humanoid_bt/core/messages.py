@@ -184,12 +184,17 @@ class Percept:
         stamp: engine time at which it was seen [s].
         position: shape (3,), in the robot's base frame at ``stamp`` [m].
         confidence: in [0, 1].
+        size: of the upright box around a solid thing, with ``position`` in its middle, shape (3,): length, width,
+            height [m]; None if it is not known, or if nothing can bump into the thing.
+        heading: of the box's length, in the base frame [rad].
     """
 
     name: str
     stamp: float
     position: Array
     confidence: float
+    size: Array | None = None
+    heading: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 
 LONGEST_TEXT = 4000
 """Characters that are kept of what a node, an event or an exception says."""
@@ -33,6 +34,11 @@ def told(error: BaseException) -> str:
     except Exception as second:
         text = f"(its text cannot be made: {type(second).__name__})"
     return f"{type(error).__name__}: {text}"
+
+
+def listed(names: Sequence[str]) -> str:
+    """Return names as in a sentence: ``a``, ``a and b``, ``a, b and c``."""
+    return " and ".join(filter(None, [", ".join(names[:-1]), *names[-1:]]))
 
 
 def shortened(text: object, longest: int = LONGEST_TEXT) -> str:

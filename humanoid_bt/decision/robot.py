@@ -8,14 +8,16 @@ from __future__ import annotations
 import logging
 import math
 from collections import deque
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from humanoid_bt.core.clock import Clock, TreeClock
 from humanoid_bt.core.errors import HumanoidBtError, ResourceConflict, nearest
-from humanoid_bt.core.geometry import rotation_matrix
+from humanoid_bt.core.geometry import heading_of, rotation_matrix
 from humanoid_bt.core.messages import (
     RESOURCES,
     SIDES,
@@ -83,7 +85,7 @@ class Robot:
         self._engine_clock = clock
         self.clock = TreeClock(clock)
         self._state: State | None = None
-        self._percepts: dict[str, tuple[Percept, Array]] = {}
+        self._percepts: dict[str, tuple[Percept, Array, float]] = {}
         self._tracks: dict[str, Track] = {}  # those that were asked for in this tick
         self._now = 0.0  # the tick's start
         self._past: deque[State] = deque(maxlen=_POSE_HISTORY)
@@ -120,10 +122,13 @@ class Robot:
 
     def track(self, name: str) -> Track | None:
         """Return the latest percept of this name as it was at the start of the tick, or None if never seen."""
+        return self._track(name)
+
+    def _track(self, name: str) -> Track | None:
         track = self._tracks.get(name)
         if track is None and (known := self._percepts.get(name)):
-            percept, position_world = known
-            track = self._tracks[name] = Track(percept, position_world, self._now - percept.stamp, self.state)
+            percept, position_world, heading = known
+            track = self._tracks[name] = Track(percept, position_world, self._now - percept.stamp, self.state, heading)
         return track
 
     def why_unseen(self, name: str) -> str:
@@ -134,6 +139,17 @@ class Robot:
         why = unseen.get(name, "perception offers no such percept")
         hint = nearest(name, {*unseen, *self._percepts}) if name not in unseen else ""
         return f"{name!r} was never seen: {why}" + (f" ({hint})" if hint else "")
+
+    @property
+    def obstacles(self) -> Sequence[Track]:
+        """Everything seen so far that is solid, as it was at the start of the tick."""
+        solid = (self._track(name) for name, (percept, *_) in self._percepts.items() if percept.size is not None)
+        return [track for track in solid if track is not None]
+
+    @property
+    def routes(self) -> Sequence[Array]:
+        """The ways that nodes follow in this tick, each of shape (n, 2), world frame [m]."""
+        return [handle.route for handle in self._commanding if handle.route is not None]
 
     @property
     def tracks(self) -> Mapping[str, Track]:
@@ -172,10 +188,10 @@ class Robot:
         for name, percept in percepts.items():
             known = self._percepts.get(name)
             if known is None or known[0].stamp < percept.stamp:
-                self._percepts[name] = (percept, self._place(percept))
+                self._percepts[name] = (percept, *self._place(percept))
         self._tracks.clear()
         for handle in self._commanding:
-            handle.targets.clear()
+            handle.release()
         self._commanding.clear()
 
     def commit(self) -> Command:
@@ -231,11 +247,13 @@ class Robot:
         """Take note that a handle has set a target in this tick."""
         self._commanding[handle] = None
 
-    def _place(self, percept: Percept) -> Array:
+    def _place(self, percept: Percept) -> tuple[Array, float]:
+        """Return where a percept is in the world, and the heading of the box around it."""
         then = min(self._past, key=lambda state: abs(state.time - percept.stamp))
-        position: Array = then.base_position + rotation_matrix(then.base_quaternion) @ percept.position
+        turn = rotation_matrix(then.base_quaternion)
+        position: Array = then.base_position + turn @ percept.position
         position.setflags(write=False)
-        return position
+        return position, percept.heading + heading_of(turn)
 
 
 class RobotHandle:
@@ -249,6 +267,7 @@ class RobotHandle:
         self._resources = resources
         self.path = path
         self.targets: dict[str, Target] = {}
+        self.route: Array | None = None
 
     @property
     def state(self) -> State:
@@ -268,6 +287,11 @@ class RobotHandle:
     def track(self, name: str) -> Track | None:
         """Return the latest percept of this name, or None if it was never seen."""
         return self._robot.track(name)
+
+    @property
+    def obstacles(self) -> Sequence[Track]:
+        """Everything seen so far that is solid: the tracks that have a size."""
+        return self._robot.obstacles
 
     def why_unseen(self, name: str) -> str:
         """Say why there is no track of this name: ``'cup' was never seen: hidden``."""
@@ -301,13 +325,17 @@ class RobotHandle:
         return f"{side} hand turns no nearer than {math.degrees(angle):.0f} deg{why}"
 
     def walk_to(self, position: Any, heading: float) -> None:
-        """Ask the robot to walk until it stands at a place.
+        """Ask the robot to walk straight to a place and stand there; :class:`Route` goes round obstacles.
 
         Args:
             position: shape (2,), middle between the feet, world frame [m].
             heading: world frame [rad].
         """
         self._set("base", BaseTarget(vector(position, 2), number(heading)))
+
+    def show_route(self, points: Any) -> None:
+        """Show people, in the recording, the way that the base is to take: shape (n, 2), world frame [m]."""
+        self.route = np.array(points, dtype=float)
 
     def touched(self, side: Side) -> str:
         """Say that an arm yields because something touched it, "" if none did: ``right arm touched something: 43 N``.
@@ -406,6 +434,7 @@ class RobotHandle:
     def release(self) -> None:
         """Take back everything asked for in this tick; called when the node ends or is halted."""
         self.targets.clear()
+        self.route = None
 
     def _set(self, resource: str, target: Target) -> None:
         if resource not in self._resources:

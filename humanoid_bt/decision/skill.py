@@ -73,6 +73,8 @@ class Skill(py_trees.behaviour.Behaviour):
         runs: whether it can be RUNNING; False if it answers in the tick in which it starts, as conditions do.
         bounded: whether it ends by itself in bounded time, whatever happens. Checks want a time limit above a skill
             that commands the robot and does not say so.
+        remembered: parameters that name percepts for which a look into the past will do, such as obstacles: checks want
+            no watchdog on them.
         robot: how it reads the robot's state and percepts and sets targets.
         path: the node's path in its tree, set before ``setup``.
         halt_reason: why it is being halted, set before ``terminate(INVALID)``: preempted, timed out, ...
@@ -82,6 +84,7 @@ class Skill(py_trees.behaviour.Behaviour):
     ends: ClassVar[bool] = True
     runs: ClassVar[bool] = True
     bounded: ClassVar[bool] = False
+    remembered: ClassVar[tuple[str, ...]] = ()
     robot: RobotHandle
 
     def __init__(self, name: str = "", **values: Any) -> None:

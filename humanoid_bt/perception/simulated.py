@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 
-from humanoid_bt.core.geometry import rotation_matrix
+from humanoid_bt.core.geometry import heading_of, rotation_matrix
 from humanoid_bt.core.messages import Array, Percept, Truth
 from humanoid_bt.core.units import readable
-from humanoid_bt.plant.scene import Scene, random_stream
+from humanoid_bt.plant.scene import Box, Scene, random_stream
 from humanoid_bt.plant.scene_config import PerceptConfig
 
 _NEAR_CONFIDENCE = 0.95  # of a thing right before the eyes
@@ -24,6 +24,8 @@ class SimulatedPerception:
     A thing is published from the moment it was first seen. While it is hidden, or out of view or range, it is
     published where it was last seen, with low confidence. Nothing but where it is and the scene's script is read,
     so perception can run in a process of its own.
+
+    Of a solid thing it tells the size too, and sees it when any corner of it is in sight.
 
     Args:
         scene: where things are, and what is published of them.
@@ -45,6 +47,7 @@ class SimulatedPerception:
         Positions are in the robot's base frame at that time.
         """
         percepts: list[Percept] = []
+        turn = rotation_matrix(robot.base_quaternion)
         for name, config in self._scene.config.percepts.items():
             numbers = self._numbers[name]
             # All are drawn every time, so that what the robot sees does not change the noise that comes later.
@@ -53,14 +56,17 @@ class SimulatedPerception:
             if dropped:
                 continue
             position = self._scene.object_position(config.object, robot.time)
+            box = self._scene.box(config.object)
             offset = position - robot.gaze_position
             distance = math.sqrt(offset @ offset)
             hidden = self._scene.hidden(config.object, robot.time)
             why_not = "hidden" if hidden else _out_of_sight(offset, distance, robot, config)
+            if why_not and box and not hidden and _corner_in_sight(box, offset, robot, config):
+                why_not = ""
             if not why_not:
                 self.unseen.pop(name, None)
                 self._last_seen[name] = position + position_noise * (config.noise + config.noise_per_meter * distance)
-                fall = (distance / config.range) ** _FALL_EXPONENT
+                fall = min(distance / config.range, 1.0) ** _FALL_EXPONENT
                 confidence = _NEAR_CONFIDENCE - (_NEAR_CONFIDENCE - _FAR_CONFIDENCE) * fall
             else:
                 confidence = _LOST_CONFIDENCE
@@ -69,9 +75,16 @@ class SimulatedPerception:
                 continue
             noise = _CONFIDENCE_NOISE * float(confidence_noise)
             confidence += min(max(noise, -_CONFIDENCE_NOISE_LIMIT), _CONFIDENCE_NOISE_LIMIT)
-            in_base = rotation_matrix(robot.base_quaternion).T @ (self._last_seen[name] - robot.base_position)
-            percepts.append(Percept(name, robot.time, in_base, confidence))
+            in_base = turn.T @ (self._last_seen[name] - robot.base_position)
+            size, heading = (box.size, box.heading - heading_of(turn)) if box else (None, 0.0)
+            percepts.append(Percept(name, robot.time, in_base, confidence, size, heading))
         return percepts
+
+
+def _corner_in_sight(box: Box, offset: Array, robot: Truth, config: PerceptConfig) -> bool:
+    """Return whether any corner of a box whose middle is at an offset from the eyes (world frame [m]) is seen."""
+    corners = [offset + corner for corner in box.corners]
+    return any(not _out_of_sight(corner, math.sqrt(corner @ corner), robot, config) for corner in corners)
 
 
 def _out_of_sight(offset: Array, distance: float, robot: Truth, config: PerceptConfig) -> str:

@@ -22,15 +22,20 @@ class Track:
         distance: horizontal distance from the robot's stance (middle between the feet) [m].
         bearing: direction of it from the stance's heading, left positive [rad].
         confidence: in [0, 1].
+        size: of a solid thing, shape (3,): length, width, height of the upright box around it [m]; None of any other.
+        heading_world: where the length of that box points to [rad].
     """
 
-    __slots__ = ("_percept", "_state", "age", "position_world")
+    __slots__ = ("_percept", "_state", "age", "heading_world", "position_world")
 
-    def __init__(self, percept: Percept, position_world: Array, age: float, state: State) -> None:
+    def __init__(
+        self, percept: Percept, position_world: Array, age: float, state: State, heading_world: float = 0.0
+    ) -> None:
         self._percept = percept
         self._state = state
         self.age = age
         self.position_world = position_world
+        self.heading_world = heading_world
 
     def __repr__(self) -> str:
         return (
@@ -48,6 +53,10 @@ class Track:
     @property
     def confidence(self) -> float:  # noqa: D102
         return self._percept.confidence
+
+    @property
+    def size(self) -> Array | None:  # noqa: D102
+        return self._percept.size
 
     @property
     def position_base(self) -> Array:  # noqa: D102

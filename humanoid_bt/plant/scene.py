@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import zlib
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import mujoco
 import numpy as np
@@ -12,9 +13,9 @@ import numpy as np
 from humanoid_bt.core.messages import Array
 from humanoid_bt.plant.floor import Floor
 from humanoid_bt.plant.scene_config import EventConfig, ObjectConfig, SceneConfig, load_scene
-from humanoid_bt.plant.shapes import parts
+from humanoid_bt.plant.shapes import full_size, parts
 
-__all__ = ["Scene", "SceneConfig", "load_scene", "random_stream"]
+__all__ = ["Box", "Scene", "SceneConfig", "load_scene", "random_stream"]
 
 _STAND_COLOR = (0.3, 0.32, 0.36, 1.0)
 _POLE_RADIUS = 0.008  # m
@@ -43,6 +44,20 @@ class _Move:
         return np.asarray(self.start + (self.goal - self.start) * (time - self.begin) / (self.end - self.begin))
 
 
+class Box(NamedTuple):
+    """The upright box around a solid object.
+
+    Attributes:
+        size: length, width, height, shape (3,) [m].
+        heading: of its length, world frame [rad].
+        corners: from its middle, world frame, shape (8, 3) [m].
+    """
+
+    size: Array
+    heading: float
+    corners: Array
+
+
 class Scene:
     """What is where at which time: a pure function of the file, the seed and the time.
 
@@ -60,6 +75,7 @@ class Scene:
         self._moves: dict[str, list[_Move]] = {}
         for name, thing in config.objects.items():
             self._moves[name] = [_Move(-math.inf, -math.inf, np.zeros(3), self._first_position(name, thing))]
+        self._boxes = {name: self._box(name, thing) for name, thing in config.objects.items() if thing.solid}
         for event in self._events:
             if event.move is not None:
                 begin = self.object_position(event.move, event.at)
@@ -80,6 +96,10 @@ class Scene:
         move = next(move for move in reversed(self._moves[name]) if move.begin <= time)
         return move.position(time).copy()
 
+    def box(self, name: str) -> Box | None:
+        """Return the box around an object, wherever it is; None if it is not solid."""
+        return self._boxes.get(name)
+
     def hidden(self, name: str, time: float) -> bool:
         """Return whether perception cannot see an object at a time [s], wherever the robot looks."""
         seen = [event for event in self._events if name in (event.hide, event.show) and event.at <= time]
@@ -99,7 +119,7 @@ class Scene:
         self.floor.add_to(spec, self.start_pose, random_stream(self.seed, "plates"))
         for name, thing in self.config.objects.items():
             position = self.object_position(name, 0.0)
-            turn = self._facing_robot(position) if thing.shape == "person" else 0.0
+            turn = self._heading(thing, position)
             turned = [math.cos(turn / 2), 0.0, 0.0, math.sin(turn / 2)]
             body = spec.worldbody.add_body(name=f"object_{name}", pos=position, quat=turned)
             for part in parts(thing):
@@ -116,10 +136,19 @@ class Scene:
             if thing.stand:
                 _add_stand(spec, name, thing, position)
 
-    def _facing_robot(self, position: Array) -> float:
-        """Return the heading [rad] of somebody at a position who looks at where the robot starts."""
+    def _heading(self, thing: ObjectConfig, position: Array) -> float:
+        """Return where an object at a position faces [rad]: a person looks at where the robot starts."""
+        if thing.shape != "person":
+            return 0.0
         x, y, _ = self.start_pose
         return math.atan2(y - float(position[1]), x - float(position[0]))
+
+    def _box(self, name: str, thing: ObjectConfig) -> Box:
+        size, heading = np.array(full_size(thing)), self._heading(thing, self.object_position(name, 0.0))
+        size.setflags(write=False)
+        cos, sin = math.cos(heading), math.sin(heading)
+        signs = np.array(np.meshgrid([-0.5, 0.5], [-0.5, 0.5], [-0.5, 0.5])).reshape(3, -1).T
+        return Box(size, heading, size * signs @ np.array([[cos, sin, 0], [-sin, cos, 0], [0, 0, 1]]))
 
     def _first_position(self, name: str, thing: ObjectConfig) -> Array:
         if thing.position is not None:

@@ -71,7 +71,10 @@ class ObjectConfig:
     position: tuple[float, float, float] | None = param(None, unit="m", doc="Its centre in the world, x y z.")
     random: RandomPlaceConfig | None = param(None, doc="Draws its centre from the seed.")
     stand: bool = param(False, doc="A thin pole with a flat base stands under it; both can be bumped into.")
-    solid: bool = param(False, doc="Hands and feet bump into it; if false it is a marker that a hand may enter.")
+    solid: bool = param(
+        False,
+        doc="The robot bumps into it, sees its size and walks round it; if false it is a marker that a hand may enter.",
+    )
 
     @staticmethod
     def mistakes(item: Item, values: Mapping[str, Any]) -> Iterator[Problem]:
@@ -161,10 +164,18 @@ def load_scene(path: Path) -> SceneConfig:
         config = read(SceneConfig, item, "the scene")
     except UserError as error:
         problems += error.problems
-    problems += [*_unknown_objects(item), *_bad_names(item)]
+    problems += [*_unknown_objects(item), *_bad_names(item), *_unseen_solids(item)]
     if config is None or problems:
         raise UserError(problems)
-    return dataclasses.replace(config, path=path)
+    return dataclasses.replace(config, path=path, percepts=config.percepts | _of_solids(config))
+
+
+def _of_solids(config: SceneConfig) -> dict[str, PerceptConfig]:
+    """Return a percept for each solid object that has none: the robot has to see what it bumps into."""
+    seen = {percept.object for percept in config.percepts.values()}
+    return {
+        name: PerceptConfig(object=name) for name, thing in config.objects.items() if thing.solid and name not in seen
+    }
 
 
 def widest_view(config: SceneConfig) -> tuple[float, float]:
@@ -198,6 +209,19 @@ def _bad_names(item: Item) -> Iterator[Problem]:
         if len(things) > MAX_THINGS:
             message = f"this scene has {len(things):,} {what}, and simulation copes with {MAX_THINGS:,}"
             yield Problem(message, parts[what].place, "leave out what the robot does not come near", "too-large")
+
+
+def _unseen_solids(item: Item) -> Iterator[Problem]:
+    """Return percepts of something else that have the name under which a solid object would be seen."""
+    parts = item.value if isinstance(item.value, dict) else {}
+    percepts = {name: _mapping(percept).get("object") for name, percept in _mapping(parts.get("percepts")).items()}
+    seen = {thing.value for thing in percepts.values() if thing is not None}
+    for name, thing in _mapping(parts.get("objects")).items():
+        solid = _mapping(thing).get("solid")
+        if solid is not None and solid.value is True and name not in seen and name in percepts:
+            message = f"the solid object {name!r} is not seen: the percept of this name is of another object"
+            hint = f"give it a percept of another name, such as {name}_seen: {{object: {name}}}"
+            yield Problem(message, parts["percepts"].key_places[name], hint, code="exclusive-keys")
 
 
 def _written(item: Item, keys: Iterable[str]) -> list[str]:

@@ -23,6 +23,7 @@ COLORS: dict[Color, Rgb] = {
     "grey": (0.5, 0.52, 0.55),
     "black": (0.1, 0.1, 0.12),
 }
+_PERSON_LENGTH, _PERSON_WIDTH = 0.2, 0.33  # shares of the height: shoes, and the hands beside the body
 _SKIN, _HAIR, _TROUSERS, _SHOES = (0.87, 0.66, 0.53), (0.2, 0.13, 0.09), (0.2, 0.22, 0.28), (0.09, 0.09, 0.1)
 
 
@@ -59,6 +60,20 @@ def parts(thing: ObjectConfig) -> Iterator[Part]:
             yield Part("", geom.mjGEOM_BOX, (half[0], half[1], half[2]), color)
         case "person":
             yield from _person(thing.size[0], color)
+
+
+def full_size(thing: ObjectConfig) -> Vector:
+    """Return length, width and height of the upright box around an object [m]."""
+    match thing.shape:
+        case "ball":
+            return (thing.size[0],) * 3
+        case "cylinder":
+            return thing.size[0], thing.size[0], thing.size[1]
+        case "box":
+            return thing.size[0], thing.size[1], thing.size[2]
+        case "person":
+            height = thing.size[0]
+            return _PERSON_LENGTH * height, _PERSON_WIDTH * height, height
 
 
 def _person(height: float, clothes: Rgb) -> Iterator[Part]:

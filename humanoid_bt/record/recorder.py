@@ -29,6 +29,7 @@ from humanoid_bt.record.overlays import Overlays
 from humanoid_bt.record.parted_file import Tell, tell_nobody
 from humanoid_bt.record.plots import Plots
 from humanoid_bt.record.results import ResultSeries
+from humanoid_bt.record.route_view import RouteView
 from humanoid_bt.record.scene_view import SceneView
 from humanoid_bt.record.sinks import Sinks
 from humanoid_bt.record.stop_sign import StopSign
@@ -91,6 +92,7 @@ class Recorder:
         self._scene = SceneView(model, len(joint_names), config.base)
         self._eye = Eye(self._scene.base_height, self._scene.heights)
         self._overlays = Overlays(config.sole)
+        self._routes = RouteView()
         self._stop_sign = StopSign(self._scene.base_height)
         self._plots = Plots(model, joint_names, config)
         self._tree = TreeStatus(tree.outline)
@@ -98,7 +100,7 @@ class Recorder:
         self._events = EventLog(tree.outline)
         self._results = ResultSeries()
         self._flight = Flight(joint_names, setup or {})
-        self._views = (self._scene, self._overlays, self._stop_sign, self._plots, self._tree)
+        self._views = (self._scene, self._overlays, self._routes, self._stop_sign, self._plots, self._tree)
         self._last_flush = self._last_frame = self._last_truth = self._sampled = -np.inf
         self.written = -np.inf
         self._closed = False
@@ -137,6 +139,15 @@ class Recorder:
             self._last_truth = time
             self._scene.add_truth(time, np.array(pose))
 
+    def routes(self, time: float, routes: Sequence[Sequence[Sequence[float]]]) -> None:
+        """Record the ways that are followed from a time on.
+
+        Args:
+            time: [s].
+            routes: points x, y of each, world frame [m].
+        """
+        self._routes.add_routes(time, [np.array(route) for route in routes])
+
     def sample(
         self,
         state: State,
@@ -167,6 +178,7 @@ class Recorder:
             self._camera.add(state, objects, hidden)
             self._eye.add(state, seen, objects)
             self._overlays.add(state, seen)
+            self._routes.add(state, seen)
             self._stop_sign.add(state)
         if self._last_flush == -np.inf:
             self._last_flush = state.time

@@ -157,6 +157,10 @@ class RemoteRecorder:
         """Record where the base really is, as :meth:`~humanoid_bt.record.recorder.Recorder.truth`."""
         self._collected.append(encode_call("truth", time, pose))
 
+    def routes(self, time: float, routes: Sequence[Sequence[Sequence[float]]]) -> None:
+        """Record the ways that are followed, as :meth:`~humanoid_bt.record.recorder.Recorder.routes`."""
+        self._collected.append(encode_call("routes", time, routes))
+
     def cycles(self, plans: Array, cycles: Array) -> None:
         """Record servo cycles, as :meth:`~humanoid_bt.record.recorder.Recorder.cycles`."""
         self._collected.append(encode_call("cycles", plans, cycles))

@@ -36,11 +36,15 @@ def encode_sample(
         WireError: the tick is none that the wire can carry.
     """
     rows = [
-        (name, track.stamp, track.confidence, track.position_world.tolist(), track.age)
+        (name, track.stamp, track.confidence, track.position_world.tolist(), track.age, *_box(track))
         for name, track in tracks.items()
     ]
     places = {name: position.tolist() for name, position in objects.items()}
     return encode_call(_SAMPLE, tick.encode(), rows, places, tuple(hidden))
+
+
+def _box(track: Track) -> tuple[list[float] | None, float]:
+    return (None if track.size is None else track.size.tolist()), track.heading_world
 
 
 def decode_call(source: IO[bytes]) -> tuple[str, tuple[Any, ...]]:
@@ -62,7 +66,13 @@ def _sample(
 ) -> tuple[Any, ...]:
     state = state_of(data)
     tracks = {
-        name: Track(Percept(name, stamp, _NOWHERE, confidence), np.array(position), age, state)
-        for name, stamp, confidence, position, age in rows
+        name: Track(
+            Percept(name, stamp, _NOWHERE, confidence, None if size is None else np.array(size)),
+            np.array(position),
+            age,
+            state,
+            heading,
+        )
+        for name, stamp, confidence, position, age, size, heading in rows
     }
     return state, tracks, {name: np.array(position) for name, position in places.items()}, hidden, data

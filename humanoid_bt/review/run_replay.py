@@ -155,6 +155,9 @@ class Comparison:
         self.count, self.lasted, self.exhausted = 0, 0.0, self._next is None
         self.url, self.missing = "", 0.0
 
+    def routes(self, time: float, routes: Sequence[Sequence[Sequence[float]]]) -> None:
+        """Ignore them: they follow from the rest."""
+
     def truth(self, time: float, pose: Sequence[float]) -> None:
         """Ignore it: it follows from the rest."""
 

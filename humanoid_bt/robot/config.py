@@ -232,6 +232,13 @@ class RobotConfig:
     gait: GaitConfig = param(GaitConfig(), doc="How it walks.")
     whole_body: WholeBodyConfig = param(WholeBodyConfig(), doc="How the body shares its work.")
     reach_distance: float = param(0.40, above=0, unit="m", doc="Where to stand to reach: the target this far ahead.")
+    walking_radius: float = param(
+        0.38,
+        above=0,
+        unit="m",
+        doc="It walks and turns within this circle around the middle between its feet, arms and sway included: so far"
+        " away from obstacles it stays.",
+    )
     sensors: SensorsConfig = param(SensorsConfig(), doc="What its sensors are like.")
     fall: FallConfig = param(FallConfig(), doc="When it counts as falling.")
     contact: ContactConfig = param(ContactConfig(), doc="What it does when something touches it.")

@@ -73,6 +73,7 @@ class Lockstep:
         self._state: State | None = None
         self._link: LockstepLink | None = None
         self._links = True
+        self._touches = 0  # that were told
         self._logged: tuple[LocalTable, LocalTable] | None = None
         self._decision = cycles(DECISION_PERIOD)
         self._perceive = cycles(PERCEPTION_PERIOD)
@@ -91,6 +92,11 @@ class Lockstep:
     def external_force_max(self) -> float:
         """Largest external force or torque there ever was on any body [N, Nm]."""
         return self.plant.external_force_max
+
+    @property
+    def touched(self) -> Mapping[str, str]:
+        """What of the scene the robot has touched so far, besides the floor: object -> the link that did."""
+        return self.plant.touched
 
     @property
     def truth(self) -> Truth:
@@ -179,6 +185,7 @@ class Lockstep:
         self._command = self._state = None
         self._resets.clear()
         self._logged = self.controller.log = None
+        self._touches = 0
         self.notices = Kept()
         self.inputs = Kept()
 
@@ -213,6 +220,9 @@ class Lockstep:
             self.controller.run_cycle()
             self.clock.advance()
         self.plant.note_external_force()
+        for name in list(self.plant.touched)[self._touches :]:
+            self._note("info", f"{self.plant.touched[name].replace('_', ' ')} touches {name}")
+        self._touches = len(self.plant.touched)
         for text in mujoco_warnings.taken():
             self._note("warning", text)
 

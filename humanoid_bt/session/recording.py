@@ -51,6 +51,9 @@ class RunRecorder(Protocol):
     def cycles(self, plans: Array, cycles: Array) -> None:
         """Take servo cycles."""
 
+    def routes(self, time: float, routes: Sequence[Sequence[Sequence[float]]]) -> None:
+        """Record the ways that are followed from a time on, points x, y of each, world frame [m]."""
+
     def truth(self, time: float, pose: Sequence[float]) -> None:
         """Record where the base really is."""
 

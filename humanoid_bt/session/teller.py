@@ -84,6 +84,7 @@ class Teller:
         self.odometry: dict[str, float] | None = None
         self._began = time.monotonic()
         self._ticks = 0
+        self._routes: list[list[list[float]]] = []  # that were recorded last
 
     @property
     def now(self) -> float:
@@ -186,6 +187,10 @@ class Teller:
             if truth is not None:
                 self.recorder.truth(truth.time, [*truth.base_position.tolist(), *truth.base_quaternion.tolist()])
             tick = Tick(state, self._changes.percepts(percepts), command, took)
+            routes = [route.tolist() for route in robot.routes]
+            if routes != self._routes:
+                self._routes = routes
+                self.recorder.routes(state.time, routes)
             self.recorder.sample(tick, robot.tracks, objects, hidden)
             self.news(self.recorder)
         resting = "waiting for an edit" if runner.ended else "coming to a stand"

@@ -36,6 +36,16 @@ WORDS: Mapping[str, Word[Course]] = {
     "reason": Word("Why it ended so; ask contains(reason, 'text').", TEXT, lambda course: course.end.reason),
     "time": Word("Time since the run began.", number("s"), lambda course: course.time),
     "fell": Word("Whether the robot fell.", TRUTH, lambda course: course.fell),
+    "touched": Word(
+        "Whether the robot has touched any object of the scene, or the stand of one.",
+        TRUTH,
+        lambda course: bool(course.touched),
+    ),
+    "touched_objects": Word(
+        "The names of those, in the order in which it touched them; ask contains(touched_objects, 'box').",
+        TEXT,
+        lambda course: ", ".join(course.touched),
+    ),
     "stopped": Word("Whether the supervisor stops the robot now.", TRUTH, lambda course: course.mode in _STOPPED),
     "estop": Word("Whether an emergency stop is in force.", TRUTH, lambda course: course.mode is Mode.EMERGENCY_STOP),
     "stops": Word("How many stops the supervisor has ordered so far.", NUMBER, lambda course: course.stops),

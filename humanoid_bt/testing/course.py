@@ -45,6 +45,10 @@ class View(Protocol):
     def results(self) -> Mapping[str, Mapping[str, ResultValue]]:
         """What the skills that ran in it have reported by then: path -> name -> value, in SI units."""
 
+    @property
+    def touched(self) -> Sequence[str]:
+        """Names of the scene's objects that the robot has touched by then."""
+
 
 class Missed(NamedTuple):
     """An event of a run's script that never happened.
@@ -169,6 +173,7 @@ class Course:
         time: since the run began [s].
         mode: what the supervisor allows.
         fell: whether the robot fell.
+        touched: names of the scene's objects that the robot has touched.
     """
 
     def __init__(self, tree: Tree, stops: Sequence[Stop] = ()) -> None:
@@ -176,6 +181,7 @@ class Course:
         self.time = 0.0
         self.mode = Mode.RUN
         self.fell = False
+        self.touched: Sequence[str] = ()
         self._stops = stops
         self._robot: Robot | None = None
         self._began: float | None = None
@@ -185,6 +191,7 @@ class Course:
     def tick(self, view: View) -> None:
         """Look at what a tick has brought."""
         self._began = view.time if self._began is None else self._began
+        self.touched = view.touched
         self.time, self.mode, self._robot = view.time - self._began, view.state.mode, view.robot
         self.fell = self.fell or self.mode is Mode.DAMP
         for life in self._lives.values():

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import types
 from collections import deque
 from collections.abc import Mapping
 from dataclasses import replace
@@ -70,6 +71,7 @@ class Dry:
     """
 
     external_force_max = 0.0
+    touched: Mapping[str, str] = types.MappingProxyType({})
     timing = cycle_tables = None
 
     def __init__(self, robot: RobotModel, start: Array, scene: Scene, perception: PerceptSource) -> None:

@@ -11,7 +11,7 @@ from typing import Any, ClassVar, Self
 import numpy as np
 
 from humanoid_bt.core.errors import Problem, UserError, nearest
-from humanoid_bt.core.geometry import rotation_matrix
+from humanoid_bt.core.geometry import heading_of, rotation_matrix
 from humanoid_bt.core.items import Item
 from humanoid_bt.core.messages import Array, Percept, State
 from humanoid_bt.core.params import param
@@ -177,6 +177,9 @@ class See(_Sensory):
 
     percept: str = param(doc="The percept.")
     position: tuple[float, float, float] = param(unit="m", doc="Where, x y z in the world.")
+    size: tuple[float, float, float] | None = param(
+        None, unit="m", doc="Of a solid thing: length, width, height of the box around it."
+    )
     confidence: float = param(0.95, minimum=0, maximum=1, doc="How sure perception is.")
     duration: float | None = param(None, above=0, unit="s", doc="How long" + _FOR_GOOD)
 
@@ -196,7 +199,9 @@ class See(_Sensory):
         if not due:
             return None
         turn = rotation_matrix(state.base_quaternion)
-        return Percept(name, state.time, turn.T @ (np.array(self.position) - state.base_position), self.confidence)
+        position = turn.T @ (np.array(self.position) - state.base_position)
+        size = None if self.size is None else np.array(self.size)
+        return Percept(name, state.time, position, self.confidence, size, -heading_of(turn))
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -138,9 +138,12 @@ class Rig:
 
     # ---- what the test dictates -------------------------------------------------------------------------------------
 
-    def see(self, name: str, position: Any, confidence: float = 0.95) -> None:
-        """Let the robot see a thing at a position, shape (3,), world frame [m], from now on."""
-        self._perception.see(name, position, confidence)
+    def see(self, name: str, position: Any, confidence: float = 0.95, size: Any = None) -> None:
+        """Let the robot see a thing at a position, shape (3,), world frame [m], from now on.
+
+        A thing with a size, shape (3,): length, width, height [m], is an obstacle, but nothing to bump into.
+        """
+        self._perception.see(name, position, confidence, size)
 
     def lose(self, name: str) -> None:
         """Let perception of a thing end: its last percept grows old."""
@@ -322,7 +325,10 @@ class Rig:
             raise UserError(f"{what} needs the parameter {missing[0]!r}", hint=hint, code="missing-parameter")
         for name, value in values.items():
             spec = params[name]
-            if PerceptName in (spec.type, *typing.get_args(spec.type)) and not isinstance(value, str):
+            names_one = (
+                PerceptName in (spec.type, *typing.get_args(spec.type)) and typing.get_origin(spec.type) is not list
+            )
+            if names_one and not isinstance(value, str):
                 self.see(name, value)
                 self._wait_for_perception()
                 converted[name] = name
@@ -366,8 +372,8 @@ class _Tried:
     def begin(self) -> None:
         """Let the robot stand at its start and see what it was shown."""
         self._rig.reset()
-        for name, (position, confidence) in self._shown.items():
-            self._rig.see(name, position, confidence)
+        for name, shown in self._shown.items():
+            self._rig.see(name, *shown)
         self._rig._wait_for_perception()
 
     def lose(self) -> None:

@@ -256,8 +256,9 @@ def _sample(drive: Drive, engine: Staged, listener: _Changes) -> Sample | None:
         if skill.status is Status.RUNNING:
             results[path] = dict(results_of(skill))
     keys = {key.name: key.value for key in drive.runner.tree.keys if key.is_set}
-    commanded = command if command.stamp == state.time else None
-    return Sample(state, engine.percepts, commanded, changes, keys, results, drive.truth)
+    touched = tuple(engine.touched)
+    given = command if command.stamp == state.time else None
+    return Sample(state, engine.percepts, given, changes, keys, results, drive.truth, touched)
 
 
 class _Changes(Listener):

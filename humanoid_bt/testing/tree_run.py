@@ -33,6 +33,7 @@ class Sample(NamedTuple):
         keys: value of every key of the tree's blackboard that has one, by name.
         results: what the skills that ran in it have reported by then: path -> name -> value, in SI units.
         truth: where the robot really was, None in a dry run.
+        touched: names of the scene's objects that the robot has touched by then.
     """
 
     state: State
@@ -42,6 +43,7 @@ class Sample(NamedTuple):
     keys: Mapping[str, Any]
     results: Mapping[str, Mapping[str, ResultValue]]
     truth: Truth | None
+    touched: tuple[str, ...]
 
 
 class View:
@@ -83,6 +85,11 @@ class View:
     def results(self) -> Mapping[str, Mapping[str, ResultValue]]:
         """What the skills that ran in it have reported by then: path -> name -> value, in SI units."""
         return self.sample.results
+
+    @property
+    def touched(self) -> Sequence[str]:
+        """Names of the scene's objects that the robot has touched by then, with a hand, a foot or any other link."""
+        return self.sample.touched
 
     @property
     def tracks(self) -> Mapping[str, Track]:

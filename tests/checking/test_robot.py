@@ -115,6 +115,7 @@ BREAKS = {
     ),
     "feet too near": Break("gait: {}", "gait: {stance_width: 0.085}", "self-contact", "touch each other"),
     "falls at once": Break("gait: {}", "fall: {tilt: 0.01}", "fall-limits", "counts as falling"),
+    "wider than it says": Break("gait: {}", "walking_radius: 0.2", "walking-radius", "'left_hand' is 0.28 m from"),
     "never falls": Break("gait: {}", "fall: {height: 0.05}", "fall-limits", "not noticed"),
     "a floor of its own": Break(
         "<worldbody>",

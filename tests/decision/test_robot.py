@@ -108,3 +108,25 @@ def test_a_target_must_have_its_shape_and_be_finite(robot: Robot, point: list[fl
 def test_there_is_no_state_before_the_first_tick(robot: Robot) -> None:
     with pytest.raises(HumanoidBtError, match="before the first tick"):
         _ = robot.state
+
+
+def test_what_has_a_size_is_an_obstacle_that_stays_turned_as_it_was_seen(robot: Robot) -> None:
+    size = np.array([0.6, 0.4, 0.7])
+    table = Percept("table", 0.0, np.array([1.0, 0.0, -0.3]), 0.9, size, 0.2)
+    ball = Percept("ball", 0.0, np.array([2.0, 0.0, 0.1]), 0.9)
+    robot.begin_tick(standing(0.0, 0.0, math.pi / 2), {"table": table, "ball": ball})
+    robot.begin_tick(standing(0.0, 0.0, 0.0, time=0.02), {})
+    (obstacle,) = robot.obstacles
+    assert obstacle.name == "table"
+    assert obstacle.size is size
+    assert obstacle.heading_world == pytest.approx(math.pi / 2 + 0.2)
+
+
+def test_a_way_is_shown_as_long_as_its_node_commands(robot: Robot) -> None:
+    robot.begin_tick(standing(0.0, 0.0, 0.0), {})
+    handle = robot.handle("walk", ("base",))
+    handle.walk_to([1.0, 0.0], 0.0)
+    handle.show_route([[0.0, 0.0], [1.0, 0.0]])
+    assert [route.tolist() for route in robot.routes] == [[[0.0, 0.0], [1.0, 0.0]]]
+    robot.begin_tick(standing(0.0, 0.0, 0.0, time=0.02), {})
+    assert robot.routes == []

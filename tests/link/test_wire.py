@@ -53,6 +53,7 @@ COMMAND = Command(12, 0.24, TARGETS, SOURCES)
 PERCEPTS = [
     Percept("target", 1.0, np.array([0.1, 0.2, 0.3]), 0.9),
     Percept("tür ✓", 1.1, np.array([-0.0, math.nan, 1e308]), 0.0),
+    Percept("table", 1.1, np.array([1.0, 0.2, -0.3]), 0.8, np.array([0.6, 1 / 3, 0.7]), -0.4),
 ]
 EVENT = Event(1.5, "warning", "the robot fell ✗")
 _FOOT = FootPose(0.1, 0.2, 0.3, 0.4)
@@ -227,7 +228,7 @@ def test_a_message_of_another_kind_or_version_is_refused() -> None:
 def test_peek_tells_kind_sequence_and_stamp() -> None:
     assert wire.peek(wire.encode_command(COMMAND)) == (MessageKind.COMMAND, 12, 0.24)
     assert wire.peek(wire.encode_state(STATE)) == (MessageKind.STATE, 12345, 12.345)
-    assert wire.peek(wire.encode_percepts(wire.Sight(PERCEPTS, {}))) == (MessageKind.PERCEPTS, 2, 1.1)
+    assert wire.peek(wire.encode_percepts(wire.Sight(PERCEPTS, {}))) == (MessageKind.PERCEPTS, 3, 1.1)
     assert wire.peek(memoryview(wire.encode_event(EVENT))) == (MessageKind.EVENT, 0, 1.5)
 
 

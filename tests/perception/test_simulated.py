@@ -178,3 +178,34 @@ def test_what_was_hidden_is_no_longer_unseen_once_it_was_seen(tmp_path: Path) ->
     assert perception.unseen == {}
     perception.observe(robot(2.5))
     assert perception.unseen == {}
+
+
+def solid(folder: Path, body: str, percepts: str = "") -> SimulatedPerception:
+    path = folder / "scene.yaml"
+    path.write_text(f"format: 1\nname: scene\nobjects: {{table: {{{body}, solid: true}}}}\n{percepts}\n")
+    return SimulatedPerception(Scene(load_scene(path), 0), 0)
+
+
+def test_the_size_of_a_solid_thing_is_seen_and_how_it_is_turned(tmp_path: Path) -> None:
+    exact = f"percepts: {{desk: {{object: table, {EXACT}}}}}"
+    perception = solid(tmp_path, "shape: box, size: [0.6, 1.2, 0.7], position: [2, 0, 0.35]", exact)
+    (seen,) = perception.observe(robot(yaw=0.3))
+    assert seen.size is not None
+    assert seen.size.tolist() == [0.6, 1.2, 0.7]
+    assert seen.heading == pytest.approx(-0.3)
+
+
+def test_a_marker_has_no_size(tmp_path: Path) -> None:
+    (seen,) = SimulatedPerception(scene(tmp_path, "[2, 0, 0.9]"), 0).observe(robot())
+    assert seen.size is None
+
+
+def test_a_solid_thing_without_a_percept_is_seen_under_its_own_name(tmp_path: Path) -> None:
+    perception = solid(tmp_path, "shape: cylinder, size: [0.5, 0.8], position: [2, 0, 0.4]")
+    assert {percept.name for percept in watch(perception, 1.0)} == {"table"}
+
+
+def test_a_solid_thing_is_seen_when_a_corner_of_it_is_in_sight(tmp_path: Path) -> None:
+    aside = "position: [1, 3.0, 0.5]"  # its middle is 73 degrees to the left, half of the view is 50
+    assert not watch(solid(tmp_path, f"shape: box, size: [0.3, 0.3, 1], {aside}"), 1.0)
+    assert watch(solid(tmp_path, f"shape: box, size: [3.4, 0.3, 1], {aside}"), 1.0)

@@ -285,3 +285,40 @@ events:
     assert "\n    a number from 0 to 1" in told
     assert "\n    a number from 0, in s" in told
     assert "\n    a number above 0, in m" in told
+
+
+def test_a_solid_object_is_not_hidden_behind_a_percept_of_its_name(tmp_path: Path) -> None:
+    body = """objects:
+  box: {shape: box, size: [1, 1, 1], position: [2, 0, 0.5], solid: true}
+  ball: {shape: ball, size: [0.1], position: [1, 0, 1]}
+percepts:
+  box: {object: ball}
+"""
+    assert "scene.yaml:7:3: error: the solid object 'box' is not seen: the percept of this name" in problems(
+        tmp_path, body
+    )
+    seen = load_scene(write(tmp_path, body + "  crate: {object: box}\n"))
+    assert set(seen.percepts) == {"box", "crate"}
+
+
+@pytest.mark.parametrize(
+    ("shape", "size"),
+    [("ball, size: [0.2]", [0.2, 0.2, 0.2]), ("cylinder, size: [0.3, 0.8]", [0.3, 0.3, 0.8])],
+)
+def test_the_box_around_a_solid_object(tmp_path: Path, shape: str, size: list[float]) -> None:
+    box = scene(tmp_path, f"objects: {{thing: {{shape: {shape}, position: [1, 0, 0.8], solid: true}}}}\n").box("thing")
+    assert box is not None
+    assert box.size.tolist() == size
+
+
+def test_the_box_around_a_person_holds_every_part_of_it(tmp_path: Path) -> None:
+    person = "objects: {guest: {shape: person, size: [1.7], position: [1, 2, 0.85], solid: true}}\n"
+    target = scene(tmp_path, person)
+    box, spec = target.box("guest"), mujoco.MjSpec()
+    target.add_to(spec)
+    model = spec.compile()
+    assert box is not None
+    for geom in range(model.ngeom):
+        if model.geom(geom).name.startswith("object_guest"):
+            middle = model.geom_pos[geom]
+            assert np.all(np.abs(middle) < box.size / 2), model.geom(geom).name

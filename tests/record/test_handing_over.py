@@ -14,8 +14,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from humanoid_bt.core.messages import BaseTarget, FootPose, HandTarget
+from humanoid_bt.core.messages import BaseTarget, FootPose, HandTarget, Percept
 from humanoid_bt.link.wire import encode_state
+from humanoid_bt.perception.track import Track
 from humanoid_bt.record import remote_recorder
 from humanoid_bt.record.outbox import Outbox, Stuck
 from humanoid_bt.record.reading import read_cycles
@@ -59,6 +60,15 @@ def test_a_sample_arrives_bit_for_bit() -> None:
     assert seen.distance == track.distance
     assert objects["ball"].tolist() == ball.tolist()
     assert hidden == ("ball",)
+
+
+def test_the_box_around_a_solid_thing_arrives() -> None:
+    size = np.array([0.6, 1 / 3, 0.7])
+    table = Track(Percept("table", 0.0, np.zeros(3), 0.9, size), np.ones(3), 0.1, make_state(1.0), 0.3)
+    _, arguments = decode_call(io.BytesIO(encode_sample(Tick(make_state(1.0)), {"table": table}, {}, ())))
+    seen = arguments[1]["table"]
+    assert seen.size.tolist() == size.tolist()
+    assert seen.heading_world == 0.3
 
 
 def test_a_call_that_is_cut_short_is_none() -> None:

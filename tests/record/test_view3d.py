@@ -11,10 +11,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from humanoid_bt.core.messages import Array, BaseTarget, Contact, HandTarget, Mode, State
+from humanoid_bt.core.messages import Array, BaseTarget, Contact, HandTarget, Mode, Percept, State
 from humanoid_bt.perception.track import Track
 from humanoid_bt.record import eye, stop_sign
 from humanoid_bt.record.recorder import Recorder
+from humanoid_bt.record.route_view import OBSTACLES, ROUTE
 from tests.record.helpers import make_state, make_track, rows
 
 Maker = Callable[..., Recorder]
@@ -138,3 +139,17 @@ def test_what_pushes_the_robot_is_an_arrow_while_it_does(record: Maker, file: Pa
     (way,), (begin,) = (next(filter(None, values)) for values in (vectors, origins))
     assert way == pytest.approx([-0.3, 0.0, 0.0])
     assert begin[0] + way[0] == pytest.approx(0.5)
+
+
+def test_obstacles_and_the_way_round_them_are_drawn(record: Maker, file: Path) -> None:
+    table = Percept("table", 0.0, np.zeros(3), 0.9, np.array([0.6, 1.2, 0.7]))
+    with record() as recorder:
+        for time, routes in ((0.0, []), (0.04, [[[0.0, 0.0], [1.0, 1.0], [2.0, 0.0]]]), (0.08, [])):
+            state = facing(time, 0.0)
+            recorder.routes(time, routes)
+            recorder.sample(state, {"table": Track(table, np.array([1.0, 0.0, 0.35]), 0.1, state)}, {})
+    ((_, sizes),) = rows(file, f"/{OBSTACLES}", "Boxes3D:half_sizes")
+    assert sizes[0] == pytest.approx([0.3, 0.6, 0.35])
+    ways = [way for _, way in rows(file, f"/{ROUTE}", "LineStrips3D:strips")]
+    assert [len(way) for way in ways] == [0, 1, 0]
+    assert np.array(ways[1][0])[:, :2].tolist() == [[0.0, 0.0], [1.0, 1.0], [2.0, 0.0]]

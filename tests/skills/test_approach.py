@@ -72,3 +72,17 @@ def test_leaves_the_gaze_alone_when_it_is_not_to_look(rig: Rig) -> None:
     result = rig.run("approach", target=(0.8, 0.0, 0.9), look=False)
     assert result.succeeded, result.feedback
     assert not any("gaze" in command.targets for command in result.commands)
+
+
+def test_stands_as_near_as_it_can(rig: Rig) -> None:
+    rig.see("table", (1.1, 0.0, 0.35), size=(0.6, 6.0, 0.7))
+    result = rig.run("approach", target=(1.0, 0.0, 0.9), timeout=15)
+    assert result.succeeded, result.feedback
+    assert 0.8 - rig.state.stance[0] == pytest.approx(0.4, abs=0.08)  # its walking_radius and 2 cm
+
+
+def test_says_what_is_in_the_way(rig: Rig) -> None:
+    rig.see("hall", (3.0, 0.0, 0.35), size=(5.0, 5.0, 0.7))
+    result = rig.run("approach", target=(3.0, 0.0, 0.9))
+    assert result.failed
+    assert result.feedback == "no way to target: hall stands there, or too near to it"

@@ -2,6 +2,7 @@
 
 import math
 
+import numpy as np
 import pytest
 
 from humanoid_bt import Gait, Rig
@@ -71,3 +72,53 @@ def test_takes_no_step_where_it_stands(rig: Rig, settled: bool) -> None:
     assert {state.gait for state in result.states} == {Gait.STAND}
     assert result.results["position_error"] == pytest.approx(math.hypot(0.04, 0.02), abs=0.002)
     assert result.results["heading_error"] == pytest.approx(0, abs=0.01)
+
+
+BOX, RADIUS = (0.3, 0.3, 0.8), 0.38
+
+
+def test_goes_round_what_is_solid(rig: Rig) -> None:
+    rig.see("box", (0.8, 0.0, 0.4), size=BOX)
+    result = rig.run("walk_to", x=1.6, y=0.0, timeout=20)
+    assert result.succeeded, result.feedback
+    apart = [math.hypot(*(np.abs(state.stance[:2] - [0.8, 0.0]) - 0.15).clip(0)) for state in result.states]
+    assert min(apart) > RADIUS
+    walking = [state.gait for state in result.states if 0.4 < state.stance[0] < 1.2]
+    assert set(walking) == {Gait.STEP}  # it does not stop at the corners
+
+
+def test_has_no_way_to_where_something_stands(rig: Rig) -> None:
+    rig.see("box", (0.8, 0.0, 0.4), size=BOX)
+    result = rig.run("walk_to", x=0.8, y=0.1)
+    assert result.failed
+    assert result.feedback == "no way to (0.8, 0.1): box stands there, or too near to it"
+    assert result.time < 2
+    assert {state.gait for state in result.states} == {Gait.STAND}
+
+
+def test_goes_round_a_percept_without_a_size_if_it_is_told_to(rig: Rig) -> None:
+    rig.see("person", (0.3, 0.0, 0.8))
+    assert rig.run("walk_to", x=0.2, y=0.0, obstacles=["person"]).feedback.startswith("no way to (0.2, 0): person")
+    assert rig.run("walk_to", x=0.2, y=0.0).succeeded
+
+
+def test_walks_below_what_hangs_overhead(rig: Rig) -> None:
+    rig.see("lamp", (0.2, 0.0, 2.0), size=BOX)
+    assert rig.run("walk_to", x=0.2, y=0.0).succeeded
+
+
+def test_steps_away_from_what_has_come_too_near(rig: Rig) -> None:
+    rig.see("box", (0.4, 0.0, 0.4), size=BOX)
+    result = rig.run("walk_to", x=-0.5, y=0.0, heading=0.0, timeout=3)
+    xs = [float(state.stance[0]) for state in result.states]
+    assert max(xs) < 0.03
+    assert xs[-1] < -0.1
+
+
+def test_waits_for_what_comes_at_it_and_says_so(rig: Rig) -> None:
+    rig.see("cart", (2.0, 0.0, 0.4), size=BOX)
+    for tick in range(1, 60):
+        rig.at(0.02 * tick, lambda x=2.0 - 0.02 * tick: rig.see("cart", (x, 0.0, 0.4), size=BOX))
+    result = rig.run("walk_to", x=3.0, y=0.0, timeout=1.2)
+    assert result.feedback == "waiting: cart is in the way"
+    assert "base" not in result.commands[-1].targets

@@ -43,7 +43,7 @@ def _guards(draft: Draft, facts: Facts, above: _Above) -> Iterator[Problem]:
     is_watchdog = node_type.cls is Watchdog
     for parameter, percepts in reads.items() if not is_watchdog and not above.all_watched else ():
         for percept in percepts:
-            if percept not in above.watched:
+            if percept not in above.watched and parameter not in getattr(node_type.cls, "remembered", ()):
                 place = draft.value_places.get(parameter, draft.place)
                 message = f"{name!r} uses the percept {percept!r} outside a watchdog on it"
                 near = difflib.get_close_matches(percept, above.watched, n=1)

@@ -1,0 +1,303 @@
+"""Walking to a place round what is solid, tick by tick: what skills that walk have in common."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from humanoid_bt.core.messages import Array
+from humanoid_bt.core.texts import listed
+from humanoid_bt.decision.obstacles import Obstacles, clear
+from humanoid_bt.decision.robot import RobotHandle
+from humanoid_bt.decision.route_planner import Plan, plan
+from humanoid_bt.decision.signals import Lasting
+from humanoid_bt.decision.surroundings import Surroundings
+
+_LEAST = 0.02  # m beyond its radius that the robot keeps away where there is no more room
+_CUT = 0.4  # share of the clearance by which it may cut a corner
+_SLACK = 1e-3  # m that it may come nearer to what it stands beside already
+_SPACING = 0.05  # m between points of the way that are looked at
+_AHEAD = 2.0  # m of the way that are looked at
+_OFF = 0.15  # m beside the way at which another is planned
+_MOVED = 0.02  # m that a place moves before another way is planned
+_FAR = 0.1  # m beyond the gait's `near` that a place on the way is ahead, so that the robot walks on
+_STEP = 0.3  # m that it still walks when it is to stop
+_STEP_TIME = 1.0  # s that this takes
+_PASSING = 1.0  # m to a place from which on it matters that something is just passing there
+_MOST_TOLD = 5  # names of what is in the way
+_NEARER = 0.03  # m that something must be too near before the robot steps away from it
+_RING = 0.05  # m between the rings of places to which it steps away, the nearest first
+_AROUND = np.arange(24) * (math.tau / 24)
+_RINGS = np.concatenate(
+    [radius * np.stack([np.cos(_AROUND), np.sin(_AROUND)], 1) for radius in np.arange(_RING, 0.6, _RING)]
+)
+_NO_WAY_TIME = 1.0  # s after which there is no way if everything stands still
+_PLAN_AGAIN = 0.25  # s after which it looks again for a way where there was none
+
+
+class Route:
+    """A way round everything solid that the robot has seen; :meth:`follow` it in every tick.
+
+    The way is planned anew when something comes or moves, and when the robot has left it. It keeps away by the radius
+    in which the robot walks, of its ``robot.yaml``, and the clearance, or less where there is not so much room. While
+    something walks into its way, the robot waits.
+
+    Args:
+        robot: the skill's ``self.robot``; the skill commands the base.
+        clearance: how far to keep from obstacles, beyond the robot's own radius [m].
+        obstacles: percepts to go round, too, if they have no size.
+        patience: how long to wait for what moves to get out of the way [s].
+
+    Attributes:
+        to_go: length of the way that is left [m].
+        turns_to_go: how far it turns on that way, left and right added up [rad].
+        blocked: why the robot does not walk, for people: ``box and chair are in the way``; "" while it does.
+        hopeless: whether it has been so for as long as the patience, or for a second if nothing moves.
+    """
+
+    def __init__(
+        self, robot: RobotHandle, clearance: float = 0.08, obstacles: Sequence[str] = (), patience: float = 5.0
+    ) -> None:
+        self._robot = robot
+        self._clearance = clearance
+        self._around = Surroundings(robot, obstacles)
+        self._waits, self._stuck = Lasting(patience), Lasting(_NO_WAY_TIME)
+        self._plan: Plan | None = None
+        self._planned_at, self._planned_for, self._changes = -math.inf, np.full(2, np.inf), -1
+        self._in_the_way: list[str] = []
+        self.to_go = self.turns_to_go = math.inf
+        self.blocked = ""
+        self.hopeless = False
+
+    def follow(self, place: Any, heading: float, ignore: Sequence[str] = ()) -> bool:
+        """Walk on to a place, in this tick; return whether the robot does, and not if something is in the way.
+
+        Args:
+            place: where to stand, shape (2,), middle between the feet, world frame [m].
+            heading: where to face there, world frame [rad].
+            ignore: obstacles beside which the place may be as near as it likes, such as what the robot walks up to.
+        """
+        goal = np.array(place, dtype=float)
+        here = self._robot.state.stance[:2]
+        around = self._around.look()
+        self._measure(np.array([here, goal]), heading)
+        taken = self._taken(around, goal[None], ignore)[0]
+        if taken and (self.to_go < _PASSING or not self._around.moving.issuperset(taken)):
+            return self._wait(taken, f"{'stands' if len(taken) == 1 else 'stand'} there, or too near to it")
+        if (away := self._away(around, here, ignore)) is not None:
+            return self._walk(around, here, away, float(self._robot.state.stance[2]))
+        if self._straight(around, here, goal[None], self._narrow).all():
+            self._plan = None
+            return self._walk(around, here, goal, heading)
+        if self._outdated(here, goal):
+            self._make_plan(around, here, goal)
+        points = self._plan.points if self._plan is not None else None
+        if points is None:
+            return self._wait_for_way(around, here, goal)
+        along = _project(points, here)[0]
+        lengths = _lengths(points)
+        self._measure(np.concatenate([here[None], points[lengths > along + _SPACING], goal[None]]), heading)
+        ahead = self._ahead(around, here, points, along)
+        offset = ahead - here
+        direction, length = math.atan2(offset[1], offset[0]), float(np.linalg.norm(offset))
+        far = max(length, self._robot.config.gait.near + _FAR)
+        target = here + far * np.array([math.cos(direction), math.sin(direction)])
+        return self._walk(around, here, target, direction)
+
+    def nearest(self, places: Any, costs: Any = None, ignore: Sequence[str] = ()) -> int | None:
+        """Return the number of the place to which the way is shortest; None if there is no way to any.
+
+        Args:
+            places: shape (n, 2), world frame [m].
+            costs: of ending at each, as metres of way, shape (n,); none if not given.
+            ignore: as of :meth:`follow`.
+        """
+        goals, around = np.array(places, dtype=float), self._around.look()
+        worth = np.zeros(len(goals)) if costs is None else np.array(costs, dtype=float)
+        free = np.array([not taken for taken in self._taken(around, goals, ignore)])
+        numbers = np.flatnonzero(free)
+        if not len(numbers):
+            return None
+        here = self._robot.state.stance[:2]
+        found = self._best(around, here, goals[numbers], worth[numbers])
+        return int(numbers[found.goal]) if found.points is not None else None
+
+    def free(self, places: Any, ignore: Sequence[str] = ()) -> list[bool]:
+        """Return at which places, shape (n, 2), world frame [m], the robot can stand.
+
+        Args:
+            places: them.
+            ignore: as of :meth:`follow`.
+        """
+        return [not taken for taken in self._taken(self._around.look(), np.array(places, dtype=float), ignore)]
+
+    def is_straight(self, place: Any) -> bool:
+        """Return whether nothing is between the robot and a place, shape (2,), world frame [m]."""
+        goal = np.array(place, dtype=float)[None]
+        return bool(self._straight(self._around.look(), self._robot.state.stance[:2], goal, self._narrow).all())
+
+    @property
+    def _least(self) -> float:
+        return self._robot.config.walking_radius + _LEAST
+
+    @property
+    def _wide(self) -> float:
+        return max(self._robot.config.walking_radius + self._clearance, self._least)
+
+    @property
+    def _narrow(self) -> float:
+        """The distance from obstacles at which it walks on between corners."""
+        return max(self._wide - _CUT * self._clearance, self._least)
+
+    def _taken(self, around: Obstacles, places: Array, ignore: Sequence[str]) -> list[list[str]]:
+        """Return what is too near to each place, by name."""
+        if not len(around):
+            return [[] for _ in places]
+        near = (around.distances(places) < self._least).tolist()
+        names = [name for name in around.names if name not in ignore]
+        beside = [dict(zip(around.names, row, strict=True)) for row in near]
+        return [[name for name in names if row[name]] for row in beside]
+
+    def _straight(self, around: Obstacles, here: Array, ends: Array, room: float) -> Array:
+        """Return to which ends, shape (m, 2), a straight way is clear: it comes no nearer than they, or it, are."""
+        if not len(around):
+            return np.ones(len(ends), dtype=bool)
+        start, end = around.beyond(here[None]), around.beyond(ends)
+        beside = np.minimum(start.max(axis=2), end.max(axis=2)) - _SLACK
+        return np.asarray(clear(start, end, np.minimum(room, beside)).all(axis=1))
+
+    def _away(self, around: Obstacles, here: Array, ignore: Sequence[str]) -> Array | None:
+        """Return the nearest place at which nothing is too near; None if the robot stands at one, or there is none."""
+        beside = around.distances(here[None])[0] if len(around) else np.empty(0)
+        if all(name in ignore for name, room in zip(around.names, beside, strict=True) if room < self._least - _NEARER):
+            return None
+        places = here + _RINGS
+        farther = (around.distances(places) >= np.minimum(self._least, beside + _RING)).all(axis=1)
+        found = np.flatnonzero(np.logical_and(farther, self._straight(around, here, places, self._least)))
+        return np.asarray(places[found[0]]) if len(found) else None
+
+    def _outdated(self, here: Array, goal: Array) -> bool:
+        now = self._robot.clock.now()
+        if self._plan is None or self._changes != self._around.changes or math.dist(goal, self._planned_for) > _MOVED:
+            return True
+        if self._plan.points is None:
+            return now - self._planned_at > _PLAN_AGAIN
+        return _project(self._plan.points, here)[1] > _OFF
+
+    def _make_plan(self, around: Obstacles, here: Array, goal: Array) -> None:
+        self._plan = found = self._best(around, here, goal[None], np.zeros(1))
+        self._planned_at, self._planned_for, self._changes = self._robot.clock.now(), goal, self._around.changes
+        self._in_the_way = [around.names[i] for i in found.blocking]
+
+    def _wait_for_way(self, around: Obstacles, here: Array, goal: Array) -> bool:
+        """Wait until there is a way, and when it is hopeless say what is really in it, which takes some plans."""
+        self._wait(self._in_the_way, "in the way")
+        if self.hopeless:
+            decisive = self._decisive(around, here, goal)
+            self._wait([name for name in decisive if name in self._around.movers] or decisive, "in the way")
+        return False
+
+    def _best(self, around: Obstacles, here: Array, goals: Array, costs: Array) -> Plan:
+        """Return the shortest way, with less room if there is none with all of it."""
+        wide = plan(around, here, goals, self._wide, costs)
+        return wide if wide.points is not None else plan(around, here, goals, self._least, costs)
+
+    def _decisive(self, around: Obstacles, here: Array, goal: Array) -> list[str]:
+        """Return those of what is in the way without any one of which there would be a way; all if there are none."""
+        alone = []
+        for name in self._in_the_way:
+            others = around.some([i for i, other in enumerate(around.names) if other != name])
+            if plan(others, here, goal[None], self._least).points is not None:
+                alone.append(name)
+        return alone or self._in_the_way
+
+    def _measure(self, points: Array, heading: float) -> None:
+        """Note how far it is along points, from where the robot stands and faces to where it is to face."""
+        ways = np.diff(points, axis=0)
+        lengths = np.linalg.norm(ways, axis=1)
+        directions = np.arctan2(ways[:, 1], ways[:, 0])[lengths > self._robot.config.gait.near]
+        faces = np.concatenate([[self._robot.state.stance[2]], directions, [heading]])
+        self.to_go = float(lengths.sum())
+        self.turns_to_go = sum(abs(math.remainder(turn, math.tau)) for turn in np.diff(faces).tolist())
+
+    def _ahead(self, around: Obstacles, here: Array, points: Array, begin: float) -> Array:
+        """Return the farthest point of the way to which nothing is between, from a length of it on [m]."""
+        lengths = _lengths(points)
+        end = float(lengths[-1])
+        places = np.append(np.arange(begin + _SPACING, min(begin + _AHEAD, end), _SPACING), min(begin + _AHEAD, end))
+        on_way = np.stack([np.interp(places, lengths, points[:, 0]), np.interp(places, lengths, points[:, 1])], 1)
+        room = max(self._narrow if self._roomy(around, points) else self._least - _SLACK, 0.0)
+        seen = np.flatnonzero(self._straight(around, here, on_way, room))
+        if not len(seen):
+            self._planned_for = np.full(2, np.inf)  # it has left the way: another one from the next tick on
+        return np.asarray(on_way[seen[-1] if len(seen) else 0])
+
+    def _roomy(self, around: Obstacles, points: Array) -> bool:
+        """Return whether a way has all the room that it should."""
+        middle = points[1:-1]
+        return not len(middle) or bool((around.distances(middle) >= self._narrow).all())
+
+    def _walk(self, around: Obstacles, here: Array, target: Array, heading: float) -> bool:
+        """Walk on, unless that would be into something that moves."""
+        hits = self._hits(around, here, target)
+        if hits:
+            return self._wait(hits, "in the way")
+        self.blocked, self.hopeless = "", False
+        now = self._robot.clock.now()
+        self._waits.update(False, now)
+        self._stuck.update(False, now)
+        self._robot.walk_to(target, heading)
+        if self._plan is not None and self._plan.points is not None:
+            self._robot.show_route(self._plan.points)
+        return True
+
+    def _hits(self, around: Obstacles, here: Array, target: Array) -> list[str]:
+        """Return what the robot would walk into within a step, by name, seen from what moves."""
+        if not self._around.velocities.any():
+            return []
+        way = target - here
+        step = way * min(1.0, _STEP / max(float(np.linalg.norm(way)), 1e-6))
+        moving = np.flatnonzero(self._around.velocities.any(axis=1))
+        found = []
+        for i in moving.tolist():
+            one = around.some([i])
+            start, end = (
+                one.beyond(here[None]),
+                one.beyond((here + step - self._around.velocities[i] * _STEP_TIME)[None]),
+            )
+            if not clear(start, end, np.minimum(self._least, start.max(axis=2) - _SLACK)).all():
+                found.append(around.names[i])
+        return found
+
+    def _wait(self, names: Sequence[str], why: str) -> bool:
+        """Let the base go, and note how long for."""
+        verb = "" if why.startswith("stand") else "is " if len(names) == 1 else "are "
+        told = (
+            list(names)
+            if len(names) <= _MOST_TOLD
+            else [*names[: _MOST_TOLD - 1], f"{len(names) - _MOST_TOLD + 1} more"]
+        )
+        self.blocked = f"{listed(told)} {verb}{why}"
+        now = self._robot.clock.now()
+        still = not self._around.movers.intersection(names)
+        waited, stuck = self._waits.update(True, now), self._stuck.update(still, now)
+        self.hopeless = waited or stuck
+        return False
+
+
+def _lengths(points: Array) -> Array:
+    """Return how far along a way each of its points is [m]."""
+    return np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
+
+
+def _project(points: Array, here: Array) -> tuple[float, float]:
+    """Return how far along a way the point nearest to a place is, and how far the place is from it [m]."""
+    ways = np.diff(points, axis=0)
+    lengths = np.linalg.norm(ways, axis=1)
+    shares = np.clip(((here - points[:-1]) * ways).sum(axis=1) / np.maximum(lengths**2, 1e-12), 0.0, 1.0)
+    aside = np.linalg.norm(points[:-1] + shares[:, None] * ways - here, axis=1)
+    nearest = int(aside.argmin())
+    return float(lengths[:nearest].sum() + shares[nearest] * lengths[nearest]), float(aside[nearest])

@@ -1,0 +1,121 @@
+"""What is solid around the robot, as far as it was seen: where it stands, whether it moves, how fast."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from humanoid_bt.core.messages import Array
+from humanoid_bt.decision.obstacles import Obstacles
+from humanoid_bt.decision.robot import RobotHandle
+from humanoid_bt.perception.track import Track
+
+UNKNOWN_SIZE = 0.5
+"""Length and width of what is said to be an obstacle, and was seen without a size [m]: those of a person."""
+
+_FOLLOW_TIME = 0.4  # s, of the low-pass of a position
+_JUMP, _JUMP_PER_METER = 0.05, 0.03  # m, m/m: what comes farther than this has moved; more than the noise
+_REST_TIME = 1.0  # s after its last move in which a thing still counts as moving
+_OVERHEAD = 0.25  # m above the eyes under which the robot walks through
+
+
+@dataclass
+class _Thing:
+    """One obstacle: where it is, and where and when it was when it had moved last [m], [s]."""
+
+    position: Array
+    stamp: float
+    anchor: Array = field(init=False)
+    moved_at: float = -math.inf
+    velocity: Array = field(default_factory=lambda: np.zeros(2))
+
+    def __post_init__(self) -> None:
+        self.anchor, self._since = self.position, self.stamp
+
+    def update(self, seen: Array, stamp: float, jump: float) -> bool:
+        """Take where it was seen; return whether it has moved."""
+        elapsed = stamp - self.stamp
+        if elapsed <= 0.0:
+            return False
+        self.stamp = stamp
+        step = seen - self.position
+        follow = 1.0 if math.hypot(*step) > jump else elapsed / (elapsed + _FOLLOW_TIME)
+        self.position = self.position + follow * step
+        way = self.position - self.anchor
+        if math.hypot(*way) <= jump:
+            return False
+        self.velocity = way / (stamp - max(self._since, self.moved_at, stamp - _REST_TIME))
+        self.anchor, self.moved_at = self.position, stamp
+        return True
+
+
+class Surroundings:
+    """Everything solid that the robot has seen.
+
+    Args:
+        robot: who asks.
+        named: percepts that are obstacles, too, if they have no size.
+
+    Attributes:
+        obstacles: what stands around, as of the last :meth:`look`.
+        velocities: of each, shape (n, 2), world frame [m/s]; 0 of what is at rest.
+        changes: how often something has come, or moved.
+        movers: names of what has ever moved.
+    """
+
+    def __init__(self, robot: RobotHandle, named: Sequence[str] = ()) -> None:
+        self._robot, self._named = robot, tuple(named)
+        self._things: dict[str, _Thing] = {}
+        self.obstacles = Obstacles((), np.empty((0, 2)), np.empty((0, 2)), np.empty(0))
+        self.velocities: Array = np.empty((0, 2))
+        self.changes = 0
+        self.movers: set[str] = set()
+
+    @property
+    def moving(self) -> set[str]:
+        """Names of what moves now."""
+        return {name for name, way in zip(self.obstacles.names, self.velocities.tolist(), strict=True) if any(way)}
+
+    def look(self) -> Obstacles:
+        """Take what is seen in this tick, and return what stands around."""
+        tracks = self._tracks()
+        if not tracks and not len(self.obstacles):
+            return self.obstacles
+        now = self._robot.clock.now()
+        for track in tracks:
+            seen = track.position_world[:2]
+            thing = self._things.get(track.name)
+            if thing is None:
+                self._things[track.name] = _Thing(seen, track.stamp)
+                self.changes += 1
+            elif thing.update(seen, track.stamp, _JUMP + _JUMP_PER_METER * track.distance):
+                self.movers.add(track.name)
+                self.changes += 1
+        things = [self._things[track.name] for track in tracks]
+        self.obstacles = Obstacles(
+            [track.name for track in tracks],
+            np.array([thing.position for thing in things]).reshape(-1, 2),
+            np.array([_floor_size(track) for track in tracks]).reshape(-1, 2) / 2,
+            np.array([track.heading_world for track in tracks]),
+        )
+        velocities = [thing.velocity * (now - thing.moved_at < _REST_TIME) for thing in things]
+        self.velocities = np.array(velocities).reshape(-1, 2)
+        return self.obstacles
+
+    def _tracks(self) -> list[Track]:
+        eyes = float(self._robot.state.gaze_position[2])
+        solid = [track for track in self._robot.obstacles if not _is_overhead(track, eyes)]
+        known = {track.name for track in solid}
+        named = [self._robot.track(name) for name in self._named if name not in known]
+        return solid + [track for track in named if track is not None]
+
+
+def _is_overhead(track: Track, eyes: float) -> bool:
+    return track.size is not None and bool(track.position_world[2] - track.size[2] / 2 > eyes + _OVERHEAD)
+
+
+def _floor_size(track: Track) -> Sequence[float]:
+    return (UNKNOWN_SIZE, UNKNOWN_SIZE) if track.size is None else (float(track.size[0]), float(track.size[1]))
