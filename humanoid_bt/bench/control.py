@@ -143,9 +143,7 @@ def _log(doing: str, robot: CommandedRobot, repetitions: int) -> Iterator[Figure
 
     def once() -> tuple[float, float, float]:
         log.spent.clear()
-        began = time.perf_counter()
-        robot.run(_CYCLES)
-        whole = (time.perf_counter() - began) / _CYCLES
+        whole = cpu(lambda: robot.run(_CYCLES)) / _CYCLES
         half, most = np.percentile(log.spent, (50, 99))
         return float(half), float(most), whole
 
@@ -153,7 +151,7 @@ def _log(doing: str, robot: CommandedRobot, repetitions: int) -> Iterator[Figure
     gc.disable()  # as in control's process
     measured = [once() for _ in range(repetitions)]
     gc.enable()
-    name, beside = f"keeping a servo cycle for the recording, {doing}", "a cycle, mean"
+    name, beside = f"keeping a servo cycle for the recording, {doing}", "the CPU time of a cycle"
     pairs = [(half, whole) for half, _, whole in measured]
     yield figure(f"{name}, p50", beside, "us", pairs, scale=1e6, promise=LOG_USUAL)
     yield figure(f"{name}, p99", beside, "us", [(most, whole) for _, most, whole in measured], scale=1e6, promise=LOG)

@@ -42,6 +42,7 @@ class SelfCollisionLimit(mink.Limit):  # type: ignore[misc]  # mink has no types
         self._links = OwnLinks(robot, _NEAR)
         self.model = self._links.model
         self._geoms: NDArray[np.int32] = np.empty((0, 2), dtype=np.int32)  # of the links that are near each other
+        self._pair = np.array([self.model.ngeom, 1], dtype=np.int32)
         self._approach: Array = np.empty((0, self.model.nv))
         self.pressures: Array = np.empty(0)
         self._rests = 0
@@ -59,8 +60,10 @@ class SelfCollisionLimit(mink.Limit):  # type: ignore[misc]  # mink has no types
         mujoco.mj_collision(self.model, data)
         contact = data.contact
         geoms, distance = contact.geom, contact.dist
-        far = distance >= self._links.begins[geoms[:, 0], geoms[:, 1]]
-        near = np.flatnonzero(~far)
+        links = self._links
+        pairs = geoms.dot(self._pair)  # as places in a flat table, which is twice as quick to look into
+        far = distance >= links.begins.take(pairs)
+        near = (~far).nonzero()[0]
         self._geoms = geoms[near]
         self.pressures = np.zeros(len(near))
         if not len(near):
@@ -69,7 +72,7 @@ class SelfCollisionLimit(mink.Limit):  # type: ignore[misc]  # mink has no types
         contact.exclude[:] = far
         mujoco.mj_makeConstraint(self.model, data)  # gives how each contact opens that is not excluded
         self._approach = -data.efc_J.reshape(-1, self.model.nv)
-        room = distance[near] - self._links.margins[self._geoms[:, 0], self._geoms[:, 1]]
+        room = distance[near] - links.margins.take(pairs[near])
         return mink.Constraint(self._approach, np.maximum(room * (dt / _BRAKE_TIME), -_PART_SPEED * dt))
 
     def obstacle(self, arm: Sequence[int], pull: Array) -> str:
