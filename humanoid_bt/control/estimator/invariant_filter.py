@@ -134,7 +134,8 @@ class InvariantFilter:
     @property
     def covariance(self) -> Array:
         """Of (turn, velocity, position) of the base, world frame, shape (9, 9) [rad, m/s, m]."""
-        return self._covariance[:9, :9].copy()
+        covariance = self._covariance[:9, :9]
+        return np.asarray((covariance + covariance.T) / 2)  # to the bit: a recording keeps half of it
 
     def lose_accelerometer(self) -> None:
         """From now on velocity comes from the feet, until :meth:`reset`."""
@@ -240,8 +241,10 @@ class InvariantFilter:
         spread.reshape(-1)[:: _ROWS + 1] += self._doubt
         factor, _ = dpotrf(spread, lower=1)
         halves = dtrsm(1.0, factor, self._innovation, lower=1)
-        change = halves.T.dot(halves)  # exactly symmetric: the covariance stays so
+        change = halves.T.dot(halves)
         covariance -= change[:_SIZE, :_SIZE]
+        covariance += covariance.T.copy()
+        covariance *= 0.5
         turn, rest = change[:3, _SIZE], change[3:_SIZE, _SIZE]
         np.dot(self._points, _CROSS, out=self._cross)
         state[:12] -= self._lever[3:] @ turn

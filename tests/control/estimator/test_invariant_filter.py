@@ -104,6 +104,14 @@ def test_its_covariance_says_what_feet_can_tell(belief: InvariantFilter) -> None
     assert flying[8, 8] > 10 * standing[8, 8]
 
 
+def test_its_covariance_is_symmetric_to_the_bit_at_any_moment(belief: InvariantFilter) -> None:
+    """Recordings keep half of it, and replays compare it."""
+    run(belief, 1.0, np.array([1e-3, 0.0, 0.0]), np.zeros(3))
+    for _ in range(3):
+        belief.doubt(PERIOD, (1.0, FREE))
+        np.testing.assert_array_equal(belief.covariance, belief.covariance.T)
+
+
 def test_heights_do_not_drift_and_the_way_does(belief: InvariantFilter) -> None:
     run(belief, 10.0, np.zeros(3), np.array([0.0, 0.0, 0.05]))
     assert abs(belief.position[2] - HEIGHT[2]) < 2e-3
