@@ -42,7 +42,7 @@ def verdict(kept: bool) -> Verdict:
     return "ok" if kept else "missed"
 
 
-STACK = Promise("the whole stack, recording on, beside `mj_step` of the same motion", 5.5, "x")
+STACK = Promise("the whole stack, recording on, beside `mj_step` of the same motion", 6.0, "x")
 SPEED = Promise("simulated time of a run, recording on, beside the CPU time it takes", 4.0, "x", at_least=True)
 ESTIMATE = Promise("estimating the robot, beside `mj_step` for as long", 1.0, "x")
 OWN_LINKS = Promise("keeping own links apart that are near each other, beside `mj_step` for as long", 0.45, "x")
