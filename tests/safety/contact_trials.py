@@ -84,7 +84,8 @@ class Outcome:
 
     Attributes:
         peak: largest force on the wall [N].
-        later: largest force from a while after the first touch on [N].
+        later: largest force from a while after the first touch on, as long as the hand is sent there [N].
+        leaving: largest force after it is let go of, when the arm goes home past the wall [N].
         yields: time from the first touch until the arm yields [s], inf if it does not.
         early: whether an arm yielded before anything touched it.
         stands: whether the robot stands at rest in the end, was never stopped, and no arm yields any more.
@@ -92,6 +93,7 @@ class Outcome:
 
     peak: float
     later: float
+    leaving: float
     yields: float
     early: bool
     stands: bool
@@ -127,16 +129,18 @@ def into_wall(wall: Wall, seed: int) -> Outcome:
     go(begin, _THERE)
     for tick in range(round(_PUSHES / DECISION_PERIOD)):
         go(min(begin + SPEED * DECISION_PERIOD * tick, face + _BEYOND), DECISION_PERIOD)
+    released = len(forces)
     rig.run(_AFTERWARD, {}, cycle=look)
     touched = np.flatnonzero(forces)
     if not len(touched):
-        return Outcome(0.0, 0.0, np.inf, any(yields), stands=False)
+        return Outcome(0.0, 0.0, 0.0, np.inf, any(yields), stands=False)
     first = int(touched[0])
     after = np.flatnonzero(yields[first:])
     stands = modes == {Mode.RUN} and rig.state.base_settled and not yields[-1]
     return Outcome(
         peak=max(forces),
-        later=max(forces[first + cycles(LATER_AFTER) :]),
+        later=max(forces[first + cycles(LATER_AFTER) : released]),
+        leaving=max(forces[released:]),
         yields=after[0] * 1e-3 if len(after) else np.inf,
         early=any(yields[:first]),
         stands=stands,
@@ -233,7 +237,7 @@ def _walls(seeds: range) -> bool:
     sys.stdout.write(
         f"a hand at {SPEED:g} m/s into a wall: as promised in {len(seeds) - len(bad)} of {len(seeds)}; largest force "
         f"{max(outcome.peak for outcome in outcomes):.0f} N, {max(outcome.later for outcome in outcomes):.0f} N from "
-        f"{LATER_AFTER:g} s on; yields after {max(outcome.yields for outcome in outcomes) * 1000:.0f} ms at most; "
+        f"{LATER_AFTER:g} s on, {max(outcome.leaving for outcome in outcomes):.0f} N when it is let go; yields after {max(outcome.yields for outcome in outcomes) * 1000:.0f} ms at most; "
         f"alarms before: {sum(outcome.early for outcome in outcomes)}\n"
     )
     for seed in bad:

@@ -13,7 +13,7 @@ from humanoid_bt.core.messages import SIDES, Array, Side
 from humanoid_bt.robot.model import BASE_COORDINATES, RobotModel
 
 _FOLLOW_TIME = 0.2  # s in which the plan of an arm that yields comes to where the arm is
-_STIFFEN_TIME = 0.5  # s
+_STIFFEN_TIME = 2.0  # s; it goes home meanwhile, and may still be at what pushed it
 
 
 class Felt(Protocol):
