@@ -237,7 +237,9 @@ def _walls(seeds: range) -> bool:
     sys.stdout.write(
         f"a hand at {SPEED:g} m/s into a wall: as promised in {len(seeds) - len(bad)} of {len(seeds)}; largest force "
         f"{max(outcome.peak for outcome in outcomes):.0f} N, {max(outcome.later for outcome in outcomes):.0f} N from "
-        f"{LATER_AFTER:g} s on, {max(outcome.leaving for outcome in outcomes):.0f} N when it is let go; yields after {max(outcome.yields for outcome in outcomes) * 1000:.0f} ms at most; "
+        f"{LATER_AFTER:g} s on, "
+        f"{max(outcome.leaving for outcome in outcomes):.0f} N when it is let go; "
+        f"yields after {max(outcome.yields for outcome in outcomes) * 1000:.0f} ms at most; "
         f"alarms before: {sum(outcome.early for outcome in outcomes)}\n"
     )
     for seed in bad:
