@@ -86,7 +86,7 @@ class PointAt(Skill):
             self._angle.restart()
             return self.running("pointing")
         nearer, turns = self._error.update(error, now), self._angle.update(angle, now)
-        if not nearer and not turns:
+        if self.robot.touched(hand) or (not nearer and not turns):
             if error < _THERE:
                 return self.fail(self.robot.why_not_turned(hand, self._angle.best))
             return self.fail(self.robot.why_no_nearer(hand, self._error.best))

@@ -100,6 +100,8 @@ class TouchWithBoth(Skill):
 
     def _go_on(self, far: Side, askew: Side, now: float) -> Status:
         """Go on while it helps."""
+        if touched := self.robot.touched("left") or self.robot.touched("right"):
+            return self.fail(touched)
         nearer, turns = self._error.update(self.hand_error, now), self._turn.update(self.turn_error, now)
         near = self.tolerance if self._closing else _OPEN
         if not nearer and not (turns and self.turn_error > self.turn_tolerance):

@@ -313,6 +313,8 @@ class RobotHandle:
 
         ``left hand turns no nearer than 12 deg: left_wrist_pitch is at its limit``
         """
+        if touched := self.touched(side):
+            return touched
         limited = [
             name
             for name, joint in self.arm_joints(side).items()

@@ -6,7 +6,7 @@ import copy
 import itertools
 import threading
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, Protocol
 
@@ -302,5 +302,17 @@ def _target(moment: Moment, resource: str) -> str:
     target = moment.targets.get(resource)
     if target is None:
         return "to nothing"
-    numbers = [number for value in target.values() for number in (value if isinstance(value, list) else [value])]
-    return f"to ({', '.join(f'{number:.3g}' for number in numbers)})"
+    return f"to ({', '.join(_told(target))})"
+
+
+def _told(value: Any) -> Iterator[str]:
+    """Yield what a target says, as texts; nothing for what it leaves open."""
+    if isinstance(value, dict):
+        value = list(value.values())
+    if isinstance(value, list):
+        for part in value:
+            yield from _told(part)
+    elif isinstance(value, float):
+        yield f"{value:.3g}"
+    elif value:
+        yield str(value)

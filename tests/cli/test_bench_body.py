@@ -89,7 +89,7 @@ def test_ctrl_c_leaves_what_is_known(asked: dict[str, Any], tmp_path: Path, caps
     file = tmp_path / "body.json"
     assert main(["bench", "--body", "--json", str(file)]) == 130
     rows = [" ".join(line.split()) for line in capsys.readouterr().out.splitlines()]
-    assert rows[2:] == ["goals 20/20 20/20 84-100 % 95 % ok", "push-walking-60 7/7 7/7 65-100 % 95 % ok"]
+    assert rows[2:] == ["goals 20/20 20/20 84-100 % 95 % ok", "odometry 7/7 7/7 65-100 % 95 % ok"]
     assert json.loads(file.read_text(encoding="utf-8"))["whole"] is False
 
 
