@@ -225,8 +225,11 @@ def test_a_recording_becomes_a_test_that_fails_until_it_is_mended(
     assert main(["replay", str(raising), "--to-test", str(test)]) == 0
     assert "fails now, until what went wrong is mended" in capsys.readouterr().out
     assert not passes(test)
-    skills = next((project / "skills").glob("*.py"))
-    before = skills.read_text(encoding="utf-8")
+    skills, before = next(
+        (file, text)
+        for file in (project / "skills").glob("*.py")
+        if 'raise KeyError("missing")' in (text := file.read_text(encoding="utf-8"))
+    )
     skills.write_text(before.replace('raise KeyError("missing")', 'return self.succeed("there")'), encoding="utf-8")
     try:
         assert passes(test)
