@@ -113,6 +113,7 @@ def test_both_hands_keep_to_each_other_while_they_move(rig: ControlRig) -> None:
     assert rig.state.hand_turn_errors["right"] < CLOSE
 
 
+@pytest.mark.trials
 def test_both_hands_stay_when_the_robot_is_stopped(rig: ControlRig) -> None:
     rig.run(4.0, BOX)
     before = {side: true_palm(rig, side) for side in SIDES}
@@ -125,6 +126,7 @@ def test_both_hands_stay_when_the_robot_is_stopped(rig: ControlRig) -> None:
         assert math.acos(min(1.0, (np.sum(now[1] * turn) - 1) / 2)) < 0.02
 
 
+@pytest.mark.trials
 def test_a_hand_is_let_go_with_the_one_it_follows(rig: ControlRig) -> None:
     rig.run(3.0, BOX)
     away: Mapping[str, Target] = {**BOX, "base": BaseTarget(np.array([-2.0, 0.0]), math.pi)}
@@ -175,6 +177,7 @@ def test_joints_of_an_arm_are_no_faster_than_asked_nor_than_the_robot_is(
     assert fastest == pytest.approx(speed, rel=0.15)
 
 
+@pytest.mark.trials
 def test_joints_of_an_arm_stay_when_the_robot_is_stopped(rig: ControlRig) -> None:
     rig.run(2.0, {"right_hand": ArmTarget({"right_elbow": -1.4})})
     rig.controller.supervisor.raise_estop("test", "stop")
@@ -182,6 +185,7 @@ def test_joints_of_an_arm_stay_when_the_robot_is_stopped(rig: ControlRig) -> Non
     assert angles(rig)["right_elbow"] == pytest.approx(-1.4, abs=0.03)
 
 
+@pytest.mark.trials
 def test_arms_that_are_bent_into_the_robot_stop_before_it(rig: ControlRig) -> None:
     """Both forearms across the chest, and the upper arms into it."""
     links = OwnLinks(rig.plant)
@@ -198,6 +202,7 @@ def test_arms_that_are_bent_into_the_robot_stop_before_it(rig: ControlRig) -> No
     assert max(off) > 0.1  # they would have touched
 
 
+@pytest.mark.trials
 def test_arms_swing_while_the_robot_walks(rig: ControlRig) -> None:
     raised = ArmTarget({"left_elbow": -1.5, "left_shoulder_pitch": -0.4})
     walk: Mapping[str, Target] = {"base": BaseTarget(np.array([0.8, 0.0]), 0.0), "left_hand": raised}

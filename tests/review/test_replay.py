@@ -173,6 +173,7 @@ def test_so_is_one_that_ends_with_an_exception(raising: Path) -> None:
     assert not again.passes
 
 
+@pytest.mark.trials
 def test_it_needs_nothing_of_the_workspace(raising: Path, project: Path, tmp_path: Path) -> None:
     away = tmp_path / "sent.rrd"
     shutil.copy(raising, away)

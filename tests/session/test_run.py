@@ -56,6 +56,7 @@ def last_sample(recording: Path) -> float:
     return last
 
 
+@pytest.mark.trials
 def test_the_demo_ends_with_a_hand_on_the_target(fetched: Ran) -> None:
     report = fetched.report
     assert (report.outcome, report.exit_code) == ("success", 0)

@@ -9,6 +9,7 @@ from py_trees.common import Status
 from humanoid_bt import Gait, Rig
 
 
+@pytest.mark.trials
 def test_stands_where_it_is_and_looks_to_both_sides_ever_wider(rig: Rig) -> None:
     start = rig.state.stance.copy()
     result = rig.run("idle", timeout=9)

@@ -58,6 +58,7 @@ def test_says_that_something_is_too_near(rig: Rig) -> None:
     assert result.feedback.startswith("target is too near to point at: 3")
 
 
+@pytest.mark.trials
 def test_says_what_keeps_it_from_pointing(rig: Rig) -> None:
     result = rig.run("point_at", target=(0.0, 0.4, 0.4), hand="right", look=False, timeout=15)
     assert result.failed

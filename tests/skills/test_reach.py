@@ -134,6 +134,7 @@ def test_survives_an_emergency_stop_with_the_arm_out(rig: Rig) -> None:
     assert np.linalg.norm(settled.hands["left"] - before) < 0.02
 
 
+@pytest.mark.trials
 @pytest.mark.parametrize(
     "target", [pytest.param((0.95, 0.1, 0.9), marks=pytest.mark.trials), (0.6, 0.2, 0.1)], ids=["far", "low"]
 )

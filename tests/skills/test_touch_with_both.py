@@ -50,6 +50,7 @@ def test_passes_beside_the_target_before_it_closes_in(rig: Rig) -> None:
             assert beside or np.linalg.norm((palm - target)[[0, 2]]) > 0.1
 
 
+@pytest.mark.trials
 def test_says_which_hand_comes_no_nearer(rig: Rig) -> None:
     result = rig.run("touch_with_both", target=(1.2, 0.0, 0.9), width=0.2, timeout=15)
     assert result.failed

@@ -20,6 +20,7 @@ def test_turns_on_the_spot_to_the_side_it_is_told(rig: Rig, angle: float) -> Non
     assert not result.stops
 
 
+@pytest.mark.trials
 def test_counts_from_where_it_faces_at_each_start(rig: Rig) -> None:
     for _ in range(2):
         assert rig.run("turn", angle=0.5).succeeded

@@ -18,6 +18,7 @@ def test_looks_and_waves_and_takes_the_hand_back(run_tree: RunTree) -> None:
     assert ended(run, "wave") == ended(run, "retract") == ["success"]
 
 
+@pytest.mark.trials
 def test_does_not_greet_again_for_some_time(run_tree: RunTree) -> None:
     twice = GREET.format(", times: 1, again: 2 s").replace("  subtree", "  keep_running_until_failure:\n    subtree")
     run = run_tree(twice, "visitor_ahead")

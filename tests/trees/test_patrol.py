@@ -7,6 +7,7 @@ import pytest
 from tests.trees.conftest import RunTree, ended, stance
 
 
+@pytest.mark.trials
 def test_comes_to_the_places_in_their_order(run_tree: RunTree) -> None:
     run = run_tree("""\
     sequence:

@@ -85,6 +85,7 @@ def test_nobody_stands_in_a_crate(rig: Rig, tmp_path: Path) -> None:
     assert run.reason == "walk_to: no way to (0.9, 0.8): crate stands there, or too near to it"
 
 
+@pytest.mark.trials
 def test_goes_round_what_comes_into_its_way(rig: Rig, tmp_path: Path) -> None:
     crosses = "events:\n  - {at: 1 s, move: cart, to: [1.1, 0, 0.4], over: 2 s}"
     run = rig.run_tree("go", scene=scene(tmp_path, CROSSING, crosses), x=2.2, y=0)
@@ -100,6 +101,7 @@ def test_lets_pass_what_walks_into_its_way(rig: Rig, tmp_path: Path) -> None:
     run.expect("outcome == success", *SAFE)
 
 
+@pytest.mark.trials
 def test_waits_for_what_has_closed_the_only_way_and_names_it(rig: Rig, tmp_path: Path) -> None:
     comes = "events:\n  - {at: 1 s, move: cart, to: [2.2, 0, 0.4], over: 3 s}"
     run = rig.run_tree("go", scene=scene(tmp_path, CORRIDOR, comes), x=4.5, y=0)
@@ -117,6 +119,7 @@ def test_goes_on_when_the_way_is_free_again(rig: Rig, tmp_path: Path) -> None:
     run.expect("outcome == success", *SAFE)
 
 
+@pytest.mark.trials
 def test_approaches_from_the_side_of_a_table_on_which_the_cup_is(rig: Rig, tmp_path: Path) -> None:
     cup = "percepts: {cup: {object: cup}}"
     run = rig.run_tree(tree(tmp_path, APPROACH), scene=scene(tmp_path, TABLE, cup))
@@ -128,7 +131,7 @@ def test_approaches_from_the_side_of_a_table_on_which_the_cup_is(rig: Rig, tmp_p
 
 def test_what_a_link_bumps_into_is_told(rig: Rig, tmp_path: Path) -> None:
     behind = "wall: {shape: box, size: [0.1, 2, 1], solid: true, position: [-0.45, 0, 0.5]}"
-    run = rig.run_tree(tree(tmp_path, BACK), scene=scene(tmp_path, behind))
+    run = rig.run_tree(tree(tmp_path, BACK), scene=scene(tmp_path, behind), duration=3)
     assert run.samples[-1].touched == ("wall",)
     with pytest.raises(AssertionError, match="touched"):
         run.expect("never: touched")

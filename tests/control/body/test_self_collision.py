@@ -188,6 +188,7 @@ def test_the_base_is_planned_to_rise_no_faster_than_its_bound(
     assert 0.15 < fastest < 0.21
 
 
+@pytest.mark.trials
 def test_hands_that_lie_against_each_other_stay_apart_in_every_step(
     robot: RobotModel, standing: Array, kinematics: InverseKinematics
 ) -> None:

@@ -66,6 +66,7 @@ def test_learns_what_a_hand_carries(rig: ControlRig) -> None:
         rig.plant.alter()
 
 
+@pytest.mark.trials
 def test_does_not_learn_what_presses(rig: ControlRig) -> None:
     rig.run(2.0, AHEAD)
     contact = rig.controller.estimator.contact

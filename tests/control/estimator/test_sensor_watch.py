@@ -37,6 +37,7 @@ def test_a_sensor_that_fails_is_noticed(rig: ControlRig, sensor: str, how: str) 
     assert 0.3 < stop.time <= 0.35
 
 
+@pytest.mark.trials
 @pytest.mark.parametrize(("sensor", "how"), [("gyro", "silent"), ("accelerometer", "frozen"), ("left_knee", "jumping")])
 def test_a_robot_that_walks_stops_and_stands_without_a_sensor(rig: ControlRig, sensor: str, how: str) -> None:
     rig.run(2.0, WALK)
