@@ -52,6 +52,14 @@ def test_follows_a_target_that_moves(rig: Rig) -> None:
     assert off(rig, "left", (1.2, 0.2, 1.3)) < CLOSE
 
 
+def test_gives_up_at_once_when_something_touches_its_arm(rig: Rig) -> None:
+    rig.at(1.0, lambda: rig.push((-60.0, 0.0, 0.0), 0.2, "right_hand"))
+    result = rig.run("point_at", target=(2.0, -0.5, 0.9), hand="right", hold="3 s")
+    assert result.failed
+    assert result.feedback.startswith("right arm touched something: ")
+    assert result.states[-1].time < 1.5
+
+
 def test_says_that_something_is_too_near(rig: Rig) -> None:
     result = rig.run("point_at", target=(0.3, 0.2, 0.9))
     assert result.failed

@@ -50,6 +50,14 @@ def test_passes_beside_the_target_before_it_closes_in(rig: Rig) -> None:
             assert beside or np.linalg.norm((palm - target)[[0, 2]]) > 0.1
 
 
+def test_gives_up_at_once_when_something_touches_an_arm(rig: Rig) -> None:
+    rig.at(1.0, lambda: rig.push((-60.0, 0.0, 0.0), 0.2, "right_hand"))
+    result = rig.run("touch_with_both", target=(0.36, 0.0, 0.85), width=0.2)
+    assert result.failed
+    assert result.feedback.startswith("right arm touched something: ")
+    assert result.states[-1].time < 1.5
+
+
 @pytest.mark.trials
 def test_says_which_hand_comes_no_nearer(rig: Rig) -> None:
     result = rig.run("touch_with_both", target=(1.2, 0.0, 0.9), width=0.2, timeout=15)
