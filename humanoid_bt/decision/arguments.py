@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from typing import Any, get_args
 
 import numpy as np
 
+from humanoid_bt.core.errors import HumanoidBtError
 from humanoid_bt.core.geometry import quaternion
-from humanoid_bt.core.messages import Array, PalmAxis, Pointing
+from humanoid_bt.core.messages import SIDES, Array, HandTarget, PalmAxis, Pointing, Target
 
 _ALMOST = 1e-2  # of a length from 1, and of a rotation matrix from one: more is no rounding
 
@@ -80,3 +82,15 @@ def how_turned(orientation: Any, direction: Any, axis: str) -> Array | Pointing 
 def _kept(values: Array) -> Array:
     values.setflags(write=False)
     return values
+
+
+def check_relative(targets: Mapping[str, Target], sources: Mapping[str, str]) -> None:
+    """Refuse a hand that is to go where the other one is, which has no place of its own to go to."""
+    for side, other in (SIDES, SIDES[::-1]):
+        target, leader = (targets.get(f"{of}_hand") for of in (side, other))
+        if not isinstance(target, HandTarget) or not target.relative:
+            continue
+        if not isinstance(leader, HandTarget) or leader.relative:
+            path = sources[f"{side}_hand"]
+            why = f"relative to the {other} one, which nothing moves to a place in the world"
+            raise HumanoidBtError(f"{path!r} moves the {side} hand {why}")

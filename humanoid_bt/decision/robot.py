@@ -20,7 +20,6 @@ from humanoid_bt.core.errors import HumanoidBtError, ResourceConflict, nearest
 from humanoid_bt.core.geometry import heading_of, rotation_matrix
 from humanoid_bt.core.messages import (
     RESOURCES,
-    SIDES,
     ArmTarget,
     Array,
     BaseTarget,
@@ -37,7 +36,7 @@ from humanoid_bt.core.messages import (
     Target,
     touch_text,
 )
-from humanoid_bt.decision.arguments import how_turned, number, speed_of, vector
+from humanoid_bt.decision.arguments import check_relative, how_turned, number, speed_of, vector
 from humanoid_bt.perception.track import Track
 
 if TYPE_CHECKING:  # a skill's file is imported without it
@@ -211,7 +210,7 @@ class Robot:
                     )
                 targets[resource] = target
                 sources[resource] = handle.path
-        _check_relative(targets, sources)
+        check_relative(targets, sources)
         command = Command(self._sequence, self.state.time, targets, sources)
         self._sequence += 1
         return command
@@ -444,18 +443,6 @@ class RobotHandle:
             raise HumanoidBtError(f"commands {resource!r} without declaring it; its class needs resources = {wanted}")
         self.targets[resource] = target
         self._robot.note(self)
-
-
-def _check_relative(targets: Mapping[str, Target], sources: Mapping[str, str]) -> None:
-    """Refuse a hand that is to go where the other one is, which has no place of its own to go to."""
-    for side, other in (SIDES, SIDES[::-1]):
-        target, leader = (targets.get(f"{of}_hand") for of in (side, other))
-        if not isinstance(target, HandTarget) or not target.relative:
-            continue
-        if not isinstance(leader, HandTarget) or leader.relative:
-            path = sources[f"{side}_hand"]
-            why = f"relative to the {other} one, which nothing moves to a place in the world"
-            raise HumanoidBtError(f"{path!r} moves the {side} hand {why}")
 
 
 def _to_log(source: str, level: Level, text: str) -> None:
