@@ -16,7 +16,8 @@ from humanoid_bt.campaign.work import Answer, Run
 from humanoid_bt.control.body.standing import load_robot
 from humanoid_bt.core.clock import DECISION_PERIOD
 from humanoid_bt.core.geometry import rotation_matrix
-from humanoid_bt.core.messages import SIDES, Array, odometry_error
+from humanoid_bt.core.messages import SIDES, Array
+from humanoid_bt.core.odometry import odometry_error
 from humanoid_bt.files.workspace import Workspace, builtin_root
 from humanoid_bt.plant.mujoco_plant import MujocoPlant
 from humanoid_bt.robot.model import sole_site

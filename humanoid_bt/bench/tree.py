@@ -15,7 +15,8 @@ from humanoid_bt.bench.promises import LOAD, TICK
 from humanoid_bt.bench.samples import sample_tree
 from humanoid_bt.control.body.standing import load_robot
 from humanoid_bt.control.controller import Controller
-from humanoid_bt.core.messages import Percept, State, truth_of
+from humanoid_bt.core.messages import Percept, State
+from humanoid_bt.core.odometry import truth_of
 from humanoid_bt.decision.robot import Robot
 from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.plant.mujoco_plant import MujocoPlant

@@ -78,6 +78,12 @@ def turn_of_axis(start: Array, end: Array) -> Array:
     return np.asarray(aside * (math.pi / math.sqrt(aside @ aside)))
 
 
+def yaw_of(quaternion: Array) -> float:
+    """Return how far a quaternion, shape (4,), wxyz, turns about the vertical: its yaw, after pitch and roll [rad]."""
+    w, x, y, z = quaternion.tolist()
+    return math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
+
+
 def heading_of(turn: Array) -> float:
     """Return where the first axis of a rotation matrix, shape (3, 3), points to, seen from above [rad]."""
     return math.atan2(turn.item(1, 0), turn.item(0, 0))

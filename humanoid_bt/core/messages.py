@@ -6,7 +6,6 @@ Quaternions are (w, x, y, z), as in MuJoCo. Arrays are copies that nobody change
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from enum import Enum
@@ -433,23 +432,6 @@ class State:
 def touch_text(group: str, contact: Contact) -> str:
     """Return what touched a group of links, for people: ``right arm touched something: 43 N``."""
     return f"{group.replace('_', ' ')} touched something: {contact.largest:.0f} N"
-
-
-def truth_of(state: State) -> Truth:
-    """Return where a robot is that knows exactly where it is."""
-    return Truth(state.time, state.base_position, state.base_quaternion, state.gaze_position, state.gaze_direction)
-
-
-def odometry_error(state: State, truth: Truth) -> tuple[float, float]:
-    """Return how far the base is from where it is believed to be [m], seen from above, and how far turned [rad]."""
-    off = state.base_position - truth.base_position
-    turned = math.remainder(_yaw(state.base_quaternion) - _yaw(truth.base_quaternion), math.tau)
-    return math.hypot(off[0], off[1]), abs(turned)
-
-
-def _yaw(quaternion: Array) -> float:
-    w, x, y, z = quaternion.tolist()
-    return math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
 
 
 _ARRAYS = tuple(field.name for field in fields(State) if field.type == "Array")

@@ -9,7 +9,8 @@ from typing import Any
 from py_trees.common import Status
 
 from humanoid_bt.core.errors import UserError, nearest
-from humanoid_bt.core.messages import Command, Level, Percept, State, Truth, odometry_error
+from humanoid_bt.core.messages import Command, Level, Percept, State, Truth
+from humanoid_bt.core.odometry import odometry_error
 from humanoid_bt.core.plain import plain
 from humanoid_bt.core.texts import shortened
 from humanoid_bt.decision.result import reported

@@ -41,8 +41,8 @@ from humanoid_bt.core.messages import (
     PostureTarget,
     Side,
     State,
-    truth_of,
 )
+from humanoid_bt.core.odometry import truth_of
 from humanoid_bt.core.palm import axis_of, in_world, other_side
 from humanoid_bt.link.wire import Event
 from humanoid_bt.perception.source import PerceptSource

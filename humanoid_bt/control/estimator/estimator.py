@@ -13,6 +13,7 @@ from humanoid_bt.control.estimator.foot_load import FootLoad
 from humanoid_bt.control.estimator.invariant_filter import FREE, FilterNoise, InvariantFilter
 from humanoid_bt.control.estimator.sensor_watch import SensorWatch
 from humanoid_bt.core.clock import SERVO_PERIOD
+from humanoid_bt.core.geometry import yaw_of
 from humanoid_bt.core.messages import SIDES, Array, Estimate, Reading
 from humanoid_bt.robot.model import BASE_COORDINATES, BASE_DOFS, RobotModel
 
@@ -26,7 +27,6 @@ _RATE_SHARE = 0.2  # of what the legs say of the base's turning that is believed
 _STEADY = 0.5  # s upright after which nothing throws the robot about any more
 _SURELY_UPRIGHT = 0.95  # cosine of the base's tilt, 18 degrees
 _LOST_AFTER = 0.3  # s without a foot on the ground after which the robot hangs or lies: IMU alone would drift away
-_ASTRAY = 0.2  # rad by which believed and measured tilt differ, as of a robot that was put back on its feet
 
 
 class Estimator:
@@ -151,7 +151,7 @@ class Estimator:
         self._since += heard
         self._clear()
         self._note_contact(time)
-        if self._lost > _LOST_AFTER or self._astray(reading):
+        if self._lost > _LOST_AFTER:
             self._rest(reading)
         else:
             self._filter_by_turns()
@@ -197,13 +197,6 @@ class Estimator:
         self._still = self._still + time if all(standing) else 0.0
         self._lost = 0.0 if any(standing) else self._lost + time
 
-    def _astray(self, reading: Reading) -> bool:
-        """Return whether a robot that is believed to lie or fall is elsewhere, as the IMU's own filter says."""
-        if self._upright or self.watch.failed:
-            return False
-        believed, said = _up(self._filter.quaternion), _up(reading.orientation)
-        return math.dist(believed, said) > _ASTRAY
-
     def _rest(self, reading: Reading) -> None:
         """Take the tilt from the IMU's own filter and the height from the legs: no foot says more."""
         quaternion, position = self._filter.quaternion, self._filter.position
@@ -211,7 +204,9 @@ class Estimator:
         if "orientation" in self.watch.failed:
             return
         said = reading.orientation / np.linalg.norm(reading.orientation)
-        self._filter.rest(_turned(said, _yaw(quaternion) - _yaw(said)), np.array([position[0], position[1], height]))
+        self._filter.rest(
+            _turned(said, yaw_of(quaternion) - yaw_of(said)), np.array([position[0], position[1], height])
+        )
         self._turn = self._since = 0
 
     def _without_imu(self, imu: Array, time: float) -> None:
@@ -249,14 +244,3 @@ def _turned(quaternion: Array, yaw: float) -> Array:
     w, x, y, z = quaternion.tolist()
     cos, sin = math.cos(yaw / 2), math.sin(yaw / 2)
     return np.array([cos * w - sin * z, cos * x - sin * y, cos * y + sin * x, cos * z + sin * w])
-
-
-def _up(quaternion: Array) -> tuple[float, float, float]:
-    """Return the vertical of the world in the frame of the base."""
-    w, x, y, z = quaternion.tolist()
-    return 2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)
-
-
-def _yaw(quaternion: Array) -> float:
-    w, x, y, z = quaternion.tolist()
-    return math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
