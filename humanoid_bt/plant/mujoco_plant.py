@@ -56,6 +56,7 @@ class MujocoPlant:
         self._owners = np.array([_owner(self.model, body) for body in self.model.geom_bodyid])
         self._objects_touch = bool((self._owners >= 0).any())
         self.touched: dict[str, str] = {}
+        self._pairs = b""  # of geoms that touched when it was last looked
         self._sensors = Sensors(robot.config.sensors, self.data, joints, -float(self.model.opt.gravity[2]))
         self._gaze = self.model.site(GAZE_SITE).id
         self._feet = [self.data.sensor(foot_sensor(side)).data[2:] for side in SIDES]  # views, which stay
@@ -99,6 +100,7 @@ class MujocoPlant:
         self._coming.clear()
         self._pushes.clear()
         self.touched.clear()
+        self._pairs = b""
         self.external_force_max = 0.0
         self.cycle = 0
         self.move_objects()
@@ -153,6 +155,10 @@ class MujocoPlant:
 
     def _note_touches(self) -> None:
         geoms = self.data.contact.geom
+        pairs = geoms.tobytes()
+        if pairs == self._pairs:  # as in most steps
+            return
+        self._pairs = pairs
         owners = self._owners[geoms]
         if not len(owners) or owners.max() < 0:
             return
