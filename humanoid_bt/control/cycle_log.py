@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from humanoid_bt.core.clock import DECISION_PERIOD, WHOLE_BODY_PERIOD, cycles
-from humanoid_bt.core.messages import SIDES, Array, Estimate, Gait, Mode, Reading
+from humanoid_bt.core.messages import SIDES, Array, Command, Estimate, Gait, Mode, Reading
 from humanoid_bt.link.table import LocalTable, TableWriter
 
 if TYPE_CHECKING:  # who reads a recording needs no simulator
@@ -27,8 +27,10 @@ NONE = -1.0
 """Stands for the error of a hand that nothing commands, and for the command before the first."""
 
 _NO_HANDS = (NONE,) * len(SIDES)
-_POSE, _TWIST = 3 + 4, 3 + 3  # numbers of the base: position and quaternion, velocity and rate
-_FEET = _POSE + _TWIST  # of what is believed, the first number of the feet
+_CYCLE, _MODE, _COMMAND = range(3)  # of a row, the numbers of what was decided
+_DECIDED, _POSE, _TWIST = 3, 3 + 4, 3 + 3  # so many; then of the base position and quaternion, velocity and rate
+_HEAD = _DECIDED + _POSE + _TWIST + len(SIDES)  # of a row, what the plant does not measure into it
+_PARTS = 3  # of a plan, each copied in a cycle of its own
 _LATE = 4.0  # s that a reader may be late before it misses something
 
 
@@ -162,18 +164,20 @@ class CycleLog:
         joints = len(layout.joints)
         parts = _parts(plans.rows, 4 + len(SIDES), 3, 3 * joints)
         self._plan_rows = [(numbers, com, of.reshape(3, joints), limited) for numbers, com, of, limited in parts]
-        rows = _parts(servo_cycles.rows, 3, _FEET + len(SIDES))
-        self._rows = [(numbers, believed, Reading(joints, values)) for numbers, believed, values in rows]
+        rows = _parts(servo_cycles.rows, _HEAD)
+        self._rows = [(head, Reading(joints, values)) for head, values in rows]
         self._count = len(rows)
-        self._believed: Array = np.zeros(_FEET + len(SIDES))
-        self._pose, self._twist, self._force = np.split(self._believed, (_POSE, _FEET))
+        head: Array = np.zeros(_HEAD)
+        self._head = head.data  # of the row to come
+        self._pose, self._twist, self._force = np.split(head[_DECIDED:], (_POSE, _POSE + _TWIST))
         self._estimate: Estimate | None = None  # that these are of
         self._clamped = [bool(row[-1].any()) for row in parts]
         self._commands = -1  # of the servo, as far as they were seen; -1 before the first, which is no plan
         self._plan, self._left = 0, 0  # cycle of the last plan, and how much is left to copy of it
         self._mode = self._plan_mode = MODES[0]
-        self._mode_number = 0  # an enumeration is slow to look up
-        _, self._row_believed, self.measured = self._rows[0]
+        self._command: Command | None = None
+        self._head[_COMMAND] = NONE
+        self._row_head, self.measured = self._rows[0]
 
     def begin(self, cycle: int, supervisor: Supervisor, servo: Servo, body: WholeBody) -> None:
         """Take what was decided in a servo cycle, as soon as it is, before anything is planned or driven.
@@ -184,17 +188,19 @@ class CycleLog:
             servo, body: as the cycle before left them.
         """
         if servo.commands != self._commands:
-            self._plan, self._plan_mode, self._left = cycle - 1, self._mode, 0 if self._commands < 0 else 2
+            self._plan, self._plan_mode, self._left = cycle - 1, self._mode, 0 if self._commands < 0 else _PARTS
             self._commands = servo.commands
         elif self._left:
             self._copy_part(servo, body)
-        command, mode = supervisor.command, supervisor.mode
-        if mode is not self._mode:
-            self._mode, self._mode_number = mode, MODES.index(mode)
-        numbers, self._row_believed, self.measured = self._rows[self._cycles.count % self._count]
-        numbers[0] = cycle
-        numbers[1] = self._mode_number
-        numbers[2] = NONE if command is None else command.sequence
+        head = self._head
+        head[_CYCLE] = cycle
+        if supervisor.mode is not self._mode:
+            self._mode = supervisor.mode
+            head[_MODE] = MODES.index(self._mode)
+        if supervisor.command is not self._command:
+            self._command = supervisor.command
+            head[_COMMAND] = NONE if self._command is None else self._command.sequence
+        self._row_head, self.measured = self._rows[self._cycles.count % self._count]
 
     def end(self, estimate: Estimate) -> None:
         """Let readers see the cycle, with what is believed of base and feet after it."""
@@ -203,7 +209,7 @@ class CycleLog:
                 self._sources = estimate.qpos[:_POSE], estimate.qvel[:_TWIST], estimate.foot_force
             self._estimate = estimate
             self._pose[:], self._twist[:], self._force[:] = self._sources
-        self._row_believed[:] = self._believed
+        self._row_head[:] = self._head
         self._cycles.publish()
 
     def end_plan(self, servo: Servo, body: WholeBody) -> None:
@@ -212,28 +218,29 @@ class CycleLog:
             self._copy_part(servo, body)
 
     def _copy_part(self, servo: Servo, body: WholeBody) -> None:
-        """Copy the first or the second part of the last plan."""
+        """Copy the next part of the last plan."""
         self._left -= 1
         row = self._plans.count % len(self._plan_rows)
         numbers, com_error, setpoint, limited = self._plan_rows[row]
         kinematics = body.kinematics
-        if self._left:
+        if self._left == 2:
             setpoint[:] = servo.setpoint
+        elif self._left == 1:
             com_error[:] = kinematics.com_error
             if servo.clamped or self._clamped[row]:  # else they are zero, as they are to be
                 limited[:] = servo.limited
                 self._clamped[row] = servo.clamped
-            return
-        numbers[0] = self._plan
-        numbers[1] = GAITS.index(body.walker.gait)
-        numbers[2] = kinematics.solved
-        numbers[3] = self._plan_mode is not Mode.DAMP
-        errors = kinematics.hand_errors
-        numbers[4], numbers[5] = [errors.get(side, NONE) for side in SIDES] if errors else _NO_HANDS
-        self._plans.publish()
+        else:
+            numbers[0] = self._plan
+            numbers[1] = GAITS.index(body.walker.gait)
+            numbers[2] = kinematics.solved
+            numbers[3] = self._plan_mode is not Mode.DAMP
+            errors = kinematics.hand_errors
+            numbers[4], numbers[5] = [errors.get(side, NONE) for side in SIDES] if errors else _NO_HANDS
+            self._plans.publish()
 
 
 def _parts(rows: Array, *widths: int) -> list[list[Any]]:
-    """Return views of the parts of each row; the first as a memoryview, which takes single numbers quicker."""
+    """Return views of the parts of each row; the first as a memoryview, which takes a few numbers quicker."""
     parts = (np.split(row, np.cumsum(widths)) for row in rows)
     return [[first.data, *others] for first, *others in parts]
