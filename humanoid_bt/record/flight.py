@@ -88,6 +88,11 @@ class Flight:
         self._follower = _Follower(self, TableReader.open(plans), TableReader.open(cycles))
         self._follower.start()
 
+    @property
+    def follows(self) -> bool:
+        """Whether it takes rows by itself."""
+        return self._follower is not None
+
     def finish(self, patience: float, stream: Any) -> None:
         """Take what control still writes, until it has ended or it takes too long [s]; write it as it comes."""
         if self._follower is not None:

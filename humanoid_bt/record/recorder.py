@@ -124,6 +124,11 @@ class Recorder:
         return self._outlet.url
 
     @property
+    def follows(self) -> bool:
+        """Whether it takes servo cycles by itself, from a control that goes on whatever the run does."""
+        return self._flight.follows
+
+    @property
     def trouble(self) -> str:
         """What is wrong with the file, or missing in it, "" while nothing is."""
         return self._outlet.trouble or self._flight.trouble

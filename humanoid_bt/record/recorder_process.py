@@ -32,6 +32,7 @@ if TYPE_CHECKING:
 _NICE = 5  # behind the run, before what is only meant to fill idle cores
 _PAUSE = 0.01  # s between two looks at what came in
 _SAVE = 0.03  # s after which what came in stands in the file, if it is what must not be lost
+_SAVE_LOCKSTEP = 0.3  # s of a run that another one repeats to the bit
 _SILENCE = 1.0  # s without a call after which what came otherwise is written
 _CHUNK = 1 << 16  # bytes that are read at once
 _ALONE = 60.0  # s to close a recording that nobody waits for any more
@@ -101,11 +102,11 @@ class RecorderProcess:
 
     def _save(self) -> None:
         """Write what must not be lost, if the last time was long enough ago."""
-        now = time.monotonic()
-        if self._recorder is not None and now - self._saved >= _SAVE:
+        now, recorder = time.monotonic(), self._recorder
+        if recorder is not None and now - self._saved >= (_SAVE if recorder.follows else _SAVE_LOCKSTEP):
             self._saved = now
-            self._recorder.save()
-            self._tell(self._recorder)
+            recorder.save()
+            self._tell(recorder)
 
     def _tell(self, recorder: Recorder) -> None:
         """Say what became of the file, if that has changed."""

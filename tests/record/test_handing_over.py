@@ -153,15 +153,22 @@ def test_while_nothing_comes_there_is_time_for_other_things(ends: tuple[socket.s
     assert source.readinto(bytearray(10)) == 1
 
 
+@pytest.mark.parametrize("pace", [(True, 0.03), (False, 0.3)], ids=["realtime", "lockstep"])
 def test_servo_cycles_are_written_while_decision_is_silent(
-    ends: tuple[socket.socket, socket.socket], record: Callable[..., Recorder], tmp_path: Path
+    ends: tuple[socket.socket, socket.socket],
+    record: Callable[..., Recorder],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    pace: tuple[bool, float],
 ) -> None:
+    follows, after = pace
+    monkeypatch.setattr(Recorder, "follows", follows)
     with record() as recorder:
         process = RecorderProcess(ends[1])
         process._recorder, process._saved = recorder, time.monotonic() + 60.0  # it has just saved
         process._obey(recorder, "cycles", (np.zeros((4, LAYOUT.plan.width)), np.zeros((20, LAYOUT.cycle.width))))
         process._idle()
         assert len(read_cycles(tmp_path / "run.rrd").time) == 0
-        process._saved = time.monotonic() - 0.03
+        process._saved = time.monotonic() - after
         process._idle()
         assert len(read_cycles(tmp_path / "run.rrd").time) == 20
