@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from humanoid_bt.core.arrays import numbers
 from humanoid_bt.core.clock import DECISION_PERIOD, WHOLE_BODY_PERIOD, cycles
 from humanoid_bt.core.messages import SIDES, Array, Command, Estimate, Gait, Mode, Reading
 from humanoid_bt.link.table import LocalTable, TableWriter
@@ -77,8 +78,8 @@ class Row:
     def places(self, part: Row) -> list[int]:
         """Return where the numbers of a part of it are."""
         wanted = {(column.name, label) for column in part.columns for label in column.labels}
-        numbers = [(column.name, label) for column in self.columns for label in column.labels]
-        return [place for place, number in enumerate(numbers) if number in wanted]
+        known = [(column.name, label) for column in self.columns for label in column.labels]
+        return [place for place, number in enumerate(known) if number in wanted]
 
     def split(self, rows: Array) -> dict[str, Array]:
         """Return views of the columns of rows, shape (..., width), by name."""
@@ -163,12 +164,12 @@ class CycleLog:
         self._plans, self._cycles = plans, servo_cycles
         joints = len(layout.joints)
         parts = _parts(plans.rows, 4 + len(SIDES), 3, 3 * joints)
-        self._plan_rows = [(numbers, com, of.reshape(3, joints), limited) for numbers, com, of, limited in parts]
+        self._plan_rows = [(plan, com, of.reshape(3, joints), limited) for plan, com, of, limited in parts]
         rows = _parts(servo_cycles.rows, _HEAD)
         self._rows = [(head, Reading(joints, values)) for head, values in rows]
         self._count = len(rows)
         head: Array = np.zeros(_HEAD)
-        self._head = head.data  # of the row to come
+        self._head = numbers(head)  # of the row to come
         self._pose, self._twist, self._force = np.split(head[_DECIDED:], (_POSE, _POSE + _TWIST))
         self._estimate: Estimate | None = None  # that these are of
         self._clamped = [bool(row[-1].any()) for row in parts]
@@ -221,7 +222,7 @@ class CycleLog:
         """Copy the next part of the last plan."""
         self._left -= 1
         row = self._plans.count % len(self._plan_rows)
-        numbers, com_error, setpoint, limited = self._plan_rows[row]
+        plan, com_error, setpoint, limited = self._plan_rows[row]
         kinematics = body.kinematics
         if self._left == 2:
             setpoint[:] = servo.setpoint
@@ -231,16 +232,16 @@ class CycleLog:
                 limited[:] = servo.limited
                 self._clamped[row] = servo.clamped
         else:
-            numbers[0] = self._plan
-            numbers[1] = GAITS.index(body.walker.gait)
-            numbers[2] = kinematics.solved
-            numbers[3] = self._plan_mode is not Mode.DAMP
+            plan[0] = self._plan
+            plan[1] = GAITS.index(body.walker.gait)
+            plan[2] = kinematics.solved
+            plan[3] = self._plan_mode is not Mode.DAMP
             errors = kinematics.hand_errors
-            numbers[4], numbers[5] = [errors.get(side, NONE) for side in SIDES] if errors else _NO_HANDS
+            plan[4], plan[5] = [errors.get(side, NONE) for side in SIDES] if errors else _NO_HANDS
             self._plans.publish()
 
 
 def _parts(rows: Array, *widths: int) -> list[list[Any]]:
-    """Return views of the parts of each row; the first as a memoryview, which takes a few numbers quicker."""
+    """Return views of the parts of each row, the first as its numbers."""
     parts = (np.split(row, np.cumsum(widths)) for row in rows)
-    return [[first.data, *others] for first, *others in parts]
+    return [[numbers(first), *others] for first, *others in parts]

@@ -57,9 +57,9 @@ class MujocoPlant:
         self._objects_touch = bool((self._owners >= 0).any())
         self.touched: dict[str, str] = {}
         self._pairs = b""  # of geoms that touched when it was last looked
-        self._sensors = Sensors(robot.config.sensors, self.data, joints, -float(self.model.opt.gravity[2]))
+        feet = [self.data.sensor(foot_sensor(side)).data[2:] for side in SIDES]  # views, which stay
+        self._sensors = Sensors(robot.config.sensors, self.data, joints, feet, -float(self.model.opt.gravity[2]))
         self._gaze = self.model.site(GAZE_SITE).id
-        self._feet = [self.data.sensor(foot_sensor(side)).data[2:] for side in SIDES]  # views, which stay
         self._stiffness, self._damping = robot.stiffness, robot.damping
         self._drives, self._payloads = 1.0, (0.0, 0.0)
         self._strength = np.ones(joints)  # what each drive gives of the torque that it is asked for
@@ -108,13 +108,7 @@ class MujocoPlant:
             mujoco.mj_forward(self.model, self.data)
         except mujoco.FatalError as error:
             raise UserError(_gives_up(error), Place(relative(self.scene.config.path)), code="model") from error
-        self._sensors.reset(random_stream(self.scene.seed, "sensors"), self.foot_force)
-
-    @property
-    def foot_force(self) -> tuple[float, float]:
-        """The true normal force on the (left, right) foot [N]."""
-        left, right = self._feet
-        return abs(left.item()), abs(right.item())
+        self._sensors.reset(random_stream(self.scene.seed, "sensors"))
 
     def truth(self) -> Truth:
         """Return where the robot really is."""
@@ -151,7 +145,7 @@ class MujocoPlant:
         self.cycle += 1
         if self._objects_touch:
             self._note_touches()
-        self._sensors.sense(self.foot_force)
+        self._sensors.sense()
 
     def _note_touches(self) -> None:
         geoms = self.data.contact.geom

@@ -8,6 +8,7 @@ from typing import Literal, get_args
 import mujoco
 import numpy as np
 
+from humanoid_bt.core.arrays import numbers
 from humanoid_bt.core.clock import SERVO_PERIOD, cycles
 from humanoid_bt.core.messages import Array, Reading
 from humanoid_bt.robot.sensor_config import SensorsConfig
@@ -34,6 +35,7 @@ class Sensors:
         config: what they are like.
         data: MuJoCo's, of the robot in its scene; the robot's coordinates come first.
         joints: how many the robot has.
+        feet: views of what the (left, right) foot bears, of either sign, each of shape (1,) [N].
         gravity: upward [m/s^2].
 
     Attributes:
@@ -41,17 +43,17 @@ class Sensors:
         encoder_bias: what each joint's zero is off now, shape (nj,) [rad]; the drive's control sees it, too.
     """
 
-    def __init__(self, config: SensorsConfig, data: mujoco.MjData, joints: int, gravity: float) -> None:
-        self._config, self._joints, self._gravity = config, joints, gravity
+    def __init__(
+        self, config: SensorsConfig, data: mujoco.MjData, joints: int, feet: Sequence[Array], gravity: float
+    ) -> None:
+        self._config, self._joints, self._feet, self._gravity = config, joints, feet, gravity
         self._velocity_now, self._quaternion = data.qvel[:3], data.qpos[3:7]
-        self._pose, self._rates, self._torques = (
-            data.qpos[3 : 7 + joints],
-            data.qvel[3 : 6 + joints],
-            data.actuator_force,
-        )
+        self._pose, self._rates = numbers(data.qpos[3 : 7 + joints]), numbers(data.qvel[3 : 6 + joints])
+        self._torques = numbers(data.actuator_force)
         self._true = Reading(joints)
-        self._true_pose, self._true_rates = self._true.values[2 : 6 + joints], self._true.values[9 + joints : -joints]
-        self._true_torque = self._true.joint_torque
+        values = self._true.values
+        self._true_pose, self._true_rates = numbers(values[2 : 6 + joints]), numbers(values[9 + joints : -joints])
+        self._true_torque, self._true_force = numbers(self._true.joint_torque), numbers(self._true.accelerometer)
         self._joint_positions = slice(6, 6 + joints)
         self._places = {"orientation": slice(2, 6), "accelerometer": slice(6 + joints, 9 + joints)}
         self._places["gyro"] = slice(9 + joints, 12 + joints)
@@ -61,7 +63,7 @@ class Sensors:
         self._delay = cycles(config.delay)
         self._rows = np.zeros((self._delay + 1, len(self._true.values)))
         self._velocity = [0.0, 0.0, 0.0]
-        self._numbers = np.random.default_rng(0)
+        self._random = np.random.default_rng(0)
         self._offset: Array = np.zeros(len(self._true.values))
         self._errors: Array = np.zeros((_BLOCK, len(self._offset)))
         self._drift = 0.0
@@ -91,41 +93,38 @@ class Sensors:
         noise.joint_torque[:], bias.joint_torque[:] = encoders.torque_noise, encoders.torque_bias
         return noise.values, bias.values, resolution.values
 
-    def reset(self, numbers: np.random.Generator, foot_force: tuple[float, float]) -> None:
+    def reset(self, random: np.random.Generator) -> None:
         """Begin a run with a robot at rest: what is off is drawn anew."""
-        self._numbers = numbers
-        self._offset = numbers.standard_normal(len(self._offset)) * self._bias
+        self._random = random
+        self._offset = random.standard_normal(len(self._offset)) * self._bias
         self.encoder_bias = self._offset[self._joint_positions]
         self.encoder_bias += self.encoder_error
         tilt = self._config.orientation.bias
-        roll, pitch = (tilt * numbers.standard_normal(2)).tolist()
+        roll, pitch = (tilt * random.standard_normal(2)).tolist()
         self._tilt = roll, pitch
-        self._drift = float(numbers.standard_normal()) * self._config.orientation.drift
+        self._drift = float(random.standard_normal()) * self._config.orientation.drift
         self._count = 0
         self._failures.clear()
         self._velocity = self._velocity_now.tolist()
         for _ in self._rows:
-            self.sense(foot_force)
+            self.sense()
 
-    def sense(self, foot_force: tuple[float, float]) -> None:
-        """Measure what is true now; call it once a servo cycle.
-
-        Args:
-            foot_force: normal force on the (left, right) foot [N].
-        """
+    def sense(self) -> None:
+        """Measure what is true now; call it once a servo cycle."""
         true, count = self._true, self._count
         place = count % _BLOCK
         if place == 0:
-            self._errors = self._numbers.standard_normal(self._errors.shape) * self._noise + self._offset
+            self._errors = self._random.standard_normal(self._errors.shape) * self._noise + self._offset
             self._turned = _slightly(*self._tilt, self._drift * count * SERVO_PERIOD)
         self._true_pose[:], self._true_rates[:], self._true_torque[:] = self._pose, self._rates, self._torques
         x, y, z = self._velocity
         vx, vy, vz = self._velocity = self._velocity_now.tolist()
         force = (vx - x) / SERVO_PERIOD, (vy - y) / SERVO_PERIOD, (vz - z) / SERVO_PERIOD + self._gravity
-        true.accelerometer[:] = _seen_from(self._quaternion.tolist(), force)
+        seen = self._true_force
+        seen[0], seen[1], seen[2] = _seen_from(self._quaternion.tolist(), force)
         np.dot(self._turned, self._quaternion, out=true.orientation)
         if self._feels:
-            true.foot_force[0], true.foot_force[1] = foot_force
+            true.foot_force[:] = [abs(force.item()) for force in self._feet]
         row = self._rows[count % len(self._rows)]
         np.add(true.values, self._errors[place], out=row)
         row /= self._finest
@@ -167,7 +166,7 @@ class Sensors:
                 row[place] = np.nan
             else:
                 far = _JUMPS.get(name, _JUMPS["joint"])
-                row[place] += self._numbers.uniform(-far, far, len(row[place]))
+                row[place] += self._random.uniform(-far, far, len(row[place]))
         self._last = row.copy()
 
     def read(self, into: Reading) -> None:
