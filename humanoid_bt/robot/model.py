@@ -5,6 +5,7 @@ from __future__ import annotations
 import fnmatch
 import re
 from collections.abc import Iterator
+from pathlib import Path
 
 import mujoco
 import numpy as np
@@ -114,7 +115,7 @@ class RobotModel:
     def spec(self) -> mujoco.MjSpec:
         """Return a new editable model of the robot with its drives, sites and foot sensors."""
         config = self.config
-        spec = _read(config)
+        spec = read_model(config.path.parent / config.model)
         _check_names(spec, config)
         # keyframes no longer fit once a scene is added; sensors may read actuators that are replaced
         for element in [*spec.keys, *spec.sensors]:
@@ -135,11 +136,21 @@ class RobotModel:
         return spec
 
 
-def _read(config: RobotConfig) -> mujoco.MjSpec:
+def read_model(path: Path) -> mujoco.MjSpec:
+    """Return a published model as it can be edited, without contact pairs with a floor that it does not bring.
+
+    Raises:
+        UserError: it is no valid MJCF.
+    """
     try:
-        return mujoco.MjSpec.from_file(str(config.path.parent / config.model))
+        spec = mujoco.MjSpec.from_file(str(path))
     except ValueError as error:
-        raise UserError(f"not a valid MJCF model: {_one_line(error)}", _model(config), code="model") from error
+        raise UserError(f"not a valid MJCF model: {_one_line(error)}", Place(relative(path)), code="model") from error
+    geoms = {geom.name for geom in spec.geoms}
+    for pair in list(spec.pairs):
+        if not {pair.geomname1, pair.geomname2} <= geoms:
+            spec.delete(pair)
+    return spec
 
 
 def _compile(spec: mujoco.MjSpec, config: RobotConfig) -> mujoco.MjModel:
@@ -179,17 +190,7 @@ def _check_names(spec: mujoco.MjSpec, config: RobotConfig) -> None:
         hint = "a floating base: <freejoint/> in that body, before every other joint"
         wanted = f"the model must have exactly one free joint, on the base {config.base!r}"
         problems.append(Problem(wanted, config.place("base"), hint, code="model"))
-    problems += _surroundings(spec, config)
-    sliding = [joint.name for joint in spec.joints if joint.type not in _ROBOT_JOINTS]
-    if sliding:
-        message = f"only hinges can be driven; these joints are none: {', '.join(sliding)}"
-        problems.append(Problem(message, _model(config), code="model"))
-    if list(spec.equalities):
-        message = "the model has equality constraints; the robot must stand on its own"
-        problems.append(Problem(message, _model(config), code="model"))
-    if any(body.gravcomp for body in spec.bodies):
-        message = "the model has bodies with gravcomp; the robot must carry its own weight"
-        problems.append(Problem(message, _model(config), code="model"))
+    problems += model_problems(spec, _model(config))
     undriven = [name for name in hinges if config.drive(name) is None]
     if undriven:
         message = f"no group in 'drives' matches {', '.join(repr(name) for name in undriven)}"
@@ -199,16 +200,29 @@ def _check_names(spec: mujoco.MjSpec, config: RobotConfig) -> None:
         raise UserError(problems)
 
 
-def _surroundings(spec: mujoco.MjSpec, config: RobotConfig) -> Iterator[Problem]:
-    """Yield what stands in the world and is no part of the robot: the scene brings the floor."""
+def model_problems(spec: mujoco.MjSpec, where: Place) -> Iterator[Problem]:
+    """Yield what a model has that no robot here can have.
+
+    Args:
+        spec: the model.
+        where: its file.
+    """
     for geom in spec.worldbody.geoms:
         if geom.contype or geom.conaffinity:
             line = re.search(r"line (\d+)", geom.info)
-            place = Place(_model(config).file, int(line[1]), 1) if line else _model(config)
+            place = Place(where.file, int(line[1]), 1) if line else where
             hint = "name the robot's own model file, not one that shows it in surroundings"
             which = repr(geom.name) if geom.name else "without a name"
             message = f"the model brings surroundings of its own: the geom {which} of the world"
             yield Problem(message, place, hint, code="own-floor")
+    sliding = [joint.name for joint in spec.joints if joint.type not in _ROBOT_JOINTS]
+    if sliding:
+        message = f"only hinges can be driven; these joints are none: {', '.join(sliding)}"
+        yield Problem(message, where, code="model")
+    if list(spec.equalities):
+        yield Problem("the model has equality constraints; the robot must stand on its own", where, code="model")
+    if any(body.gravcomp for body in spec.bodies):
+        yield Problem("the model has bodies with gravcomp; the robot must carry its own weight", where, code="model")
 
 
 _ROBOT_JOINTS = (mujoco.mjtJoint.mjJNT_FREE, mujoco.mjtJoint.mjJNT_HINGE)
