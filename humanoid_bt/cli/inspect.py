@@ -15,6 +15,7 @@ from rich.text import Text
 
 from humanoid_bt.cli.console import SafeConsole
 from humanoid_bt.cli.output import columns, hanging, print_lines
+from humanoid_bt.cli.robots_init import robots_init
 from humanoid_bt.core.errors import Problem, UserError, nearest, relative
 from humanoid_bt.core.params import Param
 from humanoid_bt.core.texts import printable
@@ -75,7 +76,11 @@ def scenes(arguments: argparse.Namespace) -> int:
 
 
 def robots(arguments: argparse.Namespace) -> int:
-    """List robots, or explain some."""
+    """List robots, explain some, or describe a new one."""
+    if arguments.names[:1] == ["init"]:
+        return robots_init(arguments.names[1:], arguments.name, Workspace(arguments.workspace))
+    if arguments.name is not None:
+        raise UserError("--name is for robots init", hint="humanoid-bt robots init MODEL.xml --name NAME")
 
     def load(path: Path) -> RobotModel:
         return RobotModel(load_robot_config(path))

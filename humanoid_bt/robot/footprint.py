@@ -28,12 +28,22 @@ class Footprint:
 
 
 def footprint(robot: RobotModel, body: str) -> Footprint | None:
-    """Return what of a body, and of those fixed to it, touches the floor; None if nothing of it can touch."""
+    """Return what of a body touches the floor in the home posture, as :func:`footprint_in` does."""
     model = robot.model
     data = mujoco.MjData(model)
     data.qpos[:] = robot.home_qpos
     mujoco.mj_kinematics(model, data)
-    foot = model.body(body).id
+    return footprint_in(model, data, model.body(body).id)
+
+
+def footprint_in(model: mujoco.MjModel, data: mujoco.MjData, foot: int) -> Footprint | None:
+    """Return what of a body, and of those fixed to it, touches a flat floor; None if nothing of it can touch.
+
+    Args:
+        model: of the robot.
+        data: in the posture in which the foot is flat.
+        foot: the body.
+    """
     parts = [
         _points(model, data, geom)
         for geom in range(model.ngeom)

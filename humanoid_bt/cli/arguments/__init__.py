@@ -14,7 +14,7 @@ from humanoid_bt.cli.arguments.explain import add_explain
 from humanoid_bt.cli.arguments.export import add_export
 from humanoid_bt.cli.arguments.fmt import add_fmt
 from humanoid_bt.cli.arguments.init import add_init
-from humanoid_bt.cli.arguments.lists import add_lists
+from humanoid_bt.cli.arguments.lists import add_lists, add_robots
 from humanoid_bt.cli.arguments.params import add_params
 from humanoid_bt.cli.arguments.parsing import EXIT_CODES, Commands, Parser
 from humanoid_bt.cli.arguments.recordings import add_keep, add_recordings
@@ -27,7 +27,7 @@ from humanoid_bt.cli.arguments.test import add_test
 
 _COMMANDS = (
     *(add_init, add_run, add_check, add_fmt, add_show, add_test),
-    *(add_lists, add_schema),
+    *(add_lists, add_robots, add_schema),
     *(add_coverage, add_campaign),
     *(add_explain, add_replay, add_diff, add_params, add_export),
     *(add_recordings, add_keep),

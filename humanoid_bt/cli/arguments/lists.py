@@ -9,9 +9,22 @@ _LISTS = {
     "nodes": ("list node types", "List the types of nodes, built-in ones and skills, or explain some with an example."),
     "skills": ("list skills and their parameters", "List skills, or explain some."),
     "scenes": ("list scenes", "List scenes, or explain some."),
-    "robots": ("list robots", "List robots, or explain some."),
     "scenarios": ("list scenarios", "List scenarios, or explain some: what they run, and what they expect."),
 }
+
+
+_ROBOTS = """\
+List robots, or explain some; or write a first robot.yaml for a model: init
+finds legs, feet, arms, head, drives and a posture in it, and marks what it
+guessed.
+"""
+
+_ROBOTS_EXAMPLES = """\
+examples:
+  humanoid-bt robots
+  humanoid-bt robots init models/my_robot.xml
+  humanoid-bt check sim/my_robot/robot.yaml         does it stand and walk?
+"""
 
 
 def add_lists(commands: Commands) -> None:
@@ -20,3 +33,15 @@ def add_lists(commands: Commands) -> None:
         command = commands.add(name, text, description)
         command.add_argument("names", nargs="*", metavar="NAME", help="explain only these")
         add_workspace(command)
+
+
+def add_robots(commands: Commands) -> None:
+    """Declare ``robots``."""
+    robots = commands.add("robots", "list robots, or describe a new one", _ROBOTS, _ROBOTS_EXAMPLES)
+    robots.usage = (
+        "humanoid-bt robots [-h] [--workspace DIR] [NAME ...]\n"
+        "       humanoid-bt robots [-h] [--workspace DIR] init MODEL [--name NAME]"
+    )
+    robots.add_argument("names", nargs="*", metavar="NAME", help="explain only these")
+    robots.add_argument("--name", metavar="NAME", help="with init: the robot's name; default: the model's")
+    add_workspace(robots)

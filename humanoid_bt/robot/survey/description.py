@@ -1,0 +1,243 @@
+"""A first ``robot.yaml`` for a model: what was found in it, and marked with ``guessed`` what it does not say."""
+
+from __future__ import annotations
+
+import fnmatch
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+
+from humanoid_bt.core.messages import SIDES, Array
+from humanoid_bt.robot.config import RobotConfig
+from humanoid_bt.robot.footprint import footprint_in
+from humanoid_bt.robot.survey.drives import drive
+from humanoid_bt.robot.survey.limbs import Surveyor, roles
+from humanoid_bt.robot.survey.places import eyes, palm
+from humanoid_bt.robot.survey.posture import home
+
+_SIDE = re.compile(r"left|right|(?<![a-z])[lr](?=_)|(?<=_)[lr](?![a-z])", re.I)
+_ROLES = ("hip_roll", "hip_pitch", "ankle_pitch", "ankle_roll")
+_MARGIN = 0.4  # share of the sole's half width inside which the centre of pressure may be, at most the default
+_DEFAULT_MARGIN = 0.012  # m
+_SEPARATION = 0.05  # m that feet may come nearer than they stand
+_WEIGHT_SHARE, _GRAVITY = 0.12, 9.81  # of the weight, that tells that a foot has landed
+_ZERO = 5e-4  # m
+_SWAY = 0.08  # m that a walking robot reaches farther than a standing one
+
+
+@dataclass(frozen=True)
+class Description:
+    """What ``robot.yaml`` is to say.
+
+    Attributes:
+        text: the file's.
+        found: what was found, line by line, for people.
+        guessed: what the model does not say, likewise.
+        missing: what the engine needs and the model does not have.
+    """
+
+    text: str
+    found: tuple[str, ...]
+    guessed: tuple[str, ...]
+    missing: tuple[str, ...]
+
+
+def describe(model: mujoco.MjModel, name: str, file: str) -> Description:
+    """Return the description of a robot.
+
+    Args:
+        model: of the robot alone.
+        name: the robot's.
+        file: the model's, as robot.yaml is to name it.
+
+    Raises:
+        NoHumanoidError: it has no free base, or no two legs.
+    """
+    return _Writer(model, name, file).description()
+
+
+class _Writer:
+    def __init__(self, model: mujoco.MjModel, name: str, file: str) -> None:
+        self._model, self._name, self._file = model, name, file
+        self._surveyor = Surveyor(model)
+        self._limbs = self._surveyor.limbs()
+        self._hinges = [model.joint(j).name for j in range(model.njnt) if j != int(model.body_jntadr[self._limbs.base])]
+        self._found, self._guessed, self._missing = list[str](), list[str](), list[str]()
+        self._palms = {side: palm(self._surveyor, arm) for side, arm in self._limbs.arms.items()}
+        self._home = home(self._surveyor, self._limbs, {side: place for side, (place, _) in self._palms.items()})
+        self._standing = mujoco.MjData(model)
+        for joint, angle in self._home.items():
+            self._standing.qpos[model.jnt_qposadr[joint]] = angle
+        mujoco.mj_kinematics(model, self._standing)
+
+    def description(self) -> Description:
+        parts = [
+            self._head(),
+            self._trunk(),
+            self._legs(),
+            self._hands(),
+            self._gaze(),
+            self._drives(),
+            self._posture(),
+        ]
+        parts += [self._groups(), self._gait(), self._room()]
+        text = "\n".join("\n".join(lines) + "\n" for lines in map(list, parts) if lines)
+        return Description(text, tuple(self._found), tuple(self._guessed), tuple(self._missing))
+
+    def _body(self, body: int) -> str:
+        return str(self._model.body(body).name)
+
+    def _joint(self, joint: int) -> str:
+        return str(self._model.joint(joint).name)
+
+    def _head(self) -> Iterator[str]:
+        mass, joints = float(self._model.body_subtreemass[self._limbs.base]), len(self._hinges)
+        yield "# A first description, found in the model. Look at what is marked 'guessed', then try the robot:"
+        yield f"#   humanoid-bt check sim/{self._name}/robot.yaml"
+        yield "# Lengths in metres, angles in radians. What else can stand here: docs/robots.md."
+        yield "format: 1"
+        yield f"name: {self._name}"
+        yield f"description: {mass:.0f} kg, {joints} joints"
+        yield f"model: {self._file}"
+
+    def _trunk(self) -> Iterator[str]:
+        limbs = self._limbs
+        self._found.append(f"base {self._body(limbs.base)}, torso {self._body(limbs.torso)}")
+        yield f"base: {self._body(limbs.base)}    # has the free joint"
+        yield f"torso: {self._body(limbs.torso)}    # carries arms and head"
+
+    def _legs(self) -> Iterator[str]:
+        yield "legs:"
+        halves: list[Array] = []
+        for side, leg in self._limbs.legs.items():
+            found = {role: self._joint(joint) for role, joint in roles(self._surveyor, leg)}
+            yield f"  {side}:"
+            for role in _ROLES:
+                if role in found:
+                    yield f"    {role}: {found[role]}"
+                else:
+                    yield f"    # {role}: no joint of this leg was found that does it"
+                    self._missing.append(f"{role} of the {side} leg")
+            foot = footprint_in(self._model, self._standing, leg.body)
+            centre = np.zeros(3) if foot is None else foot.centre
+            if foot is None:
+                self._missing.append(f"collision geoms of the {side} foot {self._body(leg.body)}")
+            else:
+                halves.append(foot.half)
+            yield f"    sole: {{body: {self._body(leg.body)}, position: {_vector(centre)}}}"
+            self._found.append(f"{side} leg: {len(leg.joints)} joints, foot {self._body(leg.body)}")
+        length, width = np.min(halves, axis=0).tolist() if halves else (0.1, 0.04)
+        margin = min(_DEFAULT_MARGIN, _MARGIN * width)
+        yield f"sole: {{half_length: {length:.3f}, half_width: {width:.3f}, margin: {margin:.3f}}}"
+
+    def _hands(self) -> Iterator[str]:
+        if set(self._limbs.arms) != set(SIDES):
+            sides = ", ".join(self._limbs.arms) or "no"
+            self._found.append(f"{sides} arm: skills that command a hand will fail")
+            yield "# hands: the model has no two arms"
+            return
+        yield "hands:    # palms"
+        for side, arm in self._limbs.arms.items():
+            place, source = self._palms[side]
+            note = f"from {source}" if source else self._guess(f"the {side} palm's position")
+            yield f"  {side}: {{body: {self._body(arm.body)}, position: {_vector(place)}}}    # {note}"
+            fingers = f", {len(arm.fingers)} of fingers" if arm.fingers else ""
+            self._found.append(f"{side} arm: {len(arm.joints)} joints{fingers}, hand {self._body(arm.body)}")
+
+    def _gaze(self) -> Iterator[str]:
+        surveyor, head = self._surveyor, self._limbs.head
+        body, place, source = eyes(surveyor, self._limbs)
+        note = f"from {source}" if source else self._guess("the eyes' position")
+        yield f"gaze: {{body: {self._body(body)}, position: {_vector(place)}}}    # {note}"
+        turns = {axis: j for j in (head.joints if head else ()) for axis in (1, 2) if surveyor.turns_about(j, axis)}
+        if set(turns) == {1, 2}:
+            yield f"neck: {{yaw: {self._joint(turns[2])}, pitch: {self._joint(turns[1])}}}"
+            self._found.append("neck with yaw and pitch")
+        else:
+            self._found.append("no neck: the torso turns the view")
+
+    def _drives(self) -> Iterator[str]:
+        groups: dict[tuple[float, float, float], list[str]] = {}
+        guessed: set[str] = set()
+        for joint in range(self._model.njnt):
+            if self._joint(joint) in self._hinges:
+                found = drive(self._model, joint)
+                groups.setdefault((found.stiffness, found.damping, found.torque), []).append(self._joint(joint))
+                guessed |= set(found.guessed)
+        note = ""
+        if guessed:
+            which = " and ".join(name for name in ("stiffness", "damping", "torque") if name in guessed)
+            note = "    # " + self._guess(f"{which} of the drives")
+        yield f"drives:{note}"
+        for (stiffness, damping, torque), names in groups.items():
+            joints = ", ".join(_quoted(pattern) for pattern in _patterns(names, self._hinges))
+            numbers = f"stiffness: {stiffness:g}, damping: {damping:g}, torque: {torque:g}"
+            yield f"  - {{joints: [{joints}], {numbers}}}"
+
+    def _posture(self) -> Iterator[str]:
+        yield f"home:    # {self._guess('the posture in which it stands')}"
+        angles = {self._joint(joint): angle for joint, angle in self._home.items()}
+        for angle in dict.fromkeys(angles.values()):
+            for pattern in _patterns([name for name, other in angles.items() if other == angle], self._hinges):
+                yield f"  {_quoted(pattern)}: {angle:g}"
+
+    def _groups(self) -> Iterator[str]:
+        limbs = self._limbs
+        groups: dict[str, Sequence[int]] = {f"{side}_leg": leg.joints for side, leg in limbs.legs.items()}
+        groups["torso"] = (*limbs.trunk, *(limbs.head.joints if limbs.head else ()))
+        groups |= {f"{side}_arm": arm.joints for side, arm in limbs.arms.items()}
+        groups |= {f"{side}_fingers": arm.fingers for side, arm in limbs.arms.items() if arm.fingers}
+        yield "groups:    # for plots"
+        for name, joints in groups.items():
+            if joints:
+                yield f"  {name}: [{', '.join(_quoted(self._joint(joint)) for joint in joints)}]"
+
+    def _gait(self) -> Iterator[str]:
+        left, right = (self._standing.xpos[leg.body] for leg in self._limbs.legs.values())
+        apart, mass = float(np.linalg.norm(left - right)), float(self._model.body_subtreemass[self._limbs.base])
+        yield f"gait:    # {self._guess('the gait')}; the defaults fit 40 kg and 1.3 m"
+        yield f"  stance_width: {apart:.2f}"
+        yield f"  separation_min: {max(apart - _SEPARATION, apart / 2):.2f}"
+        yield f"  separation_max: {apart + 0.24:.2f}"
+        yield f"  touchdown_force: {_WEIGHT_SHARE * mass * _GRAVITY:.0f}"
+
+    def _room(self) -> Iterator[str]:
+        """Yield the circle within which it walks, if the default is too small."""
+        model, data = self._model, self._standing
+        middle = np.mean([data.xpos[leg.body][:2] for leg in self._limbs.legs.values()], axis=0)
+        corners = np.array(np.meshgrid([-1, 1], [-1, 1], [-1, 1])).reshape(3, -1).T
+        farthest = 0.0
+        for geom in range(model.ngeom):
+            if model.geom_contype[geom] or model.geom_conaffinity[geom]:
+                box = model.geom_aabb[geom][:3] + corners * model.geom_aabb[geom][3:]
+                points = data.geom_xpos[geom] + box @ data.geom_xmat[geom].reshape(3, 3).T
+                farthest = max(farthest, float(np.linalg.norm(points[:, :2] - middle, axis=1).max()))
+        if farthest + _SWAY > RobotConfig.walking_radius:
+            yield f"walking_radius: {farthest + _SWAY:.2f}    # its arms, and room for sway"
+
+    def _guess(self, what: str) -> str:
+        self._guessed.append(what)
+        return "guessed"
+
+
+def _patterns(names: Sequence[str], known: Sequence[str]) -> list[str]:
+    """Return names, and for those of both sides one pattern where it means just these."""
+    found: list[str] = []
+    for name in names:
+        pattern = _SIDE.sub("*", name, count=1)
+        matched = [other for other in known if fnmatch.fnmatchcase(other, pattern)]
+        fits = len(matched) > 1 and set(matched) <= set(names)
+        if (pattern if fits else name) not in found:
+            found.append(pattern if fits else name)
+    return found
+
+
+def _quoted(name: str) -> str:
+    return name if re.fullmatch(r"[A-Za-z_][\w]*", name) else f'"{name}"'
+
+
+def _vector(values: Array) -> str:
+    return "[" + ", ".join("0" if abs(value) < _ZERO else f"{value:.3f}" for value in values) + "]"

@@ -1,0 +1,68 @@
+"""What a model says of its joints' drives: gains and limits of actuators, limits of joints."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import mujoco
+
+_STIFFNESS, _DAMPING = 4.0, 0.04  # 1/rad, of the torque; s, of the stiffness: what drives that walk have
+_TORQUE = 20.0  # Nm, where nothing says it
+
+
+@dataclass(frozen=True)
+class Drive:
+    """A joint's drive.
+
+    Attributes:
+        stiffness, damping: [Nm/rad], [Nm s/rad].
+        torque: limit [Nm].
+        guessed: which of these the model does not say.
+    """
+
+    stiffness: float
+    damping: float
+    torque: float
+    guessed: tuple[str, ...] = ()
+
+
+def drive(model: mujoco.MjModel, joint: int) -> Drive:
+    """Return what the model says of a joint's drive, and guesses for what it does not."""
+    actuators = [
+        a
+        for a in range(model.nu)
+        if model.actuator_trntype[a] == mujoco.mjtTrn.mjTRN_JOINT and model.actuator_trnid[a, 0] == joint
+    ]
+    guessed: list[str] = []
+    torque = min([_torque(model, a) for a in actuators] or [math.inf])
+    if model.jnt_actfrclimited[joint]:
+        torque = min(torque, float(model.jnt_actfrcrange[joint, 1]))
+    if not math.isfinite(torque) or torque <= 0:
+        torque = _TORQUE
+        guessed.append("torque")
+    stiffness = max((-float(model.actuator_biasprm[a, 1]) for a in actuators), default=0.0)
+    damping = max((-float(model.actuator_biasprm[a, 2]) for a in actuators), default=0.0)
+    if stiffness <= 0:
+        stiffness = _rounded(_STIFFNESS * torque)
+        guessed.append("stiffness")
+    if damping <= 0:
+        damping = _rounded(_DAMPING * stiffness)
+        guessed.append("damping")
+    return Drive(stiffness, damping, torque, tuple(guessed))
+
+
+def _torque(model: mujoco.MjModel, actuator: int) -> float:
+    """Return the largest torque of an actuator, inf if nothing limits it [Nm]."""
+    gear = abs(float(model.actuator_gear[actuator, 0]))
+    limits = [math.inf]
+    if model.actuator_forcelimited[actuator]:
+        limits.append(float(model.actuator_forcerange[actuator, 1]))
+    if model.actuator_ctrllimited[actuator] and model.actuator_biastype[actuator] == mujoco.mjtBias.mjBIAS_NONE:
+        limits.append(float(model.actuator_ctrlrange[actuator, 1] * model.actuator_gainprm[actuator, 0]))
+    return gear * min(limits)
+
+
+def _rounded(value: float) -> float:
+    """Round to two digits: nobody shall take a guess for a measurement."""
+    return float(f"{value:.2g}")

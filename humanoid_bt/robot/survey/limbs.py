@@ -1,0 +1,229 @@
+"""The limbs of a humanoid, found in its model by where they are and about what their joints turn; names are hints."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+
+import mujoco
+import numpy as np
+
+from humanoid_bt.core.errors import HumanoidBtError
+from humanoid_bt.core.messages import SIDES, Array, Side
+from humanoid_bt.robot.model import carriers
+
+_ALONG = 0.7  # cosine between a joint's axis and x, y or z of the base: hips are often a little oblique
+_ASIDE = 0.02  # m from the middle from which something is on a side
+_ARM_JOINTS = 3  # that an arm has at least
+_OUTWARD: dict[Side, float] = {"left": 1.0, "right": -1.0}
+
+
+class NoHumanoidError(HumanoidBtError):
+    """The model is none of a humanoid: the text says what is missing, and where it was looked for."""
+
+
+@dataclass(frozen=True)
+class Limb:
+    """A leg, an arm or a head.
+
+    Attributes:
+        body: at its end: foot, hand or head.
+        joints: from the trunk to that body; of an arm without those of the fingers.
+        fingers: joints beyond that body.
+        origin: body that carries the first of the joints.
+    """
+
+    body: int
+    joints: tuple[int, ...]
+    fingers: tuple[int, ...] = ()
+    origin: int = 0
+
+
+@dataclass(frozen=True)
+class Limbs:
+    """A humanoid's.
+
+    Attributes:
+        base: body with the free joint.
+        torso: body that carries arms and head.
+        trunk: joints between base, torso and legs that belong to none of them.
+        legs, arms: by side; arms may be missing.
+        head: None if it has no joints of its own.
+    """
+
+    base: int
+    torso: int
+    trunk: tuple[int, ...]
+    legs: dict[Side, Limb]
+    arms: dict[Side, Limb] = field(default_factory=dict)
+    head: Limb | None = None
+
+
+class Surveyor:
+    """Looks at a model in its reference posture (qpos0), in the frame of its base: x ahead, y left, z up.
+
+    Args:
+        model: of the robot alone.
+
+    Raises:
+        NoHumanoidError: there is not exactly one free joint.
+
+    Attributes:
+        model, data: MuJoCo's, with kinematics.
+        base: body with the free joint.
+    """
+
+    def __init__(self, model: mujoco.MjModel) -> None:
+        free = [j for j in range(model.njnt) if model.jnt_type[j] == mujoco.mjtJoint.mjJNT_FREE]
+        if len(free) != 1:
+            has = "none" if not free else ", ".join(repr(model.body(model.jnt_bodyid[j]).name) for j in free)
+            raise NoHumanoidError(f"the model must have one free joint, on the body that is its base; it has {has}")
+        self.model, self.data = model, mujoco.MjData(model)
+        mujoco.mj_kinematics(model, self.data)
+        self.base = int(model.jnt_bodyid[free[0]])
+        self._children: dict[int, list[int]] = {body: [] for body in range(model.nbody)}
+        for body in range(1, model.nbody):
+            if model.body_weldid[body] == body:  # what is fixed to another body belongs to it
+                self._children[int(model.body_weldid[model.body_parentid[body]])].append(body)
+
+    def limbs(self) -> Limbs:
+        """Return the robot's limbs.
+
+        Raises:
+            NoHumanoidError: it has no two legs.
+        """
+        feet = self._feet()
+        ways = {side: self._way(foot) for side, foot in feet.items()}
+        shared = set(ways["left"]) & set(ways["right"])
+        legs: dict[Side, Limb] = {side: self._limb(foot, shared) for side, foot in feet.items()}
+        leg_bodies = set(ways["left"]) ^ set(ways["right"])
+        torso, arms = self._arms(leg_bodies)
+        limbs = {body for limb in arms.values() for body in self._subtree(self._first(limb))}
+        head = self._head(torso, leg_bodies | limbs)
+        taken = {joint for limb in (*legs.values(), *arms.values(), head) if limb for joint in limb.joints}
+        trunk = tuple(j for body in {*self._way(torso), *shared} for j in self._joints(body) if j not in taken)
+        return Limbs(self.base, torso, tuple(sorted(trunk)), legs, arms, head)
+
+    def place(self, body: int) -> Array:
+        """Return where a body is, in the base's frame, shape (3,) [m]."""
+        return self.seen(self.data.xpos[body])
+
+    def seen(self, point: Array) -> Array:
+        """Return a point of the world in the base's frame, shape (3,) [m]."""
+        return np.asarray((point - self.data.xpos[self.base]) @ self.data.xmat[self.base].reshape(3, 3))
+
+    def axis(self, joint: int) -> Array:
+        """Return the axis of a joint in the base's frame, shape (3,)."""
+        return np.asarray(self.data.xaxis[joint] @ self.data.xmat[self.base].reshape(3, 3))
+
+    def turns_about(self, joint: int, axis: int) -> bool:
+        """Return whether a joint turns about (0: x, 1: y, 2: z), either way round."""
+        return bool(abs(self.axis(joint)[axis]) >= _ALONG)
+
+    def geoms(self, body: int, *, solid: bool = False) -> list[int]:
+        """Return the geoms of a body and of those fixed to it; only those that collide if solid."""
+        model = self.model
+        return [
+            g
+            for g in range(model.ngeom)
+            if model.body_weldid[model.geom_bodyid[g]] == model.body_weldid[body]
+            and not (solid and not (model.geom_contype[g] or model.geom_conaffinity[g]))
+        ]
+
+    def _feet(self) -> dict[Side, int]:
+        """Return the lowest of the bodies at the end on either side."""
+        ends = [body for body in self._subtree(self.base) if not self._children[body] and self._joints(body)]
+        found: dict[Side, int] = {}
+        for side in SIDES:
+            beside = [body for body in ends if self.place(body)[1] * _OUTWARD[side] > _ASIDE]
+            if not beside:
+                base = self.model.body(self.base).name
+                message = f"no leg is on the {side} side of {base!r}: x must point ahead, y to the left, z up"
+                raise NoHumanoidError(message)
+            found[side] = min(beside, key=self._lowest)
+        return found
+
+    def _lowest(self, body: int) -> float:
+        """Return how high the lowest geom of a body is, roughly, or its origin if it has none."""
+        low = [self.seen(self.data.geom_xpos[g])[2] - self.model.geom_rbound[g] for g in self.geoms(body)]
+        return float(min([*low, self.place(body)[2]]))
+
+    def _arms(self, legs: set[int]) -> tuple[int, dict[Side, Limb]]:
+        """Return the first body from the base on that carries an arm on each side, and these; else the highest one."""
+        trunk = self._trunk(legs)
+        for body in trunk:
+            arms: dict[Side, Limb] = {}
+            for side in SIDES:
+                for child in self._children[body]:
+                    limb = self._hand(child)
+                    aside = self.place(limb.body)[1] * _OUTWARD[side] > _ASIDE
+                    if child not in legs and child not in trunk and aside and len(limb.joints) >= _ARM_JOINTS:
+                        arms[side] = limb
+            if arms:
+                return body, arms
+        return trunk[-1], {}
+
+    def _trunk(self, legs: set[int]) -> list[int]:
+        """Return the bodies in the middle from the base up, none of a leg; the head may be among them."""
+        found = [self.base]
+        for body in found:
+            middle = [c for c in self._children[body] if c not in legs and abs(self.place(c)[1]) < _ASIDE]
+            found += [c for c in middle if not legs & set(self._subtree(c))]
+        return found
+
+    def _hand(self, first: int) -> Limb:
+        """Return the arm that begins with a body: the hand is where it ends, or where fingers begin."""
+        joints, body = list(self._joints(first)), first
+        while len(self._children[body]) == 1:
+            (body,) = self._children[body]
+            joints += self._joints(body)
+        fingers = [j for child in self._children[body] for part in self._subtree(child) for j in self._joints(part)]
+        return Limb(body, tuple(joints), tuple(fingers), int(self.model.body_parentid[first]))
+
+    def _head(self, torso: int, taken: set[int]) -> Limb | None:
+        """Return what turns in the middle above the torso."""
+        for child in self._children[torso]:
+            parts = self._subtree(child)
+            joints = tuple(j for part in parts for j in self._joints(part))
+            if child not in taken and joints and abs(self.place(parts[-1])[1]) < _ASIDE:
+                return Limb(parts[-1], joints, (), torso)
+        return None
+
+    def _limb(self, end: int, shared: set[int]) -> Limb:
+        way = [body for body in self._way(end) if body not in shared]
+        return Limb(
+            end, tuple(j for body in way for j in self._joints(body)), (), int(self.model.body_parentid[way[0]])
+        )
+
+    def _first(self, limb: Limb) -> int:
+        return int(self.model.jnt_bodyid[limb.joints[0]])
+
+    def _way(self, body: int) -> list[int]:
+        """Return the bodies from below the base to a body that joints move."""
+        above = carriers(self.model, body)[::-1]
+        return [part for part in above[above.index(self.base) + 1 :] if self._joints(part)]
+
+    def _subtree(self, body: int) -> list[int]:
+        found = [body]
+        for part in found:
+            found += self._children[part]
+        return found
+
+    def _joints(self, body: int) -> Sequence[int]:
+        first = int(self.model.body_jntadr[body])
+        hinges = range(first, first + int(self.model.body_jntnum[body])) if first >= 0 else ()
+        return [j for j in hinges if self.model.jnt_type[j] != mujoco.mjtJoint.mjJNT_FREE]
+
+
+def roles(surveyor: Surveyor, leg: Limb) -> Iterator[tuple[str, int]]:
+    """Yield the roles of a leg's joints that it has: hip_roll, hip_pitch, ankle_pitch, ankle_roll."""
+    rolls = [j for j in leg.joints if surveyor.turns_about(j, 0)]
+    pitches = [j for j in leg.joints if surveyor.turns_about(j, 1)]
+    if rolls:
+        yield "hip_roll", rolls[0]
+    if pitches:
+        yield "hip_pitch", pitches[0]
+    if len(pitches) > 1:
+        yield "ankle_pitch", pitches[-1]
+    if len(rolls) > 1:
+        yield "ankle_roll", rolls[-1]

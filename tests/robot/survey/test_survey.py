@@ -1,0 +1,193 @@
+"""What is found in a model that nobody has described: the built-in one, changed in ways that published ones differ."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import pytest
+
+from humanoid_bt.core.messages import SIDES
+from humanoid_bt.files.workspace import builtin_root
+from humanoid_bt.robot.config import RobotConfig, load_robot_config
+from humanoid_bt.robot.footprint import footprint
+from humanoid_bt.robot.model import RobotModel, palm_site, read_model, sole_site
+from humanoid_bt.robot.survey.description import Description, describe
+from humanoid_bt.robot.survey.limbs import NoHumanoidError, Surveyor
+
+BUILTIN = builtin_root() / "sim" / "humanoid"
+
+Adopt = Callable[[mujoco.MjSpec], tuple[Description, RobotConfig]]
+
+
+@pytest.fixture
+def spec() -> mujoco.MjSpec:
+    spec = read_model(BUILTIN / "humanoid.xml")
+    for exclude in list(spec.excludes):  # which name bodies that tests rename and remove
+        spec.delete(exclude)
+    return spec
+
+
+@pytest.fixture
+def adopt(tmp_path: Path) -> Adopt:
+    def adopt(spec: mujoco.MjSpec) -> tuple[Description, RobotConfig]:
+        description = describe(spec.compile(), "found", "model.xml")
+        (tmp_path / "model.xml").write_text(spec.to_xml())
+        (tmp_path / "robot.yaml").write_text(description.text)
+        return description, load_robot_config(tmp_path / "robot.yaml")
+
+    return adopt
+
+
+def test_what_is_found_is_what_the_robots_own_description_says(spec: mujoco.MjSpec, adopt: Adopt) -> None:
+    own = load_robot_config(BUILTIN / "robot.yaml")
+    description, found = adopt(spec)
+    assert (found.base, found.torso, found.neck, found.gaze.body) == (own.base, own.torso, own.neck, own.gaze.body)
+    for side in SIDES:
+        assert found.legs[side] == own.legs[side]
+        assert (found.hands[side].body, found.hands[side].position) == (own.hands[side].body, own.hands[side].position)
+    assert (found.sole.half_length, found.sole.half_width) == (own.sole.half_length, own.sole.half_width)
+    assert {name: set(joints) for name, joints in found.groups.items()} == {
+        name: {joint for joint in RobotModel(own).joint_names if own.group(joint) == name} for name in own.groups
+    }
+    assert description.missing == ()
+
+
+def test_names_do_not_matter(spec: mujoco.MjSpec, adopt: Adopt) -> None:
+    for kind, things in (("b", spec.bodies[1:]), ("j", spec.joints), ("s", spec.sites)):
+        for number, thing in enumerate(things):
+            thing.name = f"{kind}{number}"
+    model = spec.compile()
+    limbs = Surveyor(model).limbs()
+    assert [len(limb.joints) for limb in (*limbs.legs.values(), *limbs.arms.values())] == [6, 6, 7, 7]
+    assert limbs.head is not None
+    assert len(limbs.head.joints) == 2
+    _, found = adopt(spec)
+    robot = RobotModel(found)
+    feet = [footprint(robot, found.legs[side].sole.body) for side in SIDES]
+    for side, foot in zip(SIDES, feet, strict=True):
+        assert foot is not None
+        np.testing.assert_allclose(found.legs[side].sole.position, foot.centre, atol=1e-3)
+
+
+def test_the_posture_bends_the_knees_and_lets_the_arms_hang_clear(spec: mujoco.MjSpec, adopt: Adopt) -> None:
+    for side, way in (("left", 1), ("right", -1)):  # a reference posture with the arms stretched out to the sides
+        shoulder = spec.body(f"{side}_shoulder_pitch_link")
+        shoulder.quat = [np.cos(np.pi / 4), np.sin(np.pi / 4) * way, 0, 0]
+    for joint in spec.joints:
+        if "shoulder_roll" in joint.name:
+            joint.range = [-2.5, 2.5]
+    _, found = adopt(spec)
+    robot = RobotModel(found)
+    data = mujoco.MjData(robot.model)
+    data.qpos[:] = robot.home_qpos
+    mujoco.mj_forward(robot.model, data)
+    touching = {robot.model.body(robot.model.geom_bodyid[geom]).name for geom in data.contact.geom.ravel()}
+    assert not [name for name in touching if any(part in name for part in ("hand", "arm", "wrist"))]
+    for side, out in (("left", 1), ("right", -1)):
+        palm, sole = data.site(palm_site(side)).xpos, data.site(sole_site(side)).xpos
+        shoulder = data.body(f"{side}_shoulder_pitch_link").xpos
+        assert palm[2] < shoulder[2] - 0.3
+        assert out * palm[1] > out * shoulder[1]
+        assert 0.0 < palm[0] - shoulder[0] < 0.3
+        assert data.site(sole_site(side)).xmat[8] == pytest.approx(1.0, abs=1e-3)
+        assert abs(sole[0] - data.body("pelvis").xpos[0]) < 0.1
+
+
+def test_drives_are_those_of_the_models_actuators(spec: mujoco.MjSpec, adopt: Adopt) -> None:
+    for joint in spec.joints[1:]:
+        drive = spec.add_actuator(name=joint.name, target=joint.name, trntype=mujoco.mjtTrn.mjTRN_JOINT)
+        drive.ctrllimited, drive.ctrlrange = True, [-60, 60]
+    knee = spec.actuator("left_knee")
+    knee.set_to_position(kp=321, kv=12)
+    knee.ctrllimited, knee.forcelimited, knee.forcerange = False, True, [-99, 99]
+    _, found = adopt(spec)
+    left, right = (found.drive(f"{side}_knee") for side in SIDES)
+    assert left is not None
+    assert right is not None
+    assert (left.stiffness, left.damping, left.torque) == (321, 12, 99)
+    assert right.torque == 60
+
+
+def test_fingers_are_told_from_arms(spec: mujoco.MjSpec, adopt: Adopt) -> None:
+    for side in SIDES:
+        hand = spec.body(f"{side}_hand")
+        for number, y in enumerate((-0.02, 0.02)):
+            finger = hand.add_body(name=f"{side}_finger_{number}", pos=[0, y, -0.15])
+            finger.add_joint(name=f"{side}_finger_{number}", axis=[0, 1, 0], range=[0, 1])
+            finger.add_geom(type=mujoco.mjtGeom.mjGEOM_CAPSULE, size=[0.008, 0.02, 0], pos=[0, 0, -0.03], mass=0.05)
+    description, found = adopt(spec)
+    assert {side: found.hands[side].body for side in SIDES} == {side: f"{side}_hand" for side in SIDES}
+    assert found.groups["left_fingers"] == ["left_finger_0", "left_finger_1"]
+    assert "left arm: 7 joints, 2 of fingers, hand left_hand" in description.found
+
+
+def test_a_robot_with_one_arm_has_no_hands(spec: mujoco.MjSpec, adopt: Adopt) -> None:
+    spec.delete(spec.body("right_shoulder_pitch_link"))
+    description, found = adopt(spec)
+    assert found.hands == {}
+    assert any("skills that command a hand will fail" in line for line in description.found)
+
+
+def test_an_ankle_without_roll_is_told(spec: mujoco.MjSpec) -> None:
+    for side in SIDES:
+        spec.delete(spec.joint(f"{side}_ankle_roll"))
+    description = describe(spec.compile(), "found", "model.xml")
+    assert description.missing == ("ankle_roll of the left leg", "ankle_roll of the right leg")
+
+
+@pytest.mark.parametrize(("change", "says"), [("no base", "one free joint"), ("no legs", "no leg is on the left")])
+def test_what_is_no_humanoid_is_refused(spec: mujoco.MjSpec, change: str, says: str) -> None:
+    if change == "no base":
+        spec.delete(spec.joints[0])
+    else:
+        for name in ("left_hip_yaw_link", "left_shoulder_pitch_link"):
+            spec.delete(spec.body(name))
+    with pytest.raises(NoHumanoidError, match=says):
+        describe(spec.compile(), "found", "model.xml")
+
+
+@dataclass(frozen=True)
+class Published:
+    """What a published model has.
+
+    Attributes:
+        file: in the folder of published robots.
+        torso, foot, hand: bodies; those of the left side.
+        joints: of a leg, of an arm, and of the fingers of a hand.
+        missing: what it does not have.
+    """
+
+    file: str
+    torso: str
+    foot: str
+    hand: str
+    joints: tuple[int, int, int]
+    missing: int = 0
+
+
+PUBLISHED = (
+    Published("unitree_g1/g1.xml", "torso_link", "left_ankle_roll_link", "left_elbow_roll_link", (6, 5, 7)),
+    Published("unitree_g1_29dof/g1_29dof.xml", "torso_link", "left_ankle_roll_link", "left_wrist_yaw_link", (6, 7, 0)),
+    Published("unitree_h1/h1.xml", "torso_link", "left_ankle_link", "left_elbow_link", (5, 4, 0), missing=2),
+    Published("booster_t1_29dof/t1_29dof.xml", "Trunk", "left_foot_link", "left_hand_link", (6, 7, 0)),
+)
+
+
+@pytest.mark.parametrize("robot", PUBLISHED, ids=lambda robot: robot.file.split("/")[0])
+def test_limbs_of_published_robots_are_found(robot: Published) -> None:
+    folder = os.environ.get("HUMANOID_BT_ROBOTS", "")
+    path = Path(folder) / robot.file
+    if not folder or not path.is_file():
+        pytest.skip(f"HUMANOID_BT_ROBOTS names no folder with {robot.file}")
+    model = read_model(path).compile()
+    limbs = Surveyor(model).limbs()
+    leg, arm = limbs.legs["left"], limbs.arms["left"]
+    bodies = [model.body(body).name for body in (limbs.torso, leg.body, arm.body)]
+    assert bodies == [robot.torso, robot.foot, robot.hand]
+    assert (len(leg.joints), len(arm.joints), len(arm.fingers)) == robot.joints
+    assert len(describe(model, "found", "model.xml").missing) == robot.missing
