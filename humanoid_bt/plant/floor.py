@@ -42,7 +42,8 @@ class Floor:
             numbers: draw where the plates lie.
         """
         origin, tilt = np.array([start[0], start[1], 0.0]), self._tilt(self.uphill)
-        touch = {"friction": [1, 0.005, 0.0001], "condim": 3, "contype": 1, "conaffinity": 1}
+        # torsional friction keeps a foot loaded at a corner from spinning there; soles with a priority say their own
+        touch = {"friction": [1, 0.03, 0.0001], "condim": 4, "contype": 1, "conaffinity": 1}
         spec.worldbody.add_geom(
             name="floor",
             type=mujoco.mjtGeom.mjGEOM_PLANE,
