@@ -13,7 +13,7 @@ import numpy as np
 from humanoid_bt.core.messages import SIDES, Array
 from humanoid_bt.robot.config import RobotConfig
 from humanoid_bt.robot.footprint import footprint_in
-from humanoid_bt.robot.survey.drives import drive
+from humanoid_bt.robot.survey.drives import drive, usual_stiffness
 from humanoid_bt.robot.survey.limbs import Surveyor, roles
 from humanoid_bt.robot.survey.places import eyes, palm
 from humanoid_bt.robot.survey.posture import home
@@ -72,6 +72,7 @@ class _Writer:
         for joint, angle in self._home.items():
             self._standing.qpos[model.jnt_qposadr[joint]] = angle
         mujoco.mj_kinematics(model, self._standing)
+        mujoco.mj_comPos(model, self._standing)
 
     def description(self) -> Description:
         parts = [
@@ -162,9 +163,12 @@ class _Writer:
     def _drives(self) -> Iterator[str]:
         groups: dict[tuple[float, float, float], list[str]] = {}
         guessed: set[str] = set()
+        soles = [self._standing.xpos[leg.body][2] for leg in self._limbs.legs.values()]
+        height = float(self._standing.subtree_com[self._limbs.base][2] - min(soles))
+        usual = usual_stiffness(self._surveyor, self._limbs, height)
         for joint in range(self._model.njnt):
             if self._joint(joint) in self._hinges:
-                found = drive(self._model, joint)
+                found = drive(self._model, joint, usual.get(joint))
                 groups.setdefault((found.stiffness, found.damping, found.torque), []).append(self._joint(joint))
                 guessed |= set(found.guessed)
         note = ""

@@ -7,8 +7,13 @@ from dataclasses import dataclass
 
 import mujoco
 
-_STIFFNESS, _DAMPING = 4.0, 0.04  # 1/rad, of the torque; s, of the stiffness: what drives that walk have
+from humanoid_bt.robot.survey.limbs import Limbs, Surveyor, roles
+
+_STIFFNESS, _DAMPING = 4.0, 0.04  # 1/rad, of the torque; s, of the stiffness: what arms that reach have
 _TORQUE = 20.0  # Nm, where nothing says it
+_GRAVITY = 9.81
+# of the weight times the height of the centre of mass, which is how stiff a support must be not to buckle
+_HIP_OR_KNEE, _ANKLE, _TRUNK = 2.4, 1.3, 1.5
 
 
 @dataclass(frozen=True)
@@ -27,8 +32,30 @@ class Drive:
     guessed: tuple[str, ...] = ()
 
 
-def drive(model: mujoco.MjModel, joint: int) -> Drive:
-    """Return what the model says of a joint's drive, and guesses for what it does not."""
+def usual_stiffness(surveyor: Surveyor, limbs: Limbs, height: float) -> dict[int, float]:
+    """Return how stiff the joints that carry the robot are in robots that walk, joint -> [Nm/rad].
+
+    Args:
+        surveyor: of the model.
+        limbs: the robot's.
+        height: of the centre of mass above the ground as it stands [m].
+    """
+    falls = float(surveyor.model.body_subtreemass[limbs.base]) * _GRAVITY * height
+    found = dict.fromkeys(limbs.trunk, _TRUNK * falls)
+    for leg in limbs.legs.values():
+        ankles = [joint for role, joint in roles(surveyor, leg) if role.startswith("ankle")]
+        found |= {joint: (_ANKLE if joint in ankles else _HIP_OR_KNEE) * falls for joint in leg.joints}
+    return found
+
+
+def drive(model: mujoco.MjModel, joint: int, usual: float | None = None) -> Drive:
+    """Return what the model says of a joint's drive, and guesses for what it does not.
+
+    Args:
+        model: of the robot.
+        joint: of it.
+        usual: how stiff such a joint is, if it carries the robot [Nm/rad].
+    """
     actuators = [
         a
         for a in range(model.nu)
@@ -44,7 +71,7 @@ def drive(model: mujoco.MjModel, joint: int) -> Drive:
     stiffness = max((-float(model.actuator_biasprm[a, 1]) for a in actuators), default=0.0)
     damping = max((-float(model.actuator_biasprm[a, 2]) for a in actuators), default=0.0)
     if stiffness <= 0:
-        stiffness = _rounded(_STIFFNESS * torque)
+        stiffness = _rounded(_STIFFNESS * torque if usual is None else usual)
         guessed.append("stiffness")
     if damping <= 0:
         damping = _rounded(_DAMPING * stiffness)
