@@ -7,7 +7,7 @@ import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Literal
 
 from humanoid_bt.campaign.variation import Variation
 from humanoid_bt.core.errors import Problem, UserError
@@ -91,6 +91,9 @@ class CampaignFile:
     )
     time_limit: float = param(TIME_LIMIT, unit="s", above=0, doc="Time on the wall clock after which a trial hangs.")
     dry: bool = param(False, doc="Without physics, for the logic of the tree alone.")
+    fail_on: list[Literal["fell", "bumped", "stopped"]] = param(
+        [], doc="What makes a trial a failure whose tree succeeded: the robot fell, bumped into something, was stopped."
+    )
     recordings: int = param(RECORDINGS, minimum=0, doc="How many failures of each cause are recorded and explained.")
     require: list[Truth] = param([], doc="What has to come of it: success >= 95 %.")
 
@@ -102,6 +105,10 @@ class CampaignFile:
                 hint = f"valid: {', '.join(known)}"
                 yield Problem(f"there is no condition {name!r}", place, hint, "unknown-key")
         yield from too_late(values.get("script", ()), values.get("duration") or math.inf)
+        if values.get("dry") and (physical := sorted({"bumped", "fell"} & set(values.get("fail_on", ())))):
+            hint = "run it without dry, or leave it out"
+            message = f"fail_on {physical[0]!r} needs a body, and a dry run simulates none"
+            yield Problem(message, item.value["fail_on"].place, hint, "out-of-range")
         if "name" in values and not _NAME.fullmatch(values["name"]):
             hint = "letters, digits, blanks, _, - and ., for it names a folder"
             yield Problem(f"{values['name']!r} cannot be a name", item.value["name"].place, hint, "bad-name")

@@ -39,6 +39,7 @@ class Plan:
         duration: longest simulated time of a trial [s]; None for what a run has.
         dry: whether there is no physics.
         script: what happens in every trial, as its file has it.
+        fail_on: what makes a trial a failure that else would have succeeded.
         description: one line for people.
         files: digest of each file that what is run depends on, by path.
         workspace: where names are looked up, "" for the working directory.
@@ -51,6 +52,7 @@ class Plan:
     duration: float | None = None
     dry: bool = False
     script: tuple[Mapping[str, Any], ...] = ()
+    fail_on: tuple[str, ...] = ()
     description: str = ""
     files: Mapping[str, str] = field(default_factory=dict)
     workspace: str = ""
@@ -116,6 +118,7 @@ class Plan:
             "seeds": Seeds.parse(data["seeds"]),
             "factors": tuple(factors),
             "script": tuple(data["script"]),
+            "fail_on": tuple(data.get("fail_on", ())),
         }
         return cls(**{**data, **made})
 

@@ -83,6 +83,7 @@ def planned(campaign: CampaignFile, workspace: Workspace, script: Sequence[Any] 
         campaign.duration,
         campaign.dry,
         tuple(script),
+        tuple(campaign.fail_on),
         campaign.description,
         {**{_called(file, workspace): digest(file) for file in sorted(used)}, "humanoid-bt": versions()["humanoid-bt"]},
         "" if workspace.root == Path.cwd() else relative(workspace.root),

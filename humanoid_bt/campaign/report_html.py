@@ -107,6 +107,8 @@ def _about(summary: Summary, folder: Path) -> Iterator[tuple[str, str]]:
         yield "longest time", safe(readable(plan.duration, "s"))
     if plan.script:
         yield "script", f"{len(plan.script)} events in every trial"
+    if plan.fail_on:
+        yield "failures, too", ", ".join(plan.fail_on)
     yield "physics", "none: a dry run, for the logic of the tree alone" if plan.dry else "MuJoCo"
     yield (
         "files",

@@ -25,6 +25,7 @@ _COUNTS: Mapping[str, tuple[str, Callable[[Summary], float]]] = {
     "trials": ("Trials that are done.", lambda summary: summary.done),
     "failures": ("Those that did not succeed.", lambda summary: summary.done - summary.success.count),
     "fell": ("Those in which the robot fell.", lambda summary: summary.fell),
+    "bumped": ("Those in which it touched something that no hand was sent to.", lambda summary: summary.bumped),
     "stopped": ("Those that were stopped for safety.", lambda summary: summary.outcomes.get("stopped", 0)),
     "errors": ("Those in which a skill raised an exception.", lambda summary: summary.outcomes.get("error", 0)),
     "hung": ("Those that took too long on the wall clock.", lambda summary: summary.outcomes.get("hung", 0)),

@@ -23,6 +23,7 @@ class Result:
         node: path of the node that the reason is about, "" if it is about none.
         time: simulated time until the tree ended [s].
         fell: whether the robot fell.
+        bumped: what it bumped into: the things of the scene that it touched, no hand having been sent there.
         stops: how often the supervisor stopped it.
         values: what skills reported last, by name: in SI units.
         units: of those values that have one.
@@ -34,6 +35,7 @@ class Result:
     node: str = ""
     time: float = 0.0
     fell: bool = False
+    bumped: str = ""
     stops: int = 0
     values: Mapping[str, Value] = field(default_factory=dict)
     units: Mapping[str, str] = field(default_factory=dict)

@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from humanoid_bt.campaign.result import Explained, Result, Value
+from humanoid_bt.campaign.result import SUCCESS, Explained, Result, Value
 from humanoid_bt.campaign.trial import CONDITION, PUSH, SET, Task, Trial
 from humanoid_bt.campaign.work import Answer, Run
 from humanoid_bt.core.errors import UserError
@@ -28,10 +28,12 @@ class Setup:
     Attributes:
         workspace: where names are looked up.
         script: what happens in every trial, as YAML has it.
+        fail_on: what makes a trial a failure whose tree succeeded.
     """
 
     workspace: str
     script: tuple[Mapping[str, Any], ...] = ()
+    fail_on: tuple[str, ...] = ()
 
 
 def make(setup: Setup) -> Run:
@@ -59,7 +61,8 @@ class _Stages:
             record=task.recording or None,
             watchers=[stopwatch := _Stopwatch()],
         )
-        return result_of(run), _explained(task), stopwatch.passed
+        result = judged(result_of(run), run, self._setup.fail_on)
+        return result, _explained(task, result), stopwatch.passed
 
     def _stage(self, trial: Trial) -> Stage:
         key = trial.robot, trial.scene, trial.dry
@@ -115,11 +118,24 @@ def result_of(run: TreeRun) -> Result:
         node="" if run.succeeded else _node(run),
         time=report.sim_time,
         fell=run.fell,
+        bumped=", ".join(dict.fromkeys(touch["thing"] for touch in report.touches if not touch["meant"])),
         stops=len(report.stops),
         values=values,
         units={name: unit for name, unit in units.items() if unit},
         trace=run.trace,
     )
+
+
+def judged(result: Result, run: TreeRun, fail_on: Sequence[str]) -> Result:
+    """Return what came of a run as a failure if its tree succeeded, and something happened that is one."""
+    reasons = {
+        "fell": "the robot fell" * result.fell,
+        "bumped": (run.report.bumps or [""])[0],
+        "stopped": run.stops[0].reason if run.stops else "",
+    }
+    if what := next((name for name in fail_on if reasons[name]), "") if result.succeeded else "":
+        return replace(result, outcome=what, reason=f"the tree succeeded, but {reasons[what]}")
+    return result
 
 
 def _node(run: TreeRun) -> str:
@@ -133,7 +149,7 @@ def _node(run: TreeRun) -> str:
     return (named or others or [""])[-1]
 
 
-def _explained(task: Task) -> Explained | None:
+def _explained(task: Task, result: Result) -> Explained | None:
     """Return what the recording of a trial shows, None if it has none."""
     if not task.recording:
         return None
@@ -142,4 +158,6 @@ def _explained(task: Task) -> Explained | None:
         found = explain(file)
     except UserError as error:
         return Explained("", f"its recording tells nothing: {error.problems[0].message}", recording=file.name)
+    if found.kind == SUCCESS:  # of the tree: what makes a failure of it is in its reason
+        return Explained(result.outcome, result.reason, recording=file.name)
     return Explained(found.kind, found.headline, found.node, file.name)

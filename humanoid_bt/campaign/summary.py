@@ -80,6 +80,11 @@ class Summary:
         """In how many the robot fell."""
         return sum(row.result.fell for row in self.table.rows)
 
+    @property
+    def bumped(self) -> int:
+        """In how many it touched something that no hand was sent to."""
+        return sum(bool(row.result.bumped) for row in self.table.rows)
+
     @cached_property
     def spreads(self) -> Mapping[str, tuple[str, Spread]]:
         """The quantities of the trials that succeeded, each with its unit: the time, and what skills reported."""
@@ -125,6 +130,7 @@ class Summary:
             "done": self.done,
             "success": _rate(self.success),
             "fell": self.fell,
+            "bumped": self.bumped,
             "outcomes": dict(self.outcomes),
             "spreads": {
                 name: {"unit": unit, **{key: plain(spread.quantile(share)) for key, share in QUANTILES.items()}}

@@ -36,6 +36,8 @@ def figures(summary: Summary) -> Iterator[Line]:
     yield "failures", ", ".join(counts(summary)) or "none"
     if summary.fell:
         yield "fell", f"{summary.fell}"
+    if summary.bumped:
+        yield "bumped", f"{summary.bumped}"
 
 
 def counts(summary: Summary) -> list[str]:

@@ -89,13 +89,14 @@ def _run(arguments: argparse.Namespace) -> int:
 
 def _runners(arguments: argparse.Namespace, time_limit: float, store: Store, workspace: Workspace) -> Runners:
     """Return who runs the trials: processes of this machine, or those of a cluster."""
-    script, memory = store.plan.script, arguments.memory
+    plan, memory = store.plan, arguments.memory
     if arguments.cluster is not None:
         from humanoid_bt.campaign.ray_cluster import RayCluster, Ways, see_that_it_is_shipped
 
-        see_that_it_is_shipped(store.plan, workspace)
-        return RayCluster(arguments.cluster, workspace.root, Ways(make, (Setup(".", script),), time_limit, memory))
-    setup = (Setup(str(workspace.root), script),)
+        see_that_it_is_shipped(plan, workspace)
+        setup = (Setup(".", plan.script, plan.fail_on),)
+        return RayCluster(arguments.cluster, workspace.root, Ways(make, setup, time_limit, memory))
+    setup = (Setup(str(workspace.root), plan.script, plan.fail_on),)
     return Workers(make, setup, count=arguments.workers, time_limit=time_limit, memory=memory, logs=store.logs)
 
 

@@ -44,7 +44,8 @@ def rerun(arguments: argparse.Namespace) -> int:
     table = read_results(folder)
     row = trial_of(table, name)
     file = recording_of(folder, row)
-    run = make(Setup(str(arguments.workspace or table.plan.workspace or Path.cwd()), table.plan.script))
+    plan = table.plan
+    run = make(Setup(str(arguments.workspace or plan.workspace or Path.cwd()), plan.script, plan.fail_on))
     result, explained, _ = run(Task(row.trial, file))
     given = ", ".join(f"{name} {value}" for name, value in row.trial.given.items())
     print(
@@ -57,7 +58,7 @@ def rerun(arguments: argparse.Namespace) -> int:
     if explained is not None and not result.succeeded:
         rows.insert(0, ("cause", explained.headline))
     print_lines(aligned(rows))
-    return OUTCOMES.get(result.outcome, ExitCode.ERROR)
+    return OUTCOMES.get(result.outcome, ExitCode.FAILURE)
 
 
 def _print(found: Comparison, folders: Sequence[str]) -> None:

@@ -70,7 +70,7 @@ def _is_tree(item: Item) -> bool:
 
 def _given(arguments: argparse.Namespace, known: Mapping[str, Item]) -> Iterator[tuple[str, Item]]:
     """Yield what the command line gives, by the key of a campaign file that says the same."""
-    for key in ("scene", "robot", "seeds", "duration", "time_limit", "recordings", "dry"):
+    for key in ("scene", "robot", "seeds", "duration", "time_limit", "recordings", "dry", "fail_on"):
         if (value := getattr(arguments, key)) is not None:
             yield key, item_of(value, Place(f"--{key.replace('_', '-')}"))
     for key, option, texts in (

@@ -41,6 +41,11 @@ def listed(names: Sequence[str]) -> str:
     return " and ".join(filter(None, [", ".join(names[:-1]), *names[-1:]]))
 
 
+def few(texts: Sequence[str], most: int) -> list[str]:
+    """Return at most so many of some texts; the last one says how many more there are."""
+    return list(texts) if len(texts) <= most else [*texts[: most - 1], f"{len(texts) - most + 1} more"]
+
+
 def shortened(text: object, longest: int = LONGEST_TEXT) -> str:
     """Return a text, or the text of what should be one, in at most so many characters; that it is cut is told."""
     whole = text if isinstance(text, str) else str(text)

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from humanoid_bt.core.messages import Array
-from humanoid_bt.core.texts import listed
+from humanoid_bt.core.texts import few, listed
 from humanoid_bt.decision.obstacles import Obstacles, clear
 from humanoid_bt.decision.robot import RobotHandle
 from humanoid_bt.decision.route_planner import Plan, plan
@@ -275,12 +275,7 @@ class Route:
     def _wait(self, names: Sequence[str], why: str) -> bool:
         """Let the base go, and note how long for."""
         verb = "" if why.startswith("stand") else "is " if len(names) == 1 else "are "
-        told = (
-            list(names)
-            if len(names) <= _MOST_TOLD
-            else [*names[: _MOST_TOLD - 1], f"{len(names) - _MOST_TOLD + 1} more"]
-        )
-        self.blocked = f"{listed(told)} {verb}{why}"
+        self.blocked = f"{listed(few(names, _MOST_TOLD))} {verb}{why}"
         now = self._robot.clock.now()
         still = not self._around.movers.intersection(names)
         waited, stuck = self._waits.update(True, now), self._stuck.update(still, now)

@@ -13,6 +13,7 @@ from humanoid_bt.core.errors import ControlLost, Place, UserError, nearest, rela
 from humanoid_bt.core.messages import SIDES, Array, JointCommand, Reading, Truth
 from humanoid_bt.plant.scene import Scene, random_stream
 from humanoid_bt.plant.sensors import Sensors
+from humanoid_bt.plant.touches import Touches
 from humanoid_bt.robot.model import BASE_COORDINATES, GAZE_SITE, RobotModel, foot_sensor
 
 
@@ -30,8 +31,7 @@ class MujocoPlant:
         model, data: MuJoCo's; the robot's coordinates come first.
         time: engine time [s].
         external_force_max: largest external force or torque there ever was on any body [N, Nm].
-        touched: what of the scene the robot has touched since :meth:`place`, besides the floor: object -> the link
-            that did first.
+        touches: what of the scene the robot has touched since :meth:`place`, besides the floor.
     """
 
     def __init__(self, robot: RobotModel, scene: Scene) -> None:
@@ -53,10 +53,7 @@ class MujocoPlant:
         joints = len(robot.joint_names)
         self._nq = BASE_COORDINATES + joints
         self._objects = {name: self.model.body(f"object_{name}").id for name in scene.config.objects}
-        self._owners = np.array([_owner(self.model, body) for body in self.model.geom_bodyid])
-        self._objects_touch = bool((self._owners >= 0).any())
-        self.touched: dict[str, str] = {}
-        self._pairs = b""  # of geoms that touched when it was last looked
+        self.touches = Touches(self.model, robot.config)
         feet = [self.data.sensor(foot_sensor(side)).data[2:] for side in SIDES]  # views, which stay
         self._sensors = Sensors(robot.config.sensors, self.data, joints, feet, -float(self.model.opt.gravity[2]))
         self._gaze = self.model.site(GAZE_SITE).id
@@ -99,8 +96,7 @@ class MujocoPlant:
         self._command = None
         self._coming.clear()
         self._pushes.clear()
-        self.touched.clear()
-        self._pairs = b""
+        self.touches.clear()
         self.external_force_max = 0.0
         self.cycle = 0
         self.move_objects()
@@ -143,25 +139,9 @@ class MujocoPlant:
         except mujoco.FatalError as error:
             raise ControlLost(_gives_up(error)) from error
         self.cycle += 1
-        if self._objects_touch:
-            self._note_touches()
+        if self.touches.possible:
+            self.touches.note(self.data, self.time)
         self._sensors.sense()
-
-    def _note_touches(self) -> None:
-        geoms = self.data.contact.geom
-        pairs = geoms.tobytes()
-        if pairs == self._pairs:  # as in most steps
-            return
-        self._pairs = pairs
-        owners = self._owners[geoms]
-        if not len(owners) or owners.max() < 0:
-            return
-        model = self.model
-        for pair, owner in zip(geoms.tolist(), owners.tolist(), strict=True):
-            if max(owner) >= 0:
-                name = model.body(max(owner)).name.split("_", 1)[1]
-                link = pair[1] if owner[0] >= 0 else pair[0]
-                self.touched.setdefault(name, model.body(model.geom_bodyid[link]).name)
 
     def _take(self, command: JointCommand) -> None:
         self._command = command
@@ -258,11 +238,6 @@ class MujocoPlant:
         """Look at every external force that MuJoCo applies now and remember the largest."""
         largest = max(float(np.abs(self.data.xfrc_applied).max()), float(np.abs(self.data.qfrc_applied).max()))
         self.external_force_max = max(self.external_force_max, largest)
-
-
-def _owner(model: mujoco.MjModel, body: int) -> int:
-    """Return a body that is an object of the scene or its stand, and -1 for any other."""
-    return int(body) if model.body(body).name.startswith(("object_", "stand_")) else -1
 
 
 def _gives_up(error: Exception) -> str:

@@ -12,6 +12,7 @@ import sys
 import time
 from collections.abc import Iterable
 from contextlib import suppress
+from dataclasses import asdict
 from pathlib import Path
 from types import FrameType
 
@@ -78,7 +79,7 @@ class ControlProcess:
         self._estop = EStopFollower(channels.estop(folder), self._controller.supervisor, self._tell)
         self._quit = channels.quit_flag(folder)
         self._command_sequence = self._request_sequence = 0
-        self._told_stops = self._told_refusals = 0
+        self._told_stops = self._told_refusals = self._told_touches = 0
         self._orphaned_at: int | None = None
         self._hold = cycles(spec.hold)
         self._terminated = False
@@ -106,6 +107,7 @@ class ControlProcess:
             self._listen()
             if controller.cycle % self._object_phase == 0:
                 self._plant.move_objects()
+                self._plant.touches.targets = controller.supervisor.targets
             controller.run_cycle()
             self._after_cycle(stopwatch)
             busy = time.monotonic_ns() - began
@@ -156,6 +158,10 @@ class ControlProcess:
             supervisor.rejected.clear()
         if cycle % self._object_phase == 1:
             self._truths.write(encode_truth(self._plant.truth()))
+        touches = self._plant.touches.all
+        for touch in touches[self._told_touches :]:
+            self._tell("info", touch.text)
+        self._told_touches = len(touches)
         for text in mujoco_warnings.taken():
             self._tell("warning", text)
         if cycle % _TIMING_PERIOD == 3:
@@ -219,7 +225,8 @@ class ControlProcess:
         self._plant.note_external_force()
         self._publish()
         self._timings.write(stopwatch.timing.to_bytes())
-        result = {"external_force_max": self._plant.external_force_max}
+        touches = [asdict(touch) for touch in self._plant.touches.all]
+        result = {"external_force_max": self._plant.external_force_max, "touches": touches}
         with suppress(OSError):  # no room, or the folder is gone
             self._folder.path("result.json").write_text(json.dumps(result), encoding="utf-8")
         if self._orphaned_at is not None:

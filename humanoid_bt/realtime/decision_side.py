@@ -32,6 +32,7 @@ from humanoid_bt.link.wire import (
 )
 from humanoid_bt.plant.mujoco_plant import MujocoPlant
 from humanoid_bt.plant.scene import Scene
+from humanoid_bt.plant.touches import Touch
 from humanoid_bt.realtime import channels
 from humanoid_bt.realtime.channels import RunSpec
 from humanoid_bt.realtime.children import Children
@@ -68,6 +69,7 @@ class Realtime:
         notices: what happened in other processes so far: (time [s], level, text).
         inputs: keys of the blackboard that a program set; what else comes from outside is sensed.
         external_force_max: largest external force on any body; known after :meth:`close`.
+        touches: what of the scene the robot has touched; known after :meth:`close`.
         truth: where the simulated robot really was lately, None before control says it.
         unseen: percepts that were never published so far, and why.
     """
@@ -80,6 +82,7 @@ class Realtime:
         self.notices: Kept[Event] = Kept()
         self.inputs: Kept[Any] = Kept()
         self.external_force_max = 0.0
+        self.touches: list[Touch] = []
         self.timing = Timing()
         self.truth: Truth | None = None
         self.unseen: Mapping[str, str] = {}
@@ -212,7 +215,9 @@ class Realtime:
         self._follow_readers()
         result = folder.path("result.json")
         with contextlib.suppress(OSError, ValueError):  # not there if control was killed
-            self.external_force_max = json.loads(result.read_text(encoding="utf-8"))["external_force_max"]
+            told = json.loads(result.read_text(encoding="utf-8"))
+            self.external_force_max = told["external_force_max"]
+            self.touches = [Touch(**touch) for touch in told["touches"]]
 
     # ---- the loop ---------------------------------------------------------------------------------------------------
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple, Protocol
 
@@ -14,6 +14,7 @@ from humanoid_bt.core.kept import Kept
 from humanoid_bt.core.messages import Array, Command, Percept, State, Truth
 from humanoid_bt.link.wire import Event
 from humanoid_bt.plant.scene import Scene
+from humanoid_bt.plant.touches import Touch
 from humanoid_bt.realtime.timing import Timing
 from humanoid_bt.robot.model import RobotModel
 from humanoid_bt.tree.tree import Tree
@@ -72,6 +73,10 @@ class Engine(Protocol):
     @property
     def external_force_max(self) -> float:
         """Largest external force or torque on any body [N, Nm]; final after :meth:`close`."""
+
+    @property
+    def touches(self) -> Sequence[Touch]:
+        """What of the scene the robot has touched, as only the simulation knows; final after :meth:`close`."""
 
     @property
     def timing(self) -> Timing | None:

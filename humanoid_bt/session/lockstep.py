@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import logging
 from collections import deque
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 
@@ -27,6 +27,7 @@ from humanoid_bt.link.wire import Event
 from humanoid_bt.perception.source import PerceptSource
 from humanoid_bt.plant.mujoco_plant import MujocoPlant
 from humanoid_bt.plant.scene import Scene
+from humanoid_bt.plant.touches import Touch
 from humanoid_bt.realtime.lockstep_link import LockstepLink
 from humanoid_bt.robot import mujoco_warnings
 from humanoid_bt.robot.model import RobotModel
@@ -73,7 +74,7 @@ class Lockstep:
         self._state: State | None = None
         self._link: LockstepLink | None = None
         self._links = True
-        self._touches = 0  # that were told
+        self._told_touches = 0
         self._logged: tuple[LocalTable, LocalTable] | None = None
         self._decision = cycles(DECISION_PERIOD)
         self._perceive = cycles(PERCEPTION_PERIOD)
@@ -94,9 +95,9 @@ class Lockstep:
         return self.plant.external_force_max
 
     @property
-    def touched(self) -> Mapping[str, str]:
-        """What of the scene the robot has touched so far, besides the floor: object -> the link that did."""
-        return self.plant.touched
+    def touches(self) -> Sequence[Touch]:
+        """What of the scene the robot has touched so far, besides the floor."""
+        return self.plant.touches.all
 
     @property
     def truth(self) -> Truth:
@@ -185,7 +186,7 @@ class Lockstep:
         self._command = self._state = None
         self._resets.clear()
         self._logged = self.controller.log = None
-        self._touches = 0
+        self._told_touches = 0
         self.notices = Kept()
         self.inputs = Kept()
 
@@ -216,13 +217,14 @@ class Lockstep:
         if self._command is not None:
             self.controller.submit(self._command)
             self._command = None
+        self.plant.touches.targets = self.supervisor.targets
         for _ in range(self._decision):
             self.controller.run_cycle()
             self.clock.advance()
         self.plant.note_external_force()
-        for name in list(self.plant.touched)[self._touches :]:
-            self._note("info", f"{self.plant.touched[name].replace('_', ' ')} touches {name}")
-        self._touches = len(self.plant.touched)
+        for touch in self.touches[self._told_touches :]:
+            self._note("info", touch.text)
+        self._told_touches = len(self.touches)
         for text in mujoco_warnings.taken():
             self._note("warning", text)
 

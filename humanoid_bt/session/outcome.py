@@ -122,6 +122,7 @@ def report_of(
         fell=any(stop.mode is Mode.DAMP for stop in engine.supervisor.stops),
         stops=stops_of(engine.supervisor.stops),
         external_force_max=engine.external_force_max,
+        touches=[asdict(touch) for touch in engine.touches],
         odometry=odometry,
         timing=asdict(engine.timing) if engine.timing else None,
         recording=str(file) if file else None,

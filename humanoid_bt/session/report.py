@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from humanoid_bt.core.errors import UserError, nearest
-from humanoid_bt.core.texts import one_line, printable
+from humanoid_bt.core.texts import few, one_line, printable
 from humanoid_bt.core.units import readable
 from humanoid_bt.files.whole import write_whole
 
@@ -24,7 +24,7 @@ if TYPE_CHECKING:  # the command line reads the exit codes long before it needs 
     from humanoid_bt.core.messages import Level
     from humanoid_bt.tree.ticking.executor import NodeChange
 
-_MOST_RESULTS = 6  # in the summary
+_MOST_RESULTS, _MOST_BUMPS = 6, 3  # in the summary
 _PACKAGES = ("humanoid-bt", "mujoco", "mink", "py_trees", "numpy", "rerun-sdk")
 
 
@@ -91,6 +91,8 @@ class Report:
         fell: whether the robot fell.
         stops: every stop the supervisor ordered.
         external_force_max: largest external force or torque on any body [N, Nm].
+        touches: which link of the robot touched which thing of the scene first when: time [s], thing, link, and meant,
+            whether it was a hand that was sent there.
         odometry: how far the base was in the end from where it was believed to be, seen from above: off [m], and turned
             [rad]; None where nobody knows.
         timing: how punctual the servo was in realtime mode: cycles, missed, lateness [us]; None in lockstep.
@@ -136,11 +138,21 @@ class Report:
     recording_parts: list[str] = field(default_factory=list)
     left_out: dict[str, int] = field(default_factory=dict)
     staged: dict[str, Any] | None = None
+    touches: list[dict[str, Any]] = field(default_factory=list)
 
     @property
     def exit_code(self) -> ExitCode:
         """The exit code that tells this outcome."""
         return OUTCOMES[self.outcome]
+
+    @property
+    def bumps(self) -> list[str]:
+        """What the robot bumped into, no hand having been sent there: ``left elbow touches table at 3.20 s``."""
+        return [
+            f"{touch['link'].replace('_', ' ')} touches {touch['thing']} at {touch['time']:.2f} s"
+            for touch in self.touches
+            if not touch["meant"]
+        ]
 
     @property
     def real_time_factor(self) -> float:
@@ -157,6 +169,7 @@ class Report:
         rows += self._last_results
         stops = [f"{stop['time']:.2f} s {stop['mode'].replace('_', ' ')}: {stop['reason']}" for stop in self.stops]
         rows += [("stops" if number == 0 else "", text) for number, text in enumerate(stops or ["none"])]
+        rows += [("bumped" if number == 0 else "", text) for number, text in enumerate(few(self.bumps, _MOST_BUMPS))]
         if self.odometry is not None:
             off, turned = self.odometry["off"], math.degrees(self.odometry["turned"])
             rows.append(("odometry", f"{off * 100:.1f} cm and {turned:.1f} deg off"))

@@ -46,6 +46,11 @@ WORDS: Mapping[str, Word[Course]] = {
         TEXT,
         lambda course: ", ".join(course.touched),
     ),
+    "bumped": Word(
+        "Whether it has touched one with anything but a hand that was sent there.",
+        TRUTH,
+        lambda course: bool(course.bumped),
+    ),
     "stopped": Word("Whether the supervisor stops the robot now.", TRUTH, lambda course: course.mode in _STOPPED),
     "estop": Word("Whether an emergency stop is in force.", TRUTH, lambda course: course.mode is Mode.EMERGENCY_STOP),
     "stops": Word("How many stops the supervisor has ordered so far.", NUMBER, lambda course: course.stops),

@@ -49,6 +49,10 @@ class View(Protocol):
     def touched(self) -> Sequence[str]:
         """Names of the scene's objects that the robot has touched by then."""
 
+    @property
+    def bumped(self) -> Sequence[str]:
+        """Names of those of them that it touched without a hand having been sent there."""
+
 
 class Missed(NamedTuple):
     """An event of a run's script that never happened.
@@ -174,6 +178,7 @@ class Course:
         mode: what the supervisor allows.
         fell: whether the robot fell.
         touched: names of the scene's objects that the robot has touched.
+        bumped: names of those that it touched without a hand having been sent there.
     """
 
     def __init__(self, tree: Tree, stops: Sequence[Stop] = ()) -> None:
@@ -182,6 +187,7 @@ class Course:
         self.mode = Mode.RUN
         self.fell = False
         self.touched: Sequence[str] = ()
+        self.bumped: Sequence[str] = ()
         self._stops = stops
         self._robot: Robot | None = None
         self._began: float | None = None
@@ -191,7 +197,7 @@ class Course:
     def tick(self, view: View) -> None:
         """Look at what a tick has brought."""
         self._began = view.time if self._began is None else self._began
-        self.touched = view.touched
+        self.touched, self.bumped = view.touched, view.bumped
         self.time, self.mode, self._robot = view.time - self._began, view.state.mode, view.robot
         self.fell = self.fell or self.mode is Mode.DAMP
         for life in self._lives.values():

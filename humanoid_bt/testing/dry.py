@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import math
-import types
 from collections import deque
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -48,6 +47,7 @@ from humanoid_bt.link.wire import Event
 from humanoid_bt.perception.source import PerceptSource
 from humanoid_bt.plant.mujoco_plant import MujocoPlant
 from humanoid_bt.plant.scene import Scene
+from humanoid_bt.plant.touches import Touch
 from humanoid_bt.robot.arms import arms_of
 from humanoid_bt.robot.model import BASE_COORDINATES, BASE_DOFS, RobotModel
 from humanoid_bt.session.engine import Input
@@ -71,7 +71,7 @@ class Dry:
     """
 
     external_force_max = 0.0
-    touched: Mapping[str, str] = types.MappingProxyType({})
+    touches: Sequence[Touch] = ()
     timing = cycle_tables = None
 
     def __init__(self, robot: RobotModel, start: Array, scene: Scene, perception: PerceptSource) -> None:

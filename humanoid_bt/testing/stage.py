@@ -256,9 +256,10 @@ def _sample(drive: Drive, engine: Staged, listener: _Changes) -> Sample | None:
         if skill.status is Status.RUNNING:
             results[path] = dict(results_of(skill))
     keys = {key.name: key.value for key in drive.runner.tree.keys if key.is_set}
-    touched = tuple(engine.touched)
+    touched = tuple(dict.fromkeys(touch.thing for touch in engine.touches))
+    bumped = tuple(dict.fromkeys(touch.thing for touch in engine.touches if not touch.meant))
     given = command if command.stamp == state.time else None
-    return Sample(state, engine.percepts, given, changes, keys, results, drive.truth, touched)
+    return Sample(state, engine.percepts, given, changes, keys, results, drive.truth, touched, bumped)
 
 
 class _Changes(Listener):

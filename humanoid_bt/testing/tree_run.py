@@ -34,6 +34,7 @@ class Sample(NamedTuple):
         results: what the skills that ran in it have reported by then: path -> name -> value, in SI units.
         truth: where the robot really was, None in a dry run.
         touched: names of the scene's objects that the robot has touched by then.
+        bumped: of those, the ones that no hand was sent to.
     """
 
     state: State
@@ -44,6 +45,7 @@ class Sample(NamedTuple):
     results: Mapping[str, Mapping[str, ResultValue]]
     truth: Truth | None
     touched: tuple[str, ...]
+    bumped: tuple[str, ...]
 
 
 class View:
@@ -90,6 +92,11 @@ class View:
     def touched(self) -> Sequence[str]:
         """Names of the scene's objects that the robot has touched by then, with a hand, a foot or any other link."""
         return self.sample.touched
+
+    @property
+    def bumped(self) -> Sequence[str]:
+        """Names of those of them that it touched without a hand having been sent there."""
+        return self.sample.bumped
 
     @property
     def tracks(self) -> Mapping[str, Track]:

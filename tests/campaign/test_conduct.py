@@ -53,7 +53,17 @@ def test_the_table_has_what_was_tried_and_what_came_of_it(campaign: Conduct, tmp
         "set.stop_distance",
         "condition.friction",
     ]
-    assert head.split(",")[8:] == ["outcome", "reason", "node", "time", "fell", "stops", "result.hand_error", "trace"]
+    assert head.split(",")[8:] == [
+        "outcome",
+        "reason",
+        "node",
+        "time",
+        "fell",
+        "bumped",
+        "stops",
+        "result.hand_error",
+        "trace",
+    ]
     assert rows[2].split(",")[8:12] == ["failure", "the hand is 3 cm away", "fetch/reach", "1.03"]
     table = pq.read_table(tmp_path / "out" / "results.parquet")
     assert table.num_rows == 4

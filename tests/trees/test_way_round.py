@@ -132,7 +132,9 @@ def test_approaches_from_the_side_of_a_table_on_which_the_cup_is(rig: Rig, tmp_p
 def test_what_a_link_bumps_into_is_told(rig: Rig, tmp_path: Path) -> None:
     behind = "wall: {shape: box, size: [0.1, 2, 1], solid: true, position: [-0.45, 0, 0.5]}"
     run = rig.run_tree(tree(tmp_path, BACK), scene=scene(tmp_path, behind), duration=3)
-    assert run.samples[-1].touched == ("wall",)
+    assert run.samples[-1].touched == run.samples[-1].bumped == ("wall",)
+    assert run.report.bumps
+    assert "bumped" in repr(run.report)
     with pytest.raises(AssertionError, match="touched"):
         run.expect("never: touched")
     run.expect("contains(touched_objects, 'wall')")

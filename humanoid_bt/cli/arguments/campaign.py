@@ -102,6 +102,13 @@ def add_campaign(commands: Commands) -> None:
         "'hand_error_median < 1 cm'; may be given several times",
     )
     judge.add_argument(
+        "--fail-on",
+        action="append",
+        metavar="WHAT",
+        help="count a trial as a failure whose tree succeeded, if the robot fell, bumped (touched something that no "
+        "hand was sent to) or was stopped; may be given several times",
+    )
+    judge.add_argument(
         "--recordings",
         type=number(_WHOLE),
         metavar="N",
