@@ -175,6 +175,23 @@ TABLES: dict[str, TableSpec] = {
             *_xyz("", "m", "in the base frame at the stamp"),
             Column("distance", "number", "from the base, in the horizontal plane", "m"),
             Column("confidence", "number", "in [0, 1]"),
+            Column(
+                "length", "number", "of the upright box around a solid thing, an obstacle; null of anything else", "m"
+            ),
+            Column("width", "number", "of that box", "m"),
+            Column("height", "number", "of that box", "m"),
+            Column("heading", "number", "of the box's length, in the base frame", "rad"),
+        ),
+    ),
+    "contacts": TableSpec(
+        "A tick felt that something touches arms or torso.",
+        (
+            _TIME,
+            Column("group", "name", "which links: left_arm, right_arm or torso"),
+            Column("force", "number", "with which it pushes the robot", "N"),
+            *_xyz("", "N", "that force in the world"),
+            Column("largest", "number", "the largest since the touch began", "N"),
+            Column("yields", "boolean", "whether the arm yields to it"),
         ),
     ),
     "commands": TableSpec(
@@ -191,6 +208,7 @@ TABLES: dict[str, TableSpec] = {
             *(Column(f"d{axis}", "number", "that direction, a unit vector") for axis in "xyz"),
             Column("joints", "text", "angles of an arm's joints [rad], as JSON"),
             Column("speed", "number", "at most this fast: a hand [m/s], the joints of an arm [rad/s]"),
+            Column("press", "number", "force with which a palm is to press; 0 where it is to touch nothing", "N"),
             Column("heading", "number", "target of the base", "rad"),
             Column("height", "number", "target of the posture: offset of the centre of mass", "m"),
         ),

@@ -16,7 +16,6 @@ from humanoid_bt.review.recording import Recording
 WORLD, BASE = "world", "base"
 _LEVELS = {"debug": 1, "info": 2, "warning": 3, "error": 4}
 _STATUS_LEVELS = {"FAILURE": 3}
-_UNTURNED = {"x": 0.0, "y": 0.0, "z": 0.0, "w": 1.0}
 
 
 class Message(NamedTuple):
@@ -67,6 +66,7 @@ def schemas() -> dict[str, dict[str, Any]]:
 _TOPICS = {
     "body": "/body",
     "ticks": "/ticks",
+    "contacts": "/contacts/{group}",
     "commands": "/commands/{resource}",
     "results": "/results/{node}/{result}",
     "blackboard": "/blackboard",
@@ -102,9 +102,13 @@ def _base(recording: Recording, wanted: Wanted) -> Iterator[Message]:
 
 def _percepts(recording: Recording, wanted: Wanted) -> Iterator[Message]:
     for row in _rows(recording, wanted, "percepts"):
-        pose = {"position": {axis: row[axis] for axis in "xyz"}, "orientation": _UNTURNED}
+        pose = {"position": {axis: row[axis] for axis in "xyz"}, "orientation": _upright(row["heading"] or 0.0)}
         value = {"timestamp": _stamp(row["stamp"]), "frame_id": BASE, "pose": pose}
         yield Message(row["time"], f"/percepts/{row['name']}", "foxglove.PoseInFrame", value)
+
+
+def _upright(heading: float) -> dict[str, float]:
+    return {"x": 0.0, "y": 0.0, "z": math.sin(heading / 2), "w": math.cos(heading / 2)}
 
 
 def _logs(recording: Recording, wanted: Wanted, name: str) -> Iterator[Message]:

@@ -127,6 +127,10 @@ class Recording:
         """Return what was perceived, and how old it was when the tree had it."""
         return self.table("percepts", between=between)
 
+    def contacts(self, *, between: Between | None = None) -> Any:
+        """Return what the robot felt that touched its arms or torso, a row for each tick and group of links."""
+        return self.table("contacts", between=between)
+
     def commands(self, *, between: Between | None = None) -> Any:
         """Return what each tick commanded, a row for each resource, with the node that asked for it."""
         return self.table("commands", between=between)
@@ -229,6 +233,7 @@ class Recording:
         makers: dict[str, Callable[[], Iterable[Row]]] = {
             "ticks": lambda: ticking.ticks(ticks(), happened.nodes),
             "percepts": lambda: ticking.percepts(ticks()),
+            "contacts": lambda: ticking.contacts(ticks()),
             "commands": lambda: ticking.commands(ticks()),
             "spans": lambda: happened.spans(self.ended),
             "limits": lambda: setup.joints(self.setup),

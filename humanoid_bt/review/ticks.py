@@ -66,6 +66,22 @@ def percepts(found: Iterable[Tick]) -> Iterator[Row]:
                 "age": tick.state.time - percept.stamp,
                 **{"x": x, "y": y, "z": z, "distance": math.hypot(x, y)},
                 "confidence": percept.confidence,
+                **({} if percept.size is None else _numbers(percept.size, ("length", "width", "height"))),
+                "heading": None if percept.size is None else percept.heading,
+            }
+
+
+def contacts(found: Iterable[Tick]) -> Iterator[Row]:
+    """Yield a row for each contact that a tick felt."""
+    for tick in found:
+        for group, contact in tick.state.contacts.items():
+            yield {
+                "time": tick.state.time,
+                "group": group,
+                "force": math.hypot(*contact.force),
+                **_numbers(contact.force, "xyz"),
+                "largest": contact.largest,
+                "yields": contact.yields,
             }
 
 
@@ -89,7 +105,7 @@ def target_values(target: Target) -> dict[str, Any]:
         case BaseTarget(position, heading):
             return {"x": float(position[0]), "y": float(position[1]), "heading": heading}
         case HandTarget(position):
-            return {**_numbers(position, "xyz"), **_manner(target), "speed": target.speed}
+            return {**_numbers(position, "xyz"), **_manner(target), "speed": target.speed, "press": target.press}
         case ArmTarget(joints, speed):
             return {"joints": json.dumps(dict(joints)), "speed": speed}
         case GazeTarget(point):
