@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -49,9 +49,23 @@ class Eye:
         self._filters: tuple[Array, Array] | None = None  # each: heading, middle of the picture, distance
         self._rows: list[tuple[float, float, Array]] = []
 
-    def add(self, state: State, tracks: Mapping[str, Track], objects: Mapping[str, Array]) -> None:
-        """Look at one state, the percepts known with it and the objects' positions (world frame [m])."""
-        heading, *middle, distance = self._smoothed(state, self._points(state, tracks, objects))
+    def add(
+        self,
+        state: State,
+        tracks: Mapping[str, Track],
+        objects: Mapping[str, Array],
+        routes: Sequence[Array] = (),
+    ) -> None:
+        """Look at one state.
+
+        Args:
+            state: it.
+            tracks: the percepts known with it.
+            objects: positions of the scene's objects, world frame, shape (3,) [m].
+            routes: ways that are followed, each of shape (n, 2), world frame [m].
+        """
+        points = [*self._points(state, tracks, objects), *_ahead(state, routes)]
+        heading, *middle, distance = self._smoothed(state, np.array(points))
         forward = _forward(heading)
         back = distance - _DISTANCE * self._base_height
         self._rows.append((state.time, heading, np.array(middle) - back * forward))
@@ -72,8 +86,8 @@ class Eye:
         send(stream, FRAME, times, columns)
         self._rows = []
 
-    def _points(self, state: State, tracks: Mapping[str, Track], objects: Mapping[str, Array]) -> Array:
-        """Return what has to be in the picture, shape (n, 3), world frame [m]."""
+    def _points(self, state: State, tracks: Mapping[str, Track], objects: Mapping[str, Array]) -> list[Array]:
+        """Return what has to be in the picture, each of shape (3,), world frame [m]."""
         x, y, _ = state.base_position
         points = [np.array([x, y, 0.0]), np.array([x, y, _HEAD * self._base_height])]
         for target in state.targets.values():
@@ -88,7 +102,7 @@ class Eye:
             for name, place in objects.items():
                 if math.dist(place, seen) < _SAME:
                     points += [_near(points[0], place + np.array([0.0, 0.0, end])) for end in self._heights[name]]
-        return np.array(points)
+        return points
 
     def _smoothed(self, state: State, points: Array) -> Array:
         """Return the eye's heading, the middle of its picture and how far it is from there, low-passed."""
@@ -122,6 +136,14 @@ def _forward(heading: float) -> Array:
     """Return the direction in which the eye looks, beside a robot of this heading."""
     side, level = heading + _SIDE, math.cos(_ABOVE)
     return np.array([-level * math.cos(side), -level * math.sin(side), -math.sin(_ABOVE)])
+
+
+def _ahead(state: State, routes: Sequence[Array]) -> list[Array]:
+    """Return the points of ways that are still ahead of the robot, each of shape (3,), world frame [m]."""
+    here = np.array([*state.base_position[:2], 0.0])
+    begins = [int(np.linalg.norm(route - here[:2], axis=1).argmin()) for route in routes]
+    left = [point for route, begin in zip(routes, begins, strict=True) for point in route[begin:]]
+    return [_near(here, np.array([*point, 0.0])) for point in left]
 
 
 def _near(start: Array, point: Array) -> Array:

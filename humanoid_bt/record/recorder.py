@@ -181,7 +181,7 @@ class Recorder:
             self._last_frame = state.time
             self._scene.add(state, objects, hidden)
             self._camera.add(state, objects, hidden)
-            self._eye.add(state, seen, objects)
+            self._eye.add(state, seen, objects, self._routes.latest)
             self._overlays.add(state, seen)
             self._routes.add(state, seen)
             self._stop_sign.add(state)

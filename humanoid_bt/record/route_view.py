@@ -26,12 +26,17 @@ _ROUTE_COLOR = (252, 196, 25)
 
 
 class RouteView:
-    """Obstacles and ways of one robot."""
+    """Obstacles and ways of one robot.
+
+    Attributes:
+        latest: the ways that are followed now, each of shape (n, 2), world frame [m].
+    """
 
     def __init__(self) -> None:
         self._seen: list[tuple[float, list[Track]]] = []
         self._boxes: list[tuple[float, ...]] = []  # as they were last
         self._routes: list[tuple[float, Sequence[Array]]] = []
+        self.latest: Sequence[Array] = ()
 
     def log_static(self, stream: Any) -> None:
         """Write what never changes: frames, colours."""
@@ -51,6 +56,7 @@ class RouteView:
     def add_routes(self, time: float, routes: Sequence[Array]) -> None:
         """Take the ways that are followed from a time [s] on, each of shape (n, 2), world frame [m]."""
         self._routes.append((time, routes))
+        self.latest = routes
 
     def flush(self, stream: Any) -> None:
         """Write what was added since the last flush."""

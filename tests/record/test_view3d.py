@@ -34,9 +34,12 @@ def facing(time: float, heading: float, **targets: Any) -> State:
     return replace(make_state(time, targets=targets), stance=np.array([0.0, 0.0, heading]))
 
 
-def seen_from(states: list[State], tracks: dict[str, Track], points: Array, file: Path, record: Maker) -> Array:
+def seen_from(
+    states: list[State], tracks: dict[str, Track], points: Array, file: Path, record: Maker, *ways: Array
+) -> Array:
     """Return where points are for the eye at the last state: to the right, up and ahead [m]."""
     with record() as recorder:
+        recorder.routes(0.0, [way.tolist() for way in ways])
         for state in states:
             recorder.sample(state, tracks, {})
     (_, origin), (_, turn) = (rows(file, "/eye", f"Transform3D:{part}")[-1] for part in ("translation", "quaternion"))
@@ -63,6 +66,14 @@ def test_what_the_robot_sees_and_goes_for_is_in_the_picture(
     assert (ahead > 1).all()
     assert (np.abs(up) < math.tan(HALF_ANGLE) * ahead).all()
     assert (np.abs(right) < 1.5 * math.tan(HALF_ANGLE) * ahead).all()
+
+
+def test_the_way_that_is_left_is_in_the_picture(record: Maker, file: Path) -> None:
+    way = np.array([[-2.0, 0.0], [0.0, 0.0], [0.5, -2.0], [2.0, -1.5]])
+    on_floor = np.column_stack([way, np.zeros(len(way))])
+    right, up, ahead = seen_from([facing(0.0, 0.0)], {}, on_floor, file, record, way).T
+    seen = (np.abs(up) < math.tan(HALF_ANGLE) * ahead) & (np.abs(right) < 1.5 * math.tan(HALF_ANGLE) * ahead)
+    assert seen[1:].all()
 
 
 def test_the_eye_looks_at_the_hands_side_whatever_the_heading(record: Maker, file: Path) -> None:
