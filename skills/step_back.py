@@ -4,17 +4,19 @@ import math
 
 import numpy as np
 
-from humanoid_bt import Gait, Improving, Skill, Status, param, result
+from humanoid_bt import Gait, Improving, Route, Skill, Status, param, result
 
 
 class StepBack(Skill):
     """Walk straight back by a distance without turning, counted from where the robot stands at the start.
 
-    The robot does not see what is behind it. Fails if it comes no farther.
+    The robot sees nothing of what is behind it, but remembers what is solid there since it saw it: it fails before it
+    steps into that, and says what it is. Fails, too, if it comes no farther.
     """
 
     resources = ("base",)
     bounded = True  # by its patience
+    remembered = ("obstacles",)
 
     distance: float = param(0.25, unit="m", above=0, doc="How far.")
     tolerance: float = param(0.06, unit="m", above=0, doc="Done when this close to the place.")
@@ -28,6 +30,7 @@ class StepBack(Skill):
         self._start = self.robot.state.stance[:2].copy()
         self._heading = float(self.robot.state.stance[2])
         self._left = Improving(self.patience, step=0.02)
+        self._route = Route(self.robot)
 
     def update(self) -> Status:
         """Step to a place that is always so near that the robot does not turn round to walk there."""
@@ -42,6 +45,8 @@ class StepBack(Skill):
             return self.succeed(f"{made:z.2f} m back")
         if there and state.gait is Gait.STAND:
             return self.running("coming to rest")
+        if hit := self._route.hits(goal):
+            return self.fail(f"no room to step back {self.distance:.2f} m: {hit} would be stepped into")
         lead = max(gait.near - gait.step_back, gait.step_back)
         self.robot.walk_to(self._start + min(self.distance, made + lead) * back, self._heading)
         if not self._left.update(to_go, self.robot.clock.now()):

@@ -2,7 +2,7 @@
 
 import math
 
-from humanoid_bt import Gait, Improving, Skill, Status, param, result
+from humanoid_bt import Gait, Improving, Route, Skill, Status, param, result
 
 _LEAD = math.pi / 2  # rad ahead of the robot; less than half a turn, or it would go round the other way
 
@@ -10,11 +10,13 @@ _LEAD = math.pi / 2  # rad ahead of the robot; less than half a turn, or it woul
 class Turn(Skill):
     """Turn on the spot by an angle, counted from where the robot faces at the start.
 
-    An angle of more than half a turn goes the long way round. Fails if the robot does not turn.
+    An angle of more than half a turn goes the long way round. Fails if something solid that was seen is too near, and
+    says what, or if the robot does not turn.
     """
 
     resources = ("base",)
     bounded = True  # by its patience
+    remembered = ("obstacles",)
 
     angle: float = param(unit="rad", doc="How far to turn; left is positive.")
     tolerance: float = param(0.08, unit="rad", above=0, doc="Done when turned this close.")
@@ -28,6 +30,7 @@ class Turn(Skill):
         self._facing = float(self.robot.state.stance[2])
         self._to_go = self.angle
         self._left = Improving(self.patience, step=0.03)
+        self._route = Route(self.robot)
 
     def update(self) -> Status:
         """Step round."""
@@ -41,6 +44,8 @@ class Turn(Skill):
             return self.succeed(f"turned {math.degrees(self.turned):z.0f} deg")
         if there and state.gait is Gait.STAND:
             return self.running("coming to rest")
+        if near := self._route.beside():
+            return self.fail(f"no room to turn: {near} would be knocked against")
         self.robot.walk_to(self._spot, facing + min(max(self._to_go, -_LEAD), _LEAD))
         if not self._left.update(abs(self._to_go), self.robot.clock.now()):
             return self.fail(f"turns no farther: {math.degrees(self._to_go):z.0f} deg to go")

@@ -17,6 +17,7 @@ from humanoid_bt.decision.signals import Lasting
 from humanoid_bt.decision.surroundings import Surroundings
 
 _LEAST = 0.02  # m beyond its radius that the robot keeps away where there is no more room
+_TURNING = 0.02  # m by which a robot that turns on the spot keeps within its radius
 _CUT = 0.4  # share of the clearance by which it may cut a corner
 _SLACK = 1e-3  # m that it may come nearer to what it stands beside already
 _SPACING = 0.05  # m between points of the way that are looked at
@@ -138,6 +139,29 @@ class Route:
         """Return whether nothing is between the robot and a place, shape (2,), world frame [m]."""
         goal = np.array(place, dtype=float)[None]
         return bool(self._straight(self._around.look(), self._robot.state.stance[:2], goal, self._narrow).all())
+
+    def hits(self, place: Any) -> str:
+        """Return what the robot would step into on the straight way to a place, shape (2,), world frame [m].
+
+        Names as in a sentence; "" if there is nothing. What it stands beside it may leave, and not come nearer to.
+        """
+        around, here, goal = self._around.look(), self._robot.state.stance[:2], np.array(place, dtype=float)
+        if not len(around):
+            return ""
+        start, end = around.beyond(here[None]), around.beyond(goal[None])
+        room = np.minimum(self._robot.config.walking_radius, start.max(axis=2) - _SLACK)
+        return self._named(around, ~clear(start, end, room)[0])
+
+    def beside(self) -> str:
+        """Return what the robot would knock against if it turned on the spot; names as in a sentence, "" if nothing."""
+        around = self._around.look()
+        if not len(around):
+            return ""
+        room = self._robot.config.walking_radius - _TURNING
+        return self._named(around, around.distances(self._robot.state.stance[None, :2])[0] < room)
+
+    def _named(self, around: Obstacles, which: Array) -> str:
+        return listed(few([name for name, one in zip(around.names, which.tolist(), strict=True) if one], _MOST_TOLD))
 
     @property
     def _least(self) -> float:

@@ -138,3 +138,48 @@ def test_what_a_link_bumps_into_is_told(rig: Rig, tmp_path: Path) -> None:
     with pytest.raises(AssertionError, match="touched"):
         run.expect("never: touched")
     run.expect("contains(touched_objects, 'wall')")
+
+
+BEHIND = """
+wall: {shape: box, size: [0.1, 2, 1], solid: true, position: [1.2, 0, 0.5]}
+"""
+ROUND_AND_BACK = """
+format: 1
+name: round_and_back
+parameters: {distance: 0.6}
+root:
+  emergency_stop:
+    sequence:
+      - turn: {angle: 180 deg}
+      - step_back: {distance: $distance}
+"""
+BESIDE = """
+post: {shape: box, size: [0.1, 0.1, 1.4], solid: true, position: [0.3, 0.25, 0.7]}
+"""
+TURN = """
+format: 1
+name: turn
+root:
+  emergency_stop:
+    turn: {angle: -90 deg}
+"""
+
+
+def test_does_not_turn_against_what_stands_beside_it_and_names_it(rig: Rig, tmp_path: Path) -> None:
+    run = rig.run_tree(tree(tmp_path, TURN), scene=scene(tmp_path, BESIDE))
+    assert run.failed
+    assert run.reason == "turn: no room to turn: post would be knocked against"
+    assert run.time < 1
+    run.expect(*SAFE)
+
+
+@pytest.mark.parametrize(
+    ("distance", "outcome"), [pytest.param(0.6, "success", marks=pytest.mark.trials), (0.9, "failure")]
+)
+def test_remembers_the_wall_behind_it_when_it_steps_back(
+    rig: Rig, tmp_path: Path, distance: float, outcome: str
+) -> None:
+    run = rig.run_tree(tree(tmp_path, ROUND_AND_BACK), scene=scene(tmp_path, BEHIND), distance=distance)
+    run.expect(f"outcome == {outcome}", *SAFE)
+    if outcome == "failure":
+        assert run.reason == "step_back: no room to step back 0.90 m: wall would be stepped into"
