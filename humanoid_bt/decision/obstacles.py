@@ -21,6 +21,7 @@ _COMPASS = np.stack([np.cos(_ANGLES), np.sin(_ANGLES)], 1)
 _BETWEEN = np.stack([np.cos(_ANGLES + np.pi / 8), np.sin(_ANGLES + np.pi / 8)], 1) / np.cos(np.pi / 8)
 _CORNERS = np.array([[1, 1], [1, 1], [-1, 1], [-1, 1], [-1, -1], [-1, -1], [1, -1], [1, -1]], dtype=float)
 _TINY = 1e-9
+_NOTHING = 1e-300  # keeps a division by zero away, and is lost beside any other number
 
 
 @dataclass(frozen=True)
@@ -91,9 +92,8 @@ def clear(starts: Array, ends: Array, room: Array | float) -> NDArray[np.bool_]:
     """
     limit = np.asarray(room)[..., None] - _TINY
     start, end = starts - limit, ends - limit
-    with np.errstate(divide="ignore", invalid="ignore"):
-        cut = start / (start - end)  # the share of the way at which it crosses each side
-    enters = np.where(start > 0, np.where(end < 0, cut, 1.0), 0.0).max(axis=-1)  # 1 where it stays outside
-    leaves = np.where(end > 0, np.where(start < 0, cut, 0.0), 1.0).min(axis=-1)
-    outside = ((start >= 0) & (end >= 0)).any(axis=-1)
-    return np.asarray(outside | (enters >= leaves))
+    before, after = np.maximum(start, 0.0), np.maximum(end, 0.0)  # how far outside of each side it begins and ends
+    # the shares of the way before it is inside of all sides, and after that; 1 where it stays outside of one
+    enters = (before / (before - np.minimum(end, -_NOTHING))).max(axis=-1)
+    leaves = (after / (after - np.minimum(start, -_NOTHING))).max(axis=-1)
+    return np.asarray(enters + leaves >= 1.0)

@@ -92,6 +92,7 @@ def _search(obstacles: Obstacles, task: _Task, allowed: Array) -> tuple[Array | 
     limits[: 1 + count] = allowed
     estimate = (np.linalg.norm(nodes[:, None] - goals, axis=2) + costs).min(axis=1)
     estimate[1 : 1 + count] = costs
+    distances, usable = _ways(nodes, sides)
     length, before = np.full(len(nodes), np.inf), np.zeros(len(nodes), dtype=int)
     length[0] = 0.0
     done = np.zeros(len(nodes), dtype=bool)
@@ -103,8 +104,8 @@ def _search(obstacles: Obstacles, task: _Task, allowed: Array) -> tuple[Array | 
         if done[node]:
             continue
         done[node] = True
-        ways = length[node] + np.linalg.norm(nodes - nodes[node], axis=1)
-        nearer = np.flatnonzero(~done & (ways < length - 1e-12) & _tangent(nodes, sides, node))
+        ways = length[node] + distances[node]
+        nearer = np.flatnonzero(usable[node] & (ways < length - 1e-12))
         if len(obstacles) and len(nearer):
             free = clear(beyond[node], beyond[nearer], np.minimum(limits[node], limits[nearer]))
             nearer = nearer[free.all(axis=1)]
@@ -129,19 +130,17 @@ def _nodes(obstacles: Obstacles, start: Array, goals: Array, room: float) -> tup
     return np.concatenate([ends, corners]), np.concatenate([np.zeros((len(ends), 2, 2)), sides])
 
 
-def _tangent(nodes: Array, sides: Array, node: int) -> NDArray[np.bool_]:
-    """Return the nodes to which a straight way from one may be part of a shortest way: it touches both corners.
+def _ways(nodes: Array, sides: Array) -> tuple[Array, NDArray[np.bool_]]:
+    """Return how far all nodes are from each other, and which straight ways may be part of a shortest way: (m, m) each.
 
-    It does when what the corner belongs to is on one side of the way.
+    A way may be when it touches the corners at both of its ends: what a corner belongs to is on one side of it.
     """
-    ways = nodes - nodes[node]
-    here = ways[:, :1] * sides[node, :, 1] - ways[:, 1:] * sides[node, :, 0]
-    there = ways[:, :1] * sides[:, :, 1] - ways[:, 1:] * sides[:, :, 0]
-    ends: NDArray[np.bool_] = np.logical_not(
-        sides.any(axis=(1, 2))
-    )  # which may lie nearer to a corner's obstacle than the corner does
-    touches = (here[:, 0] * here[:, 1] >= -_TINY) & (there[:, 0] * there[:, 1] >= -_TINY)
-    return np.asarray(ends | ends[node] | touches)
+    ways = nodes[None] - nodes[:, None]
+    crossed = ways[..., :1] * sides[None, :, :, 1] - ways[..., 1:] * sides[None, :, :, 0]
+    ends = ~sides.any(axis=(1, 2))  # which may lie nearer to a corner's obstacle than the corner does
+    touches = crossed[..., 0] * crossed[..., 1] >= -_TINY
+    usable = ends | ends[:, None] | (touches & touches.T)
+    return np.hypot(ways[..., 0], ways[..., 1]), np.asarray(usable)
 
 
 def _back(before: Array, node: int) -> list[int]:
