@@ -61,6 +61,7 @@ __all__ = [  # noqa: RUF022 (grouped as a reader looks for them)
     "Lasting",
     "Improving",
     "Route",
+    "HandRoute",
     "rotation_matrix",
     # Tests of skills and trees
     "Rig",
@@ -103,6 +104,7 @@ if TYPE_CHECKING:
     from humanoid_bt.core.params import param as param
     from humanoid_bt.decision.anatomy import ArmJoint as ArmJoint
     from humanoid_bt.decision.blackboard import Key as Key
+    from humanoid_bt.decision.hand_route import HandRoute as HandRoute
     from humanoid_bt.decision.result import result as result
     from humanoid_bt.decision.robot import RobotHandle as RobotHandle
     from humanoid_bt.decision.route import Route as Route
@@ -167,6 +169,7 @@ else:
         "humanoid_bt.session.run": "run",
         "humanoid_bt.session.session": "Session",
         "humanoid_bt.session.teller": "Listener",
+        "humanoid_bt.decision.hand_route": "HandRoute",
         "humanoid_bt.decision.route": "Route",
         "humanoid_bt.decision.signals": "Improving Lasting Steady",
         "humanoid_bt.decision.skill": "Skill Status of_gaze of_hand",

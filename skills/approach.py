@@ -11,6 +11,7 @@ from humanoid_bt import Gait, PerceptName, Route, Skill, Status, of_gaze, param,
 _SIDES = np.radians(np.arange(0, 360, 15))  # of the target, at which it may stand; the first is the one it comes from
 _FARTHER = np.arange(0, 1.01, 0.05)  # m farther away than asked for, where it cannot stand nearer
 _WORTH = 10.0  # m of way that it goes to stand a metre nearer
+_STAY = 1.0  # m of way that it saves to stay where it stands, once it does: what it sees is never quite the same
 
 
 class Approach(Skill):
@@ -95,7 +96,9 @@ class Approach(Skill):
         free = np.reshape(self._route.free(places.reshape(-1, 2), [self.target]), places.shape[:2])
         sides = np.flatnonzero(free.any(axis=0))
         nearest = free.argmax(axis=0)[sides]
-        best = self._route.nearest(places[nearest, sides], _WORTH * _FARTHER[nearest], [self.target])
+        costs = _WORTH * _FARTHER[nearest]
+        at = np.linalg.norm(places[nearest, sides] - self.robot.state.stance[:2], axis=1) < self.tolerance
+        best = self._route.nearest(places[nearest, sides], costs - _STAY * at, [self.target])
         return goal if best is None else np.asarray(places[nearest[best], sides[best]])
 
     def _steady(self, goal: np.ndarray, to_go: float) -> np.ndarray:

@@ -6,15 +6,16 @@ from typing import Any, Literal
 
 import numpy as np
 
-from humanoid_bt import Improving, Lasting, PerceptName, Side, Skill, Status, Steady, of_gaze, of_hand, param, result
+from humanoid_bt import HandRoute, Improving, Lasting, PerceptName, Side, Skill, Status, Steady, of_gaze, of_hand, param, result
 
 
 class Reach(Skill):
     """Stand and bring a palm to the target, balanced, and keep it there for a moment.
 
     With a direction it turns the hand, too: its fingers point there, or the palm faces there. Waits for a steady base
-    before it moves a hand. Fails if the target was never seen, or if the palm comes no nearer: it does not walk. Then
-    it says which own link is in the way, if one is, or what touched the arm.
+    before it moves a hand, which goes over what is solid and was seen, such as the table below a cup. Fails if the
+    target was never seen, or if the palm comes no nearer: it does not walk. Then it says which own link or which thing
+    is in the way, if one is, or what touched the arm.
     """
 
     resources = ("left_hand", "right_hand", "gaze")
@@ -47,6 +48,7 @@ class Reach(Skill):
         self._hand: Side | None = None
         self._place = Steady(self.smoothing)
         self._held = Lasting(self.hold)
+        self._route = HandRoute(self.robot)
         self._error = Improving(self.patience, step=0.005)
         self._turn_error = Improving(self.patience, step=0.02)
 
@@ -69,7 +71,8 @@ class Reach(Skill):
         return self._bring(self._hand, aim, self._direction())
 
     def _bring(self, hand: Side, aim: np.ndarray, direction: np.ndarray | None) -> Status:
-        self.robot.move_hand(hand, aim, direction=direction, axis=self.axis, speed=self.speed)
+        place = self._route.next(hand, aim, ignore=[self.target])
+        self.robot.move_hand(hand, place, direction=direction, axis=self.axis, speed=self.speed)
         now, turn_error = self.robot.clock.now(), 0.0
         self.hand_error = error = float(np.linalg.norm(self.robot.state.hands[hand] - aim))
         if direction is not None:
@@ -84,7 +87,7 @@ class Reach(Skill):
         elif self.robot.touched(hand) or not self._improves(error, turn_error, now):
             if there:
                 return self.fail(self.robot.why_not_turned(hand, self._turn_error.best))
-            return self.fail(self.robot.why_no_nearer(hand, self._error.best))
+            return self.fail(self._route.why_no_nearer(hand, self._error.best))
         if there and not turned:
             return self.running(f"{hand} hand turned {math.degrees(turn_error):.0f} deg away")
         return self.running(f"{hand} hand {error * 100:.0f} cm away")

@@ -16,7 +16,6 @@ class StepBack(Skill):
 
     resources = ("base",)
     bounded = True  # by its patience
-    remembered = ("obstacles",)
 
     distance: float = param(0.25, unit="m", above=0, doc="How far.")
     tolerance: float = param(0.06, unit="m", above=0, doc="Done when this close to the place.")

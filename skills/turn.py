@@ -16,7 +16,6 @@ class Turn(Skill):
 
     resources = ("base",)
     bounded = True  # by its patience
-    remembered = ("obstacles",)
 
     angle: float = param(unit="rad", doc="How far to turn; left is positive.")
     tolerance: float = param(0.08, unit="rad", above=0, doc="Done when turned this close.")

@@ -30,7 +30,7 @@ PARTS_BY_NAME: dict[str, Callable[[], str]] = {
         *(config_files.robot_keys, config_files.scene_keys),
         *(campaigns.campaign_keys, campaigns.push_keys, campaigns.requirement_names),
         *(library.trees, library.library),
-        *(python.handle, python.route, python.track, python.state, python.rig, python.rig_result),
+        *(python.handle, python.route, python.hand_route, python.track, python.state, python.rig, python.rig_result),
         *(api.api, api.session, api.debugging, api.report),
         *(codes.codes, codes.code_examples),
         *(promises.costs, promises.reactions, promises.body_rows),

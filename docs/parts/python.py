@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from humanoid_bt.core.messages import State
+from humanoid_bt.decision.hand_route import HandRoute
 from humanoid_bt.decision.robot import RobotHandle
 from humanoid_bt.decision.route import Route
 from humanoid_bt.perception.track import Track
@@ -18,8 +19,17 @@ def handle() -> str:
 
 def route() -> str:
     """Return what a way round obstacles offers."""
-    table = members(Route)
-    return table + "\n" + attributes(Route).partition("| --- | --- |\n")[2]
+    return _whole(Route)
+
+
+def hand_route() -> str:
+    """Return what a way of a palm over obstacles offers."""
+    return _whole(HandRoute)
+
+
+def _whole(cls: type) -> str:
+    """Return the members and the attributes of a class in one table."""
+    return members(cls) + "\n" + attributes(cls).partition("| --- | --- |\n")[2]
 
 
 def track() -> str:

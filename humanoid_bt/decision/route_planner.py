@@ -137,7 +137,8 @@ def _ways(nodes: Array, sides: Array) -> tuple[Array, NDArray[np.bool_]]:
     """
     ways = nodes[None] - nodes[:, None]
     crossed = ways[..., :1] * sides[None, :, :, 1] - ways[..., 1:] * sides[None, :, :, 0]
-    ends = ~sides.any(axis=(1, 2))  # which may lie nearer to a corner's obstacle than the corner does
+    # ends may lie nearer to a corner's obstacle than the corner does
+    ends: NDArray[np.bool_] = np.logical_not(sides.any(axis=(1, 2)))
     touches = crossed[..., 0] * crossed[..., 1] >= -_TINY
     usable = ends | ends[:, None] | (touches & touches.T)
     return np.hypot(ways[..., 0], ways[..., 1]), np.asarray(usable)

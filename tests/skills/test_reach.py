@@ -150,3 +150,34 @@ def test_reports_nothing_before_it_has_begun_to_move(rig: Rig) -> None:
     result = rig.run("reach", target=(0.40, 0.15, 0.95), timeout=0.1)
     assert result.feedback == "waiting for a steady base"
     assert result.results == {}
+
+
+@pytest.mark.parametrize("target", [(0.55, 0.1, 0.75), pytest.param((0.6, -0.25, 0.8), marks=pytest.mark.trials)])
+def test_goes_up_before_a_table_and_over_it(rig: Rig, target: tuple[float, float, float]) -> None:
+    rig.see("table", (0.7, 0.0, 0.35), size=(0.6, 1.4, 0.7))
+    result = rig.run("reach", target=target)
+    assert result.succeeded, result.feedback
+    side: Side = "left" if target[1] > 0 else "right"
+    palms = np.array([state.hands[side] for state in result.states])
+    beside, above = palms[palms[:, 0] > 0.3], palms[palms[:, 0] > 0.4]
+    assert beside[:, 2].min() > 0.7
+    assert above[0, 2] > 0.76
+    assert palms[0, 2] < 0.6
+
+
+def test_a_hand_that_is_below_a_table_comes_back_first(rig: Rig) -> None:
+    assert rig.run("reach", target=(0.4, 0.2, 0.55), hold=0).succeeded
+    rig.see("table", (0.7, 0.0, 0.68), size=(0.6, 1.4, 0.04))
+    result = rig.run("reach", target=(0.55, 0.15, 0.78), patience=4)
+    assert result.succeeded, result.feedback
+    through = [state.hands["left"] for state in result.states if 0.6 < state.hands["left"][2] < 0.72]
+    assert max(palm[0] for palm in through) < 0.38
+
+
+def test_says_what_it_cannot_reach_over(rig: Rig) -> None:
+    rig.see("wall", (0.45, 0.0, 1.0), size=(0.1, 3.0, 2.0))
+    result = rig.run("reach", target=(0.65, 0.1, 0.9))
+    assert result.failed
+    assert result.feedback.startswith("left hand comes no nearer than ")
+    assert result.feedback.endswith(": wall is in the way")
+    assert max(state.hands["left"][0] for state in result.states) < 0.35
