@@ -6,7 +6,20 @@ from typing import Any, Literal
 
 import numpy as np
 
-from humanoid_bt import HandRoute, Improving, Lasting, PerceptName, Side, Skill, Status, Steady, of_gaze, of_hand, param, result
+from humanoid_bt import (
+    HandRoute,
+    Improving,
+    Lasting,
+    PerceptName,
+    Side,
+    Skill,
+    Status,
+    Steady,
+    of_gaze,
+    of_hand,
+    param,
+    result,
+)
 
 
 class Reach(Skill):
