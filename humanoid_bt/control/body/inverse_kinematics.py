@@ -9,6 +9,7 @@ import mink
 import mujoco
 import numpy as np
 
+from humanoid_bt.control.body.arm_search import ArmSearch
 from humanoid_bt.control.body.body_task import BodyTargets, BodyTask
 from humanoid_bt.control.body.height_limit import HeightLimit
 from humanoid_bt.control.body.mink_terms import frame_task
@@ -113,6 +114,10 @@ class InverseKinematics:
         qpos[BASE_COORDINATES:] = clamp(qpos[BASE_COORDINATES:], self._robot.lower, self._robot.upper)
         self.configuration.update(qpos)
         self._own_links.look()
+
+    def arm_search(self, side: Side) -> ArmSearch:
+        """Return what searches angles of an arm, its own links apart."""
+        return ArmSearch(self._robot, self._own_links, side)
 
     @property
     def base_pose(self) -> Array:

@@ -47,6 +47,18 @@ class SelfCollisionLimit(mink.Limit):  # type: ignore[misc]  # mink has no types
         self.pressures: Array = np.empty(0)
         self._rests = 0
 
+    def are_apart(self, data: mujoco.MjData, links: Sequence[int]) -> bool:
+        """Return whether links keep their margin to all others in a configuration.
+
+        Args:
+            data: its kinematics are up to date.
+            links: their bodies.
+        """
+        mujoco.mj_collision(self.model, data)
+        geoms = data.contact.geom
+        near = data.contact.dist < self._links.margins.take(geoms.dot(self._pair))
+        return not np.isin(self.model.geom_bodyid[geoms[near]], links).any()
+
     def look(self) -> None:
         """Look at the links the next time, in any case: the configuration has jumped."""
         self._rests = 0

@@ -17,7 +17,9 @@ from humanoid_bt.control.body.feedforward import Feedforward
 from humanoid_bt.control.body.inverse_kinematics import InverseKinematics
 from humanoid_bt.control.body.lean import LeanReference
 from humanoid_bt.control.body.palm_reference import PalmReference
+from humanoid_bt.control.body.planar import ahead, seen_from
 from humanoid_bt.control.body.press import Press
+from humanoid_bt.control.body.rearranging import Rearranging
 from humanoid_bt.control.body.references import ArmReference, GazeReference, PostureReference, approach
 from humanoid_bt.control.body.stabilizer import Stabilizer
 from humanoid_bt.control.body.swing import TiltCompensation
@@ -25,6 +27,7 @@ from humanoid_bt.control.body.walking import Walker
 from humanoid_bt.control.body.yielding import Felt, YieldingArms
 from humanoid_bt.control.dynamics import RobotDynamics
 from humanoid_bt.core.clock import WHOLE_BODY_PERIOD
+from humanoid_bt.core.geometry import planar_pose
 from humanoid_bt.core.messages import (
     SIDES,
     ArmTarget,
@@ -99,9 +102,12 @@ class WholeBody:
         self._lean = LeanReference(robot, dt)
         self._hands: dict[Side, PalmReference] = {}
         self._arms: dict[Side, ArmReference] = {}
+        hands: list[Side] = [side for side in SIDES if side in config.hands]
+        self._rearranging = {side: Rearranging(robot, self.kinematics, side, dt) for side in hands}
         self._home_joints: Array = robot.home_qpos[BASE_COORDINATES:]
         self._posture = PostureReference(self._home_joints, dt)
         self._height = self._home_height = 0.0
+        self._home_base: Array = np.zeros(3)  # as seen from the stance
         self._reaching = 0.0
         self._commanded: frozenset[Side] = frozenset()
         self._held_joints: tuple[int, ...] = ()
@@ -111,9 +117,11 @@ class WholeBody:
         """Begin a run: the robot stands at rest, and how it stands is its home posture."""
         self._home_joints = estimate.qpos[BASE_COORDINATES:].copy()
         self._home_height = float(self.dynamics.com[2])
+        self._home_base = estimate.qpos[:3].copy()
         least_share = self._robot.config.fall.height + _FALL_MARGIN
         self.kinematics.height_limit.lowest = least_share * float(estimate.qpos[2])
         self.restart(estimate)
+        self._home_base[:2] = seen_from(self.walker.stance, self._home_base)
 
     def restart(self, estimate: Estimate) -> None:
         """Stand where the robot is, with everything at rest, and return to the home posture slowly."""
@@ -132,6 +140,8 @@ class WholeBody:
         self._posture = PostureReference(self._home_joints, dt)
         self._posture.release_from(self.kinematics.joints)
         self.arms.reset()
+        for rearranging in self._rearranging.values():
+            rearranging.reset()
         self._height = float(self.dynamics.com[2]) - self._home_height
         self._reaching = 0.0
         self._commanded = frozenset()
@@ -168,7 +178,10 @@ class WholeBody:
         self._zmp = load.zmp
         self._tilt.update(walker.swing, estimate.qpos[:BASE_COORDINATES], self.kinematics.base_pose)
         self.arms.update(estimate.qpos, self._contact)
-        self.kinematics.step(self._body_targets(targets, hold or not self.solved))
+        hold = hold or not self.solved
+        if not hold:
+            targets = self._rearranged(targets)
+        self.kinematics.step(self._body_targets(targets, hold))
         position = self.kinematics.joints.copy()
         velocity = self.kinematics.velocity[BASE_DOFS:]
         torque = self._feedforward.torques(load, self.kinematics.acceleration, position, velocity, self._lean.base)
@@ -207,6 +220,23 @@ class WholeBody:
             palms=palms,
             arms=self._held_joints,
         )
+
+    def _rearranged(self, targets: Mapping[str, Target]) -> Mapping[str, Target]:
+        """Return the targets, but for arms that are stuck: those go to other angles first."""
+        standing = self.walker.gait is Gait.STAND
+        found = dict(targets)
+        for side, rearranging in self._rearranging.items():
+            target = targets.get(f"{side}_hand") if standing and side not in self.arms.sides else None
+            if (arm := rearranging.update(target, self._upright)) is not None:
+                found[f"{side}_hand"] = arm
+        return found
+
+    def _upright(self) -> Array:
+        """Return the planned configuration with all but the arms as if no hand bent the body: shape (7 + nj,)."""
+        joints, arms = self._home_joints.copy(), [joint for side in SIDES for joint in self._robot.arm_joints(side)]
+        joints[arms] = self.kinematics.joints[arms]
+        x, y, yaw = ahead(self.walker.stance, *self._home_base[:2].tolist()).tolist()
+        return np.concatenate([planar_pose(x, y, float(self._home_base[2]), yaw), joints])
 
     def _hand_goals(
         self, targets: Mapping[str, Target], hold: bool

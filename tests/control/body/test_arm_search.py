@@ -1,0 +1,95 @@
+"""Angles of an arm for a palm that is turned: found from anywhere, inside of all limits, own links apart."""
+
+from __future__ import annotations
+
+import mujoco
+import numpy as np
+import pytest
+
+from humanoid_bt.control.body.arm_search import ArmSearch
+from humanoid_bt.control.body.self_collision import SelfCollisionLimit
+from humanoid_bt.core.geometry import quaternion
+from humanoid_bt.core.messages import Array, HandTarget, Pointing
+from humanoid_bt.core.palm import turn_left
+from humanoid_bt.robot.model import RobotModel, palm_site
+
+LEFT = "left"
+
+
+@pytest.fixture(scope="module")
+def links(robot: RobotModel) -> SelfCollisionLimit:
+    return SelfCollisionLimit(robot)
+
+
+@pytest.fixture
+def search(robot: RobotModel, links: SelfCollisionLimit) -> ArmSearch:
+    return ArmSearch(robot, links, LEFT)
+
+
+def palm(robot: RobotModel, qpos: Array) -> tuple[Array, Array]:
+    """Return place and frame of the left palm in a configuration."""
+    data = mujoco.MjData(robot.model)
+    data.qpos[:] = qpos
+    mujoco.mj_kinematics(robot.model, data)
+    site = data.site(palm_site(LEFT))
+    return site.xpos.copy(), site.xmat.reshape(3, 3) @ robot.palm_axes[LEFT]
+
+
+def with_arm(robot: RobotModel, qpos: Array, angles: Array) -> Array:
+    bent = qpos.copy()
+    bent[np.add(robot.arm_joints(LEFT), 7)] = angles
+    return bent
+
+
+def drawn(robot: RobotModel, links: SelfCollisionLimit, standing: Array, seed: int) -> Array:
+    """Return a configuration with angles of the left arm that it can have."""
+    numbers, arm = np.random.default_rng(seed), robot.arm_joints(LEFT)
+    data = mujoco.MjData(links.model)
+    while True:
+        qpos = with_arm(robot, standing, numbers.uniform(robot.lower[arm] + 0.05, robot.upper[arm] - 0.05))
+        data.qpos[:] = qpos
+        mujoco.mj_kinematics(links.model, data)
+        mujoco.mj_comPos(links.model, data)
+        if links.are_apart(data, range(links.model.nbody)):
+            return qpos
+
+
+def all_of(search: ArmSearch) -> list[Array]:
+    found = []
+    while not search.over:
+        if (angles := search.go_on(1)) is not None:
+            found.append(angles)
+    return found
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_finds_angles_for_a_pose_that_the_arm_can_have(
+    robot: RobotModel, links: SelfCollisionLimit, search: ArmSearch, standing: Array, seed: int
+) -> None:
+    place, frame = palm(robot, drawn(robot, links, standing, seed))
+    goal = HandTarget(place, quaternion(frame))
+    search.begin(standing, goal)
+    angles = search.go_on(2000)
+    assert angles is not None
+    arm = robot.arm_joints(LEFT)
+    assert (angles >= robot.lower[arm]).all()
+    assert (angles <= robot.upper[arm]).all()
+    there, turn = palm(robot, with_arm(robot, standing, angles))
+    assert np.linalg.norm(there - place) < 0.005
+    assert turn_left(turn, goal.orientation) < 0.02  # type: ignore[arg-type]
+
+
+def test_says_when_there_are_none(search: ArmSearch, standing: Array) -> None:
+    search.begin(standing, HandTarget(np.array([3.0, 0.0, 1.0]), Pointing(np.array([1.0, 0.0, 0.0]))))
+    assert all_of(search) == []
+    assert search.go_on(1) is None
+
+
+def test_does_the_same_again(search: ArmSearch, robot: RobotModel, links: SelfCollisionLimit, standing: Array) -> None:
+    place, frame = palm(robot, drawn(robot, links, standing, 1))
+    found = []
+    for _ in range(2):
+        search.begin(standing, HandTarget(place, quaternion(frame)))
+        found.append(all_of(search))
+    assert len(found[0]) > 1
+    assert all(np.array_equal(one, other) for one, other in zip(*found, strict=True))
