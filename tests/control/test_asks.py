@@ -213,10 +213,41 @@ def test_arms_swing_while_the_robot_walks(rig: ControlRig) -> None:
 # ---- reachable orientations -----------------------------------------------------------------------------------------
 
 
+ARM = ("shoulder_pitch", "shoulder_roll", "shoulder_yaw", "elbow", "wrist_yaw", "wrist_pitch", "wrist_roll")
+TWISTED = ArmTarget(dict(zip([f"left_{name}" for name in ARM], [1.4, 2.1, -1.7, -0.2, -1.7, -1.1, -1.1], strict=True)))
+
+
+@pytest.mark.parametrize(
+    "angles",
+    [
+        [0.73, 1.40, -0.98, -1.96, -0.43, 0.57, 0.53],
+        pytest.param([-0.95, -0.05, -0.67, -1.35, 0.88, -0.10, -1.11], marks=pytest.mark.trials),
+    ],
+)
+def test_a_hand_that_its_arm_keeps_from_turning_gets_there_another_way(rig: ControlRig, angles: list[float]) -> None:
+    """From a twisted arm the shortest way ends 34 and 12 cm away, at limits of joints."""
+    robot, data = rig.robot, mujoco.MjData(rig.robot.model)
+    data.qpos[:] = rig.standing
+    data.qpos[np.add(robot.arm_joints("left"), 7)] = angles
+    mujoco.mj_kinematics(robot.model, data)
+    site = data.site(palm_site("left"))
+    goal = HandTarget(site.xpos.copy(), quaternion(site.xmat.reshape(3, 3) @ robot.palm_axes["left"]))
+    links, touched = OwnLinks(rig.plant), set[object]()
+    rig.run(2.5, {"left_hand": TWISTED})
+    assert rig.run(
+        8.0,
+        {"left_hand": goal},
+        until=lambda state: state.hand_errors.get("left", 9.0) < 0.01 and state.hand_turn_errors["left"] < CLOSE,
+        cycle=lambda: touched.update(links.touching()),
+    )
+    assert not touched
+    assert rig.state.mode is Mode.RUN
+    assert rig.state.gait is Gait.STAND
+
+
 @pytest.mark.trials
 @pytest.mark.parametrize("seed", range(20))
 def test_a_hand_takes_a_pose_that_its_joints_allow_from_where_they_are(rig: ControlRig, seed: int) -> None:
-    """A hand turns the shortest way: a pose on the other side of a joint's limit is not found."""
     robot, numbers = rig.robot, np.random.default_rng(seed)
     arm, data = robot.arm_joints("left"), mujoco.MjData(robot.model)
     rig.run(3.0, {"left_hand": HandTarget(numbers.uniform([0.25, 0.05, 0.65], [0.4, 0.35, 1.05]))})

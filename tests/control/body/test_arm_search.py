@@ -9,11 +9,11 @@ import pytest
 from humanoid_bt.control.body.arm_search import ArmSearch
 from humanoid_bt.control.body.self_collision import SelfCollisionLimit
 from humanoid_bt.core.geometry import quaternion
-from humanoid_bt.core.messages import Array, HandTarget, Pointing
+from humanoid_bt.core.messages import Array, HandTarget, Pointing, Side
 from humanoid_bt.core.palm import turn_left
 from humanoid_bt.robot.model import RobotModel, palm_site
 
-LEFT = "left"
+LEFT: Side = "left"
 
 
 @pytest.fixture(scope="module")
