@@ -83,8 +83,11 @@ class InverseKinematics:
         np.minimum(self._farthest, _ARM_SPEED * dt, out=self._farthest, where=of_arms)
         of_waist = np.isin(robot.model.jnt_bodyid[1:], list(trunk))
         np.minimum(self._farthest, _TURN_SPEED * dt, out=self._farthest, where=of_waist)
+        self._eased = ~of_arms
+        self._freely = self._farthest.copy()
+        self.ease(1.0)
         for bound, sign in ((self._program.low, -1.0), (self._program.high, 1.0)):
-            bound[2], bound[3:BASE_DOFS] = sign * _RISE_SPEED * dt, sign * _TURN_SPEED * dt
+            bound[2] = sign * _RISE_SPEED * dt
         self._root = self._model.body(robot.config.base).id
         self._palms = {side: self._model.site(palm_site(side)).id for side in self._hands}
         where = self.configuration.data.site_xpos
@@ -118,6 +121,12 @@ class InverseKinematics:
     def arm_search(self, side: Side) -> ArmSearch:
         """Return what searches angles of an arm, its own links apart."""
         return ArmSearch(self._robot, self._own_links, side)
+
+    def ease(self, share: float) -> None:
+        """Let all but the arms turn no faster than a share of what it may, in (0, 1], until the next time."""
+        way = share * _TURN_SPEED * self._dt
+        self._program.low[3:BASE_DOFS], self._program.high[3:BASE_DOFS] = -way, way
+        self._farthest[self._eased] = share * self._freely[self._eased]
 
     @property
     def base_pose(self) -> Array:

@@ -44,6 +44,7 @@ from humanoid_bt.core.messages import (
 from humanoid_bt.core.palm import in_world, other_side
 from humanoid_bt.robot.model import BASE_COORDINATES, BASE_DOFS, RobotModel
 
+_EASE_TIME = 0.3  # s in which a body that an arm has let go of turns as fast as it may again
 _BLENDED = 1e-3  # of a share; the rest is taken in one step
 _FALL_MARGIN = 0.05  # share of the base's home height that is kept above the height of a fall
 _GIVE_TIME = 0.3  # s in which the body is given to a reaching hand
@@ -108,6 +109,8 @@ class WholeBody:
         self._posture = PostureReference(self._home_joints, dt)
         self._height = self._home_height = 0.0
         self._home_base: Array = np.zeros(3)  # as seen from the stance
+        self._asked: dict[Side, ArmTarget | None] = {}  # of arms that are rearranged
+        self._eased = 1.0
         self._reaching = 0.0
         self._commanded: frozenset[Side] = frozenset()
         self._held_joints: tuple[int, ...] = ()
@@ -142,6 +145,9 @@ class WholeBody:
         self.arms.reset()
         for rearranging in self._rearranging.values():
             rearranging.reset()
+        self._asked.clear()
+        self._eased = 1.0
+        self.kinematics.ease(1.0)
         self._height = float(self.dynamics.com[2]) - self._home_height
         self._reaching = 0.0
         self._commanded = frozenset()
@@ -181,6 +187,7 @@ class WholeBody:
         hold = hold or not self.solved
         if not hold:
             targets = self._rearranged(targets)
+        self._ease()
         self.kinematics.step(self._body_targets(targets, hold))
         position = self.kinematics.joints.copy()
         velocity = self.kinematics.velocity[BASE_DOFS:]
@@ -229,7 +236,17 @@ class WholeBody:
             target = targets.get(f"{side}_hand") if standing and side not in self.arms.sides else None
             if (arm := rearranging.update(target, self._upright)) is not None:
                 found[f"{side}_hand"] = arm
+                if self._asked.get(side) is None:
+                    self._eased = 0.0  # the body that the hand had pulled at comes back, and must not jerk
+            self._asked[side] = arm
         return found
+
+    def _ease(self) -> None:
+        """Let the body come back to its speed, at once if it steps."""
+        if self._eased < 1.0:
+            standing = self.walker.gait is Gait.STAND
+            self._eased = min(1.0, self._eased + self._dt / _EASE_TIME) if standing else 1.0
+            self.kinematics.ease(self._eased)
 
     def _upright(self) -> Array:
         """Return the planned configuration with all but the arms as if no hand bent the body: shape (7 + nj,)."""
