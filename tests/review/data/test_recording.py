@@ -25,12 +25,13 @@ def test_a_table_has_the_columns_that_are_declared(name: str, recording: Recordi
     assert table.schema.equals(TABLES[name].schema, check_metadata=True)
     table.validate(full=True)
     filled = {c for c in table.column_names if table[c].null_count < table.num_rows}
-    if name in ("blackboard", "stops", "inputs"):  # the demo has none of them
+    if name in ("blackboard", "stops", "inputs", "contacts"):  # the demo has none of them
         assert table.num_rows == 0
     else:
         never = {"heading", "height", "text", "hand_error_left", "hand_error_right"}
         of_hands = {"relative", "axis", *(f"q{part}" for part in "wxyz"), *(f"d{part}" for part in "xyz")}
-        never |= {*of_hands, "joints", "speed"} if name == "commands" else set()  # it moves no hand
+        never |= {*of_hands, "joints", "speed", "press"} if name == "commands" else set()  # it moves no hand
+        never |= {"length", "width"} if name == "percepts" else set()  # it sees nothing solid
         assert table.num_rows and set(table.column_names) - filled <= never
 
 
