@@ -52,6 +52,7 @@ class ContactRule:
 
     Attributes:
         yielding: the arms that yield.
+        homeward: those that have yielded, and go home from what touched them; set it. They yield to any touch.
         pressed: the groups of links that touch something, or are to.
         held: why the robot must not go on, "" when it may.
     """
@@ -67,6 +68,7 @@ class ContactRule:
         self._yields: dict[str, _Yield] = {}  # by group
         self._forces: Mapping[str, Array] = {}
         self.yielding: frozenset[Side] = frozenset()
+        self.homeward: frozenset[Side] = frozenset()
         self.pressed: frozenset[str] = frozenset()
         self.held = ""
         self._against = 0.0  # servo cycles with something in the way, less a part of those without
@@ -119,7 +121,8 @@ class ContactRule:
         touch, yields = self._touches.get(arm, 0.0), self._yields.get(arm)
         source = command.sources.get(hand, "") if command and hand in command.targets else ""
         if yields is None:
-            if touch > max(self._config.limit, _PRESS_SHARE * press):
+            limit = self._config.notice if side in self.homeward else self._config.limit
+            if touch > max(limit, _PRESS_SHARE * press):
                 self._yields[arm] = _Yield(source, touch, cycle, asked_anew=not source)
                 self.yielding |= {side}
             return

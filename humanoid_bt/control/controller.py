@@ -118,6 +118,7 @@ class Controller:
         self._end_logged_plan()
         body.arms.sides = supervisor.touch.yielding
         setpoint = body.update(estimate, supervisor.targets, supervisor.hold)
+        supervisor.touch.homeward = body.arms.homeward
         refused = self.servo.follow(setpoint)
         self._setpoint_fault = refused or ("" if body.solved else "inverse kinematics without a solution")
 

@@ -183,7 +183,7 @@ class WholeBody:
         )
         self._zmp = load.zmp
         self._tilt.update(walker.swing, estimate.qpos[:BASE_COORDINATES], self.kinematics.base_pose)
-        self.arms.update(estimate.qpos, self._contact)
+        self.arms.update(estimate.qpos, self._contact, targets)
         hold = hold or not self.solved
         if not hold:
             targets = self._rearranged(targets)
@@ -210,7 +210,7 @@ class WholeBody:
             wanted = posture.height if isinstance(posture, PostureTarget) else 0.0
             self._height = approach(self._height, wanted, self._robot.config.whole_body.height_speed * self._dt)
             self._hold_arms(targets)
-        self.arms.keep(self._posture.joints)
+        self.arms.keep(self._posture.joints, self._home_joints, hold)
         x, y = self._stabilizer.com_reference
         return BodyTargets(
             com=np.array([x, y, self._home_height + self._height - self._lean.crouch]),
@@ -268,7 +268,7 @@ class WholeBody:
                 reference.release()
                 self._presses[side].reset()
                 continue
-            target = targets.get(f"{side}_hand")
+            target = targets.get(f"{side}_hand") or (None if hold else self.arms.away(side))
             hand = target if isinstance(target, HandTarget) else None
             if reference.relative if hold else hand is not None and hand.relative:
                 followers[side] = hand

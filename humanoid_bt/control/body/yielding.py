@@ -1,19 +1,25 @@
-"""Arms that yield to what pushes them, and become stiff again without a jump."""
+"""Arms that yield to what pushes them, and go home from it gently."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import math
+from collections.abc import Container, Mapping
 from typing import Protocol
 
 import numpy as np
 
 from humanoid_bt.control.body.inverse_kinematics import InverseKinematics
 from humanoid_bt.control.body.references import approach
-from humanoid_bt.core.messages import SIDES, Array, Side
+from humanoid_bt.core.geometry import clamp
+from humanoid_bt.core.messages import SIDES, Array, HandTarget, Side
 from humanoid_bt.robot.model import BASE_COORDINATES, RobotModel
 
 _FOLLOW_TIME = 0.2  # s in which the plan of an arm that yields comes to where the arm is
-_STIFFEN_TIME = 2.0  # s; it goes home meanwhile, and may still be at what pushed it
+_STIFFEN_TIME = 2.0  # s in which an arm that is soft becomes as stiff as it can be
+_HOMEWARD = 0.2  # share of its stiffness that an arm has at most that goes home from what it touched
+_AWAY, _AWAY_TIME, _AWAY_SPEED = 0.10, 1.2, 0.1  # m, s and m/s: that far and long it first moves away from there
+_HOME_SPEED = 0.3  # rad/s of its joints afterwards
+_HOME = 0.05  # rad from home
 
 
 class Felt(Protocol):
@@ -31,8 +37,11 @@ class YieldingArms:
     """The arms that yield: their plan follows them, and their drives hold them softly.
 
     What pushes such an arm feels little of a spring, for the spring's rest comes after it, and the damping of the
-    drives. Where it was left it stays. Gravity, also of what the hand carries, is held by feedforward. When the arm is
-    stiff again its plan is where it is: nothing jumps.
+    drives. Where it was left it stays. Gravity, also of what the hand carries, is held by feedforward. When it yields
+    no more its plan is where it is: nothing jumps.
+
+    An arm that nobody wants anywhere then goes home, and what touched it may be in the way: its palm first moves a
+    little to where it was pushed, then the arm goes home, slowly and soft all the way.
 
     Args:
         robot: the robot.
@@ -41,6 +50,7 @@ class YieldingArms:
 
     Attributes:
         sides: those that yield; set it.
+        homeward: those that yielded, and are on their way home.
         stiffness: share of the drives' stiffness, shape (nj,), None where all have all of theirs.
     """
 
@@ -54,40 +64,92 @@ class YieldingArms:
     def reset(self) -> None:
         """Let all arms be stiff."""
         self.sides: frozenset[Side] = frozenset()
+        self._yielded: frozenset[Side] = frozenset()
+        self._pushed: dict[Side, Array] = {}  # the largest force on one that yields, shape (3,) [N]
+        self._away: dict[Side, tuple[Array, float]] = {}  # where one moves away to, and for how long [m, s]
+        self._reference: dict[Side, Array] = {}  # of the joints of one that yields or goes home [rad]
+        self.homeward: frozenset[Side] = frozenset()
         self._shares: dict[Side, float] = {}
         self._held: Array = np.zeros(self._count)
         self.stiffness: Array | None = None
 
-    def update(self, qpos: Array, contact: Felt) -> None:
+    def update(self, qpos: Array, contact: Felt, wanted: Container[str]) -> None:
         """Let arms follow that yield, and those that do not any more become stiff again.
 
         Args:
             qpos: as it is estimated, shape (7 + nj,).
             contact: knows what the hands carry.
+            wanted: the resources that have targets.
         """
         sides = self.sides
         if not (sides or self._shares):
             return
         self._kinematics.still = [joint for side in sides for joint in self._joints[side]]
         for side in sides:
-            self._shares[side] = self._least
-            joints, force = self._joints[side], contact.forces[f"{side}_arm"]
-            if force @ force > self._notice**2:
-                self._kinematics.follow(joints, qpos[BASE_COORDINATES:][joints], self._dt / _FOLLOW_TIME)
+            self._follow(side, qpos[BASE_COORDINATES:], contact.forces[f"{side}_arm"])
+        for side in self._yielded - sides:
+            self._leave(side)
+        self._yielded = sides
+        self.homeward = frozenset(side for side in self.homeward - sides if f"{side}_hand" not in wanted)
+        stiffness: Array = np.ones(self._count)
+        for side in list(self._shares):
+            joints = self._joints[side]
             self._held[joints] = contact.torques_of_carried(side)[joints]
-        for side in self._shares.keys() - sides:
-            self._shares[side] = approach(self._shares[side], 1.0, self._dt / _STIFFEN_TIME)
+            if side not in sides:
+                most = _HOMEWARD if side in self.homeward else 1.0
+                self._shares[side] = approach(self._shares[side], most, self._dt / _STIFFEN_TIME)
+            stiffness[joints] = self._shares[side]
             if self._shares[side] == 1.0:
                 del self._shares[side]
-        stiffness: Array = np.ones(self._count)
-        for side, share in self._shares.items():
-            stiffness[self._joints[side]] = share
         self.stiffness = stiffness if self._shares else None
 
-    def keep(self, posture: Array) -> None:
-        """Let the posture, shape (nj,), of arms that yield be what is planned: home does not pull at them."""
-        for side in self.sides:
-            posture[self._joints[side]] = self._kinematics.joints[self._joints[side]]
+    def _follow(self, side: Side, joints: Array, force: Array) -> None:
+        self._shares[side] = self._least
+        strength = force @ force
+        if strength > self._notice**2:
+            own = self._joints[side]
+            self._kinematics.follow(own, joints[own], self._dt / _FOLLOW_TIME)
+            before = self._pushed.get(side)
+            if before is None or strength > before @ before:
+                self._pushed[side] = force.copy()
+
+    def _leave(self, side: Side) -> None:
+        self.homeward |= {side}
+        push = self._pushed.pop(side, None)
+        if push is not None:
+            away = push * (_AWAY / math.sqrt(push @ push))
+            self._away[side] = self._kinematics.palm(side) + away, _AWAY_TIME
+
+    def away(self, side: Side) -> HandTarget | None:
+        """Return where a palm is to move to, away from what pushed it, None if nowhere; ask once a period."""
+        if side not in self._away:
+            return None
+        place, left = self._away.pop(side)
+        if side not in self.homeward or left <= 0:
+            return None
+        self._away[side] = place, left - self._dt
+        return HandTarget(place, speed=_AWAY_SPEED)
+
+    def keep(self, posture: Array, home: Array, hold: bool) -> None:
+        """Let home not pull at arms that yield or move away from what they touched, and slowly at those homeward.
+
+        Args:
+            posture: of all joints, shape (nj,) [rad]; is changed.
+            home: likewise; it is not.
+            hold: whether arms stay where they are.
+        """
+        planned = self._kinematics.joints
+        for side in self.sides | self.homeward:
+            joints = self._joints[side]
+            if side in self.sides or side in self._away:
+                self._reference[side] = planned[joints]
+            elif not hold:
+                before = self._reference[side]
+                step = _HOME_SPEED * self._dt
+                self._reference[side] = before + clamp(home[joints] - before, -step, step)
+                if np.abs(home[joints] - planned[joints]).max() < _HOME:
+                    self.homeward -= {side}
+            posture[joints] = self._reference[side]
 
     def carry(self, torque: Array) -> None:
         """Add to feedforward torques, shape (nj,), what holds a hand that carries something while it is soft."""
