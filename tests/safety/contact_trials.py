@@ -36,6 +36,7 @@ PEAK, LATER, LATER_AFTER = 120.0, 30.0, 0.3
 _THICK = 0.1  # m
 _AWAY, _BEYOND = 0.10, 0.25  # m from the palm to the wall when it begins, and from the wall to the last target
 _THERE, _PUSHES, _AFTERWARD = 3.0, 2.0, 10.0  # s; the arm is at home before the end
+_LEARN = 6.0  # s instead of the first, in which the robot learns what its hands carry
 _PALM = 0.05  # m that a hand reaches farther than its palm, at most
 _TRULY = 0.2  # s before an alarm in which the arm must have touched something
 
@@ -43,16 +44,22 @@ _TRULY = 0.2  # s before an alarm in which the arm must have touched something
 class Wall:
     """The built-in humanoid in front of a wall whose place can be chosen.
 
+    Args:
+        hand_payload: what each hand carries [kg].
+
     Attributes:
         rig: the robot with its controller.
+        loaded: whether the hands carry something.
         force: with which anything of the robot pushes the wall now [N].
     """
 
-    def __init__(self) -> None:
+    def __init__(self, hand_payload: float = 0.0) -> None:
+        self.loaded = hand_payload > 0
         robot, start = load_robot(Path(Workspace(builtin_root()).find_robot("humanoid")))
         wall = ObjectConfig(shape="box", size=[_THICK, 2.0, 2.4], position=(5.0, 0.0, 1.3), solid=True)
         self.rig = ControlRig(robot, start)
         self.rig.plant = MujocoPlant(robot, Scene(SceneConfig(format=1, name="wall", objects={"wall": wall}), 0))
+        self.rig.plant.alter(hand_payload=hand_payload)
         self.rig.plant.place(start)
         self.rig.controller = Controller(robot, self.rig.plant)
         model = self.rig.plant.model
@@ -124,7 +131,7 @@ def into_wall(wall: Wall, seed: int) -> Outcome:
         rig.run(duration, {f"{side}_hand": palm}, cycle=look)
 
     begin = face - _PALM - _AWAY
-    go(begin, _THERE)
+    go(begin, _LEARN if wall.loaded else _THERE)
     for tick in range(round(_PUSHES / DECISION_PERIOD)):
         go(min(begin + SPEED * DECISION_PERIOD * tick, face + _BEYOND), DECISION_PERIOD)
     rig.run(_AFTERWARD, {}, cycle=look)
@@ -227,8 +234,8 @@ def alarms(seeds: range, conditions: dict[str, float]) -> Iterator[Alarms]:
         Supervisor.feel = before  # type: ignore[method-assign]
 
 
-def _walls(seeds: range) -> bool:
-    wall = Wall()
+def _walls(seeds: range, hand_payload: float) -> bool:
+    wall = Wall(hand_payload)
     outcomes = [into_wall(wall, seed) for seed in seeds]
     bad = [seed for seed, outcome in zip(seeds, outcomes, strict=True) if not outcome.good]
     sys.stdout.write(
@@ -271,7 +278,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--hand-payload", type=float, default=0.0, help="what each hand carries in them [kg]")
     options = parser.parse_args(arguments)
     walls, runs = (range(options.first, options.first + count) for count in (options.walls, options.runs))
-    good = [_walls(walls)] if walls else []
+    good = [_walls(walls, options.hand_payload)] if walls else []
     conditions = {"hand_payload": options.hand_payload} if options.hand_payload else {}
     good += [_alarms(runs, conditions)] if runs else []
     return 0 if all(good) else 1

@@ -8,7 +8,7 @@ from collections.abc import Collection, Iterable
 import mujoco
 import numpy as np
 
-from humanoid_bt.control.dynamics import RobotDynamics
+from humanoid_bt.control.dynamics import GRAVITY, RobotDynamics
 from humanoid_bt.core.geometry import clamp
 from humanoid_bt.core.messages import SIDES, TORSO, Array, Side
 from humanoid_bt.robot.model import BASE_DOFS, RobotModel, carriers, palm_site
@@ -16,7 +16,7 @@ from humanoid_bt.robot.model import BASE_DOFS, RobotModel, carriers, palm_site
 _GAIN = 50.0  # 1/s, of the observer: three quarters of a force that begins are seen after 28 ms
 _SINGULAR = 1e-3  # m^2, of a stretched arm, whose joints say little of forces along it
 _LEARN_TIME = 1.5  # s, in which it is learnt what a hand carries
-_MOST_CARRIED = 60.0  # N
+_MOST_CARRIED = 6.0  # kg
 
 
 class ContactObserver:
@@ -31,7 +31,8 @@ class ContactObserver:
     which these forces do not enter, and the base's acceleration is the IMU's.
 
     A force is told as if it were at the palm, or at the centre of mass of the torso: one at the elbow seems half as
-    large. A weight that a hand carries is learnt slowly, and is no contact.
+    large. What a hand carries is learnt slowly from its weight, as a point of mass at the palm; neither its weight nor
+    its inertia are contact then.
 
     Args:
         robot: the robot.
@@ -54,12 +55,12 @@ class ContactObserver:
         groups = [f"{side}_arm" for side in self._palms] + [TORSO] * self._has_waist
         size = 3 * len(groups)
         self._jacobian = np.zeros((size, model.nv))
+        self._before = np.zeros((size, model.nv))
         self._regular = _SINGULAR * np.eye(size)
         self._force: Array = np.zeros(size)
-        self._carried: Array = np.zeros(size)
+        self._carried: Array = np.zeros(len(groups))  # kg
         self.residual: Array = np.zeros(model.nv)
-        self._rows = {group: slice(3 * place, 3 * place + 3) for place, group in enumerate(groups)}
-        self.forces: dict[str, Array] = {group: self._force[rows] for group, rows in self._rows.items()}
+        self.forces: dict[str, Array] = {group: self._force[3 * at : 3 * at + 3] for at, group in enumerate(groups)}
         self._learns: Array = np.ones(len(groups))
 
     def reset(self) -> None:
@@ -72,6 +73,7 @@ class ContactObserver:
         """Take it that nothing touches the robot: what the sensors say is not to be relied on."""
         self.residual[:] = 0.0
         self._force[:] = 0.0
+        self._look()
 
     def distrust(self, touched: Collection[str]) -> None:
         """Be told which groups of links touch something: what pushes them is nothing that they carry."""
@@ -90,24 +92,31 @@ class ContactObserver:
         pushed += dynamics.bias
         pushed += self._damping * dynamics.data.qvel
         pushed[BASE_DOFS:] -= torque
+        pushed += self._pull_of_carried(acceleration, time)
         pushed -= residual
         pushed *= -math.expm1(-_GAIN * time)
         residual += pushed
         if not self.forces:
             return
-        self._look()
         jacobian = self._jacobian[:, self._dofs]
-        moved = jacobian @ jacobian.T
-        felt = jacobian @ residual[self._dofs] - moved @ self._carried
-        moved += self._regular
+        moved = jacobian @ jacobian.T + self._regular
         mujoco.mju_cholFactor(moved, 0.0)
-        mujoco.mju_cholSolve(self._force, moved, felt)
+        mujoco.mju_cholSolve(self._force, moved, jacobian @ residual[self._dofs])
         self._learn(time)
+
+    def _pull_of_carried(self, acceleration: Array, time: float) -> Array:
+        """Return what it takes to hold and to move what is carried, shape (nv,) [N, Nm]."""
+        self._before, self._jacobian = self._jacobian, self._before
+        self._look()
+        moved = self._jacobian @ acceleration
+        moved += (self._jacobian - self._before) @ self._dynamics.data.qvel / time
+        moved[2::3] += GRAVITY
+        return np.asarray((np.repeat(self._carried, 3) * moved) @ self._jacobian)
 
     def torques_of_carried(self, side: Side) -> Array:
         """Return the torques, shape (nj,), with which the joints hold what a hand carries [Nm]."""
-        rows = self._rows[f"{side}_arm"]
-        return np.asarray(-self._carried[rows] @ self._jacobian[rows, BASE_DOFS:])
+        place = list(self._palms).index(side)
+        return np.asarray(GRAVITY * self._carried[place] * self._jacobian[3 * place + 2, BASE_DOFS:])
 
     def _look(self) -> None:
         """Find the Jacobians of palms and torso."""
@@ -120,8 +129,8 @@ class ContactObserver:
 
     def _learn(self, time: float) -> None:
         """Learn what weighs on hands and torso."""
-        learnt = self._carried[2::3] + self._force[2::3] * (self._learns * (time / _LEARN_TIME))
-        clamp(learnt, -_MOST_CARRIED, _MOST_CARRIED, self._carried[2::3])
+        learnt = self._carried - self._force[2::3] * (self._learns * (time / (_LEARN_TIME * GRAVITY)))
+        clamp(learnt, -_MOST_CARRIED, _MOST_CARRIED, self._carried)
 
 
 def _dofs(model: mujoco.MjModel, bodies: Iterable[int]) -> slice | list[int]:
