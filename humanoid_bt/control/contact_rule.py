@@ -14,9 +14,12 @@ MOST_PRESS = 50.0
 """Force with which a hand can be asked to press [N]."""
 
 _ENDS = 0.6  # share of the force that begins a contact up to which it ends (hysteresis)
+_HOMEWARD = 0.6  # share of the limit up to which an arm does not yield that goes home from what it touched
 _PRESS_SHARE = 2.0  # of the force that a hand is to press with, before that is more than was expected
 _PRESS_NOTICED = 0.6  # of it, from which on it touches something, if that is less than for a hand that is not to
 _FORGET = 1.0  # s without contact after which a robot may go on that something was in the way of
+_OFTEN, _OFTEN_WITHIN = 3, 20.0  # so many stops for that in so many s, and only a person lets it go on
+_LONG = 10.0  # s that one of them lasts, likewise
 _LEAK = 0.25  # s that are forgotten of contact in every second without
 _AGAINST = -0.5  # cosine of the angle between a force and the way, up to which it is against it
 
@@ -45,21 +48,25 @@ class ContactRule:
     is stiff again after a time without contact, once the node that wanted the hand there has let go of it.
 
     A push on the torso is for balance to catch, and is only told: a robot that steps withstands more than one that is
-    stopped. Something in the robot's way is another matter: it would be pushed with the robot's whole weight.
+    stopped. Something in the robot's way is another matter: it would be pushed with the robot's whole weight. It stops
+    the robot until it is gone; but whoever commands the robot may send it there again and again, and what stays there
+    may be a person who cannot get away: then only a person lets it go on.
 
     Args:
         config: the robot's numbers.
 
     Attributes:
         yielding: the arms that yield.
-        homeward: those that have yielded, and go home from what touched them; set it. They yield to any touch.
+        homeward: those that have yielded, and go home from what touched them; set it. They yield sooner.
         pressed: the groups of links that touch something, or are to.
         held: why the robot must not go on, "" when it may.
+        blocked: why it must not until a person says so, "" when it may.
     """
 
     def __init__(self, config: ContactConfig) -> None:
         self._config = config
         self._quiet, self._lasting, self._forget = map(cycles, (config.quiet, config.lasting, _FORGET))
+        self._often_within, self._long = map(cycles, (_OFTEN_WITHIN, _LONG))
         self.reset()
 
     def reset(self) -> None:
@@ -70,9 +77,15 @@ class ContactRule:
         self.yielding: frozenset[Side] = frozenset()
         self.homeward: frozenset[Side] = frozenset()
         self.pressed: frozenset[str] = frozenset()
-        self.held = ""
+        self._looked = 0
+        self.forgive()
+
+    def forgive(self) -> None:
+        """Let the robot go on: nothing has been in its way."""
+        self.held = self.blocked = ""
+        self._holds: list[int] = []  # servo cycles in which something came to be in the way
         self._against = 0.0  # servo cycles with something in the way, less a part of those without
-        self._free = self._looked = 0
+        self._free = 0
 
     def look(self, cycle: int, forces: Mapping[str, Array], command: Command | None, place: Array) -> None:
         """Look at what pushes the robot.
@@ -121,7 +134,7 @@ class ContactRule:
         touch, yields = self._touches.get(arm, 0.0), self._yields.get(arm)
         source = command.sources.get(hand, "") if command and hand in command.targets else ""
         if yields is None:
-            limit = self._config.notice if side in self.homeward else self._config.limit
+            limit = self._config.limit * (_HOMEWARD if side in self.homeward else 1.0)
             if touch > max(limit, _PRESS_SHARE * press):
                 self._yields[arm] = _Yield(source, touch, cycle, asked_anew=not source)
                 self.yielding |= {side}
@@ -147,11 +160,16 @@ class ContactRule:
             self._free = 0 if self._touches else self._free + passed
             if self._free > self._forget:
                 self.held, self._against = "", 0.0
+            elif cycle - self._holds[-1] > self._long:
+                self.blocked = self.blocked or f"{self.held}, for more than {_LONG:g} s"
         elif against:
             self._against += passed
             if self._against >= self._lasting:
                 group, largest = against[0]
                 self.held = f"something is in the way of the {group.replace('_', ' ')}: {largest:.0f} N"
+                self._holds = [before for before in self._holds if cycle - before < self._often_within] + [cycle]
+                if len(self._holds) >= _OFTEN:
+                    self.blocked = f"{self.held}, {_OFTEN} times within {_OFTEN_WITHIN:g} s"
         else:
             self._against = max(0.0, self._against - _LEAK * passed)
 

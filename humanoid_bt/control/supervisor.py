@@ -151,6 +151,7 @@ class Supervisor:
             return self._falling
         if self.mode in (Mode.EMERGENCY_STOP, Mode.DAMP):
             self._estop = None
+            self.touch.forgive()
             self.mode, self.reason, self.source = Mode.RUN, "", ""
             self.command = None
             self._heard_cycle = self._cycle
@@ -199,6 +200,8 @@ class Supervisor:
     def feel(self, forces: Mapping[str, Array], estimate: Estimate) -> None:
         """Take what pushes arms and torso, group of links -> force, shape (3,) [N], when there is news of it."""
         self.touch.look(self._cycle, forces, self.command, estimate.qpos[:2])
+        if self.touch.blocked:
+            self.raise_estop("supervisor", self.touch.blocked)
 
     def check(self, cycle: int, estimate: Estimate, setpoint_fault: str = "", sensor_fault: str = "") -> None:
         """Look at everything in the order of precedence and set the mode.

@@ -108,6 +108,38 @@ def test_what_is_in_the_way_stops_the_robot_until_it_is_gone_for_a_while(touched
     assert not touched.push(0.2).held
 
 
+def test_what_is_in_the_way_again_and_again_blocks_the_robot_until_a_person_lets_it_go_on(touched: Touched) -> None:
+    touched.targets = {"base": BaseTarget(np.array([2.0, 0.0]), 0.0)}
+    for _ in range(2):
+        touched.push(0.6, torso=(-60.0, 0.0, 0.0))
+        assert not touched.push(4.0).blocked
+    rule = touched.push(0.6, torso=(-60.0, 0.0, 0.0))
+    assert rule.blocked == "something is in the way of the torso: 60 N, 3 times within 20 s"
+    assert touched.push(30.0).blocked
+    rule.forgive()
+    assert not touched.push(0.6, torso=(-60.0, 0.0, 0.0)).blocked
+
+
+def test_what_is_in_the_way_now_and_then_does_not_block_it(touched: Touched) -> None:
+    touched.targets = {"base": BaseTarget(np.array([2.0, 0.0]), 0.0)}
+    for _ in range(5):
+        touched.push(0.6, torso=(-60.0, 0.0, 0.0))
+        assert not touched.push(10.0).blocked
+
+
+def test_what_stays_in_the_way_blocks_it(touched: Touched) -> None:
+    touched.targets = {"base": BaseTarget(np.array([2.0, 0.0]), 0.0)}
+    assert not touched.push(10.0, torso=(-60.0, 0.0, 0.0)).blocked
+    rule = touched.push(1.0, torso=(-60.0, 0.0, 0.0))
+    assert rule.blocked == "something is in the way of the torso: 60 N, for more than 10 s"
+
+
+def test_an_arm_on_its_way_home_yields_sooner(touched: Touched) -> None:
+    assert not touched.push(0.1, left_arm=(18.0, 0.0, 0.0)).yielding
+    touched.rule.homeward = frozenset({"left"})
+    assert touched.push(0.1, left_arm=(18.0, 0.0, 0.0)).yielding
+
+
 def test_an_arm_that_yields_is_in_the_way_too(touched: Touched) -> None:
     touched.targets = {"base": BaseTarget(np.array([2.0, 0.0]), 0.0)}
     assert "the left arm: 30 N" in touched.push(0.6, left_arm=(-30.0, 0.0, 0.0)).held

@@ -91,7 +91,8 @@ class Outcome:
 
     Attributes:
         peak: largest force on the wall [N].
-        later: largest force from a while after the first touch on, until the arm has gone home past the wall [N].
+        later: largest force from a while after the first touch on, until the arm has gone home past the wall, and on
+            the way to where the hand is sent into the wall from, which may graze it [N].
         yields: time from the first touch until the arm yields [s], inf if it does not.
         early: whether an arm yielded before anything touched it.
         stands: whether the robot stands at rest in the end, was never stopped, and its arm is at home and stiff.
@@ -132,19 +133,20 @@ def into_wall(wall: Wall, seed: int) -> Outcome:
 
     begin = face - _PALM - _AWAY
     go(begin, _LEARN if wall.loaded else _THERE)
+    sent = len(forces)
     for tick in range(round(_PUSHES / DECISION_PERIOD)):
         go(min(begin + SPEED * DECISION_PERIOD * tick, face + _BEYOND), DECISION_PERIOD)
     rig.run(_AFTERWARD, {}, cycle=look)
-    touched = np.flatnonzero(forces)
+    touched = np.flatnonzero(forces[sent:])
     if not len(touched):
         return Outcome(0.0, 0.0, np.inf, any(yields), stands=False)
-    first = int(touched[0])
+    first = sent + int(touched[0])
     after = np.flatnonzero(yields[first:])
     at_home = not yields[-1] and rig.controller.whole_body.arms.stiffness is None
     stands = modes == {Mode.RUN} and rig.state.base_settled and at_home
     return Outcome(
         peak=max(forces),
-        later=max(forces[first + cycles(LATER_AFTER) :]),
+        later=max(forces[:sent] + forces[first + cycles(LATER_AFTER) :]),
         yields=after[0] * 1e-3 if len(after) else np.inf,
         early=any(yields[:first]),
         stands=stands,

@@ -9,12 +9,15 @@ from typing import Any
 import mink
 import numpy as np
 
+from humanoid_bt.control.body.planar import ahead
 from humanoid_bt.core.clock import cycles
 from humanoid_bt.core.messages import BaseTarget, Command, HandTarget, Mode, Pause
 from humanoid_bt.plant.sensors import FAILURES
-from tests.safety.machine import Machine, intact, resent, seconds
+from tests.safety.machine import Machine, Scripted, intact, resent, seconds
 
 STOP, PROTECT, DAMP, RUN, PAUSED = Mode.EMERGENCY_STOP, Mode.PROTECTIVE_STOP, Mode.DAMP, Mode.RUN, Mode.PAUSED
+
+_MET, _MEETS_FROM, _MEETS_EVERY = 40.0, 1.5, 3.5  # N, s and s, of something in a hand's way
 
 Fault = Callable[[Machine, np.random.Generator], None]
 
@@ -187,6 +190,24 @@ def arm_pushed(machine: Machine, rng: np.random.Generator) -> None:
     machine.plant.push(str(rng.choice(["left_hand", "right_hand"])), 60 * _direction(rng), 0.2)
 
 
+def in_the_way(times: int) -> Fault:
+    """Walk on and on, and have a hand pushed back, as by something that it meets, some times."""
+
+    def fault(machine: Machine, _: np.random.Generator) -> None:
+        stance = machine.state.stance
+        goal = BaseTarget(ahead(stance, 3.0, 0.0)[:2], float(stance[2]))
+        sequence = machine.last_command.sequence if machine.last_command else 0
+        machine.decision = Scripted(lambda _: {"base": goal}, sequence)
+        back = ahead(stance, -_MET, 0.0) - stance
+        for time in range(times):
+            machine.after(
+                _MEETS_FROM + _MEETS_EVERY * time,
+                lambda: machine.plant.push("left_hand", np.array([*back[:2], 0.0]), 0.8),
+            )
+
+    return fault
+
+
 # ---- sensors --------------------------------------------------------------------------------------------------------
 
 
@@ -236,6 +257,8 @@ ROWS = {
         Row("the whole IMU silent", blind_to_itself, (PROTECT,), "the run's end", promised=False),
         Row("pushed, 60 N for 0.1 s, in a stop", pushed_while_stopped, (PROTECT,), NEVER, 1.3, promised=False),
         Row("a hand pushed, 60 N for 0.2 s", arm_pushed, (), "the hand let go of", lasts=1.0, releases=True),
+        Row("something in a hand's way", in_the_way(1), (PROTECT, RUN), "nothing in the way", lasts=4.5, releases=True),
+        Row("... and again, and again", in_the_way(3), (*(PROTECT, RUN) * 2, STOP, RUN), "a reset", 10.0, resets=True),
     ]
 }
 

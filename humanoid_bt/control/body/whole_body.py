@@ -93,7 +93,7 @@ class WholeBody:
         self._tilt = TiltCompensation(dt)
         self.kinematics = InverseKinematics(robot, dt)
         self._contact = contact
-        self.arms = YieldingArms(robot, self.kinematics, dt)
+        self.arms = YieldingArms(robot, dynamics, self.kinematics, dt)
         self._feedforward = Feedforward(robot, self.dynamics)
         neck_range = 0.0
         if config.neck:

@@ -10,6 +10,7 @@ import numpy as np
 
 from humanoid_bt.control.body.inverse_kinematics import InverseKinematics
 from humanoid_bt.control.body.references import approach
+from humanoid_bt.control.dynamics import RobotDynamics
 from humanoid_bt.core.geometry import clamp
 from humanoid_bt.core.messages import SIDES, Array, HandTarget, Side
 from humanoid_bt.robot.model import BASE_COORDINATES, RobotModel
@@ -45,6 +46,7 @@ class YieldingArms:
 
     Args:
         robot: the robot.
+        dynamics: as it is estimated.
         kinematics: its planned motion.
         dt: control period [s].
 
@@ -54,10 +56,10 @@ class YieldingArms:
         stiffness: share of the drives' stiffness, shape (nj,), None where all have all of theirs.
     """
 
-    def __init__(self, robot: RobotModel, kinematics: InverseKinematics, dt: float) -> None:
+    def __init__(self, robot: RobotModel, dynamics: RobotDynamics, kinematics: InverseKinematics, dt: float) -> None:
         self._joints = {side: robot.arm_joints(side) for side in SIDES if side in robot.config.hands}
         self._least, self._notice = robot.config.contact.stiffness, robot.config.contact.notice
-        self._kinematics, self._dt = kinematics, dt
+        self._dynamics, self._kinematics, self._dt = dynamics, kinematics, dt
         self._count = len(robot.joint_names)
         self.reset()
 
@@ -88,7 +90,7 @@ class YieldingArms:
         for side in sides:
             self._follow(side, qpos[BASE_COORDINATES:], contact.forces[f"{side}_arm"])
         for side in self._yielded - sides:
-            self._leave(side)
+            self._leave(side, qpos[BASE_COORDINATES:])
         self._yielded = sides
         self.homeward = frozenset(side for side in self.homeward - sides if f"{side}_hand" not in wanted)
         stiffness: Array = np.ones(self._count)
@@ -113,12 +115,14 @@ class YieldingArms:
             if before is None or strength > before @ before:
                 self._pushed[side] = force.copy()
 
-    def _leave(self, side: Side) -> None:
+    def _leave(self, side: Side, joints: Array) -> None:
+        own = self._joints[side]
+        self._kinematics.follow(own, joints[own], 1.0)
         self.homeward |= {side}
         push = self._pushed.pop(side, None)
         if push is not None:
             away = push * (_AWAY / math.sqrt(push @ push))
-            self._away[side] = self._kinematics.palm(side) + away, _AWAY_TIME
+            self._away[side] = self._dynamics.palm(side) + away, _AWAY_TIME
 
     def away(self, side: Side) -> HandTarget | None:
         """Return where a palm is to move to, away from what pushed it, None if nowhere; ask once a period."""

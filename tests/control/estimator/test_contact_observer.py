@@ -66,6 +66,21 @@ def test_learns_what_a_hand_carries(rig: ControlRig) -> None:
         rig.plant.alter()
 
 
+def test_what_a_hand_carries_moves_with_it_and_pushes_nothing(rig: ControlRig) -> None:
+    rig.plant.alter(hand_payload=2.0)
+    try:
+        rig.reset()
+        rig.run(6.0, {})
+        up = {
+            "left_hand": HandTarget(np.array([0.25, 0.3, 1.1])),
+            "right_hand": HandTarget(np.array([0.35, -0.1, 0.7])),
+        }
+        found = [largest(rig, 0.6, up), largest(rig, 0.4, {}), largest(rig, 0.6, up)]
+        assert max(force for one in found for group, force in one.items() if group != TORSO) < 8
+    finally:
+        rig.plant.alter()
+
+
 @pytest.mark.trials
 def test_does_not_learn_what_presses(rig: ControlRig) -> None:
     rig.run(2.0, AHEAD)
