@@ -22,6 +22,7 @@ STOPS = ("state", "fall", "push", "estop", "estop_node", "slow_tick", "silent", 
 _LATCHED = ("state", "fall", "push", "estop", "estop_node")
 _LOOK_BACK = 4.0  # s before a fall in which its reason is looked for
 _SENSOR = "a sensor failed: "
+_IN_THE_WAY = "something is in the way of the "
 _GONE = "the process of the run ended without closing the recording"
 _UPRIGHT = 0.3  # rad of tilt up to which a joint at its limit may be why the robot fell, not what came of it
 _SILENT = 0.08  # s that a tick must take to explain that decision was silent for 0.1 s
@@ -156,6 +157,10 @@ def _error(history: History, time: float) -> Cause:
 def _of_stop(history: History, stop: Stopped) -> Cause:
     if stop.mode == "damp":
         return _limp(history, stop)
+    if stop.reason.startswith(_IN_THE_WAY):
+        until = ", until a reset" if stop.mode == "emergency_stop" else ""
+        text = f"{cut(stop.reason)}: the robot was stopped at {when(stop.time)}{until}"
+        return Cause("way", text, stop.time, _commander(stop))
     if stop.mode == "emergency_stop":
         return _estop(history, stop)
     if stop.reason.startswith("decision silent"):

@@ -33,6 +33,10 @@ HINTS: dict[str, tuple[str, ...]] = {
     "fall": ("look at the seconds before in the viewer; slower walking and nearer targets leave more balance",),
     "state": ("a sensor that sends nonsense, or a simulation that diverged: look at the joints with --at",),
     "sensor": ("look at that sensor and its cable; humanoid-bt explain --joint NAME shows what it said",),
+    "way": (
+        "look at what stands there, and let perception see it: walk_to and approach go round what is solid",
+        "docs/safety.md says when the robot goes on by itself, and when it waits for humanoid-bt reset",
+    ),
     "ik": ("a target that cannot be met together with the others: command fewer, or nearer ones",),
     "exception": ("catch it in the skill, or put on_error above the node; the traceback is in the report (--report)",),
     "conflict": ("only one node at a time may command a resource: docs/concepts.md",),

@@ -283,6 +283,16 @@ CASES: dict[str, tuple[str, str, dict[str, Any], str]] = {
         {"at": 0.6, "do": lambda session: session.engine.plant.fail_sensor("left_knee", "frozen")},
         r"a sensor failed, the sensors of left_knee are frozen: the robot was stopped at 0\.63\d s",
     ),
+    "something in its way": (
+        "walk",
+        "way",
+        {
+            "at": 0.6,
+            "do": lambda session: session.engine.plant.push("left_hand", np.array([-40.0, 0.0, 0.0]), 0.8),
+            "duration": 2.0,
+        },
+        r"something is in the way of the left arm: \d\d N: the robot was stopped at 1\.1\d\d s",
+    ),
     "interrupted in its first tick": (
         "walk",
         "interrupted",
