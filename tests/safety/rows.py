@@ -17,7 +17,8 @@ from tests.safety.machine import Machine, Scripted, intact, resent, seconds
 
 STOP, PROTECT, DAMP, RUN, PAUSED = Mode.EMERGENCY_STOP, Mode.PROTECTIVE_STOP, Mode.DAMP, Mode.RUN, Mode.PAUSED
 
-_MET, _MEETS_FROM, _MEETS_EVERY = 40.0, 1.5, 3.5  # N, s and s, of something in a hand's way
+_MEETS_FROM, _MEETS_EVERY = 1.5, 3.5  # s, in which a hand meets something
+_BLOW, _STAYS = (40.0, 0.1), (12.0, 0.7)  # N and s, of what it meets, first and then
 
 Fault = Callable[[Machine, np.random.Generator], None]
 
@@ -198,12 +199,14 @@ def in_the_way(times: int) -> Fault:
         goal = BaseTarget(ahead(stance, 3.0, 0.0)[:2], float(stance[2]))
         sequence = machine.last_command.sequence if machine.last_command else 0
         machine.decision = Scripted(lambda _: {"base": goal}, sequence)
-        back = ahead(stance, -_MET, 0.0) - stance
+        back = np.array([*(ahead(stance, -1.0, 0.0) - stance)[:2], 0.0])
+
+        def push(force: float, duration: float) -> Callable[[], None]:
+            return lambda: machine.plant.push("left_hand", force * back, duration)
+
         for time in range(times):
-            machine.after(
-                _MEETS_FROM + _MEETS_EVERY * time,
-                lambda: machine.plant.push("left_hand", np.array([*back[:2], 0.0]), 0.8),
-            )
+            machine.after(_MEETS_FROM + _MEETS_EVERY * time, push(*_BLOW))
+            machine.after(_MEETS_FROM + _MEETS_EVERY * time + _BLOW[1], push(*_STAYS))
 
     return fault
 
