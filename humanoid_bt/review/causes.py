@@ -157,15 +157,17 @@ def _error(history: History, time: float) -> Cause:
 def _of_stop(history: History, stop: Stopped) -> Cause:
     if stop.mode == "damp":
         return _limp(history, stop)
-    if stop.reason.startswith(_IN_THE_WAY):
-        until = ", until a reset" if stop.mode == "emergency_stop" else ""
-        text = f"{cut(stop.reason)}: the robot was stopped at {when(stop.time)}{until}"
-        return Cause("way", text, stop.time, _commander(stop))
     if stop.mode == "emergency_stop":
         return _estop(history, stop)
     if stop.reason.startswith("decision silent"):
         return _silence(history, stop)
+    return _protective(history, stop)
+
+
+def _protective(history: History, stop: Stopped) -> Cause:
     text, commander = f"the robot was stopped at {when(stop.time)}", _commander(stop)
+    if stop.reason.startswith(_IN_THE_WAY):
+        return Cause("way", f"{cut(stop.reason)}: {text}", stop.time, commander)
     if stop.reason.startswith(_SENSOR):
         return Cause("sensor", f"a sensor failed, {stop.reason.removeprefix(_SENSOR)}: {text}", stop.time, commander)
     if stop.source != "supervisor":
@@ -181,6 +183,9 @@ def _limp(history: History, stop: Stopped) -> Cause:
 
 
 def _estop(history: History, stop: Stopped) -> Cause:
+    if stop.source == "supervisor":
+        text = f"{cut(stop.reason)}: the emergency stop was raised at {when(stop.time)}"
+        return Cause("way", text, stop.time, _commander(stop))
     during = doing(history.acting(stop.time - DECISION_PERIOD))
     during = f" while {during} ran" if during else ""
     if stop.source in history.nodes(stop.time):

@@ -66,6 +66,7 @@ class Wall:
         self._body = model.body("object_wall").id
         self._number = np.zeros(6)
         self.geoms = set(np.flatnonzero(model.geom_bodyid == self._body).tolist())
+        self._arms = {side: _geoms_of_arm(robot, model, side) for side in SIDES}
 
     def reset(self, distance: float, seed: int) -> None:
         """Stand at the origin, with the wall's face this far ahead [m]; the seed is of the sensors' noise."""
@@ -83,6 +84,20 @@ class Wall:
                 mujoco.mj_contactForce(plant.model, plant.data, number, self._number)
                 whole += float(np.linalg.norm(self._number[:3]))
         return whole
+
+    def touches(self, side: Side) -> bool:
+        """Return whether an arm touches the wall."""
+        contact, data = self.rig.plant.data.contact, self.rig.plant.data
+        arm = self._arms[side]
+        return any(
+            self.geoms.intersection(pair) and arm.intersection(pair) for pair in contact.geom[: data.ncon].tolist()
+        )
+
+
+def _geoms_of_arm(robot: RobotModel, model: mujoco.MjModel, side: Side) -> set[int]:
+    bodies = {robot.model.body(robot.model.jnt_bodyid[joint + 1]).name for joint in robot.arm_joints(side)}
+    bodies.add(robot.config.hands[side].body)
+    return {geom for geom in range(model.ngeom) if model.body(model.geom_bodyid[geom]).name in bodies}
 
 
 @dataclass(frozen=True)
@@ -119,11 +134,13 @@ def into_wall(wall: Wall, seed: int) -> Outcome:
     rig = wall.rig
     supervisor = rig.controller.supervisor
     forces: list[float] = []
+    touches: list[bool] = []
     yields: list[bool] = []
     modes: set[Mode] = set()
 
     def look() -> None:
         forces.append(wall.force)
+        touches.append(wall.touches(side))
         yields.append(bool(supervisor.touch.yielding))
         modes.add(supervisor.mode)
 
@@ -137,7 +154,7 @@ def into_wall(wall: Wall, seed: int) -> Outcome:
     for tick in range(round(_PUSHES / DECISION_PERIOD)):
         go(min(begin + SPEED * DECISION_PERIOD * tick, face + _BEYOND), DECISION_PERIOD)
     rig.run(_AFTERWARD, {}, cycle=look)
-    touched = np.flatnonzero(forces[sent:])
+    touched = np.flatnonzero(touches[sent:])
     if not len(touched):
         return Outcome(0.0, 0.0, np.inf, any(yields), stands=False)
     first = sent + int(touched[0])
