@@ -105,6 +105,9 @@ def lost(session: Session) -> None:
     session.engine.advance = advance  # type: ignore[method-assign]
 
 
+BLOCKED = "something is in the way of the torso: 60 N, 3 times within 20 s"
+
+
 CASES: dict[str, tuple[str, str, dict[str, Any], str]] = {
     "estop by hand": (
         "walk",
@@ -292,6 +295,12 @@ CASES: dict[str, tuple[str, str, dict[str, Any], str]] = {
             "duration": 2.0,
         },
         r"something is in the way of the left arm: \d\d N: the robot was stopped at 1\.1\d\d s",
+    ),
+    "something in its way again and again": (
+        "walk",
+        "way",
+        {"at": 0.6, "do": lambda session: setattr(session.engine.supervisor.touch, "blocked", BLOCKED)},
+        r"something is in the way of the torso: 60 N, 3 times within 20 s: the emergency stop was raised at 0\.6\d\d s",
     ),
     "interrupted in its first tick": (
         "walk",
