@@ -10,6 +10,7 @@ from humanoid_bt.control.body.planar import middle
 from humanoid_bt.control.dynamics import GRAVITY, RobotDynamics
 from humanoid_bt.control.estimator.contact_observer import ContactObserver
 from humanoid_bt.control.estimator.foot_load import FootLoad
+from humanoid_bt.control.estimator.ground import Ground
 from humanoid_bt.control.estimator.invariant_filter import FREE, FilterNoise, InvariantFilter
 from humanoid_bt.control.estimator.sensor_watch import SensorWatch
 from humanoid_bt.core.clock import SERVO_PERIOD
@@ -56,6 +57,7 @@ class Estimator:
         )
         self.load = FootLoad(robot, dynamics)
         self.contact = ContactObserver(robot, dynamics)
+        self._ground = Ground()
         self._feels = sensors.foot_force is not None
         self._rolls_below = _ROLLS_BELOW * robot.mass * GRAVITY
         self.estimate = Estimate(
@@ -96,6 +98,7 @@ class Estimator:
         dynamics.update(estimate)
         self.load.reset()
         self.contact.reset()
+        self._ground.reset(dynamics.sole_positions[:, 2])
         self._filter.reset(estimate.qpos[3:BASE_COORDINATES], estimate.qpos[:3])
         self.watch.reset(reading)
         self._clear()
@@ -155,6 +158,7 @@ class Estimator:
             self._rest(reading)
         else:
             self._filter_by_turns()
+        belief.sink(self._ground.update(dynamics.sole_positions[:, 2], self.load.standing, time))
         return self._dated(reading.time)
 
     def _stand_in(self, setpoint: Array) -> None:
@@ -186,7 +190,7 @@ class Estimator:
     def _correct(self) -> None:
         dynamics = self._dynamics
         headings = [dynamics.soles[side].item(2) for side in SIDES]
-        self._filter.correct(dynamics.sole_positions, headings, self.load.standing)
+        self._filter.correct(dynamics.sole_positions, headings, self.load.standing, self._ground.heights.tolist())
 
     def _note_contact(self, time: float) -> None:
         standing, (_, x, y, _) = self.load.standing, self._quaternion.tolist()

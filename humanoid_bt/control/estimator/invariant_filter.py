@@ -219,13 +219,20 @@ class InvariantFilter:
         growth[_VELOCITY] = noise.accelerometer**2 * time
         growth[_GYRO], growth[_ACCELEROMETER] = noise.gyro_drift**2 * time, noise.accelerometer_drift**2 * time
 
-    def correct(self, feet: Array, headings: Sequence[float], standing: Sequence[bool]) -> None:
+    def sink(self, way: float) -> None:
+        """Count heights from a ground that is higher by so much [m]."""
+        self._points[1:, 2] -= way
+
+    def correct(
+        self, feet: Array, headings: Sequence[float], standing: Sequence[bool], ground: Sequence[float] = (0.0, 0.0)
+    ) -> None:
         """Correct the estimate by what the joints say of the feet.
 
         Args:
             feet: positions of the soles with the base where it is predicted, world frame, shape (2, 3) [m].
             headings: of the soles, likewise [rad].
             standing: whether each foot is on the ground.
+            ground: how high that is under each [m].
         """
         state, covariance, measures = self._state, self._covariance, self._measures
         innovation, error = self._innovation[:, :_SIZE], self._innovation[:, _SIZE]
@@ -233,7 +240,7 @@ class InvariantFilter:
         for foot, (x, y, z) in enumerate(self._feet.tolist()):
             turned = headings[foot] - state.item(18 + foot)
             error[6 + foot] = (turned + math.pi) % (2 * math.pi) - math.pi
-            error[8 + foot] = -z
+            error[8 + foot] = ground[foot] - z
             measures[8 + foot, 0], measures[8 + foot, 1] = y, -x
             self._doubt[8 + foot] = self._noise.ground**2 if standing[foot] else 1e2
         np.matmul(measures, covariance, out=innovation)

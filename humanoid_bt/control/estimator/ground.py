@@ -1,0 +1,54 @@
+"""How high the ground is under each foot, seen from the ground that the robot stands on."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from humanoid_bt.core.messages import Array
+
+_EVEN = 0.006  # m between two feet up to which the ground counts as level
+_SETTLE_TIME = 1.0  # s in which heights are counted from a foot that has landed higher or lower
+
+
+class Ground:
+    """The height of the ground under each foot, taken when the foot lands.
+
+    The robot has no map: heights are counted from where it stands, so that the mean of its standing feet is 0 again
+    soon, on a slope and on stairs, too.
+
+    Attributes:
+        heights: under the (left, right) foot, shape (2,) [m].
+    """
+
+    def __init__(self) -> None:
+        self.heights: Array = np.zeros(2)
+        self._stood = [True, True]
+
+    def reset(self, feet: Array) -> None:
+        """Begin on both feet; ``feet`` are their heights, shape (2,) [m]."""
+        self.heights[:] = np.where(np.abs(np.diff(feet)) < _EVEN, 0.0, feet)
+        self._stood = [True, True]
+
+    def update(self, feet: Array, standing: Sequence[bool], time: float) -> float:
+        """Return by how much everything sinks, seen from the ground that the robot stands on now [m].
+
+        Args:
+            feet: heights of the (left, right) sole as they are estimated, shape (2,) [m].
+            standing: whether each is on the ground.
+            time: since the last update [s].
+        """
+        for foot, stands in enumerate(standing):
+            if stands and not self._stood[foot]:
+                other = self.heights.item(1 - foot)
+                height = feet.item(foot)
+                self.heights[foot] = other if abs(height - other) < _EVEN else height
+            self._stood[foot] = stands
+        if not any(standing):
+            return 0.0
+        mean = float(np.mean(self.heights[np.array(standing)]))
+        sinks = mean * (1 - math.exp(-time / _SETTLE_TIME))
+        self.heights -= sinks
+        return sinks

@@ -1,0 +1,52 @@
+"""The height of the ground under the feet, as the estimator takes it when they land."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from humanoid_bt.control.estimator.ground import Ground
+
+TIME = 0.005
+BOTH, LEFT = (True, True), (True, False)
+
+
+@pytest.fixture
+def ground() -> Ground:
+    ground = Ground()
+    ground.reset(np.zeros(2))
+    return ground
+
+
+def land(ground: Ground, height: float) -> float:
+    """Lift the right foot and put it down at a height [m]; return by how much everything sinks in that update [m]."""
+    ground.update(np.zeros(2), LEFT, TIME)
+    return ground.update(np.array([0.0, height]), BOTH, TIME)
+
+
+def test_level_ground_stays_level(ground: Ground) -> None:
+    for height in (0.003, -0.004, 0.0, 0.005):
+        assert land(ground, height) == 0
+    np.testing.assert_array_equal(ground.heights, [0, 0])
+
+
+def test_a_foot_that_lands_higher_stands_higher(ground: Ground) -> None:
+    assert 0 < land(ground, 0.015) < 1e-4
+    assert ground.heights[1] - ground.heights[0] == pytest.approx(0.015)
+
+
+def test_heights_are_counted_from_where_the_robot_stands_now(ground: Ground) -> None:
+    sunk = land(ground, 0.02)
+    for _ in range(round(8.0 / TIME)):
+        sunk += ground.update(ground.heights.copy(), BOTH, TIME)
+    assert sunk == pytest.approx(0.01, abs=1e-4)
+    np.testing.assert_allclose(ground.heights, [-0.01, 0.01], atol=1e-4)
+    sunk += sum(ground.update(ground.heights.copy(), (False, True), TIME) for _ in range(round(8.0 / TIME)))
+    assert sunk == pytest.approx(0.02, abs=1e-4)
+
+
+def test_a_foot_that_stands_is_not_measured_anew(ground: Ground) -> None:
+    land(ground, 0.02)
+    before = np.diff(ground.heights)
+    ground.update(np.array([0.0, 0.05]), BOTH, TIME)
+    np.testing.assert_allclose(np.diff(ground.heights), before)
