@@ -25,6 +25,7 @@ class RobotDynamics:
         model, data: MuJoCo's, of the robot alone.
         com, com_velocity: shape (3,) [m], [m/s].
         soles: poses (x, y, yaw) of the soles.
+        footings: height of each sole and how its foot is turned from level about the world's x and y [m, rad].
         roll, pitch: tilt of the base [rad].
     """
 
@@ -42,6 +43,7 @@ class RobotDynamics:
         self.com: Array = np.zeros(3)
         self.com_velocity: Array = np.zeros(3)
         self.soles: dict[Side, Array] = {}
+        self.footings: dict[Side, Array] = {}
         self.roll = self.pitch = 0.0
         self._product = np.zeros(robot.model.nv)
 
@@ -59,8 +61,9 @@ class RobotDynamics:
         self.com = data.subtree_com[self._base].copy()
         self.com_velocity = data.subtree_linvel[self._base].copy()
         for side, site in self._sole.items():
-            x, y, _ = data.site_xpos[site].tolist()
-            ahead, _, _, left, *_ = data.site_xmat[site].tolist()
+            x, y, z = data.site_xpos[site].tolist()
+            ahead, _, up_x, left, _, up_y, *_ = data.site_xmat[site].tolist()
+            self.footings[side] = np.array([z, -up_y, up_x])
             self.soles[side] = np.array([x, y, math.atan2(left, ahead)])
         w, x, y, z = data.qpos[3:7].tolist()
         self.roll = math.atan2(2 * (w * x + y * z), 1 - 2 * (x * x + y * y))

@@ -104,6 +104,12 @@ def leaning(heading: float, lean: float, yaw: float = 0.0) -> Array:
     return np.array(_product(_view_along(heading, lean), [math.cos(yaw / 2), 0.0, 0.0, math.sin(yaw / 2)]))
 
 
+def tilted(quaternion: Array, x: float, y: float) -> Array:
+    """Return a quaternion, shape (4,), turned by small angles about the world's x and y [rad]."""
+    turn = [math.sqrt(1 - 0.25 * (x * x + y * y)), 0.5 * x, 0.5 * y, 0.0]
+    return np.array(_product(turn, quaternion.tolist()))
+
+
 def pose_product(first: Array, second: Array) -> Array:
     """Return the pose, shape (7,), of ``second`` when it is given in the frame of ``first``."""
     a, b = first.tolist(), second.tolist()

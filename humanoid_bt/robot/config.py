@@ -83,19 +83,18 @@ class DriveConfig:
 class GaitConfig:
     """Walking: footsteps, timing, balance. Defaults fit a humanoid of about 1.3 m and 40 kg."""
 
-    single_support: float = param(0.35, above=0, unit="s", doc="Time on one foot.")
-    double_support: float = param(0.10, above=0, unit="s", doc="Time on both feet between steps.")
-    first_shift: float = param(0.8, above=0, unit="s", doc="Weight shift before the first step.")
-    last_shift: float = param(0.6, above=0, unit="s", doc="Weight shift after the last step.")
+    single_support: float = param(0.36, above=0, unit="s", doc="Time on one foot.")
+    double_support: float = param(0.06, above=0, unit="s", doc="Time on both feet between steps.")
+    first_shift: float = param(0.35, above=0, unit="s", doc="Weight shift before the first step.")
+    last_shift: float = param(0.4, above=0, unit="s", doc="Weight shift after the last step.")
     quick_shift: float = param(0.10, above=0, unit="s", doc="Weight shift before a step that catches a push.")
-    lift: float = param(0.05, above=0, unit="m", doc="Height of the swing foot.")
+    lift: float = param(0.04, above=0, unit="m", doc="Height of the swing foot.")
     stance_width: float = param(0.18, above=0, unit="m", doc="Distance between the soles' centres.")
-    step_forward: float = param(0.15, above=0, unit="m", doc="Longest step forward.")
-    step_back: float = param(0.10, above=0, unit="m", doc="Longest step back.")
-    step_sideways: float = param(0.06, above=0, unit="m", doc="Longest step sideways.")
-    step_turn: float = param(0.25, above=0, unit="rad", doc="Largest turn in a step.")
+    step_forward: float = param(0.22, above=0, unit="m", doc="Longest step forward.")
+    step_back: float = param(0.14, above=0, unit="m", doc="Longest step back.")
+    step_sideways: float = param(0.10, above=0, unit="m", doc="Longest step sideways.")
+    step_turn: float = param(0.55, above=0, unit="rad", doc="Largest turn in a step.")
     near: float = param(0.35, above=0, unit="m", doc="Nearer than this it side-steps instead of turning to the goal.")
-    facing: float = param(0.5, above=0, unit="rad", doc="It walks forward once the goal is this much ahead.")
     arrived_distance: float = param(0.025, above=0, unit="m", doc="Arrived when nearer.")
     arrived_angle: float = param(0.04, above=0, unit="rad", doc="Arrived when turned this close.")
     leave_distance: float = param(0.04, above=0, unit="m", doc="Starts again only when farther (hysteresis).")
@@ -110,6 +109,9 @@ class GaitConfig:
     separation_max: float = param(0.42, above=0, unit="m", doc="Largest sideways distance of the feet.")
     touchdown_force: float = param(50.0, above=0, unit="N", doc="Force on the swing foot that counts as contact.")
     touchdown_after: float = param(0.75, above=0, maximum=1, doc="Share of the swing after which contact counts.")
+    arm_swing: float = param(
+        1.5, minimum=0, doc="How far the arms swing with the legs, by the distance between the feet ahead [rad/m]."
+    )
     tilt_stiffness: float = param(300.0, minimum=0, doc="Stance hips against tilt of the base [Nm/rad].")
     tilt_damping: float = param(25.0, minimum=0, doc="Stance hips against tilt rate of the base [Nm s/rad].")
 

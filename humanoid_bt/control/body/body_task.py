@@ -10,7 +10,7 @@ import mujoco
 import numpy as np
 from mink.tasks import BaseTask
 
-from humanoid_bt.core.geometry import exp, leaning, planar_pose, pose_product, view_along
+from humanoid_bt.core.geometry import exp, leaning, planar_pose, pose_product, tilted, view_along
 from humanoid_bt.core.messages import SIDES, Array, HandTarget, Side
 from humanoid_bt.robot.model import BASE_COORDINATES, BASE_DOFS, GAZE_SITE, RobotModel, sole_site
 
@@ -25,7 +25,7 @@ class BodyTargets:
     Attributes:
         com: centre of mass, shape (3,) [m].
         soles: pose (x, y, yaw) of each sole.
-        sole_heights: [m].
+        sole_footings: height of each sole, and its tilt about the world's x and y [m, rad].
         sole_twists: correction of each sole's pose, shape (6,).
         heading: of the pelvis [rad].
         torso_yaw: of the torso relative to the heading [rad].
@@ -40,7 +40,7 @@ class BodyTargets:
 
     com: Array
     soles: Mapping[Side, Array]
-    sole_heights: Mapping[Side, float]
+    sole_footings: Mapping[Side, Array]
     sole_twists: Mapping[Side, Array]
     heading: float
     torso_yaw: float
@@ -120,7 +120,9 @@ class BodyTask(BaseTask):  # type: ignore[misc]  # mink has no types
         np.subtract(targets.com, data.subtree_com[self._root], out=self._com.error)
         for side, (position, turn) in self._soles.items():
             x, y, yaw = targets.soles[side].tolist()
-            pose = planar_pose(x, y, targets.sole_heights[side], yaw)
+            z, roll, pitch = targets.sole_footings[side].tolist()
+            pose = planar_pose(x, y, z, yaw)
+            pose[3:] = tilted(pose[3:], roll, pitch)
             twist = targets.sole_twists[side]
             if twist.dot(twist) > _NO_TWIST:
                 pose = pose_product(exp(twist), pose)

@@ -20,13 +20,13 @@ from humanoid_bt.core.geometry import clamp
 from humanoid_bt.core.messages import SIDES, Array, Side
 from humanoid_bt.robot.model import BASE_COORDINATES, BASE_DOFS, RobotModel, carriers, palm_site
 
-_ACCELERATION_LIMIT = 100.0  # rad/s^2, of the planned motion, as it goes into the feedforward
+_ACCELERATION_LIMIT = 300.0  # rad/s^2, of the planned motion, as it goes into the feedforward
 # What was held back and comes free must not catch up so fast that it throws the robot:
 _ARM_SPEED = 2.5  # rad/s of its joints
 _RISE_SPEED = 0.2  # m/s of the base, up and down
 _TURN_SPEED = 1.5  # rad/s of the base, and of the waist's joints
 _PARTING = 50.0  # cost per metre of links that do not part, where not all can: that of a foot
-_SMOOTH_TIME = 0.02  # s, low-pass of planned acceleration and momentum rate
+_SMOOTH_TIME = 0.01  # s, low-pass of planned acceleration and momentum rate
 
 
 class InverseKinematics:

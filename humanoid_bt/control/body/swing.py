@@ -12,10 +12,11 @@ from humanoid_bt.core.geometry import clamp, log, pose_inverse, pose_product
 from humanoid_bt.core.messages import SIDES, Array, Side
 from humanoid_bt.robot.config import GaitConfig, SoleConfig
 
-_ARRIVE_EARLY = 0.04  # s before touchdown at which the foot is over its foothold
+_ARRIVE_EARLY = 0.02  # s before touchdown at which the foot is over its foothold
 _LATE_SHARE = 0.3  # of what is still missing then, in each control period
 _SPEED_MAX = 4.0  # m/s along each axis, of the foot's reference: a foothold that moves late is not reached
 _LAND_FROM = 0.93  # share of the swing after which the foot only goes down
+_LIFT_EARLY = 0.7  # power of the share: it goes up quickly and comes down slowly, wherever the ground is
 _LAND_DEPTH = 0.004  # m below the ground that it aims at, so that it does land
 _ADJUST_TIME = 0.03  # s, low-pass of the adjustment
 _ANKLE_SHARE = 0.5  # of the DCM error that the ankle can still take out
@@ -35,11 +36,12 @@ class Swing:
         start: its pose at lift-off, shape (3,), world frame.
         foothold: the planned pose, shape (3,), world frame.
         support: pose of the other foot, shape (3,), world frame.
+        footings: height and tilt of this foot at lift-off and of the other one, each of shape (3,) [m, rad].
         dcm_end: planned DCM at touchdown, shape (2,), world frame [m].
 
     Attributes:
         pose: reference of the sole, shape (3,), world frame.
-        height: reference above the ground [m].
+        footing: reference of its height and of its tilt about the world's x and y, shape (3,) [m, rad].
         target: the foothold as adjusted, shape (3,).
         progress: share of the swing that is over, in [0, 1].
         rate: how fast the swing runs; above 1 when the foothold is out of reach and the foot must hurry.
@@ -56,6 +58,7 @@ class Swing:
         start: Array,
         foothold: Array,
         support: Array,
+        footings: tuple[Array, Array],
         dcm_end: Array,
     ) -> None:
         self._gait, self._omega, self._dt, self.side = gait, omega, dt, side
@@ -66,7 +69,8 @@ class Swing:
         self._adjustment = np.zeros(2)
         self._motion = [[float(start[0]), 0.0, 0.0], [float(start[1]), 0.0, 0.0]]  # position, velocity, acceleration
         self.pose: Array = start.copy()
-        self.height = 0.0
+        self._footings = footings
+        self.footing: Array = footings[0].copy()
         self.target: Array = foothold.copy()
         self.progress = 0.0
         self.rate = 1.0
@@ -123,13 +127,22 @@ class Swing:
                 after = [motion[0] + speed * dt, speed, 0.0]
             motion[:] = after
         share = min(1.0, self.progress / _LAND_FROM)
-        if share < 1.0:
-            self.height = self._gait.lift * 0.5 * (1 - math.cos(2 * math.pi * share))
-        else:
-            self.height = -_LAND_DEPTH * (self.progress - _LAND_FROM) / (1 - _LAND_FROM)
         turn = share**3 * (10 - 15 * share + 6 * share**2)
+        before, support = self._footings
+        after = support + np.array([self._rise(), 0.0, 0.0])
+        self.footing = before + turn * (after - before)
+        if share < 1.0:
+            self.footing[0] += self._gait.lift * 0.5 * (1 - math.cos(2 * math.pi * share**_LIFT_EARLY))
+        else:
+            self.footing[0] -= _LAND_DEPTH * (self.progress - _LAND_FROM) / (1 - _LAND_FROM)
         yaw = self._start[2] + wrap(self.target[2] - self._start[2]) * turn
         self.pose = np.array([self._motion[0][0], self._motion[1][0], yaw])
+
+    def _rise(self) -> float:
+        """Return how much higher the ground is at the foothold, if it is as steep as under the other foot."""
+        x, y = self.target[:2] - self._support[:2]
+        _, roll, pitch = self._footings[1]
+        return float(roll * y - pitch * x)
 
 
 def _minimum_jerk(motion: list[float], error: float, remaining: float, dt: float) -> list[float]:

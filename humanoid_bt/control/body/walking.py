@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 
 import numpy as np
@@ -11,11 +10,16 @@ from humanoid_bt.control.body.dcm import DcmPlan, plan_settle, plan_walk
 from humanoid_bt.control.body.footsteps import OTHER, Footstep, FootstepPlanner
 from humanoid_bt.control.body.planar import middle, seen_from, wrap
 from humanoid_bt.control.body.swing import Swing
+from humanoid_bt.core.geometry import clamp
 from humanoid_bt.core.messages import SIDES, Array, Gait, Side
 from humanoid_bt.robot.config import GaitConfig, SoleConfig
 
 _FOLLOW_TIME = 0.08  # s, a standing foot's reference follows the measured foot
-_LAND_TIME = 0.04  # s, a standing foot's height decays to the ground
+_LEVEL_TIME = 0.3  # s, its tilt does so: a slope stays, a foot that tips over its edge does not
+_FOUND = 3  # control periods of force on a foot after which it has found the ground
+_GROUND_TIME = 0.15  # s in which the body follows the ground
+_STEEPEST = 0.2  # rad
+_SINK_SPEED = 0.4  # m/s at which a foot is lowered that has not found the ground where it was to be
 _CATCH_AT = 0.90  # share of the support at which the DCM of a standing robot makes it step
 _CATCH_MIDDLE = 0.02  # m to the right of the middle up to which it is still the left foot that steps
 _CONTACTS_NEEDED = 2  # control periods of force on the swing foot before it counts as touchdown
@@ -32,26 +36,28 @@ class Walker:
         gait: what the legs do.
         contact: whether each foot is meant to be on the ground.
         foot_reference: poses of the soles (x, y, yaw), world frame.
-        foot_height: of the soles above the ground [m].
+        foot_footing: height of each sole, and its tilt about the world's x and y, shape (3,) [m, rad].
         zmp_reference, dcm_reference: shape (2,), world frame [m].
         swing: the swing that is going on, if any.
         footsteps: planned footholds, the next first.
+        ground: height of what carries the robot [m].
         still_for: how long it has been standing [s].
     """
 
     def __init__(self, gait: GaitConfig, sole: SoleConfig, dt: float) -> None:
         self._numbers, self._sole, self._dt = gait, sole, dt
-        self._planner = FootstepPlanner(gait)
-        self._single = round(gait.single_support / dt)
+        self._planner = FootstepPlanner(gait, sole)
+        self._single, self._settled = round(gait.single_support / dt), round(gait.last_shift / dt)
         self._omega = 1.0
         self.gait = Gait.STAND
         self.foot_reference: dict[Side, Array] = {}
-        self.foot_height: dict[Side, float] = dict.fromkeys(SIDES, 0.0)
+        self.foot_footing: dict[Side, Array] = {}
         self.contact: dict[Side, bool] = dict.fromkeys(SIDES, True)
         self.zmp_reference: Array = np.zeros(2)
         self.dcm_reference: Array = np.zeros(2)
         self.swing: Swing | None = None
         self.footsteps: list[Footstep] = []
+        self.ground = 0.0
         self.still_for = 0.0
         self._plan: DcmPlan | None = None
         self._elapsed = 0.0  # control periods in the plan; not whole when a step hurries
@@ -59,13 +65,15 @@ class Walker:
         self._stepping: Side = "left"
         self._ends = False
         self._contacts = 0
+        self._found = dict.fromkeys(SIDES, _FOUND)  # control periods in which a foot that landed was loaded
 
-    def reset(self, soles: Mapping[Side, Array], omega: float) -> None:
+    def reset(self, soles: Mapping[Side, Array], footings: Mapping[Side, Array], omega: float) -> None:
         """Stand where the feet are."""
         self._omega = omega
         self.foot_reference = {side: soles[side].copy() for side in SIDES}
-        self.foot_height = dict.fromkeys(SIDES, 0.0)
+        self.foot_footing = {side: footings[side].copy() for side in SIDES}
         self.contact = dict.fromkeys(SIDES, True)
+        self.ground = self._carrying_height()
         self.gait, self.swing, self.footsteps, self._plan = Gait.STAND, None, [], None
         self.zmp_reference = self.dcm_reference = self.stance[:2].copy()
         self.still_for = 0.0
@@ -76,7 +84,14 @@ class Walker:
         return middle(self.foot_reference["left"], self.foot_reference["right"])
 
     def update(
-        self, goal: Array | None, dcm: Array, zmp: Array, soles: Mapping[Side, Array], foot_force: Mapping[Side, float]
+        self,
+        goal: Array | None,
+        dcm: Array,
+        zmp: Array,
+        soles: Mapping[Side, Array],
+        *,
+        footings: Mapping[Side, Array],
+        foot_force: Mapping[Side, float],
     ) -> None:
         """Go on for one control period.
 
@@ -85,6 +100,7 @@ class Walker:
             dcm: measured, shape (2,) [m].
             zmp: that the feet were last asked for, shape (2,) [m].
             soles: measured poses, shape (3,).
+            footings: measured heights and tilts, shape (3,), as in ``foot_footing``.
             foot_force: measured normal forces [N].
         """
         self.contact = dict.fromkeys(SIDES, True)
@@ -100,7 +116,7 @@ class Walker:
             self._catch(goal, dcm, zmp)
         if self.gait is Gait.STEP:
             self._step(goal, dcm, foot_force)
-        self._follow_ground(soles)
+        self._follow_ground(soles, footings, foot_force)
 
     def _start_step(self, swing: Side, goal: Array | None, zmp: Array, shift: float) -> None:
         support = self.foot_reference[OTHER[swing]]
@@ -123,7 +139,7 @@ class Walker:
             if self.swing is None:
                 self.swing = self._lift_off(side)
             self.swing.update(self._elapsed - self._double, dcm, self.zmp_reference)
-            self.foot_reference[side], self.foot_height[side] = self.swing.pose, self.swing.height
+            self.foot_reference[side], self.foot_footing[side] = self.swing.pose, self.swing.footing
             rate = self.swing.rate
             self._contacts = self._contacts + 1 if foot_force[side] > self._numbers.touchdown_force else 0
             share = (self._elapsed - self._double) / self._single
@@ -145,15 +161,17 @@ class Walker:
             start=self.foot_reference[side],
             foothold=self.footsteps[0].pose,
             support=self.foot_reference[OTHER[side]],
+            footings=(self.foot_footing[side], self.foot_footing[OTHER[side]]),
             dcm_end=self._plan.dcm[self._double + self._single - 1],
         )
 
     def _touch_down(self, side: Side, goal: Array | None) -> None:
         assert self.swing is not None
         self.foot_reference[side] = np.array([*self.swing.pose[:2], self.swing.target[2]])
-        self.swing = None
+        self.swing, self._found[side] = None, 0
         if not self._ends:
-            self._start_step(OTHER[side], goal, self.zmp_reference, self._numbers.double_support)
+            early = max(0.0, self._double + self._single - self._elapsed) * self._dt  # the DCM is where it is
+            self._start_step(OTHER[side], goal, self.zmp_reference, self._numbers.double_support + early)
             return
         middle = self.stance[:2]
         self._plan = plan_settle(self._numbers, self._omega, self._dt, zmp=self.zmp_reference, middle=middle)
@@ -161,10 +179,10 @@ class Walker:
 
     def _settle(self) -> None:
         assert self._plan is not None
-        now = min(int(self._elapsed), len(self._plan) - 1)
+        now = int(self._elapsed)
         self.zmp_reference, self.dcm_reference = self._plan.zmp[now], self._plan.dcm[now]
         self._elapsed += 1
-        if self._elapsed >= len(self._plan):
+        if self._elapsed >= self._settled:
             self.gait, self._plan = Gait.STAND, None
 
     def _catch(self, goal: Array | None, dcm: Array, zmp: Array) -> None:
@@ -177,13 +195,32 @@ class Walker:
             swing: Side = "right" if y < -_CATCH_MIDDLE else "left"  # the DCM is over the foot that steps to catch it
             self._start_step(swing, goal, zmp, self._numbers.quick_shift)
 
-    def _follow_ground(self, soles: Mapping[Side, Array]) -> None:
+    def _follow_ground(
+        self, soles: Mapping[Side, Array], footings: Mapping[Side, Array], foot_force: Mapping[Side, float]
+    ) -> None:
         """Let references of standing feet follow the measured feet: a jump in contact would be an impact."""
         follow = min(1.0, self._dt / _FOLLOW_TIME)
-        land = math.exp(-self._dt / _LAND_TIME)
         for side in SIDES:
-            if self.contact[side]:
-                self.foot_height[side] *= land
-                error = soles[side] - self.foot_reference[side]
-                error[2] = wrap(error[2])
-                self.foot_reference[side] = self.foot_reference[side] + follow * error
+            if not self.contact[side]:
+                continue
+            error = soles[side] - self.foot_reference[side]
+            error[2] = wrap(error[2])
+            self.foot_reference[side] = self.foot_reference[side] + follow * error
+            loaded = foot_force[side] > self._numbers.touchdown_force
+            self._found[side] = self._found[side] + 1 if loaded else min(self._found[side], _FOUND)
+            if loaded:
+                self._follow_footing(side, footings[side], follow)
+            elif self._found[side] < _FOUND:
+                self.foot_footing[side] = self.foot_footing[side] - np.array([_SINK_SPEED * self._dt, 0.0, 0.0])
+        self.ground += min(1.0, self._dt / _GROUND_TIME) * (self._carrying_height() - self.ground)
+
+    def _follow_footing(self, side: Side, measured: Array, follow: float) -> None:
+        slowly = self._dt / _LEVEL_TIME
+        before = self.foot_footing[side]
+        after = before + np.array([follow, slowly, slowly]) * (measured - before)
+        after[1:] = clamp(after[1:], -_STEEPEST, _STEEPEST)
+        self.foot_footing[side] = after
+
+    def _carrying_height(self) -> float:
+        heights = [self.foot_footing[side].item(0) for side in SIDES if self.contact[side]]
+        return sum(heights) / len(heights)

@@ -12,6 +12,7 @@ from functools import partial
 
 import numpy as np
 
+from humanoid_bt.control.body.arm_swing import ArmSwing
 from humanoid_bt.control.body.body_task import BodyTargets
 from humanoid_bt.control.body.feedforward import Feedforward
 from humanoid_bt.control.body.inverse_kinematics import InverseKinematics
@@ -101,6 +102,7 @@ class WholeBody:
             neck_range = float(min(robot.upper[yaw], -robot.lower[yaw]))
         self._gaze = GazeReference(config.whole_body, dt, neck_range)
         self._lean = LeanReference(robot, dt)
+        self._arm_swing = ArmSwing(robot, dt)
         self._hands: dict[Side, PalmReference] = {}
         self._arms: dict[Side, ArmReference] = {}
         hands: list[Side] = [side for side in SIDES if side in config.hands]
@@ -131,11 +133,12 @@ class WholeBody:
         config, dt = self._robot.config, self._dt
         self.kinematics.reset(estimate.qpos)
         self._stabilizer.reset(self.dynamics.com)
-        self.walker.reset(self.dynamics.soles, self._stabilizer.omega)
+        self.walker.reset(self.dynamics.soles, self.dynamics.footings, self._stabilizer.omega)
         self._tilt = TiltCompensation(dt)
         self._gaze.yaw = self._gaze.pitch = 0.0
         self._lean.reset()
         sides, names = tuple(self.dynamics.hands), self._robot.joint_names
+        self._arm_swing.joints[:] = 0.0
         self._hands = {side: PalmReference(config.whole_body, dt) for side in sides}
         self._arms = {side: ArmReference(names, config.whole_body, dt) for side in sides}
         self._held_joints = ()
@@ -171,7 +174,7 @@ class WholeBody:
         dcm = dynamics.com[:2] + dynamics.com_velocity[:2] / stabilizer.omega
         force: dict[Side, float] = dict(zip(SIDES, estimate.foot_force.tolist(), strict=True))
         goal = None if hold else _goal(targets)
-        walker.update(goal, dcm, self._zmp, dynamics.soles, force)
+        walker.update(goal, dcm, self._zmp, dynamics.soles, footings=dynamics.footings, foot_force=force)
         load = stabilizer.update(
             com=dynamics.com,
             dcm=dcm,
@@ -211,11 +214,13 @@ class WholeBody:
             self._height = approach(self._height, wanted, self._robot.config.whole_body.height_speed * self._dt)
             self._hold_arms(targets)
         self.arms.keep(self._posture.joints, self._home_joints, hold)
+        busy = {*hands, *self.arms.sides, *(side for side, arm in self._arms.items() if arm.joints)}
+        self._arm_swing.update(walker.stance, walker.foot_reference, busy)
         x, y = self._stabilizer.com_reference
         return BodyTargets(
-            com=np.array([x, y, self._home_height + self._height - self._lean.crouch]),
+            com=np.array([x, y, walker.ground + self._home_height + self._height - self._lean.crouch]),
             soles=walker.foot_reference,
-            sole_heights=walker.foot_height,
+            sole_footings=walker.foot_footing,
             sole_twists=self._tilt.twist,
             heading=heading,
             torso_yaw=self._gaze.torso_yaw,
@@ -223,7 +228,7 @@ class WholeBody:
             gaze=(self._gaze.yaw, self._gaze.pitch),
             hands=hands,
             reaching=self._reaching,
-            posture=self._posture.joints,
+            posture=self._posture.joints + self._arm_swing.joints,
             palms=palms,
             arms=self._held_joints,
         )
@@ -292,7 +297,7 @@ class WholeBody:
         if self._commanded - commanded:
             self._posture.release_from(self.kinematics.joints)
         if self._commanded and not commanded:
-            sunk = self._home_height - self._lean.crouch
+            sunk = self.walker.ground + self._home_height - self._lean.crouch
             self._height = self.kinematics.com_height - sunk  # it rises from there, slowly
         self._commanded = commanded
         return positions, palms

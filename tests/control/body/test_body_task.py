@@ -23,7 +23,7 @@ def targets(robot: RobotModel, standing: Array) -> BodyTargets:
     return BodyTargets(
         com=np.array([0.02, -0.01, 0.6]),
         soles={"left": np.array([0.02, half, 0.01]), "right": np.array([0, -half, 0.02])},
-        sole_heights={"left": 0.01, "right": 0.0},
+        sole_footings={"left": np.array([0.01, 0.02, -0.03]), "right": np.zeros(3)},
         sole_twists={"left": np.array([0, 0, 0, 0.01, 0.02, 0]), "right": np.zeros(6)},
         heading=0.02,
         torso_yaw=0.01,

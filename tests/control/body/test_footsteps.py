@@ -9,9 +9,10 @@ import pytest
 from humanoid_bt.control.body.footsteps import OTHER, SIGN, Footstep, FootstepPlanner
 from humanoid_bt.control.body.planar import ahead, seen_from, wrap
 from humanoid_bt.core.messages import Array
-from humanoid_bt.robot.config import GaitConfig
+from humanoid_bt.robot.config import GaitConfig, SoleConfig
 
 GAIT = GaitConfig()
+SOLE = SoleConfig(half_length=0.105, half_width=0.045)
 ORIGIN = np.zeros(3)
 NO_CONTACT = 0.10  # m between the feet's centres; the built-in soles are 0.09 m wide
 GOALS = [
@@ -22,7 +23,7 @@ GOALS = [
 
 @pytest.fixture
 def planner() -> FootstepPlanner:
-    return FootstepPlanner(GAIT)
+    return FootstepPlanner(GAIT, SOLE)
 
 
 def walk(planner: FootstepPlanner, goal: Array) -> list[Footstep]:
@@ -92,14 +93,30 @@ def test_arriving_and_leaving_have_a_hysteresis(
     assert planner.must_walk(ORIGIN, np.array(goal)) is must_walk
 
 
-def test_a_goal_behind_makes_it_turn_in_place_first(planner: FootstepPlanner) -> None:
-    after = planner.next_stance(ORIGIN, np.array([-2.0, 0.5, 0]))
-    np.testing.assert_allclose(after, [0, 0, GAIT.step_turn])
+def test_it_turns_to_a_goal_far_away_while_it_walks(planner: FootstepPlanner) -> None:
+    forward, sideways, turn = planner.next_stance(ORIGIN, np.array([2.0, 2.0, math.pi / 4]), "left")
+    assert turn == GAIT.step_turn
+    assert forward > 0.3 * GAIT.step_forward
+    assert sideways > 0
+
+
+def test_a_foot_turns_farther_outward_than_inward(planner: FootstepPlanner) -> None:
+    goal = np.array([0.0, 0.0, 2.0])
+    outward, inward = (planner.next_stance(ORIGIN, goal, side)[2] for side in ("left", "right"))
+    assert outward == GAIT.step_turn
+    assert 0 < inward < outward
+
+
+def test_a_goal_behind_is_walked_to_backward_if_it_is_near(planner: FootstepPlanner) -> None:
+    near, far = np.array([-0.5, 0.0, 0.0]), np.array([-6.0, 0.1, 0.0])
+    np.testing.assert_allclose(planner.next_stance(ORIGIN, near, "left"), [-GAIT.step_back, 0, 0], atol=1e-12)
+    assert planner.next_stance(ORIGIN, far, "left")[2] == GAIT.step_turn
 
 
 def test_a_goal_beside_makes_it_sidestep_without_turning(planner: FootstepPlanner) -> None:
-    after = planner.next_stance(ORIGIN, np.array([-0.05, 0.3, 0]))
-    np.testing.assert_allclose(after, [-0.05, GAIT.step_sideways, 0])
+    _, sideways, turn = planner.next_stance(ORIGIN, np.array([-0.05, 0.3, 0]), "left")
+    assert turn == 0
+    assert 0.8 * GAIT.step_sideways < sideways <= GAIT.step_sideways
 
 
 @pytest.mark.parametrize(

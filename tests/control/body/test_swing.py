@@ -17,10 +17,11 @@ PERIODS = round(GAIT.single_support / DT)
 SUPPORT = np.array([0.0, -0.09, 0.0])
 START = np.array([-0.15, 0.09, 0.0])
 FOOTHOLD = np.array([0.15, 0.09, 0.2])
+LEVEL = np.zeros(3)
 DCM_END = np.array([0.10, 0.02])  # planned at touchdown
 
 
-def swing_of(side: Side = "left") -> Swing:
+def swing_of(side: Side = "left", footings: tuple[Array, Array] = (LEVEL, LEVEL)) -> Swing:
     mirror = np.array([1, 1, 1]) if side == "left" else np.array([1, -1, -1])
     return Swing(
         GAIT,
@@ -31,6 +32,7 @@ def swing_of(side: Side = "left") -> Swing:
         start=START * mirror,
         foothold=FOOTHOLD * mirror,
         support=SUPPORT * mirror,
+        footings=footings,
         dcm_end=DCM_END * mirror[:2],
     )
 
@@ -42,12 +44,12 @@ def planned_dcm(elapsed: int) -> Array:
 
 def fly(swing: Swing, error: Array | None = None, since: int = 0) -> tuple[Array, Array]:
     """Make the swing with a DCM error, shape (2,), from a period on; return poses (n, 3) and heights (n,)."""
-    poses, heights = [swing.pose.copy()], [swing.height]
+    poses, heights = [swing.pose.copy()], [swing.footing.item(0)]
     for elapsed in range(PERIODS):
         off = error if error is not None and elapsed >= since else np.zeros(2)
         swing.update(elapsed, planned_dcm(elapsed) + off, SUPPORT[:2])
         poses.append(swing.pose.copy())
-        heights.append(swing.height)
+        heights.append(swing.footing.item(0))
     return np.array(poses), np.array(heights)
 
 
@@ -68,6 +70,17 @@ def test_it_lifts_the_foot_once_and_as_high_as_the_gait_says() -> None:
     assert heights[top] == pytest.approx(GAIT.lift, rel=0.01)
     assert (np.diff(heights[: top + 1]) > 0).all()
     assert (np.diff(heights[top:]) < 0).all()
+
+
+def test_it_lands_as_high_and_as_steep_as_the_ground_under_the_other_foot_says() -> None:
+    """Of a slope of 0.07 rad that rises along x: the sole leans back."""
+    here, there = np.array([0.01, 0.0, 0.0]), np.array([0.02, 0.0, -0.07])
+    swing = swing_of(footings=(here, there))
+    _, heights = fly(swing)
+    assert heights[0] == 0.01
+    rise = 0.07 * (FOOTHOLD - SUPPORT)[0]
+    assert heights[-1] == pytest.approx(0.02 + rise - 0.004, abs=1e-3)
+    np.testing.assert_allclose(swing.footing[1:], [0, -0.07], atol=1e-6)
 
 
 def test_it_is_over_its_foothold_before_it_lands() -> None:

@@ -1,0 +1,54 @@
+"""The arms that swing with the legs: each goes ahead with the foot of the other side, as a person's do."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+
+import numpy as np
+
+from humanoid_bt.control.body.planar import seen_from
+from humanoid_bt.core.messages import SIDES, Array, Side
+from humanoid_bt.robot.model import RobotModel, carriers
+
+_ALONG = 0.8  # of a joint's axis along y, for the joint to swing the arm ahead and back
+_FARTHEST = 0.4  # rad
+_TIME = 0.1  # s, low-pass
+
+
+class ArmSwing:
+    """How far the joints of the arms are from the posture because the robot walks.
+
+    Args:
+        robot: the robot.
+        dt: control period [s].
+
+    Attributes:
+        joints: shape (nj,) [rad].
+    """
+
+    def __init__(self, robot: RobotModel, dt: float) -> None:
+        config, model = robot.config, robot.model
+        self._share, self._gain = min(1.0, dt / _TIME), config.gait.arm_swing
+        trunk = set(carriers(model, model.body(config.torso).id))
+        self._shoulders: dict[Side, tuple[int, float]] = {}  # joint, and which way it turns
+        for side in SIDES:
+            if side not in config.hands:
+                continue
+            arm = [body for body in carriers(model, model.body(config.hands[side].body).id) if body not in trunk]
+            joints = [joint for joint in range(1, model.njnt) if model.jnt_bodyid[joint] in arm]
+            pitch = [joint for joint in joints if abs(model.jnt_axis[joint][1]) > _ALONG]
+            if pitch:
+                self._shoulders[side] = pitch[0] - 1, float(np.sign(model.jnt_axis[pitch[0]][1]))
+        self.joints: Array = np.zeros(model.njnt - 1)
+
+    def update(self, stance: Array, feet: Mapping[Side, Array], busy: Collection[Side]) -> None:
+        """Swing the arms that have nothing else to do.
+
+        Args:
+            stance, feet: poses of the middle between the feet and of the feet, shape (3,), world frame.
+            busy: sides whose hands are commanded.
+        """
+        for side, (joint, sign) in self._shoulders.items():
+            ahead = 2 * seen_from(stance, feet[side])[0]  # of the other foot [m]
+            wanted = 0.0 if side in busy else sign * min(max(self._gain * ahead, -_FARTHEST), _FARTHEST)
+            self.joints[joint] += self._share * (wanted - self.joints[joint])

@@ -1,0 +1,46 @@
+"""The arms swing with the legs."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from humanoid_bt.control.body.arm_swing import ArmSwing
+from humanoid_bt.core.messages import Array, Side
+from humanoid_bt.robot.model import RobotModel
+
+DT = 0.005
+STANCE = np.zeros(3)
+LEFT_AHEAD: dict[Side, Array] = {"left": np.array([0.1, 0.09, 0.0]), "right": np.array([-0.1, -0.09, 0.0])}
+
+
+@pytest.fixture
+def swing(robot: RobotModel) -> ArmSwing:
+    return ArmSwing(robot, DT)
+
+
+def settle(swing: ArmSwing, busy: tuple[Side, ...] = ()) -> Array:
+    for _ in range(200):
+        swing.update(STANCE, LEFT_AHEAD, busy)
+    return swing.joints
+
+
+def test_each_arm_goes_ahead_with_the_other_foot(swing: ArmSwing, robot: RobotModel) -> None:
+    joints = settle(swing)
+    moved = {robot.joint_names[joint]: joints[joint] for joint in np.flatnonzero(np.abs(joints) > 1e-6)}
+    assert moved.keys() == {"left_shoulder_pitch", "right_shoulder_pitch"}
+    assert moved["left_shoulder_pitch"] == pytest.approx(robot.config.gait.arm_swing * 0.2, rel=1e-3)  # back
+    assert moved["right_shoulder_pitch"] == pytest.approx(-moved["left_shoulder_pitch"])
+
+
+def test_an_arm_whose_hand_is_commanded_does_not_swing(swing: ArmSwing, robot: RobotModel) -> None:
+    settle(swing)
+    joints = settle(swing, busy=("left",))
+    assert joints[robot.joint("left_shoulder_pitch")] == pytest.approx(0, abs=1e-3)
+    assert joints[robot.joint("right_shoulder_pitch")] < -0.2
+
+
+def test_it_never_jumps(swing: ArmSwing) -> None:
+    before = swing.joints.copy()
+    swing.update(STANCE, LEFT_AHEAD, ())
+    assert np.abs(swing.joints - before).max() < 0.02
