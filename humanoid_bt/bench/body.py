@@ -13,6 +13,7 @@ from typing import Any
 
 from humanoid_bt.bench.body_rows import ROWS, Row
 from humanoid_bt.bench.body_trial import make
+from humanoid_bt.bench.gait import GaitFigure, gait_figures
 from humanoid_bt.bench.promises import Verdict
 from humanoid_bt.campaign.result import CRASHED, HUNG
 from humanoid_bt.campaign.statistics import Rate
@@ -50,6 +51,11 @@ class Withstood:
         """Whether the row keeps its promise."""
         return self.row.promise.verdict(100 * self.good.share)
 
+    @property
+    def gait(self) -> list[GaitFigure]:
+        """What it tells of the gait."""
+        return gait_figures(self.row.name, [done.result.values for done in self.trials if done.result.succeeded])
+
     @cached_property
     def failed(self) -> list[Done]:
         """The trials that it did not withstand, the worst first: those that fell, the earlier the worse."""
@@ -68,6 +74,10 @@ class Withstood:
             "interval": list(self.good.interval),
             "promised": promise.bound / 100,
             "verdict": self.verdict,
+            "gait": {
+                figure.name: {"mean": figure.value, "median": figure.median, "verdict": figure.verdict}
+                for figure in self.gait
+            },
             "trials": [
                 {"seed": done.task.trial.seed, "given": dict(done.task.trial.given), **done.result.to_dict()}
                 for done in self.trials

@@ -19,9 +19,10 @@ _WALK, _STAND = str(Path(__file__).with_name("walk.yaml")), "stand"
 _SCENE = "empty"
 _WALKING_TIME, _STANDING_TIME = 60.0, 6.0  # s
 _PUSH_TIME = 0.1  # s
-_PUSHED_AT = (1.0, 2.4)  # s: half a meter straight ahead takes longer
+_PUSHED_AT = (0.6, 1.8)  # s: half a meter straight ahead takes longer
 _DISTANCE = (0.5, 3.0)  # m
 _AROUND = (-math.pi, math.pi)  # rad
+_AHEAD = (0.0, 0.0)  # rad
 _OFF = math.radians(0.5)
 
 
@@ -38,7 +39,7 @@ class Row:
         conditions: what is different from the robot's numbers.
         drawn: conditions that the seed says, each with what draws it.
         hands: whether it takes hands.
-        distance: of the goals, least and largest [m].
+        goals: between which numbers the goal is drawn: distance [m], bearing and heading [rad].
         limits: what of a trial may be at most how much, in SI units: "drift" and the like.
     """
 
@@ -50,13 +51,13 @@ class Row:
     conditions: Mapping[str, float] = field(default_factory=dict)
     drawn: Mapping[str, Callable[[np.random.Generator], float]] = field(default_factory=dict)
     hands: bool = False
-    distance: tuple[float, float] = _DISTANCE
+    goals: tuple[tuple[float, float], tuple[float, float], tuple[float, float]] = (_DISTANCE, _AROUND, _AROUND)
     limits: Mapping[str, float] = field(default_factory=dict)
 
     def trial(self, number: int, robot: str, seed: int) -> Trial:
         """Return a trial of this row.
 
-        Every row draws the same goal, moment and direction of a seed.
+        Rows with the same ``goals`` draw the same goal, moment and direction of a seed.
 
         Args:
             number: its place among all trials.
@@ -64,7 +65,7 @@ class Row:
             seed: of everything random.
         """
         numbers = random_stream(seed, "bench", "body")
-        ends = (self.distance, _AROUND, _AROUND, _PUSHED_AT, _AROUND)
+        ends = (*self.goals, _PUSHED_AT, _AROUND)
         distance, bearing, heading, at, side = (float(numbers.uniform(*pair)) for pair in ends)
         goal = {"x": distance * math.cos(bearing), "y": distance * math.sin(bearing), "heading": heading}
         push = {"at": at, "force": self.push, "direction": side, "duration": _PUSH_TIME}
@@ -109,10 +110,12 @@ def _pushed(walks: bool, *forces: float) -> list[Row]:
 
 ROWS = (
     Row("goals", "walks to a random goal"),
+    Row("straight", "walks 3 m straight ahead", goals=((3.0, 3.0), _AHEAD, _AHEAD)),
+    Row("metre", "walks 1 m in any direction, with any heading at the end", goals=((1.0, 1.0), _AROUND, _AROUND)),
     Row(
         "odometry",
         "5 m to a random goal: off by 1.5 % of it, 1.5 deg, 3 cm/s",
-        distance=(5.0, 5.0),
+        goals=((5.0, 5.0), _AROUND, _AROUND),
         limits={"drift": 0.015, "heading_error": math.radians(1.5), "velocity_error": 0.03},
     ),
     *_pushed(True, 60, 100, 150, 200),

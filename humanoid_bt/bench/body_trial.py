@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
+from humanoid_bt.bench.gait import UNITS, GaitWatch
 from humanoid_bt.campaign.result import SUCCESS, Result
 from humanoid_bt.campaign.stage_trials import pushes, result_of
 from humanoid_bt.campaign.trial import CONDITION, SET, Task, Trial
@@ -40,6 +41,8 @@ def make() -> Run:
             stages.clear()
             stages[trial.robot] = Stage(Workspace(builtin_root()), trial.robot, trial.scene)
         stage = stages[trial.robot]
+        goal = trial.part(SET)
+        watch = GaitWatch(lambda: stage.plant, math.hypot(goal["x"], goal["y"])) if goal else None
         found = stage.run(
             trial.tree,
             seed=trial.seed,
@@ -48,10 +51,14 @@ def make() -> Run:
             script=pushes(trial),
             conditions=trial.part(CONDITION),
             record=task.recording or None,
+            watchers=[watch] if watch else [],
         )
         assert stage.plant is not None
         result = judged(result_of(found), trial, stage.plant)
-        return _with_odometry(result, found), None, time.monotonic() - began
+        result = _with_odometry(result, found)
+        if watch:
+            result = replace(result, values={**result.values, **watch.values}, units={**result.units, **UNITS})
+        return result, None, time.monotonic() - began
 
     return run
 

@@ -20,7 +20,7 @@ class Promise:
 
     what: str
     bound: float
-    unit: Literal["x", "us", "ms", "%"]
+    unit: Literal["x", "us", "ms", "s", "m/s", "%"]
     at_least: bool = False
     command: str = "bench"
 
@@ -70,6 +70,11 @@ RECORDED_TICK = Promise(
 _BODY = "bench --body"
 BODY = Promise("random goals reached, or pushes withstood, under each of its conditions", 95.0, "%", True, _BODY)
 HARD_PUSH = Promise("pushes of 200 N for 0.1 s withstood standing", 90.0, "%", True, _BODY)
+PACE = Promise("speed of walking straight ahead", 0.5, "m/s", True, _BODY)
+METRE = Promise("a walk of 1 m in any direction, with any heading at the end", 4.0, "s", False, _BODY)
+FROM_COMMAND = Promise("from the command to walk until a foot is off the floor", 0.4, "s", False, _BODY)
+FROM_TOUCHDOWN = Promise("from the last touchdown until the base is settled", 0.8, "s", False, _BODY)
+GAIT = (PACE, METRE, FROM_COMMAND, FROM_TOUCHDOWN)
 
 _WHOLE = (STACK, SPEED, ESTIMATE, OWN_LINKS, LOG_USUAL, LOG, TICK, LOAD)
-PROMISES = (*_WHOLE, LATENESS, E_STOP, PROTECTIVE_STOP, RECORDED_TICK, BODY, HARD_PUSH)
+PROMISES = (*_WHOLE, LATENESS, E_STOP, PROTECTIVE_STOP, RECORDED_TICK, BODY, HARD_PUSH, *GAIT)

@@ -85,11 +85,12 @@ def test_the_exit_code_says_whether_every_promise_is_kept(asked: dict[str, Any])
 
 
 def test_ctrl_c_leaves_what_is_known(asked: dict[str, Any], tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    asked["interrupt"] = 27
+    asked["interrupt"] = 67
     file = tmp_path / "body.json"
     assert main(["bench", "--body", "--json", str(file)]) == 130
     rows = [" ".join(line.split()) for line in capsys.readouterr().out.splitlines()]
-    assert rows[2:] == ["goals 20/20 20/20 84-100 % 95 % ok", "odometry 7/7 7/7 65-100 % 95 % ok"]
+    walked = [f"{name} 20/20 20/20 84-100 % 95 % ok" for name in ("goals", "straight", "metre")]
+    assert rows[2:] == [*walked, "odometry 7/7 7/7 65-100 % 95 % ok"]
     assert json.loads(file.read_text(encoding="utf-8"))["whole"] is False
 
 
