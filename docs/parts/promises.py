@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from humanoid_bt.bench.body_rows import ROWS
+from humanoid_bt.bench.gait import PROMISES_OF, ROW_OF
 from humanoid_bt.bench.promises import PROMISES
 from parts.markdown import table
 
@@ -22,6 +23,17 @@ def body_rows() -> str:
     ends = {True: "reaches the goal", False: "stays on its feet"}
     rows = [(f"`{row.name}`", row.what, ends[row.walks], f"at least {row.promise.bound:g} %") for row in ROWS]
     return table(("row", "the robot", "withstood if it", "promised"), rows)
+
+
+def gait_figures() -> str:
+    """Return the table of the figures that tell how briskly a robot walks."""
+    words = {True: "at least", False: "at most"}
+    rows = [
+        (f"`{name}`", f"`{row}`", promise.what, f"{words[promise.at_least]} {promise.bound:g} {promise.unit}")
+        for name, row in ROW_OF.items()
+        for promise in [PROMISES_OF[name]]
+    ]
+    return table(("figure", "of the row", "what", "promised"), rows)
 
 
 def _table(command: str) -> str:
