@@ -8,6 +8,7 @@ import numpy as np
 
 from humanoid_bt.control.body.footsteps import SIGN
 from humanoid_bt.control.body.planar import rotate, seen_from, wrap
+from humanoid_bt.control.body.step_timing import Axis, best_time
 from humanoid_bt.core.geometry import clamp, log, pose_inverse, pose_product
 from humanoid_bt.core.messages import SIDES, Array, Side
 from humanoid_bt.robot.config import GaitConfig, SoleConfig
@@ -20,8 +21,7 @@ _LIFT_EARLY = 0.7  # power of the share: it goes up quickly and comes down slowl
 _LAND_DEPTH = 0.004  # m below the ground that it aims at, so that it does land
 _ADJUST_TIME = 0.03  # s, low-pass of the adjustment
 _ANKLE_SHARE = 0.5  # of the DCM error that the ankle can still take out
-_HURRY_AT, _HURRY_FULL = 0.02, 0.08  # m of foothold that cannot be reached
-_HURRY_MAX = 1.3  # how much faster the step may go then
+_HURRY_MAX = 2.0  # how much faster than planned a step may go
 _REACH_FORWARD = (-0.35, 0.45)  # m, the foothold relative to the support foot
 
 
@@ -44,7 +44,7 @@ class Swing:
         footing: reference of its height and of its tilt about the world's x and y, shape (3,) [m, rad].
         target: the foothold as adjusted, shape (3,).
         progress: share of the swing that is over, in [0, 1].
-        rate: how fast the swing runs; above 1 when the foothold is out of reach and the foot must hurry.
+        rate: how fast the swing runs; above 1 when the DCM runs away and the foot must hurry.
     """
 
     def __init__(
@@ -62,10 +62,12 @@ class Swing:
         dcm_end: Array,
     ) -> None:
         self._gait, self._omega, self._dt, self.side = gait, omega, dt, side
-        self._half = (sole.half_length - sole.margin, sole.half_width - sole.margin)
+        self._ankle = [_ANKLE_SHARE * (half - sole.margin) for half in (sole.half_length, sole.half_width)]
         self._steps = round(gait.single_support / dt)
-        self._start, self._support, self._dcm_end = start, support, dcm_end
-        self._planned = seen_from(support, foothold)
+        self._start, self._support = start, support
+        self._planned, self._dcm_end = seen_from(support, foothold), seen_from(support, dcm_end)
+        self._bounds = self._reach(gait)
+        self._flown = 0.0  # s
         self._adjustment = np.zeros(2)
         self._motion = [[float(start[0]), 0.0, 0.0], [float(start[1]), 0.0, 0.0]]  # position, velocity, acceleration
         self.pose: Array = start.copy()
@@ -84,34 +86,42 @@ class Swing:
             zmp: reference of the ZMP, shape (2,), world frame [m].
         """
         self.progress = (elapsed + 1) / self._steps
-        self.rate = 1.0
+        self._flown += self._dt
         if self.progress < self._gait.adjust_until:
             self._adjust(max((self._steps - elapsed) * self._dt, self._dt), dcm, zmp)
         self._move()
 
     def _adjust(self, remaining: float, dcm: Array, zmp: Array) -> None:
-        """Shift the foothold by the DCM error expected at touchdown, less what the ankle takes out."""
-        shift = self._expected_shift(remaining, dcm, zmp)
-        reachable = self._reachable(shift)
-        miss = abs(reachable[1] - (self._planned[1] + shift[1]))
-        if miss > _HURRY_AT:
-            self.rate = 1 + (_HURRY_MAX - 1) * min(1.0, miss / _HURRY_FULL)
-            reachable = self._reachable(self._expected_shift(remaining / self.rate, dcm, zmp))
-        self._adjustment += (reachable - self._planned - self._adjustment) * min(1.0, self._dt / _ADJUST_TIME)
+        """Move the foothold, and hurry, by where the DCM would be at touchdown."""
+        planned_tau = math.exp(self._omega * remaining)
+        axes = self._axes(planned_tau, seen_from(self._support, dcm), seen_from(self._support, zmp))
+        soonest = max(self._gait.quickest_step - self._flown, remaining / _HURRY_MAX)
+        tau = best_time(axes, planned_tau, math.exp(self._omega * min(soonest, remaining)), planned_tau)
+        self.rate = remaining * self._omega / max(math.log(tau), 1e-6)
+        moved = np.array([axis.place(tau) for axis in axes]) - self._planned
+        self._adjustment += (moved - self._adjustment) * min(1.0, self._dt / _ADJUST_TIME)
         self.target[:2] = self._support[:2] + rotate(self._planned + self._adjustment, self._support[2])
 
-    def _expected_shift(self, remaining: float, dcm: Array, zmp: Array) -> Array:
-        growth = math.exp(self._omega * remaining)
-        error = rotate((dcm - zmp) * growth + zmp - self._dcm_end, -self._support[2])
-        ankle = [half * (growth - 1) * _ANKLE_SHARE for half in self._half]
-        return np.array([math.copysign(max(abs(e) - a, 0.0), e) for e, a in zip(error, ankle, strict=True)])
+    def _axes(self, tau: float, dcm: Array, zmp: Array) -> list[Axis]:
+        """Return what decides about the foothold, with all of the DCM's error that the ankle can take out taken out."""
+        axes: list[Axis] = []
+        for i, (least, most) in enumerate(self._bounds):
+            here, stands_on, end = dcm.item(i), zmp.item(i), self._dcm_end.item(i)
+            error = (here - stands_on) * tau + stands_on - end
+            ankle = min(max(error / max(tau - 1, 1e-6), -self._ankle[i]), self._ankle[i])
+            pressure = stands_on + ankle
+            planned = self._planned.item(i)
+            axes.append(Axis(pressure, here - pressure, planned, end - planned, least, most))
+        return axes
 
-    def _reachable(self, shift: Array) -> Array:
-        gait, sign = self._gait, SIGN[self.side]
-        x = self._planned[0] + min(max(shift[0], -gait.adjust_forward), gait.adjust_forward)
-        y = sign * (self._planned[1] + min(max(shift[1], -gait.adjust_sideways), gait.adjust_sideways))
-        y = sign * min(max(y, gait.separation_min), gait.separation_max)
-        return np.array([min(max(x, _REACH_FORWARD[0]), _REACH_FORWARD[1]), y])
+    def _reach(self, gait: GaitConfig) -> list[tuple[float, float]]:
+        """Return least and most of each coordinate of the foothold, seen from the other foot [m]."""
+        x, y = self._planned.tolist()
+        sign = SIGN[self.side]
+        ahead = max(x - gait.adjust_forward, _REACH_FORWARD[0]), min(x + gait.adjust_forward, _REACH_FORWARD[1])
+        near = max(sign * y - gait.adjust_sideways, gait.separation_min)
+        far = min(sign * y + gait.adjust_sideways, gait.separation_max)
+        return [ahead, (near, far) if sign > 0 else (-far, -near)]
 
     def _move(self) -> None:
         dt = self._dt
