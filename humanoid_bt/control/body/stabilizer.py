@@ -7,10 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from humanoid_bt.control.body.footsteps import OTHER
-from humanoid_bt.control.body.planar import inside
+from humanoid_bt.control.body.support import shared
 from humanoid_bt.control.dynamics import GRAVITY
-from humanoid_bt.core.messages import SIDES, Array, Side
+from humanoid_bt.core.messages import Array, Side
 from humanoid_bt.robot.config import GaitConfig, SoleConfig
 
 
@@ -85,7 +84,7 @@ class Stabilizer:
         shift = [min(max(-pitch / weight, -most), most), min(max(roll / weight, -most), most)]
         now, planned, stands_on = dcm.tolist(), dcm_reference.tolist(), zmp_reference.tolist()
         wanted = np.array([stands_on[i] + gait.dcm_gain * (now[i] - planned[i]) + shift[i] for i in (0, 1)])
-        share, cop = self._share(wanted, soles, contact)
+        share, cop = shared(wanted, soles, contact, self._half)
         zmp = share["left"] * cop["left"] + share["right"] * cop["right"]
         stiffness = self._mass * self.omega**2
         x, y = (stiffness * (com.item(i) - (zmp.item(i) - shift[i])) for i in (0, 1))
@@ -93,20 +92,3 @@ class Stabilizer:
         reference = self.com_reference
         reference += dt * (self.omega * (dcm_reference - reference) + gait.com_slide * (com[:2] - reference))
         return Load(share, cop, zmp, force)
-
-    def _share(
-        self, wanted: Array, soles: Mapping[Side, Array], contact: Mapping[Side, bool]
-    ) -> tuple[dict[Side, float], dict[Side, Array]]:
-        for side in SIDES:
-            if not contact[OTHER[side]]:
-                cop = inside(soles[side], wanted, *self._half)
-                return {side: 1.0, OTHER[side]: 0.0}, {side: cop, OTHER[side]: soles[OTHER[side]][:2]}
-        (left_x, left_y, _), (right_x, right_y, _) = soles["left"].tolist(), soles["right"].tolist()
-        x, y = wanted.tolist()
-        line_x, line_y = right_x - left_x, right_y - left_y
-        along = (x - left_x) * line_x + (y - left_y) * line_y
-        on_right = min(max(along / (line_x**2 + line_y**2), 0.0), 1.0)
-        aside = np.array([x - (left_x + on_right * line_x), y - (left_y + on_right * line_y)])
-        cop_left = inside(soles["left"], soles["left"][:2] + aside, *self._half)
-        cop_right = inside(soles["right"], soles["right"][:2] + aside, *self._half)
-        return {"left": 1.0 - on_right, "right": on_right}, {"left": cop_left, "right": cop_right}

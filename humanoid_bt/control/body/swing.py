@@ -22,7 +22,8 @@ _LAND_DEPTH = 0.004  # m below the ground that it aims at, so that it does land
 _ADJUST_TIME = 0.03  # s, low-pass of the adjustment
 _ANKLE_SHARE = 0.5  # of the DCM error that the ankle can still take out
 _HURRY_MAX = 2.0  # how much faster than planned a step may go
-_REACH_FORWARD = (-0.35, 0.45)  # m, the foothold relative to the support foot
+REACH_FORWARD = (-0.35, 0.45)
+"""Of a foothold, seen from the support foot [m]."""
 
 
 class Swing:
@@ -118,7 +119,7 @@ class Swing:
         """Return least and most of each coordinate of the foothold, seen from the other foot [m]."""
         x, y = self._planned.tolist()
         sign = SIGN[self.side]
-        ahead = max(x - gait.adjust_forward, _REACH_FORWARD[0]), min(x + gait.adjust_forward, _REACH_FORWARD[1])
+        ahead = max(x - gait.adjust_forward, REACH_FORWARD[0]), min(x + gait.adjust_forward, REACH_FORWARD[1])
         near = max(sign * y - gait.adjust_sideways, gait.separation_min)
         far = min(sign * y + gait.adjust_sideways, gait.separation_max)
         return [ahead, (near, far) if sign > 0 else (-far, -near)]

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 
 import numpy as np
 
+from humanoid_bt.control.body.catching import Catching
 from humanoid_bt.control.body.dcm import DcmPlan, plan_settle, plan_walk
 from humanoid_bt.control.body.footsteps import OTHER, Footstep, FootstepPlanner
-from humanoid_bt.control.body.planar import middle, seen_from, wrap
+from humanoid_bt.control.body.planar import middle, wrap
 from humanoid_bt.control.body.swing import Swing
 from humanoid_bt.core.geometry import clamp
 from humanoid_bt.core.messages import SIDES, Array, Gait, Side
@@ -20,8 +22,7 @@ _FOUND = 3  # control periods of force on a foot after which it has found the gr
 _GROUND_TIME = 0.15  # s in which the body follows the ground
 _STEEPEST = 0.2  # rad
 _SINK_SPEED = 0.4  # m/s at which a foot is lowered that has not found the ground where it was to be
-_CATCH_AT = 0.90  # share of the support at which the DCM of a standing robot makes it step
-_CATCH_MIDDLE = 0.02  # m to the right of the middle up to which it is still the left foot that steps
+_ELSEWHERE = 0.05  # m from where it was planned, of a foothold after which another step follows
 _CONTACTS_NEEDED = 2  # control periods of force on the swing foot before it counts as touchdown
 
 
@@ -47,6 +48,7 @@ class Walker:
     def __init__(self, gait: GaitConfig, sole: SoleConfig, dt: float) -> None:
         self._numbers, self._sole, self._dt = gait, sole, dt
         self._planner = FootstepPlanner(gait, sole)
+        self._catching = Catching(gait, sole)
         self._single, self._settled = round(gait.single_support / dt), round(gait.last_shift / dt)
         self._omega = 1.0
         self.gait = Gait.STAND
@@ -113,7 +115,7 @@ class Walker:
         elif self.gait is Gait.SETTLE:
             self._settle()
         if self.gait is not Gait.STEP:
-            self._catch(goal, dcm, zmp)
+            self._catch(goal, dcm, zmp, soles, foot_force)
         if self.gait is Gait.STEP:
             self._step(goal, dcm, foot_force)
         self._follow_ground(soles, footings, foot_force)
@@ -167,9 +169,10 @@ class Walker:
 
     def _touch_down(self, side: Side, goal: Array | None) -> None:
         assert self.swing is not None
+        elsewhere = math.dist(self.swing.target[:2], self.footsteps[0].pose[:2]) > _ELSEWHERE
         self.foot_reference[side] = np.array([*self.swing.pose[:2], self.swing.target[2]])
         self.swing, self._found[side] = None, 0
-        if not self._ends:
+        if not self._ends or elsewhere:
             early = max(0.0, self._double + self._single - self._elapsed) * self._dt  # the DCM is where it is
             self._start_step(OTHER[side], goal, self.zmp_reference, self._numbers.double_support + early)
             return
@@ -185,15 +188,19 @@ class Walker:
         if self._elapsed >= self._settled:
             self.gait, self._plan = Gait.STAND, None
 
-    def _catch(self, goal: Array | None, dcm: Array, zmp: Array) -> None:
-        """Step when a push moves the DCM of a standing robot to the edge of its feet."""
-        stance = self.stance
-        x, y = seen_from(stance, dcm)
-        left, right = self.foot_reference["left"], self.foot_reference["right"]
-        spread = abs(seen_from(stance, left)[1] - seen_from(stance, right)[1]) / 2
-        if abs(x) > _CATCH_AT * self._sole.half_length or abs(y) > _CATCH_AT * (spread + self._sole.half_width):
-            swing: Side = "right" if y < -_CATCH_MIDDLE else "left"  # the DCM is over the foot that steps to catch it
-            self._start_step(swing, goal, zmp, self._numbers.quick_shift)
+    def _catch(
+        self,
+        goal: Array | None,
+        dcm: Array,
+        zmp: Array,
+        soles: Mapping[Side, Array],
+        foot_force: Mapping[Side, float],
+    ) -> None:
+        """Step when a push moves the DCM of a robot on both feet to where they cannot stop it."""
+        step = self._catching.step(dcm, soles, foot_force, self._omega)
+        if step is not None:
+            side, shift = step
+            self._start_step(side, goal, zmp, shift)
 
     def _follow_ground(
         self, soles: Mapping[Side, Array], footings: Mapping[Side, Array], foot_force: Mapping[Side, float]
