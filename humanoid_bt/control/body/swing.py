@@ -87,9 +87,9 @@ class Swing:
             zmp: reference of the ZMP, shape (2,), world frame [m].
         """
         self.progress = (elapsed + 1) / self._steps
-        self._flown += self._dt
         if self.progress < self._gait.adjust_until:
             self._adjust(max((self._steps - elapsed) * self._dt, self._dt), dcm, zmp)
+        self._flown += self._dt
         self._move()
 
     def _adjust(self, remaining: float, dcm: Array, zmp: Array) -> None:
