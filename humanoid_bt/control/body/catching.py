@@ -11,18 +11,15 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-import numpy as np
-
 from humanoid_bt.control.body.footsteps import OTHER, SIGN
 from humanoid_bt.control.body.planar import seen_from
-from humanoid_bt.control.body.support import shared
+from humanoid_bt.control.body.support import beyond
 from humanoid_bt.control.body.swing import REACH_FORWARD
 from humanoid_bt.core.messages import SIDES, Array, Side
 from humanoid_bt.robot.config import GaitConfig, SoleConfig
 
-_BEYOND = 0.002  # m
-_BOTH = dict.fromkeys(SIDES, True)
-_AS_GOOD = 0.02  # m
+_BEYOND = 0.002  # m from where the feet can bear pressure
+_AS_GOOD = 0.02  # m that one foot may miss by more than the other one
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,9 +51,7 @@ class Catching:
             foot_force: measured normal forces [N].
             omega: [1/s].
         """
-        share, cop = shared(dcm, soles, _BOTH, self._half)
-        beyond = dcm - share["left"] * cop["left"] - share["right"] * cop["right"]
-        if beyond @ beyond < _BEYOND**2:
+        if self.holds(dcm, soles):
             return None
         left, right = (self._candidate(side, dcm, soles, foot_force, omega) for side in SIDES)
         if abs(left.miss - right.miss) > _AS_GOOD:
@@ -64,6 +59,10 @@ class Catching:
         else:
             best = min(left, right, key=lambda one: one.load)
         return best.side, best.load * self._gait.quick_shift
+
+    def holds(self, dcm: Array, soles: Mapping[Side, Array]) -> bool:
+        """Return whether feet that both stand can stop the DCM; arguments as in :meth:`step`."""
+        return beyond(dcm, soles, self._half) < _BEYOND
 
     def _candidate(
         self, side: Side, dcm: Array, soles: Mapping[Side, Array], foot_force: Mapping[Side, float], omega: float
@@ -84,4 +83,4 @@ class Catching:
         x, y = at_x + (x - at_x) * growth, at_y + (sign * y - at_y) * growth
         back, ahead = (reach * (1 + again) for reach in REACH_FORWARD)
         near, far = gait.separation_min - gait.separation_max * again, gait.separation_max + half_y
-        return float(np.hypot(max(back - x, 0.0, x - ahead), max(near - y, 0.0, y - far)))
+        return math.hypot(max(back - x, 0.0, x - ahead), max(near - y, 0.0, y - far))

@@ -133,6 +133,15 @@ class FootstepPlanner:
             swing = OTHER[swing]
         return steps, done
 
+    def in_place(self, swing: Side, support: Array) -> list[Footstep]:
+        """Plan steps that bring the feet beside each other, and keep them there; see :meth:`plan`."""
+        steps: list[Footstep] = []
+        for _ in range(STEPS_AHEAD):
+            support = self.foothold(swing, self.stance_beside(OTHER[swing], support))
+            steps.append(Footstep(swing, support))
+            swing = OTHER[swing]
+        return steps
+
 
 def _within(stance: Array, goal: Array, distance: float, angle: float) -> bool:
     offset = goal[:2] - stance[:2]

@@ -38,11 +38,3 @@ def middle(left: Array, right: Array) -> Array:
     (left_x, left_y, left_yaw), (right_x, right_y, right_yaw) = left.tolist(), right.tolist()
     yaw = left_yaw + 0.5 * wrap(right_yaw - left_yaw)
     return np.array([0.5 * (left_x + right_x), 0.5 * (left_y + right_y), yaw])
-
-
-def inside(pose: Array, point: Array, half_length: float, half_width: float) -> Array:
-    """Return the point of a rectangle around ``pose`` that is nearest to ``point``, both shape (2,)."""
-    x, y = seen_from(pose, point).tolist()
-    x = min(max(x, -half_length), half_length)
-    y = min(max(y, -half_width), half_width)
-    return ahead(pose, x, y)[:2]

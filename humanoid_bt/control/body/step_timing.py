@@ -18,7 +18,7 @@ _TIMING_COST = 0.01  # a [m^2]
 _OFFSET_COST = 100.0  # b: a wrong offset is what makes a robot fall
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(slots=True)
 class Axis:
     """One of the two directions of the ground, seen from the support foot.
 

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 
 import numpy as np
 
 from humanoid_bt.control.body.footsteps import OTHER
-from humanoid_bt.control.body.planar import inside
 from humanoid_bt.core.messages import SIDES, Array, Side
 
 
@@ -24,14 +24,38 @@ def shared(
     """
     for side in SIDES:
         if not contact[OTHER[side]]:
-            cop = inside(soles[side], wanted, *half)
+            cop = np.array(_inside(soles[side], *wanted.tolist(), half))
             return {side: 1.0, OTHER[side]: 0.0}, {side: cop, OTHER[side]: soles[OTHER[side]][:2]}
+    on_right, left, right = _on_both(wanted, soles, half)
+    return {"left": 1.0 - on_right, "right": on_right}, {"left": np.array(left), "right": np.array(right)}
+
+
+def beyond(point: Array, soles: Mapping[Side, Array], half: tuple[float, float]) -> float:
+    """Return how far a point, shape (2,), is from where the feet can bear pressure [m]; see :func:`shared`."""
+    on_right, left, right = _on_both(point, soles, half)
+    x, y = (one + on_right * (other - one) for one, other in zip(left, right, strict=True))
+    return math.dist((x, y), point.tolist())
+
+
+def _on_both(
+    wanted: Array, soles: Mapping[Side, Array], half: tuple[float, float]
+) -> tuple[float, tuple[float, float], tuple[float, float]]:
+    """Return the right foot's share, and where the left and the right foot bear it."""
     (left_x, left_y, _), (right_x, right_y, _) = soles["left"].tolist(), soles["right"].tolist()
     x, y = wanted.tolist()
     line_x, line_y = right_x - left_x, right_y - left_y
     along = (x - left_x) * line_x + (y - left_y) * line_y
     on_right = min(max(along / (line_x**2 + line_y**2), 0.0), 1.0)
-    aside = np.array([x - (left_x + on_right * line_x), y - (left_y + on_right * line_y)])
-    cop_left = inside(soles["left"], soles["left"][:2] + aside, *half)
-    cop_right = inside(soles["right"], soles["right"][:2] + aside, *half)
-    return {"left": 1.0 - on_right, "right": on_right}, {"left": cop_left, "right": cop_right}
+    aside_x, aside_y = x - (left_x + on_right * line_x), y - (left_y + on_right * line_y)
+    left = _inside(soles["left"], left_x + aside_x, left_y + aside_y, half)
+    return on_right, left, _inside(soles["right"], right_x + aside_x, right_y + aside_y, half)
+
+
+def _inside(sole: Array, x: float, y: float, half: tuple[float, float]) -> tuple[float, float]:
+    """Return the point of a rectangle around a sole that is nearest to (x, y)."""
+    at_x, at_y, heading = sole.tolist()
+    cos, sin = math.cos(heading), math.sin(heading)
+    x, y = x - at_x, y - at_y
+    ahead = min(max(cos * x + sin * y, -half[0]), half[0])
+    aside = min(max(cos * y - sin * x, -half[1]), half[1])
+    return at_x + cos * ahead - sin * aside, at_y + sin * ahead + cos * aside

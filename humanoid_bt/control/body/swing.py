@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from humanoid_bt.control.body.footsteps import SIGN
-from humanoid_bt.control.body.planar import rotate, seen_from, wrap
+from humanoid_bt.control.body.planar import ahead, seen_from, wrap
 from humanoid_bt.control.body.step_timing import Axis, best_time
 from humanoid_bt.core.geometry import clamp, log, pose_inverse, pose_product
 from humanoid_bt.core.messages import SIDES, Array, Side
@@ -22,6 +22,8 @@ _LAND_DEPTH = 0.004  # m below the ground that it aims at, so that it does land
 _ADJUST_TIME = 0.03  # s, low-pass of the adjustment
 _ANKLE_SHARE = 0.5  # of the DCM error that the ankle can still take out
 _HURRY_MAX = 2.0  # how much faster than planned a step may go
+_HURRY_SPEED = 2.5  # m/s of a foot that hurries, at most
+_PEAK = 1.875  # of the mean speed of a minimum-jerk path
 REACH_FORWARD = (-0.35, 0.45)
 """Of a foothold, seen from the support foot [m]."""
 
@@ -69,7 +71,7 @@ class Swing:
         self._planned, self._dcm_end = seen_from(support, foothold), seen_from(support, dcm_end)
         self._bounds = self._reach(gait)
         self._flown = 0.0  # s
-        self._adjustment = np.zeros(2)
+        self._place = self._planned.tolist()
         self._motion = [[float(start[0]), 0.0, 0.0], [float(start[1]), 0.0, 0.0]]  # position, velocity, acceleration
         self.pose: Array = start.copy()
         self._footings = footings
@@ -96,12 +98,15 @@ class Swing:
         """Move the foothold, and hurry, by where the DCM would be at touchdown."""
         planned_tau = math.exp(self._omega * remaining)
         axes = self._axes(planned_tau, seen_from(self._support, dcm), seen_from(self._support, zmp))
-        soonest = max(self._gait.quickest_step - self._flown, remaining / _HURRY_MAX)
+        way = math.dist(self.target[:2].tolist(), self._start[:2].tolist())
+        least = max(self._gait.quickest_step, _PEAK * way / _HURRY_SPEED)
+        soonest = max(least - self._flown, remaining / _HURRY_MAX)
         tau = best_time(axes, planned_tau, math.exp(self._omega * min(soonest, remaining)), planned_tau)
         self.rate = remaining * self._omega / max(math.log(tau), 1e-6)
-        moved = np.array([axis.place(tau) for axis in axes]) - self._planned
-        self._adjustment += (moved - self._adjustment) * min(1.0, self._dt / _ADJUST_TIME)
-        self.target[:2] = self._support[:2] + rotate(self._planned + self._adjustment, self._support[2])
+        follow = min(1.0, self._dt / _ADJUST_TIME)
+        for i, axis in enumerate(axes):
+            self._place[i] += follow * (axis.place(tau) - self._place[i])
+        self.target[:2] = ahead(self._support, *self._place)[:2]
 
     def _axes(self, tau: float, dcm: Array, zmp: Array) -> list[Axis]:
         """Return what decides about the foothold, with all of the DCM's error that the ankle can take out taken out."""
@@ -119,10 +124,10 @@ class Swing:
         """Return least and most of each coordinate of the foothold, seen from the other foot [m]."""
         x, y = self._planned.tolist()
         sign = SIGN[self.side]
-        ahead = max(x - gait.adjust_forward, REACH_FORWARD[0]), min(x + gait.adjust_forward, REACH_FORWARD[1])
+        along = max(x - gait.adjust_forward, REACH_FORWARD[0]), min(x + gait.adjust_forward, REACH_FORWARD[1])
         near = max(sign * y - gait.adjust_sideways, gait.separation_min)
         far = min(sign * y + gait.adjust_sideways, gait.separation_max)
-        return [ahead, (near, far) if sign > 0 else (-far, -near)]
+        return [along, (near, far) if sign > 0 else (-far, -near)]
 
     def _move(self) -> None:
         dt = self._dt

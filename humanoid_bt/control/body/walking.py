@@ -22,7 +22,9 @@ _FOUND = 3  # control periods of force on a foot after which it has found the gr
 _GROUND_TIME = 0.15  # s in which the body follows the ground
 _STEEPEST = 0.2  # rad
 _SINK_SPEED = 0.4  # m/s at which a foot is lowered that has not found the ground where it was to be
-_ELSEWHERE = 0.05  # m from where it was planned, of a foothold after which another step follows
+_ELSEWHERE = 0.05  # m from where it was planned, of a foothold that caught a push
+_WAIT_FROM = 0.02  # m that the DCM is too near to the foot that is to swing
+_WAIT_MOST = 0.3  # s
 _CONTACTS_NEEDED = 2  # control periods of force on the swing foot before it counts as touchdown
 
 
@@ -65,7 +67,8 @@ class Walker:
         self._elapsed = 0.0  # control periods in the plan; not whole when a step hurries
         self._double = 0  # control periods of weight shift before the swing
         self._stepping: Side = "left"
-        self._ends = False
+        self._waited = 0.0  # s for the weight to leave the foot that is to swing
+        self._ends = False  # whether the walk ends with this step
         self._contacts = 0
         self._found = dict.fromkeys(SIDES, _FOUND)  # control periods in which a foot that landed was loaded
 
@@ -115,27 +118,37 @@ class Walker:
         elif self.gait is Gait.SETTLE:
             self._settle()
         if self.gait is not Gait.STEP:
-            self._catch(goal, dcm, zmp, soles, foot_force)
+            self._catch(dcm, zmp, soles, foot_force)
         if self.gait is Gait.STEP:
-            self._step(goal, dcm, foot_force)
+            self._step(goal, dcm, soles, foot_force)
         self._follow_ground(soles, footings, foot_force)
 
-    def _start_step(self, swing: Side, goal: Array | None, zmp: Array, shift: float) -> None:
+    def _start_step(self, swing: Side, goal: Array | None, zmp: Array, shift: float, *, in_place: bool = False) -> None:
         support = self.foot_reference[OTHER[swing]]
-        self.footsteps, done = self._planner.plan(swing, support, goal)
+        if in_place:
+            self.footsteps, done = self._planner.in_place(swing, support), False
+        else:
+            self.footsteps, done = self._planner.plan(swing, support, goal)
         self._ends = done and len(self.footsteps) == 1
         self._double = round(shift / self._dt)
         self._plan = plan_walk(
             self._numbers, self._omega, self._dt, zmp=zmp, support=support, shift=shift, steps=self.footsteps
         )
         self._elapsed, self._contacts, self._stepping, self.swing = 0.0, 0, swing, None
+        self._waited = 0.0
         self.gait = Gait.STEP
 
-    def _step(self, goal: Array | None, dcm: Array, foot_force: Mapping[Side, float]) -> None:
+    def _step(
+        self, goal: Array | None, dcm: Array, soles: Mapping[Side, Array], foot_force: Mapping[Side, float]
+    ) -> None:
         assert self._plan is not None
         now = int(self._elapsed)
         self.zmp_reference, self.dcm_reference = self._plan.zmp[now], self._plan.dcm[now]
         side, landed, rate = self._stepping, False, 1.0
+        if now >= self._double and self.swing is None and self._waited < _WAIT_MOST and self._must_wait(dcm, soles):
+            self._waited += self._dt
+            self.zmp_reference = self.dcm_reference  # the DCM's reference stays
+            return
         if now >= self._double:
             self.contact[side] = False
             if self.swing is None:
@@ -151,6 +164,13 @@ class Walker:
             self.contact[side] = True
         if landed or self._elapsed >= self._double + self._single:
             self._touch_down(side, goal)
+
+    def _must_wait(self, dcm: Array, soles: Mapping[Side, Array]) -> bool:
+        """Return whether the foot that is to swing is still needed to bring the DCM to the other one."""
+        swing, support = soles[self._stepping], soles[OTHER[self._stepping]]
+        back = swing[:2] - support[:2]
+        behind = float((dcm - self.dcm_reference) @ back) / math.hypot(*back.tolist())
+        return behind > _WAIT_FROM and self._catching.holds(dcm, soles)
 
     def _lift_off(self, side: Side) -> Swing:
         assert self._plan is not None
@@ -172,9 +192,10 @@ class Walker:
         elsewhere = math.dist(self.swing.target[:2], self.footsteps[0].pose[:2]) > _ELSEWHERE
         self.foot_reference[side] = np.array([*self.swing.pose[:2], self.swing.target[2]])
         self.swing, self._found[side] = None, 0
-        if not self._ends or elsewhere:
+        if elsewhere or not self._ends:
             early = max(0.0, self._double + self._single - self._elapsed) * self._dt  # the DCM is where it is
-            self._start_step(OTHER[side], goal, self.zmp_reference, self._numbers.double_support + early)
+            shift = self._numbers.double_support + early
+            self._start_step(OTHER[side], goal, self.zmp_reference, shift, in_place=elsewhere)
             return
         middle = self.stance[:2]
         self._plan = plan_settle(self._numbers, self._omega, self._dt, zmp=self.zmp_reference, middle=middle)
@@ -188,19 +209,12 @@ class Walker:
         if self._elapsed >= self._settled:
             self.gait, self._plan = Gait.STAND, None
 
-    def _catch(
-        self,
-        goal: Array | None,
-        dcm: Array,
-        zmp: Array,
-        soles: Mapping[Side, Array],
-        foot_force: Mapping[Side, float],
-    ) -> None:
+    def _catch(self, dcm: Array, zmp: Array, soles: Mapping[Side, Array], foot_force: Mapping[Side, float]) -> None:
         """Step when a push moves the DCM of a robot on both feet to where they cannot stop it."""
         step = self._catching.step(dcm, soles, foot_force, self._omega)
         if step is not None:
             side, shift = step
-            self._start_step(side, goal, zmp, shift)
+            self._start_step(side, None, zmp, shift, in_place=True)
 
     def _follow_ground(
         self, soles: Mapping[Side, Array], footings: Mapping[Side, Array], foot_force: Mapping[Side, float]

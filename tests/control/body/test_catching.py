@@ -15,9 +15,10 @@ BOTH = {"left": 200.0, "right": 200.0}
 ON_LEFT = {"left": 390.0, "right": 10.0}
 
 
-def feet(apart: float = 0.0, at: Array = np.zeros(3)) -> dict[Side, Array]:
+def feet(apart: float = 0.0, at: Array | None = None) -> dict[Side, Array]:
     """Return feet that stand beside each other, the left one so far ahead [m], around a pose."""
-    return {"left": ahead(at, apart, 0.09), "right": ahead(at, 0.0, -0.09)}
+    around = np.zeros(3) if at is None else at
+    return {"left": ahead(around, apart, 0.09), "right": ahead(around, 0.0, -0.09)}
 
 
 @pytest.fixture

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from humanoid_bt.control.body.planar import ahead, inside, middle, rotate, seen_from, wrap
+from humanoid_bt.control.body.planar import ahead, middle, rotate, seen_from, wrap
 
 
 @pytest.mark.parametrize(
@@ -44,9 +44,3 @@ def test_the_middle_is_between_the_headings_also_across_pi() -> None:
     x, y, yaw = middle(np.array([0.0, 1.0, 3.1]), np.array([2.0, 0.0, -3.1]))
     assert (x, y) == (1.0, 0.5)
     assert wrap(yaw - math.pi) == pytest.approx(0, abs=1e-12)
-
-
-def test_inside_moves_only_what_is_outside() -> None:
-    pose = np.array([1.0, 0.0, math.pi / 2])  # long side along the world's y
-    np.testing.assert_allclose(inside(pose, np.array([1.01, 0.05]), 0.1, 0.04), [1.01, 0.05], atol=1e-12)
-    np.testing.assert_allclose(inside(pose, np.array([2.0, -3.0]), 0.1, 0.04), [1.04, -0.1], atol=1e-12)

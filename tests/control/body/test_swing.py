@@ -142,13 +142,24 @@ def test_it_hurries_when_the_foot_would_have_to_cross_the_other() -> None:
     assert swing.rate == pytest.approx(1)
 
 
-def test_no_step_is_quicker_than_the_quickest() -> None:
+def flight(dcm: list[float]) -> float:
+    """Return how long a swing takes [s] with the DCM at a place."""
     swing, elapsed, flown = swing_of(), 0.0, 0.0
     while elapsed < PERIODS:
-        swing.update(elapsed, np.array([0.6, 0.4]), SUPPORT[:2])
+        swing.update(elapsed, np.array(dcm), SUPPORT[:2])
         elapsed += swing.rate
         flown += DT
-    assert flown == pytest.approx(GAIT.quickest_step, abs=2 * DT)
+    return flown
+
+
+def test_no_step_is_quicker_than_the_quickest() -> None:
+    near = flight([-0.1, -0.3])  # it would have to cross the other foot, and lands where it comes from
+    assert near == pytest.approx(GAIT.quickest_step, abs=2 * DT)
+
+
+def test_a_long_step_takes_longer_than_the_quickest() -> None:
+    far = flight([0.1, 0.4])
+    assert GAIT.quickest_step + 5 * DT < far < GAIT.single_support - 5 * DT
 
 
 # ---- the swing foot stays level with the ground when the base tilts -------------------------------------------------

@@ -183,6 +183,44 @@ def test_a_push_beyond_the_feet_makes_a_standing_robot_step(
         assert ideal.walker.footsteps[0].side == side
 
 
+def push(ideal: Ideal, error: list[float], until: float = 1.0, goal: Array = AHEAD) -> None:
+    """Let the DCM be off [m] until that share of a swing is over, and wait for the foot to land."""
+    ideal.go(DT, goal)
+    ideal.until_swing()
+    while (swing := ideal.walker.swing) is not None:
+        ideal.go(DT, goal, error=np.array(error) if swing.progress < until else np.zeros(2))
+
+
+def test_after_a_step_that_caught_a_push_the_feet_come_together_before_it_walks_on(ideal: Ideal) -> None:
+    push(ideal, [0.0, -0.08])
+    walker = ideal.walker
+    caught = walker.foot_reference["right"].copy()
+    assert caught[1] < -0.16
+    assert [step.side for step in walker.footsteps[:2]] == ["left", "right"]
+    np.testing.assert_allclose([step.pose[0] for step in walker.footsteps], caught[0], atol=1e-9)
+    np.testing.assert_allclose(walker.footsteps[0].pose[1], caught[1] + GAIT.stance_width, atol=1e-9)
+    ideal.go(8.0, AHEAD)
+    assert walker.gait is Gait.STAND
+    assert np.hypot(*(walker.stance - AHEAD)[:2]) < GAIT.arrived_distance
+
+
+def test_a_foot_that_is_still_needed_waits(ideal: Ideal) -> None:
+    """The right foot swings first; the DCM is 4 cm nearer to it than it is to be, but between the feet."""
+    ideal.go(GAIT.first_shift + 10 * DT, AHEAD, error=np.array([0.0, -0.04]))
+    assert all(ideal.walker.contact.values())
+    np.testing.assert_array_equal(ideal.walker.zmp_reference, ideal.walker.dcm_reference)
+    ideal.go(3 * DT, AHEAD)
+    assert not ideal.walker.contact["right"]
+
+
+def test_a_foot_does_not_wait_for_ever_nor_when_the_dcm_has_left_the_feet(ideal: Ideal) -> None:
+    ideal.go(GAIT.first_shift + 0.35, AHEAD, error=np.array([0.0, -0.04]))
+    assert not ideal.walker.contact["right"]
+    pushed = Ideal()
+    pushed.go(GAIT.first_shift + 4 * DT, AHEAD, error=np.array([0.2, -0.04]))
+    assert not pushed.walker.contact["right"]
+
+
 def test_reset_stands_where_the_feet_are(ideal: Ideal) -> None:
     ideal.go(2.0, AHEAD)
     soles: dict[Side, Array] = {"left": np.array([1.0, 0.1, 0.0]), "right": np.array([1.0, -0.1, 0.0])}

@@ -1,0 +1,40 @@
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from humanoid_bt.control.body.support import beyond, shared
+from humanoid_bt.core.messages import SIDES, Array, Side
+
+HALF = (0.1, 0.04)
+BOTH = dict.fromkeys(SIDES, True)
+ON_LEFT = {"left": True, "right": False}
+TURNED: dict[Side, Array] = {  # long side along the world's y
+    "left": np.array([1.0, 0.0, math.pi / 2]),
+    "right": np.array([1.2, 0.0, math.pi / 2]),
+}
+
+
+@pytest.mark.parametrize(("wanted", "borne"), [([1.01, 0.05], [1.01, 0.05]), ([2.0, -3.0], [1.04, -0.1])])
+def test_a_foot_alone_bears_what_is_inside_of_its_sole(wanted: list[float], borne: list[float]) -> None:
+    share, cop = shared(np.array(wanted), TURNED, ON_LEFT, HALF)
+    assert share == {"left": 1.0, "right": 0.0}
+    np.testing.assert_allclose(cop["left"], borne, atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("wanted", "borne"),
+    [
+        ([1.05, 0.02], [1.05, 0.02]),
+        ([1.1, 0.3], [1.1, 0.1]),
+        ([1.23, 0.0], [1.23, 0.0]),
+        ([2.0, 0.0], [1.24, 0.0]),
+    ],
+)
+def test_two_feet_share_what_lies_between_them(wanted: list[float], borne: list[float]) -> None:
+    share, cop = shared(np.array(wanted), TURNED, BOTH, HALF)
+    assert sum(share.values()) == pytest.approx(1)
+    np.testing.assert_allclose(share["left"] * cop["left"] + share["right"] * cop["right"], borne, atol=1e-12)
+    assert beyond(np.array(wanted), TURNED, HALF) == pytest.approx(math.dist(wanted, borne))
