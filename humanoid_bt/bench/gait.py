@@ -11,7 +11,7 @@ from humanoid_bt.bench.promises import FROM_COMMAND, FROM_TOUCHDOWN, METRE, PACE
 from humanoid_bt.campaign.result import Value
 from humanoid_bt.core.messages import SIDES
 from humanoid_bt.plant.mujoco_plant import MujocoPlant
-from humanoid_bt.robot.model import sole_site
+from humanoid_bt.robot.model import foot_sensor, sole_site
 from humanoid_bt.testing.tree_run import TreeRun, View
 
 _IN_THE_AIR = 1.0  # N on a foot
@@ -68,7 +68,7 @@ class GaitWatch:
         """Nothing is left to be seen."""
 
     def _look_at_feet(self, plant: MujocoPlant, settled: bool) -> None:
-        up = min(plant.foot_force) < _IN_THE_AIR
+        up = min(abs(plant.data.sensor(foot_sensor(side)).data[2]) for side in SIDES) < _IN_THE_AIR
         heights = [plant.data.site(sole_site(side)).xpos[2] for side in SIDES]
         self._stood = self._stood or heights
         if any(height - stood > _LIFTED for height, stood in zip(heights, self._stood, strict=True)):

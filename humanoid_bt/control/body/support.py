@@ -24,7 +24,8 @@ def shared(
     """
     for side in SIDES:
         if not contact[OTHER[side]]:
-            cop = np.array(_inside(soles[side], *wanted.tolist(), half))
+            x, y = wanted.tolist()
+            cop: Array = np.array(_inside(soles[side], x, y, half))
             return {side: 1.0, OTHER[side]: 0.0}, {side: cop, OTHER[side]: soles[OTHER[side]][:2]}
     on_right, left, right = _on_both(wanted, soles, half)
     return {"left": 1.0 - on_right, "right": on_right}, {"left": np.array(left), "right": np.array(right)}
