@@ -158,7 +158,8 @@ class Estimator:
             self._rest(reading)
         else:
             self._filter_by_turns()
-        belief.sink(self._ground.update(dynamics.sole_positions[:, 2], self.load.standing, time))
+        if sinks := self._ground.update(dynamics.sole_positions[:, 2], self.load.standing, time):
+            belief.sink(sinks)
         return self._dated(reading.time)
 
     def _stand_in(self, setpoint: Array) -> None:
@@ -190,7 +191,7 @@ class Estimator:
     def _correct(self) -> None:
         dynamics = self._dynamics
         headings = [dynamics.soles[side].item(2) for side in SIDES]
-        self._filter.correct(dynamics.sole_positions, headings, self.load.standing, self._ground.heights.tolist())
+        self._filter.correct(dynamics.sole_positions, headings, self.load.standing, self._ground.heights)
 
     def _note_contact(self, time: float) -> None:
         standing, (_, x, y, _) = self.load.standing, self._quaternion.tolist()

@@ -5,8 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-import numpy as np
-
 from humanoid_bt.core.messages import Array
 
 _EVEN = 0.006  # m between two feet up to which the ground counts as level
@@ -20,16 +18,17 @@ class Ground:
     soon, on a slope and on stairs, too.
 
     Attributes:
-        heights: under the (left, right) foot, shape (2,) [m].
+        heights: under the (left, right) foot [m].
     """
 
     def __init__(self) -> None:
-        self.heights: Array = np.zeros(2)
+        self.heights = [0.0, 0.0]
         self._stood = [True, True]
 
     def reset(self, feet: Array) -> None:
         """Begin on both feet; ``feet`` are their heights, shape (2,) [m]."""
-        self.heights[:] = np.where(np.abs(np.diff(feet)) < _EVEN, 0.0, feet)
+        left, right = feet.tolist()
+        self.heights = [0.0, 0.0] if abs(left - right) < _EVEN else [left, right]
         self._stood = [True, True]
 
     def update(self, feet: Array, standing: Sequence[bool], time: float) -> float:
@@ -40,15 +39,16 @@ class Ground:
             standing: whether each is on the ground.
             time: since the last update [s].
         """
+        heights, stood = self.heights, self._stood
         for foot, stands in enumerate(standing):
-            if stands and not self._stood[foot]:
-                other = self.heights.item(1 - foot)
-                height = feet.item(foot)
-                self.heights[foot] = other if abs(height - other) < _EVEN else height
-            self._stood[foot] = stands
-        if not any(standing):
+            if stands and not stood[foot]:
+                other, height = heights[1 - foot], feet.item(foot)
+                heights[foot] = other if abs(height - other) < _EVEN else height
+            stood[foot] = stands
+        left, right = heights
+        if not any(standing) or left == right == 0:
             return 0.0
-        mean = float(np.mean(self.heights[np.array(standing)]))
+        mean = (left + right) / 2 if all(standing) else left if standing[0] else right
         sinks = mean * (1 - math.exp(-time / _SETTLE_TIME))
-        self.heights -= sinks
+        self.heights = [left - sinks, right - sinks]
         return sinks

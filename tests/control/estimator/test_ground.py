@@ -38,10 +38,10 @@ def test_a_foot_that_lands_higher_stands_higher(ground: Ground) -> None:
 def test_heights_are_counted_from_where_the_robot_stands_now(ground: Ground) -> None:
     sunk = land(ground, 0.02)
     for _ in range(round(8.0 / TIME)):
-        sunk += ground.update(ground.heights.copy(), BOTH, TIME)
+        sunk += ground.update(np.array(ground.heights), BOTH, TIME)
     assert sunk == pytest.approx(0.01, abs=1e-4)
     np.testing.assert_allclose(ground.heights, [-0.01, 0.01], atol=1e-4)
-    sunk += sum(ground.update(ground.heights.copy(), (False, True), TIME) for _ in range(round(8.0 / TIME)))
+    sunk += sum(ground.update(np.array(ground.heights), (False, True), TIME) for _ in range(round(8.0 / TIME)))
     assert sunk == pytest.approx(0.02, abs=1e-4)
 
 
