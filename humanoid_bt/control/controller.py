@@ -33,7 +33,7 @@ from humanoid_bt.robot.arms import arms_of
 from humanoid_bt.robot.model import BASE_COORDINATES, BASE_DOFS, RobotModel
 
 _SETTLED_AFTER = 0.2  # s of standing
-_SETTLED_SPEED = 0.03  # m/s of the centre of mass
+_SETTLED_SPEED = 0.018  # m/s of the centre of mass, which then has less than 5 mm to go
 
 
 class Controller:
