@@ -75,11 +75,12 @@ def test_an_arm_that_is_pushed_follows_and_is_held_there(rig: ControlRig) -> Non
     before = rig.state.hands["right"]
     rig.run(0.8, HAND)
     assert rig.state.hands["right"][0] < before[0] - 0.05
+    rig.run(0.8, HAND)  # the robot steps back to catch itself, and shakes the arm
     joints = rig.robot.arm_joints("right")
     after = rig.state.joint_positions[joints]
     rig.run(2.0, HAND)  # its node goes on asking
     assert rig.state.contacts["right_arm"].yields
-    assert rig.state.joint_positions[joints] == pytest.approx(after, abs=0.15)
+    assert rig.state.joint_positions[joints] == pytest.approx(after, abs=0.1)
     assert rig.state.mode is Mode.RUN
 
 
