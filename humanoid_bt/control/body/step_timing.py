@@ -62,6 +62,8 @@ def best_time(axes: Sequence[Axis], planned: float, least: float, most: float) -
     def slope(tau: float) -> float:
         return _TIMING_COST * (tau - planned) + sum(axis.slope(tau) for axis in axes)
 
+    if slope(most) <= 0:  # as planned
+        return most
     low, low_slope = least, slope(least)
     if low_slope >= 0:
         return least
