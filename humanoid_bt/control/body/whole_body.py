@@ -214,7 +214,8 @@ class WholeBody:
             self._height = approach(self._height, wanted, self._robot.config.whole_body.height_speed * self._dt)
             self._hold_arms(targets)
         self.arms.keep(self._posture.joints, self._home_joints, hold)
-        busy = {*hands, *self.arms.sides, *(side for side, arm in self._arms.items() if arm.joints)}
+        held = (side for side, arm in self._arms.items() if arm.joints)
+        busy = {*hands, *held, *self.arms.sides, *self.arms.homeward}
         self._arm_swing.update(walker.stance, walker.foot_reference, busy)
         x, y = self._stabilizer.com_reference
         return BodyTargets(
