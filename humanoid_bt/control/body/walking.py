@@ -10,7 +10,7 @@ import numpy as np
 from humanoid_bt.control.body.catching import Catching
 from humanoid_bt.control.body.dcm import DcmPlan, plan_settle, plan_walk
 from humanoid_bt.control.body.footsteps import OTHER, Footstep, FootstepPlanner
-from humanoid_bt.control.body.planar import middle, wrap
+from humanoid_bt.control.body.planar import middle, seen_from, wrap
 from humanoid_bt.control.body.swing import Swing
 from humanoid_bt.core.geometry import clamp
 from humanoid_bt.core.messages import SIDES, Array, Gait, Side
@@ -25,6 +25,8 @@ _SINK_SPEED = 0.4  # m/s at which a foot is lowered that has not found the groun
 _ELSEWHERE = 0.05  # m from where it was planned, of a foothold that caught a push
 _WAIT_FROM = 0.02  # m that the DCM is too near to the foot that is to swing
 _WAIT_MOST = 0.3  # s
+_ASTRAY, _TURNED = 0.05, 0.3  # m and rad that a foot may have slipped from its place beside the other one
+_CALM, _CALM_FOR = 0.02, 1.0  # m of the DCM from the middle, and s of standing, before it is put there again
 _CONTACTS_NEEDED = 2  # control periods of force on the swing foot before it counts as touchdown
 
 
@@ -97,6 +99,7 @@ class Walker:
         *,
         footings: Mapping[Side, Array],
         foot_force: Mapping[Side, float],
+        stays: bool = False,
     ) -> None:
         """Go on for one control period.
 
@@ -107,6 +110,7 @@ class Walker:
             soles: measured poses, shape (3,).
             footings: measured heights and tilts, shape (3,), as in ``foot_footing``.
             foot_force: measured normal forces [N].
+            stays: whether it makes no step that it need not make.
         """
         self.contact = dict.fromkeys(SIDES, True)
         self.still_for = self.still_for + self._dt if self.gait is Gait.STAND else 0.0
@@ -115,6 +119,8 @@ class Walker:
             if goal is not None and self._planner.must_walk(self.stance, goal):
                 swing = self._planner.first_swing(self.stance, goal)
                 self._start_step(swing, goal, self.zmp_reference, self._numbers.first_shift)
+            elif not stays:
+                self._tidy(dcm)
         elif self.gait is Gait.SETTLE:
             self._settle()
         if self.gait is not Gait.STEP:
@@ -215,6 +221,17 @@ class Walker:
         if step is not None:
             side, shift = step
             self._start_step(side, None, zmp, shift, in_place=True)
+
+    def _tidy(self, dcm: Array) -> None:
+        """Put a foot beside the other one again: quick hands turn the body, and feet slip little by little."""
+        aside = seen_from(self.stance, dcm)
+        if self.still_for < _CALM_FOR or math.hypot(*aside) > _CALM:
+            return
+        swing: Side = "left" if aside[1] < 0 else "right"  # the one that carries less
+        foot, support = self.foot_reference[swing], self.foot_reference[OTHER[swing]]
+        place = self._planner.foothold(swing, self._planner.stance_beside(OTHER[swing], support))
+        if math.dist(foot[:2], place[:2]) > _ASTRAY or abs(wrap(foot[2] - place[2])) > _TURNED:
+            self._start_step(swing, None, self.zmp_reference, self._numbers.first_shift)
 
     def _follow_ground(
         self, soles: Mapping[Side, Array], footings: Mapping[Side, Array], foot_force: Mapping[Side, float]

@@ -174,7 +174,7 @@ class WholeBody:
         dcm = dynamics.com[:2] + dynamics.com_velocity[:2] / stabilizer.omega
         force: dict[Side, float] = dict(zip(SIDES, estimate.foot_force.tolist(), strict=True))
         goal = None if hold else _goal(targets)
-        walker.update(goal, dcm, self._zmp, dynamics.soles, footings=dynamics.footings, foot_force=force)
+        walker.update(goal, dcm, self._zmp, dynamics.soles, footings=dynamics.footings, foot_force=force, stays=hold)
         load = stabilizer.update(
             com=dynamics.com,
             dcm=dcm,

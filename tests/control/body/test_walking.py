@@ -59,6 +59,35 @@ def test_without_a_goal_it_stands(ideal: Ideal) -> None:
     np.testing.assert_allclose(ideal.walker.dcm_reference, [0, 0], atol=1e-9)
 
 
+@pytest.mark.parametrize("slip", [(0.0, -0.06, 0.0), (0.06, 0.0, 0.0), (0.0, 0.0, 0.4)])
+def test_a_foot_that_slipped_is_put_beside_the_other_one_again(ideal: Ideal, slip: tuple[float, float, float]) -> None:
+    walker = ideal.walker
+    walker.foot_reference["left"] = walker.foot_reference["left"] + slip
+    ideal.go(0.9)
+    assert set(ideal.gaits) == {Gait.STAND}
+    ideal.go(6.0)
+    left, right = (walker.foot_reference[side] for side in SIDES)
+    np.testing.assert_allclose(left, ahead(right, 0, 0.18), atol=5e-3)
+    assert ideal.gaits[-1] is Gait.STAND
+    assert walker.still_for > 2.0  # one step is enough
+
+
+def test_feet_that_slipped_a_little_are_let_be(ideal: Ideal) -> None:
+    ideal.walker.foot_reference["left"] = ideal.walker.foot_reference["left"] + (0.02, -0.02, 0.1)
+    ideal.go(3.0)
+    assert set(ideal.gaits) == {Gait.STAND}
+
+
+def test_a_robot_that_stays_where_it_is_lets_slipped_feet_be(ideal: Ideal) -> None:
+    walker = ideal.walker
+    walker.foot_reference["left"] = walker.foot_reference["left"] + (0.0, -0.06, 0.0)
+    for _ in range(600):
+        soles = {side: walker.foot_reference[side].copy() for side in SIDES}
+        dcm, zmp, force = walker.dcm_reference, walker.zmp_reference, dict.fromkeys(SIDES, 200.0)
+        walker.update(None, dcm, zmp, soles, footings=LEVEL, foot_force=force, stays=True)
+        assert walker.gait is Gait.STAND
+
+
 def test_it_shifts_its_weight_before_it_lifts_a_foot(ideal: Ideal) -> None:
     ideal.go(GAIT.first_shift, AHEAD)
     assert ideal.walker.gait is Gait.STEP
