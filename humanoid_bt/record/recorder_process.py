@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 _NICE = 5  # behind the run, before what is only meant to fill idle cores
 _PAUSE = 0.01  # s between two looks at what came in
 _SAVE = 0.03  # s after which what came in stands in the file, if it is what must not be lost
-_SAVE_LOCKSTEP = 0.3  # s of a run that another one repeats to the bit
+_SAVE_LOCKSTEP = 0.1  # s of a run that another one repeats to the bit
 _SILENCE = 1.0  # s without a call after which what came otherwise is written
 _CHUNK = 1 << 16  # bytes that are read at once
 _ALONE = 60.0  # s to close a recording that nobody waits for any more

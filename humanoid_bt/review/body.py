@@ -19,6 +19,7 @@ _WINDOW = 100  # servo cycles over which an acceleration is taken: a step's impa
 _FINE = 20  # servo cycles over which its begin is looked for
 _PUSH = 3.0  # m/s^2 that nobody takes for a step
 _TIMES = 2.0  # as much as the largest of the run before is a push
+_PLANS = 2  # in which a setpoint is clamped before that is worth a word
 _UPRIGHT = 0.35  # rad of tilt up to which gravity alone accelerates less than that
 _SIDEWAYS = 0.5  # share of a direction from which on it is named
 
@@ -141,8 +142,8 @@ class Motion:
             return None
         seed = int(np.argmax(sudden))
         fine = np.linalg.norm(self._acceleration(_FINE), axis=1)
-        strong = fine > max(_PUSH, _TIMES * float(fine[: max(seed, 1)].max()))
-        after = np.flatnonzero(strong[seed : seed + 2 * _WINDOW])
+        strong = fine[seed : seed + 2 * _WINDOW] > strength[seed : seed + 2 * _WINDOW].max() / 2
+        after = np.flatnonzero(strong)
         if not len(after):
             return None
         first = seed + int(after[0]) + _FINE // 2
@@ -169,6 +170,8 @@ def clamped(log: FlightLog, begin: float = -math.inf, end: float = math.inf) -> 
     found = []
     for number in np.flatnonzero(limited.any(axis=0)):
         at = np.flatnonzero(limited[:, number])
+        if len(at) < _PLANS:
+            continue
         joint = plans.described["limited"].labels[number]
         first, last = float(plans.time[at[0]]), float(plans.time[at[-1]])
         found.append(Limited(joint, "setpoint", first, last, len(at) * period, 0.0, 0.0))

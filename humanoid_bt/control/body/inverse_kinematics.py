@@ -20,13 +20,14 @@ from humanoid_bt.core.geometry import clamp
 from humanoid_bt.core.messages import SIDES, Array, Side
 from humanoid_bt.robot.model import BASE_COORDINATES, BASE_DOFS, RobotModel, carriers, palm_site
 
-_ACCELERATION_LIMIT = 300.0  # rad/s^2, of the planned motion, as it goes into the feedforward
+# rad/s^2, of the planned motion, as it goes into the feedforward: legs catch a push, an arm that starts is no blow
+_ACCELERATION_LIMIT, _ARM_ACCELERATION = 300.0, 100.0
 # What was held back and comes free must not catch up so fast that it throws the robot:
 _ARM_SPEED = 2.5  # rad/s of its joints
 _RISE_SPEED = 0.2  # m/s of the base, up and down
 _TURN_SPEED = 1.5  # rad/s of the base, and of the waist's joints
 _PARTING = 50.0  # cost per metre of links that do not part, where not all can: that of a foot
-_SMOOTH_TIME = 0.01  # s, low-pass of planned acceleration and momentum rate
+_SMOOTH_TIME, _ARM_SMOOTH_TIME = 0.01, 0.02  # s, low-pass of planned acceleration and momentum rate
 
 
 class InverseKinematics:
@@ -81,6 +82,10 @@ class InverseKinematics:
         self._farthest = robot.speed_limit * dt
         of_arms = np.isin(robot.model.jnt_bodyid[1:], [body for arm in self._arms.values() for body in arm])
         np.minimum(self._farthest, _ARM_SPEED * dt, out=self._farthest, where=of_arms)
+        self._quickest: Array = np.full(self._model.nv, _ACCELERATION_LIMIT)
+        self._quickest[BASE_DOFS:][of_arms] = _ARM_ACCELERATION
+        self._smooth: Array = np.full(self._model.nv, min(1.0, dt / _SMOOTH_TIME))
+        self._smooth[BASE_DOFS:][of_arms] = min(1.0, dt / _ARM_SMOOTH_TIME)
         of_waist = np.isin(robot.model.jnt_bodyid[1:], list(trunk))
         np.minimum(self._farthest, _TURN_SPEED * dt, out=self._farthest, where=of_waist)
         self._eased = ~of_arms
@@ -229,8 +234,8 @@ class InverseKinematics:
 
     def _follow_motion(self, velocity: Array) -> None:
         data, smooth = self.configuration.data, min(1.0, self._dt / _SMOOTH_TIME)
-        rate = clamp((velocity - self.velocity) / self._dt, -_ACCELERATION_LIMIT, _ACCELERATION_LIMIT)
-        self.acceleration += smooth * (rate - self.acceleration)
+        rate = clamp((velocity - self.velocity) / self._dt, -self._quickest, self._quickest)
+        self.acceleration += self._smooth * (rate - self.acceleration)
         self.velocity = velocity
         self._speed[:] = velocity
         mujoco.mj_comVel(self._model, data)

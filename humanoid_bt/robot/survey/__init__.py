@@ -1,1 +1,1 @@
-"""What a model tells of a robot that nobody has described yet: limbs, soles, drives, posture."""
+"""What a model tells of a robot that nobody has described: limbs, soles, drives, posture."""

@@ -10,9 +10,9 @@ import pytest
 
 from humanoid_bt.control.controller import Controller
 from humanoid_bt.control.dynamics import GRAVITY
-from humanoid_bt.core.messages import BaseTarget, JointCommand, Mode, Reading
+from humanoid_bt.core.messages import SIDES, BaseTarget, JointCommand, Mode, Reading
 from humanoid_bt.robot.config import load_robot_config
-from humanoid_bt.robot.model import RobotModel
+from humanoid_bt.robot.model import RobotModel, foot_sensor
 from humanoid_bt.robot.sensor_config import FootForceConfig
 from tests.control.conftest import ROBOT
 from tests.control.control_rig import ControlRig
@@ -31,7 +31,8 @@ class Log:
         plant, estimate = self.rig.plant, self.rig.controller.estimator.estimate
         self.position.append(estimate.qpos[:3] - plant.data.qpos[:3])
         self.velocity.append(estimate.qvel[:3] - plant.data.qvel[:3])
-        self.force.append(estimate.foot_force - plant.foot_force)
+        borne = [abs(plant.data.sensor(foot_sensor(side)).data.item(2)) for side in SIDES]
+        self.force.append(estimate.foot_force - borne)
         return False
 
 
