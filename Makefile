@@ -17,8 +17,8 @@ test: $(VENV)/.installed-dev
 	$(BIN)/python -m pytest -m "realtime and not trials" $$(grep -rl mark.realtime tests)
 
 test-trials: $(VENV)/.installed-dev  ## further cases of what a whole robot does, and the bench of realtime mode
-	$(BIN)/python -m pytest -n auto --dist worksteal -m "trials and not realtime"
-	$(BIN)/python -m pytest -m "trials and realtime" $$(grep -rl mark.realtime tests)
+	$(BIN)/python -m pytest -n auto --dist worksteal -m "trials and not realtime" $(if $(PART),--part $(PART))
+	$(BIN)/python -m pytest -m "trials and realtime" $(if $(PART),--part $(PART)) $$(grep -rl mark.realtime tests)
 
 test-docs: $(VENV)/.installed-dev  ## every example of the docs, as a reader would run it
 	$(BIN)/python -m pytest -n auto --dist load -m docs

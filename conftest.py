@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import zlib
 from pathlib import Path
 
 import pytest
@@ -10,8 +11,22 @@ pytest_plugins = ["pytester"]
 _SCENARIOS = Path(__file__).parent / "scenarios"
 
 
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Keep the scenarios with physics for `make test-trials`."""
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """Let somebody who tries often try a part of the trials at a time."""
+    parser.addoption("--part", metavar="K/N", help="of the tests marked trials, only those of part K of N")
+
+
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Keep the scenarios with physics for `make test-trials`, and only those trials that are asked for."""
     for item in items:
         if item.path.is_relative_to(_SCENARIOS) and not item.scenario.dry:
             item.add_marker(pytest.mark.trials)
+    if part := config.getoption("--part"):
+        number, parts = map(int, part.split("/"))
+        mine = [item for item in items if not item.get_closest_marker("trials") or _part(item, parts) == number % parts]
+        config.hook.pytest_deselected(items=list(set(items) - set(mine)))
+        items[:] = mine
+
+
+def _part(item: pytest.Item, parts: int) -> int:
+    return zlib.crc32(item.nodeid.encode()) % parts

@@ -52,6 +52,7 @@ def test_what_it_bumped_into_is_told_and_counts_as_it_is_asked_for(workspace: Pa
     assert failed.trace == told.trace
 
 
+@pytest.mark.trials
 def test_a_campaign_fails_on_it(workspace: Path, capsys: pytest.CaptureFixture[str]) -> None:
     line = ["campaign", "back", "--scene", "room", "--seeds", "0", "--workspace", str(workspace), "--quiet"]
     out = workspace / "out"
