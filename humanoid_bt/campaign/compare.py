@@ -16,8 +16,6 @@ from humanoid_bt.core.plain import plain
 
 Pair = tuple[Row, Row]
 
-_LARGER_IS_WORSE = True  # of the time and of what skills report, which are errors and distances
-
 
 @dataclass(frozen=True)
 class SuccessChange:
@@ -104,6 +102,7 @@ class Comparison:
         return self._beyond(worse=True)
 
     def _beyond(self, worse: bool) -> list[str]:
+        # Of times, and of what skills report, errors and distances, more is worse.
         change = self.success
         more, fewer = (change.lost, change.gained) if worse else (change.gained, change.lost)
         found = ["success"] if change.p < CHANCE and len(more) > len(fewer) else []

@@ -35,6 +35,7 @@ from humanoid_bt.robot.model import BASE_COORDINATES, BASE_DOFS, RobotModel
 _SETTLED_AFTER = 0.2  # s of standing
 _SETTLED_SPEED = 0.018  # m/s of the centre of mass, which then has less than 5 mm to go
 
+_STIRRED_SPEED = 0.08  # m/s of it above which a robot that had settled has not any more: hands move it
 
 class Controller:
     """Everything that runs at the servo's rate for one robot.
@@ -77,6 +78,7 @@ class Controller:
         self._held = False
         self._next_plan = 0  # cycle
         self._reading = self._plant.measure(self._reading)
+        self._at_rest = False
         self.estimator.reset(self._reading, place)
         estimate = self.estimator.estimate
         self.whole_body.reset(estimate)

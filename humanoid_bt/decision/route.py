@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from humanoid_bt.core.messages import Array
+from humanoid_bt.core.messages import Array, Gait
 from humanoid_bt.core.texts import few, listed
 from humanoid_bt.decision.obstacles import Obstacles, clear
 from humanoid_bt.decision.robot import RobotHandle
@@ -25,9 +25,10 @@ _AHEAD = 2.0  # m of the way that are looked at
 _OFF = 0.15  # m beside the way at which another is planned
 _MOVED = 0.02  # m that a place moves before another way is planned
 _FAR = 0.1  # m beyond the gait's `near` that a place on the way is ahead, so that the robot walks on
-_STEP = 0.3  # m that it still walks when it is to stop
-_STEP_TIME = 1.0  # s that this takes
+_STEP = 0.35  # m that it still walks when it is to stop
+_STEP_TIME = 1.2  # s that this takes, and until what moves was seen
 _PASSING = 1.0  # m to a place from which on it matters that something is just passing there
+_OLD, _REMEMBERED = 0.5, 0.3  # s of age, and confidence: what it waits for may be gone, and is looked for
 _MOST_TOLD = 5  # names of what is in the way
 _NEARER = 0.03  # m that something must be too near before the robot steps away from it
 _RING = 0.05  # m between the rings of places to which it steps away, the nearest first
@@ -69,6 +70,7 @@ class Route:
         self._plan: Plan | None = None
         self._planned_at, self._planned_for, self._changes = -math.inf, np.full(2, np.inf), -1
         self._in_the_way: list[str] = []
+        self._waits_at: Array | None = None  # where it turns to what it waits for, shape (2,)
         self.to_go = self.turns_to_go = math.inf
         self.blocked = ""
         self.hopeless = False
@@ -273,6 +275,7 @@ class Route:
         now = self._robot.clock.now()
         self._waits.update(False, now)
         self._stuck.update(False, now)
+        self._waits_at = None
         self._robot.walk_to(target, heading)
         if self._plan is not None and self._plan.points is not None:
             self._robot.show_route(self._plan.points)
@@ -297,14 +300,29 @@ class Route:
         return found
 
     def _wait(self, names: Sequence[str], why: str) -> bool:
-        """Let the base go, and note how long for."""
+        """Let the base come to rest, and note how long for."""
         verb = "" if why.startswith("stand") else "is " if len(names) == 1 else "are "
         self.blocked = f"{listed(few(names, _MOST_TOLD))} {verb}{why}"
         now = self._robot.clock.now()
         still = not self._around.movers.intersection(names)
         waited, stuck = self._waits.update(True, now), self._stuck.update(still, now)
         self.hopeless = waited or stuck
+        self._turn_to(names)
         return False
+
+    def _turn_to(self, names: Sequence[str]) -> None:
+        """Turn to the nearest of what moves and is out of view, once the robot stands, and if it has room to."""
+        tracks = [self._robot.track(name) for name in names if name in self._around.movers]
+        unseen = [track for track in tracks if track and (track.age > _OLD or track.confidence < _REMEMBERED)]
+        if not unseen or self.beside():
+            self._waits_at = None
+            return
+        state = self._robot.state
+        if self._waits_at is None and state.gait is Gait.STAND:
+            self._waits_at = state.stance[:2].copy()
+        if self._waits_at is not None:
+            bearing = min(unseen, key=lambda track: track.distance).bearing
+            self._robot.walk_to(self._waits_at, float(state.stance[2]) + bearing)
 
 
 def _lengths(points: Array) -> Array:

@@ -179,6 +179,7 @@ def test_trials_are_the_same_in_any_number_of_processes_and_recorded_or_not(tmp_
     assert hard.good.count == hard.on_feet.count == 1 - len(hard.failed)
 
 
+@pytest.mark.trials
 def test_interrupting_it_tells_what_is_known_and_ends_what_it_started() -> None:
     command = [sys.executable, "-m", "humanoid_bt", "bench", "--body", "--only", "push-standing-60", "goals"]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as bench:

@@ -16,6 +16,7 @@ def test_each_part_of_control_has_a_figure_and_a_promise(monkeypatch: pytest.Mon
     assert all(0 < figure.low <= figure.ratio <= figure.high for figure in figures)
 
 
+@pytest.mark.trials
 def test_its_robots_do_what_is_measured() -> None:
     walking, pressing = control.CommandedRobot(dict(control._FAR)), control.CommandedRobot(dict(control._HANDS))
     for robot in (walking, pressing):

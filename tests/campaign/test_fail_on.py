@@ -43,13 +43,18 @@ def result(workspace: Path, *fail_on: str) -> Result:
     return make(Setup(str(workspace), fail_on=fail_on))(Task(trial))[0]
 
 
-def test_what_it_bumped_into_is_told_and_counts_as_it_is_asked_for(workspace: Path) -> None:
-    told, failed = result(workspace), result(workspace, "fell", "bumped")
-    assert (told.outcome, told.bumped, told.fell) == ("success", "wall", False)
-    assert failed.outcome == "bumped"
+def test_what_it_bumped_into_counts_as_it_is_asked_for(workspace: Path) -> None:
+    failed = result(workspace, "fell", "bumped")
+    assert (failed.outcome, failed.bumped, failed.fell) == ("bumped", "wall", False)
     assert failed.reason.startswith("the tree succeeded, but ")
     assert " touches wall at " in failed.reason
-    assert failed.trace == told.trace
+
+
+@pytest.mark.trials
+@pytest.mark.parametrize("fail_on", [(), ("fell", "stopped")])
+def test_it_is_told_all_the_same_where_that_is_no_failure(workspace: Path, fail_on: tuple[str, ...]) -> None:
+    told = result(workspace, *fail_on)
+    assert (told.outcome, told.bumped, told.fell) == ("success", "wall", False)
 
 
 @pytest.mark.trials

@@ -90,7 +90,10 @@ def test_nothing_that_is_not_ours_is_obeyed(
     assert SHOWN in said or r"\u001b]0;mine\u0007" in said or "%1B%5D0" in said
 
 
-@pytest.mark.parametrize(("arguments", "code"), [COMMANDS[0], COMMANDS[2], COMMANDS[5]])
+@pytest.mark.parametrize(
+    ("arguments", "code"),
+    [COMMANDS[0], *(pytest.param(*COMMANDS[number], marks=pytest.mark.trials) for number in (2, 5))],
+)
 def test_nor_on_a_terminal(arguments: list[str], code: int, workspace: Path) -> None:
     ours, theirs = pty.openpty()
     command = [sys.executable, "-m", "humanoid_bt", *arguments]

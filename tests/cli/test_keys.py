@@ -139,6 +139,7 @@ def test_keys_pause_step_and_continue(start: Callable[..., Terminal]) -> None:
     assert terminal.ends() == 130
 
 
+@pytest.mark.trials
 def test_a_run_pauses_at_a_breakpoint(start: Callable[..., Terminal]) -> None:
     terminal = start("run", "walk", *RUN, "--break", "walk")
     terminal.shows("paused by break at walk/emergency_stop/walk: RUNNING: walking; c")

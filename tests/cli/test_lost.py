@@ -94,6 +94,7 @@ def test_without_its_recording_a_run_has_its_report(tmp_path: Path, capsys: pyte
     assert "open it" not in printed
 
 
+@pytest.mark.trials
 def test_a_run_that_is_killed_leaves_no_report(tmp_path: Path) -> None:
     report = tmp_path / "report.json"
     report.write_text('{"outcome": "success"}', encoding="utf-8")

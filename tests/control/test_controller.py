@@ -47,7 +47,7 @@ def drift(rig: ControlRig, seconds: float) -> float:
 
 
 def test_it_stands_still(rig: ControlRig, standing: Array) -> None:
-    rig.run(5.0, {})
+    rig.run(3.0, {})
     state = rig.state
     np.testing.assert_allclose(rig.plant.truth().base_position, standing[:3], atol=3e-3)
     np.testing.assert_allclose(state.base_position, standing[:3], atol=5e-3)

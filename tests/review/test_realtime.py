@@ -56,6 +56,6 @@ def test_control_that_stalls_for_long_ends_the_run_and_is_named(play: Callable[.
 
 @pytest.mark.trials
 def test_control_that_stalls_for_a_moment_is_told_beside(play: Callable[..., Path]) -> None:
-    found = explain(play("walk", duration=1.0, mode="realtime", at=1.5, do=stalled(0.2, [])))
+    found = explain(play("walk", duration=3.0, mode="realtime", at=1.5, do=stalled(0.2, [])))
     assert found.kind == "unfinished"
     assert any(name == "warned" and re.search(r"control stalled for [1-9]\d\d ms", text) for name, text in found.rows)

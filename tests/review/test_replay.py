@@ -93,7 +93,7 @@ def test_what_a_program_sets_on_the_blackboard_comes_again(project: Path, alone:
     assert again.identical
 
 
-@pytest.mark.parametrize("alone", [False, True])
+@pytest.mark.parametrize("alone", [False, pytest.param(True, marks=pytest.mark.trials)])
 def test_a_run_that_was_paused_is_compared_up_to_that(project: Path, alone: bool) -> None:
     file = project / f"paused-{alone}.rrd"
     with recorded_directly(), Session("late", workspace=project, record=file, camera=False) as session:
@@ -135,7 +135,7 @@ class Gesture(Skill):
 """
 
 
-@pytest.mark.parametrize("alone", [False, True])
+@pytest.mark.parametrize("alone", [False, pytest.param(True, marks=pytest.mark.trials)])
 def test_what_is_asked_of_hands_and_arms_comes_again_to_the_bit(project: Path, alone: bool) -> None:
     (project / "skills/gesture.py").write_text(GESTURE, encoding="utf-8")
     (project / "trees/gesture.yaml").write_text("format: 1\nroot: {emergency_stop: gesture}\n", encoding="utf-8")

@@ -196,7 +196,7 @@ def in_the_way(times: int) -> Fault:
 
     def fault(machine: Machine, _: np.random.Generator) -> None:
         stance = machine.state.stance
-        goal = BaseTarget(ahead(stance, 3.0, 0.0)[:2], float(stance[2]))
+        goal = BaseTarget(ahead(stance, 6.0, 0.0)[:2], float(stance[2]))
         sequence = machine.last_command.sequence if machine.last_command else 0
         machine.decision = Scripted(lambda _: {"base": goal}, sequence)
         back = np.array([*(ahead(stance, -1.0, 0.0) - stance)[:2], 0.0])

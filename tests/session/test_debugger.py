@@ -159,6 +159,7 @@ def test_who_pauses_first_is_told_once() -> None:
     assert events(session)[:3] == ["paused by keyboard: first", "one tick by program", "continued by keyboard"]
 
 
+@pytest.mark.trials
 def test_the_run_is_the_same_each_time() -> None:
     def trace() -> str:
         with hbt.Session("walks") as session:

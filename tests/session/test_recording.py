@@ -50,6 +50,7 @@ def errors(report: Report) -> list[tuple[float, str]]:
     return [(event["time"], event["text"]) for event in report.events if event["level"] == "error"]
 
 
+@pytest.mark.trials
 def test_a_run_without_trouble_lacks_nothing(project: Path, tmp_path: Path) -> None:
     report = harmed(project, tmp_path / "run.rrd", lambda _session: None)
     assert report.recording_missing == 0.0

@@ -225,7 +225,10 @@ def test_a_second_interruption_ends_at_once_and_still_reports(project: Path, tmp
     assert last_sample(done.recording) == 0.0
 
 
-@pytest.mark.parametrize("error", ["SystemExit", "KeyboardInterrupt", "GeneratorExit", "CancelledError"])
+_OTHERS = ("KeyboardInterrupt", "GeneratorExit", "CancelledError")
+
+
+@pytest.mark.parametrize("error", ["SystemExit", *(pytest.param(error, marks=pytest.mark.trials) for error in _OTHERS)])
 def test_a_skill_cannot_leave_the_program(project: Path, error: str) -> None:
     root = f"{{emergency_stop: {{leave: {{error: {error}, after: 0.5 s}}}}}}"
     (project / "trees" / "leaves.yaml").write_text(f"format: 1\nroot: {root}\n", encoding="utf-8")

@@ -168,6 +168,7 @@ def test_a_run_that_waits_for_an_edit_ends_with_its_duration_as_its_tree_did(roo
     assert ran.report.sim_time == pytest.approx(1.0)
 
 
+@pytest.mark.trials
 def test_a_run_that_waits_for_an_edit_waits_for_a_reset_too(root: Path) -> None:
     def press(run: Session) -> Script:
         return {50: lambda: run.raise_estop("pressed", source="button")}
@@ -193,6 +194,7 @@ def test_a_tree_that_waits_for_a_reset_can_be_replaced(root: Path) -> None:
     assert started(ran, "walk")[1] > 2.9
 
 
+@pytest.mark.trials
 def test_an_old_tree_that_raises_when_it_is_replaced_is_told_and_gone(root: Path) -> None:
     ran = watched(root, "format: 1\nroot:\n  emergency_stop: stubborn\n", edited(root, (20, WAIT), (100, "end")))
     assert any("raised RuntimeError: not now" in text for text in texts(ran))

@@ -35,6 +35,7 @@ def test_looks_at_the_target_while_it_walks(rig: Rig) -> None:
     assert aligned > math.cos(math.radians(12))
 
 
+@pytest.mark.trials
 def test_stops_within_a_step_when_halted(rig: Rig) -> None:
     result = rig.run("approach", target=(3.0, 0.0, 0.9), timeout=3)
     assert result.states[-1].gait is Gait.STEP
@@ -68,6 +69,7 @@ def test_takes_no_step_when_it_is_there_already(rig: Rig) -> None:
     assert result.results["bearing_error"] == pytest.approx(0, abs=0.02)
 
 
+@pytest.mark.trials
 def test_leaves_the_gaze_alone_when_it_is_not_to_look(rig: Rig) -> None:
     result = rig.run("approach", target=(0.8, 0.0, 0.9), look=False)
     assert result.succeeded, result.feedback

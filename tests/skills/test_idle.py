@@ -27,6 +27,7 @@ def test_breathes(rig: Rig) -> None:
     assert max(heights) - min(heights) == pytest.approx(0.01, abs=0.004)
 
 
+@pytest.mark.trials
 def test_stands_up_again_when_halted(rig: Rig) -> None:
     height = rig.state.com[2]
     rig.run("idle", breath=0.02, timeout=2)

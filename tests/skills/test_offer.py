@@ -68,6 +68,7 @@ def test_says_that_the_target_is_too_near(rig: Rig) -> None:
     assert result.feedback == "target is too near: 0.25 m"
 
 
+@pytest.mark.trials
 def test_says_how_near_it_came_when_the_hand_does_not_get_there(rig: Rig) -> None:
     result = rig.run("offer", target=(2.0, 0.0, 1.2), distance=1.0, patience=0.5)
     assert result.failed
@@ -76,13 +77,14 @@ def test_says_how_near_it_came_when_the_hand_does_not_get_there(rig: Rig) -> Non
 
 
 def test_waits_for_a_steady_base(rig: Rig) -> None:
-    rig.run("walk_to", x=1.0, y=0.0, timeout=2)
+    rig.run("walk_to", x=1.0, y=0.0, timeout=0.8)
     rig.see("person", (2.0, 0.0, 1.2))
     result = rig.run("offer", target="person", timeout=0.3)
     assert result.feedback == "waiting for a steady base"
     assert not any("left_hand" in c.targets or "right_hand" in c.targets for c in result.commands)
 
 
+@pytest.mark.trials
 def test_takes_the_hand_back_when_halted(rig: Rig) -> None:
     rest = rig.state.hands["left"].copy()
     rig.run("offer", target=(1.0, 0.3, 1.2), timeout=1.2)
@@ -96,6 +98,7 @@ def test_fails_when_the_target_was_never_seen(rig: Rig) -> None:
     assert "'nobody' was never seen: perception offers no such percept" in result.feedback
 
 
+@pytest.mark.trials
 def test_leaves_the_gaze_alone_when_it_is_not_to_look(rig: Rig) -> None:
     result = rig.run("offer", target=(1.0, 0.2, 1.2), hold=0.2, look=False)
     assert result.succeeded, result.feedback

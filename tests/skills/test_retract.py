@@ -6,7 +6,7 @@ import pytest
 from humanoid_bt import Rig
 
 
-@pytest.mark.parametrize("hand", ["left", "both"])
+@pytest.mark.parametrize("hand", [pytest.param("left", marks=pytest.mark.trials), "both"])
 def test_waits_until_the_hand_hangs_beside_the_body(rig: Rig, hand: str) -> None:
     rest = rig.state.hands["left"].copy()
     rig.run("wave", hand="left", timeout=2.5)
@@ -33,7 +33,7 @@ def test_does_not_take_a_hand_that_is_about_to_move_for_one_at_rest(rig: Rig) ->
 
 
 def test_fails_with_the_reason_while_the_robot_is_stopped(rig: Rig) -> None:
-    rig.run("wave", hand="left", timeout=2.0)
+    rig.run("wave", hand="left", timeout=1.0)
     rig.raise_estop("somebody came near")
     result = rig.run("retract", patience=0.6)
     assert result.failed

@@ -5,7 +5,9 @@ import pytest
 from humanoid_bt import Gait, Rig
 
 
-@pytest.mark.parametrize("distance", [0.1, 0.25, pytest.param(0.6, marks=pytest.mark.trials)])
+@pytest.mark.parametrize(
+    "distance", [0.1, *(pytest.param(distance, marks=pytest.mark.trials) for distance in (0.25, 0.6))]
+)
 def test_walks_straight_back_without_turning(rig: Rig, distance: float) -> None:
     result = rig.run("step_back", distance=distance)
     assert result.succeeded, result.feedback

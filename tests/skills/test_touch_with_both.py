@@ -41,6 +41,7 @@ def test_both_palms_face_each_other_at_the_sides_of_the_target(
     assert not result.stops
 
 
+@pytest.mark.trials
 def test_passes_beside_the_target_before_it_closes_in(rig: Rig) -> None:
     target, width = np.array([0.36, 0.0, 0.85]), 0.2
     result = rig.run("touch_with_both", target=target, width=width)

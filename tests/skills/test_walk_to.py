@@ -8,7 +8,9 @@ import pytest
 from humanoid_bt import Gait, Rig
 
 
-@pytest.mark.parametrize(("x", "y", "heading"), [(0.5, 0.0, 0.5), (-0.2, 0.15, -0.6)])
+@pytest.mark.parametrize(
+    ("x", "y", "heading"), [(0.5, 0.0, 0.5), pytest.param(-0.2, 0.15, -0.6, marks=pytest.mark.trials)]
+)
 def test_stands_at_the_place_and_faces_where_it_is_told(rig: Rig, x: float, y: float, heading: float) -> None:
     result = rig.run("walk_to", x=x, y=y, heading=heading)
     assert result.succeeded, result.feedback
@@ -96,6 +98,7 @@ def test_has_no_way_to_where_something_stands(rig: Rig) -> None:
     assert {state.gait for state in result.states} == {Gait.STAND}
 
 
+@pytest.mark.trials
 def test_goes_round_a_percept_without_a_size_if_it_is_told_to(rig: Rig) -> None:
     rig.see("person", (0.3, 0.0, 0.8))
     assert rig.run("walk_to", x=0.2, y=0.0, obstacles=["person"]).feedback.startswith("no way to (0.2, 0): person")

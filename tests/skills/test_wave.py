@@ -41,7 +41,7 @@ def test_takes_the_right_hand_when_there_is_no_target(rig: Rig) -> None:
 
 
 def test_waits_for_a_steady_base(rig: Rig) -> None:
-    rig.run("walk_to", x=1.0, y=0.0, timeout=2)
+    rig.run("walk_to", x=1.0, y=0.0, timeout=0.8)
     result = rig.run("wave", timeout=0.3)
     assert result.feedback == "waiting for a steady base"
     assert not any(command.targets for command in result.commands)

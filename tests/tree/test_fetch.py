@@ -113,7 +113,7 @@ def test_damaged_text_is_loaded_or_answered_with_places(workspace: Workspace) ->
     rng, text = random.Random(20250), FETCH.read_text(encoding="utf-8")
     path = workspace.root / "trees" / "fetch.yaml"
     loaded = refused = 0
-    for number in range(400):
+    for number in range(250):
         damaged = mutated(text, rng)
         path.write_text(damaged, encoding="utf-8")
         try:
@@ -125,4 +125,4 @@ def test_damaged_text_is_loaded_or_answered_with_places(workspace: Workspace) ->
             for problem in error.problems:
                 assert problem.message
                 assert problem.place is not None and problem.place.line > 0, f"{number}: {problem}\n{damaged}"
-    assert loaded > 10 and refused > 200
+    assert loaded > 10 and refused > 125

@@ -27,7 +27,7 @@ back: {shape: box, size: [0.1, 4, 1], solid: true, position: [-1, 0, 0.5]}
 cart: {shape: box, size: [0.4, 0.4, 0.8], color: red, solid: true, position: [5, 0, 0.4]}
 """
 CROSSING = """
-cart: {shape: box, size: [0.4, 0.4, 0.8], color: red, solid: true, position: [1.1, 1.6, 0.4]}
+cart: {shape: box, size: [0.4, 0.4, 0.8], color: red, solid: true, position: [1.5, 1.6, 0.4]}
 """
 TABLE = """
 table: {shape: box, size: [0.6, 1.2, 0.7], color: grey, solid: true, position: [1.2, 0.0, 0.35]}
@@ -87,8 +87,8 @@ def test_nobody_stands_in_a_crate(rig: Rig, tmp_path: Path) -> None:
 
 @pytest.mark.trials
 def test_goes_round_what_comes_into_its_way(rig: Rig, tmp_path: Path) -> None:
-    crosses = "events:\n  - {at: 1 s, move: cart, to: [1.1, 0, 0.4], over: 2 s}"
-    run = rig.run_tree("go", scene=scene(tmp_path, CROSSING, crosses), x=2.2, y=0)
+    crosses = "events:\n  - {at: 1 s, move: cart, to: [1.5, 0, 0.4], over: 2 s}"
+    run = rig.run_tree("go", scene=scene(tmp_path, CROSSING, crosses), x=2.6, y=0)
     run.expect("outcome == success", *SAFE)
     aside = [abs(float(state.stance[1])) for state in run.states]
     assert max(aside) > 0.4
@@ -96,8 +96,8 @@ def test_goes_round_what_comes_into_its_way(rig: Rig, tmp_path: Path) -> None:
 
 @pytest.mark.trials
 def test_lets_pass_what_walks_into_its_way(rig: Rig, tmp_path: Path) -> None:
-    crosses = "events:\n  - {at: 1 s, move: cart, to: [1.1, -3, 0.4], over: 9 s}"
-    run = rig.run_tree("go", scene=scene(tmp_path, CROSSING, crosses), x=2.2, y=0)
+    crosses = "events:\n  - {at: 1 s, move: cart, to: [1.5, -3, 0.4], over: 9 s}"
+    run = rig.run_tree("go", scene=scene(tmp_path, CROSSING, crosses), x=2.6, y=0)
     run.expect("outcome == success", *SAFE)
 
 
@@ -113,7 +113,7 @@ def test_waits_for_what_has_closed_the_only_way_and_names_it(rig: Rig, tmp_path:
 
 @pytest.mark.trials
 def test_goes_on_when_the_way_is_free_again(rig: Rig, tmp_path: Path) -> None:
-    leaves = "\n  - {at: 6 s, move: cart, to: [6, 3, 0.4], over: 4 s}"
+    leaves = "\n  - {at: 6 s, move: cart, to: [4.5, 1.6, 0.4], over: 3 s}"
     comes = "events:\n  - {at: 1 s, move: cart, to: [2.2, 0, 0.4], over: 3 s}" + leaves
     run = rig.run_tree("go", scene=scene(tmp_path, CORRIDOR, comes), x=4.5, y=0)
     run.expect("outcome == success", *SAFE)

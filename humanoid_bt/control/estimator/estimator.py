@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+import mujoco
 import numpy as np
 
 from humanoid_bt.control.body.planar import middle
@@ -24,6 +25,7 @@ _STILL = 0.1  # of the slip of a sole that rolls
 _ROLLING = 5.0  # times the slip of a loaded sole: one that lands or lifts off
 _ROLLS_BELOW = 0.25  # share of the weight
 _LEVEL_SHARE = 1.0  # of what the legs say of the base's tilt that is believed in a period
+_SAID_SHARE = 0.5  # of what the orientation says of the base's turning that is believed in a period
 _RATE_SHARE = 0.2  # of what the legs say of the base's turning that is believed in a period
 _STEADY = 0.5  # s upright after which nothing throws the robot about any more
 _SURELY_UPRIGHT = 0.95  # cosine of the base's tilt, 18 degrees
@@ -72,6 +74,7 @@ class Estimator:
         self._torque: Array = np.zeros(joints)
         self.heard = self._since = self._turn = 0
         self._rate: Array = np.zeros(3)  # of the base, where the gyroscope does not say it
+        self._said: Array | None = None  # the orientation at the last update without a gyroscope, shape (4,)
         self._upright = _STEADY  # s
         self._still = self._lost = 0.0
         self._least_upright = math.cos(robot.config.fall.tilt)
@@ -104,6 +107,7 @@ class Estimator:
         self._clear()
         self._velocity_before[:] = 0.0
         self._rate[:] = 0.0
+        self._said = None
         self._upright = _STEADY  # s
         self._still = self._lost = 0.0
         self._since = self._turn = 0
@@ -131,7 +135,9 @@ class Estimator:
         watch.look(reading, imu, self._upright >= _STEADY)
         doubtful = bool(watch.failed) or not math.isfinite(sum(imu.tolist()))
         if doubtful:
-            self._without_imu(imu, time)
+            self._without_imu(reading, imu, time)
+        else:
+            self._said = None
         belief.predict(imu[3:], imu[:3], time)
         self._velocity_before[:] = qvel
         self._position[:], self._quaternion[:], self._velocity[:] = belief.position, belief.quaternion, belief.velocity
@@ -214,20 +220,38 @@ class Estimator:
         )
         self._turn = self._since = 0
 
-    def _without_imu(self, imu: Array, time: float) -> None:
+    def _without_imu(self, reading: Reading, imu: Array, time: float) -> None:
         """Put something else in the place of what the IMU does not say any more."""
         failed, belief = self.watch.failed, self._filter
+        told = "orientation" not in failed and math.isfinite(sum(reading.orientation.tolist()))
         if "accelerometer" in failed or not math.isfinite(imu[:3].sum()):
             imu[:3] = belief.still
             belief.lose_accelerometer()
         if "gyro" in failed or not math.isfinite(imu[3:].sum()):
-            if any(self.load.standing):  # a sole is flat on the ground
+            if told:
+                self._rate += _SAID_SHARE * (self._turn_said(reading) / time - self._rate)
+            elif any(self.load.standing):  # a sole is flat on the ground
                 tilt = self._dynamics.sole_tilt(int(np.argmax(self.load.force)))
                 turn = belief.level(tilt * _LEVEL_SHARE)
                 self._rate += turn * (_RATE_SHARE / time)
             imu[3:] = self._rate + belief.gyro_bias
         else:
-            self._rate[:] = imu[3:] - belief.gyro_bias
+            self._rate[:], self._said = imu[3:] - belief.gyro_bias, None
+
+    def _turn_said(self, reading: Reading) -> Array:
+        """Return how the base has turned by what the orientation says, base frame, shape (3,) [rad].
+
+        At first it takes the tilt from there, for what a gyroscope said before it was known to fail was believed.
+        """
+        said, before = reading.orientation / np.linalg.norm(reading.orientation), self._said
+        self._said = said
+        if before is None:
+            quaternion = self._filter.quaternion
+            self._filter.turn_to(_turned(said, yaw_of(quaternion) - yaw_of(said)))
+            return np.zeros(3)
+        turn = np.empty(3)
+        mujoco.mju_subQuat(turn, said, before)
+        return turn
 
     def _slip(self) -> tuple[float, float]:
         if self._still > _STILL_AFTER:

@@ -167,6 +167,11 @@ class InvariantFilter:
         mujoco.mju_quat2Mat(self._turn9, self.quaternion)
         return turn
 
+    def turn_to(self, quaternion: Array) -> None:
+        """Turn the base to an orientation, shape (4,)."""
+        self.quaternion[:] = quaternion
+        mujoco.mju_quat2Mat(self._turn9, self.quaternion)
+
     def predict(self, rate: Array, force: Array, time: float) -> None:
         """Go on for a time [s] with what the IMU measured in it, on average.
 

@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import fnmatch
+import json
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import mujoco
 import numpy as np
+import yaml
 
 from humanoid_bt.core.messages import SIDES, Array
+from humanoid_bt.core.texts import listed
+from humanoid_bt.files.formatting import formatted
 from humanoid_bt.robot.config import RobotConfig
 from humanoid_bt.robot.footprint import footprint_in
 from humanoid_bt.robot.survey.drives import drive, usual_stiffness
@@ -86,7 +90,9 @@ class _Writer:
         ]
         parts += [self._groups(), self._gait(), self._room()]
         text = "\n".join("\n".join(lines) + "\n" for lines in map(list, parts) if lines)
-        return Description(text, tuple(self._found), tuple(self._guessed), tuple(self._missing))
+        return Description(
+            formatted(text, "robot.yaml"), tuple(self._found), tuple(self._guessed), tuple(self._missing)
+        )
 
     def _body(self, body: int) -> str:
         return str(self._model.body(body).name)
@@ -100,9 +106,9 @@ class _Writer:
         yield f"#   humanoid-bt check sim/{self._name}/robot.yaml"
         yield "# Lengths in metres, angles in radians. What else can stand here: docs/robots.md."
         yield "format: 1"
-        yield f"name: {self._name}"
+        yield f"name: {_quoted(self._name)}"
         yield f"description: {mass:.0f} kg, {joints} joints"
-        yield f"model: {self._file}"
+        yield f"model: {_quoted(self._file)}"
 
     def _trunk(self) -> Iterator[str]:
         limbs = self._limbs
@@ -114,7 +120,7 @@ class _Writer:
         yield "legs:"
         halves: list[Array] = []
         for side, leg in self._limbs.legs.items():
-            found = {role: self._joint(joint) for role, joint in roles(self._surveyor, leg)}
+            found = {role: _quoted(self._joint(joint)) for role, joint in roles(self._surveyor, leg)}
             yield f"  {side}:"
             for role in _ROLES:
                 if role in found:
@@ -155,7 +161,8 @@ class _Writer:
         yield f"gaze: {{body: {self._body(body)}, position: {_vector(place)}}}    # {note}"
         turns = {axis: j for j in (head.joints if head else ()) for axis in (1, 2) if surveyor.turns_about(j, axis)}
         if set(turns) == {1, 2}:
-            yield f"neck: {{yaw: {self._joint(turns[2])}, pitch: {self._joint(turns[1])}}}"
+            yaw, pitch = (_quoted(self._joint(turns[axis])) for axis in (2, 1))
+            yield f"neck: {{yaw: {yaw}, pitch: {pitch}}}"
             self._found.append("neck with yaw and pitch")
         else:
             self._found.append("no neck: the torso turns the view")
@@ -173,8 +180,8 @@ class _Writer:
                 guessed |= set(found.guessed)
         note = ""
         if guessed:
-            which = " and ".join(name for name in ("stiffness", "damping", "torque") if name in guessed)
-            note = "    # " + self._guess(f"{which} of the drives")
+            which = listed([name for name in ("stiffness", "damping", "torque") if name in guessed])
+            note = f"    # {self._guess(f'{which} of the drives')}: {which}"
         yield f"drives:{note}"
         for (stiffness, damping, torque), names in groups.items():
             joints = ", ".join(_quoted(pattern) for pattern in _patterns(names, self._hinges))
@@ -240,7 +247,8 @@ def _patterns(names: Sequence[str], known: Sequence[str]) -> list[str]:
 
 
 def _quoted(name: str) -> str:
-    return name if re.fullmatch(r"[A-Za-z_][\w]*", name) else f'"{name}"'
+    """Return a name as YAML reads it as that text, also ``no``, ``12`` and what has blanks and colons."""
+    return name if re.fullmatch(r"[\w./-]+", name) and yaml.safe_load(name) == name else json.dumps(name)
 
 
 def _vector(values: Array) -> str:

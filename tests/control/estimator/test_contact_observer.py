@@ -30,7 +30,14 @@ def largest(rig: ControlRig, seconds: float, targets: dict) -> dict[str, float]:
     return found
 
 
-@pytest.mark.parametrize("force", [(-20.0, 0.0, 0.0), (0.0, 15.0, 0.0), (0.0, 0.0, 20.0)])
+@pytest.mark.parametrize(
+    "force",
+    [
+        (-20.0, 0.0, 0.0),
+        pytest.param((0.0, 15.0, 0.0), marks=pytest.mark.trials),
+        pytest.param((0.0, 0.0, 20.0), marks=pytest.mark.trials),
+    ],
+)
 def test_feels_what_pushes_a_hand_and_from_where(rig: ControlRig, force: tuple[float, ...]) -> None:
     rig.run(2.0, AHEAD)
     rig.plant.push("left_hand", np.array(force), 0.3)
@@ -54,6 +61,7 @@ def test_a_robot_that_walks_and_reaches_feels_nothing(rig: ControlRig) -> None:
     assert max(found[TORSO], more[TORSO]) < 25
 
 
+@pytest.mark.trials
 def test_learns_what_a_hand_carries(rig: ControlRig) -> None:
     rig.plant.alter(hand_payload=2.0)
     try:

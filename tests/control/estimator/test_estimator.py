@@ -119,3 +119,25 @@ def test_control_knows_nothing_but_readings(robot: RobotModel, standing: np.ndar
     again.controller = Controller(robot, played)
     again.run(1.5, WALK)
     np.testing.assert_array_equal(played.commands, commanded)
+
+
+def test_single_silences_of_the_gyroscope_long_apart_turn_nothing(
+    rig: ControlRig, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    measure, fastest = rig.plant.measure, 0.0
+
+    def measured(into: Reading | None = None) -> Reading:
+        reading = measure(into)
+        if rig.controller.cycle in (1500, 3500):  # the robot has turned by a good part of a turn between the two
+            reading.gyro[:] = np.nan
+        return reading
+
+    def watch() -> None:
+        nonlocal fastest
+        fastest = max(fastest, float(np.abs(rig.controller.estimator.estimate.qvel[3:6]).max()))
+
+    monkeypatch.setattr(rig.plant, "measure", measured)
+    rig.run(4.5, {"base": BaseTarget(np.zeros(2), 2.5)}, cycle=watch)
+    assert rig.state.mode is Mode.RUN
+    assert not rig.controller.estimator.watch.failed
+    assert fastest < 3.0

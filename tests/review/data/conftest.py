@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import fcntl
+import os
 from pathlib import Path
 
 import pytest
@@ -18,19 +20,34 @@ def short_run(file: Path, **changes: object) -> Path:
     return file
 
 
+def recorded_once(factory: pytest.TempPathFactory, name: str, **changes: object) -> Path:
+    """Record a short run in the first process of the tests that asks for it."""
+    folder = factory.getbasetemp()
+    if "PYTEST_XDIST_WORKER" in os.environ:
+        folder = folder.parent  # which all processes of this run of the tests share
+    folder = folder / "recorded"
+    folder.mkdir(exist_ok=True)
+    file = folder / f"{name}.rrd"
+    with (folder / f"{name}.lock").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        if not file.exists():
+            short_run(folder / f"{name}-new.rrd", **changes).rename(file)
+    return file
+
+
 @pytest.fixture(scope="session")
 def file(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return short_run(tmp_path_factory.mktemp("recorded") / "first.rrd")
+    return recorded_once(tmp_path_factory, "first")
 
 
 @pytest.fixture(scope="session")
 def other(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return short_run(tmp_path_factory.mktemp("recorded") / "other.rrd", parameters={"stop_distance": "35 cm"})
+    return recorded_once(tmp_path_factory, "other", parameters={"stop_distance": "35 cm"})
 
 
 @pytest.fixture(scope="session")
 def again(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return short_run(tmp_path_factory.mktemp("recorded") / "again.rrd")
+    return recorded_once(tmp_path_factory, "again")
 
 
 @pytest.fixture

@@ -25,7 +25,7 @@ from humanoid_bt.review.parameters import as_yaml
 from humanoid_bt.review.recording import Recording, open_recording
 from tests.review.data.conftest import short_run
 
-ALL, SAMPLE = 500, 30
+ALL, SAMPLE = 500, 20
 COUNT = int(os.environ.get("HUMANOID_BT_DAMAGED", SAMPLE))
 
 
