@@ -12,7 +12,8 @@ Every fenced block says in an HTML comment on the line above it what becomes of 
     <!-- skip: why -->                  it is not run
 
 A page's blocks run in its order, in one folder that is empty at first. Numbers in an output are not compared:
-they differ from one machine to the next.
+they differ from one machine to the next. A page whose examples need pictures says so in its first line,
+``<!-- needs: opengl -->``; on a machine that cannot render they are not run.
 """
 
 from __future__ import annotations
@@ -43,6 +44,7 @@ root:
 """
 
 _FENCE = re.compile(r"^(`{3,})(.*)$")
+_NEEDS_PICTURES = "<!-- needs: opengl -->"
 _MARK = re.compile(r"^<!-- (file|run|output|tree|skip)(?:: (.*?))? -->$")
 _NUMBER = re.compile(r"\b[0-9a-f]{16}\b|\d+(?:\.\d+)?(?:-\d{6})?")
 
@@ -128,6 +130,11 @@ class Shell:
         path = self._folder / name
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(text, encoding="utf-8")
+
+
+def needs_pictures(page: Path) -> bool:
+    """Return whether the examples of a page need a machine that can render."""
+    return page.read_text().startswith(_NEEDS_PICTURES)
 
 
 def play(blocks: list[Block], folder: Path) -> dict[Block, str]:

@@ -63,9 +63,15 @@ __all__ = [  # noqa: RUF022 (grouped as a reader looks for them)
     "Route",
     "HandRoute",
     "rotation_matrix",
+    # Percept sources
+    "PerceptSource",
+    "Percept",
+    "Moment",
+    "Picture",
     # Tests of skills and trees
     "Rig",
     "RigResult",
+    "SourceRig",
     "check_skill",
     "SkillCheck",
     "Stage",
@@ -97,6 +103,7 @@ if TYPE_CHECKING:
     from humanoid_bt.core.messages import SIDES as SIDES
     from humanoid_bt.core.messages import Gait as Gait
     from humanoid_bt.core.messages import Mode as Mode
+    from humanoid_bt.core.messages import Percept as Percept
     from humanoid_bt.core.messages import Pose as Pose
     from humanoid_bt.core.messages import Side as Side
     from humanoid_bt.core.messages import State as State
@@ -116,6 +123,9 @@ if TYPE_CHECKING:
     from humanoid_bt.decision.skill import of_gaze as of_gaze
     from humanoid_bt.decision.skill import of_hand as of_hand
     from humanoid_bt.files.workspace import Workspace as Workspace
+    from humanoid_bt.perception.picture import Picture as Picture
+    from humanoid_bt.perception.source import Moment as Moment
+    from humanoid_bt.perception.source import PerceptSource as PerceptSource
     from humanoid_bt.perception.track import Track as Track
     from humanoid_bt.review.explain import explain as explain
     from humanoid_bt.review.explanation import Explanation as Explanation
@@ -136,6 +146,7 @@ if TYPE_CHECKING:
     from humanoid_bt.testing.events import Event as Event
     from humanoid_bt.testing.rig import Rig as Rig
     from humanoid_bt.testing.rig_result import RigResult as RigResult
+    from humanoid_bt.testing.source_rig import SourceRig as SourceRig
     from humanoid_bt.testing.stage import Stage as Stage
     from humanoid_bt.testing.substitution import Replacement as Replacement
     from humanoid_bt.testing.tree_run import TreeRun as TreeRun
@@ -156,11 +167,13 @@ else:
         "humanoid_bt.decision.blackboard": "Key",
         "humanoid_bt.core.errors": "HumanoidBtError Place Problem UserError",
         "humanoid_bt.core.geometry": "rotation_matrix",
-        "humanoid_bt.core.messages": "SIDES Gait Mode Pose Side State",
+        "humanoid_bt.core.messages": "SIDES Gait Mode Percept Pose Side State",
         "humanoid_bt.core.params": "PerceptName param",
         "humanoid_bt.decision.anatomy": "ArmJoint",
         "humanoid_bt.decision.result": "result",
         "humanoid_bt.decision.robot": "RobotHandle",
+        "humanoid_bt.perception.picture": "Picture",
+        "humanoid_bt.perception.source": "Moment PerceptSource",
         "humanoid_bt.perception.track": "Track",
         "humanoid_bt.review.recording": "Recording open_recording",
         "humanoid_bt.review.explain": "explain",
@@ -178,6 +191,7 @@ else:
         "humanoid_bt.testing.check_skill_result": "SkillCheck",
         "humanoid_bt.testing.rig": "Rig",
         "humanoid_bt.testing.rig_result": "RigResult",
+        "humanoid_bt.testing.source_rig": "SourceRig",
         "humanoid_bt.testing.stage": "Stage",
         "humanoid_bt.testing.tree_run": "TreeRun View Watcher",
         "humanoid_bt.testing.events": "Event",

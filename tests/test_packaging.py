@@ -66,7 +66,7 @@ def test_the_wheel_holds_the_package_and_its_data(wheel: Path) -> None:
         names = set(archive.namelist())
     tops = {name.split("/")[0] for name in names}
     assert {top for top in tops if not top.endswith(".dist-info")} == {"humanoid_bt"}
-    for folder in ("trees", "skills", "sim", "scenarios", "template"):
+    for folder in ("trees", "skills", "perception", "sim", "scenarios", "template"):
         here = {
             f"humanoid_bt/builtin/{path.relative_to(ROOT).as_posix()}"
             for path in (ROOT / folder).rglob("*")

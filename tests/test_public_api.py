@@ -166,7 +166,7 @@ REVEALED = [
 ]
 
 
-@pytest.mark.slow
+@pytest.mark.trials
 def test_type_checkers_see_what_everything_is(tmp_path: Path) -> None:
     file = tmp_path / "uses.py"
     file.write_text(USES, encoding="utf-8")

@@ -12,8 +12,11 @@ from typing import Any
 from humanoid_bt.checking import allow
 from humanoid_bt.checking.robot import robot_problems
 from humanoid_bt.core.errors import Place, Problem, UserError, nearest, relative, resolved
+from humanoid_bt.core.sources import Sources
 from humanoid_bt.files.reading import followed, is_file, is_folder, read_text
-from humanoid_bt.files.workspace import Workspace, yaml_files
+from humanoid_bt.files.workspace import Workspace, source_files, yaml_files
+from humanoid_bt.perception.choice import choose
+from humanoid_bt.perception.source_files import load_sources
 from humanoid_bt.plant.scene_config import load_scene
 from humanoid_bt.tree.nodes.registry import Registry
 from humanoid_bt.tree.source.load import load_tree
@@ -28,7 +31,8 @@ def checked(path: Path, workspace: Workspace, kinds: Kinds = types.MappingProxyT
     """Return the errors and warnings of a tree, a scene, a robot or a skill file, each with its file.
 
     Args:
-        path: the file: ``*.py`` is a skill, ``robot.yaml`` a robot, what lies in ``scenes/`` a scene, else a tree.
+        path: the file: ``*.py`` is a percept source in ``perception/``, else a skill; ``robot.yaml`` a robot; what lies
+            in ``scenes/`` a scene, else a tree.
         workspace: where it would run.
         kinds: other kinds of files.
     """
@@ -42,6 +46,7 @@ def load_checked(
     *,
     robot: str | None = None,
     scene: str | None = None,
+    perception: Sources | None = None,
     arguments: Collection[str] = (),
 ) -> Tree:
     """Load a tree, with the warnings that its files do not allow; arguments as of ``load_tree``.
@@ -49,7 +54,7 @@ def load_checked(
     Raises:
         UserError: it has mistakes, or a comment in its file allows what it cannot allow or gives no reason.
     """
-    tree = load_tree(path, workspace, parameters, robot=robot, scene=scene, arguments=arguments)
+    tree = load_tree(path, workspace, parameters, robot=robot, scene=scene, perception=perception, arguments=arguments)
     problems = settled({tree.path: tree.warnings})
     if errors := [problem for problem in problems if problem.severity == "error"]:
         raise UserError(errors)
@@ -100,12 +105,15 @@ def _load(path: Path, workspace: Workspace, kinds: Kinds) -> Sequence[Problem]:
     Raises:
         UserError: with its errors.
     """
-    if path.suffix == ".py":
+    if path.suffix == ".py" and resolved(path).parent.name == "perception":
+        load_sources(workspace)
+    elif path.suffix == ".py":
         Registry.of(workspace)
     elif path.name == "robot.yaml":
         return robot_problems(path)
     elif path.parent.name == "scenes":
-        load_scene(path)
+        scene = load_scene(path)
+        choose(scene.perception, workspace, scene)
     elif (read := _reader(path, workspace, kinds)) is not None:
         read(path, workspace)
     else:
@@ -178,9 +186,9 @@ def _workspace(file: Path, text: str, root: Workspace | None) -> Workspace:
 
 def _named(text: str, workspace: Workspace) -> Path:
     """Return the file of a name: a tree's, else a scene's, a robot's, a scenario's, a campaign's or that of skills."""
-    skills = {file.stem: file for file in workspace.skill_files()}
+    classes = {file.stem: file for file in (*workspace.perception_files(), *workspace.skill_files())}
     known = {
-        **skills,
+        **classes,
         **workspace.campaigns(),
         **workspace.scenarios(),
         **workspace.robots(),
@@ -192,12 +200,14 @@ def _named(text: str, workspace: Workspace) -> Path:
     if is_file(Path(text)):
         return Path(text)
     hint = nearest(Path(text).stem, known)
-    message = f"no file and no tree, scene, robot, scenario, campaign or skill named {text!r}"
+    message = f"no file and no tree, scene, robot, scenario, campaign, skill or percept source named {text!r}"
     raise UserError(message, Place(text), hint, code="no-file")
 
 
 def _files_in(folder: Path) -> list[Path]:
-    """Return the skills, trees, scenes, robots, scenarios and campaigns of a folder."""
-    skill_folders = [folder] if resolved(folder).name == "skills" else [folder / "skills"]
-    skills = [path for part in skill_folders for path in sorted(part.glob("*.py")) if not path.name.startswith("_")]
-    return [*skills, *yaml_files(folder)]
+    """Return the skills, percept sources, trees, scenes, robots, scenarios and campaigns of a folder."""
+    own = resolved(folder).name
+    skill_folder = folder if own == "skills" else folder / "skills"
+    skills = [path for path in sorted(skill_folder.glob("*.py")) if not path.name.startswith("_")]
+    sources = source_files(folder if own == "perception" else folder / "perception")
+    return [*skills, *sources, *yaml_files(folder)]

@@ -72,6 +72,7 @@ _COMMANDS = {
     "nodes": "inspect",
     "skills": "inspect",
     "scenes": "inspect",
+    "sources": "inspect",
     "robots": "inspect",
     "scenarios": "inspect",
     "diff": "diff",

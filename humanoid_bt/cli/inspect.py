@@ -17,11 +17,13 @@ from humanoid_bt.cli.console import SafeConsole
 from humanoid_bt.cli.output import columns, hanging, print_lines
 from humanoid_bt.cli.robots_init import robots_init
 from humanoid_bt.core.errors import Problem, UserError, nearest, relative
-from humanoid_bt.core.params import Param
+from humanoid_bt.core.params import Param, params_of
 from humanoid_bt.core.texts import printable
 from humanoid_bt.core.units import shown_quantity
-from humanoid_bt.decision.skill_files import class_file
+from humanoid_bt.files.class_files import class_file
 from humanoid_bt.files.workspace import Workspace
+from humanoid_bt.perception.source import PerceptSource
+from humanoid_bt.perception.source_files import load_sources
 from humanoid_bt.plant.scene_config import ObjectConfig, SceneConfig, load_scene
 from humanoid_bt.robot.config import load_robot_config
 from humanoid_bt.robot.model import RobotModel
@@ -41,6 +43,12 @@ def skills(arguments: argparse.Namespace) -> int:
     registry = Registry.of(Workspace(arguments.workspace))
     known = {name: kind for name, kind in registry.items() if kind.kind == "skill"}
     _explain_each(arguments.names, known, "skill", _skill)
+    return ExitCode.SUCCESS
+
+
+def sources(arguments: argparse.Namespace) -> int:
+    """List percept sources, or explain some."""
+    _explain_each(arguments.names, load_sources(Workspace(arguments.workspace)), "source", _source)
     return ExitCode.SUCCESS
 
 
@@ -104,6 +112,13 @@ def _skill(_name: str, skill: NodeType) -> None:
     print_lines(hanging("  ", f"commands {commands}" + (f"; from {relative(file)}" if file else "")))
     results = [(result.name, result.type_name, "result", result.doc) for result in skill.results.values()]
     print_lines(columns([*map(_row, skill.params.values()), *results], indent=2))
+
+
+def _source(name: str, source: type[PerceptSource]) -> None:
+    _headline(name, (inspect.getdoc(source) or "").partition("\n\n")[0])
+    file, needs = class_file(source), " and ".join(source.needs) or "nothing"
+    print_lines(hanging("  ", f"{source.rate:g} Hz, needs {needs}" + (f"; from {relative(file)}" if file else "")))
+    print_lines(columns(map(_row, params_of(source).values()), indent=2))
 
 
 def _node(name: str, node: NodeType) -> None:

@@ -22,6 +22,7 @@ from humanoid_bt.cli.overrides import overrides
 from humanoid_bt.cli.printer import Printer, print_summary
 from humanoid_bt.core import forks
 from humanoid_bt.core.errors import UserError
+from humanoid_bt.files import document
 from humanoid_bt.files.whole import make_way
 from humanoid_bt.session.report import ExitCode, Report
 from humanoid_bt.session.session import Session
@@ -65,6 +66,7 @@ def _session(arguments: argparse.Namespace, printer: Printer) -> Session:
         workspace=arguments.workspace,
         robot=arguments.robot,
         scene=arguments.scene,
+        perception=_sources(arguments.perception),
         parameters=_parameters(arguments),
         seed=arguments.seed,
         duration=arguments.duration,
@@ -105,6 +107,12 @@ def _parameters(arguments: argparse.Namespace) -> dict[str, Any]:
     from humanoid_bt.review.parameters import given_parameters
 
     return {**given_parameters(arguments.params), **values}
+
+
+def _sources(texts: list[str]) -> Any:
+    """Return the percept sources that were given, each in the form of scenes and trees; None if none were."""
+    given = [document.parse(text, f"--perception {text}").plain() for text in texts]
+    return given[0] if len(given) == 1 else given or None
 
 
 def _make_way(path: Path) -> None:

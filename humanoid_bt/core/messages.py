@@ -186,6 +186,9 @@ class Percept:
         size: of the upright box around a solid thing, with ``position`` in its middle, shape (3,): length, width,
             height [m]; None if it is not known, or if nothing can bump into the thing.
         heading: of the box's length, in the base frame [rad].
+        orientation: of the thing's own frame in the base frame, wxyz, shape (4,); None if it is not known.
+        class_name: what kind of thing it is, such as ``cup``; "" if it is not known.
+        covariance: of ``position``, base frame, shape (3, 3) [m^2]; None if it is not known.
     """
 
     name: str
@@ -194,6 +197,9 @@ class Percept:
     confidence: float
     size: Array | None = None
     heading: float = 0.0
+    orientation: Array | None = None
+    class_name: str = ""
+    covariance: Array | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -301,6 +307,7 @@ class Truth:
     gaze_position: Array
     gaze_direction: Array
 
+    joint_positions: Array = field(default_factory=lambda: np.empty(0))
 
 class Mode(Enum):
     """What the supervisor allows."""

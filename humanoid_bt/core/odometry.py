@@ -10,7 +10,14 @@ from humanoid_bt.core.messages import State, Truth
 
 def truth_of(state: State) -> Truth:
     """Return where a robot is that knows exactly where it is."""
-    return Truth(state.time, state.base_position, state.base_quaternion, state.gaze_position, state.gaze_direction)
+    return Truth(
+        state.time,
+        state.base_position,
+        state.base_quaternion,
+        state.gaze_position,
+        state.gaze_direction,
+        state.joint_positions,
+    )
 
 
 def odometry_error(state: State, truth: Truth) -> tuple[float, float]:

@@ -53,3 +53,8 @@ def shortened(text: object, longest: int = LONGEST_TEXT) -> str:
         return whole
     note = f"… ({len(whole):,} characters)"
     return whole[: longest - len(note)] + note
+
+
+def snake_case(name: str) -> str:
+    """Return a CamelCase name as it is written in files."""
+    return re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", name).lower()

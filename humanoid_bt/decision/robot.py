@@ -84,7 +84,7 @@ class Robot:
         self._engine_clock = clock
         self.clock = TreeClock(clock)
         self._state: State | None = None
-        self._percepts: dict[str, tuple[Percept, Array, float]] = {}
+        self._percepts: dict[str, tuple[Percept, Array, float, Array]] = {}
         self._tracks: dict[str, Track] = {}  # those that were asked for in this tick
         self._now = 0.0  # the tick's start
         self._past: deque[State] = deque(maxlen=_POSE_HISTORY)
@@ -126,8 +126,9 @@ class Robot:
     def _track(self, name: str) -> Track | None:
         track = self._tracks.get(name)
         if track is None and (known := self._percepts.get(name)):
-            percept, position_world, heading = known
-            track = self._tracks[name] = Track(percept, position_world, self._now - percept.stamp, self.state, heading)
+            percept, position_world, heading, turn = known
+            age = self._now - percept.stamp
+            track = self._tracks[name] = Track(percept, position_world, age, self.state, heading, turn=turn)
         return track
 
     def why_unseen(self, name: str) -> str:
@@ -246,13 +247,13 @@ class Robot:
         """Take note that a handle has set a target in this tick."""
         self._commanding[handle] = None
 
-    def _place(self, percept: Percept) -> tuple[Array, float]:
-        """Return where a percept is in the world, and the heading of the box around it."""
+    def _place(self, percept: Percept) -> tuple[Array, float, Array]:
+        """Return where a percept is in the world, the heading of the box around it, and how the base was turned."""
         then = min(self._past, key=lambda state: abs(state.time - percept.stamp))
         turn = rotation_matrix(then.base_quaternion)
         position: Array = then.base_position + turn @ percept.position
         position.setflags(write=False)
-        return position, percept.heading + heading_of(turn)
+        return position, percept.heading + heading_of(turn), then.base_quaternion
 
 
 class RobotHandle:

@@ -18,7 +18,6 @@ Its name in trees is the class name in snake_case.
 from __future__ import annotations
 
 import functools
-import re
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any, ClassVar
 
@@ -26,7 +25,7 @@ import py_trees
 from py_trees.common import Status
 
 from humanoid_bt.core.params import PerceptName
-from humanoid_bt.core.texts import shortened
+from humanoid_bt.core.texts import shortened, snake_case
 from humanoid_bt.decision.assign import assign
 from humanoid_bt.decision.result import ResultValue, declared_results
 from humanoid_bt.decision.robot import Robot, RobotHandle
@@ -38,11 +37,6 @@ def node_type_name(cls: type) -> str:
     """Return the name of a class in tree files: snake_case, or its ``type_name`` if it has one."""
     named = vars(cls).get("type_name")
     return named if isinstance(named, str) else snake_case(cls.__name__)
-
-
-def snake_case(name: str) -> str:
-    """Return a CamelCase name as it is written in tree files."""
-    return re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", name).lower()
 
 
 def of_hand(resources: Iterable[str], hand: str) -> tuple[str, ...]:

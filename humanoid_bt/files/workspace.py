@@ -1,4 +1,4 @@
-"""Workspaces: folders with ``trees/``, ``skills/``, ``sim/``, ``scenarios/``, ``campaigns/``, and names in them.
+"""Workspaces: folders with ``trees/``, ``skills/``, ``perception/``, ``sim/`` and more, and names in them.
 
 Names are looked up in the current workspace first, then in the built-in one.
 """
@@ -50,6 +50,13 @@ def yaml_files(folder: Path) -> list[Path]:
         return sorted([*folder.glob("scenes/*.yaml"), *filter(os.path.lexists, robots)])  # a broken link is told of
     deep = set(_DEEP) & set(whole.parts)
     return sorted(folder.rglob("*.yaml") if deep else folder.glob("*.yaml"))
+
+
+def source_files(folder: Path) -> list[Path]:
+    """Return the files of a folder of percept sources; none of a Python package, which is something else."""
+    if (folder / "__init__.py").exists():
+        return []
+    return [path for path in sorted(folder.glob("*.py")) if not path.name.startswith("_")]
 
 
 def _is_workspace(folder: Path) -> bool:
@@ -140,6 +147,10 @@ class Workspace:
             for path in sorted(layer.glob(_SKILLS))
             if not path.name.startswith("_")
         ]
+
+    def perception_files(self) -> list[Path]:
+        """Return every file of percept sources, in the order of :meth:`skill_files`."""
+        return [path for layer in reversed(self.layers) for path in source_files(layer / "perception")]
 
     def find_tree(self, name: str) -> Path:
         """Return a tree's file from its name or path.

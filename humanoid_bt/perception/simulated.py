@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 
 from humanoid_bt.core.geometry import heading_of, rotation_matrix
-from humanoid_bt.core.messages import Array, Percept, Truth
+from humanoid_bt.core.messages import Array, Percept, State, Truth
 from humanoid_bt.core.units import readable
+from humanoid_bt.perception.interface import Perception
 from humanoid_bt.plant.scene import Box, Scene, random_stream
 from humanoid_bt.plant.scene_config import PerceptConfig
 
@@ -18,7 +20,7 @@ _CONFIDENCE_NOISE = 0.01  # standard deviation
 _CONFIDENCE_NOISE_LIMIT = 0.02  # bounded, so that a threshold's distance from the confidence means something
 
 
-class SimulatedPerception:
+class SimulatedPerception(Perception):
     """Sees the scene's objects from where the robot's eyes are, as a tracker does.
 
     A thing is published from the moment it was first seen. While it is hidden, or out of view or range, it is
@@ -30,18 +32,21 @@ class SimulatedPerception:
     Args:
         scene: where things are, and what is published of them.
         seed: of the noise; each percept has its own random numbers.
-
-    Attributes:
-        unseen: percepts that were never published so far, and why.
     """
 
     def __init__(self, scene: Scene, seed: int) -> None:
         self._scene = scene
         self._numbers = {name: random_stream(seed, "percept", name) for name in scene.config.percepts}
         self._last_seen: dict[str, Array] = {}
-        self.unseen: dict[str, str] = dict.fromkeys(scene.config.percepts, "perception has not looked yet")
+        self.names = list(scene.config.percepts)
+        self._unseen: dict[str, str] = dict.fromkeys(scene.config.percepts, "perception has not looked yet")
 
-    def observe(self, robot: Truth) -> list[Percept]:
+    @property
+    def unseen(self) -> Mapping[str, str]:
+        """The percepts that were never published so far, and why."""
+        return self._unseen
+
+    def observe(self, robot: Truth, _state: State | None = None) -> list[Percept]:
         """Return what is published now; call it once per perception period.
 
         Positions are in the robot's base frame at that time.
@@ -64,14 +69,14 @@ class SimulatedPerception:
             if why_not and box and not hidden and _corner_in_sight(box, offset, robot, config):
                 why_not = ""
             if not why_not:
-                self.unseen.pop(name, None)
+                self._unseen.pop(name, None)
                 self._last_seen[name] = position + position_noise * (config.noise + config.noise_per_meter * distance)
                 fall = min(distance / config.range, 1.0) ** _FALL_EXPONENT
                 confidence = _NEAR_CONFIDENCE - (_NEAR_CONFIDENCE - _FAR_CONFIDENCE) * fall
             else:
                 confidence = _LOST_CONFIDENCE
             if name not in self._last_seen:
-                self.unseen[name] = why_not
+                self._unseen[name] = why_not
                 continue
             noise = _CONFIDENCE_NOISE * float(confidence_noise)
             confidence += min(max(noise, -_CONFIDENCE_NOISE_LIMIT), _CONFIDENCE_NOISE_LIMIT)

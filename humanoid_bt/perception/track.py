@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import math
 
-from humanoid_bt.core.geometry import rotation_matrix
+import numpy as np
+
+from humanoid_bt.core.geometry import quaternion_product, rotation_matrix
 from humanoid_bt.core.messages import Array, Percept, State
 
 
@@ -24,15 +26,27 @@ class Track:
         confidence: in [0, 1].
         size: of a solid thing, shape (3,): length, width, height of the upright box around it [m]; None of any other.
         heading_world: where the length of that box points to [rad].
+        orientation_world: of the thing's own frame, wxyz, shape (4,), in the world; None if it is not known.
+        class_name: what kind of thing it is, "" if it is not known.
+        covariance_world: of its position, world frame, shape (3, 3) [m^2]; None if it is not known.
+        deviation: standard deviation of its position in the direction in which that is largest [m]; None likewise.
     """
 
-    __slots__ = ("_percept", "_state", "age", "heading_world", "position_world")
+    __slots__ = ("_percept", "_state", "_turn", "age", "heading_world", "position_world")
 
     def __init__(
-        self, percept: Percept, position_world: Array, age: float, state: State, heading_world: float = 0.0
+        self,
+        percept: Percept,
+        position_world: Array,
+        age: float,
+        state: State,
+        heading_world: float = 0.0,
+        *,
+        turn: Array | None = None,
     ) -> None:
         self._percept = percept
         self._state = state
+        self._turn = turn  # of the base when it was seen, wxyz; None where the percept is given in the world
         self.age = age
         self.position_world = position_world
         self.heading_world = heading_world
@@ -57,6 +71,28 @@ class Track:
     @property
     def size(self) -> Array | None:  # noqa: D102
         return self._percept.size
+
+    @property
+    def orientation_world(self) -> Array | None:  # noqa: D102
+        turn = self._percept.orientation
+        return turn if turn is None or self._turn is None else quaternion_product(self._turn, turn)
+
+    @property
+    def class_name(self) -> str:  # noqa: D102
+        return self._percept.class_name
+
+    @property
+    def covariance_world(self) -> Array | None:  # noqa: D102
+        covariance = self._percept.covariance
+        if covariance is None or self._turn is None:
+            return covariance
+        turn = rotation_matrix(self._turn)
+        return np.asarray(turn @ covariance @ turn.T)
+
+    @property
+    def deviation(self) -> float | None:  # noqa: D102
+        covariance = self._percept.covariance
+        return None if covariance is None else math.sqrt(max(0.0, float(np.linalg.eigvalsh(covariance)[-1])))
 
     @property
     def position_base(self) -> Array:  # noqa: D102

@@ -112,7 +112,8 @@ class MujocoPlant:
         mujoco.mj_kinematics(self.model, data)  # MuJoCo's own is of the beginning of its step
         pose = data.qpos[:BASE_COORDINATES].copy()
         forward = data.site_xmat[self._gaze][[0, 3, 6]]
-        return Truth(self.time, pose[:3], pose[3:], data.site_xpos[self._gaze].copy(), forward)
+        eye, joints = data.site_xpos[self._gaze].copy(), data.qpos[BASE_COORDINATES : self._nq].copy()
+        return Truth(self.time, pose[:3], pose[3:], eye, forward, joints)
 
     def measure(self, into: Reading | None = None) -> Reading:
         """Return what the robot's sensors say now, as :class:`~humanoid_bt.plant.interface.Plant` wants it."""

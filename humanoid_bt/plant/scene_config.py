@@ -12,6 +12,7 @@ from humanoid_bt.core.errors import Problem, UserError, nearest
 from humanoid_bt.core.items import Item
 from humanoid_bt.core.params import param, params_of
 from humanoid_bt.core.reading import read, unexplained
+from humanoid_bt.core.sources import Sources
 from humanoid_bt.files import document
 
 Shape = Literal["ball", "box", "cylinder", "person"]
@@ -147,6 +148,7 @@ class SceneConfig:
     robot: StartConfig = param(StartConfig(), doc="Where the robot starts.")
     objects: dict[str, ObjectConfig] = param({}, doc="What stands in the scene, by name.")
     percepts: dict[str, PerceptConfig] = param({}, doc="What perception publishes, by the name that trees use.")
+    perception: Sources | None = param(None, doc="The percept sources; default: `tracker`, which publishes `percepts`.")
     events: list[EventConfig] = param([], doc="What happens when.")
     path: Path = field(default=Path(), compare=False)
 

@@ -7,21 +7,23 @@ from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Self
+from typing import Any, Self
 
+from humanoid_bt.core.errors import Problem, UserError
 from humanoid_bt.link.estop import EStop
 from humanoid_bt.link.heartbeat import Heartbeat
 from humanoid_bt.link.ring import RingReader, RingWriter
 from humanoid_bt.link.run_folder import RunFolder
 from humanoid_bt.realtime.timing import STOP_ROOM
 
-_ESTOP, _LEFT = "estop", "left"
+_ESTOP, _LEFT, _MISTAKES = "estop", "left", "mistakes.json"
 _SIZES: dict[str, tuple[int, int]] = {  # ring -> (bytes in a slot, slots)
     "command": (16384, 8),  # decision -> control
     "request": (4096, 8),  # decision -> control: a stop, with source and reason
     "state": (16384, 16),  # control -> all; 80 ms at 200 Hz
-    "truth": (256, 8),  # plant -> perception, decision: where the simulated robot really is
+    "truth": (4096, 8),  # plant -> perception, decision: where the simulated robot really is
     "percept": (16384, 8),  # perception -> decision
+    "source": (4096, 256),  # perception -> decision: what happened to its sources
     "notice": (4096, 256),  # control -> decision: what happened
     "refusal": (1024, 256),  # control -> decision: commands that were refused
     "timing": (4096, 8),  # control -> all: how punctual it is
@@ -45,6 +47,8 @@ class RunSpec:
         log: file in which control notes what happens, which stays when the folder is gone; "" for none.
         hold: how long control goes on balancing after decision died [s].
         parent: decision's process id. Each process compares its parent's with it: decision may die before they look.
+        perception: the percept sources as they are written; None for the simulated tracker.
+        workspace: folder in which they are found.
     """
 
     robot: str
@@ -54,6 +58,8 @@ class RunSpec:
     log: str
     hold: float
     parent: int
+    perception: Any = None
+    workspace: str = ""
 
     def write(self, folder: RunFolder) -> None:
         """Leave it in the run's folder."""
@@ -117,6 +123,22 @@ def leave(folder: RunFolder) -> None:
     """Note that control ends, before it looks for the last time whether it is to clean up."""
     with suppress(OSError):  # the folder is gone, or there is no room
         folder.path(_LEFT).touch(mode=0o600)
+
+
+def leave_mistakes(folder: RunFolder, error: UserError) -> None:
+    """Note what keeps perception from beginning, for decision, which reads it when perception has ended."""
+    lines = [[problem.message, problem.hint, problem.code] for problem in error.problems]
+    with suppress(OSError):
+        folder.path(_MISTAKES).write_text(json.dumps(lines), encoding="utf-8")
+
+
+def left_mistakes(folder: RunFolder) -> list[Problem]:
+    """Return what kept perception from beginning."""
+    try:
+        lines = json.loads(folder.path(_MISTAKES).read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return []
+    return [Problem(message, None, hint, code) for message, hint, code in lines]
 
 
 def has_left(folder: RunFolder) -> bool:

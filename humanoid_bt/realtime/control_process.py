@@ -79,7 +79,7 @@ class ControlProcess:
         self._estop = EStopFollower(channels.estop(folder), self._controller.supervisor, self._tell)
         self._quit = channels.quit_flag(folder)
         self._command_sequence = self._request_sequence = 0
-        self._told_stops = self._told_refusals = self._told_touches = 0
+        self._told_stops = self._told_touches = 0
         self._orphaned_at: int | None = None
         self._hold = cycles(spec.hold)
         self._terminated = False

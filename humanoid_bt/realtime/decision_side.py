@@ -6,7 +6,7 @@ import contextlib
 import json
 import os
 import time
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +17,7 @@ from humanoid_bt.core.clock import DECISION_PERIOD
 from humanoid_bt.core.errors import ControlLost, HumanoidBtError, UserError
 from humanoid_bt.core.kept import Kept
 from humanoid_bt.core.messages import Array, Command, Percept, State, Truth
+from humanoid_bt.core.plain import plain
 from humanoid_bt.link.ring import RingReader, RingWriter
 from humanoid_bt.link.run_folder import RunFolder, RunInfo, clean_stale, live_runs
 from humanoid_bt.link.wire import (
@@ -49,7 +50,7 @@ HOLD_TIME = 10.0
 _START_TIMEOUT = 30.0  # s until the first state must be there
 _SILENCE = 1.0  # s without a new state after which control counts as lost
 _POLL = 0.005  # s between two looks at processes that start or end
-_READ = ("state", "stop", "notice", "refusal", "percept", "truth", "timing")
+_READ = ("state", "stop", "notice", "refusal", "percept", "source", "truth", "timing")
 _WRITTEN = ("command", "request")
 
 
@@ -61,6 +62,8 @@ class Realtime:
         scene: what surrounds it.
         tree: name of the tree, for ``humanoid-bt status``.
         hold: how long control goes on balancing the robot after decision died [s].
+        sources: the percept sources as they are written, None for the simulated tracker; and their workspace.
+        publishes: the percepts that they publish; those of the scene if None.
 
     Attributes:
         clock: the engine's clock.
@@ -74,8 +77,19 @@ class Realtime:
         unseen: percepts that were never published so far, and why.
     """
 
-    def __init__(self, robot: RobotModel, scene: Scene, tree: str, hold: float = HOLD_TIME) -> None:
+    def __init__(
+        self,
+        robot: RobotModel,
+        scene: Scene,
+        tree: str,
+        hold: float = HOLD_TIME,
+        *,
+        sources: tuple[Any, str] = (None, ""),
+        publishes: Collection[str] | None = None,
+    ) -> None:
         self.robot, self.scene = robot, scene
+        self.publishes = list(scene.config.percepts if publishes is None else publishes)
+        self._sources = sources
         self.clock = StateClock()
         self.model: mujoco.MjModel = MujocoPlant(robot, scene).model
         self.supervisor = RemoteSupervisor()
@@ -121,7 +135,7 @@ class Realtime:
                 log.unlink(missing_ok=True)
         except OSError as error:
             raise HumanoidBtError(f"{error.filename} cannot be written: {error.strerror}") from error
-        rooms = {"state": state_room(self.robot.joint_names), "percept": percepts_room(self.scene.config.percepts)}
+        rooms = {"state": state_room(self.robot.joint_names), "percept": percepts_room(self.publishes)}
         channels.create_channels(folder, **rooms)
         if self.cycle_tables is not None:
             Layout.of(self.robot.joint_names).create(*self.cycle_tables)
@@ -154,6 +168,8 @@ class Realtime:
         while not self._readers[channel].sequence:
             for known in {"control", role}:
                 if how := children.how_ended(known):
+                    if self._folder is not None and (mistakes := channels.left_mistakes(self._folder)):
+                        raise UserError(mistakes)
                     raise ControlLost(f"the {known} process ended ({how})")
             if time.monotonic() > deadline:
                 raise HumanoidBtError(f"the {role} process did not start within {_START_TIMEOUT:g} s")
@@ -168,6 +184,8 @@ class Realtime:
             log=str(log.resolve()) if log is not None else "",
             hold=self._hold,
             parent=os.getpid(),
+            perception=plain(self._sources[0]),
+            workspace=self._sources[1],
         )
 
     def abandon(self) -> str:
@@ -287,7 +305,7 @@ class Realtime:
         for payload in self._new("percept"):
             seen, self.unseen = decode_percepts(payload)
             self._percepts |= {percept.name: percept for percept in seen}
-        for payload in self._new("notice"):
+        for payload in (*self._new("notice"), *self._new("source")):
             self.notices.append(decode_event(payload))
         for payload in self._new("refusal"):
             self.supervisor.rejected.append(payload.decode(errors="replace"))

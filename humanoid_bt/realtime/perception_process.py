@@ -1,37 +1,87 @@
-"""The perception process: sees what the scene has, at 10 Hz."""
+"""The perception process: the percept sources of a run, each at its rate."""
 
 from __future__ import annotations
 
 import os
 import signal
 import sys
+from collections import deque
 from pathlib import Path
 
-from humanoid_bt.core.clock import PERCEPTION_PERIOD
+from humanoid_bt.core.errors import UserError
+from humanoid_bt.core.messages import State
+from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.link.run_folder import RunFolder
-from humanoid_bt.link.wire import Sight, decode_truth, encode_percepts
+from humanoid_bt.link.wire import Event, Sight, decode_state, decode_truth, encode_event, encode_percepts
+from humanoid_bt.perception.choice import choose, written
+from humanoid_bt.perception.interface import Perception
+from humanoid_bt.perception.senses import new_perception
 from humanoid_bt.perception.simulated import SimulatedPerception
 from humanoid_bt.plant.scene import Scene, load_scene
 from humanoid_bt.realtime import channels
 from humanoid_bt.realtime.channels import RunSpec
 from humanoid_bt.realtime.schedule import Schedule
+from humanoid_bt.robot.config import load_robot_config
+from humanoid_bt.robot.model import RobotModel
+
+_STATES = 64  # that are kept, to know what control believed at the time of a truth: 0.3 s
 
 
 def run(folder: RunFolder) -> None:
-    """Publish percepts until decision ends the run or dies."""
+    """Publish percepts until decision ends the run or dies.
+
+    Raises:
+        UserError: a source cannot begin.
+    """
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the terminal's Ctrl-C is for decision
     spec = RunSpec.read(folder)
-    perception = SimulatedPerception(Scene(load_scene(Path(spec.scene)), spec.seed), spec.seed)
+    perception = _perception(spec)
+    perception.start()
     truths, percepts = channels.reader(folder, "truth"), channels.writer(folder, "percept")
+    states, news = channels.reader(folder, "state"), channels.writer(folder, "source")
     quit_flag = channels.quit_flag(folder)
-    schedule = Schedule(PERCEPTION_PERIOD, spin=False)
-    while not quit_flag.count and os.getppid() == spec.parent:
-        schedule.wait()
-        latest = truths.latest()
-        if latest is not None:
-            seen = perception.observe(decode_truth(latest[1]))
+    schedule = Schedule(perception.period, spin=False)
+    past: deque[State] = deque(maxlen=_STATES)
+    read = 0
+    try:
+        while not quit_flag.count and os.getppid() == spec.parent:
+            schedule.wait()
+            latest = truths.latest()
+            if latest is None:
+                continue
+            truth = decode_truth(latest[1])
+            if spec.perception is not None:
+                entries, _ = states.since(read)
+                past.extend(decode_state(payload) for _, payload in entries)
+                read = entries[-1][0] if entries else read
+            then = min(past, key=lambda state: abs(state.time - truth.time), default=None)
+            seen = perception.observe(truth, then)
             percepts.write(encode_percepts(Sight(seen, perception.unseen)))
+            for level, text in perception.take_news():
+                news.write(encode_event(Event(truth.time, level, text)))
+    finally:
+        perception.close()
+
+
+def _perception(spec: RunSpec) -> Perception:
+    scene = Scene(load_scene(Path(spec.scene)), spec.seed)
+    if spec.perception is None:
+        return SimulatedPerception(scene, spec.seed)  # it needs no robot, which takes a while to load
+    chosen = choose(written(spec.perception), Workspace(spec.workspace), scene.config)
+    robot = RobotModel(load_robot_config(Path(spec.robot)))
+    return new_perception(chosen, robot, scene, waits=False)
+
+
+def main() -> int:
+    """Run perception for the run whose folder is the first argument."""
+    folder = channels.open_folder(sys.argv[1])
+    try:
+        run(folder)
+    except UserError as error:
+        channels.leave_mistakes(folder, error)
+        return 2
+    return 0
 
 
 if __name__ == "__main__":
-    run(channels.open_folder(sys.argv[1]))
+    raise SystemExit(main())

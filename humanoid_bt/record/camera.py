@@ -13,11 +13,11 @@ import rerun as rr
 
 from humanoid_bt.core.errors import UserError
 from humanoid_bt.core.messages import Array, State
+from humanoid_bt.plant.rendering import Setup, Shot, View
 from humanoid_bt.record.columns import send, xyzw
 from humanoid_bt.record.photographer import Photographer
-from humanoid_bt.record.rendering import Setup, Shot
 from humanoid_bt.record.scene_view import OBJECT_PREFIX, WORLD
-from humanoid_bt.record.subject import View, Wanted
+from humanoid_bt.record.subject import Wanted
 
 CAMERA = "camera"
 """Entity of the pictures; also the name of the camera's frame."""
@@ -52,13 +52,13 @@ class HeadCamera:
         if wanted == "auto" and _cores() <= busy_cores:
             self._why = "the run leaves no core for it"
         elif wanted:
-            setup = Setup(model, view.body, view.size, view.angle)
+            setup = Setup(model, view)
             self._photographer = Photographer(setup, math.inf if wanted is True else _SLOWEST)
         if wanted is True and self._photographer is not None:
             self._photographer.wait_until_ready()
             if why := self._photographer.why:
                 self._photographer.finish()
-                hint = "Debian: apt install libegl1 libgl1-mesa-dri; or do without the camera"
+                hint = "Debian: apt install libegl1 libgl1-mesa-dri (or libosmesa6); or do without the camera"
                 raise UserError(f"there is no picture of the head camera: {why}", hint=hint)
 
     @property
@@ -77,7 +77,7 @@ class HeadCamera:
         width, height = self._view.size
         pinhole = rr.Pinhole(
             resolution=[width, height],
-            focal_length=height / 2 / math.tan(self._view.angle / 2),
+            focal_length=self._view.focal,
             camera_xyz=rr.ViewCoordinates.FLU,
             parent_frame=CAMERA,
             child_frame=_PLANE,

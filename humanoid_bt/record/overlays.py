@@ -116,7 +116,9 @@ class Overlays:
             path = f"{PERCEPTS}/{entity(name)}"
             if name not in self._percepts:
                 self._percepts.add(name)
-                look = rr.Points3D.from_fields(labels=[name], radii=[0.022], show_labels=True)
+                kinds = (tracks[name].class_name for _, tracks in self._samples if name in tracks)
+                label = f"{name}: {kind}" if (kind := next(kinds, "")) else name
+                look = rr.Points3D.from_fields(labels=[label], radii=[0.022], show_labels=True)
                 stream.log(path, rr.CoordinateFrame(WORLD), look, static=True)
             seen = [(state.time, tracks[name]) for state, tracks in self._samples if name in tracks]
             columns = rr.Points3D.columns(

@@ -2,23 +2,18 @@
 
 from __future__ import annotations
 
-import contextlib
 import math
-import os
-import pickle
-import subprocess
-import sys
 import threading
 import time
-from typing import Any
 
-from humanoid_bt.record.rendering import Setup, Shot
+from humanoid_bt.plant.camera_client import CameraLost, CameraProcess
+from humanoid_bt.plant.rendering import Setup, Shot
 
 _MOST = 32  # waiting pictures above which every second is left out
 _PATIENCE = 0.02  # share of the time so far that it waits at the end for what is not there yet
 _LONG_PATIENCE = 60.0  # s that it waits where every picture is wanted
 _START_TIMEOUT = 30.0  # s until it must be known whether there can be pictures
-_END_TIMEOUT = 5.0  # s that a killed process may take to be gone: longer only if the system itself hangs
+_END_TIMEOUT = 5.0  # s that its thread may take to be gone: longer only if the system itself hangs
 
 
 class Photographer:
@@ -34,30 +29,16 @@ class Photographer:
 
     def __init__(self, setup: Setup, slowest: float) -> None:
         self.why = ""
-        self._slowest = slowest
         self._all = math.isinf(slowest)
         self._news = threading.Condition()
         self._waiting: list[Shot] = []
         self._taken: list[tuple[Shot, bytes]] = []
-        self._ending = False
+        self._ending = self._over = False
         self._began = time.monotonic()
         self._answered = threading.Event()
-        self._process: subprocess.Popen[bytes] | None = None
-        self._thread = threading.Thread(target=self._work, args=(setup,), name="camera", daemon=True)
-        try:
-            self._process = subprocess.Popen(
-                [sys.executable, "-P", "-m", "humanoid_bt.record.camera_process"],
-                stdin=subprocess.PIPE,
-                stdout=subprocess.PIPE,
-                stderr=subprocess.DEVNULL,
-                env={**os.environ, "LP_NUM_THREADS": "0", "OMP_NUM_THREADS": "1"},
-                start_new_session=True,  # Ctrl-C ends the run, and the run this
-            )
-        except OSError as error:
-            self.why = f"its process cannot be started: {error.strerror}"
-            self._answered.set()
-        else:
-            self._thread.start()
+        self._camera = CameraProcess(setup, slowest)
+        self._thread = threading.Thread(target=self._work, name="camera", daemon=True)
+        self._thread.start()
 
     def wait_until_ready(self) -> None:
         """Wait until it is known whether there will be pictures."""
@@ -85,35 +66,32 @@ class Photographer:
 
     def finish(self) -> None:
         """Give pictures that are not there yet a little time, then end the process."""
-        if self._process is None:
+        if self._over:
             return
+        self._over = True
         with self._news:
             self._ending = True
             self._news.notify()
         self._thread.join(self.patience)
         if not self._answered.is_set():
             self.why = "the run was over before the first one was there"
-        self._process.kill()
+        self._camera.end()
         self._thread.join(_END_TIMEOUT)
-        with contextlib.suppress(subprocess.TimeoutExpired):
-            self._process.wait(_END_TIMEOUT)
-        self._process = None
 
-    def _work(self, setup: Setup) -> None:
-        assert self._process is not None
-        assert self._process.stdin is not None
-        assert self._process.stdout is not None
+    def _work(self) -> None:
         try:
-            with self._process.stdin as sink, self._process.stdout as source:
-                self.why = _ask((pickle.dumps(setup), self._slowest), sink, source)
-                self._answered.set()
-                while not self.why and (shot := self._next()) is not None:
-                    picture = _ask(shot, sink, source)
-                    with self._news:
-                        self._taken.append((shot, picture))
-        except (OSError, EOFError, pickle.UnpicklingError):
+            why = self._camera.open()
+            if self._camera.over:
+                return
+            self.why = why
+            self._answered.set()
+            while not self.why and (shot := self._next()) is not None:
+                picture = self._camera.take(shot)
+                with self._news:
+                    self._taken.append((shot, picture))
+        except CameraLost as error:
             if not self._ending:
-                self.why = "its process ended"
+                self.why = str(error)
         finally:
             self._answered.set()
 
@@ -122,9 +100,3 @@ class Photographer:
         with self._news:
             self._news.wait_for(lambda: self._waiting or self._ending)
             return self._waiting.pop(0) if self._waiting else None
-
-
-def _ask(question: object, sink: Any, source: Any) -> Any:
-    pickle.dump(question, sink)
-    sink.flush()
-    return pickle.load(source)  # from a process that was started here

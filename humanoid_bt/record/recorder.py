@@ -17,6 +17,7 @@ from humanoid_bt.core.errors import HumanoidBtError
 from humanoid_bt.core.messages import Array, State
 from humanoid_bt.decision.result import Reported
 from humanoid_bt.perception.track import Track
+from humanoid_bt.plant.rendering import View
 from humanoid_bt.record.blueprint import blueprint
 from humanoid_bt.record.camera import HeadCamera
 from humanoid_bt.record.documents import send_info, send_tree_file
@@ -33,7 +34,7 @@ from humanoid_bt.record.route_view import RouteView
 from humanoid_bt.record.scene_view import SceneView
 from humanoid_bt.record.sinks import Sinks
 from humanoid_bt.record.stop_sign import StopSign
-from humanoid_bt.record.subject import TreeView, View, Wanted
+from humanoid_bt.record.subject import TreeView, Wanted
 from humanoid_bt.record.tree_view import TreeStatus
 from humanoid_bt.record.viewers import FLUSH_TIMEOUT
 from humanoid_bt.robot.config import RobotConfig

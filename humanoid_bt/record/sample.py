@@ -36,11 +36,20 @@ def encode_sample(
         WireError: the tick is none that the wire can carry.
     """
     rows = [
-        (name, track.stamp, track.confidence, track.position_world.tolist(), track.age, *_box(track))
+        (name, track.stamp, track.confidence, track.position_world.tolist(), track.age, *_box(track), *_more(track))
         for name, track in tracks.items()
     ]
     places = {name: position.tolist() for name, position in objects.items()}
     return encode_call(_SAMPLE, tick.encode(), rows, places, tuple(hidden))
+
+
+def _more(track: Track) -> tuple[list[float] | None, str, list[list[float]] | None]:
+    orientation, covariance = track.orientation_world, track.covariance_world
+    return (
+        None if orientation is None else orientation.tolist(),
+        track.class_name,
+        None if covariance is None else covariance.tolist(),
+    )
 
 
 def _box(track: Track) -> tuple[list[float] | None, float]:
@@ -67,12 +76,21 @@ def _sample(
     state = state_of(data)
     tracks = {
         name: Track(
-            Percept(name, stamp, _NOWHERE, confidence, None if size is None else np.array(size)),
+            Percept(
+                name,
+                stamp,
+                _NOWHERE,
+                confidence,
+                None if size is None else np.array(size),
+                orientation=None if turn is None else np.array(turn),
+                class_name=kind,
+                covariance=None if spread is None else np.array(spread),
+            ),
             np.array(position),
             age,
             state,
             heading,
         )
-        for name, stamp, confidence, position, age, size, heading in rows
+        for name, stamp, confidence, position, age, size, heading, turn, kind, spread in rows
     }
     return state, tracks, {name: np.array(position) for name, position in places.items()}, hidden, data

@@ -181,6 +181,12 @@ TABLES: dict[str, TableSpec] = {
             Column("width", "number", "of that box", "m"),
             Column("height", "number", "of that box", "m"),
             Column("heading", "number", "of the box's length, in the base frame", "rad"),
+            *(Column(f"q{axis}", "number", "of its own frame in the base frame, if it is told") for axis in "wxyz"),
+            Column("class", "text", "what kind of thing it is, if it is told"),
+            *(
+                Column(f"deviation_{axis}", "number", "standard deviation of its position, if it is told", "m")
+                for axis in "xyz"
+            ),
         ),
     ),
     "contacts": TableSpec(

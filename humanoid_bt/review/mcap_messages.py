@@ -102,7 +102,9 @@ def _base(recording: Recording, wanted: Wanted) -> Iterator[Message]:
 
 def _percepts(recording: Recording, wanted: Wanted) -> Iterator[Message]:
     for row in _rows(recording, wanted, "percepts"):
-        pose = {"position": {axis: row[axis] for axis in "xyz"}, "orientation": _upright(row["heading"] or 0.0)}
+        turned = row["qw"] is not None
+        turn = {axis: row[f"q{axis}"] for axis in "xyzw"} if turned else _upright(row["heading"] or 0.0)
+        pose = {"position": {axis: row[axis] for axis in "xyz"}, "orientation": turn}
         value = {"timestamp": _stamp(row["stamp"]), "frame_id": BASE, "pose": pose}
         yield Message(row["time"], f"/percepts/{row['name']}", "foxglove.PoseInFrame", value)
 

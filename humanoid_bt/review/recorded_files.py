@@ -10,7 +10,8 @@ from typing import Any, NamedTuple
 from humanoid_bt.core.errors import UserError
 from humanoid_bt.files.workspace import Workspace, builtin_root
 
-_FOLDERS = {"tree": "trees", "skill": "skills", "scene": "sim/scenes"}  # for files that were in no workspace
+_FOLDERS = {"tree": "trees", "skill": "skills", "scene": "sim/scenes", "perception": "perception"}
+"""Of files that were in no workspace."""
 
 
 class RecordedFiles(NamedTuple):

@@ -7,6 +7,8 @@ import math
 from collections.abc import Iterable, Iterator
 from typing import Any
 
+import numpy as np
+
 from humanoid_bt.core.messages import (
     SIDES,
     ArmTarget,
@@ -22,6 +24,7 @@ from humanoid_bt.record.tick import Tick
 from humanoid_bt.review.happened import Row, Running
 
 _BETWEEN = " | "  # several names in one text
+_DEVIATIONS = ("deviation_x", "deviation_y", "deviation_z")
 
 
 def ticks(found: Iterable[Tick], changes: Iterable[Row]) -> Iterator[Row]:
@@ -68,6 +71,9 @@ def percepts(found: Iterable[Tick]) -> Iterator[Row]:
                 "confidence": percept.confidence,
                 **({} if percept.size is None else _numbers(percept.size, ("length", "width", "height"))),
                 "heading": None if percept.size is None else percept.heading,
+                **({} if (turn := percept.orientation) is None else _numbers(turn, ("qw", "qx", "qy", "qz"))),
+                "class": percept.class_name or None,
+                **({} if (spread := percept.covariance) is None else _numbers(np.sqrt(np.diag(spread)), _DEVIATIONS)),
             }
 
 

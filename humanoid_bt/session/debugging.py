@@ -45,7 +45,7 @@ class Debugging:
         Raises:
             UserError: it names no node of the tree, and is no expression either.
         """
-        self._drive.debugger.break_at(what, self._drive.runner.tree, self._drive.engine.scene.config.percepts)
+        self._drive.debugger.break_at(what, self._drive.runner.tree, self._drive.engine.publishes)
 
     @property
     def breakpoints(self) -> tuple[str, ...]:

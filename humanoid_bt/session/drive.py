@@ -15,6 +15,7 @@ from humanoid_bt.core.messages import Pause, Truth
 from humanoid_bt.core.plain import plain
 from humanoid_bt.decision.robot import Robot
 from humanoid_bt.files.workspace import Workspace
+from humanoid_bt.perception.choice import sources_of
 from humanoid_bt.perception.track import Track
 from humanoid_bt.plant.scene import Scene, load_scene
 from humanoid_bt.record.folder import report_beside
@@ -84,7 +85,7 @@ class Drive:
         if options.numbered:
             make_folder()
         options.sinks.check()
-        self.engine = engine or _engine(options, loader)
+        self.engine = engine or _engine(options, loader, workspace)
         self._teller = Teller(listener, self.engine, options.parameters)
         self.debugger = Debugger(self._teller)
         self.runner = TreeRunner(self._prepare(loader.first))
@@ -264,7 +265,8 @@ class Drive:
         return sinks.live
 
 
-def _engine(options: RunOptions, loader: TreeLoader) -> Engine:
+def _engine(options: RunOptions, loader: TreeLoader, workspace: Workspace) -> Engine:
     """Return what a run needs below its tree, loaded for it."""
     scene = Scene(load_scene(loader.scene), options.seed)
-    return new_engine(options, loader.robot, scene, loader.first.name)
+    sources = sources_of(options.perception, loader.first.perception, scene.config)
+    return new_engine(options, loader.robot, scene, loader.first.name, sources=sources, workspace=workspace)

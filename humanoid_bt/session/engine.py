@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple, Protocol
 
@@ -87,6 +87,10 @@ class Engine(Protocol):
         """What came from outside so far, and is not what was sensed."""
 
     @property
+    def publishes(self) -> Collection[str]:
+        """The percepts that its sources publish."""
+
+    @property
     def unseen(self) -> Mapping[str, str]:
         """The percepts that were never published so far, and why."""
 
@@ -95,6 +99,9 @@ class Engine(Protocol):
 
         Args:
             log: file in which control notes what happens, where it is a process of its own.
+
+        Raises:
+            UserError: a percept source cannot begin.
         """
 
     def log_cycles(self) -> None:

@@ -10,8 +10,8 @@ from py_trees.behaviour import Behaviour
 
 from humanoid_bt.checking.check import load_checked
 from humanoid_bt.core.errors import Place, Problem, UserError, relative, resolved
-from humanoid_bt.decision.skill_files import class_file
 from humanoid_bt.files import document
+from humanoid_bt.files.class_files import class_file
 from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.session.options import RunOptions
 from humanoid_bt.tree.tree import Tree
@@ -59,6 +59,10 @@ class TreeLoader:
                 message, hint = error.problems[0].message, error.problems[0].hint
             header = document.parse(tree.source, relative(tree.path))
             problems.append(Problem(message, header.value.get(key, header).place, hint))
+        before, now = self.first.perception, tree.perception
+        if self._options.perception is None and (before and before.written) != (now and now.written):
+            place, hint = now.place if now else Place(relative(tree.path)), "end the run and start it anew"
+            problems.append(Problem("the perception cannot change during a run", place, hint))
         if problems:
             raise UserError(problems)
         return tree
@@ -78,6 +82,7 @@ class TreeLoader:
             options.parameters,
             robot=options.robot,
             scene=options.scene,
+            perception=options.perception,
             arguments=options.arguments,
         )
         if tree.is_subtree:

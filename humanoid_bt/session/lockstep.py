@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import logging
 from collections import deque
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 
@@ -17,14 +17,14 @@ import mujoco
 from humanoid_bt.control.controller import Controller
 from humanoid_bt.control.cycle_log import CycleLog, Layout
 from humanoid_bt.control.supervisor import Supervisor, reset_text
-from humanoid_bt.core.clock import DECISION_PERIOD, PERCEPTION_PERIOD, CycleClock, cycles
+from humanoid_bt.core.clock import DECISION_PERIOD, CycleClock, cycles
 from humanoid_bt.core.kept import Kept
 from humanoid_bt.core.messages import Array, Command, Level, Percept, State, Truth, frozen
 from humanoid_bt.link.run_folder import RunInfo
 from humanoid_bt.link.segment import LinkError
 from humanoid_bt.link.table import LocalTable
 from humanoid_bt.link.wire import Event
-from humanoid_bt.perception.source import PerceptSource
+from humanoid_bt.perception.interface import Perception
 from humanoid_bt.plant.mujoco_plant import MujocoPlant
 from humanoid_bt.plant.scene import Scene
 from humanoid_bt.plant.touches import Touch
@@ -58,14 +58,14 @@ class Lockstep:
         robot: RobotModel,
         start: Array,
         scene: Scene,
-        perception: PerceptSource,
+        perception: Perception,
     ) -> None:
         self.robot, self.scene, self._start = robot, scene, start
         self.clock = CycleClock()
         self.plant = MujocoPlant(robot, scene)
         self.plant.place(start)
         self.controller = Controller(robot, self.plant, scene.start_pose)
-        self.perception = perception
+        self._look_with(perception)
         self.notices: Kept[Event] = Kept()
         self.inputs: Kept[Input] = Kept()
         self._percepts: dict[str, Percept] = {}
@@ -77,7 +77,6 @@ class Lockstep:
         self._told_touches = 0
         self._logged: tuple[LocalTable, LocalTable] | None = None
         self._decision = cycles(DECISION_PERIOD)
-        self._perceive = cycles(PERCEPTION_PERIOD)
 
     @property
     def model(self) -> mujoco.MjModel:
@@ -113,8 +112,18 @@ class Lockstep:
         """The percepts that were never published so far, and why."""
         return self.perception.unseen
 
+    @property
+    def publishes(self) -> Collection[str]:
+        """The percepts that its sources publish."""
+        return self.perception.names
+
     def start(self, log: Path | None = None) -> None:
-        """Begin; there is nothing to start, and nothing that needs a log of its own."""
+        """Begin: perception does; nothing needs a log of its own.
+
+        Raises:
+            UserError: a percept source cannot begin.
+        """
+        self.perception.start()
 
     def log_cycles(self) -> None:
         """Keep every servo cycle for :meth:`take_cycles`."""
@@ -134,7 +143,8 @@ class Lockstep:
         return plans.take(), servo_cycles.take()
 
     def close(self) -> None:
-        """End what was told to others."""
+        """End perception, and what was told to others."""
+        self.perception.close()
         if self._link is not None:
             self._link.close()
             self._link = None
@@ -169,7 +179,7 @@ class Lockstep:
         self.plant.push(body, force, duration)
         self.inputs.append(Input(self.clock.now(), "push", [body, force.tolist(), duration]))
 
-    def reset(self, perception: PerceptSource, scene: Scene | None = None) -> None:
+    def reset(self, perception: Perception, scene: Scene | None = None) -> None:
         """Begin a new run: the robot stands at the start, time is zero, nothing was seen.
 
         Args:
@@ -181,7 +191,7 @@ class Lockstep:
         self.clock.cycle = 0
         self.plant.place(self._start)
         self.controller.reset(self.scene.start_pose)
-        self.perception = perception
+        self._look_with(perception)
         self._percepts = {}
         self._command = self._state = None
         self._resets.clear()
@@ -199,8 +209,10 @@ class Lockstep:
         if self._link is not None:
             self._link.sensed(state)
         if self.clock.due(self._perceive):
-            for percept in self.perception.observe(self.plant.truth()):
+            for percept in self.perception.observe(self.plant.truth(), state):
                 self._percepts[percept.name] = percept
+            for level, text in self.perception.take_news():
+                self._note(level, text)
         return state, dict(self._percepts)
 
     def submit(self, command: Command) -> None:
@@ -227,6 +239,10 @@ class Lockstep:
         self._told_touches = len(self.touches)
         for text in mujoco_warnings.taken():
             self._note("warning", text)
+
+    def _look_with(self, perception: Perception) -> None:
+        self.perception = perception
+        self._perceive = cycles(perception.period)
 
     def _reset(self, source: str) -> None:
         """Reset a latched stop, with what other terminals raised."""

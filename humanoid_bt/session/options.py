@@ -12,6 +12,8 @@ from typing import Any, Literal, get_args
 
 from humanoid_bt.core.errors import Problem, UserError, nearest
 from humanoid_bt.core.sizes import VALID, read_size, shown_size
+from humanoid_bt.core.sources import Sources
+from humanoid_bt.perception.choice import written
 from humanoid_bt.realtime.decision_side import HOLD_TIME
 from humanoid_bt.record.folder_limits import load_limits
 from humanoid_bt.record.parts import PART_SIZE, SMALLEST_PART
@@ -38,6 +40,7 @@ class RunOptions:
     Attributes:
         tree: name or path of the tree, or a tree that was loaded or made in Python.
         robot, scene: names or paths; None for what the tree says.
+        perception: the percept sources; None for what the tree or the scene says.
         parameters: values for the tree's parameters, or text as after ``--set``.
         arguments: what else can be given beside the parameters, for hints.
         seed: of everything random.
@@ -57,6 +60,7 @@ class RunOptions:
     tree: str | Tree
     robot: str | None = None
     scene: str | None = None
+    perception: Sources | None = None
     parameters: Mapping[str, Any] = field(default_factory=dict)
     arguments: tuple[str, ...] = ()
     seed: int = 0
@@ -81,6 +85,7 @@ class RunOptions:
         arguments: tuple[str, ...],
         robot: Any,
         scene: Any,
+        perception: Any,
         seed: Any,
         mode: Any,
         duration: Any,
@@ -116,6 +121,7 @@ class RunOptions:
             tree=named,
             robot=judge.name("robot", robot),
             scene=judge.name("scene", scene),
+            perception=judge.sources(perception),
             parameters=parameters,
             arguments=arguments,
             seed=int(judge.number("seed", seed, limits.SEED, needed=True) or 0),
@@ -197,6 +203,13 @@ class _Judge:
 
     def name(self, argument: str, value: Any) -> str | None:
         return None if value is None else self._path(argument, value, f"the name or the path of a {argument}")
+
+    def sources(self, value: Any) -> Sources | None:
+        try:
+            return written(value)
+        except UserError as error:
+            self.problems += error.problems
+            return None
 
     def number(self, argument: str, value: Any, limit: limits.Limit, needed: bool = False) -> float | None:
         if value is None and not needed:

@@ -11,7 +11,7 @@ from humanoid_bt.core.errors import HumanoidBtError, Place
 from humanoid_bt.core.messages import Mode
 from humanoid_bt.core.plain import plain
 from humanoid_bt.core.texts import one_line, shortened, told
-from humanoid_bt.decision.skill_files import class_file, place_in_file
+from humanoid_bt.files.class_files import class_file, place_in_file
 from humanoid_bt.perception.track import Track
 from humanoid_bt.record.parts import parts_of
 from humanoid_bt.session.engine import Engine
@@ -142,4 +142,7 @@ def report_of(
 
 def _seen(track: Track) -> dict[str, Any]:
     names = ("stamp", "age", "position_world", "distance", "bearing", "confidence")
-    return {name: plain(getattr(track, name)) for name in names}
+    told = {"class": track.class_name or None, "deviation": track.deviation}
+    return {name: plain(getattr(track, name)) for name in names} | {
+        name: plain(value) for name, value in told.items() if value is not None
+    }

@@ -14,11 +14,12 @@ from humanoid_bt.core.errors import UserError, relative
 from humanoid_bt.core.messages import Array, Level
 from humanoid_bt.decision.result import Reported
 from humanoid_bt.perception.track import Track
+from humanoid_bt.plant.rendering import View
 from humanoid_bt.plant.scene_config import widest_view
 from humanoid_bt.realtime.schedule import last_core
 from humanoid_bt.record.remote_recorder import RemoteRecorder
 from humanoid_bt.record.sinks import Sinks
-from humanoid_bt.record.subject import TreeView, View
+from humanoid_bt.record.subject import TreeView
 from humanoid_bt.record.tick import Tick
 from humanoid_bt.session.engine import Engine
 from humanoid_bt.session.options import RunOptions

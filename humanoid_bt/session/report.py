@@ -86,7 +86,7 @@ class Report:
         events: whatever else happened, such as the scene's script, stops, what nodes tell: time [s], level, text.
         blackboard: the tree's keys that have a value at the end, its outputs among them.
         percepts: what was seen, as it was known at the end: name -> stamp [s], age [s], position_world, distance [m],
-            bearing [rad], confidence.
+            bearing [rad], confidence, and if they are told class and deviation [m].
         unseen: what was never seen, and why.
         fell: whether the robot fell.
         stops: every stop the supervisor ordered.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import inspect
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
 from os import PathLike
 from types import TracebackType
@@ -44,6 +44,8 @@ class Session(Debugging):
         tree: name or file of a tree, or a tree that was loaded or made in Python and was in no session before.
         workspace: folder in which names are looked up; else a tree file's own, or the working directory.
         robot, scene: names or paths; else what the tree says.
+        perception: the percept sources: a name, a mapping of names to parameters, or a list of these; else what the
+            tree says, or the scene.
         seed: of everything random.
         mode: "lockstep": simulated time, all in one process, deterministic. "realtime": the wall clock, with control
             and perception as processes of their own.
@@ -75,6 +77,7 @@ class Session(Debugging):
         workspace: str | PathLike[str] | Workspace | None = None,
         robot: str | PathLike[str] | None = None,
         scene: str | PathLike[str] | None = None,
+        perception: str | Mapping[str, Any] | Sequence[Any] | None = None,
         seed: int = 0,
         mode: Mode = "lockstep",
         duration: float | str | None = None,
@@ -97,6 +100,7 @@ class Session(Debugging):
             arguments=_ARGUMENTS if values else (),
             robot=robot,
             scene=scene,
+            perception=perception,
             seed=seed,
             mode=mode,
             duration=duration,

@@ -18,9 +18,12 @@ import mujoco
 from humanoid_bt.core.errors import UserError, relative, resolved
 from humanoid_bt.core.items import Item
 from humanoid_bt.core.plain import plain
-from humanoid_bt.decision.skill_files import class_file
+from humanoid_bt.core.sources import Sources
 from humanoid_bt.files import document
+from humanoid_bt.files.class_files import class_file
 from humanoid_bt.files.workspace import Workspace
+from humanoid_bt.perception.choice import sources_of
+from humanoid_bt.perception.source_files import load_sources
 from humanoid_bt.robot.model import RobotModel
 from humanoid_bt.session.engine import Engine
 from humanoid_bt.session.options import RunOptions
@@ -40,6 +43,7 @@ def run_setup(tree: Tree, engine: Engine, options: RunOptions, robot: Path, scen
         options: as they were asked for.
         robot, scene: their files.
     """
+    sources = sources_of(options.perception, tree.perception, engine.scene.config)
     return {
         "format": 1,
         "began": datetime.now(UTC).isoformat(timespec="seconds"),
@@ -49,11 +53,12 @@ def run_setup(tree: Tree, engine: Engine, options: RunOptions, robot: Path, scen
         "on_estop": options.on_estop,
         "watch": options.watch,
         "staged": options.staged,
+        "perception": plain(sources.written) if sources else None,
         "workspace": str((tree.workspace or Workspace()).root),
         "tree": tree_setup(tree, options.parameters),
         "robot": {"name": engine.robot.config.name, "file": _name(robot, tree), **_body(engine.robot)},
         "scene": {"name": engine.scene.config.name, "file": _name(scene, tree)},
-        "files": list(_files(tree, robot, scene)),
+        "files": list(_files(tree, robot, scene, sources)),
         "versions": versions(),
         "machine": _machine(),
     }
@@ -120,13 +125,14 @@ def _places(tree: Tree) -> dict[str, str]:
         return {}
 
 
-def _files(tree: Tree, robot: Path, scene: Path) -> Iterator[dict[str, Any]]:
+def _files(tree: Tree, robot: Path, scene: Path, sources: Sources | None) -> Iterator[dict[str, Any]]:
     """Yield every file that the run is made of: its name in its workspace, what it is, its hash, and its text."""
     skills = (class_file(node.type.cls) for node in tree.nodes if node.kind == "skill")
     model = robot.parent / document.load(robot).value["model"].value
     roles = {
         "tree": tree.files,
         "skill": [file for file in skills if file is not None],
+        "perception": _source_files(tree, sources),
         "scene": [scene],
         "robot": [robot],
         "model": [model, *(model.parent / name for name in mujoco.mju_getXMLDependencies(str(model)))],
@@ -137,6 +143,15 @@ def _files(tree: Tree, robot: Path, scene: Path) -> Iterator[dict[str, Any]]:
             if file not in seen and file.is_file():
                 seen.add(file)
                 yield {"role": role, "name": _name(file, tree), **_content(file)}
+
+
+def _source_files(tree: Tree, sources: Sources | None) -> list[Path]:
+    """Return the files of the percept sources of a run."""
+    if sources is None:
+        return []
+    known = load_sources(tree.workspace or Workspace())
+    used = {file for one in sources.every if (file := class_file(known[one.name])) is not None}
+    return sorted(file for file in used if file.parent.name == "perception")
 
 
 def _content(file: Path) -> dict[str, str]:

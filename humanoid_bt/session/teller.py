@@ -148,11 +148,12 @@ class Teller:
 
     def warn_of_percepts(self, tree: Tree) -> None:
         """Say which percepts will never come: a tree may well wait for one, but most often it is a slip."""
-        config = self._engine.scene.config
+        publishes, config = self._engine.publishes, self._engine.scene.config
         named = {name for node in tree.nodes for names in node.type.percepts(node.values).values() for name in names}
-        for name in sorted(named - config.percepts.keys()):
-            hint = nearest(name, config.percepts) or "it publishes none"
-            self.event("warning", f"the scene {config.name!r} publishes no percept {name!r} ({hint})")
+        for name in sorted(named - set(publishes)):
+            hint = nearest(name, publishes) or "it publishes none"
+            whose = f"the scene {config.name!r}" if set(publishes) == set(config.percepts) else "perception"
+            self.event("warning", f"{whose} publishes no percept {name!r} ({hint})")
 
     def ticked(
         self,

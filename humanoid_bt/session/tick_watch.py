@@ -19,7 +19,7 @@ from typing import Any, Self
 
 from humanoid_bt.core.clock import DECISION_PERIOD
 from humanoid_bt.core.errors import Place, relative
-from humanoid_bt.decision.skill_files import class_file
+from humanoid_bt.files.class_files import class_file
 from humanoid_bt.tree.ticking.tick import halt_alone, tick
 
 _log = logging.getLogger(__name__)

@@ -5,7 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 
 from humanoid_bt.control.body.standing import load_robot
-from humanoid_bt.perception.simulated import SimulatedPerception
+from humanoid_bt.core.sources import Sources
+from humanoid_bt.files.workspace import Workspace
+from humanoid_bt.perception.choice import choose
+from humanoid_bt.perception.senses import new_perception
 from humanoid_bt.plant.scene import Scene
 from humanoid_bt.realtime.decision_side import Realtime
 from humanoid_bt.session.engine import Engine
@@ -13,7 +16,9 @@ from humanoid_bt.session.lockstep import Lockstep
 from humanoid_bt.session.options import RunOptions
 
 
-def new_engine(options: RunOptions, robot_path: Path, scene: Scene, tree: str) -> Engine:
+def new_engine(
+    options: RunOptions, robot_path: Path, scene: Scene, tree: str, *, sources: Sources | None, workspace: Workspace
+) -> Engine:
     """Return control, plant and perception of a run, not yet started.
 
     Args:
@@ -21,11 +26,16 @@ def new_engine(options: RunOptions, robot_path: Path, scene: Scene, tree: str) -
         robot_path: the ``robot.yaml``.
         scene: what surrounds the robot.
         tree: name of the tree, for ``humanoid-bt status``.
+        sources: of percepts; None for the simulated tracker.
+        workspace: where they are found.
 
     Raises:
-        UserError: the robot has mistakes.
+        UserError: the robot or a source has mistakes.
     """
     robot, start = load_robot(robot_path)
+    chosen = choose(sources, workspace, scene.config)
     if options.mode == "realtime":
-        return Realtime(robot, scene, tree, options.hold)
-    return Lockstep(robot, start, scene, SimulatedPerception(scene, options.seed))
+        written = (sources.written if sources else None, str(workspace.root))
+        names = [name for one in chosen for name in one.names]
+        return Realtime(robot, scene, tree, options.hold, sources=written, publishes=names)
+    return Lockstep(robot, start, scene, new_perception(chosen, robot, scene, waits=True))

@@ -53,11 +53,11 @@ class WatchedRobot(Robot):
         """The percepts whose place a skill has written over."""
         return [name for name, given, kept in self._placed if not np.array_equal(given, kept)]
 
-    def _place(self, percept: Percept) -> tuple[Array, float]:
-        kept, heading = super()._place(percept)
+    def _place(self, percept: Percept) -> tuple[Array, float, Array]:
+        kept, heading, turn = super()._place(percept)
         given = kept.copy()  # can be written to
         self._placed.append((percept.name, given, kept))
-        return given, heading
+        return given, heading, turn
 
 
 class _WatchedHandle(RobotHandle):

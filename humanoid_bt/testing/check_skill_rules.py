@@ -9,7 +9,7 @@ from typing import Any
 from py_trees.common import Status
 
 from humanoid_bt.core.clock import DECISION_PERIOD
-from humanoid_bt.decision.skill_files import class_place
+from humanoid_bt.files.class_files import class_place
 from humanoid_bt.testing.check_skill_lives import Life, Moment, Subject
 from humanoid_bt.testing.check_skill_result import RULES, RuleResult, SkillCheck
 from humanoid_bt.testing.check_skill_trial import LONGEST_TICK, Evidence, Trial, estop_in_force

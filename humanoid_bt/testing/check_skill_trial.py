@@ -14,7 +14,7 @@ from py_trees.common import Status
 from humanoid_bt.core.clock import DECISION_PERIOD
 from humanoid_bt.core.errors import Place
 from humanoid_bt.core.messages import Mode
-from humanoid_bt.decision.skill_files import class_file
+from humanoid_bt.files.class_files import class_file
 from humanoid_bt.testing.check_skill_lives import Actor, Life, Moment, Repeater, Subject, live
 from humanoid_bt.testing.check_skill_time import TooLong, clocks_read
 from humanoid_bt.tree.ticking.executor import NodeError

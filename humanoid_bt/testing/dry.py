@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -44,7 +44,7 @@ from humanoid_bt.core.messages import (
 from humanoid_bt.core.odometry import truth_of
 from humanoid_bt.core.palm import axis_of, in_world, other_side
 from humanoid_bt.link.wire import Event
-from humanoid_bt.perception.source import PerceptSource
+from humanoid_bt.perception.interface import Perception
 from humanoid_bt.plant.mujoco_plant import MujocoPlant
 from humanoid_bt.plant.scene import Scene
 from humanoid_bt.plant.touches import Touch
@@ -74,7 +74,7 @@ class Dry:
     touches: Sequence[Touch] = ()
     timing = cycle_tables = None
 
-    def __init__(self, robot: RobotModel, start: Array, scene: Scene, perception: PerceptSource) -> None:
+    def __init__(self, robot: RobotModel, start: Array, scene: Scene, perception: Perception) -> None:
         self.robot = robot
         self.clock = CycleClock()
         self.supervisor = Supervisor(robot.config.fall, arms_of(robot))
@@ -84,7 +84,7 @@ class Dry:
         self._model: mujoco.MjModel | None = None
         self.reset(perception, scene)
 
-    def reset(self, perception: PerceptSource, scene: Scene) -> None:
+    def reset(self, perception: Perception, scene: Scene) -> None:
         """Begin a new run: the robot stands at the start, time is zero, nothing was seen."""
         self.clock.cycle = 0
         self.perception, self.scene, self._model = perception, scene, None
@@ -109,12 +109,18 @@ class Dry:
         """None: the robot is where it believes to be."""
 
     @property
+    def publishes(self) -> Collection[str]:
+        """The percepts that its sources publish."""
+        return self.perception.names
+
+    @property
     def unseen(self) -> Mapping[str, str]:
         """The percepts that were never published so far, and why."""
         return self.perception.unseen
 
     def start(self, log: Path | None = None) -> None:
-        """Begin; there is nothing to start."""
+        """Begin; only perception has something to start."""
+        self.perception.start()
 
     def log_cycles(self) -> None:
         """Keep no servo cycles: there are none."""
@@ -123,7 +129,8 @@ class Dry:
         """Return None: there are no servo cycles."""
 
     def close(self) -> None:
-        """End; nothing was started."""
+        """End perception."""
+        self.perception.close()
 
     def abandon(self) -> str:
         """Return "": nothing goes on."""
@@ -148,9 +155,11 @@ class Dry:
             self.inputs.append(Input(now, "reset", source))
             self.notices.append(Event(now, "warning", reset_text(source, self.supervisor.reset())))
         state = self._body.state(now, self.clock.cycle, self.supervisor)
-        if self.clock.due(_LOOK):
-            for percept in self.perception.observe(truth_of(state)):
+        if self.clock.due(cycles(self.perception.period)):
+            for percept in self.perception.observe(truth_of(state), state):
                 self._percepts[percept.name] = percept
+            for level, text in self.perception.take_news():
+                self.notices.append(Event(now, level, text))
         return state, dict(self._percepts)
 
     def submit(self, command: Command) -> None:

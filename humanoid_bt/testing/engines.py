@@ -7,7 +7,10 @@ from typing import NamedTuple
 
 from humanoid_bt.control.body.standing import load_robot
 from humanoid_bt.core.errors import UserError
+from humanoid_bt.core.sources import Sources
 from humanoid_bt.files.workspace import Workspace
+from humanoid_bt.perception.choice import choose, sources_of
+from humanoid_bt.perception.senses import new_perception
 from humanoid_bt.perception.simulated import SimulatedPerception
 from humanoid_bt.plant.mujoco_plant import MujocoPlant
 from humanoid_bt.plant.scene import Scene, SceneConfig, load_scene
@@ -43,10 +46,20 @@ class Engines:
         workspace: where names are looked up.
         robot, scene: names or paths; what each tree says if None.
         dry: whether they simulate no body.
+        perception: the percept sources; what each tree or its scene says if None.
     """
 
-    def __init__(self, workspace: Workspace, robot: str | None, scene: str | None, dry: bool) -> None:
+    def __init__(
+        self,
+        workspace: Workspace,
+        robot: str | None,
+        scene: str | None,
+        dry: bool,
+        *,
+        perception: Sources | None = None,
+    ) -> None:
         self._workspace, self._robot, self._scene, self._dry = workspace, robot, scene, dry
+        self._perception = perception
         self._files: dict[tuple[str, str], tuple[Path, SceneConfig]] = {}
         self._kept: tuple[object, Ready] | None = None
 
@@ -60,12 +73,17 @@ class Engines:
             self._robot or tree.robot or DEFAULT_ROBOT, self._scene or tree.scene or DEFAULT_SCENE
         )
         scene = Scene(conditions.seen(config), seed, conditions.floor)
-        perception = SimulatedPerception(scene, seed)
+        sources = sources_of(self._perception, tree.perception, config)
+        chosen = choose(sources, self._workspace, config)
+        if self._dry and (seeing := [one.name for one in chosen if "camera" in one.cls.needs]):
+            message = f"the percept source {seeing[0]!r} needs the head camera, and a dry run has no picture"
+            raise UserError(message, sources.place if sources else None, "dry=False, or perception='tracker'")
         by_chance = scene.floor.plates or any(thing.random is not None for thing in config.objects.values())
         # only another place of what stands in the scene, and another floor, need another model
         key = robot, config.path, None if self._dry else (scene.floor, seed if by_chance else None)
         if self._kept is None or self._kept[0] != key:
-            self._kept = key, self._made(robot, scene, perception)
+            self._close()
+            self._kept = key, self._made(robot, scene)
         ready = self._kept[1]
         engine = ready.engine
         for _, why in conditions.refused(engine.robot, self._dry):
@@ -73,8 +91,16 @@ class Engines:
         assert isinstance(engine, (Lockstep, Dry))
         if ready.plant is not None:
             ready.plant.alter(**conditions.of_body, encoders=conditions.encoders(engine.robot, seed))
-        engine.reset(perception, scene)
+        self._close()
+        engine.reset(new_perception(chosen, engine.robot, scene, waits=True), scene)
         return ready
+
+    def _close(self) -> None:
+        """End what the last run looked with."""
+        if self._kept is not None:
+            engine = self._kept[1].engine
+            assert isinstance(engine, (Lockstep, Dry))
+            engine.perception.close()
 
     @property
     def plant(self) -> MujocoPlant | None:
@@ -88,8 +114,9 @@ class Engines:
             self._files[robot, scene] = self._workspace.find_robot(robot), config
         return self._files[robot, scene]
 
-    def _made(self, robot_file: Path, scene: Scene, perception: SimulatedPerception) -> Ready:
+    def _made(self, robot_file: Path, scene: Scene) -> Ready:
         robot, start = load_robot(robot_file)
+        perception = SimulatedPerception(scene, scene.seed)  # until a run says what it sees with
         if self._dry:
             return Ready(Dry(robot, start, scene, perception), None, [], robot_file, scene.config.path)
         standing = scene.floor.under(start, scene.start_pose[2])

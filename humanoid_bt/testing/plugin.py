@@ -1,7 +1,8 @@
-"""The pytest plugin: the ``rig`` fixture, and scenario files as tests."""
+"""The pytest plugin: the fixtures ``rig`` and ``source_rig``, and scenario files as tests."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING
@@ -14,6 +15,7 @@ pytest_plugins = ["humanoid_bt.testing.plugin_coverage", "humanoid_bt.testing.pl
 
 if TYPE_CHECKING:
     from humanoid_bt.testing.rig import Rig
+    from humanoid_bt.testing.source_rig import SourceRig
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -61,6 +63,26 @@ def rig(_rigs: dict[Path, Rig], request: pytest.FixtureRequest) -> Rig:
         _rigs[folder] = Rig(folder, request.config.getini("humanoid_bt_robot"))
     _rigs[folder].reset()
     return _rigs[folder]
+
+
+@pytest.fixture(scope="session")
+def _source_rigs() -> Iterator[dict[Path, SourceRig]]:
+    """Keep the rig of each workspace, with its cameras, until all tests are over."""
+    rigs: dict[Path, SourceRig] = {}
+    yield rigs
+    for rig in rigs.values():
+        rig.close()
+
+
+@pytest.fixture
+def source_rig(_source_rigs: dict[Path, SourceRig], request: pytest.FixtureRequest) -> SourceRig:
+    """Give percept sources something to look at: pictures, scenes, what was recorded."""
+    from humanoid_bt.testing.source_rig import SourceRig
+
+    folder = _workspace(request)
+    if folder not in _source_rigs:
+        _source_rigs[folder] = SourceRig(folder, request.config.getini("humanoid_bt_robot"))
+    return _source_rigs[folder]
 
 
 def _workspace(request: pytest.FixtureRequest) -> Path:

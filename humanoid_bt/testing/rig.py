@@ -65,7 +65,7 @@ class Rig:
         self.workspace = workspace = workspace if isinstance(workspace, Workspace) else Workspace(workspace)
         self._registry = Registry.of(workspace)
         self._robot_name = robot
-        self._stages: dict[tuple[str | None, bool], Stage] = {}
+        self._stages: dict[tuple[str | None, bool, str], Stage] = {}
         self._model, start = load_robot(workspace.find_robot(robot))
         scene = Scene(load_scene(workspace.find_scene("empty")), seed=0)
         self._perception = ScriptedPerception()
@@ -227,6 +227,7 @@ class Rig:
         *,
         scene: str | PathLike[str] | None = None,
         percepts: Mapping[str, Any] | None = None,
+        perception: str | Mapping[str, Any] | Sequence[Any] | None = None,
         dry: bool = False,
         seed: int = 0,
         duration: float | str | None = None,
@@ -246,6 +247,7 @@ class Rig:
             scene: name or path of the scene; if None what the tree says, or an empty floor where percepts are given.
             percepts: what the robot sees from the beginning, wherever it looks: name -> position, shape (3,), world
                 frame [m].
+            perception: the percept sources, as in a scene file; what the tree or the scene says if None.
             dry: without physics: the robot is at once where it is told to be. For the logic of trees only.
             seed: of everything random.
             duration: longest simulated time [s], or text, "2 min"; as in ``humanoid-bt run`` if None.
@@ -264,9 +266,11 @@ class Rig:
             NodeError: a skill raised an exception in ``setup``.
         """
         where = "empty" if scene is None and percepts else None if scene is None else str(scene)
-        stage = self._stages.get((where, dry))
+        key = where, dry, repr(perception)
+        stage = self._stages.get(key)
         if stage is None:
-            stage = self._stages[where, dry] = Stage(self.workspace, self._robot_name, where, dry)
+            stage = Stage(self.workspace, self._robot_name, where, dry, perception=perception)
+            self._stages[key] = stage
         seen = [_seen(name, position) for name, position in (percepts or {}).items()]
         return stage.run(
             tree,

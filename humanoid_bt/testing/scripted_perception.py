@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
-import types
-from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
 from humanoid_bt.core.geometry import heading_of, rotation_matrix
-from humanoid_bt.core.messages import Array, Percept, Truth
+from humanoid_bt.core.messages import Array, Percept, State, Truth
+from humanoid_bt.perception.interface import Perception
 
 
-class ScriptedPerception:
+class ScriptedPerception(Perception):
     """Percepts that a test dictates: exact positions, at 10 Hz, from any place in the world."""
-
-    unseen: Mapping[str, str] = types.MappingProxyType({})  # what the test does not show, it does not offer
 
     def __init__(self) -> None:
         self._seen: dict[str, tuple[Array, float]] = {}
@@ -43,7 +40,7 @@ class ScriptedPerception:
         """What is published now: name -> position, shape (3,), world frame [m], confidence, and size."""
         return {name: (*seen, self._sizes.get(name)) for name, seen in self._seen.items()}
 
-    def observe(self, robot: Truth) -> list[Percept]:
+    def observe(self, robot: Truth, _state: State | None = None) -> list[Percept]:
         """Return what is published now, in the robot's base frame."""
         rotation = rotation_matrix(robot.base_quaternion)
         heading = -heading_of(rotation)  # of the world, as the robot sees it

@@ -15,6 +15,7 @@ from humanoid_bt.checking.check import load_checked
 from humanoid_bt.core.errors import UserError, nearest
 from humanoid_bt.decision.result import results_of
 from humanoid_bt.files.workspace import Workspace
+from humanoid_bt.perception.choice import written
 from humanoid_bt.plant.mujoco_plant import MujocoPlant
 from humanoid_bt.record.sinks import Sinks
 from humanoid_bt.session import limits
@@ -48,9 +49,10 @@ class Stage:
         workspace: where names are looked up; the working directory if None.
         robot, scene: names or paths; what each tree says if None.
         dry: without physics: the robot is at once where it is told to be. For the logic of trees only.
+        perception: the percept sources, as in a scene file; what each tree or its scene says if None.
 
     Raises:
-        UserError: the workspace is no folder.
+        UserError: the workspace is no folder, or the perception names no sources.
     """
 
     def __init__(
@@ -59,12 +61,15 @@ class Stage:
         robot: str | PathLike[str] | None = None,
         scene: str | PathLike[str] | None = None,
         dry: bool = False,
+        *,
+        perception: str | Mapping[str, Any] | Sequence[Any] | None = None,
     ) -> None:
         self.workspace = workspace if isinstance(workspace, Workspace) else Workspace(workspace)
         self.dry = dry
         self._robot = None if robot is None else str(robot)
         self._scene = None if scene is None else str(scene)
-        self._engines = Engines(self.workspace, self._robot, self._scene, dry)
+        self._perception = written(perception)
+        self._engines = Engines(self.workspace, self._robot, self._scene, dry, perception=self._perception)
         self._trees: OrderedDict[tuple[str, str], Tree] = OrderedDict()
         self._stood_in: tuple[Tree, Mapping[str, Replacement], Draft] | None = None
 
@@ -131,6 +136,7 @@ class Stage:
                 tree=self._remade(loaded, staging),
                 robot=str(ready.robot),
                 scene=str(ready.scene),
+                perception=self._perception,
                 parameters=parameters or {},
                 seed=seed,
                 on_estop=on_estop or ("wait" if any(event.reset for event in staging.script) else "end"),
@@ -161,7 +167,14 @@ class Stage:
         key = str(tree), repr(sorted(parameters.items()))
         if key not in self._trees:
             path = self.workspace.find_tree(str(tree))
-            self._trees[key] = load_checked(path, self.workspace, parameters, robot=self._robot, scene=self._scene)
+            self._trees[key] = load_checked(
+                path,
+                self.workspace,
+                parameters,
+                robot=self._robot,
+                scene=self._scene,
+                perception=self._perception,
+            )
             if len(self._trees) > _TREES:
                 self._trees.popitem(last=False)
         self._trees.move_to_end(key)
@@ -196,9 +209,9 @@ def _recording(record: str | PathLike[str] | None) -> Path | None:
 
 
 def _known(loaded: Tree, tree: Tree, staging: Staging, ready: Ready) -> Known:
-    scene, robot = ready.engine.scene.config, ready.engine.robot
-    percepts = [*scene.percepts, *(event.see.percept for event in staging.script if event.see is not None)]
-    asked = {*scene.percepts, *loaded.percepts}
+    robot = ready.engine.robot
+    percepts = [*ready.engine.publishes, *(event.see.percept for event in staging.script if event.see is not None)]
+    asked = {*ready.engine.publishes, *loaded.percepts}
     return Known(tree, robot.config.torso, robot.joint_names, ready.bodies, percepts, asked, staging.dry)
 
 

@@ -10,6 +10,7 @@ from typing import Any
 from py_trees.behaviour import Behaviour
 
 from humanoid_bt.core.errors import Problem, UserError, nearest, relative
+from humanoid_bt.core.sources import Sources
 from humanoid_bt.decision.blackboard import Key
 from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.tree.draft import Draft
@@ -27,6 +28,7 @@ class Tree:
         path: the file.
         robot: name of the robot it is made for, if it says so.
         scene: name of the scene it is made for, if it says so.
+        perception: the percept sources it is made for, if it says so.
         parameters: every parameter's value.
         source: the file's text.
         nodes: every node, parents before children, in the file's order.
@@ -54,6 +56,7 @@ class Tree:
     workspace: Workspace | None = None
     warnings: tuple[Problem, ...] = ()
     draft: Draft | None = field(default=None, repr=False, compare=False)
+    perception: Sources | None = None
 
     def __repr__(self) -> str:
         of = f", {', '.join(f'{name} = {value}' for name, value in self.parameters.items())}" if self.parameters else ""

@@ -14,7 +14,8 @@ from humanoid_bt.tree.node import Node
 from humanoid_bt.tree.node_type import CHILD
 
 _WIDTH = 100
-_ORDER = ("format", "name", "description", "robot", "scene", "subtree", "parameters", "blackboard", "outputs")
+_HEAD = ("format", "name", "description", "robot", "scene", "perception", "subtree")
+_ORDER = (*_HEAD, "parameters", "blackboard", "outputs")
 
 
 class _Flow(dict[str, Any]):

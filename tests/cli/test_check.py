@@ -85,10 +85,7 @@ def test_what_is_not_there_does_not_keep_the_rest_from_being_checked(
     write("trees/bare.yaml", BARE)
     assert main(["check", "gone.yaml", "trees/good.yaml", "skills", "trees/bare.yaml"]) == 2
     out = capsys.readouterr().out
-    assert (
-        "gone.yaml: error: no file and no tree, scene, robot, scenario, campaign or skill named 'gone.yaml' [no-file]"
-        in out
-    )
+    assert "gone.yaml: error: no file and no tree, scene, robot, scenario, campaign, skill or percept source" in out
     assert "skills: error: nothing to check in 'skills' [no-file]" in out
     assert "trees/good.yaml: ok" in out
     assert "[outside-emergency-stop]" in out

@@ -116,6 +116,7 @@ def test_ctrl_c_while_the_program_starts_shows_no_traceback(module: str, project
     assert (done.returncode, done.stdout, done.stderr) == (130, "", "interrupted\n")
 
 
+@pytest.mark.trials
 def test_what_nohup_ignores_stays_ignored(project: Path) -> None:
     command = [sys.executable, "-c", NOHUP, "run", "wait", "--no-record", "--quiet"]
     done = subprocess.run(command, cwd=project, env=environment(), capture_output=True, text=True, check=False)
@@ -143,6 +144,7 @@ def test_a_reader_that_leaves_does_not_stop_the_robot(project: Path, tmp_path: P
     assert json.loads(report.read_text(encoding="utf-8"))["outcome"] == "success"
 
 
+@pytest.mark.trials
 def test_a_closed_output_does_no_harm(project: Path) -> None:
     command = f'exec "{sys.executable}" -m humanoid_bt run wait --no-record >&-'
     done = subprocess.run(

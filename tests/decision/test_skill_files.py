@@ -6,7 +6,8 @@ from pathlib import Path
 import pytest
 
 from humanoid_bt.core.errors import UserError
-from humanoid_bt.decision.skill_files import class_file, class_place, load_skills
+from humanoid_bt.decision.skill_files import load_skills
+from humanoid_bt.files.class_files import class_file, class_place
 from humanoid_bt.files.workspace import Workspace
 
 HEAD = "from humanoid_bt.decision.skill import Skill, Status\nfrom humanoid_bt.core.params import param\n"

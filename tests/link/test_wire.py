@@ -27,6 +27,7 @@ from humanoid_bt.core.messages import (
     PostureTarget,
     State,
     Target,
+    Truth,
 )
 from humanoid_bt.link import wire
 from humanoid_bt.link.wire import Event, MessageKind, WireError
@@ -54,6 +55,15 @@ PERCEPTS = [
     Percept("target", 1.0, np.array([0.1, 0.2, 0.3]), 0.9),
     Percept("tür ✓", 1.1, np.array([-0.0, math.nan, 1e308]), 0.0),
     Percept("table", 1.1, np.array([1.0, 0.2, -0.3]), 0.8, np.array([0.6, 1 / 3, 0.7]), -0.4),
+    Percept(
+        "cup",
+        1.2,
+        np.array([1.0, 0.2, -0.3]),
+        0.8,
+        orientation=np.array([0.5, -0.5, 0.5, 1 / 3]),
+        class_name="täßchen",
+        covariance=np.arange(9.0).reshape(3, 3) / 7,
+    ),
 ]
 EVENT = Event(1.5, "warning", "the robot fell ✗")
 _FOOT = FootPose(0.1, 0.2, 0.3, 0.4)
@@ -132,6 +142,7 @@ def plain(value: Any) -> Any:
     return type(value), value
 
 
+TRUTH = Truth(0.3, np.arange(3.0), np.arange(4.0) / 7, np.arange(3.0) / 3, np.ones(3), np.arange(31.0) / 11)
 CASES: list[tuple[Callable[[Any], bytes], Callable[[Any], Any], Any]] = [
     (wire.encode_state, wire.decode_state, STATE),
     (wire.encode_state, wire.decode_state, BARE_STATE),
@@ -143,6 +154,7 @@ CASES: list[tuple[Callable[[Any], bytes], Callable[[Any], Any], Any]] = [
     (wire.encode_percepts, wire.decode_percepts, wire.Sight(PERCEPTS, {"cup": "hidden", "Ø": ""})),
     (wire.encode_percepts, wire.decode_percepts, wire.Sight([], {})),
     (wire.encode_event, wire.decode_event, EVENT),
+    (wire.encode_truth, wire.decode_truth, TRUTH),
 ]
 NAMES = [
     "state",
@@ -155,6 +167,7 @@ NAMES = [
     "percepts",
     "no percepts",
     "event",
+    "truth",
 ]
 each_message = pytest.mark.parametrize(("encode", "decode", "message"), CASES, ids=NAMES)
 
@@ -212,7 +225,7 @@ def test_noise_is_no_message() -> None:
     chance = random.Random(3)
     for decode in {decode for _, decode, _ in CASES}:
         for size in (0, 1, 23, 24, 100, 3000):
-            with pytest.raises(WireError, match=r"too short|not a message of version 4"):
+            with pytest.raises(WireError, match=r"too short|not a message of version 5"):
                 decode(chance.randbytes(size))
 
 
@@ -220,7 +233,7 @@ def test_a_message_of_another_kind_or_version_is_refused() -> None:
     data = wire.encode_command(COMMAND)
     with pytest.raises(WireError, match=r"kind 2 where state \(1\) is expected"):
         wire.decode_state(data)
-    with pytest.raises(WireError, match="not a message of version 4"):
+    with pytest.raises(WireError, match="not a message of version 5"):
         wire.decode_command(data[:2] + b"\2" + data[3:])
     assert issubclass(WireError, HumanoidBtError)
 
@@ -228,7 +241,7 @@ def test_a_message_of_another_kind_or_version_is_refused() -> None:
 def test_peek_tells_kind_sequence_and_stamp() -> None:
     assert wire.peek(wire.encode_command(COMMAND)) == (MessageKind.COMMAND, 12, 0.24)
     assert wire.peek(wire.encode_state(STATE)) == (MessageKind.STATE, 12345, 12.345)
-    assert wire.peek(wire.encode_percepts(wire.Sight(PERCEPTS, {}))) == (MessageKind.PERCEPTS, 3, 1.1)
+    assert wire.peek(wire.encode_percepts(wire.Sight(PERCEPTS, {}))) == (MessageKind.PERCEPTS, 4, 1.2)
     assert wire.peek(memoryview(wire.encode_event(EVENT))) == (MessageKind.EVENT, 0, 1.5)
 
 

@@ -10,9 +10,10 @@ import mujoco
 import pytest
 
 from humanoid_bt.core.messages import SIDES
+from humanoid_bt.plant.rendering import View
 from humanoid_bt.record.recorder import Recorder
 from humanoid_bt.record.sinks import Sinks
-from humanoid_bt.record.subject import TreeView, View
+from humanoid_bt.record.subject import TreeView
 from humanoid_bt.robot.config import DriveConfig, LegConfig, RobotConfig, SiteConfig, SoleConfig
 from humanoid_bt.tree.show import Outline, OutlineNode
 

@@ -135,7 +135,7 @@ def test_pictures_that_take_too_long_are_left_to_who_insists(
 
 def test_its_process_ends_with_the_recording(recorded: Maker) -> None:
     recorder = recorded()
-    process = recorder._camera._photographer._process
+    process = recorder._camera._photographer._camera.process
     recorder.close()
     with pytest.raises(ProcessLookupError):
         os.kill(process.pid, 0)
@@ -145,8 +145,8 @@ def test_a_process_that_dies_is_a_reason_too(recorded: Maker, file: Path) -> Non
     recorder = recorded()
     sample(recorder, 0.0)
     photographer = recorder._camera._photographer
-    photographer._process.kill()
-    photographer._process.wait()
+    photographer._camera.process.kill()
+    photographer._camera.process.wait()
     photographer._thread.join()
     sample(recorder, 0.2)
     recorder.close()

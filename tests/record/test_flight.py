@@ -109,6 +109,7 @@ def stood(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return file
 
 
+@pytest.mark.trials
 def test_a_part_of_the_cycles_is_as_in_all_of_them(stood: Path) -> None:
     log = read_flight(stood)
     for kind in ("cycles", "plans"):

@@ -20,7 +20,6 @@ from tests.record.helpers import make_state, make_track, rows
 
 Maker = Callable[..., Recorder]
 
-BASE_HEIGHT = 0.7
 HALF_ANGLE = math.radians(55 / 2)  # the viewer's, up and down; it is wider than high
 BALL = "/world/scene/object_ball/ball"
 

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
+import numpy as np
 import pytest
 
 from humanoid_bt.core.errors import UserError
@@ -38,6 +41,32 @@ def test_what_was_never_seen_fails(workspace: Workspace) -> None:
     assert asked(workspace, "{condition: not seen(target)}").ticks(1) == "s"
     assert asked(workspace, "{condition: not seen(target) or distance(target) < 1}").ticks(1) == "s"
     assert asked(workspace, "{condition: not (seen(target) and distance(target) < 1)}").ticks(1) == "s"
+
+
+@shows("condition-untold")
+@pytest.mark.parametrize("asks", ["class == 'cup'", "class != 'cup'", "size < 1 m", "yaw < 1 rad", "deviation < 1 m"])
+def test_what_nobody_tells_fails(workspace: Workspace, asks: str) -> None:
+    under_test = asked(workspace, f'{{condition: "target.{asks}"}}')
+    assert answers(under_test, 1.0) == "f"
+    assert under_test.tree.root.feedback_message == f"nobody tells the {asks.partition(' ')[0]} of 'target'"
+
+
+@shows("condition-untold")
+def test_what_is_told_is_compared(workspace: Workspace) -> None:
+    told = replace(
+        seen(0.0)["target"],
+        class_name="cup",
+        size=np.array([0.1, 0.08, 0.12]),
+        orientation=np.array([np.cos(0.2), 0.0, 0.0, np.sin(0.2)]),
+        covariance=np.diag([1e-4, 4e-4, 1e-4]),
+    )
+    for asks in ("class == 'cup'", "size == 12 cm", "yaw > 0.39 and yaw(target) < 0.41", "deviation > 1.9 cm"):
+        under_test = asked(workspace, f'{{condition: "target.{asks}"}}')
+        under_test.tick({"target": told})
+        assert under_test.executor.status.name == "SUCCESS", asks
+    other = asked(workspace, "{condition: \"target.class == 'bowl'\"}")
+    other.tick({"target": told})
+    assert other.executor.status.name == "FAILURE"
 
 
 @shows("expression-units")

@@ -174,7 +174,7 @@ def test_a_run_that_somebody_ends_while_the_robot_is_stopped(project: Path) -> N
 
 
 @shows("exit-fall")
-@pytest.mark.parametrize("on_estop", ["wait", "end"])
+@pytest.mark.parametrize("on_estop", [pytest.param("wait", marks=pytest.mark.trials), "end"])
 def test_a_fall_ends_the_run(project: Path, on_estop: Literal["wait", "end"]) -> None:
     with Session("walk", workspace=project, on_estop=on_estop) as session:
         session.push((600.0, 0.0, 0.0), duration=0.3)

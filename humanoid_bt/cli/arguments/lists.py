@@ -9,6 +9,7 @@ _LISTS = {
     "nodes": ("list node types", "List the types of nodes, built-in ones and skills, or explain some with an example."),
     "skills": ("list skills and their parameters", "List skills, or explain some."),
     "scenes": ("list scenes", "List scenes, or explain some."),
+    "sources": ("list percept sources and their parameters", "List percept sources, or explain some."),
     "scenarios": ("list scenarios", "List scenarios, or explain some: what they run, and what they expect."),
 }
 

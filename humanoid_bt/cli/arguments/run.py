@@ -15,6 +15,7 @@ examples:
   humanoid-bt run fetch --set stop_distance=0.35
   humanoid-bt run fetch --params runs/fetch-20260101-120000.rrd    as then
   humanoid-bt run fetch --scene random_target --seed 7
+  humanoid-bt run fetch --perception color_blob      see with the head camera
   humanoid-bt run trees/mine.yaml --serve   watch it in a browser
   humanoid-bt run trees/mine.yaml --watch   edit it while it runs
   humanoid-bt run fetch --break reach       pause when it reaches; c continues, n is one tick
@@ -33,6 +34,14 @@ def add_run(commands: Commands) -> None:
     run.add_argument("tree", metavar="TREE", help="name or file of a tree")
     run.add_argument("--robot", metavar="R", help="name or folder of a robot; default: what the tree says")
     run.add_argument("--scene", metavar="S", help="name or file of a scene; default: what the tree says")
+    run.add_argument(
+        "--perception",
+        action="append",
+        default=[],
+        metavar="SOURCE",
+        help="see with this percept source: its name, or with parameters 'NAME: {PARAMETER: VALUE}'; may be given "
+        "several times; default: what the tree says, or the scene",
+    )
     run.add_argument(
         "--set",
         action="append",

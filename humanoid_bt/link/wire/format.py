@@ -13,7 +13,7 @@ import numpy as np
 from humanoid_bt.core.errors import HumanoidBtError
 from humanoid_bt.core.messages import Array
 
-VERSION = 4
+VERSION = 5
 """Of the format; both ends must have the same."""
 
 MAX_TEXT = 2048

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TypeVar
 
 from humanoid_bt.core.errors import Place, Problem, UserError, nearest
 from humanoid_bt.core.items import Item
+from humanoid_bt.core.sources import Sources
 from humanoid_bt.files.workspace import Workspace
+from humanoid_bt.perception.choice import choose, sources_of
 from humanoid_bt.plant.scene_config import SceneConfig, load_scene
 from humanoid_bt.robot.config import RobotConfig, load_robot_config
 from humanoid_bt.tree.checks.facts import Facts
@@ -21,10 +23,11 @@ Config = TypeVar("Config", RobotConfig, SceneConfig)
 
 @dataclass(frozen=True)
 class World:
-    """The robot and the scene of a tree; None where it names none, or there is none."""
+    """The robot and the scene of a tree, None where it names none, or there is none; what perception publishes."""
 
     robot: RobotConfig | None = None
     scene: SceneConfig | None = None
+    percepts: Collection[str] | None = None
 
     @classmethod
     def of(
@@ -34,6 +37,8 @@ class World:
         problems: list[Problem],
         robot: str | None = None,
         scene: str | None = None,
+        *,
+        perception: Sources | None = None,
     ) -> World:
         """Return the robot and the scene of a tree.
 
@@ -42,22 +47,29 @@ class World:
             header: the tree file, a mapping that may have the keys ``robot`` and ``scene``.
             problems: takes what is wrong with the names, and with the files behind them.
             robot, scene: names that count instead of the file's.
+            perception: sources that count instead of the file's.
         """
 
         def named(key: str, instead: str | None) -> Item | None:
             return header.value.get(key) if instead is None else Item(instead, Place(f"{key}={instead}"))
 
-        return cls(
-            _found(named("robot", robot), "robot", workspace.find_robot, _robot, problems),
-            _found(named("scene", scene), "scene", workspace.find_scene, _scene, problems),
-        )
+        body = _found(named("robot", robot), "robot", workspace.find_robot, _robot, problems)
+        around = _found(named("scene", scene), "scene", workspace.find_scene, _scene, problems)
+        sources = sources_of(perception, _sources(header.value.get("perception")), around)
+        try:
+            chosen = choose(sources, workspace, around or SceneConfig(format=1, name="empty"))
+        except UserError as error:
+            problems += error.problems
+            return cls(body, around)
+        known = sources is not None or around is not None
+        return cls(body, around, [name for one in chosen for name in one.names] if known else None)
 
 
 def check_world(root: Draft, facts: Facts, world: World) -> Iterator[Problem]:
     """Return what the tree asks of its robot and its scene that they do not have.
 
     - a node that commands a resource that the robot does not have;
-    - a percept that the scene does not publish.
+    - a percept that nothing publishes there.
     """
     if world.robot is not None:
         has, name = world.robot.resources, world.robot.name
@@ -66,25 +78,36 @@ def check_world(root: Draft, facts: Facts, world: World) -> Iterator[Problem]:
             if missing:
                 message = f"{draft.type.type_name!r} commands {', '.join(missing)}: the robot {name!r} has none"
                 yield Problem(message, draft.place, f"it has: {', '.join(has)}", "robot-cannot")
-    if world.scene is not None:
-        yield from _unknown_percepts(root, world.scene)
+    if world.percepts is not None:
+        yield from _unknown_percepts(root, world.scene, world.percepts)
 
 
-def _unknown_percepts(root: Draft, scene: SceneConfig) -> Iterator[Problem]:
-    """Return each percept that a scene does not publish once, where the tree names it first."""
+def _sources(item: Item | None) -> Sources | None:
+    """Return the sources that a file names, None if it names none, or its mistakes are told already."""
+    try:
+        return None if item is None or item.value is None else Sources.from_item(item)
+    except UserError:
+        return None
+
+
+def _unknown_percepts(root: Draft, scene: SceneConfig | None, known: Collection[str]) -> Iterator[Problem]:
+    """Return each percept that nothing publishes once, where the tree names it first."""
     uses: dict[str, list[Place]] = {}
     for draft in root.iterate():
         for parameter, percepts in draft.type.percepts(draft.values).items():
             for percept in percepts:
-                if percept not in scene.percepts:
+                if percept not in known:
                     written = {**draft.value_places, **draft.given_places}
                     uses.setdefault(percept, []).append(written.get(parameter, draft.place))
     for percept, places in uses.items():
         first, others = places[0], len(set(places)) - 1
-        hint = nearest(percept, scene.percepts) or "this scene publishes none"
+        hint = nearest(percept, known) or "this scene publishes none"
         if others:
             hint += f"; used in {others} more place{'s' if others > 1 else ''}"
-        message = f"the scene {scene.name!r} does not publish the percept {percept!r}"
+        by = "no percept source publishes"
+        if scene is not None and set(known) == set(scene.percepts):
+            by = f"the scene {scene.name!r} does not publish"
+        message = f"{by} the percept {percept!r}"
         yield Problem(message, first, hint, "unknown-percept", "warning")
 
 

@@ -41,7 +41,7 @@ IS_SET = "is_set"
 
 
 class Unseen(HumanoidBtError):  # noqa: N818 (the name says it)
-    """A percept was asked for something before it was ever seen."""
+    """A percept was asked for something before it was ever seen, or for something that its source does not tell."""
 
 
 class Names(Protocol):
@@ -179,7 +179,10 @@ class Linker:
             track = robot.track(percept)
             if track is None:
                 raise Unseen(robot.why_unseen(percept))
-            return of(track)
+            answer = of(track)
+            if answer is None:
+                raise Unseen(f"nobody tells the {name} of {percept!r}")
+            return answer
 
         return PERCEPT[name].type, ask
 

@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Generic, TypeVar
 
+from humanoid_bt.core.geometry import yaw_of
 from humanoid_bt.core.messages import State
 from humanoid_bt.perception.track import Track
 from humanoid_bt.tree.expressions.quantities import NUMBER, TEXT, TRUTH, Type, number
@@ -22,15 +23,22 @@ class Word(Generic[Asked]):
     Attributes:
         doc: one line.
         type: of the answer.
-        of: how it is found.
+        of: how it is found; None if it is not known.
     """
 
     doc: str
     type: Type
-    of: Callable[[Asked], Answer]
+    of: Callable[[Asked], Answer | None]
 
 
 _M, _S, _RAD = number("m"), number("s"), number("rad")
+
+
+def _yaw(track: Track) -> float | None:
+    if (orientation := track.orientation_world) is not None:
+        return yaw_of(orientation)
+    return None if track.size is None else track.heading_world
+
 
 PERCEPT: Mapping[str, Word[Track]] = {
     "distance": Word("Horizontal distance from the robot's stance.", _M, lambda track: track.distance),
@@ -40,6 +48,14 @@ PERCEPT: Mapping[str, Word[Track]] = {
     "age": Word("Time since it was seen.", _S, lambda track: track.age),
     "x": Word("Where it is in the world.", _M, lambda track: float(track.position_world[0])),
     "y": Word("Where it is in the world.", _M, lambda track: float(track.position_world[1])),
+    "yaw": Word("How it is turned in the world, seen from above, if it is told.", _RAD, _yaw),
+    "size": Word(
+        "Longest edge of the box around it, if it is told.",
+        _M,
+        lambda track: None if track.size is None else float(track.size.max()),
+    ),
+    "class": Word("What kind of thing it is, if it is told.", TEXT, lambda track: track.class_name or None),
+    "deviation": Word("Standard deviation of where it is, if it is told.", _M, lambda track: track.deviation),
 }
 """``target.distance`` or ``distance(target)``: what can be asked of a percept that was seen."""
 

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 
 from py_trees.behaviour import Behaviour
 
-from humanoid_bt.decision.skill import node_type_name, snake_case
+from humanoid_bt.core.texts import snake_case
+from humanoid_bt.decision.skill import node_type_name
 
 PY_TREES, CPP = "py_trees", "BehaviorTree.CPP"
 

@@ -16,7 +16,8 @@ from py_trees.behaviour import Behaviour
 from humanoid_bt.core.errors import Place, Problem, UserError, any_of, nearest
 from humanoid_bt.core.params import Param, params_of
 from humanoid_bt.decision.skill import node_type_name
-from humanoid_bt.decision.skill_files import class_place, load_skills
+from humanoid_bt.decision.skill_files import load_skills
+from humanoid_bt.files.class_files import class_place
 from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.tree.expressions import grammar
 from humanoid_bt.tree.node_type import NODE_KEYS, Kind, NodeType

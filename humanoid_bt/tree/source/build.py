@@ -11,7 +11,7 @@ from py_trees.behaviour import Behaviour
 from py_trees.behaviours import Dummy
 
 from humanoid_bt.core.errors import Problem, UserError
-from humanoid_bt.decision.skill_files import class_file, place_in_file
+from humanoid_bt.files.class_files import class_file, place_in_file
 from humanoid_bt.tree.draft import Draft
 from humanoid_bt.tree.node import Node
 from humanoid_bt.tree.nodes.subtree import SubTree

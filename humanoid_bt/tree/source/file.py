@@ -12,6 +12,7 @@ from humanoid_bt.core.errors import Problem, UserError, relative
 from humanoid_bt.core.items import Item
 from humanoid_bt.core.params import param, params_of
 from humanoid_bt.core.reading import read_values
+from humanoid_bt.core.sources import Sources
 from humanoid_bt.files import document
 from humanoid_bt.files.reading import read_text
 from humanoid_bt.tree.node_type import NODE_KEYS
@@ -28,6 +29,7 @@ class Header:
     description: str = param("", doc="One line for people.")
     robot: str | None = param(None, doc="The robot it is made for.")
     scene: str | None = param(None, doc="The scene it is made for.")
+    perception: Sources | None = param(None, doc="The percept sources it is made for; default: what the scene says.")
     subtree: bool = param(
         False,
         doc="It is made for use in other trees, which give what it needs: an emergency_stop and watchdogs around it, "

@@ -11,6 +11,7 @@ from typing import Any
 from humanoid_bt.core.errors import Place, Problem, UserError, relative, resolved
 from humanoid_bt.core.items import Item
 from humanoid_bt.core.params import Param
+from humanoid_bt.core.sources import Sources
 from humanoid_bt.decision.blackboard import Key
 from humanoid_bt.files.reading import is_file
 from humanoid_bt.files.workspace import Workspace
@@ -39,6 +40,7 @@ def load_tree(
     *,
     robot: str | None = None,
     scene: str | None = None,
+    perception: Sources | None = None,
     arguments: Collection[str] = (),
 ) -> Tree:
     """Read, check and build a tree.
@@ -48,13 +50,16 @@ def load_tree(
         workspace: where its skills and sub-trees are found.
         parameters: values for its parameters, or text as after ``--set``, by name.
         robot, scene: check it for these, instead of those that its header names.
+        perception: check it with these percept sources, instead of those that its header or its scene names.
         arguments: what else can be given beside the parameters, for hints.
 
     Raises:
         UserError: with every mistake found, each with its place.
     """
     found: list[Problem] = []
-    tree = Loader(workspace, found).load(path, parameters or {}, robot, scene, arguments)
+    tree = Loader(workspace, found).load(
+        path, parameters or {}, robot, scene, perception=perception, arguments=arguments
+    )
     problems = _in_file_order(found, relative(path))
     if tree is None or any(problem.severity == "error" for problem in problems):
         raise UserError(problems)
@@ -97,6 +102,8 @@ class Loader:
         values: Mapping[str, Any],
         robot: str | None,
         scene: str | None,
+        *,
+        perception: Sources | None,
         arguments: Collection[str],
     ) -> Tree | None:
         """Return the tree, None if mistakes keep it from being made."""
@@ -108,7 +115,7 @@ class Loader:
         root = None
         if registry is not None:
             root = self._read(file, Reader(registry, (file,), scope, self, self.problems))
-        world = World.of(self._workspace, file.item, self.problems, robot, scene)
+        world = World.of(self._workspace, file.item, self.problems, robot, scene, perception=perception)
         made: tuple[Node, ...] = ()
         if root is not None:
             self.problems += check(root, world, alone=bool(file.header.get("subtree")))
@@ -121,6 +128,7 @@ class Loader:
             path=path,
             robot=file.header.get("robot"),
             scene=file.header.get("scene"),
+            perception=file.header.get("perception"),
             parameters=parameters.values,
             source=file.source,
             nodes=made or sketch(root, file.name),

@@ -16,7 +16,7 @@ from humanoid_bt.core.messages import Command, Percept, State
 from humanoid_bt.core.texts import shortened, told
 from humanoid_bt.decision.result import Reported, reported
 from humanoid_bt.decision.robot import Robot
-from humanoid_bt.decision.skill_files import class_file, place_in_file
+from humanoid_bt.files.class_files import class_file, place_in_file
 from humanoid_bt.tree.counting import tally
 from humanoid_bt.tree.node import Node
 from humanoid_bt.tree.ticking.catching import Catcher, catch

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 import yaml
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from humanoid_bt.cli import main
@@ -104,6 +104,7 @@ def test_the_newest_recording_is_meant(
 PLAIN = st.none() | st.booleans() | st.integers() | st.floats(allow_nan=False) | st.text(st.characters(codec="utf-8"))
 
 
+@settings(deadline=None, derandomize=True, database=None)
 @given(st.dictionaries(st.from_regex(r"[a-z_]\w*", fullmatch=True), PLAIN | st.lists(PLAIN, max_size=3), max_size=4))
 def test_any_value_comes_back(values: dict[str, object]) -> None:
     """What the file holds is read as it was, whatever characters are in it."""

@@ -12,7 +12,6 @@ import numpy as np
 import pytest
 
 from humanoid_bt.core.messages import SIDES
-from humanoid_bt.files.formatting import formatted
 from humanoid_bt.files.workspace import builtin_root
 from humanoid_bt.robot.config import RobotConfig, load_robot_config
 from humanoid_bt.robot.footprint import footprint

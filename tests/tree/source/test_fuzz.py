@@ -21,7 +21,7 @@ from humanoid_bt.core.errors import relative
 from humanoid_bt.files.workspace import Workspace, builtin_root
 from tests.tree.mutations import Mutator
 
-MUTATIONS = int(os.environ.get("HUMANOID_BT_MUTATIONS", "500"))
+MUTATIONS = int(os.environ.get("HUMANOID_BT_MUTATIONS", "300"))
 BATCHES = 10
 LIMIT = 2  # s of processor time for one file: it detects what hangs and measures nothing
 _DOCS = Path(__file__).resolve().parents[3]

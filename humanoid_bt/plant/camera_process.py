@@ -12,10 +12,10 @@ import pickle
 import sys
 import time
 from contextlib import suppress
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from humanoid_bt.record.rendering import Camera
+    from humanoid_bt.plant.rendering import Camera
 
 _NICE = 19  # whatever the run does comes first
 
@@ -24,11 +24,11 @@ def ready(setup: bytes, slowest: float) -> tuple[Camera | None, str]:
     """Return the camera, or None and why there is none.
 
     Args:
-        setup: a pickled :class:`~humanoid_bt.record.rendering.Setup`.
+        setup: a pickled :class:`~humanoid_bt.plant.rendering.Setup`.
         slowest: what a picture may take [s].
     """
     try:
-        from humanoid_bt.record.rendering import Camera, first_shot  # noqa: PLC0415  # it may fail, see above
+        from humanoid_bt.plant.rendering import Camera, first_shot  # noqa: PLC0415  # it may fail, see above
 
         camera = Camera(pickle.loads(setup))
         camera.take(first_shot())
@@ -44,7 +44,7 @@ def ready(setup: bytes, slowest: float) -> tuple[Camera | None, str]:
 
 
 def main() -> None:
-    """Answer the setup with "" or what is wrong, then every shot with a picture as JPEG, until the input ends."""
+    """Answer the setup with "" or what is wrong, then every shot with a picture, until the input ends."""
     with suppress(OSError):
         os.nice(_NICE)
     if sys.platform == "linux":
@@ -52,7 +52,7 @@ def main() -> None:
     source, sink = sys.stdin.buffer, sys.stdout.buffer
     with suppress(EOFError, BrokenPipeError):
         camera, why = ready(*pickle.load(source))
-        answer: str | bytes = why
+        answer: Any = why
         while True:
             pickle.dump(answer, sink)
             sink.flush()

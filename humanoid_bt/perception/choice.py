@@ -1,0 +1,102 @@
+"""Which sources a run has: from what is written to classes with the values of their parameters."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from humanoid_bt.core.errors import Place, Problem, UserError, nearest
+from humanoid_bt.core.items import Item, item_of
+from humanoid_bt.core.params import params_of
+from humanoid_bt.core.reading import read_values
+from humanoid_bt.core.sources import NamedSource, Sources
+from humanoid_bt.files.workspace import Workspace
+from humanoid_bt.perception.source import PerceptSource, source_name
+from humanoid_bt.perception.source_files import load_sources
+from humanoid_bt.perception.tracker import Tracker
+from humanoid_bt.plant.scene_config import SceneConfig
+
+DEFAULT = source_name(Tracker)
+"""The source that is used where nobody names one."""
+
+
+@dataclass(frozen=True)
+class Chosen:
+    """A source of a run.
+
+    Attributes:
+        name: its own.
+        cls: what it is made of.
+        values: every parameter by name, defaults put in.
+        names: the percepts that it publishes.
+    """
+
+    name: str
+    cls: type[PerceptSource]
+    values: Mapping[str, Any]
+    names: tuple[str, ...]
+
+
+def written(value: Any, what: str = "perception") -> Sources | None:
+    """Return the sources that an argument names, None for None; raises UserError if it names none."""
+    return None if value is None else Sources.from_item(item_of(value, Place(f"{what}={value}")))
+
+
+def sources_of(given: Sources | None, tree: Sources | None, scene: SceneConfig | None) -> Sources | None:
+    """Return the sources that count: those that a run is given, else those of its tree, else those of its scene."""
+    return given or tree or (scene.perception if scene is not None else None)
+
+
+def choose(sources: Sources | None, workspace: Workspace, scene: SceneConfig) -> list[Chosen]:
+    """Return the sources of a run, the simulated tracker if none are named.
+
+    Raises:
+        UserError: with everything that is wrong with them: unknown names, wrong parameters, two of them publish one
+            percept, or a file in ``perception/`` has mistakes.
+    """
+    if sources is None:
+        return [Chosen(DEFAULT, Tracker, {"only": []}, tuple(scene.percepts))]
+    known = load_sources(workspace)
+    problems: list[Problem] = []
+    found: list[tuple[NamedSource, type[PerceptSource], dict[str, Any]]] = []
+    for one in sources.every:
+        if one.name not in known:
+            hint = nearest(one.name, known, "humanoid-bt sources")
+            problems.append(Problem(f"no percept source named {one.name!r}", one.place, hint, "unknown-source"))
+            continue
+        declared = params_of(known[one.name])
+        item = Item(one.values.value, one.place, one.values.key_places)
+        values, wrong = read_values(declared, item, repr(one.name))
+        problems += wrong
+        if not wrong:
+            defaults = {name: spec.default for name, spec in declared.items()}
+            found.append((one, known[one.name], {**defaults, **values}))
+    chosen = _published(found, scene, problems)
+    if problems:
+        raise UserError(problems)
+    return chosen
+
+
+def _published(
+    found: list[tuple[NamedSource, type[PerceptSource], dict[str, Any]]], scene: SceneConfig, problems: list[Problem]
+) -> list[Chosen]:
+    """Return the sources with the percepts that each of them publishes."""
+    taken: dict[str, NamedSource] = {}
+    names: dict[int, tuple[str, ...]] = {}
+    last = [number for number, (_, cls, values) in enumerate(found) if cls is Tracker and not values["only"]]
+    for number in sorted(range(len(found)), key=lambda number: number in last):
+        one, cls, values = found[number]
+        own = [name for name in scene.percepts if name not in taken] if number in last else list(cls.publishes(values))
+        for name in own:
+            if name in taken:
+                message = f"two sources publish the percept {name!r}: {taken[name].name!r} and {one.name!r}"
+                hint = f"first at {taken[name].place}" if taken[name].place != one.place else ""
+                problems.append(Problem(message, one.place, hint, "duplicate-percept"))
+            elif cls is Tracker and name not in scene.percepts:
+                hint = nearest(name, scene.percepts) or "it has none"
+                message = f"the scene {scene.name!r} has no percept {name!r}"
+                problems.append(Problem(message, one.values.place_of("only"), hint, "unknown-percept"))
+            taken[name] = one
+        names[number] = tuple(own)
+    return [Chosen(one.name, cls, values, names[number]) for number, (one, cls, values) in enumerate(found)]

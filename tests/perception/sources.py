@@ -1,0 +1,75 @@
+"""Percept sources that tests write."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+HEAD = """
+import time
+from humanoid_bt import Moment, Percept, PerceptName, PerceptSource, param
+"""
+
+SIGN = '''
+class DoorSign(PerceptSource):
+    """See a sign two metres ahead of the base."""
+
+    rate = 25.0
+    sign: PerceptName = param("sign", doc="Percept that it publishes.")
+    ahead: float = param(2.0, unit="m", above=0, doc="How far.")
+
+    def look(self, now):
+        noise = 0.01 * self.random.standard_normal()
+        return [Percept(self.sign, now.time, (self.ahead + noise, 0, 0), 0.9, class_name="sign")]
+'''
+
+BAD = '''
+class Raises(PerceptSource):
+    """Raise after a while."""
+
+    rate = 10.0
+    name: PerceptName = param("raised", doc="Percept that it publishes.")
+
+    def look(self, now):
+        if now.time >= 0.5:
+            raise KeyError("no detector")
+        return [Percept(self.name, now.time, (1, 0, 0), 0.9)]
+
+
+class Blocks(PerceptSource):
+    """Do not come back."""
+
+    rate = 10.0
+    patience = 0.2
+
+    def look(self, now):
+        while True:
+            time.sleep(0.001)
+
+
+class Floods(PerceptSource):
+    """Publish without end."""
+
+    name: PerceptName = param("flood", doc="Percept that it publishes.")
+
+    def look(self, now):
+        while True:
+            yield Percept(self.name, now.time, (1, 0, 0), 0.9)
+
+
+class Fails(PerceptSource):
+    """Cannot be set up."""
+
+    def setup(self):
+        raise OSError("no weights")
+
+    def look(self, now):
+        return []
+'''
+
+
+def write(folder: Path, name: str, text: str) -> Path:
+    """Write a file of sources into a workspace."""
+    (folder / "perception").mkdir(exist_ok=True)
+    path = folder / "perception" / name
+    path.write_text(HEAD + text, encoding="utf-8")
+    return path
