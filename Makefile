@@ -5,7 +5,7 @@ BIN := $(VENV)/bin
 export OMP_NUM_THREADS ?= 1
 export OPENBLAS_NUM_THREADS ?= 1
 
-.PHONY: demo test test-trials test-docs test-cluster test-install check docs bench clean
+.PHONY: demo test test-trials test-docs test-cluster test-policy test-install check docs bench clean
 
 demo: $(VENV)/.installed
 	$(BIN)/humanoid-bt run fetch
@@ -13,7 +13,7 @@ demo: $(VENV)/.installed
 # They start hundreds of Python processes, which are not to compile the package each time.
 test test-trials: export PYTHONDONTWRITEBYTECODE :=
 test: $(VENV)/.installed-dev
-	$(BIN)/python -m pytest -n auto --dist loadfile -m "not realtime and not trials and not docs and not install and not ray"
+	$(BIN)/python -m pytest -n auto --dist loadfile -m "not realtime and not trials and not docs and not install and not ray and not policy"
 	$(BIN)/python -m pytest -m "realtime and not trials" $$(grep -rl mark.realtime tests)
 
 test-trials: $(VENV)/.installed-dev  ## further cases of what a whole robot does, and the bench of realtime mode
@@ -25,6 +25,9 @@ test-docs: $(VENV)/.installed-dev  ## every example of the docs, as a reader wou
 
 test-cluster: $(VENV)-cluster/.installed  ## campaigns on a Ray cluster of two nodes, in an environment of its own
 	$(VENV)-cluster/bin/python -m pytest -m ray tests/campaign/test_ray.py
+
+test-policy: $(VENV)-policy/.installed  ## learned walkers: tiny ones, and published ones where they are, in an environment of its own
+	$(VENV)-policy/bin/python -m pytest tests/robot/policy tests/control/body/policy tests/session/test_body_choice.py tests/policies
 
 test-install: $(VENV)/.installed-dev  ## the wheel in an empty environment, with what it declares to need
 	$(BIN)/python -m pytest -m install
@@ -42,7 +45,7 @@ bench: $(VENV)/.installed
 	$(BIN)/humanoid-bt bench
 
 clean:
-	rm -rf $(VENV) $(VENV)-cluster build dist runs .pytest_cache .mypy_cache .ruff_cache
+	rm -rf $(VENV) $(VENV)-cluster $(VENV)-policy build dist runs .pytest_cache .mypy_cache .ruff_cache
 
 $(VENV)/bin/python:
 	$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "Python 3.11 or newer is needed: make PYTHON=python3.11 ...")'
@@ -55,6 +58,11 @@ $(VENV)/.installed: pyproject.toml constraints.txt | $(VENV)/bin/python
 $(VENV)-cluster/.installed: pyproject.toml constraints.txt
 	test -x $(VENV)-cluster/bin/python || $(PYTHON) -m venv $(VENV)-cluster
 	$(VENV)-cluster/bin/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[test,cluster]'
+	touch $@
+
+$(VENV)-policy/.installed: pyproject.toml constraints.txt
+	test -x $(VENV)-policy/bin/python || $(PYTHON) -m venv $(VENV)-policy
+	$(VENV)-policy/bin/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[test,policy]'
 	touch $@
 
 $(VENV)/.installed-dev: pyproject.toml constraints.txt | $(VENV)/bin/python

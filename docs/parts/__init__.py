@@ -27,7 +27,7 @@ PARTS_BY_NAME: dict[str, Callable[[], str]] = {
     for maker in (
         *(nodes.nodes, nodes.skills, nodes.elsewhere, nodes.node_keys),
         *(tree_files.tree_keys, tree_files.parameter_keys, tree_files.percept_words, tree_files.state_words),
-        *(config_files.robot_keys, config_files.scene_keys),
+        *(config_files.robot_keys, config_files.policy_keys, config_files.scene_keys),
         *(campaigns.campaign_keys, campaigns.push_keys, campaigns.requirement_names),
         *(library.trees, library.library),
         *(python.handle, python.route, python.hand_route, python.track, python.state, python.rig, python.rig_result),

@@ -1,4 +1,4 @@
-"""The keys of ``robot.yaml`` and of scene files: one table per dataclass that they are read into."""
+"""The keys of ``robot.yaml``, walkers and scene files: one table per dataclass that they are read into."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from humanoid_bt.core.params import params_of
 from humanoid_bt.plant.scene_config import SceneConfig
 from humanoid_bt.robot.config import RobotConfig
+from humanoid_bt.robot.policy.config import PolicyConfig
 from parts.markdown import docstring
 from parts.parameters import dataclass_in, parameter_row, parameter_table
 
@@ -15,6 +16,11 @@ from parts.parameters import dataclass_in, parameter_row, parameter_table
 def robot_keys() -> str:
     """Return the reference of ``robot.yaml``."""
     return _sections(RobotConfig, "robot.yaml")
+
+
+def policy_keys() -> str:
+    """Return the reference of ``walk.policy.yaml``."""
+    return _sections(PolicyConfig, "walk.policy.yaml")
 
 
 def scene_keys() -> str:

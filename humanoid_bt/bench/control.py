@@ -13,6 +13,7 @@ import numpy as np
 
 from humanoid_bt.bench.figure import Figure, Pairs, cpu, figure
 from humanoid_bt.bench.promises import ESTIMATE, LOG, LOG_USUAL, OWN_LINKS
+from humanoid_bt.control.body.body import Body
 from humanoid_bt.control.body.standing import load_robot
 from humanoid_bt.control.body.whole_body import WholeBody
 from humanoid_bt.control.controller import Controller
@@ -77,7 +78,9 @@ def measure_control(repetitions: int) -> Iterator[Figure]:
     title = "estimating the robot for a whole-body period, walking"
     pairs = _beside_physics(walking, walking.controller.estimator, "update", repetitions)
     yield figure(title, _PHYSICS, "us CPU", pairs, scale=1e6, promise=ESTIMATE)
-    own_links = pressing.controller.whole_body.kinematics.limits[0]
+    body = pressing.controller.body
+    assert isinstance(body, WholeBody)
+    own_links = body.kinematics.limits[0]
     title = "keeping own links apart in one solve, hands pressed together"
     pairs = _beside_physics(pressing, own_links, "compute_qp_inequalities", repetitions)
     yield figure(title, _PHYSICS, "us CPU", pairs, scale=1e6, promise=OWN_LINKS)
@@ -124,7 +127,7 @@ class _TimedLog(CycleLog):
         super().__init__(plans, servo_cycles, layout)
         self.spent: list[float] = []
 
-    def begin(self, cycle: int, supervisor: Supervisor, servo: Servo, body: WholeBody) -> None:
+    def begin(self, cycle: int, supervisor: Supervisor, servo: Servo, body: Body) -> None:
         began = time.perf_counter()
         CycleLog.begin(self, cycle, supervisor, servo, body)
         ended = time.perf_counter()

@@ -15,6 +15,7 @@ from humanoid_bt.bench.figure import Figure, cpu, figure
 from humanoid_bt.bench.promises import SPEED, STACK
 from humanoid_bt.bench.tree import measure_tree
 from humanoid_bt.control.body.mink_terms import SOLVER
+from humanoid_bt.control.body.whole_body import WholeBody
 from humanoid_bt.core.clock import DECISION_PERIOD, WHOLE_BODY_PERIOD, cycles
 from humanoid_bt.core.messages import JointCommand
 from humanoid_bt.files.workspace import Workspace, builtin_root
@@ -92,12 +93,14 @@ def _new_run(workspace: Workspace, recording: Path, duration: float | None = Non
 def _whole_body(repetitions: int) -> Figure:
     controller = CommandedRobot({}).controller
     period = cycles(WHOLE_BODY_PERIOD)
-    kinematics = controller.whole_body.kinematics
+    body = controller.body
+    assert isinstance(body, WholeBody)
+    kinematics = body.kinematics
 
     def ours() -> float:
         spent = 0.0
         for _ in range(_CALLS):
-            spent += cpu(lambda: controller.whole_body.update(controller.estimator.estimate, {}, False))
+            spent += cpu(lambda: body.update(controller.estimator.estimate, {}, False))
             for _ in range(period):
                 controller.run_cycle()
         return spent / _CALLS

@@ -66,6 +66,7 @@ def _session(arguments: argparse.Namespace, printer: Printer) -> Session:
         workspace=arguments.workspace,
         robot=arguments.robot,
         scene=arguments.scene,
+        body=arguments.body,
         perception=_sources(arguments.perception),
         parameters=_parameters(arguments),
         seed=arguments.seed,

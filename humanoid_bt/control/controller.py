@@ -7,7 +7,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from humanoid_bt.control.body.whole_body import WholeBody
+from humanoid_bt.control.body.body import Body
+from humanoid_bt.control.body.choice import bodies
 from humanoid_bt.control.cycle_log import CycleLog
 from humanoid_bt.control.dynamics import RobotDynamics
 from humanoid_bt.control.estimator.estimator import Estimator
@@ -34,8 +35,8 @@ from humanoid_bt.robot.model import BASE_COORDINATES, BASE_DOFS, RobotModel
 
 _SETTLED_AFTER = 0.2  # s of standing
 _SETTLED_SPEED = 0.018  # m/s of the centre of mass, which then has less than 5 mm to go
-
 _STIRRED_SPEED = 0.08  # m/s of it above which a robot that had settled has not any more: hands move it
+
 
 class Controller:
     """Everything that runs at the servo's rate for one robot.
@@ -48,7 +49,7 @@ class Controller:
     Attributes:
         supervisor: decides what is allowed.
         estimator: says where the robot is.
-        whole_body: plans the setpoints.
+        body: plans the setpoints: the first of the robot's bodies that has not failed.
         servo: drives the joints.
         log: is told every servo cycle, if there is one.
         cycle: servo cycles so far.
@@ -59,7 +60,8 @@ class Controller:
         self.supervisor = Supervisor(robot.config.fall, arms_of(robot), robot.config.contact)
         dynamics = RobotDynamics(robot)
         self.estimator = Estimator(robot, dynamics)
-        self.whole_body = WholeBody(robot, dynamics, self.estimator.contact)
+        self._bodies = bodies(robot, dynamics, self.estimator.contact)
+        self.body = self._bodies[0]
         self.servo = Servo(robot)
         self.log: CycleLog | None = None
         self._whole_body_period = cycles(WHOLE_BODY_PERIOD)
@@ -76,12 +78,14 @@ class Controller:
         self._setpoint_fault = ""
         self._limp = False
         self._held = False
+        self._at_rest = False
         self._next_plan = 0  # cycle
         self._reading = self._plant.measure(self._reading)
-        self._at_rest = False
         self.estimator.reset(self._reading, place)
         estimate = self.estimator.estimate
-        self.whole_body.reset(estimate)
+        self.body = self._bodies[0]
+        for body in self._bodies:
+            body.reset(estimate)
         self.servo.reset(estimate.qpos[BASE_COORDINATES:])
         self.supervisor.reset_run(float(estimate.qpos[2]))
 
@@ -95,7 +99,7 @@ class Controller:
         estimate = estimator.estimate
         supervisor.check(self.cycle, estimate, self._setpoint_fault, estimator.watch.fault)
         if log is not None:
-            log.begin(self.cycle + 1, supervisor, self.servo, self.whole_body)
+            log.begin(self.cycle + 1, supervisor, self.servo, self.body)
         if supervisor.mode is Mode.DAMP:
             self._let_go()
         elif self.cycle >= self._next_plan or (supervisor.hold and not self._held):
@@ -116,13 +120,25 @@ class Controller:
             log.end(estimator.estimate)
 
     def _plan(self, estimate: Estimate) -> None:
-        supervisor, body = self.supervisor, self.whole_body
+        supervisor, body = self.supervisor, self.body
         self._end_logged_plan()
         body.arms.sides = supervisor.touch.yielding
         setpoint = body.update(estimate, supervisor.targets, supervisor.hold)
         supervisor.touch.homeward = body.arms.homeward
         refused = self.servo.follow(setpoint)
-        self._setpoint_fault = refused or ("" if body.solved else "inverse kinematics without a solution")
+        self._setpoint_fault = refused or body.fault
+        still = body.gait is Gait.STAND and body.still_for >= _SETTLED_AFTER
+        self._at_rest = still and body.com_speed < (_STIRRED_SPEED if self._at_rest else _SETTLED_SPEED)
+        if body.failure:
+            self._give_up(body, estimate)
+
+    def _give_up(self, body: Body, estimate: Estimate) -> None:
+        """Let the next body take the place of one that failed, for the rest of the run; the last one goes on."""
+        self.supervisor.request_stop("body", body.failure)
+        place = self._bodies.index(body) + 1
+        if place < len(self._bodies):
+            self.body = self._bodies[place]
+            self.body.restart(estimate)
 
     def _feel(self) -> None:
         """Tell the supervisor what pushes the robot, and the observer what of it is nothing that it carries.
@@ -148,29 +164,23 @@ class Controller:
     def _end_logged_plan(self) -> None:
         """Let the log take what is left of the last plan, before there is another one or none."""
         if self.log is not None:
-            self.log.end_plan(self.servo, self.whole_body)
+            self.log.end_plan(self.servo, self.body)
 
     def _stand_up(self, estimate: Estimate) -> None:
         """Stiffen limp joints where they are: the setpoints from before the fall would be a blow."""
-        self.whole_body.restart(estimate)
+        self.body.restart(estimate)
         self.servo.reset(estimate.qpos[BASE_COORDINATES:])
         self._limp = False
 
     @property
     def settled(self) -> bool:
-        """Whether the robot stands, at rest, with no step pending."""
-        body = self.whole_body
-        return (
-            self.supervisor.mode is not Mode.DAMP
-            and body.walker.gait is Gait.STAND
-            and body.walker.still_for >= _SETTLED_AFTER
-            and body.com_speed < _SETTLED_SPEED
-        )
+        """Whether the robot stands, at rest, with no step pending; one that has settled may move its hands."""
+        return self._at_rest and self.supervisor.mode is not Mode.DAMP
 
     def state(self) -> State:
         """Return a snapshot of everything."""
-        estimate, body, supervisor = self.estimator.estimate, self.whole_body, self.supervisor
-        dynamics, walker, command = body.dynamics, body.walker, supervisor.command
+        estimate, body, supervisor = self.estimator.estimate, self.body, self.supervisor
+        dynamics, command = body.dynamics, supervisor.command
         joint_command = self.servo.command
         hand_errors, turn_errors = self._hand_errors(dynamics)
         feet: dict[Side, FootPose] = {side: dynamics.foot_pose(side) for side in SIDES}
@@ -192,12 +202,12 @@ class Controller:
             hands=dynamics.hands,
             hand_orientations=dynamics.hand_orientations,
             feet=feet,
-            stance=walker.stance,
+            stance=body.stance,
             gaze_position=dynamics.gaze_position,
             gaze_direction=dynamics.gaze_direction,
             foot_force=dict(zip(SIDES, estimate.foot_force.tolist(), strict=True)),
-            gait=walker.gait,
-            footsteps=tuple((step.side, _foot_pose(step.pose)) for step in walker.footsteps),
+            gait=body.gait,
+            footsteps=tuple((step.side, _foot_pose(step.pose)) for step in body.footsteps),
             base_settled=self.settled,
             mode=supervisor.mode,
             stop_reason=supervisor.reason,
@@ -207,7 +217,7 @@ class Controller:
             targets=supervisor.targets,
             hand_errors=hand_errors,
             hand_turn_errors=turn_errors,
-            hand_obstacles=body.kinematics.hand_obstacles,
+            hand_obstacles=body.hand_obstacles,
             limit_flags=self._limit_flags(),
             contacts=supervisor.touch.contacts,
         )

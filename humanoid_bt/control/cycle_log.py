@@ -18,7 +18,7 @@ from humanoid_bt.core.messages import SIDES, Array, Command, Estimate, Gait, Mod
 from humanoid_bt.link.table import LocalTable, TableWriter
 
 if TYPE_CHECKING:  # who reads a recording needs no simulator
-    from humanoid_bt.control.body.whole_body import WholeBody
+    from humanoid_bt.control.body.body import Body
     from humanoid_bt.control.servo import Servo
     from humanoid_bt.control.supervisor import Supervisor
 
@@ -180,7 +180,7 @@ class CycleLog:
         self._head[_COMMAND] = NONE
         self._row_head, self.measured = self._rows[0]
 
-    def begin(self, cycle: int, supervisor: Supervisor, servo: Servo, body: WholeBody) -> None:
+    def begin(self, cycle: int, supervisor: Supervisor, servo: Servo, body: Body) -> None:
         """Take what was decided in a servo cycle, as soon as it is, before anything is planned or driven.
 
         Args:
@@ -213,30 +213,29 @@ class CycleLog:
         self._row_head[:] = self._head
         self._cycles.publish()
 
-    def end_plan(self, servo: Servo, body: WholeBody) -> None:
+    def end_plan(self, servo: Servo, body: Body) -> None:
         """Copy what is left of a plan, before there is another one."""
         while self._left:
             self._copy_part(servo, body)
 
-    def _copy_part(self, servo: Servo, body: WholeBody) -> None:
+    def _copy_part(self, servo: Servo, body: Body) -> None:
         """Copy the next part of the last plan."""
         self._left -= 1
         row = self._plans.count % len(self._plan_rows)
         plan, com_error, setpoint, limited = self._plan_rows[row]
-        kinematics = body.kinematics
         if self._left == 2:
             setpoint[:] = servo.setpoint
         elif self._left == 1:
-            com_error[:] = kinematics.com_error
+            com_error[:] = body.com_error
             if servo.clamped or self._clamped[row]:  # else they are zero, as they are to be
                 limited[:] = servo.limited
                 self._clamped[row] = servo.clamped
         else:
             plan[0] = self._plan
-            plan[1] = GAITS.index(body.walker.gait)
-            plan[2] = kinematics.solved
+            plan[1] = GAITS.index(body.gait)
+            plan[2] = not body.fault
             plan[3] = self._plan_mode is not Mode.DAMP
-            errors = kinematics.hand_errors
+            errors = body.hand_errors
             plan[4], plan[5] = [errors.get(side, NONE) for side in SIDES] if errors else _NO_HANDS
             self._plans.publish()
 

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from humanoid_bt.control.body.whole_body import Setpoint
+from humanoid_bt.control.body.body import Setpoint
 from humanoid_bt.core.clock import WHOLE_BODY_PERIOD
 from humanoid_bt.core.geometry import clamp
 from humanoid_bt.core.messages import Array, JointCommand
@@ -44,7 +44,7 @@ class Servo:
         self.clamped = False
         self.setpoint: Array = np.zeros((3, len(robot.lower)))
         self.clamps = self.commands = 0
-        self._hold(self._zeros, self._robot.stiffness)
+        self._hold(self._zeros, self._robot.stiffness, self._robot.damping)
 
     def reset(self, position: Array) -> None:
         """Start from joint positions, shape (nj,)."""
@@ -52,7 +52,7 @@ class Servo:
         self.limited = np.zeros_like(self.limited)
         self.clamped = False
         self.clamps = 0
-        self._hold(self._zeros, self._robot.stiffness)
+        self._hold(self._zeros, self._robot.stiffness, self._robot.damping)
 
     @property
     def command(self) -> JointCommand:
@@ -81,13 +81,15 @@ class Servo:
         self.limited = np.logical_or.reduce(outside)
         self.clamps += self.clamped
         self.position, self.setpoint = position, kept
-        stiffness = robot.stiffness if setpoint.stiffness is None else robot.stiffness * setpoint.stiffness
-        self._drive(JointCommand(position, velocity, stiffness, robot.damping, torque))
+        stiffness = robot.stiffness if setpoint.stiffness is None else setpoint.stiffness
+        damping = robot.damping if setpoint.damping is None else setpoint.damping
+        self._drive(JointCommand(position, velocity, stiffness, damping, torque))
         return ""
 
     def hold(self) -> None:
         """Hold the last validated setpoint at rest, with the torque that carried it, as softly as it was."""
-        self._hold(self._command.torque, self._command.stiffness)
+        command = self._command
+        self._hold(command.torque, command.stiffness, command.damping)
 
     def damp(self) -> None:
         """Let go: no stiffness, only joint damping (stop category 0 of IEC 60204-1)."""
@@ -98,9 +100,9 @@ class Servo:
             self.setpoint = np.array((self.position, zeros, zeros))
             self._drive(JointCommand(self.position, zeros, zeros, self._robot.damping, zeros))
 
-    def _hold(self, torque: Array, stiffness: Array) -> None:
+    def _hold(self, torque: Array, stiffness: Array, damping: Array) -> None:
         self.setpoint = np.array((self.position, self._zeros, torque))
-        self._drive(JointCommand(self.position, self._zeros, stiffness, self._robot.damping, torque))
+        self._drive(JointCommand(self.position, self._zeros, stiffness, damping, torque))
 
     def _drive(self, command: JointCommand) -> None:
         self._command = command

@@ -299,6 +299,7 @@ class Truth:
         base_quaternion: world frame, wxyz, shape (4,).
         gaze_position: where the gaze site is, world frame, shape (3,) [m].
         gaze_direction: unit vector, world frame, shape (3,).
+        joint_positions: of the robot's joints, shape (nj,) [rad]; empty where nobody asks.
     """
 
     time: float
@@ -306,8 +307,8 @@ class Truth:
     base_quaternion: Array
     gaze_position: Array
     gaze_direction: Array
-
     joint_positions: Array = field(default_factory=lambda: np.empty(0))
+
 
 class Mode(Enum):
     """What the supervisor allows."""

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any, Self
+from typing import TYPE_CHECKING, Any, Self
 
 from humanoid_bt.core.errors import Problem, UserError
 from humanoid_bt.link.estop import EStop
@@ -15,6 +15,9 @@ from humanoid_bt.link.heartbeat import Heartbeat
 from humanoid_bt.link.ring import RingReader, RingWriter
 from humanoid_bt.link.run_folder import RunFolder
 from humanoid_bt.realtime.timing import STOP_ROOM
+
+if TYPE_CHECKING:
+    from humanoid_bt.robot.config import Walk
 
 _ESTOP, _LEFT, _MISTAKES = "estop", "left", "mistakes.json"
 _SIZES: dict[str, tuple[int, int]] = {  # ring -> (bytes in a slot, slots)
@@ -47,6 +50,7 @@ class RunSpec:
         log: file in which control notes what happens, which stays when the folder is gone; "" for none.
         hold: how long control goes on balancing after decision died [s].
         parent: decision's process id. Each process compares its parent's with it: decision may die before they look.
+        body: what walks and balances.
         perception: the percept sources as they are written; None for the simulated tracker.
         workspace: folder in which they are found.
     """
@@ -58,6 +62,7 @@ class RunSpec:
     log: str
     hold: float
     parent: int
+    body: Walk = "dcm"
     perception: Any = None
     workspace: str = ""
 

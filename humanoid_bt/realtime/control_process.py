@@ -60,7 +60,7 @@ class ControlProcess:
     def __init__(self, folder: RunFolder) -> None:
         self._folder = folder
         self._spec = spec = RunSpec.read(folder)
-        robot, start = load_robot(Path(spec.robot))
+        robot, start = load_robot(Path(spec.robot), spec.body)
         self._plant = MujocoPlant(robot, Scene(load_scene(Path(spec.scene)), spec.seed))
         self._plant.place(start)
         self._controller = Controller(robot, self._plant, self._plant.scene.start_pose)
@@ -207,7 +207,7 @@ class ControlProcess:
                 supervisor.request_stop("the control process", why)
         if controller.settled or supervisor.mode is Mode.DAMP:
             return True
-        return cycle - self._leaving_since > cycles(_SETTLE) and controller.whole_body.walker.gait is Gait.STAND
+        return cycle - self._leaving_since > cycles(_SETTLE) and controller.body.gait is Gait.STAND
 
     def _why_leave(self) -> str:
         """Return why control is to end, "" while it is not."""

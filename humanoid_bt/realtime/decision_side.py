@@ -184,6 +184,7 @@ class Realtime:
             log=str(log.resolve()) if log is not None else "",
             hold=self._hold,
             parent=os.getpid(),
+            body=self.robot.config.body.walk,
             perception=plain(self._sources[0]),
             workspace=self._sources[1],
         )

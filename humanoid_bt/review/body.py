@@ -19,7 +19,8 @@ _WINDOW = 100  # servo cycles over which an acceleration is taken: a step's impa
 _FINE = 20  # servo cycles over which its begin is looked for
 _PUSH = 3.0  # m/s^2 that nobody takes for a step
 _TIMES = 2.0  # as much as the largest of the run before is a push
-_PLANS = 2  # in which a setpoint is clamped before that is worth a word
+_BEGUN = 0.5  # share of a push's largest acceleration at which it has begun: the blows of steps before it are less
+_PLANS = 2  # in which a setpoint is clamped at least: where references change, as at a run's end, a single one may be
 _UPRIGHT = 0.35  # rad of tilt up to which gravity alone accelerates less than that
 _SIDEWAYS = 0.5  # share of a direction from which on it is named
 
@@ -142,7 +143,7 @@ class Motion:
             return None
         seed = int(np.argmax(sudden))
         fine = np.linalg.norm(self._acceleration(_FINE), axis=1)
-        strong = fine[seed : seed + 2 * _WINDOW] > strength[seed : seed + 2 * _WINDOW].max() / 2
+        strong = fine[seed : seed + 2 * _WINDOW] > _BEGUN * strength[seed : seed + 2 * _WINDOW].max()
         after = np.flatnonzero(strong)
         if not len(after):
             return None

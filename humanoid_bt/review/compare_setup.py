@@ -11,7 +11,7 @@ from humanoid_bt.review import setup
 from humanoid_bt.review.parameters import changed_parameters, same, shown
 from humanoid_bt.review.setup import NodeInfo
 
-_SETTINGS = ("mode", "seed", "duration", "on_estop", "watch")
+_SETTINGS = ("mode", "body", "seed", "duration", "on_estop", "watch", "perception")
 _HASH = 12  # digits of a file's hash that are shown
 
 

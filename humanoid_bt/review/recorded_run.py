@@ -11,6 +11,7 @@ from humanoid_bt.core.clock import SERVO_PERIOD
 from humanoid_bt.core.messages import Mode
 from humanoid_bt.record.reading import FlightLog, News
 from humanoid_bt.review.setup import parameters
+from humanoid_bt.robot.config import Walk
 from humanoid_bt.session.engine import Input
 
 
@@ -25,6 +26,7 @@ class RecordedRun:
         given: parameters that were given from outside, as they were written.
         duration: its limit [s], infinity for none.
         waits: whether it waited for the reset of an emergency stop.
+        body: what walked and balanced.
         ended: whether it says how it ended.
         outcome, reason: how, and why.
         tree_ended: engine time at which the tree ended [s], infinity if that is not known.
@@ -40,6 +42,7 @@ class RecordedRun:
     given: dict[str, Any] = field(default_factory=dict)
     duration: float = math.inf
     waits: bool = False
+    body: Walk = "dcm"
     ended: bool = False
     outcome: str = ""
     reason: str = ""
@@ -63,6 +66,7 @@ def recorded_run(log: FlightLog) -> RecordedRun:
         given={name: found.written for name, found in parameters(log.setup["tree"]).items() if found.given},
         duration=math.inf if duration is None else duration,
         waits=limits is not None and limits["waits"],
+        body=log.setup.get("body", "dcm"),
         ended=end is not None,
         outcome=end["outcome"] if end else "",
         reason=end["reason"] if end else "",

@@ -15,6 +15,7 @@ import numpy as np
 from humanoid_bt.core.clock import DECISION_PERIOD
 from humanoid_bt.core.messages import Array, Estimate, Level
 from humanoid_bt.decision.result import Reported
+from humanoid_bt.perception.choice import written
 from humanoid_bt.perception.track import Track
 from humanoid_bt.record.reading import FlightLog
 from humanoid_bt.record.subject import TreeView
@@ -49,6 +50,8 @@ def run_again(log: FlightLog, run: RecordedRun, files: RecordedFiles) -> Done:
         tree=str(files.tree),
         robot=str(files.robot),
         scene=str(files.scene),
+        body=run.body,
+        perception=written(log.setup.get("perception")),
         parameters=run.given,
         seed=run.seed,
         duration=min(run.duration, _FOREVER),

@@ -7,6 +7,7 @@ import fnmatch
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Literal
 
 from humanoid_bt.core.errors import Place, Problem, UserError, relative
 from humanoid_bt.core.items import Item
@@ -213,6 +214,18 @@ class CollisionConfig:
     )
 
 
+Walk = Literal["dcm", "policy"]
+"""What can walk and balance."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class BodyConfig:
+    """What walks and balances."""
+
+    walk: Walk = param("dcm", doc="dcm: footsteps and whole-body control from the model; policy: a learned walker.")
+    policy: str | None = param(None, doc="Of a learned walker: its description, relative to this file.")
+
+
 @dataclass(frozen=True, kw_only=True)
 class RobotConfig:
     """A robot. Angles [rad], lengths [m], from ``robot.yaml``."""
@@ -232,6 +245,7 @@ class RobotConfig:
     home: dict[str, float] = param({}, unit="rad", doc="Home posture: joint pattern to angle; others 0.")
     groups: dict[str, list[str]] = param({}, doc="Joint groups for plots: name to joint patterns.")
     soft_limit_margin: float = param(0.02, minimum=0, unit="rad", doc="Soft limits lie this far inside the model's.")
+    body: BodyConfig = param(BodyConfig(), doc="What walks and balances.")
     gait: GaitConfig = param(GaitConfig(), doc="How it walks.")
     whole_body: WholeBodyConfig = param(WholeBodyConfig(), doc="How the body shares its work.")
     reach_distance: float = param(0.40, above=0, unit="m", doc="Where to stand to reach: the target this far ahead.")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import fnmatch
 import re
 from collections.abc import Iterator
@@ -12,9 +13,11 @@ import numpy as np
 
 from humanoid_bt.core.errors import Place, Problem, UserError, nearest, relative
 from humanoid_bt.core.messages import SIDES, Array, Side
+from humanoid_bt.files.reading import is_file
 from humanoid_bt.robot import mujoco_warnings
 from humanoid_bt.robot.config import RobotConfig, SiteConfig
 from humanoid_bt.robot.palm import palm_axes
+from humanoid_bt.robot.policy.policy import Policy, load_policy
 
 BASE_DOFS = 6
 BASE_COORDINATES = 7
@@ -57,9 +60,11 @@ class RobotModel:
         config: what ``robot.yaml`` says.
 
     Raises:
-        UserError: the MJCF file is not valid, or ``robot.yaml`` names what it does not have.
+        UserError: the MJCF file is not valid, or ``robot.yaml`` names what it does not have; or its learned walker
+            does not fit.
 
     Attributes:
+        policy: the learned walker that walks it; None if none does.
         model: the robot alone, without floor or scene (the control layer's own copy).
         joint_names: names of the nj joints; joint i is coordinate 7 + i and degree of freedom 6 + i.
         lower, upper: soft limits, shape (nj,) [rad].
@@ -74,10 +79,14 @@ class RobotModel:
 
     def __init__(self, config: RobotConfig) -> None:
         mujoco_warnings.hear()
+        self.policy = _policy(config)
         self.config = config
         self.model = _compile(self.spec(), config)
         model = self.model
         self.joint_names = tuple(model.joint(j).name for j in range(1, model.njnt))
+        if self.policy and (problems := list(self.policy.problems_with(self.joint_names))):
+            raise UserError(problems)
+        self.config = config = _standing_as_learned(config, self.policy)
         drives = [config.drive(name) for name in self.joint_names]
         self.stiffness = np.array([drive.stiffness for drive in drives if drive])
         self.damping = np.array([drive.damping for drive in drives if drive])
@@ -151,6 +160,31 @@ def read_model(path: Path) -> mujoco.MjSpec:
         if not {pair.geomname1, pair.geomname2} <= geoms:
             spec.delete(pair)
     return spec
+
+
+def _policy(config: RobotConfig) -> Policy | None:
+    """Return the learned walker of a robot that is walked by one."""
+    if config.body.walk != "policy":
+        return None
+    place = config.place("body", "policy")
+    if config.body.policy is None:
+        message, hint = "there is no learned walker", "body: {walk: policy, policy: walk.policy.yaml}"
+        raise UserError(message, place, hint, code="missing-key")
+    path = config.path.parent / config.body.policy
+    if not is_file(path):
+        raise UserError(
+            f"the policy {config.body.policy!r} is missing", place, f"looked for {relative(path)}", "no-file"
+        )
+    return load_policy(path)
+
+
+def _standing_as_learned(config: RobotConfig, policy: Policy | None) -> RobotConfig:
+    """Return what ``robot.yaml`` says with the posture in which a learned walker stands as the home posture."""
+    if policy is None:
+        return config
+    learned = dict(zip(policy.joints, policy.default_pose.tolist(), strict=True))
+    others = {pattern: angle for pattern, angle in config.home.items() if pattern not in learned}
+    return dataclasses.replace(config, home={**learned, **others})
 
 
 def _compile(spec: mujoco.MjSpec, config: RobotConfig) -> mujoco.MjModel:

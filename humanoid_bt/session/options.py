@@ -18,6 +18,7 @@ from humanoid_bt.realtime.decision_side import HOLD_TIME
 from humanoid_bt.record.folder_limits import load_limits
 from humanoid_bt.record.parts import PART_SIZE, SMALLEST_PART
 from humanoid_bt.record.sinks import Sinks, has_display
+from humanoid_bt.robot.config import Walk
 from humanoid_bt.session import limits
 from humanoid_bt.tree.tree import Tree
 
@@ -40,6 +41,7 @@ class RunOptions:
     Attributes:
         tree: name or path of the tree, or a tree that was loaded or made in Python.
         robot, scene: names or paths; None for what the tree says.
+        body: what walks and balances; None for what ``robot.yaml`` says.
         perception: the percept sources; None for what the tree or the scene says.
         parameters: values for the tree's parameters, or text as after ``--set``.
         arguments: what else can be given beside the parameters, for hints.
@@ -60,6 +62,7 @@ class RunOptions:
     tree: str | Tree
     robot: str | None = None
     scene: str | None = None
+    body: Walk | None = None
     perception: Sources | None = None
     parameters: Mapping[str, Any] = field(default_factory=dict)
     arguments: tuple[str, ...] = ()
@@ -85,6 +88,7 @@ class RunOptions:
         arguments: tuple[str, ...],
         robot: Any,
         scene: Any,
+        body: Any,
         perception: Any,
         seed: Any,
         mode: Any,
@@ -106,6 +110,7 @@ class RunOptions:
         """
         judge = _Judge()
         judge.choice("mode", mode, get_args(Mode))
+        judge.choice("body", body, (None, *get_args(Walk)))
         judge.choice("on_estop", on_estop, (None, *get_args(OnEStop)))
         judge.choice("watch", watch, (False, True))
         judge.choice("view", view, (False, True, "auto"))
@@ -121,6 +126,7 @@ class RunOptions:
             tree=named,
             robot=judge.name("robot", robot),
             scene=judge.name("scene", scene),
+            body=body,
             perception=judge.sources(perception),
             parameters=parameters,
             arguments=arguments,

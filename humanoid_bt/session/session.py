@@ -18,6 +18,7 @@ from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.perception.track import Track
 from humanoid_bt.realtime.decision_side import HOLD_TIME
 from humanoid_bt.record.parts import PART_SIZE
+from humanoid_bt.robot.config import Walk
 from humanoid_bt.session import limits
 from humanoid_bt.session.blackboard import Blackboard, Percepts
 from humanoid_bt.session.debugging import Debugging
@@ -44,6 +45,7 @@ class Session(Debugging):
         tree: name or file of a tree, or a tree that was loaded or made in Python and was in no session before.
         workspace: folder in which names are looked up; else a tree file's own, or the working directory.
         robot, scene: names or paths; else what the tree says.
+        body: what walks and balances: "dcm", or "policy" for the robot's learned walker; else what robot.yaml says.
         perception: the percept sources: a name, a mapping of names to parameters, or a list of these; else what the
             tree says, or the scene.
         seed: of everything random.
@@ -77,6 +79,7 @@ class Session(Debugging):
         workspace: str | PathLike[str] | Workspace | None = None,
         robot: str | PathLike[str] | None = None,
         scene: str | PathLike[str] | None = None,
+        body: Walk | None = None,
         perception: str | Mapping[str, Any] | Sequence[Any] | None = None,
         seed: int = 0,
         mode: Mode = "lockstep",
@@ -100,6 +103,7 @@ class Session(Debugging):
             arguments=_ARGUMENTS if values else (),
             robot=robot,
             scene=scene,
+            body=body,
             perception=perception,
             seed=seed,
             mode=mode,

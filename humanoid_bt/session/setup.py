@@ -48,6 +48,7 @@ def run_setup(tree: Tree, engine: Engine, options: RunOptions, robot: Path, scen
         "format": 1,
         "began": datetime.now(UTC).isoformat(timespec="seconds"),
         "mode": options.mode,
+        "body": engine.robot.config.body.walk,
         "seed": options.seed,
         "duration": options.duration,
         "on_estop": options.on_estop,
@@ -135,6 +136,7 @@ def _files(tree: Tree, robot: Path, scene: Path, sources: Sources | None) -> Ite
         "perception": _source_files(tree, sources),
         "scene": [scene],
         "robot": [robot],
+        "policy": list(_policy_files(robot)),
         "model": [model, *(model.parent / name for name in mujoco.mju_getXMLDependencies(str(model)))],
     }
     seen = set[Path]()
@@ -143,6 +145,16 @@ def _files(tree: Tree, robot: Path, scene: Path, sources: Sources | None) -> Ite
             if file not in seen and file.is_file():
                 seen.add(file)
                 yield {"role": role, "name": _name(file, tree), **_content(file)}
+
+
+def _policy_files(robot: Path) -> Iterator[Path]:
+    """Yield the description of a robot's learned walker, and its model."""
+    body = document.load(robot).plain().get("body") or {}
+    if named := body.get("policy"):
+        description = robot.parent / named
+        yield description
+        if description.is_file() and (model := document.load(description).plain().get("model")):
+            yield description.parent / model
 
 
 def _source_files(tree: Tree, sources: Sources | None) -> list[Path]:

@@ -32,7 +32,7 @@ def new_engine(
     Raises:
         UserError: the robot or a source has mistakes.
     """
-    robot, start = load_robot(robot_path)
+    robot, start = load_robot(robot_path, options.body)
     chosen = choose(sources, workspace, scene.config)
     if options.mode == "realtime":
         written = (sources.written if sources else None, str(workspace.root))

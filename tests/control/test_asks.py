@@ -57,7 +57,11 @@ def relative_error(rig: ControlRig, offset: Array) -> float:
 
 @pytest.mark.parametrize(
     ("fingers", "facing"),
-    [(AHEAD, -LEFT), (AHEAD, -UP), ((AHEAD - LEFT) / math.sqrt(2), -UP)],
+    [
+        pytest.param(AHEAD, -LEFT, marks=pytest.mark.trials),
+        pytest.param(AHEAD, -UP, marks=pytest.mark.trials),
+        ((AHEAD - LEFT) / math.sqrt(2), -UP),
+    ],
     ids=["in", "down", "aside"],
 )
 def test_a_hand_turns_as_it_is_told_without_a_jump(rig: ControlRig, fingers: Array, facing: Array) -> None:
@@ -90,6 +94,7 @@ def test_an_axis_points_where_it_is_told(rig: ControlRig) -> None:
     assert rig.state.hand_errors["left"] < 0.01
 
 
+@pytest.mark.trials
 def test_a_hand_that_cannot_turn_so_stays_at_its_place(rig: ControlRig) -> None:
     rig.run(5.0, {"left_hand": HandTarget(PLACE, Pointing(-AHEAD))})
     state = rig.state

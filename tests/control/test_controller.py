@@ -10,9 +10,9 @@ import mujoco
 import numpy as np
 import pytest
 
+from humanoid_bt.control.body.body import Setpoint
 from humanoid_bt.control.body.planar import seen_from
 from humanoid_bt.control.body.quadratic_program import QuadraticProgram
-from humanoid_bt.control.body.whole_body import Setpoint
 from humanoid_bt.core.messages import (
     SIDES,
     Array,
@@ -105,13 +105,13 @@ def test_an_emergency_stop_is_planned_in_the_very_next_servo_cycle(
     for _ in range(phase):
         rig.controller.run_cycle()
     plans: list[tuple[int, bool]] = []
-    update = rig.controller.whole_body.update
+    update = rig.controller.body.update
 
     def spy(estimate: Estimate, targets: Mapping[str, Target], hold: bool) -> Setpoint:
         plans.append((rig.controller.cycle, hold))
         return update(estimate, targets, hold)
 
-    monkeypatch.setattr(rig.controller.whole_body, "update", spy)
+    monkeypatch.setattr(rig.controller.body, "update", spy)
     raised = rig.controller.cycle
     rig.controller.supervisor.raise_estop("test", "pressed")
     for _ in range(11):
@@ -247,7 +247,7 @@ def test_setpoints_that_are_refused_are_told_and_end_in_a_protective_stop(
 ) -> None:
     rig.run(0.1, {})
     before = rig.state.setpoint_positions
-    feedforward = rig.controller.whole_body._feedforward
+    feedforward = rig.controller.body._feedforward
     nan = np.full(len(before), np.nan)
     with monkeypatch.context() as patch:
         patch.setattr(feedforward, "torques", lambda *_: nan)

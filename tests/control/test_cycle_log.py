@@ -108,7 +108,7 @@ def test_there_is_no_command_before_the_first(logged: Logged) -> None:
 
 def test_every_plan_is_there_whole_also_one_that_a_stop_cuts_short(logged: Logged) -> None:
     """Whatever follows a plan at once: another one, limp joints, joints that become stiff again."""
-    controller, kinematics = logged.rig.controller, logged.rig.controller.whole_body.kinematics
+    controller, kinematics = logged.rig.controller, logged.rig.controller.body.kinematics
     supervisor, expected = controller.supervisor, []
     logged.rig.run(0.1, REACH)
     first = len(logged.read()[0]["plan"])

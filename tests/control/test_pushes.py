@@ -9,7 +9,7 @@ from humanoid_bt.core.messages import Gait, Mode, State
 from tests.control.control_rig import ControlRig
 
 
-@pytest.mark.parametrize("degrees", [0, 180, pytest.param(60, marks=pytest.mark.trials)])
+@pytest.mark.parametrize("degrees", [0, *(pytest.param(degrees, marks=pytest.mark.trials) for degrees in (60, 180))])
 def test_a_robot_that_is_pushed_hard_steps_and_stands_again(rig: ControlRig, degrees: float) -> None:
     side = np.radians(degrees)
     rig.run(1.0, {})

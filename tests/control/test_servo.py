@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from humanoid_bt.control.body.whole_body import Setpoint
+from humanoid_bt.control.body.body import Setpoint
 from humanoid_bt.control.servo import Servo
 from humanoid_bt.core.clock import WHOLE_BODY_PERIOD
 from humanoid_bt.core.messages import Array

@@ -19,7 +19,7 @@ def wall() -> Wall:
     return Wall()
 
 
-@pytest.mark.parametrize("seed", [0, 1, *(pytest.param(seed, marks=pytest.mark.trials) for seed in range(2, 6))])
+@pytest.mark.parametrize("seed", [0, *(pytest.param(seed, marks=pytest.mark.trials) for seed in range(1, 6))])
 def test_a_hand_that_moves_into_a_wall_yields(wall: Wall, seed: int) -> None:
     outcome = into_wall(wall, seed)
     assert outcome.good, outcome
@@ -108,6 +108,7 @@ def test_a_stopped_robot_yields_too(rig: ControlRig) -> None:
     assert rig.state.hands["right"][0] < before[0] - 0.05
 
 
+@pytest.mark.trials
 def test_a_soft_hand_does_not_drop_what_it_carries(rig: ControlRig) -> None:
     rig.plant.alter(hand_payload=1.5)
     try:

@@ -52,7 +52,7 @@ def pressed_then_pushed(session: Session) -> None:
 
 
 def unsolvable(session: Session) -> None:
-    limits = session.engine.controller.whole_body.kinematics.limits  # type: ignore[attr-defined]
+    limits = session.engine.controller.body.kinematics.limits  # type: ignore[attr-defined]
     limits.append(Contradiction())
     session.run_until(0.7)
     del limits[-1]

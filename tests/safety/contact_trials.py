@@ -159,7 +159,7 @@ def into_wall(wall: Wall, seed: int) -> Outcome:
         return Outcome(0.0, 0.0, np.inf, any(yields), stands=False)
     first = sent + int(touched[0])
     after = np.flatnonzero(yields[first:])
-    at_home = not yields[-1] and rig.controller.whole_body.arms.stiffness is None
+    at_home = not yields[-1] and rig.controller.body.arms.stiffness is None
     stands = modes == {Mode.RUN} and rig.state.base_settled and at_home
     return Outcome(
         peak=max(forces),

@@ -71,7 +71,7 @@ class Machine:
         """Stand at the origin at time 0, with a decision that wants nothing."""
         self.sees = ScriptedPerception()
         self._lockstep.reset(self.sees)
-        self.controller.whole_body.kinematics.limits[1:] = []
+        self.controller.body.kinematics.limits[1:] = []
         self.decision: Decision = Scripted(lambda _: {})
         self.line: Line = intact
         self.modes: list[tuple[int, Mode]] = []

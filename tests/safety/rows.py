@@ -162,7 +162,7 @@ class Contradiction(mink.Limit):  # type: ignore[misc]
 
 def unsolvable(duration: float) -> Fault:
     def fault(machine: Machine, _: np.random.Generator) -> None:
-        limits = machine.controller.whole_body.kinematics.limits
+        limits = machine.controller.body.kinematics.limits
         limits.append(Contradiction())
         machine.after(duration, lambda: limits.__delitem__(-1))
 

@@ -35,6 +35,13 @@ def add_run(commands: Commands) -> None:
     run.add_argument("--robot", metavar="R", help="name or folder of a robot; default: what the tree says")
     run.add_argument("--scene", metavar="S", help="name or file of a scene; default: what the tree says")
     run.add_argument(
+        "--body",
+        choices=["dcm", "policy"],
+        metavar="B",
+        help="what walks and balances: dcm (footsteps from the model) or policy (the learned walker that robot.yaml "
+        "names); default: what robot.yaml says",
+    )
+    run.add_argument(
         "--perception",
         action="append",
         default=[],

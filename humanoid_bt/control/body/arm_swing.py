@@ -8,7 +8,7 @@ import numpy as np
 
 from humanoid_bt.control.body.planar import seen_from
 from humanoid_bt.core.messages import SIDES, Array, Side
-from humanoid_bt.robot.model import RobotModel, carriers
+from humanoid_bt.robot.model import RobotModel
 
 _ALONG = 0.8  # of a joint's axis along y, for the joint to swing the arm ahead and back
 _FARTHEST = 0.4  # rad
@@ -27,19 +27,14 @@ class ArmSwing:
     """
 
     def __init__(self, robot: RobotModel, dt: float) -> None:
-        config, model = robot.config, robot.model
-        self._share, self._gain = min(1.0, dt / _TIME), config.gait.arm_swing
-        trunk = set(carriers(model, model.body(config.torso).id))
+        self._share, self._gain = min(1.0, dt / _TIME), robot.config.gait.arm_swing
+        across = robot.model.jnt_axis[1:, 1]
         self._shoulders: dict[Side, tuple[int, float]] = {}  # joint, and which way it turns
         for side in SIDES:
-            if side not in config.hands:
-                continue
-            arm = [body for body in carriers(model, model.body(config.hands[side].body).id) if body not in trunk]
-            joints = [joint for joint in range(1, model.njnt) if model.jnt_bodyid[joint] in arm]
-            pitch = [joint for joint in joints if abs(model.jnt_axis[joint][1]) > _ALONG]
+            pitch = [joint for joint in robot.arm_joints(side) if abs(across[joint]) > _ALONG]
             if pitch:
-                self._shoulders[side] = pitch[0] - 1, float(np.sign(model.jnt_axis[pitch[0]][1]))
-        self.joints: Array = np.zeros(model.njnt - 1)
+                self._shoulders[side] = pitch[0], float(np.sign(across[pitch[0]]))
+        self.joints: Array = np.zeros(len(across))
 
     def update(self, stance: Array, feet: Mapping[Side, Array], busy: Collection[Side]) -> None:
         """Swing the arms that have nothing else to do.

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from humanoid_bt.control.body.footsteps import Footstep
+from humanoid_bt.control.body.body import Footstep
 from humanoid_bt.core.messages import Array
 from humanoid_bt.robot.config import GaitConfig
 

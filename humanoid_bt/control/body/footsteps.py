@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
+from humanoid_bt.control.body.body import Footstep
 from humanoid_bt.control.body.planar import ahead, seen_from, wrap
 from humanoid_bt.core.messages import Array, Side
 from humanoid_bt.robot.config import GaitConfig, SoleConfig
@@ -18,14 +18,6 @@ _TOE_IN = 0.5  # of the turn of a step outward that one inward may have
 _TURN_SHARE = 0.5  # of its length that a step gives to the largest turn
 _CLEARANCE = 0.01  # m between the soles
 _TURN_COST = 0.7  # of the steps that a turn takes: it is mostly made on the way
-
-
-@dataclass(frozen=True)
-class Footstep:
-    """A foothold: which foot, and its pose (x, y, yaw), world frame."""
-
-    side: Side
-    pose: Array
 
 
 class FootstepPlanner:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+from dataclasses import replace
 from pathlib import Path
 
 import mink
@@ -11,23 +12,27 @@ import numpy as np
 from humanoid_bt.control.body.mink_terms import SOLVER, frame_task, planar_se3, within_soft_limits
 from humanoid_bt.core.errors import UserError
 from humanoid_bt.core.messages import SIDES, Array
-from humanoid_bt.robot.config import load_robot_config
+from humanoid_bt.robot.config import Walk, load_robot_config
 from humanoid_bt.robot.model import RobotModel, sole_site
 
 _TOLERANCE = 0.02  # m and rad
 
 
 @functools.lru_cache(maxsize=4)
-def load_robot(path: Path) -> tuple[RobotModel, Array]:
+def load_robot(path: Path, walk: Walk | None = None) -> tuple[RobotModel, Array]:
     """Return a robot and the configuration it starts in, shape (7 + nj,).
 
     Args:
         path: its ``robot.yaml``.
+        walk: what walks and balances; what ``robot.yaml`` says if None.
 
     Raises:
         UserError: ``robot.yaml`` or the model is not valid.
     """
-    robot = RobotModel(load_robot_config(path))
+    config = load_robot_config(path)
+    if walk is not None:
+        config = replace(config, body=replace(config.body, walk=walk))
+    robot = RobotModel(config)
     return robot, standing_posture(robot)
 
 

@@ -7,9 +7,10 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from humanoid_bt.control.body.body import Footstep
 from humanoid_bt.control.body.catching import Catching
 from humanoid_bt.control.body.dcm import DcmPlan, plan_settle, plan_walk
-from humanoid_bt.control.body.footsteps import OTHER, Footstep, FootstepPlanner
+from humanoid_bt.control.body.footsteps import OTHER, FootstepPlanner
 from humanoid_bt.control.body.planar import middle, seen_from, wrap
 from humanoid_bt.control.body.swing import Swing
 from humanoid_bt.core.geometry import clamp

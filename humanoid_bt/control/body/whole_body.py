@@ -1,4 +1,4 @@
-"""The whole-body loop (200 Hz): targets and measured state in, joint setpoints out.
+"""The model-based body, ``dcm``: footsteps, balance by the divergent component of motion, inverse kinematics.
 
 It balances whatever the targets are, so that a robot without commands goes on standing.
 """
@@ -6,20 +6,18 @@ It balances whatever the targets are, so that a robot without commands goes on s
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass, replace
-from functools import partial
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
 from humanoid_bt.control.body.arm_swing import ArmSwing
+from humanoid_bt.control.body.body import Footstep, Setpoint
 from humanoid_bt.control.body.body_task import BodyTargets
 from humanoid_bt.control.body.feedforward import Feedforward
+from humanoid_bt.control.body.hand_goals import HandGoals
 from humanoid_bt.control.body.inverse_kinematics import InverseKinematics
 from humanoid_bt.control.body.lean import LeanReference
-from humanoid_bt.control.body.palm_reference import PalmReference
 from humanoid_bt.control.body.planar import ahead, seen_from
-from humanoid_bt.control.body.press import Press
 from humanoid_bt.control.body.rearranging import Rearranging
 from humanoid_bt.control.body.references import ArmReference, GazeReference, PostureReference, approach
 from humanoid_bt.control.body.stabilizer import Stabilizer
@@ -42,7 +40,6 @@ from humanoid_bt.core.messages import (
     Side,
     Target,
 )
-from humanoid_bt.core.palm import in_world, other_side
 from humanoid_bt.robot.model import BASE_COORDINATES, BASE_DOFS, RobotModel
 
 _EASE_TIME = 0.3  # s in which a body that an arm has let go of turns as fast as it may again
@@ -50,23 +47,6 @@ _BLENDED = 1e-3  # of a share; the rest is taken in one step
 _FALL_MARGIN = 0.05  # share of the base's home height that is kept above the height of a fall
 _GIVE_TIME = 0.3  # s in which the body is given to a reaching hand
 _TAKE_BACK_TIME = 0.8  # s in which it is taken back, from wherever it leans
-
-
-@dataclass(frozen=True)
-class Setpoint:
-    """What the servo shall follow; each of shape (nj,).
-
-    Attributes:
-        position: [rad].
-        velocity: [rad/s].
-        torque: feedforward [Nm].
-        stiffness: share of the drives' stiffness; None for all of it.
-    """
-
-    position: Array
-    velocity: Array
-    torque: Array
-    stiffness: Array | None = None
 
 
 class WholeBody:
@@ -82,8 +62,10 @@ class WholeBody:
         walker: its gait.
         kinematics: its planned motion.
         arms: which of its arms yield to what pushes them.
-        solved: whether the last inverse kinematics had a solution.
+        failure: "": it has an answer to everything.
     """
+
+    failure = ""
 
     def __init__(self, robot: RobotModel, dynamics: RobotDynamics, contact: Felt) -> None:
         config, dt = robot.config, WHOLE_BODY_PERIOD
@@ -103,7 +85,7 @@ class WholeBody:
         self._gaze = GazeReference(config.whole_body, dt, neck_range)
         self._lean = LeanReference(robot, dt)
         self._arm_swing = ArmSwing(robot, dt)
-        self._hands: dict[Side, PalmReference] = {}
+        self._palms = HandGoals(robot, dynamics, self.kinematics, contact=contact, arms=self.arms, dt=dt)
         self._arms: dict[Side, ArmReference] = {}
         hands: list[Side] = [side for side in SIDES if side in config.hands]
         self._rearranging = {side: Rearranging(robot, self.kinematics, side, dt) for side in hands}
@@ -139,10 +121,9 @@ class WholeBody:
         self._lean.reset()
         sides, names = tuple(self.dynamics.hands), self._robot.joint_names
         self._arm_swing.joints[:] = 0.0
-        self._hands = {side: PalmReference(config.whole_body, dt) for side in sides}
+        self._palms.reset()
         self._arms = {side: ArmReference(names, config.whole_body, dt) for side in sides}
         self._held_joints = ()
-        self._presses = {side: Press(dt) for side in sides}
         self._posture = PostureReference(self._home_joints, dt)
         self._posture.release_from(self.kinematics.joints)
         self.arms.reset()
@@ -157,9 +138,44 @@ class WholeBody:
         self._zmp = self.walker.zmp_reference.copy()
 
     @property
-    def solved(self) -> bool:
-        """Whether the last inverse kinematics had a solution."""
-        return self.kinematics.solved
+    def fault(self) -> str:
+        """Why the last setpoint is not what it should be, "" if it is."""
+        return "" if self.kinematics.solved else "inverse kinematics without a solution"
+
+    @property
+    def gait(self) -> Gait:
+        """What the legs do."""
+        return self.walker.gait
+
+    @property
+    def still_for(self) -> float:
+        """How long it stands already [s]; 0 while it steps."""
+        return self.walker.still_for
+
+    @property
+    def stance(self) -> Array:
+        """Middle between the feet on the ground and its heading, shape (3,): x, y [m], yaw [rad], world frame."""
+        return self.walker.stance
+
+    @property
+    def footsteps(self) -> Sequence[Footstep]:
+        """Planned footholds ahead, the next first."""
+        return self.walker.footsteps
+
+    @property
+    def com_error(self) -> Array:
+        """From where the centre of mass was planned to be to where it was to go, shape (3,) [m]."""
+        return self.kinematics.com_error
+
+    @property
+    def hand_errors(self) -> Mapping[Side, float]:
+        """How far planned palms are from where they are to go [m], of commanded hands."""
+        return self.kinematics.hand_errors
+
+    @property
+    def hand_obstacles(self) -> Mapping[Side, str]:
+        """The own link that keeps a commanded palm from its target, of those that one keeps."""
+        return self.kinematics.hand_obstacles
 
     def update(self, estimate: Estimate, targets: Mapping[str, Target], hold: bool) -> Setpoint:
         """Return the setpoints of this control period.
@@ -187,7 +203,7 @@ class WholeBody:
         self._zmp = load.zmp
         self._tilt.update(walker.swing, estimate.qpos[:BASE_COORDINATES], self.kinematics.base_pose)
         self.arms.update(estimate.qpos, self._contact, targets)
-        hold = hold or not self.solved
+        hold = hold or not self.kinematics.solved
         if not hold:
             targets = self._rearranged(targets)
         self._ease()
@@ -196,7 +212,8 @@ class WholeBody:
         velocity = self.kinematics.velocity[BASE_DOFS:]
         torque = self._feedforward.torques(load, self.kinematics.acceleration, position, velocity, self._lean.base)
         self.arms.carry(torque)
-        return Setpoint(position, velocity, torque, self.arms.stiffness)
+        share = self.arms.stiffness
+        return Setpoint(position, velocity, torque, None if share is None else self._robot.stiffness * share)
 
     def _body_targets(self, targets: Mapping[str, Target], hold: bool) -> BodyTargets:
         walker = self.walker
@@ -265,35 +282,7 @@ class WholeBody:
         self, targets: Mapping[str, Target], hold: bool
     ) -> tuple[dict[Side, Array], dict[Side, HandTarget]]:
         """Return the places of the hands that are commanded, and the goals of those that are more than a place."""
-        positions: dict[Side, Array] = {}
-        palms: dict[Side, HandTarget] = {}
-        followers: dict[Side, HandTarget | None] = {}
-        stance, walks = self.walker.stance, self.walker.gait is not Gait.STAND
-        for side, reference in self._hands.items():
-            if side in self.arms.sides:
-                reference.release()
-                self._presses[side].reset()
-                continue
-            target = targets.get(f"{side}_hand") or (None if hold else self.arms.away(side))
-            hand = target if isinstance(target, HandTarget) else None
-            if reference.relative if hold else hand is not None and hand.relative:
-                followers[side] = hand
-                continue
-            found = reference.update(
-                self._pressing(side, hand, hold),
-                hold,
-                self.dynamics.palm(side),
-                self.kinematics.palm(side),
-                stance=stance,
-                walks=walks,
-                frames=partial(self._palm_frames, side),
-            )
-            if found is not None:
-                positions[side], goal = found
-                if goal is not None:
-                    palms[side] = goal
-        for side, hand in followers.items():
-            self._follow(side, hand, hold, positions, palms)
+        positions, palms = self._palms.update(targets, hold, self.walker.stance, self.walker.gait is not Gait.STAND)
         commanded = frozenset(positions)
         if self._commanded - commanded:
             self._posture.release_from(self.kinematics.joints)
@@ -302,39 +291,6 @@ class WholeBody:
             self._height = self.kinematics.com_height - sunk  # it rises from there, slowly
         self._commanded = commanded
         return positions, palms
-
-    def _pressing(self, side: Side, hand: HandTarget | None, hold: bool) -> HandTarget | None:
-        """Return where a palm is to go: one that presses only as far as its force asks for."""
-        press = self._presses[side]
-        if hand is None or hold or not hand.press:
-            press.reset()
-            return hand
-        force = self._contact.forces[f"{side}_arm"]
-        return replace(hand, position=press.aim(hand.position, hand.press, self.kinematics.palm(side), force))
-
-    def _palm_frames(self, side: Side) -> tuple[Array, Array]:
-        return self.dynamics.palm_frame(side), self.kinematics.palm_frame(side)
-
-    def _follow(
-        self,
-        side: Side,
-        target: HandTarget | None,
-        hold: bool,
-        positions: dict[Side, Array],
-        palms: dict[Side, HandTarget],
-    ) -> None:
-        """Hold a palm relative to the other one; where that one is free, let it go, too."""
-        leader = other_side(side)
-        if leader not in positions:
-            self._hands[side].release()
-            return
-        bodies = (self.dynamics, self.kinematics)
-        measured, planned = ((body.palm(side), body.palm_frame(side)) for body in bodies)
-        led, leads = ((body.palm(leader), body.palm_frame(leader)) for body in bodies)
-        goal = self._hands[side].follow(target, hold, measured, planned, (led, leads))
-        if goal is not None:
-            palms[side] = goal
-            positions[side] = in_world(goal, *leads).position
 
     def _hold_arms(self, targets: Mapping[str, Target]) -> None:
         """Move the posture: home, and the joints of arms that are commanded to where they are to be."""

@@ -8,7 +8,6 @@ from typing import Protocol
 
 import numpy as np
 
-from humanoid_bt.control.body.inverse_kinematics import InverseKinematics
 from humanoid_bt.control.body.references import approach
 from humanoid_bt.control.dynamics import RobotDynamics
 from humanoid_bt.core.geometry import clamp
@@ -34,6 +33,23 @@ class Felt(Protocol):
         """Return the torques, shape (nj,), with which the joints hold what a hand carries [Nm]."""
 
 
+class PlannedJoints(Protocol):
+    """A planned motion.
+
+    Attributes:
+        still: joints that stay as they are; set it.
+    """
+
+    still: list[int]
+
+    @property
+    def joints(self) -> Array:
+        """Planned angles, shape (nj,) [rad]."""
+
+    def follow(self, joints: list[int], measured: Array, share: float) -> None:
+        """Move some joints of the plan toward where they are measured, by a share of the way."""
+
+
 class YieldingArms:
     """The arms that yield: their plan follows them, and their drives hold them softly.
 
@@ -56,7 +72,7 @@ class YieldingArms:
         stiffness: share of the drives' stiffness, shape (nj,), None where all have all of theirs.
     """
 
-    def __init__(self, robot: RobotModel, dynamics: RobotDynamics, kinematics: InverseKinematics, dt: float) -> None:
+    def __init__(self, robot: RobotModel, dynamics: RobotDynamics, kinematics: PlannedJoints, dt: float) -> None:
         self._joints = {side: robot.arm_joints(side) for side in SIDES if side in robot.config.hands}
         self._least, self._notice = robot.config.contact.stiffness, robot.config.contact.notice
         self._dynamics, self._kinematics, self._dt = dynamics, kinematics, dt

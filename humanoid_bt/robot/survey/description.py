@@ -113,8 +113,8 @@ class _Writer:
     def _trunk(self) -> Iterator[str]:
         limbs = self._limbs
         self._found.append(f"base {self._body(limbs.base)}, torso {self._body(limbs.torso)}")
-        yield f"base: {self._body(limbs.base)}    # has the free joint"
-        yield f"torso: {self._body(limbs.torso)}    # carries arms and head"
+        yield f"base: {_quoted(self._body(limbs.base))}    # has the free joint"
+        yield f"torso: {_quoted(self._body(limbs.torso))}    # carries arms and head"
 
     def _legs(self) -> Iterator[str]:
         yield "legs:"
@@ -134,7 +134,7 @@ class _Writer:
                 self._missing.append(f"collision geoms of the {side} foot {self._body(leg.body)}")
             else:
                 halves.append(foot.half)
-            yield f"    sole: {{body: {self._body(leg.body)}, position: {_vector(centre)}}}"
+            yield f"    sole: {{body: {_quoted(self._body(leg.body))}, position: {_vector(centre)}}}"
             self._found.append(f"{side} leg: {len(leg.joints)} joints, foot {self._body(leg.body)}")
         length, width = np.min(halves, axis=0).tolist() if halves else (0.1, 0.04)
         margin = min(_DEFAULT_MARGIN, _MARGIN * width)
@@ -150,7 +150,7 @@ class _Writer:
         for side, arm in self._limbs.arms.items():
             place, source = self._palms[side]
             note = f"from {source}" if source else self._guess(f"the {side} palm's position")
-            yield f"  {side}: {{body: {self._body(arm.body)}, position: {_vector(place)}}}    # {note}"
+            yield f"  {side}: {{body: {_quoted(self._body(arm.body))}, position: {_vector(place)}}}    # {note}"
             fingers = f", {len(arm.fingers)} of fingers" if arm.fingers else ""
             self._found.append(f"{side} arm: {len(arm.joints)} joints{fingers}, hand {self._body(arm.body)}")
 
@@ -158,7 +158,7 @@ class _Writer:
         surveyor, head = self._surveyor, self._limbs.head
         body, place, source = eyes(surveyor, self._limbs)
         note = f"from {source}" if source else self._guess("the eyes' position")
-        yield f"gaze: {{body: {self._body(body)}, position: {_vector(place)}}}    # {note}"
+        yield f"gaze: {{body: {_quoted(self._body(body))}, position: {_vector(place)}}}    # {note}"
         turns = {axis: j for j in (head.joints if head else ()) for axis in (1, 2) if surveyor.turns_about(j, axis)}
         if set(turns) == {1, 2}:
             yaw, pitch = (_quoted(self._joint(turns[axis])) for axis in (2, 1))

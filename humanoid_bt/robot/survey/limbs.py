@@ -120,15 +120,10 @@ class Surveyor:
         """Return whether a joint turns about (0: x, 1: y, 2: z), either way round."""
         return bool(abs(self.axis(joint)[axis]) >= _ALONG)
 
-    def geoms(self, body: int, *, solid: bool = False) -> list[int]:
-        """Return the geoms of a body and of those fixed to it; only those that collide if solid."""
-        model = self.model
-        return [
-            g
-            for g in range(model.ngeom)
-            if model.body_weldid[model.geom_bodyid[g]] == model.body_weldid[body]
-            and not (solid and not (model.geom_contype[g] or model.geom_conaffinity[g]))
-        ]
+    def geoms(self, body: int) -> list[int]:
+        """Return the geoms of a body and of those fixed to it."""
+        owners = self.model.body_weldid[self.model.geom_bodyid]
+        return np.flatnonzero(owners == self.model.body_weldid[body]).tolist()
 
     def _feet(self) -> dict[Side, int]:
         """Return the lowest of the bodies at the end on either side."""

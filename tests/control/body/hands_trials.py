@@ -132,7 +132,7 @@ class Trials:
         for _ in range(round(self._seconds / DECISION_PERIOD)):
             rig.run(DECISION_PERIOD, targets, cycle=lambda: touched.update(self._links.touching()))
             self._look(seen)
-            stepped |= rig.controller.whole_body.walker.gait is not Gait.STAND
+            stepped |= rig.controller.body.walker.gait is not Gait.STAND
             if rig.controller.supervisor.mode is not Mode.RUN:
                 break
         seen.motions += 1

@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
+from humanoid_bt.control.body.body import Footstep
 from humanoid_bt.control.body.dcm import plan_dcm, plan_settle, plan_walk
-from humanoid_bt.control.body.footsteps import Footstep
 from humanoid_bt.robot.config import GaitConfig
 
 GAIT = GaitConfig()

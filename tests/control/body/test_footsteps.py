@@ -6,7 +6,8 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from humanoid_bt.control.body.footsteps import OTHER, SIGN, Footstep, FootstepPlanner
+from humanoid_bt.control.body.body import Footstep
+from humanoid_bt.control.body.footsteps import OTHER, SIGN, FootstepPlanner
 from humanoid_bt.control.body.planar import ahead, seen_from, wrap
 from humanoid_bt.core.messages import Array
 from humanoid_bt.robot.config import GaitConfig, SoleConfig

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from humanoid_bt.core.messages import SIDES
+from humanoid_bt.files.formatting import formatted
 from humanoid_bt.files.workspace import builtin_root
 from humanoid_bt.robot.config import RobotConfig, load_robot_config
 from humanoid_bt.robot.footprint import footprint
@@ -72,6 +73,18 @@ def test_names_do_not_matter(spec: mujoco.MjSpec, adopt: Adopt) -> None:
     for side, foot in zip(SIDES, feet, strict=True):
         assert foot is not None
         np.testing.assert_allclose(found.legs[side].sole.position, foot.centre, atol=1e-3)
+
+
+def test_names_that_yaml_takes_for_something_else_are_quoted(spec: mujoco.MjSpec, adopt: Adopt) -> None:
+    names = {"pelvis": "no", "head": "12", "left_foot": 'foot: left, "l"', "left_hand": "*hand #1"}
+    for before, name in names.items():
+        spec.body(before).name = name
+    spec.joint("left_knee").name = "null"
+    description, found = adopt(spec)
+    assert (found.base, found.gaze.body) == ("no", "12")
+    assert (found.legs["left"].sole.body, found.hands["left"].body) == (names["left_foot"], names["left_hand"])
+    assert found.drive("null") is not None
+    assert formatted(description.text, "robot.yaml") == description.text
 
 
 def test_the_posture_bends_the_knees_and_lets_the_arms_hang_clear(spec: mujoco.MjSpec, adopt: Adopt) -> None:

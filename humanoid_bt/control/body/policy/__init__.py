@@ -1,0 +1,1 @@
+"""The learned body: a network walks and balances, inverse kinematics moves what it lends."""

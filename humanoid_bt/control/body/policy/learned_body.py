@@ -1,0 +1,304 @@
+"""The learned body, ``policy``: a network walks and balances, inverse kinematics moves hands and gaze on top.
+
+What the two know of each other is little: the network is told that the joints it lends are at rest in the default pose,
+and it gets velocity commands for the base. To hold is the command zero: the network goes on balancing.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+import numpy as np
+
+from humanoid_bt.control.body.body import Footstep, Setpoint
+from humanoid_bt.control.body.hand_goals import HandGoals
+from humanoid_bt.control.body.planar import middle, wrap
+from humanoid_bt.control.body.policy.lending import WAIST, Lending
+from humanoid_bt.control.body.policy.upper_body import UpperBody
+from humanoid_bt.control.body.policy.velocity import VelocityReference
+from humanoid_bt.control.body.policy.walker import LearnedWalker
+from humanoid_bt.control.body.references import ArmReference, GazeReference, PostureReference
+from humanoid_bt.control.body.yielding import Felt, YieldingArms
+from humanoid_bt.control.dynamics import RobotDynamics
+from humanoid_bt.core.clock import WHOLE_BODY_PERIOD
+from humanoid_bt.core.messages import (
+    SIDES,
+    ArmTarget,
+    Array,
+    BaseTarget,
+    Estimate,
+    Gait,
+    GazeTarget,
+    Side,
+    Target,
+)
+from humanoid_bt.robot.model import BASE_COORDINATES, BASE_DOFS, RobotModel
+from humanoid_bt.robot.policy.policy import Indices, Policy
+
+_SWAY_TIME = 0.3  # s over which the motion of the centre of mass is averaged: balancing sways and goes nowhere
+_NOTHING: Array = np.zeros(3)
+
+
+class LearnedBody:
+    """A learned walker, and the hands and the gaze of its robot.
+
+    Args:
+        robot: the robot.
+        policy: its walker.
+        dynamics: as it is estimated, always up to date.
+        contact: what touches it, likewise.
+
+    Attributes:
+        dynamics: as it is estimated, always up to date.
+        walker: the network at work.
+        velocity: what the network is commanded.
+        kinematics: the planned motion of what is lent.
+        arms: which of its arms yield to what pushes them.
+        lending: which joints are lent.
+    """
+
+    def __init__(self, robot: RobotModel, policy: Policy, dynamics: RobotDynamics, contact: Felt) -> None:
+        config, dt = robot.config, WHOLE_BODY_PERIOD
+        self._robot, self._dt = robot, dt
+        self.dynamics = dynamics
+        names = robot.joint_names
+        self._known: Indices = np.array([names.index(name) for name in policy.joints])
+        self._moved = self._known[policy.moves]
+        self._policy = policy
+        self.walker = LearnedWalker(policy, self._known)
+        self.velocity = VelocityReference(policy, self.walker.period)
+        self.lending = Lending(robot, policy, dt)
+        self.kinematics = UpperBody(robot, self.lending.groups[WAIST], dt)
+        self.arms = YieldingArms(robot, dynamics, self.kinematics, dt)
+        self._palms = HandGoals(robot, dynamics, self.kinematics, contact=contact, arms=self.arms, dt=dt)
+        self._contact = contact
+        self._home: Array = robot.home_qpos[BASE_COORDINATES:].copy()
+        self._posture = PostureReference(self._home, dt)
+        self._held = {side: ArmReference(names, config.whole_body, dt) for side in _sides(robot)}
+        neck_range = 0.0
+        if config.neck:
+            yaw = robot.joint(config.neck.yaw)
+            neck_range = float(min(robot.upper[yaw], -robot.lower[yaw]))
+        self._gaze = GazeReference(config.whole_body, dt, neck_range)
+        self._stiffness, self._damping = robot.stiffness.copy(), robot.damping.copy()
+        self._stiffness[self._moved], self._damping[self._moved] = policy.stiffness, policy.damping
+        self._sway: Array = np.zeros(2)
+        self._next = 0  # control periods until the network is asked
+        self._stance: Array = np.zeros(3)
+
+    def reset(self, estimate: Estimate) -> None:
+        """Begin a run: the robot stands at rest."""
+        self.restart(estimate)
+
+    def restart(self, estimate: Estimate) -> None:
+        """Go on from where the robot is, with everything at rest, and nothing lent."""
+        joints = estimate.qpos[BASE_COORDINATES:]
+        self.walker.reset()
+        self.velocity.reset()
+        self.kinematics.reset(joints)
+        self.lending.reset()
+        self.arms.reset()
+        self._palms.reset()
+        self._posture = PostureReference(self._home, self._dt)
+        self._posture.release_from(joints)
+        for arm in self._held.values():
+            arm.update(None, joints)
+        self._gaze.yaw = self._gaze.pitch = 0.0
+        self._sway = self.dynamics.com_velocity[:2].copy()
+        self._next = 0
+        self._stance = self._seen_stance()
+
+    # ---- what it is doing ------------------------------------------------------------------------------------------
+
+    @property
+    def gait(self) -> Gait:
+        """What the legs do, as far as the command and the motion tell."""
+        return self.velocity.gait
+
+    @property
+    def still_for(self) -> float:
+        """How long it stands already [s]; 0 while it steps."""
+        return self.velocity.still_for
+
+    @property
+    def stance(self) -> Array:
+        """Middle between the feet and its heading, shape (3,): x, y [m], yaw [rad], world frame."""
+        return self._stance
+
+    @property
+    def footsteps(self) -> tuple[Footstep, ...]:
+        """None: a learned walker plans none that anybody knows of."""
+        return ()
+
+    @property
+    def com_speed(self) -> float:
+        """Horizontal speed of the centre of mass [m/s], without sway."""
+        return math.hypot(*self._sway.tolist())
+
+    @property
+    def com_error(self) -> Array:
+        """Zero, shape (3,): nobody plans the centre of mass."""
+        return _NOTHING
+
+    @property
+    def hand_errors(self) -> Mapping[Side, float]:
+        """How far planned palms are from where they are to go [m], of commanded hands."""
+        return self.kinematics.hand_errors
+
+    @property
+    def hand_obstacles(self) -> Mapping[Side, str]:
+        """The own link that keeps a commanded palm from its target, of those that one keeps."""
+        return self.kinematics.hand_obstacles
+
+    @property
+    def fault(self) -> str:
+        """Why the last setpoint is not what it should be, "" if it is."""
+        if self.walker.fault:
+            return self.walker.fault
+        return "" if self.kinematics.solved else "inverse kinematics without a solution"
+
+    @property
+    def failure(self) -> str:
+        """Why this body cannot go on, "" while it can."""
+        return self.walker.failure
+
+    # ---- every control period --------------------------------------------------------------------------------------
+
+    def update(self, estimate: Estimate, targets: Mapping[str, Target], hold: bool) -> Setpoint:
+        """Return the setpoints of this control period.
+
+        Args:
+            estimate: the robot, as it is believed to be; its dynamics are up to date with it.
+            targets: resource -> target; what is missing comes to rest.
+            hold: stand by the command zero, and keep hands and gaze where they are relative to the stance.
+        """
+        self._stance = self._seen_stance()
+        self._sway += (self.dynamics.com_velocity[:2] - self._sway) * (self._dt / _SWAY_TIME)
+        self.velocity.note(self.com_speed, self._dt)
+        hold_hands = hold or not self.kinematics.solved
+        self.arms.update(estimate.qpos, self._contact, targets)
+        goal = None if hold else _goal(targets)
+        walks = goal is not None and self.velocity.goes(goal, self._stance)
+        self._lend(estimate, targets, hold_hands, walks)
+        self._plan(estimate, targets, hold_hands)
+        if self._next == 0:
+            self._ask(estimate, goal)
+            self._next = self._policy.period
+        self._next -= 1
+        return self._setpoint()
+
+    def _ask(self, estimate: Estimate, goal: Array | None) -> None:
+        velocity, lend = self.velocity, self._policy.config.lend
+        command = velocity.update(goal, self._stance)
+        share = self.lending.share.copy()
+        share[self.lending.groups[WAIST]] = 0.0
+        share = share[self._known]
+        masked = np.flatnonzero(share > 0) if lend.observe == "default" else np.zeros(0, dtype=np.intp)
+        self.walker.ask(estimate, command, velocity.stands, masked)
+        if lend.last_action == "executed" and self.lending.busy:
+            executed = np.flatnonzero(self.lending.share[self._moved] > 0)
+            self.walker.executed(executed, self.kinematics.joints[self._moved[executed]])
+
+    def _lend(self, estimate: Estimate, targets: Mapping[str, Target], hold: bool, walks: bool) -> None:
+        lending, arms = self.lending, self.arms
+        wanted = {
+            f"{side}_hand": f"{side}_hand" in targets
+            or side in arms.sides
+            or side in arms.homeward
+            or (hold and lending.lends(f"{side}_hand"))
+            for side in self._held
+        }
+        wanted["gaze"] = "gaze" in targets or (hold and lending.lends("gaze"))
+        hands = any(wanted[f"{side}_hand"] for side in self._held)
+        if hands:
+            wanted[WAIST] = self.gait is Gait.STAND and self.velocity.stands and not walks
+        else:
+            wanted[WAIST] = wanted["gaze"] and not self._robot.config.neck
+        planned = self.kinematics.joints
+        for joint in lending.update(wanted, planned - self._home):
+            planned[joint] = estimate.qpos[BASE_COORDINATES + joint]  # it begins where it is: no jump
+            self._posture.joints[joint] = planned[joint]
+
+    def _plan(self, estimate: Estimate, targets: Mapping[str, Target], hold: bool) -> None:
+        lending, lent, weights = self.lending, self.lending.joints, self._robot.config.whole_body
+        if not lending.busy and not len(lent):
+            return
+        self.kinematics.see(estimate.qpos, lent)
+        hands, palms = self._palms.update(targets, hold, self._stance, self.gait is not Gait.STAND)
+        costs: Array = np.full(len(self._home), weights.posture)
+        if not hold:
+            self._posture.update()
+            self._hold_arms(targets)
+        for arm in self._held.values():
+            costs[arm.joints] = weights.arm
+        self.arms.keep(self._posture.joints, self._home, hold)
+        view = self._view(targets, hold, bool(hands))
+        self.kinematics.step(lent, hands, palms, posture=self._posture.joints, costs=costs, view=view)
+
+    def _view(self, targets: Mapping[str, Target], hold: bool, hands: bool) -> tuple[float, float] | None:
+        """Return where the view is to go, world frame [rad]; None if nothing that is lent turns it for that."""
+        gaze, heading = targets.get("gaze"), float(self._stance[2])
+        point = gaze.point if isinstance(gaze, GazeTarget) else None
+        eyes = self.dynamics.gaze_position
+        axis = eyes if self._robot.config.neck else self.dynamics.base_position
+        self._gaze.update(point, hold, eyes, heading, axis=axis)
+        config, yaw, pitch = self._robot.config, wrap(heading + self._gaze.yaw), self._gaze.pitch
+        if not config.neck:  # the trunk bends no farther than it must for the point to be in view: hands bend it, too
+            below, (now_yaw, now_pitch) = config.whole_body.gaze_below, self.kinematics.view
+            pitch = max(0.0, pitch - below, now_pitch if hands else 0.0)
+            if hands:
+                yaw += min(max(wrap(now_yaw - yaw), -below), below)
+        if not self.lending.lends("gaze" if config.neck else WAIST) or ("gaze" not in targets and not hold):
+            return None
+        return yaw, pitch
+
+    def _hold_arms(self, targets: Mapping[str, Target]) -> None:
+        for side, arm in self._held.items():
+            target = targets.get(f"{side}_hand")
+            asked = target if isinstance(target, ArmTarget) and side not in self.arms.sides else None
+            if arm.joints or asked is not None:
+                arm.update(asked, self.kinematics.joints)
+                self._posture.hold(arm.joints, arm.angles)
+
+    def _setpoint(self) -> Setpoint:
+        """Return what the network and inverse kinematics make together."""
+        share, planned = self.lending.share, self.kinematics
+        position: Array = self._home.copy()
+        position[self._moved] = self.walker.targets
+        velocity: Array = np.zeros(len(position))
+        torque: Array = np.zeros(len(position))
+        lent = self.lending.joints
+        if len(lent):
+            part = share[lent]
+            position[lent] += part * (planned.joints[lent] - position[lent])
+            velocity[lent] = part * planned.velocity[lent]
+            torque[lent] = part * self.dynamics.bias[BASE_DOFS:][lent]
+            self.arms.carry(torque)
+        stiffness, damping = self._gains()
+        return Setpoint(position, velocity, torque, stiffness, damping)
+
+    def _gains(self) -> tuple[Array, Array]:
+        """Return stiffness and damping: the policy's, and of lent arms and neck those of ``robot.yaml``."""
+        stiffness, damping = self._stiffness, self._damping
+        if self.lending.busy:
+            share = self.lending.share.copy()
+            share[self.lending.groups[WAIST]] = 0.0  # the policy balances on it
+            stiffness = stiffness + share * (self._robot.stiffness - stiffness)
+            damping = damping + share * (self._robot.damping - damping)
+        if self.arms.stiffness is not None:
+            stiffness = stiffness * self.arms.stiffness
+        return stiffness, damping
+
+    def _seen_stance(self) -> Array:
+        return middle(self.dynamics.soles["left"], self.dynamics.soles["right"])
+
+
+def _sides(robot: RobotModel) -> list[Side]:
+    """Return the sides on which a robot has a hand."""
+    return [side for side in SIDES if side in robot.config.hands]
+
+
+def _goal(targets: Mapping[str, Target]) -> Array | None:
+    base = targets.get("base")
+    return np.array([*base.position, base.heading]) if isinstance(base, BaseTarget) else None

@@ -1,0 +1,100 @@
+"""Which joints a learned walker lends now, and how they are handed over without a jump."""
+
+from __future__ import annotations
+
+import fnmatch
+from collections.abc import Iterable, Mapping
+
+import numpy as np
+
+from humanoid_bt.control.body.references import approach
+from humanoid_bt.core.messages import SIDES, Array
+from humanoid_bt.robot.model import RobotModel
+from humanoid_bt.robot.policy.policy import Indices, Policy
+
+WAIST = "waist"
+"""The joints that carry the trunk, on which the walker balances."""
+
+_BACK_TIME, _WAIST_BACK_TIME = 0.5, 0.5  # s in which joints are given back to the walker
+_AT_HOME = 0.05  # rad from the default pose within which they are given back
+
+
+class Lending:
+    """Groups of joints, each lent or not: ``left_hand``, ``right_hand``, ``gaze`` and ``waist``.
+
+    A group that is wanted is lent at once. When nobody wants it any more it first goes home, and is given back little
+    by little there; the waist at once. Joints of the robot that the walker does
+    not move are always lent.
+
+    Args:
+        robot: the robot.
+        policy: its walker.
+        dt: control period [s].
+
+    Attributes:
+        groups: name -> joints of the robot, as indices.
+        share: how far each joint of the robot is lent, shape (nj,), in [0, 1].
+    """
+
+    def __init__(self, robot: RobotModel, policy: Policy, dt: float) -> None:
+        names, config, lend = robot.joint_names, robot.config, policy.config.lend
+        moved = {policy.joints[index] for index in policy.moves}
+        neck = [config.neck.yaw, config.neck.pitch] if config.neck else []
+        parts = {f"{side}_hand": [names[joint] for joint in robot.arm_joints(side)] for side in SIDES}
+        parts["gaze"] = neck
+        self.groups: dict[str, list[int]] = {
+            group: [
+                names.index(name)
+                for name in of
+                if name not in moved or lend.joints is None or _matches(name, lend.joints)
+            ]
+            for group, of in parts.items()
+        }
+        self.groups[WAIST] = [index for index, name in enumerate(names) if _matches(name, lend.waist)]
+        self._always = np.array([float(name not in moved) for name in names])
+        self._dt = dt
+        self.reset()
+
+    def reset(self) -> None:
+        """Give everything back."""
+        self._shares = dict.fromkeys(self.groups, 0.0)
+        self.share: Array = self._always.copy()
+
+    def lends(self, group: str) -> bool:
+        """Return whether any of a group is lent."""
+        return self._shares[group] > 0
+
+    def update(self, wanted: Mapping[str, bool], away: Array) -> list[int]:
+        """Lend what is wanted, give back what is not; return the joints that were not lent before.
+
+        Args:
+            wanted: group -> whether somebody wants it.
+            away: how far each planned joint is from the default pose, shape (nj,) [rad].
+        """
+        fresh: list[int] = []
+        share = self._always.copy()
+        for group, joints in self.groups.items():
+            before = self._shares[group]
+            if wanted.get(group) and joints:
+                fresh += [joint for joint in joints if self.share[joint] == 0]
+                self._shares[group] = 1.0
+            elif before and (group == WAIST or before < 1 or np.abs(away[joints]).max() < _AT_HOME):
+                time = _WAIST_BACK_TIME if group == WAIST else _BACK_TIME
+                self._shares[group] = approach(before, 0.0, self._dt / time)
+            share[joints] = np.maximum(share[joints], self._shares[group])
+        self.share = share
+        return fresh
+
+    @property
+    def busy(self) -> bool:
+        """Whether anything is lent that the walker could move itself."""
+        return any(self._shares.values())
+
+    @property
+    def joints(self) -> Indices:
+        """The joints that are lent, at least a little."""
+        return np.flatnonzero(self.share > 0)
+
+
+def _matches(name: str, patterns: Iterable[str]) -> bool:
+    return any(fnmatch.fnmatchcase(name, pattern) for pattern in patterns)

@@ -1,0 +1,136 @@
+"""From where the base is to go to the velocity that a learned walker is commanded, and whether it stands."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from humanoid_bt.control.body.planar import seen_from, wrap
+from humanoid_bt.core.geometry import clamp
+from humanoid_bt.core.messages import Array, Gait
+from humanoid_bt.robot.policy.policy import Policy
+
+ARRIVED, LEAVES = (0.03, 0.05), (0.055, 0.10)
+"""How near [m] and how little turned [rad] is there, and beyond what a robot that is there starts again.
+
+Wider than those of planned footsteps: a walker that stops takes a last step of its own."""
+
+_COMES_TO_REST, _FAR_OFF = 0.8, 0.15  # s in which it only starts again if it is farther off than this [m]
+_NEAR = 0.5  # m within which it walks sideways and back instead of turning to where it goes
+_APPROACH = 1.5  # 1/s: speed per distance
+_INSIST, _INSIST_MOST = 0.6, 0.25  # 1/s^2, m/s: speed by the integral of the distance, near
+_TURN = 1.5  # 1/s: turn per angle, near
+_TURN_FAR = 2.2  # 1/s: likewise while it walks ahead to a far place
+_TURNS_ONLY = 1.2  # rad of bearing beyond which it turns on the spot
+_BRAKE_AHEAD = 0.1  # m before a place at which the speed of a far approach would be zero
+_NEAR_SPEED, _NEAR_SIDE = 0.5, 0.4  # m/s at most, near
+_FAR_SPEED = 0.8  # m/s at most
+_SLEW = 2.0  # m/s^2, rad/s^2
+_THERE = 0.7  # of the arrival's bounds, within which that part of the error is left alone
+_STILL_AFTER = 0.25  # s at rest after which it stands
+_RESTS, _MOVES = 0.06, 0.12  # m/s of the centre of mass below which it rests, beyond which it does not (hysteresis)
+
+
+class VelocityReference:
+    """Walks to places by velocity commands.
+
+    It turns to a far place and walks ahead; near it, it walks in any direction and turns as it is to face. Within the
+    bounds of arrival the command is zero; what the robot drifts then, as learned walkers do, is corrected beyond those
+    at which it starts again.
+
+    Args:
+        policy: whose commands.
+        dt: time between two calls [s].
+
+    Attributes:
+        command: vx, vy [m/s] and wz [rad/s], shape (3,).
+        gait: what the legs do, as far as the command and the motion tell.
+        still_for: how long it stands already [s].
+    """
+
+    def __init__(self, policy: Policy, dt: float) -> None:
+        self._low, self._high = policy.ranges
+        self._limits, self._dt = policy.config.command, dt
+        self.reset()
+
+    def reset(self) -> None:
+        """Stand."""
+        self.command: Array = np.zeros(3)
+        self.gait = Gait.STAND
+        self.still_for = 0.0
+        self._goes = self._moves = False
+        self._stopped_for = _COMES_TO_REST  # s
+        self._insists: Array = np.zeros(2)  # m/s ahead and to the left
+
+    @property
+    def stands(self) -> bool:
+        """Whether the command is to stand."""
+        below = self._limits.stand_below
+        vx, vy, wz = self.command.tolist()
+        return math.hypot(vx, vy) < below and abs(wz) < below
+
+    def update(self, goal: Array | None, stance: Array) -> Array:
+        """Return the velocity of this moment, shape (3,).
+
+        Args:
+            goal: where to stand: x, y [m], heading [rad], world frame; None to stand where it is.
+            stance: where it is, likewise.
+        """
+        wanted = np.zeros(3) if goal is None else self._toward(goal, stance)
+        if goal is None:
+            self._goes = False
+        step = _SLEW * self._dt
+        self.command = self.command + clamp(wanted - self.command, -step, step)
+        self._stopped_for = 0.0 if wanted.any() else self._stopped_for + self._dt
+        if not wanted.any():
+            self.command = np.zeros(3)  # zero is the stop: the policy brakes by itself
+        return self.command
+
+    def note(self, com_speed: float, dt: float) -> None:
+        """Take how fast the centre of mass moves [m/s], once a control period [s]."""
+        self._moves = com_speed > (_RESTS if self._moves else _MOVES)
+        if not self.stands:
+            self.gait, self.still_for = Gait.STEP, 0.0
+        elif self._moves:
+            self.gait, self.still_for = Gait.SETTLE, 0.0
+        else:
+            self.still_for += dt
+            if self.still_for > _STILL_AFTER:
+                self.gait = Gait.STAND
+
+    def goes(self, goal: Array, stance: Array) -> bool:
+        """Return whether it goes to a place now, and is not there: farther than where it stays once it has arrived."""
+        distance, turn = math.dist(goal[:2], stance[:2]), abs(wrap(goal.item(2) - stance.item(2)))
+        near, little = ARRIVED if self._goes else LEAVES
+        if not self._goes and self._stopped_for < _COMES_TO_REST:
+            return distance > _FAR_OFF
+        return distance > near or turn > little
+
+    def _toward(self, goal: Array, stance: Array) -> Array:
+        limits = self._limits
+        self._goes = self.goes(goal, stance)
+        if not self._goes:
+            self._insists[:] = 0.0
+            return np.zeros(3)
+        x, y = seen_from(stance, goal).tolist()
+        distance, turn = math.hypot(x, y), wrap(goal.item(2) - stance.item(2))
+        if distance > _NEAR:
+            self._insists[:] = 0.0
+            bearing = math.atan2(y, x)
+            fastest = min(_FAR_SPEED, _APPROACH * (distance - _BRAKE_AHEAD))
+            speed = fastest * max(0.0, math.cos(bearing)) ** 2 if abs(bearing) < _TURNS_ONLY else 0.0
+            wanted = np.array([speed, 0.0, _TURN_FAR * bearing])
+        else:
+            speed = 0.0
+            if distance > _THERE * ARRIVED[0]:
+                speed = max(limits.slowest, min(_APPROACH * distance, _NEAR_SPEED))
+            rate = _TURN * turn
+            if abs(turn) > _THERE * ARRIVED[1]:
+                rate = math.copysign(max(abs(rate), limits.slowest_turn), turn)
+            share = speed / distance if distance else 0.0
+            self._insists += (_INSIST * self._dt) * np.array([x, y])  # a walker that leans lags behind its command
+            self._insists = clamp(self._insists, -_INSIST_MOST, _INSIST_MOST)
+            ahead, aside = self._insists.tolist()
+            wanted = np.array([share * x + ahead, min(max(share * y, -_NEAR_SIDE), _NEAR_SIDE) + aside, rate])
+        return clamp(wanted, self._low, self._high)

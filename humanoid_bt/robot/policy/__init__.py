@@ -1,0 +1,1 @@
+"""A learned walker: its description, its network, and how both fit a robot."""

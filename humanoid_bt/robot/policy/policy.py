@@ -1,0 +1,297 @@
+"""A learned walker that fits its model and a robot: names, shapes and ranges have been compared."""
+
+from __future__ import annotations
+
+import fnmatch
+import functools
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from humanoid_bt.core.clock import WHOLE_BODY_PERIOD
+from humanoid_bt.core.errors import Place, Problem, UserError, nearest
+from humanoid_bt.core.items import Item
+from humanoid_bt.core.messages import Array
+from humanoid_bt.robot.policy.config import Axis, PolicyConfig, TermConfig, load_policy_config
+from humanoid_bt.robot.policy.network import Network, size
+from humanoid_bt.robot.policy.per_joint import Angles, FromModel, Joints, PerJoint, from_model
+
+Indices = NDArray[np.intp]
+_T = TypeVar("_T")
+
+# Keys of metadata under which exporters put what the description leaves out: holosoma's, then those of mjlab and of
+# others that follow Isaac Lab's motion tracking.
+_KEYS = {
+    "joints": ("dof_names", "joint_names"),
+    "default_pose": ("default_joint_pos", "default_dof_pos"),
+    "stiffness": ("kp", "joint_stiffness"),
+    "damping": ("kd", "joint_damping"),
+    "scale": ("action_scale",),
+}
+_RANGES = "command_ranges"
+_RANGE_KEYS: dict[Axis, str] = {"vx": "lin_vel_x", "vy": "lin_vel_y", "wz": "ang_vel_yaw"}
+_VECTORS, _PHASES = ("base_ang_vel", "base_lin_vel", "projected_gravity"), ("phase_sin", "phase_cos")
+_CONTROL_RATE = round(1 / WHOLE_BODY_PERIOD)  # Hz
+
+
+@dataclass(frozen=True)
+class Term:
+    """A term of the observation.
+
+    Attributes:
+        config: as it is described.
+        joints: of the policy's joints, those that it is about, as indices.
+        length: how many numbers it has, without its history.
+        history: how many of its latest values are observed.
+        scale: shape (length,).
+    """
+
+    config: TermConfig
+    joints: Indices
+    length: int
+    history: int
+    scale: Array
+
+
+class Policy:
+    """A learned walker; all of it in the order of its own joints.
+
+    Args:
+        config: its description.
+        network: its model.
+
+    Raises:
+        UserError: they do not fit each other; with every mistake, each with its place.
+
+    Attributes:
+        joints: names of the n joints that it knows.
+        default_pose: shape (n,) [rad].
+        moves: the m joints that its answer moves, as indices of these.
+        scale: of the answer, shape (m,) [rad].
+        stiffness, damping: of their drives, shape (m,) [Nm/rad], [Nm s/rad].
+        ranges: least and largest vx, vy [m/s] and wz [rad/s], shape (2, 3).
+        terms: of the observation.
+        period: how many periods of the whole-body loop there are between two answers.
+        input, output: names of the observation and of the answer.
+        states: input -> output of memories.
+    """
+
+    def __init__(self, config: PolicyConfig, network: Network) -> None:
+        self.config, self.network = config, network
+        self._problems: list[Problem] = []
+        names = self._try(lambda: self._stated(config.joints, "joints", Joints).names(network.metadata))
+        if names is None:
+            raise UserError(self._problems)
+        self.joints: tuple[str, ...] = tuple(names)
+        action = config.action
+        moved = self._try(lambda: self._chosen(action.joints, ("action", "joints"), self.joints))
+        self.moves: Indices = np.arange(len(names)) if moved is None else moved
+        moving = [names[index] for index in self.moves]
+        self.default_pose = self._numbers(config.default_pose, "default_pose", names, Angles, others=0.0)
+        self.stiffness = self._numbers(config.stiffness, "stiffness", moving, PerJoint)
+        self.damping = self._numbers(config.damping, "damping", moving, PerJoint)
+        for key, gains in (("stiffness", self.stiffness), ("damping", self.damping)):
+            if (gains < 0).any():
+                self._wrong(f"the {key} of {moving[int(np.argmin(gains))]!r} is negative", key)
+        self.scale = self._numbers(action.scale, "scale", moving, PerJoint, within=("action",))
+        self.ranges = np.array([self._range(axis) for axis in _RANGE_KEYS]).T
+        self.period = _CONTROL_RATE // config.rate
+        if _CONTROL_RATE % config.rate:
+            valid = ", ".join(str(rate) for rate in range(10, 201) if _CONTROL_RATE % rate == 0)
+            message = f"{_CONTROL_RATE} must be a whole multiple of it: control runs so often"
+            self._wrong(message, "rate", hint=f"valid: {valid}")
+        self.terms = tuple(self._terms())
+        self.states = {state.input: state.output for state in config.state}
+        self._judge_phase()
+        self.input, self.output = self._judge_tensors()
+        if self._problems:
+            raise UserError(self._problems)
+
+    @property
+    def width(self) -> int:
+        """How many numbers the observation has."""
+        return sum(term.length * term.history for term in self.terms)
+
+    def problems_with(self, robot_joints: Sequence[str]) -> Iterator[Problem]:
+        """Yield the joints of the policy that a robot does not have, as what is wrong."""
+        place = self._place("joints") if self.config.joints else self._place("model")
+        for name in self.joints:
+            if name not in robot_joints:
+                hint = nearest(name, robot_joints)
+                yield Problem(f"the robot has no joint {name!r}", place, hint, code="unknown-joint")
+        lend = self.config.lend
+        for key, patterns in (("joints", lend.joints), ("waist", lend.waist)):
+            for number, pattern in enumerate(patterns or ()):
+                if not fnmatch.filter(self.joints, pattern):
+                    hint, where = nearest(pattern, self.joints), self._place("lend", key, number)
+                    yield Problem(f"no joint of the policy matches {pattern!r}", where, hint, code="unknown-joint")
+
+    # ---- reading -----------------------------------------------------------------------------------------------------
+
+    def _try(self, made: Callable[[], _T]) -> _T | None:
+        try:
+            return made()
+        except UserError as error:
+            self._problems += error.problems
+            return None
+
+    def _place(self, *keys: str | int) -> Place | None:
+        return self.config.written.place_of(*keys) if self.config.written else None
+
+    def _wrong(self, message: str, *keys: str | int, hint: str = "") -> None:
+        self._problems.append(Problem(message, self._place(*keys), hint, code="policy"))
+
+    def _stated(self, value: Any, key: str, kind: type[_T], within: tuple[str, ...] = ()) -> _T:
+        """Return what the description says, or else where the model's metadata has it."""
+        if value is not None:
+            assert isinstance(value, kind)
+            return value
+        place = self._place(*within) or Place(str(self.config.path))
+        found = next((name for name in _KEYS[key] if name in self.network.metadata), None)
+        if found is None:
+            message = f"there is no {'.'.join((*within, key))!r}, and the model's metadata has none"
+            has = f"it has {', '.join(sorted(self.network.metadata)) or 'no keys'}"
+            raise UserError(message, place, f"{has}; or write it here", code="missing-key")
+        item = Item({}, place)
+        # every kind of value can be read from metadata, which their common type does not say
+        return kind(FromModel(found, item), from_model(found, item))  # type: ignore[call-arg]
+
+    def _numbers(
+        self,
+        value: PerJoint | None,
+        key: str,
+        names: Sequence[str],
+        kind: type[PerJoint],
+        *,
+        others: float | None = None,
+        within: tuple[str, ...] = (),
+    ) -> Array:
+        found = self._try(lambda: self._stated(value, key, kind, within).values(names, self.network.metadata, others))
+        return np.zeros(len(names)) if found is None else found
+
+    def _chosen(self, patterns: list[str] | None, keys: tuple[str | int, ...], names: Sequence[str]) -> Indices:
+        """Return which joints are chosen, in the order in which they are written."""
+        if patterns is None:
+            return np.arange(len(names))
+        found: list[int] = []
+        for number, pattern in enumerate(patterns):
+            matching = [index for index, name in enumerate(names) if fnmatch.fnmatchcase(name, pattern)]
+            if not matching:
+                message, hint = f"no joint of the policy matches {pattern!r}", nearest(pattern, names)
+                raise UserError(message, self._place(*keys, number), hint, code="unknown-joint")
+            found += [index for index in matching if index not in found]
+        return np.array(found, dtype=np.intp)
+
+    def _range(self, axis: Axis) -> tuple[float, float]:
+        found: Any = getattr(self.config.command, axis)
+        if found is None:
+            known = self.network.metadata.get(_RANGES)
+            found = known.get(_RANGE_KEYS[axis]) if isinstance(known, dict) else None
+        if found is None:
+            hint = f"{axis}: [least, largest]"
+            self._wrong(
+                f"there is no 'command.{axis}', and the model's metadata has no {_RANGES}", "command", hint=hint
+            )
+            return 0.0, 0.0
+        low, high = (float(value) for value in found)
+        if not low <= 0 <= high:
+            self._wrong(
+                f"the range of {axis}, {low:g} to {high:g}, does not hold 0: it could not stand", "command", axis
+            )
+        return low, high
+
+    def _terms(self) -> Iterator[Term]:
+        observation = self.config.observation
+        for number, term in enumerate(observation.terms):
+            where: tuple[str | int, ...] = ("observation", "terms", number)
+            joints = self._try(partial(self._chosen, term.joints, (*where, "joints"), self.joints))
+            chosen = np.zeros(0, dtype=np.intp) if joints is None else joints
+            history = term.history or observation.history
+            if observation.order == "by_time" and history != observation.history:
+                self._wrong("ordered by_time, all terms have the history of the observation", *where, "history")
+            length = self._length(term, chosen, where)
+            scale = np.asarray(term.scale, dtype=float)
+            if scale.ndim and len(scale) != length:
+                self._wrong(f"the scale of {term.term} must have {length} numbers, not {len(scale)}", *where, "scale")
+                scale = np.ones(())
+            yield Term(term, chosen, length, history, np.broadcast_to(scale, (length,)))
+
+    def _length(self, term: TermConfig, joints: Indices, where: tuple[str | int, ...]) -> int:
+        phase = self.config.phase
+        if term.term in _PHASES and phase is None:
+            self._wrong(f"{term.term!r} needs a phase, and there is no 'phase'", *where, "term")
+        lengths: dict[str, int] = {
+            **dict.fromkeys(_VECTORS, 3),
+            **dict.fromkeys(_PHASES, len(phase.start) if phase else 1),
+            "command": len(term.axes),
+            "constant": len(term.value),
+            "last_action": len(self.moves),
+        }
+        return lengths.get(term.term, len(joints))
+
+    def _judge_phase(self) -> None:
+        phase = self.config.phase
+        if phase and phase.standing is not None and len(phase.standing) != len(phase.start):
+            message = f"'standing' must have {len(phase.start)} numbers, as 'start' has, not {len(phase.standing)}"
+            self._wrong(message, "phase", "standing")
+
+    def _judge_tensors(self) -> tuple[str, str]:
+        network, config = self.network, self.config
+        for number, state in enumerate(config.state):
+            self._named(state.input, network.inputs, "input", "state", number, "input")
+            self._named(state.output, network.outputs, "output", "state", number, "output")
+            ends = network.inputs.get(state.input), network.outputs.get(state.output)
+            if None not in ends and size(ends[0] or ()) != size(ends[1] or ()):
+                self._wrong(f"the state's input has the shape {ends[0]}, its output {ends[1]}", "state", number)
+        free = [name for name in network.inputs if name not in self.states]
+        given = self._only(config.observation.input, free, network.inputs, "input", "observation")
+        answers = [name for name in network.outputs if name not in self.states.values()]
+        answer = self._only(config.action.output, answers, network.outputs, "output", "action")
+        if len(free) > 1 and given:
+            others = ", ".join(repr(name) for name in free if name != given)
+            self._wrong(f"nothing is said of the model's other inputs: {others}", "observation", hint="as 'state'?")
+        if given and size(network.inputs[given]) != self.width:
+            parts = ", ".join(f"{term.config.term} {term.length * term.history}" for term in self.terms)
+            message = f"the terms have {self.width} numbers, the model's input {given!r} {size(network.inputs[given])}"
+            self._wrong(message, "observation", "terms", hint=parts)
+        if answer and size(network.outputs[answer]) != len(self.moves):
+            numbers = size(network.outputs[answer])
+            self._wrong(
+                f"it moves {len(self.moves)} joints, the model's output {answer!r} has {numbers} numbers", "action"
+            )
+        return given, answer
+
+    def _named(self, name: str, known: dict[str, Any], what: str, *keys: str | int) -> bool:
+        if name not in known:
+            self._wrong(f"the model has no {what} {name!r}", *keys, hint=nearest(name, known))
+        return name in known
+
+    def _only(self, name: str, free: list[str], known: dict[str, Any], what: str, key: str) -> str:
+        """Return the name that is given, or the only one there is; "" if neither."""
+        if name:
+            return name if self._named(name, known, what, key, what) else ""
+        if len(free) == 1:
+            return free[0]
+        self._wrong(f"the model has {len(free)} {what}s: say which", key, hint=f"{what}: {' or '.join(free)}")
+        return ""
+
+
+def load_policy(path: Path) -> Policy:
+    """Return the policy that a file describes.
+
+    Raises:
+        UserError: the description has mistakes, or does not fit its model; with the place of each.
+    """
+    return _loaded(path, path.stat().st_mtime_ns if path.is_file() else 0)
+
+
+@functools.lru_cache(maxsize=8)
+def _loaded(path: Path, _changed: int) -> Policy:
+    config = load_policy_config(path)
+    written = config.written
+    return Policy(config, Network(path.parent / config.model, written.place_of("model") if written else None))

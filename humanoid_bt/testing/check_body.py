@@ -1,0 +1,204 @@
+"""``check_body``: a body tried against what control asks of every body, in one call."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from humanoid_bt.control.body.standing import load_robot
+from humanoid_bt.control.controller import Controller
+from humanoid_bt.core.clock import DECISION_PERIOD, SERVO_PERIOD, cycles
+from humanoid_bt.core.messages import Array, BaseTarget, Command, Mode, State, Target
+from humanoid_bt.plant.mujoco_plant import MujocoPlant
+from humanoid_bt.plant.scene import Scene
+from humanoid_bt.plant.scene_config import SceneConfig
+from humanoid_bt.robot.config import Walk
+
+_STAND, _STILL = 4.0, 0.05  # s; m and rad that it may drift meanwhile
+_GOAL = (0.8, 0.3, 0.5)  # m, m, rad: where it is to walk
+_WALK, _NEAR, _TURNED = 20.0, 0.06, 0.12  # s; m and rad from there that count as arrived
+_FAR = (3.0, 0.0, 0.0)
+_SET_OUT, _STOP, _HOLD = 2.0, 4.0, 4.0  # s
+_BLOW, _BLOW_TIME, _FALL = 1500.0, 0.2, 4.0  # N, s, s
+
+Targets = Mapping[str, Target]
+
+
+@dataclass(frozen=True)
+class BodyRule:
+    """What came of one rule.
+
+    Attributes:
+        name: of the rule: stands, walks, stops, holds, comes back, same.
+        passed: whether the body keeps it.
+        shown: what shows it.
+    """
+
+    name: str
+    passed: bool
+    shown: str
+
+    def __str__(self) -> str:
+        return f"{'passed' if self.passed else 'FAILED'}  {self.name:<10} {self.shown}"
+
+
+@dataclass(frozen=True)
+class BodyCheck:
+    """What came of a check.
+
+    Attributes:
+        robot: its name.
+        rules: every rule.
+    """
+
+    robot: str
+    rules: tuple[BodyRule, ...]
+
+    @property
+    def passed(self) -> bool:
+        """Whether the body keeps all rules."""
+        return all(rule.passed for rule in self.rules)
+
+    def assert_passed(self) -> None:
+        """Raise if it does not.
+
+        Raises:
+            AssertionError: with what came of every rule.
+        """
+        if not self.passed:
+            raise AssertionError(str(self))
+
+    def __str__(self) -> str:
+        return "\n".join([f"the body of {self.robot}", *map(str, self.rules)])
+
+
+def check_body(robot: Path, walk: Walk | None = None) -> BodyCheck:
+    """Try a robot's body on physics: it stands, walks, stops, holds, comes back after a fall, and does so each time.
+
+    Args:
+        robot: the ``robot.yaml``.
+        walk: what walks and balances; what ``robot.yaml`` says if None.
+
+    Raises:
+        UserError: the robot has mistakes.
+    """
+    trial = _Trial(robot, walk)
+    return BodyCheck(trial.robot.config.name, tuple(_tried(trial)))
+
+
+class _Trial:
+    """A robot on an empty floor under control, commanded as decision would."""
+
+    def __init__(self, path: Path, walk: Walk | None) -> None:
+        self.robot, self._start = load_robot(path, walk)
+        self.plant = MujocoPlant(self.robot, Scene(SceneConfig(format=1, name="empty"), seed=0))
+        self.plant.place(self._start)
+        self.controller = Controller(self.robot, self.plant)
+        self._sequence = 0
+
+    def begin(self) -> None:
+        """Stand at the start."""
+        self.plant.place(self._start)
+        self.controller.reset()
+        self._sequence = 0
+
+    def run(self, seconds: float, targets: Targets | None, until: Callable[[State], bool] | None = None) -> bool:
+        """Run with these targets, or with a silent decision; return whether ``until`` came true."""
+        for _ in range(round(seconds / DECISION_PERIOD)):
+            if targets is not None:
+                self._sequence += 1
+                self.controller.submit(Command(self._sequence, self.controller.cycle * SERVO_PERIOD, targets))
+            for _ in range(cycles(DECISION_PERIOD)):
+                self.controller.run_cycle()
+            if until is not None and until(self.controller.state()):
+                return True
+        return False
+
+    @property
+    def state(self) -> State:
+        return self.controller.state()
+
+    @property
+    def fallen(self) -> bool:
+        return self.controller.supervisor.mode is Mode.DAMP
+
+
+def _tried(trial: _Trial) -> Iterator[BodyRule]:
+    yield _stands("stands", trial)
+    first = trial.plant.data.qpos.copy()
+    yield _walks(trial)
+    yield _stops(trial)
+    yield _holds(trial)
+    yield _comes_back(trial)
+    trial.begin()
+    trial.run(_STAND, {})
+    off = float(np.abs(trial.plant.data.qpos - first).max())
+    yield BodyRule("same", off == 0, f"run again, it differs by {off:.1e}")
+
+
+def _stands(name: str, trial: _Trial) -> BodyRule:
+    trial.run(_STAND, {})
+    off, turned = _off(trial.state, (0.0, 0.0, 0.0))
+    good = not trial.fallen and trial.state.base_settled and off < _STILL and turned < _STILL
+    return BodyRule(name, good, f"{_how(trial)} after {_STAND:g} s, {off * 100:.1f} cm and {turned:.2f} rad from there")
+
+
+def _walks(trial: _Trial) -> BodyRule:
+    there = trial.run(_WALK, _to(_GOAL), lambda state: (state.base_settled and _arrived(state)) or trial.fallen)
+    off, turned = _off(trial.state, _GOAL)
+    shown = f"{_how(trial)} after {trial.state.time - _STAND:.1f} s, {off * 100:.1f} cm and {turned:.2f} rad away"
+    return BodyRule("walks", there and not trial.fallen, shown)
+
+
+def _stops(trial: _Trial) -> BodyRule:
+    trial.begin()
+    trial.run(_SET_OUT, _to(_FAR))
+    walked, began = not trial.state.base_settled, trial.state.time
+    stood = trial.run(_STOP, None, lambda state: state.base_settled)
+    good = walked and stood and trial.state.mode is Mode.PROTECTIVE_STOP
+    return BodyRule("stops", good, f"{_how(trial)} {trial.state.time - began:.1f} s after decision's last command")
+
+
+def _holds(trial: _Trial) -> BodyRule:
+    x, y, heading = trial.state.stance.tolist()
+    trial.run(_HOLD, None)
+    off, turned = _off(trial.state, (x, y, heading))
+    good = not trial.fallen and off < _STILL
+    return BodyRule(
+        "holds", good, f"{_how(trial)} after {_HOLD:g} s of it, {off * 100:.1f} cm and {turned:.2f} rad away"
+    )
+
+
+def _comes_back(trial: _Trial) -> BodyRule:
+    trial.plant.push(trial.robot.config.torso, np.array([0.0, _BLOW, 0.0]), _BLOW_TIME)
+    fell = trial.run(_FALL, {}, lambda _: trial.fallen)
+    if not fell:
+        return BodyRule("comes back", False, f"{_BLOW:g} N for {_BLOW_TIME:g} s did not make it fall")
+    trial.begin()
+    again = _stands("comes back", trial)
+    return BodyRule(again.name, again.passed, f"after a fall: {again.shown}")
+
+
+def _to(place: tuple[float, float, float]) -> Targets:
+    return {"base": BaseTarget(np.array(place[:2]), place[2])}
+
+
+def _arrived(state: State) -> bool:
+    off, turned = _off(state, _GOAL)
+    return off < _NEAR and turned < _TURNED
+
+
+def _off(state: State, place: tuple[float, float, float]) -> tuple[float, float]:
+    """Return how far the stance is from a place [m], and how far it is turned from it [rad]."""
+    stance: Array = state.stance
+    return math.dist(stance[:2], place[:2]), abs(math.remainder(stance.item(2) - place[2], math.tau))
+
+
+def _how(trial: _Trial) -> str:
+    if trial.fallen:
+        return "fallen"
+    return "at rest" if trial.state.base_settled else "not at rest"

@@ -1,0 +1,190 @@
+"""The learned body on physics: a policy that stands by stiff drives, and what is made of it.
+
+It holds one posture whatever it is told, and so it stands: balance is not what these tests are about, but everything
+around it. Published policies walk in tests/policies.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from humanoid_bt.control.body.policy.learned_body import LearnedBody
+from humanoid_bt.control.body.standing import load_robot, standing_posture
+from humanoid_bt.control.body.whole_body import WholeBody
+from humanoid_bt.core.messages import ArmTarget, Array, BaseTarget, Gait, GazeTarget, HandTarget, Mode
+from humanoid_bt.robot.model import BASE_COORDINATES, RobotModel
+from humanoid_bt.robot.policy.network import Network, Tensor
+from tests.control.control_rig import ControlRig
+from tests.policy_files import write_standing_robot
+
+pytest.importorskip("onnxruntime", reason="learned walkers need onnxruntime: pip install 'humanoid-bt[policy]'")
+
+PLACE = np.array([0.35, 0.2, 0.95])
+
+
+@pytest.fixture(scope="module")
+def shared(tmp_path_factory: pytest.TempPathFactory, robot: RobotModel, standing: Array) -> ControlRig:
+    folder = tmp_path_factory.mktemp("stands")
+    path = write_standing_robot(folder, robot.joint_names, standing[BASE_COORDINATES:])
+    return ControlRig(*load_robot(path))
+
+
+@pytest.fixture
+def rig(shared: ControlRig) -> ControlRig:
+    shared.reset()
+    return shared
+
+
+@pytest.fixture
+def answers(monkeypatch: pytest.MonkeyPatch) -> list[float]:
+    """What the network's answers are multiplied by and added to, while there is anything."""
+    spoilt: list[float] = []
+    run = Network.run
+
+    def spoil(network: Network, outputs: list[str], inputs: dict[str, Tensor]) -> list[Tensor]:
+        return [answer + np.float32(spoilt[0]) if spoilt else answer for answer in run(network, outputs, inputs)]
+
+    monkeypatch.setattr(Network, "run", spoil)
+    return spoilt
+
+
+def body_of(rig: ControlRig) -> LearnedBody:
+    assert isinstance(rig.controller.body, LearnedBody)
+    return rig.controller.body
+
+
+def test_the_default_pose_is_how_it_stands_and_its_gains_drive_it(rig: ControlRig) -> None:
+    policy = rig.robot.policy
+    assert policy is not None
+    assert rig.robot.home_qpos[BASE_COORDINATES:] == pytest.approx(policy.default_pose, abs=1e-5)
+    rig.run(1.0, {})
+    command = rig.controller.servo.command
+    assert command.stiffness == pytest.approx(policy.stiffness)
+    assert command.damping == pytest.approx(policy.damping)
+    assert (rig.state.mode, rig.state.gait, rig.state.base_settled) == (Mode.RUN, Gait.STAND, True)
+    assert rig.state.footsteps == ()
+    assert rig.state.stance == pytest.approx([0, 0, 0], abs=0.01)
+
+
+def test_a_hand_reaches_and_goes_home(rig: ControlRig) -> None:
+    body = body_of(rig)
+    before = rig.state.hands["left"]
+    reached = rig.run(5, {"left_hand": HandTarget(PLACE)}, until=lambda state: state.hand_errors["left"] < 0.005)
+    assert reached, f"{rig.state.hand_errors['left'] * 100:.1f} cm away"
+    assert body.lending.lends("left_hand") and not body.lending.lends("right_hand")
+    assert rig.run(5, {}, until=lambda _: not body.lending.busy), "the arm was not given back"
+    rig.run(0.5, {})
+    assert np.linalg.norm(rig.state.hands["left"] - before) < 0.02
+
+
+def test_lent_arms_have_their_own_drives(rig: ControlRig) -> None:
+    robot = rig.robot
+    rig.run(0.5, {"left_hand": HandTarget(PLACE)})
+    arm, other = robot.arm_joints("left"), robot.arm_joints("right")
+    stiffness = rig.controller.servo.command.stiffness
+    assert robot.policy is not None
+    assert stiffness[arm] == pytest.approx(robot.stiffness[arm])
+    assert stiffness[other] == pytest.approx(robot.policy.stiffness[other])
+
+
+def test_nothing_jumps_when_an_arm_is_lent_and_given_back(rig: ControlRig) -> None:
+    arm = rig.robot.arm_joints("left")
+    steps: list[float] = []
+    last = rig.controller.servo.position[arm].copy()
+
+    def note() -> None:
+        nonlocal last
+        now = rig.controller.servo.position[arm]
+        steps.append(float(np.abs(now - last).max()))
+        last = now.copy()
+
+    rig.run(3, {"left_hand": HandTarget(PLACE)}, cycle=note)
+    rig.run(4, {}, cycle=note)
+    assert max(steps) < 0.03, f"a joint's setpoint jumped by {max(steps):.3f} rad in a period"
+
+
+def test_the_policy_is_told_that_lent_joints_are_at_home(rig: ControlRig, monkeypatch: pytest.MonkeyPatch) -> None:
+    rows: list[Tensor] = []
+    run = Network.run
+
+    def note(network: Network, outputs: list[str], inputs: dict[str, Tensor]) -> list[Tensor]:
+        rows.append(inputs["obs"][0])
+        return run(network, outputs, inputs)
+
+    monkeypatch.setattr(Network, "run", note)
+    rig.run(2, {"left_hand": HandTarget(PLACE)})
+    arm, other = rig.robot.arm_joints("left"), rig.robot.arm_joints("right")
+    seen = rows[-1][6:]
+    assert not seen[arm].any()
+    assert seen[other].any(), "of others it is told the truth"
+
+
+def test_a_hold_keeps_the_hand_where_it_is(rig: ControlRig) -> None:
+    rig.run(4, {"left_hand": HandTarget(PLACE)})
+    held = rig.state.hands["left"]
+    rig.run(2)  # decision is silent
+    assert rig.state.mode is Mode.PROTECTIVE_STOP
+    assert np.linalg.norm(rig.state.hands["left"] - held) < 0.01
+    assert body_of(rig).velocity.stands
+
+
+def test_joints_of_an_arm_are_held_by_name(rig: ControlRig) -> None:
+    name = rig.robot.joint_names[rig.robot.arm_joints("left")[0]]
+    angle = -0.6
+    rig.run(4, {"left_hand": ArmTarget({name: angle})})
+    assert rig.state.joint_positions[rig.robot.joint(name)] == pytest.approx(angle, abs=0.05)
+
+
+def test_the_neck_turns_the_view(rig: ControlRig) -> None:
+    point = np.array([2.0, 1.0, 1.0])
+    rig.run(3, {"gaze": GazeTarget(point)})
+    way = point - rig.state.gaze_position
+    assert rig.state.gaze_direction @ way / np.linalg.norm(way) > np.cos(0.1)
+
+
+def test_a_base_target_becomes_a_velocity(rig: ControlRig) -> None:
+    rig.run(0.4, {"base": BaseTarget(np.array([2.0, 0.0]), 0.0)})
+    vx, vy, wz = body_of(rig).velocity.command.tolist()
+    assert vx > 0.4 and abs(vy) < 0.1 and abs(wz) < 0.3
+    assert rig.state.gait is Gait.STEP and not rig.state.base_settled
+
+
+def test_a_short_silence_of_the_policy_changes_nothing(rig: ControlRig, answers: list[float]) -> None:
+    rig.run(0.5, {})
+    answers.append(np.nan)
+    rig.run(0.06, {})
+    answers.clear()
+    rig.run(0.5, {})
+    assert isinstance(rig.controller.body, LearnedBody)
+    assert rig.state.mode is Mode.RUN
+    assert any("the policy's answer is not finite" in text for text in rig.controller.supervisor.rejected)
+
+
+def test_a_policy_that_fails_gives_way_to_the_model_based_body(rig: ControlRig, answers: list[float]) -> None:
+    rig.run(0.5, {})
+    answers.append(np.nan)
+    rig.run(3, {})
+    state = rig.state
+    assert isinstance(rig.controller.body, WholeBody)
+    assert (state.mode, state.stop_source) == (Mode.PROTECTIVE_STOP, "body")
+    assert state.stop_reason == "the policy's answer is not finite"
+    assert state.base_settled, "it stands"
+    rig.reset()
+    assert isinstance(rig.controller.body, LearnedBody), "the next run begins with the policy"
+
+
+def test_is_deterministic(rig: ControlRig) -> None:
+    targets = {"left_hand": HandTarget(PLACE), "gaze": GazeTarget(np.array([2.0, 0.0, 1.0]))}
+    rig.run(1, targets)
+    once = rig.plant.data.qpos.copy()
+    rig.reset()
+    rig.run(1, targets)
+    assert (rig.plant.data.qpos == once).all()
+
+
+def test_which_body_can_be_said_for_a_run(rig: ControlRig) -> None:
+    robot, _ = load_robot(rig.robot.config.path, "dcm")
+    assert robot.policy is None
+    assert isinstance(ControlRig(robot, rig.standing).controller.body, WholeBody)
+    assert standing_posture(robot) == pytest.approx(rig.standing, abs=0.02)

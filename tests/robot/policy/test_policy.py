@@ -1,0 +1,121 @@
+"""walk.policy.yaml: what it says, what the model's metadata says, and how what does not fit is answered."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from humanoid_bt.core.errors import UserError
+from humanoid_bt.robot.policy.policy import load_policy
+from tests.onnx_models import write_affine
+from tests.policy_files import DESCRIPTION, JOINTS, METADATA, write_walker
+
+pytest.importorskip("onnxruntime", reason="learned walkers need onnxruntime: pip install 'humanoid-bt[policy]'")
+
+
+def refused(path: Path) -> list[str]:
+    with pytest.raises(UserError) as caught:
+        load_policy(path)
+    return [str(problem) for problem in caught.value.problems]
+
+
+def changed(folder: Path, old: str, new: str) -> list[str]:
+    assert old in DESCRIPTION
+    return refused(write_walker(folder, DESCRIPTION.replace(old, new, 1)))
+
+
+def test_takes_from_the_metadata_what_the_file_leaves_out(tmp_path: Path) -> None:
+    policy = load_policy(write_walker(tmp_path))
+    assert policy.joints == JOINTS
+    assert policy.stiffness.tolist() == [10, 20, 30]
+    assert policy.damping.tolist() == [1, 2, 3], "numbers with commas between them are read as a list"
+    assert policy.width == 3 + 2 + 3 + 3
+    assert policy.period == 4
+    assert policy.ranges.tolist() == [[-1, -0.5, -1], [1, 0.5, 1]]
+
+
+def test_reads_command_ranges_from_the_metadata(tmp_path: Path) -> None:
+    path = write_walker(tmp_path, DESCRIPTION.replace("command: {vx: [-1, 1], vy: [-0.5, 0.5], wz: [-1, 1]}\n", ""))
+    ranges = {"lin_vel_x": [-0.3, 0.8], "lin_vel_y": [-0.2, 0.2], "ang_vel_yaw": [-0.5, 0.5]}
+    write_affine(tmp_path / "walk.onnx", np.zeros((11, 3)), np.zeros(3), {**METADATA, "command_ranges": ranges})
+    assert load_policy(path).ranges.tolist() == [[-0.3, -0.2, -0.5], [0.8, 0.2, 0.5]]
+
+
+def test_numbers_by_patterns_and_for_all(tmp_path: Path) -> None:
+    text = DESCRIPTION.replace("default_pose: [0.1, 0.2, 0.3]", 'default_pose: {"*_hip": 10 deg}\nstiffness: 40')
+    policy = load_policy(write_walker(tmp_path, text))
+    assert policy.default_pose == pytest.approx([np.radians(10), np.radians(10), 0])
+    assert policy.stiffness.tolist() == [40, 40, 40]
+
+
+def test_a_wrong_number_of_terms_is_refused_with_the_size_of_each(tmp_path: Path) -> None:
+    [message] = refused(write_walker(tmp_path, numbers=12))
+    assert "walk.policy.yaml:7:5: error" in message
+    assert "the terms have 11 numbers, the model's input 'obs' 12" in message
+    assert "base_ang_vel 3, command 2, joint_pos_rel 3, last_action 3" in message
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "line", "told"),
+    [
+        ("[0.1, 0.2, 0.3]", "[0.1, 0.2]", 3, "must be 3 numbers, one for each joint, not 2"),
+        ("[0.1, 0.2, 0.3]", "{'*_elbow': 1}", 3, "no joint of the policy matches '*_elbow'"),
+        ("scale: 0.5", "scale: {metadata: scales}", 4, "the model's metadata has no 'scales'"),
+        (
+            "scale: 0.5",
+            "scale: 0.5, joints: [a_hip]",
+            4,
+            "it moves 1 joints, the model's output 'action' has 3 numbers",
+        ),
+        ("format: 1\n", "format: 1\nrate: 30\n", 2, "200 must be a whole multiple of it"),
+        ("scale: 0.25", "scale: [1, 2]", 7, "the scale of base_ang_vel must have 3 numbers, not 2"),
+        ("{term: joint_pos_rel}", "{term: joint_pos_rel, joints: [knee]}", 9, "no joint of the policy matches 'knee'"),
+        ("{term: last_action}", "{term: phase_sin}", 10, "'phase_sin' needs a phase"),
+        ("vx: [-1, 1]", "vx: [0.2, 1]", 11, "does not hold 0"),
+        ("model: walk.onnx", "model: other.onnx", 2, "the model 'other.onnx' is missing"),
+        ("clip: 2", "clip: 2, output: actions", 4, "the model has no output 'actions'"),
+        ("  terms:", "  input: observation\n  terms:", 6, "the model has no input 'observation'"),
+        ("term: joint_pos_rel", "term: joint_pos_rl", 9, "'term' cannot be 'joint_pos_rl'"),
+    ],
+)
+def test_what_does_not_fit_is_refused_with_its_line(tmp_path: Path, old: str, new: str, line: int, told: str) -> None:
+    messages = changed(tmp_path, old, new)
+    assert any(told in message and f"walk.policy.yaml:{line}:" in message for message in messages), messages
+
+
+def test_what_neither_says_is_asked_for(tmp_path: Path) -> None:
+    path = write_walker(tmp_path)
+    write_affine(tmp_path / "walk.onnx", np.zeros((11, 3)), np.zeros(3), {"dof_names": list(JOINTS), "kd": 1})
+    [message] = refused(path)
+    assert "there is no 'stiffness', and the model's metadata has none" in message
+    assert "it has dof_names, kd" in message
+
+
+def test_a_memory_must_be_named(tmp_path: Path) -> None:
+    messages = refused(write_walker(tmp_path, state=4))
+    assert any("the model has 2 inputs: say which" in message for message in messages)
+    text = DESCRIPTION + "state: [{input: h_in, output: h_out}]\n"
+    policy = load_policy(write_walker(tmp_path, text, state=4))
+    assert (policy.input, policy.states) == ("obs", {"h_in": "h_out"})
+
+
+def test_a_file_that_is_no_model_is_refused(tmp_path: Path) -> None:
+    path = write_walker(tmp_path)
+    (tmp_path / "walk.onnx").write_bytes(b"no model")
+    [message] = refused(path)
+    assert "not a model that onnxruntime can run" in message
+    assert "walk.policy.yaml:2:8" in message
+
+
+def test_without_onnxruntime_it_says_what_to_install(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "onnxruntime", None)
+    [message] = refused(write_walker(tmp_path))
+    assert "needs onnxruntime, which is not installed" in message
+    assert "pip install 'humanoid-bt[policy]'" in message
+
+
+def test_a_free_batch_is_one(tmp_path: Path) -> None:
+    assert load_policy(write_walker(tmp_path, batch="n")).width == 11

@@ -1,0 +1,53 @@
+"""Which body a run has: what robot.yaml says, or what the run says."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from humanoid_bt.control.body.policy.learned_body import LearnedBody
+from humanoid_bt.control.body.standing import load_robot
+from humanoid_bt.control.body.whole_body import WholeBody
+from humanoid_bt.core.errors import UserError
+from humanoid_bt.files.workspace import Workspace, builtin_root
+from humanoid_bt.robot.model import BASE_COORDINATES
+from humanoid_bt.session.lockstep import Lockstep
+from humanoid_bt.session.session import Session
+from tests.policy_files import write_standing_robot
+
+
+@pytest.fixture
+def robot(tmp_path: Path) -> Path:
+    pytest.importorskip("onnxruntime", reason="learned walkers need onnxruntime: pip install 'humanoid-bt[policy]'")
+    model, standing = load_robot(Workspace(builtin_root()).find_robot("humanoid"))
+    return write_standing_robot(tmp_path, model.joint_names, standing[BASE_COORDINATES:])
+
+
+def body_of(session: Session) -> object:
+    engine = session._drive.engine
+    assert isinstance(engine, Lockstep)
+    return engine.controller.body
+
+
+def test_a_body_that_is_none_is_refused() -> None:
+    with pytest.raises(UserError, match="'body' cannot be 'legs'") as caught:
+        Session("stand", body="legs")  # type: ignore[arg-type]
+    assert "dcm" in caught.value.problems[0].hint
+
+
+def test_a_robot_without_a_walker_says_what_is_missing() -> None:
+    with pytest.raises(UserError, match="there is no learned walker") as caught:
+        Session("stand", body="policy")
+    assert caught.value.problems[0].hint == "body: {walk: policy, policy: walk.policy.yaml}"
+
+
+def test_the_run_has_the_last_word(robot: Path) -> None:
+    assert isinstance(body_of(Session("stand", robot=robot)), LearnedBody)
+    assert isinstance(body_of(Session("stand", robot=robot, body="dcm")), WholeBody)
+
+
+def test_the_tree_runs_on_a_learned_walker(robot: Path) -> None:
+    with Session("stand", robot=robot, duration=1.0) as session:
+        report = session.run()
+    assert (report.outcome, report.stops) == ("unfinished", [])
