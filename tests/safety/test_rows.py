@@ -43,6 +43,11 @@ def test_a_robot_without_a_gyroscope_goes_by_the_orientation(activity: str, seed
     assert trial("a sensor of the IMU frozen", activity, seed).as_told
 
 
+def test_a_robot_that_walks_is_not_thrown_by_its_hand() -> None:
+    """Its body was given to the hand, and came back in one period."""
+    assert trial("IK without solution for 0.1 s", "walking with a hand out", 1010).as_told
+
+
 @pytest.mark.trials
 def test_the_same_seed_gives_the_same_outcome() -> None:
     first = trial("decision stopped for 0.5 s", "walking straight", 3)

@@ -36,6 +36,7 @@ class BodyTargets:
         posture: joint posture, shape (nj,) [rad].
         palms: goals of those of these hands that are turned, or held relative to the other one.
         arms: joints, by their indices, that are commanded by name: the posture has their angles.
+        firmness: factor of the costs of height, pelvis and torso: above 1 they are kept from the hands.
     """
 
     com: Array
@@ -51,6 +52,7 @@ class BodyTargets:
     posture: Array
     palms: Mapping[Side, HandTarget] = field(default_factory=dict)
     arms: Sequence[int] = ()
+    firmness: float = 1.0
 
 
 class _Rows:
@@ -111,7 +113,7 @@ class BodyTask(BaseTask):  # type: ignore[misc]  # mink has no types
         self._sole_sites = {side: model.site(sole_site(side)).id for side in SIDES}
         self._gaze_site = model.site(GAZE_SITE).id if config.neck else -1
         self._arms: Sequence[int] = ()
-        self._given = (-1.0, -1.0)  # to the hands, and how far it leans for the eyes
+        self._given = (-1.0, -1.0, 1.0)  # to the hands, how far it leans for the eyes, and its firmness
 
     def aim(self, data: mujoco.MjData, targets: BodyTargets) -> None:
         """Take the targets of this control period, and how far the body is from them now."""
@@ -143,8 +145,8 @@ class BodyTask(BaseTask):  # type: ignore[misc]  # mink has no types
             self._arms = targets.arms
             self._posture_cost[:] = self._weights.posture
             self._posture_cost[list(self._arms)] = self._weights.arm
-        if (targets.reaching, torso_lean) != self._given:
-            self._give_body_to_hands(targets.reaching, torso_lean)
+        if (targets.reaching, torso_lean, targets.firmness) != self._given:
+            self._give_body_to_hands(targets.reaching, torso_lean, targets.firmness)
 
     @property
     def com_error(self) -> Array:
@@ -174,13 +176,13 @@ class BodyTask(BaseTask):  # type: ignore[misc]  # mink has no types
         mujoco.mju_subQuat(self._turn, goal, now)
         mujoco.mju_rotVecQuat(turn, self._turn, now)
 
-    def _give_body_to_hands(self, reaching: float, lean: float) -> None:
+    def _give_body_to_hands(self, reaching: float, lean: float, firmness: float) -> None:
         weights = self._weights
-        self._given = (reaching, lean)
+        self._given = (reaching, lean, firmness)
         torso = _blend(weights.reach_torso, weights.torso_orientation, min(1.0, lean / _LEANS))  # the eyes need it
-        self._com.cost[:] = (*weights.com[:2], _blend(weights.com[2], weights.reach_height, reaching))
-        self._base.cost[:] = _blend(weights.base_orientation, weights.reach_base, reaching)
-        self._torso.cost[:] = _blend(weights.torso_orientation, torso, reaching)
+        self._com.cost[:] = (*weights.com[:2], firmness * _blend(weights.com[2], weights.reach_height, reaching))
+        self._base.cost[:] = firmness * _blend(weights.base_orientation, weights.reach_base, reaching)
+        self._torso.cost[:] = firmness * _blend(weights.torso_orientation, torso, reaching)
 
 
 def _blend(free: float, reaching: float, share: float) -> float:

@@ -224,8 +224,9 @@ class WholeBody:
         eyes, base = self.dynamics.gaze_position, self.dynamics.base_position
         self._gaze.update(point, hold, eyes, heading, axis=eyes if self._robot.config.neck else base)
         self._lean.update(point, hold, eyes, base, heading)
+        standing = walker.gait is Gait.STAND  # the body of a robot that walks is not given to its hands
         if not hold:
-            self._reaching = _blend(self._reaching, float(bool(hands)), self._dt)
+            self._reaching = _blend(self._reaching, float(standing and bool(hands)), self._dt)
             posture = targets.get("posture")
             wanted = posture.height if isinstance(posture, PostureTarget) else 0.0
             self._height = approach(self._height, wanted, self._robot.config.whole_body.height_speed * self._dt)
@@ -249,6 +250,7 @@ class WholeBody:
             posture=self._posture.joints + self._arm_swing.joints,
             palms=palms,
             arms=self._held_joints,
+            firmness=self._robot.config.whole_body.walk_firmness if hands and not standing else 1.0,
         )
 
     def _rearranged(self, targets: Mapping[str, Target]) -> Mapping[str, Target]:
