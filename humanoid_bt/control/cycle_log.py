@@ -31,7 +31,7 @@ _NO_HANDS = (NONE,) * len(SIDES)
 _CYCLE, _MODE, _COMMAND = range(3)  # of a row, the numbers of what was decided
 _DECIDED, _POSE, _TWIST = 3, 3 + 4, 3 + 3  # so many; then of the base position and quaternion, velocity and rate
 _HEAD = _DECIDED + _POSE + _TWIST + len(SIDES)  # of a row, what the plant does not measure into it
-_PARTS = 3  # of a plan, each copied in a cycle of its own
+_PARTS = 4  # of a plan, each copied in a cycle of its own
 _LATE = 4.0  # s that a reader may be late before it misses something
 
 
@@ -150,7 +150,7 @@ class CycleLog:
     """Control's end of the tables.
 
     It must cost a servo cycle next to nothing: what was decided is noted at once, while it is in the processor's cache;
-    the plant measures right into the row; a plan is copied in the cycles after it.
+    the plant measures right into the row; a plan is copied part by part in the cycles after it.
 
     Args:
         plans, servo_cycles: the tables, as :class:`Layout` makes them.
@@ -191,7 +191,7 @@ class CycleLog:
         if servo.commands != self._commands:
             self._plan, self._plan_mode, self._left = cycle - 1, self._mode, 0 if self._commands < 0 else _PARTS
             self._commands = servo.commands
-        elif self._left:
+        if self._left:
             self._copy_part(servo, body)
         head = self._head
         head[_CYCLE] = cycle
@@ -223,20 +223,21 @@ class CycleLog:
         self._left -= 1
         row = self._plans.count % len(self._plan_rows)
         plan, com_error, setpoint, limited = self._plan_rows[row]
-        if self._left == 2:
+        if self._left == 3:
             setpoint[:] = servo.setpoint
-        elif self._left == 1:
+        elif self._left == 2:
             com_error[:] = body.com_error
             if servo.clamped or self._clamped[row]:  # else they are zero, as they are to be
                 limited[:] = servo.limited
                 self._clamped[row] = servo.clamped
+        elif self._left == 1:
+            errors = body.hand_errors
+            plan[4], plan[5] = [errors.get(side, NONE) for side in SIDES] if errors else _NO_HANDS
         else:
             plan[0] = self._plan
             plan[1] = GAITS.index(body.gait)
             plan[2] = not body.fault
             plan[3] = self._plan_mode is not Mode.DAMP
-            errors = body.hand_errors
-            plan[4], plan[5] = [errors.get(side, NONE) for side in SIDES] if errors else _NO_HANDS
             self._plans.publish()
 
 
