@@ -85,7 +85,7 @@ class GaitConfig:
     """Walking: footsteps, timing, balance. Defaults fit a humanoid of about 1.3 m and 40 kg."""
 
     single_support: float = param(0.36, above=0, unit="s", doc="Time on one foot.")
-    quickest_step: float = param(0.22, above=0, unit="s", doc="Least time on one foot, for a step that catches a push.")
+    quickest_step: float = param(0.15, above=0, unit="s", doc="Least time on one foot, for a step that catches a push.")
     double_support: float = param(0.06, above=0, unit="s", doc="Time on both feet between steps.")
     first_shift: float = param(0.35, above=0, unit="s", doc="Weight shift before the first step.")
     last_shift: float = param(0.4, above=0, unit="s", doc="Weight shift after the last step.")
@@ -105,10 +105,10 @@ class GaitConfig:
     momentum_limit: float = param(0.08, minimum=0, unit="m", doc="Limit of the angular momentum's ZMP shift.")
     com_slide: float = param(1.0, minimum=0, doc="Leak of the reference to the measured centre of mass [1/s].")
     adjust_forward: float = param(0.25, minimum=0, unit="m", doc="Largest step adjustment forward.")
-    adjust_sideways: float = param(0.20, minimum=0, unit="m", doc="Largest step adjustment sideways.")
+    adjust_sideways: float = param(0.30, minimum=0, unit="m", doc="Largest step adjustment sideways.")
     adjust_until: float = param(0.85, above=0, maximum=1, doc="Share of the swing after which the foothold stays.")
     separation_min: float = param(0.13, above=0, unit="m", doc="Least sideways distance of the feet.")
-    separation_max: float = param(0.42, above=0, unit="m", doc="Largest sideways distance of the feet.")
+    separation_max: float = param(0.48, above=0, unit="m", doc="Largest sideways distance of the feet.")
     touchdown_force: float = param(50.0, above=0, unit="N", doc="Force on the swing foot that counts as contact.")
     touchdown_after: float = param(0.75, above=0, maximum=1, doc="Share of the swing after which contact counts.")
     arm_swing: float = param(

@@ -6,16 +6,20 @@ time T of the next foothold shall leave the DCM where it was meant to be, seen f
     minimise (u - u_plan)^2 + a (tau - tau_plan)^2 + b (p + (xi - p) tau - u - offset)^2,  tau = exp(omega T),
 
 within bounds on u and tau (Khadiv, Herzog, Moosavian, Righetti, "Walking control based on step timing adaptation",
-IEEE T-RO 36(3), 2020). For a given tau the best u is known, so this is one convex function of tau.
+IEEE T-RO 36(3), 2020). What the foot can reach until then bounds u, too: a step that must be quick is a short one.
+For a given tau the best u is known, which leaves one function of tau.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 _TIMING_COST = 0.01  # a [m^2]
 _OFFSET_COST = 100.0  # b: a wrong offset is what makes a robot fall
+_GOLDEN = 0.618
+_ROUNDS = 7  # that narrow the time down to a thirtieth
 
 
 @dataclass(slots=True)
@@ -28,6 +32,7 @@ class Axis:
         planned: foothold [m].
         offset: where the DCM is to be then, seen from the foothold [m].
         least, most: bounds of the foothold [m].
+        foot: where the foot is now [m].
     """
 
     pressure: float
@@ -36,41 +41,49 @@ class Axis:
     offset: float
     least: float
     most: float
+    foot: float
 
-    def place(self, tau: float) -> float:
-        """Return the best foothold [m] for a time."""
+    def place(self, tau: float, reach: float) -> float:
+        """Return the best foothold [m] for a time, in which the foot gets so far [m]."""
         wanted = self.pressure + self.dcm * tau - self.offset
         best = (self.planned + _OFFSET_COST * wanted) / (1 + _OFFSET_COST)
-        return min(max(best, self.least), self.most)
+        near = min(max(best, self.foot - reach), self.foot + reach)
+        return min(max(near, self.least), self.most)
 
-    def slope(self, tau: float) -> float:
-        """Return half the derivative of the cost by tau, with the best foothold for each tau."""
-        return _OFFSET_COST * self.dcm * (self.pressure + self.dcm * tau - self.offset - self.place(tau))
-
-    def bends(self) -> list[float]:
-        """Return where the slope bends: the tau beyond which a bound holds the foothold."""
-        if abs(self.dcm) < 1e-6:
-            return []
-        rest = self.offset - self.pressure
-        ends = (((1 + _OFFSET_COST) * end - self.planned) / _OFFSET_COST for end in (self.least, self.most))
-        return [(end + rest) / self.dcm for end in ends]
+    def cost(self, tau: float, reach: float) -> float:
+        """Return what the best foothold for a time costs."""
+        place = self.place(tau, reach)
+        missed = self.pressure + self.dcm * tau - self.offset - place
+        return (place - self.planned) ** 2 + _OFFSET_COST * missed * missed
 
 
-def best_time(axes: Sequence[Axis], planned: float, least: float, most: float) -> float:
-    """Return the best tau in its bounds: the zero of a slope that grows, and is straight from bend to bend."""
+def best_time(axes: Sequence[Axis], planned: float, least: float, most: float, *, omega: float, speed: float) -> float:
+    """Return the best tau in its bounds.
 
-    def slope(tau: float) -> float:
-        return _TIMING_COST * (tau - planned) + sum(axis.slope(tau) for axis in axes)
+    Args:
+        axes: both directions.
+        planned: tau of the plan.
+        least, most: bounds of tau.
+        omega: of the DCM [1/s].
+        speed: of the foot on its way, on average [m/s].
+    """
 
-    if slope(most) <= 0:  # as planned
+    def cost(tau: float) -> float:
+        reach = speed * math.log(tau) / omega
+        return _TIMING_COST * (tau - planned) ** 2 + sum(axis.cost(tau, reach) for axis in axes)
+
+    if most - least < 1e-6 or cost(most) <= cost(most - 1e-3 * (most - least)):  # as planned
         return most
-    low, low_slope = least, slope(least)
-    if low_slope >= 0:
-        return least
-    bends = sorted(bend for axis in axes for bend in axis.bends() if least < bend < most)
-    for high in (*bends, most):
-        high_slope = slope(high)
-        if high_slope > 0:
-            return low - low_slope * (high - low) / (high_slope - low_slope)
-        low, low_slope = high, high_slope
-    return most
+    low, high = least, most
+    inner, outer = high - _GOLDEN * (high - low), low + _GOLDEN * (high - low)
+    inner_cost, outer_cost = cost(inner), cost(outer)
+    for _ in range(_ROUNDS):
+        if inner_cost < outer_cost:
+            high, outer, outer_cost = outer, inner, inner_cost
+            inner = high - _GOLDEN * (high - low)
+            inner_cost = cost(inner)
+        else:
+            low, inner, inner_cost = inner, outer, outer_cost
+            outer = low + _GOLDEN * (high - low)
+            outer_cost = cost(outer)
+    return min((least, inner, outer), key=cost)

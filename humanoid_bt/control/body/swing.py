@@ -21,9 +21,8 @@ _LIFT_EARLY = 0.7  # power of the share: it goes up quickly and comes down slowl
 _LAND_DEPTH = 0.004  # m below the ground that it aims at, so that it does land
 _ADJUST_TIME = 0.03  # s, low-pass of the adjustment
 _ANKLE_SHARE = 0.5  # of the DCM error that the ankle can still take out
-_HURRY_MAX = 2.0  # how much faster than planned a step may go
-_HURRY_SPEED = 2.5  # m/s of a foot that hurries, at most
-_PEAK = 1.875  # of the mean speed of a minimum-jerk path
+_HURRY_MAX = 2.5  # how much faster than planned a step may go
+_HURRY_SPEED = 1.33  # m/s of a foot that hurries, on average: a minimum-jerk path's peak is 1.875 of it
 REACH_FORWARD = (-0.35, 0.45)
 """Of a foothold, seen from the support foot [m]."""
 
@@ -98,26 +97,27 @@ class Swing:
         """Move the foothold, and hurry, by where the DCM would be at touchdown."""
         planned_tau = math.exp(self._omega * remaining)
         axes = self._axes(planned_tau, seen_from(self._support, dcm), seen_from(self._support, zmp))
-        way = math.dist(self.target[:2].tolist(), self._start[:2].tolist())
-        least = max(self._gait.quickest_step, _PEAK * way / _HURRY_SPEED)
-        soonest = max(least - self._flown, remaining / _HURRY_MAX)
-        tau = best_time(axes, planned_tau, math.exp(self._omega * min(soonest, remaining)), planned_tau)
+        soonest = min(max(self._gait.quickest_step - self._flown, remaining / _HURRY_MAX), remaining)
+        tau = best_time(
+            axes, planned_tau, math.exp(self._omega * soonest), planned_tau, omega=self._omega, speed=_HURRY_SPEED
+        )
         self.rate = remaining * self._omega / max(math.log(tau), 1e-6)
-        follow = min(1.0, self._dt / _ADJUST_TIME)
+        follow, reach = min(1.0, self._dt / _ADJUST_TIME), _HURRY_SPEED * math.log(tau) / self._omega
         for i, axis in enumerate(axes):
-            self._place[i] += follow * (axis.place(tau) - self._place[i])
+            self._place[i] += follow * (axis.place(tau, reach) - self._place[i])
         self.target[:2] = ahead(self._support, *self._place)[:2]
 
     def _axes(self, tau: float, dcm: Array, zmp: Array) -> list[Axis]:
         """Return what decides about the foothold, with all of the DCM's error that the ankle can take out taken out."""
         axes: list[Axis] = []
+        foot = seen_from(self._support, self.pose)
         for i, (least, most) in enumerate(self._bounds):
             here, stands_on, end = dcm.item(i), zmp.item(i), self._dcm_end.item(i)
             error = (here - stands_on) * tau + stands_on - end
             ankle = min(max(error / max(tau - 1, 1e-6), -self._ankle[i]), self._ankle[i])
             pressure = stands_on + ankle
             planned = self._planned.item(i)
-            axes.append(Axis(pressure, here - pressure, planned, end - planned, least, most))
+            axes.append(Axis(pressure, here - pressure, planned, end - planned, least, most, foot.item(i)))
         return axes
 
     def _reach(self, gait: GaitConfig) -> list[tuple[float, float]]:

@@ -24,6 +24,7 @@ _GROUND_TIME = 0.15  # s in which the body follows the ground
 _STEEPEST = 0.2  # rad
 _SINK_SPEED = 0.4  # m/s at which a foot is lowered that has not found the ground where it was to be
 _ELSEWHERE = 0.05  # m from where it was planned, of a foothold that caught a push
+_CAUGHT_SHIFT = 0.03  # s of weight shift after it: the DCM runs on
 _WAIT_FROM = 0.02  # m that the DCM is too near to the foot that is to swing
 _WAIT_MOST = 0.3  # s
 _ASTRAY, _TURNED = 0.05, 0.3  # m and rad that a foot may have slipped from its place beside the other one
@@ -201,7 +202,7 @@ class Walker:
         self.swing, self._found[side] = None, 0
         if elsewhere or not self._ends:
             early = max(0.0, self._double + self._single - self._elapsed) * self._dt  # the DCM is where it is
-            shift = self._numbers.double_support + early
+            shift = _CAUGHT_SHIFT if elsewhere else self._numbers.double_support + early
             self._start_step(OTHER[side], goal, self.zmp_reference, shift, in_place=elsewhere)
             return
         middle = self.stance[:2]

@@ -206,7 +206,8 @@ def test_a_push_beyond_the_feet_makes_a_standing_robot_step(
     ideal: Ideal, error: list[float], steps: bool, side: str
 ) -> None:
     ideal.go(0.5)
-    ideal.go(DT, error=np.array(error))
+    leans = 200.0 + 1000.0 * error[1]  # on the left foot: it carries more when it is pushed to the left
+    ideal.go(DT, error=np.array(error), force={"left": leans, "right": 400.0 - leans})
     assert (ideal.walker.gait is Gait.STEP) is steps
     if side:
         assert ideal.walker.footsteps[0].side == side
