@@ -29,7 +29,7 @@ from humanoid_bt.core.messages import (
     State,
 )
 from humanoid_bt.core.palm import in_world, other_side, turn_left
-from humanoid_bt.plant.interface import Plant
+from humanoid_bt.plant.interface import SILENT_AFTER, Plant
 from humanoid_bt.robot.arms import arms_of
 from humanoid_bt.robot.model import BASE_COORDINATES, BASE_DOFS, RobotModel
 
@@ -97,7 +97,7 @@ class Controller:
         """Run one servo cycle."""
         supervisor, estimator, log = self.supervisor, self.estimator, self.log
         estimate = estimator.estimate
-        supervisor.check(self.cycle, estimate, self._setpoint_fault, estimator.watch.fault)
+        supervisor.check(self.cycle, estimate, self._setpoint_fault, estimator.watch.fault, self._plant.fault)
         if log is not None:
             log.begin(self.cycle + 1, supervisor, self.servo, self.body)
         if supervisor.mode is Mode.DAMP:
@@ -112,8 +112,11 @@ class Controller:
         self.cycle += 1
         reading = self._reading if log is None else log.measured
         self._plant.measure(reading)
-        estimator.take(reading)
-        if self.cycle == self._next_plan or estimator.heard >= self._whole_body_period:
+        if reading.age > SILENT_AFTER:
+            estimator.miss(reading)
+        else:
+            estimator.take(reading)
+        if estimator.heard and (self.cycle == self._next_plan or estimator.heard >= self._whole_body_period):
             estimator.update(reading, self.servo.setpoint)
             self._feel()
         if log is not None:

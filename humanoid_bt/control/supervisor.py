@@ -203,7 +203,14 @@ class Supervisor:
         if self.touch.blocked:
             self.raise_estop("supervisor", self.touch.blocked)
 
-    def check(self, cycle: int, estimate: Estimate, setpoint_fault: str = "", sensor_fault: str = "") -> None:
+    def check(
+        self,
+        cycle: int,
+        estimate: Estimate,
+        setpoint_fault: str = "",
+        sensor_fault: str = "",
+        plant_fault: str = "",
+    ) -> None:
         """Look at everything in the order of precedence and set the mode.
 
         Args:
@@ -211,6 +218,7 @@ class Supervisor:
             estimate: what is believed of the robot.
             setpoint_fault: why there is no new valid setpoint, else "".
             sensor_fault: which sensor has failed, else "".
+            plant_fault: why the plant cannot be relied on, else "".
         """
         self._cycle = cycle
         if setpoint_fault and not self._faulty_cycles:
@@ -223,7 +231,8 @@ class Supervisor:
         elif self._estop is not None:
             self._stop(Mode.EMERGENCY_STOP, self._estop[1], self._estop[0])
         elif self.mode in (*_COMMANDED, Mode.PROTECTIVE_STOP):
-            cause = self._protective_cause(setpoint_fault, sensor_fault)
+            plant = (plant_fault, "supervisor") if plant_fault else None
+            cause = plant or self._protective_cause(setpoint_fault, sensor_fault)
             if cause:
                 self._stop(Mode.PROTECTIVE_STOP, *cause)
             elif self.command is not None and (pause := self.command.pause) is not None:

@@ -234,6 +234,8 @@ class Reading:
 
     Attributes:
         time: engine time at which it arrived [s].
+        age: how long it was under way and has been there since [s], beside the delay of the sensors themselves; 0 where
+            there is no cable.
         values: all of it.
         imu: the next two, shape (6,).
         accelerometer: specific force at the base, base frame, shape (3,) [m/s^2]; at rest 9.81 upward.
@@ -246,6 +248,7 @@ class Reading:
 
     __slots__ = (
         "accelerometer",
+        "age",
         "foot_force",
         "gyro",
         "imu",
@@ -258,7 +261,7 @@ class Reading:
     )
 
     def __init__(self, joints: int, values: Array | None = None) -> None:
-        self.time = 0.0
+        self.time = self.age = 0.0
         self.values = values = np.zeros(READING_SIZE + 3 * joints) if values is None else values
         self.foot_force, self.orientation, self.joint_position = values[:2], values[2:6], values[6 : 6 + joints]
         rates = values[6 + joints :]

@@ -32,7 +32,10 @@ class MujocoPlant:
         time: engine time [s].
         external_force_max: largest external force or torque there ever was on any body [N, Nm].
         touches: what of the scene the robot has touched since :meth:`place`, besides the floor.
+        fault: "", always: it is here.
     """
+
+    fault = ""
 
     def __init__(self, robot: RobotModel, scene: Scene) -> None:
         self.robot = robot

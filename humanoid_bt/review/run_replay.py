@@ -106,10 +106,16 @@ class _Outside:
         self._inputs, self._estops = deque(run.inputs), deque(run.estops)
         check = self._supervisor.check
 
-        def raised_again(cycle: int, estimate: Estimate, setpoint_fault: str = "", sensor_fault: str = "") -> None:
+        def raised_again(
+            cycle: int,
+            estimate: Estimate,
+            setpoint_fault: str = "",
+            sensor_fault: str = "",
+            plant_fault: str = "",
+        ) -> None:
             if self._estops and self._estops[0][0] <= cycle:
                 self._supervisor.raise_estop(*self._estops.popleft()[1:])
-            check(cycle, estimate, setpoint_fault, sensor_fault)
+            check(cycle, estimate, setpoint_fault, sensor_fault, plant_fault)
 
         self._supervisor.check = raised_again  # type: ignore[method-assign]  # what nobody in this process raises
 

@@ -73,6 +73,7 @@ class Estimator:
         self._imu: Array = np.zeros(6)
         self._torque: Array = np.zeros(joints)
         self.heard = self._since = self._turn = 0
+        self._missed = False  # readings were, since the last update
         self._rate: Array = np.zeros(3)  # of the base, where the gyroscope does not say it
         self._said: Array | None = None  # the orientation at the last update without a gyroscope, shape (4,)
         self._upright = _STEADY  # s
@@ -111,6 +112,7 @@ class Estimator:
         self._upright = _STEADY  # s
         self._still = self._lost = 0.0
         self._since = self._turn = 0
+        self._missed = False
         self._correct()
         self._dated(reading.time)
 
@@ -119,6 +121,12 @@ class Estimator:
         self._imu += reading.imu
         self._torque += reading.joint_torque
         self.heard += 1
+
+    def miss(self, reading: Reading) -> None:
+        """Hear nothing in a servo cycle, for the reading is too old: what was believed last is all there is."""
+        self._clear()
+        self._missed = True
+        self._dated(reading.time)
 
     def update(self, reading: Reading, setpoint: Array) -> Estimate:
         """Return what is believed now, with everything that was heard since the last time.
@@ -132,7 +140,11 @@ class Estimator:
         heard, qvel = self.heard, estimate.qvel
         time = heard * SERVO_PERIOD
         imu = self._imu / heard
-        watch.look(reading, imu, self._upright >= _STEADY)
+        if self._missed:
+            watch.resume(reading)  # nothing jumped: much may have happened meanwhile
+            self._missed = False
+        else:
+            watch.look(reading, imu, self._upright >= _STEADY)
         doubtful = bool(watch.failed) or not math.isfinite(sum(imu.tolist()))
         if doubtful:
             self._without_imu(reading, imu, time)

@@ -80,6 +80,11 @@ class SensorWatch:
         self.failed.clear()
         self.fault = ""
 
+    def resume(self, reading: Reading) -> None:
+        """Go on after readings were missed: this one is compared with the next."""
+        self._before.values[:] = reading.values
+        self._compare_from(reading)
+
     def look(self, reading: Reading, imu: Array, upright: bool) -> None:
         """Judge a reading, of those that are 5 ms apart.
 

@@ -82,6 +82,8 @@ def test_a_robot_that_lies_does_not_drift_away(rig: ControlRig) -> None:
 class Played:
     """A plant that is none: the same readings as before, whatever is commanded."""
 
+    fault = ""
+
     def __init__(self, readings: list[np.ndarray]) -> None:
         self._readings, self._next, self.commands = readings, 0, []
 

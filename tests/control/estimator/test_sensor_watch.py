@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from humanoid_bt.core.messages import BaseTarget, Mode
+from humanoid_bt.core.messages import BaseTarget, Mode, Reading
 from humanoid_bt.robot.model import RobotModel
 from tests.control.control_rig import ControlRig
 
@@ -56,3 +56,31 @@ def test_sensors_that_work_are_believed(rig: ControlRig, robot: RobotModel) -> N
     rig.run(2.5, WALK)
     assert rig.controller.estimator.watch.fault == ""
     assert rig.state.mode is Mode.RUN
+
+
+def test_what_happened_while_a_plant_was_silent_is_no_failed_sensor(
+    rig: ControlRig, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Old readings are not judged at all, and the first new one is compared with none: a limb may have gone far."""
+    rig.run(0.5, {})
+    measure, offset, age = rig.plant.measure, 0.0, 0.0
+
+    def late(into: Reading | None = None) -> Reading:
+        reading = measure(into)
+        reading.joint_position[-1] += offset
+        reading.age = age
+        return reading
+
+    monkeypatch.setattr(rig.plant, "measure", late)
+    position, time = rig.state.base_position, rig.state.time
+    age = 0.021
+    rig.run(0.2, {})
+    assert rig.controller.estimator.watch.fault == ""
+    assert np.array_equal(rig.state.base_position, position)
+    assert rig.state.time == pytest.approx(time + 0.2)
+    offset, age = 0.5, 0.0
+    rig.run(0.2, {})
+    assert rig.controller.estimator.watch.fault == ""
+    offset = 1.0
+    rig.run(0.2, {})
+    assert "jumped" in rig.controller.estimator.watch.fault
