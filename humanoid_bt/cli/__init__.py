@@ -82,6 +82,7 @@ _COMMANDS = {
     "estop": "estop",
     "reset": "remote",
     "status": "remote",
+    "plant": "plant",
     "recordings": "recordings",
     "keep": "recordings",
 }

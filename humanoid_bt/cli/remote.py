@@ -97,6 +97,7 @@ def _described(found: RunStatus) -> str:
     if timing := found.timing:
         late = f"late p50 {timing['late_p50']:.0f} us, p99 {timing['late_p99']:.0f} us, max {timing['late_max']:.0f} us"
         rows += [("servo", f"{timing['cycles']} cycles, {timing['missed']} deadlines missed"), ("", late)]
+        rows += [("cable", timing["cable"])]
     if found.estop is not None and found.mode not in STOPPED:
         rows.insert(4, ("e-stop", f"raised: {found.estop['reason']} ({found.estop['source']})"))
     rows += _table("leases", [f"{resource}: {node}" for resource, node in found.leases.items()])

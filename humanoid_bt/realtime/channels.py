@@ -19,7 +19,7 @@ from humanoid_bt.realtime.timing import STOP_ROOM
 if TYPE_CHECKING:
     from humanoid_bt.robot.config import Walk
 
-_ESTOP, _LEFT, _MISTAKES = "estop", "left", "mistakes.json"
+_ESTOP, _LEFT, _MISTAKES, _LOST, _REAL = "estop", "left", "mistakes.json", "lost", "real"
 _SIZES: dict[str, tuple[int, int]] = {  # ring -> (bytes in a slot, slots)
     "command": (16384, 8),  # decision -> control
     "request": (4096, 8),  # decision -> control: a stop, with source and reason
@@ -53,6 +53,8 @@ class RunSpec:
         body: what walks and balances.
         perception: the percept sources as they are written; None for the simulated tracker.
         workspace: folder in which they are found.
+        plant: where the plant is, if it is in another process: ``udp://HOST:PORT``; "" for the simulated one.
+        key: file with the key for frames to it; "" for none.
     """
 
     robot: str
@@ -65,6 +67,8 @@ class RunSpec:
     body: Walk = "dcm"
     perception: Any = None
     workspace: str = ""
+    plant: str = ""
+    key: str = ""
 
     def write(self, folder: RunFolder) -> None:
         """Leave it in the run's folder."""
@@ -131,19 +135,43 @@ def leave(folder: RunFolder) -> None:
 
 
 def leave_mistakes(folder: RunFolder, error: UserError) -> None:
-    """Note what keeps perception from beginning, for decision, which reads it when perception has ended."""
+    """Note what keeps a process from beginning, for decision, which reads it when that has ended."""
     lines = [[problem.message, problem.hint, problem.code] for problem in error.problems]
     with suppress(OSError):
         folder.path(_MISTAKES).write_text(json.dumps(lines), encoding="utf-8")
 
 
 def left_mistakes(folder: RunFolder) -> list[Problem]:
-    """Return what kept perception from beginning."""
+    """Return what kept a process from beginning."""
     try:
         lines = json.loads(folder.path(_MISTAKES).read_text(encoding="utf-8"))
     except (OSError, ValueError):
         return []
     return [Problem(message, None, hint, code) for message, hint, code in lines]
+
+
+def note_lost(folder: RunFolder, why: str) -> None:
+    """Note why control cannot go on, for decision, which reads it when control has ended."""
+    with suppress(OSError):
+        folder.path(_LOST).write_text(why, encoding="utf-8")
+
+
+def why_lost(folder: RunFolder) -> str:
+    """Return why control could not go on, "" if it did not say so."""
+    try:
+        return folder.path(_LOST).read_text(encoding="utf-8")
+    except OSError:
+        return ""
+
+
+def note_real(folder: RunFolder) -> None:
+    """Note that nobody knows where the robot really is: it is no simulation. Before its first state is told."""
+    folder.path(_REAL).touch(mode=0o600)
+
+
+def is_real(folder: RunFolder) -> bool:
+    """Return whether the robot is no simulation."""
+    return folder.path(_REAL).exists()
 
 
 def has_left(folder: RunFolder) -> bool:

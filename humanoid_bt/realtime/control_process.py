@@ -12,7 +12,7 @@ import sys
 import time
 from collections.abc import Iterable
 from contextlib import suppress
-from dataclasses import asdict
+from dataclasses import replace
 from pathlib import Path
 from types import FrameType
 
@@ -35,10 +35,10 @@ from humanoid_bt.link.wire import (
     encode_truth,
 )
 from humanoid_bt.link.wire.event import Level
-from humanoid_bt.plant.mujoco_plant import MujocoPlant
 from humanoid_bt.plant.scene import Scene, load_scene
 from humanoid_bt.realtime import channels
 from humanoid_bt.realtime.channels import ABANDONED, RunSpec
+from humanoid_bt.realtime.driven_plant import CablePlant, DrivenPlant, Simulation
 from humanoid_bt.realtime.estop_follower import EStopFollower
 from humanoid_bt.realtime.schedule import Schedule, claim
 from humanoid_bt.realtime.timing import StopRecord, Stopwatch, Wake
@@ -61,9 +61,15 @@ class ControlProcess:
         self._folder = folder
         self._spec = spec = RunSpec.read(folder)
         robot, start = load_robot(Path(spec.robot), spec.body)
-        self._plant = MujocoPlant(robot, Scene(load_scene(Path(spec.scene)), spec.seed))
-        self._plant.place(start)
-        self._controller = Controller(robot, self._plant, self._plant.scene.start_pose)
+        scene = Scene(load_scene(Path(spec.scene)), spec.seed)
+        self._plant: DrivenPlant = (
+            CablePlant(robot, scene, spec.plant, Path(spec.key) if spec.key else None)
+            if spec.plant
+            else Simulation(robot, start, scene)
+        )
+        if not self._plant.simulated:
+            channels.note_real(folder)
+        self._controller = Controller(robot, self._plant, scene.start_pose)
         tables = channels.cycle_tables(folder)
         if all(table.exists() for table in tables):
             plans, servo_cycles = map(TableWriter.open, tables)
@@ -79,7 +85,7 @@ class ControlProcess:
         self._estop = EStopFollower(channels.estop(folder), self._controller.supervisor, self._tell)
         self._quit = channels.quit_flag(folder)
         self._command_sequence = self._request_sequence = 0
-        self._told_stops = self._told_touches = 0
+        self._told_stops = 0
         self._orphaned_at: int | None = None
         self._hold = cycles(spec.hold)
         self._terminated = False
@@ -106,8 +112,7 @@ class ControlProcess:
                 self._tell("warning", f"control stalled for {skipped} ms")
             self._listen()
             if controller.cycle % self._object_phase == 0:
-                self._plant.move_objects()
-                self._plant.touches.targets = controller.supervisor.targets
+                self._plant.surround(controller.supervisor.targets)
             controller.run_cycle()
             self._after_cycle(stopwatch)
             busy = time.monotonic_ns() - began
@@ -134,6 +139,11 @@ class ControlProcess:
                 except WireError as error:
                     supervisor.rejected.append(f"command: {error}")
 
+    @property
+    def _time(self) -> float:
+        """Engine time [s]."""
+        return self._controller.cycle * SERVO_PERIOD
+
     def _on_terminate(self, _number: int, _frame: FrameType | None) -> None:
         self._terminated = True
 
@@ -156,16 +166,14 @@ class ControlProcess:
             for text in supervisor.rejected:
                 self._refusals.write(text.encode(errors="backslashreplace")[:1000])
             supervisor.rejected.clear()
-        if cycle % self._object_phase == 1:
-            self._truths.write(encode_truth(self._plant.truth()))
-        touches = self._plant.touches.all
-        for touch in touches[self._told_touches :]:
-            self._tell("info", touch.text)
-        self._told_touches = len(touches)
+        if cycle % self._object_phase == 1 and (truth := self._plant.truth()) is not None:
+            self._truths.write(encode_truth(truth))
+        for level, text in self._plant.take_news():
+            self._tell(level, text)
         for text in mujoco_warnings.taken():
             self._tell("warning", text)
         if cycle % _TIMING_PERIOD == 3:
-            self._timings.write(stopwatch.timing.to_bytes())
+            self._write_timing(stopwatch)
         lives = self._orphaned_at is None and self._leaving_since is None
         if cycle % _PARENT_PERIOD == 4 and lives and self._is_orphan():
             self._orphaned_at = cycle
@@ -181,14 +189,17 @@ class ControlProcess:
     def _publish(self) -> None:
         self._states.write(encode_state(self._controller.state()))
 
+    def _write_timing(self, stopwatch: Stopwatch) -> None:
+        self._timings.write(replace(stopwatch.timing, cable=self._plant.cable).to_bytes())
+
     def _tell(self, level: Level, text: str) -> None:
-        self._notices.write(encode_event(Event(self._plant.time, level, text)))
+        self._notices.write(encode_event(Event(self._time, level, text)))
         self._log(level, text)
 
     def _log(self, kind: str, text: str, **more: object) -> None:
         """Note it in the file that stays. A full disk must not stop the servo."""
         if self._spec.log:
-            line = json.dumps({"time": round(self._plant.time, 3), "kind": kind, "text": text, **more})
+            line = json.dumps({"time": round(self._time, 3), "kind": kind, "text": text, **more})
             with suppress(OSError), Path(self._spec.log).open("a", encoding="utf-8") as file:
                 file.write(line + "\n")
 
@@ -198,6 +209,8 @@ class ControlProcess:
         """Return whether control ends now: it is to end, and the robot is at rest, or lies."""
         controller = self._controller
         supervisor, cycle = controller.supervisor, controller.cycle
+        if self._plant.lost:
+            return True
         if self._leaving_since is None:
             why = self._why_leave()
             if not why:
@@ -222,13 +235,14 @@ class ControlProcess:
         return os.getppid() != self._spec.parent
 
     def _close(self, stopwatch: Stopwatch) -> None:
-        self._plant.note_external_force()
         self._publish()
-        self._timings.write(stopwatch.timing.to_bytes())
-        touches = [asdict(touch) for touch in self._plant.touches.all]
-        result = {"external_force_max": self._plant.external_force_max, "touches": touches}
+        self._write_timing(stopwatch)
         with suppress(OSError):  # no room, or the folder is gone
-            self._folder.path("result.json").write_text(json.dumps(result), encoding="utf-8")
+            self._folder.path("result.json").write_text(json.dumps(self._plant.result()), encoding="utf-8")
+        self._plant.close()
+        if self._plant.lost:
+            self._tell("error", f"the plant is lost: {self._plant.fault}")
+            raise ControlLost(f"the plant is lost: {self._plant.fault}")
         if self._orphaned_at is not None:
             self._log("end", "control ended: decision died before")
         elif self._quit.count >= ABANDONED:
@@ -242,7 +256,12 @@ def main() -> int:
     try:
         ControlProcess(folder).run()
     except (UserError, ControlLost) as error:
-        sys.stderr.write(f"error: {error}\n")
+        if isinstance(error, UserError):
+            channels.leave_mistakes(folder, error)
+        else:
+            channels.note_lost(folder, str(error))
+        if os.getppid() != parent:  # else decision tells it
+            sys.stderr.write(f"error: {error}\n")
         return 2
     finally:
         channels.leave(folder)

@@ -64,6 +64,7 @@ class Realtime:
         hold: how long control goes on balancing the robot after decision died [s].
         sources: the percept sources as they are written, None for the simulated tracker; and their workspace.
         publishes: the percepts that they publish; those of the scene if None.
+        plant: where the plant is, if it is in another process, and the file with its key; "" for none.
 
     Attributes:
         clock: the engine's clock.
@@ -86,10 +87,11 @@ class Realtime:
         *,
         sources: tuple[Any, str] = (None, ""),
         publishes: Collection[str] | None = None,
+        plant: tuple[str, str] = ("", ""),
     ) -> None:
         self.robot, self.scene = robot, scene
         self.publishes = list(scene.config.percepts if publishes is None else publishes)
-        self._sources = sources
+        self._sources, self._plant = sources, plant
         self.clock = StateClock()
         self.model: mujoco.MjModel = MujocoPlant(robot, scene).model
         self.supervisor = RemoteSupervisor()
@@ -170,7 +172,7 @@ class Realtime:
                 if how := children.how_ended(known):
                     if self._folder is not None and (mistakes := channels.left_mistakes(self._folder)):
                         raise UserError(mistakes)
-                    raise ControlLost(f"the {known} process ended ({how})")
+                    raise self._lost(known, how)
             if time.monotonic() > deadline:
                 raise HumanoidBtError(f"the {role} process did not start within {_START_TIMEOUT:g} s")
             time.sleep(_POLL)
@@ -187,6 +189,8 @@ class Realtime:
             body=self.robot.config.body.walk,
             perception=plain(self._sources[0]),
             workspace=self._sources[1],
+            plant=self._plant[0],
+            key=self._plant[1],
         )
 
     def abandon(self) -> str:
@@ -323,7 +327,11 @@ class Realtime:
             self._read[name] = entries[-1][0]
         return [payload for _, payload in entries]
 
-    @staticmethod
-    def _check_control(children: Children) -> None:
+    def _check_control(self, children: Children) -> None:
         if how := children.how_ended("control"):
-            raise ControlLost(f"the control process ended ({how})")
+            raise self._lost("control", how)
+
+    def _lost(self, role: str, how: str) -> ControlLost:
+        """Return that nobody controls the robot any more: why control could not go on, or how a process ended."""
+        why = channels.why_lost(self._folder) if self._folder is not None else ""
+        return ControlLost(why or f"the {role} process ended ({how})")

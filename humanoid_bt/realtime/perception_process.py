@@ -9,7 +9,7 @@ from collections import deque
 from pathlib import Path
 
 from humanoid_bt.core.errors import UserError
-from humanoid_bt.core.messages import State
+from humanoid_bt.core.messages import State, Truth
 from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.link.run_folder import RunFolder
 from humanoid_bt.link.wire import Event, Sight, decode_state, decode_truth, encode_event, encode_percepts
@@ -24,6 +24,7 @@ from humanoid_bt.realtime.schedule import Schedule
 from humanoid_bt.robot.config import load_robot_config
 from humanoid_bt.robot.model import RobotModel
 
+_UNSEEN = "the simulated tracker sees no real robot's surroundings: name other percept sources"
 _STATES = 64  # that are kept, to know what control believed at the time of a truth: 0.3 s
 
 
@@ -41,15 +42,19 @@ def run(folder: RunFolder) -> None:
     states, news = channels.reader(folder, "state"), channels.writer(folder, "source")
     quit_flag = channels.quit_flag(folder)
     schedule = Schedule(perception.period, spin=False)
+    real = channels.is_real(folder)
     past: deque[State] = deque(maxlen=_STATES)
     read = 0
     try:
         while not quit_flag.count and os.getppid() == spec.parent:
             schedule.wait()
-            latest = truths.latest()
+            latest = (states if real else truths).latest()
             if latest is None:
                 continue
-            truth = decode_truth(latest[1])
+            if real and spec.perception is None:
+                percepts.write(encode_percepts(Sight([], dict.fromkeys(perception.names, _UNSEEN))))
+                continue
+            truth = _believed(decode_state(latest[1])) if real else decode_truth(latest[1])
             if spec.perception is not None:
                 entries, _ = states.since(read)
                 past.extend(decode_state(payload) for _, payload in entries)
@@ -61,6 +66,18 @@ def run(folder: RunFolder) -> None:
                 news.write(encode_event(Event(truth.time, level, text)))
     finally:
         perception.close()
+
+
+def _believed(state: State) -> Truth:
+    """Return where control believes the robot to be, for sources that look at a real one with eyes of their own."""
+    return Truth(
+        state.time,
+        state.base_position,
+        state.base_quaternion,
+        state.gaze_position,
+        state.gaze_direction,
+        state.joint_positions,
+    )
 
 
 def _perception(spec: RunSpec) -> Perception:

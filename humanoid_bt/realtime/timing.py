@@ -27,6 +27,7 @@ class Timing:
         late_p50, late_p99, late_p999, late_max: lateness of wake-ups [us].
         busy_p50, busy_p99: time from wake-up to the end of the work [us].
         fifo: whether it ran with realtime priority.
+        cable: what the cable to the plant was like, "" without one.
     """
 
     cycles: int = 0
@@ -38,6 +39,7 @@ class Timing:
     busy_p50: float = 0.0
     busy_p99: float = 0.0
     fifo: bool = False
+    cable: str = ""
 
     def to_bytes(self) -> bytes:
         """Return it as JSON."""

@@ -115,6 +115,8 @@ class Ending:
         if timing := engine.timing:
             late = f"{timing.missed} missed, {timing.late_p99:.0f} us late at the 99th percentile"
             self._teller.event("info", f"the servo ran {timing.cycles} cycles: {late}")
+            if timing.cable:
+                self._teller.event("info", f"the cable to the plant: {timing.cable}")
         return end
 
     def _halt(self, end: End) -> End:

@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal, get_args
 
+from humanoid_bt.cable.address import read_address, read_key
 from humanoid_bt.core.errors import Problem, UserError, nearest
 from humanoid_bt.core.sizes import VALID, read_size, shown_size
 from humanoid_bt.core.sources import Sources
@@ -53,6 +54,8 @@ class RunOptions:
         numbered: whether the name of its file gets a number when it is taken, because nobody gave that name.
         mode: lockstep, or realtime with control and perception as processes of their own.
         hold: in realtime mode, how long control balances the robot when decision has died [s].
+        plant: where the plant is, in realtime mode; "" for one that is simulated here.
+        plant_key: file with the key for frames to it; "" for none.
         camera: whether the recording has pictures of the head camera; "auto" where they do not hold up the run.
         watch: swap the tree for an edited one whenever its files change; goes on when the tree has ended.
         view_optional: go on without the native viewer if it cannot be opened.
@@ -74,6 +77,8 @@ class RunOptions:
     numbered: bool = False
     mode: Mode = "lockstep"
     hold: float = HOLD_TIME
+    plant: str = ""
+    plant_key: str = ""
     camera: bool | Literal["auto"] = "auto"
     watch: bool = False
     view_optional: bool = False
@@ -96,6 +101,8 @@ class RunOptions:
         on_estop: Any,
         pace: Any,
         hold: Any,
+        plant: Any,
+        plant_key: Any,
         record: Any,
         record_part_size: Any,
         view: Any,
@@ -115,6 +122,7 @@ class RunOptions:
         judge.choice("watch", watch, (False, True))
         judge.choice("view", view, (False, True, "auto"))
         judge.choice("camera", camera, (False, True, "auto"))
+        where, key = judge.plant(plant, plant_key, mode)
         speed = judge.number("pace", pace, limits.POSITIVE)
         if speed and mode == "realtime":
             judge.note("'pace' does not go with the mode realtime", "realtime runs on the wall clock")
@@ -144,6 +152,8 @@ class RunOptions:
             numbered=record is True,
             mode=mode,
             hold=judge.number("hold", hold, limits.POSITIVE, needed=True) or HOLD_TIME,
+            plant=where,
+            plant_key=key,
             camera=camera,
             watch=watch,
             view_optional=view == "auto",
@@ -229,6 +239,23 @@ class _Judge:
     def choice(self, argument: str, value: Any, valid: tuple[Any, ...]) -> None:
         if not any(type(value) is type(known) and value == known for known in valid):
             self.note(f"{argument!r} cannot be {value!r}", nearest(str(value), map(str, valid)))
+
+    def plant(self, plant: Any, key: Any, mode: Any) -> tuple[str, str]:
+        """Judge where a plant is, and the file with its key, before anything is started; return both, "" for none."""
+        if plant is None:
+            if key is not None:
+                self.note("'plant_key' is that of a plant in another process", "give 'plant' too")
+            return "", ""
+        if mode != "realtime":
+            self.note("'plant' does not go with the mode lockstep", "valid: mode='realtime'")
+        where = self._path("plant", plant, "an address")
+        file = None if key is None else Path(self._path("plant_key", key, "a file")).absolute()
+        try:
+            if where:
+                read_key(read_address(where), file)
+        except UserError as error:
+            self.problems += error.problems
+        return where, "" if file is None else str(file)
 
     def size(self, argument: str, value: Any) -> int:
         size = read_size(value) if isinstance(value, str) else value

@@ -57,6 +57,8 @@ class Session(Debugging):
             ``duration`` is without end by default, and ends elsewhere. A fall always ends it.
         pace: simulated seconds per second; if None 1 where somebody watches, else as fast as it can.
         hold: in realtime mode, how long control balances the robot when this process has died [s].
+        plant: where the robot is, in realtime mode, if it is not simulated here: "udp://HOST:PORT".
+        plant_key: file with the key that the plant has too; needed where its address is not this machine's own.
         record: the file of the recording; True for ``runs/TREE-DATE-TIME.rrd``, False for none.
         record_part_size: size from which on the recording goes on in another file, in bytes or as "500 MB".
         view: open the viewer on this machine's display; "auto" if there is one.
@@ -87,6 +89,8 @@ class Session(Debugging):
         on_estop: OnEStop | None = None,
         pace: float | None = None,
         hold: float = HOLD_TIME,
+        plant: str | None = None,
+        plant_key: str | PathLike[str] | None = None,
         record: bool | str | PathLike[str] = False,
         record_part_size: int | str = PART_SIZE,
         view: bool | Literal["auto"] = False,
@@ -111,6 +115,8 @@ class Session(Debugging):
             on_estop=on_estop,
             pace=pace,
             hold=hold,
+            plant=plant,
+            plant_key=plant_key,
             record=record,
             record_part_size=record_part_size,
             view=view,

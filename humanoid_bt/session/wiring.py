@@ -37,5 +37,6 @@ def new_engine(
     if options.mode == "realtime":
         written = (sources.written if sources else None, str(workspace.root))
         names = [name for one in chosen for name in one.names]
-        return Realtime(robot, scene, tree, options.hold, sources=written, publishes=names)
+        plant = options.plant, options.plant_key
+        return Realtime(robot, scene, tree, options.hold, sources=written, publishes=names, plant=plant)
     return Lockstep(robot, start, scene, new_perception(chosen, robot, scene, waits=True))

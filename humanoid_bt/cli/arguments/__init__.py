@@ -17,6 +17,7 @@ from humanoid_bt.cli.arguments.init import add_init
 from humanoid_bt.cli.arguments.lists import add_lists, add_robots
 from humanoid_bt.cli.arguments.params import add_params
 from humanoid_bt.cli.arguments.parsing import EXIT_CODES, Commands, Parser
+from humanoid_bt.cli.arguments.plant import add_plant
 from humanoid_bt.cli.arguments.recordings import add_keep, add_recordings
 from humanoid_bt.cli.arguments.remote import add_estop, add_reset, add_status
 from humanoid_bt.cli.arguments.replay import add_replay
@@ -31,7 +32,7 @@ _COMMANDS = (
     *(add_coverage, add_campaign),
     *(add_explain, add_replay, add_diff, add_params, add_export),
     *(add_recordings, add_keep),
-    *(add_estop, add_reset, add_status),
+    *(add_plant, add_estop, add_reset, add_status),
     add_bench,
 )
 """What declares each command, in the order of the help."""

@@ -16,6 +16,7 @@ examples:
   humanoid-bt run fetch --params runs/fetch-20260101-120000.rrd    as then
   humanoid-bt run fetch --scene random_target --seed 7
   humanoid-bt run fetch --perception color_blob      see with the head camera
+  humanoid-bt run fetch --plant udp://127.0.0.1:4747    on a robot in another process
   humanoid-bt run trees/mine.yaml --serve   watch it in a browser
   humanoid-bt run trees/mine.yaml --watch   edit it while it runs
   humanoid-bt run fetch --break reach       pause when it reaches; c continues, n is one tick
@@ -90,10 +91,20 @@ def add_run(commands: Commands) -> None:
     run.add_argument(
         "--mode",
         choices=["lockstep", "realtime"],
-        default="lockstep",
         metavar="M",
         help="lockstep (default): all loops in step on simulated time, deterministic; "
-        "realtime: control, decision and perception as processes on the wall clock",
+        "realtime (default with --plant): control, decision and perception as processes on the wall clock",
+    )
+    run.add_argument(
+        "--plant",
+        metavar="ADDRESS",
+        help="drive the robot that is served at udp://HOST:PORT, as by 'humanoid-bt plant', instead of simulating one",
+    )
+    run.add_argument(
+        "--key",
+        type=Path,
+        metavar="FILE",
+        help="key that the plant has too; needed where its address is not this machine's own",
     )
     run.add_argument(
         "--pace",
