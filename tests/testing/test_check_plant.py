@@ -1,0 +1,112 @@
+"""The conformance test of plants: the served simulation keeps every rule, and each broken one is found."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from humanoid_bt.cable import server, watchdog
+from humanoid_bt.cable.cables import Cable
+from humanoid_bt.cable.impairment import Impairment
+from humanoid_bt.cable.lockstep import PLANT, LockstepPlant
+from humanoid_bt.cable.order import Order
+from humanoid_bt.cable.payloads import Description, Hello
+from humanoid_bt.control.body.standing import load_robot
+from humanoid_bt.core.messages import JointCommand
+from humanoid_bt.files.workspace import Workspace, builtin_root
+from humanoid_bt.plant.mujoco_plant import MujocoPlant
+from humanoid_bt.plant.scene import Scene, load_scene
+from humanoid_bt.realtime.served_simulation import ServedSimulation
+from humanoid_bt.testing.check_plant import PlantCheck, check_cabled_plant
+from tests.cable.cabled import LOSSY, PERFECT
+
+WORKSPACE = Workspace(builtin_root())
+ROBOT = Path(WORKSPACE.find_robot("humanoid"))
+
+
+@pytest.fixture
+def checked() -> Callable[..., PlantCheck]:
+    def check(impairment: Impairment = PERFECT, key: bytes | None = None) -> PlantCheck:
+        robot, start = load_robot(ROBOT)
+        served = ServedSimulation(robot, start, Scene(load_scene(WORKSPACE.find_scene("empty")), 0))
+        cabled = LockstepPlant(served, Hello("humanoid", tuple(robot.joint_names)), impairment, key=key)
+        cabled.remote.close()
+        ports = iter(range(1, 100))
+
+        def cable() -> Cable:
+            return cabled.network.cable(PLANT._replace(port=next(ports)))
+
+        def wait() -> float:
+            cabled.pass_time()
+            return cabled.now() * 1e-9
+
+        return check_cabled_plant(ROBOT, PLANT, cable, wait, key)
+
+    return check
+
+
+@pytest.mark.parametrize(("impairment", "key"), [(PERFECT, None), (LOSSY, b"k" * 32)])
+def test_the_served_simulation_keeps_every_rule(
+    checked: Callable[..., PlantCheck], impairment: Impairment, key: bytes | None
+) -> None:
+    check = checked(impairment, key)
+    check.assert_passed()
+    assert len(check.rules) == 11
+
+
+def never(*_: object) -> str:
+    return ""
+
+
+BROKEN: dict[str, Callable[[pytest.MonkeyPatch], None]] = {
+    "refuses": lambda patch: patch.setattr(Description, "mismatch", never),
+    "watchdog": lambda patch: patch.setattr(watchdog.PlantWatchdog, "be_safe", never),
+    "order": lambda patch: patch.setattr(Order, "fault", never),
+    "lets go": lambda patch: patch.setattr(watchdog.PlantWatchdog, "lost", False),
+    "malformed": lambda patch: patch.setattr(server, "unpack_command", _anything),
+    "limits": lambda patch: patch.setattr(MujocoPlant, "set_strength", _strong),
+}
+
+
+def _anything(payload: bytes, joints: int) -> JointCommand:
+    rows = np.resize(np.frombuffer(payload[: len(payload) // 8 * 8]), (5, joints))
+    return JointCommand(*np.abs(np.nan_to_num(rows)))
+
+
+def _strong(plant: MujocoPlant, _: np.ndarray) -> None:
+    plant.model.actuator_forcerange[:] = [-1e4, 1e4]
+
+
+@pytest.mark.parametrize("rule", BROKEN)
+def test_a_plant_that_breaks_a_rule_is_found(
+    rule: str, checked: Callable[..., PlantCheck], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    BROKEN[rule](monkeypatch)
+    check = checked()
+    assert rule in [broken.name for broken in check.rules if not broken.passed], str(check)
+    with pytest.raises(AssertionError, match=f"FAILED  {rule}"):
+        check.assert_passed()
+
+
+def test_where_nobody_answers_the_first_rules_say_so() -> None:
+    def cable() -> Cable:
+        return Nowhere()
+
+    check = check_cabled_plant(ROBOT, PLANT, cable, lambda: 0.0)
+    assert not check.passed
+    assert [rule.name for rule in check.rules] == ["refuses", "welcomes"]
+    assert check.rules[1].shown == "nothing"
+
+
+class Nowhere:
+    """A cable that leads nowhere."""
+
+    def send(self, frame: bytes, to: object) -> None: ...
+
+    def receive(self) -> list[tuple[bytes, object]]:
+        return []
+
+    def close(self) -> None: ...
