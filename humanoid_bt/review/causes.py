@@ -16,12 +16,25 @@ from humanoid_bt.review.history import AT, Happened, History, Stopped
 from humanoid_bt.review.pushed import hardest_push
 from humanoid_bt.review.words import cut, doing, last, line_of, when
 
-STOPS = ("state", "fall", "push", "estop", "estop_node", "slow_tick", "silent", "refused", "sensor", "ik", "stop")
+STOPS = (
+    "state",
+    "fall",
+    "push",
+    "estop",
+    "estop_node",
+    "slow_tick",
+    "silent",
+    "refused",
+    "sensor",
+    "plant",
+    "ik",
+    "stop",
+)
 """Kinds of causes that are stops."""
 
 _LATCHED = ("state", "fall", "push", "estop", "estop_node")
 _LOOK_BACK = 4.0  # s before a fall in which its reason is looked for
-_SENSOR = "a sensor failed: "
+_SENSOR, _PLANT = "a sensor failed: ", "the plant "
 _IN_THE_WAY = "something is in the way of the "
 _GONE = "the process of the run ended without closing the recording"
 _UPRIGHT = 0.3  # rad of tilt up to which a joint at its limit may be why the robot fell, not what came of it
@@ -170,6 +183,8 @@ def _protective(history: History, stop: Stopped) -> Cause:
         return Cause("way", f"{cut(stop.reason)}: {text}", stop.time, commander)
     if stop.reason.startswith(_SENSOR):
         return Cause("sensor", f"a sensor failed, {stop.reason.removeprefix(_SENSOR)}: {text}", stop.time, commander)
+    if stop.source == "supervisor" and stop.reason.startswith(_PLANT):
+        return Cause("plant", f"{cut(stop.reason)}: {text}", stop.time, commander)
     if stop.source != "supervisor":
         return Cause("stop", f"{text}: {stop.reason} ({stop.source})", stop.time)
     return Cause("ik", f"{text}: {stop.reason}", stop.time, commander, _refused_rows(history, stop.time))

@@ -33,6 +33,10 @@ HINTS: dict[str, tuple[str, ...]] = {
     "fall": ("look at the seconds before in the viewer; slower walking and nearer targets leave more balance",),
     "state": ("a sensor that sends nonsense, or a simulation that diverged: look at the joints with --at",),
     "sensor": ("look at that sensor and its cable; humanoid-bt explain --joint NAME shows what it said",),
+    "plant": (
+        "look at the cable, and at what the plant says in its own terminal or log",
+        "docs/your-robot.md says what each side does then",
+    ),
     "way": (
         "look at what stands there, and let perception see it: walk_to and approach go round what is solid",
         "docs/safety.md says when the robot goes on by itself, and when it waits for humanoid-bt reset",

@@ -286,6 +286,12 @@ CASES: dict[str, tuple[str, str, dict[str, Any], str]] = {
         {"at": 0.6, "do": lambda session: session.engine.plant.fail_sensor("left_knee", "frozen")},
         r"a sensor failed, the sensors of left_knee are frozen: the robot was stopped at 0\.63\d s",
     ),
+    "a plant that is not heard": (
+        "walk",
+        "plant",
+        {"at": 0.6, "do": lambda session: setattr(session.engine.plant, "fault", "the plant is silent")},
+        r"the plant is silent: the robot was stopped at 0\.6\d\d s",
+    ),
     "something in its way": (
         "walk",
         "way",
@@ -319,6 +325,7 @@ TELLING = (
     "two owners",
     "percept lost",
     "a sensor fails",
+    "a plant that is not heard",
     "control lost right after the first tick",
     "interrupted in its first tick",
     "success",
