@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from humanoid_bt.control.body.standing import load_robot
-from humanoid_bt.core.messages import GazeTarget, HandTarget, Mode
+from humanoid_bt.core.messages import BaseTarget, GazeTarget, HandTarget, Mode
 from humanoid_bt.testing.check_body import check_body
 from tests.control.control_rig import ControlRig
 from tests.policies.published import write_robot
@@ -40,3 +40,14 @@ def test_withstands_a_push_that_knocks_a_stiff_robot_over(tmp_path: Path) -> Non
     rig.plant.push(rig.robot.config.torso, np.array([0.0, 250.0, 0.0]), 0.1)
     rig.run(4, {})
     assert (rig.state.mode, rig.state.base_settled) == (Mode.RUN, True)
+
+
+@pytest.mark.parametrize("robot", ["g1", "t1"])
+def test_knows_how_far_it_has_walked(tmp_path: Path, robot: str) -> None:
+    """Soles of these gaits slide as they land and roll as they lift off, and T1's legs share a waist."""
+    rig = ControlRig(*load_robot(write_robot(tmp_path, robot, "fastsac")))
+    rig.run(1, {})
+    rig.run(4, {"base": BaseTarget(np.array([3.0, 0.0]), 0.0)})
+    way = rig.plant.data.qpos[:2]
+    assert np.linalg.norm(way) > 1.5
+    assert np.linalg.norm(rig.state.base_position[:2] - way) < 0.015 * np.linalg.norm(way)

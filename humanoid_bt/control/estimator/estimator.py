@@ -22,8 +22,9 @@ from humanoid_bt.robot.model import BASE_COORDINATES, BASE_DOFS, RobotModel
 _TURNS = 3  # updates from one correction to the next
 _STILL_AFTER = 0.3  # s on both feet after which soles no longer roll
 _STILL = 0.1  # of the slip of a sole that rolls
-_ROLLING = 5.0  # times the slip of a loaded sole: one that lands or lifts off
-_ROLLS_BELOW = 0.25  # share of the weight
+_ROLLING = 10.0  # times the slip of a loaded sole: one that lifts off, or carries little
+_ROLLS_BELOW = 0.5  # share of the weight
+_LANDS = 0.015  # s in which a sole that has met the ground may slide on it
 _LEVEL_SHARE = 1.0  # of what the legs say of the base's tilt that is believed in a period
 _SAID_SHARE = 0.5  # of what the orientation says of the base's turning that is believed in a period
 _RATE_SHARE = 0.2  # of what the legs say of the base's turning that is believed in a period
@@ -78,6 +79,7 @@ class Estimator:
         self._said: Array | None = None  # the orientation at the last update without a gyroscope, shape (4,)
         self._upright = _STEADY  # s
         self._still = self._lost = 0.0
+        self._stands_for = [_STEADY, _STEADY]  # s, of each foot
         self._least_upright = math.cos(robot.config.fall.tilt)
 
     def reset(self, reading: Reading, place: tuple[float, float, float]) -> None:
@@ -111,6 +113,7 @@ class Estimator:
         self._said = None
         self._upright = _STEADY  # s
         self._still = self._lost = 0.0
+        self._stands_for = [_STEADY, _STEADY]
         self._since = self._turn = 0
         self._missed = False
         self._correct()
@@ -219,6 +222,9 @@ class Estimator:
         self._upright = self._upright + time if upright > _SURELY_UPRIGHT else 0.0
         self._still = self._still + time if all(standing) else 0.0
         self._lost = 0.0 if any(standing) else self._lost + time
+        self._stands_for = [
+            before + time if stands else 0.0 for before, stands in zip(self._stands_for, standing, strict=True)
+        ]
 
     def _rest(self, reading: Reading) -> None:
         """Take the tilt from the IMU's own filter and the height from the legs: no foot says more."""
@@ -266,11 +272,13 @@ class Estimator:
         return turn
 
     def _slip(self) -> tuple[float, float]:
+        """Return how much each sole may have moved since doubt grew last, as times the slip of a loaded one."""
         if self._still > _STILL_AFTER:
             return _STILL, _STILL
+        landed = self._since * SERVO_PERIOD + _LANDS
         left, right = (
-            (_ROLLING if force < self._rolls_below else 1.0) if stands else FREE
-            for force, stands in zip(self.load.force.tolist(), self.load.standing, strict=True)
+            FREE if stands_for < landed else _ROLLING if force < self._rolls_below else 1.0
+            for force, stands_for in zip(self.load.force.tolist(), self._stands_for, strict=True)
         )
         return left, right
 

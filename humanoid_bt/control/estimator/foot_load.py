@@ -31,7 +31,8 @@ class FootLoad:
     def __init__(self, robot: RobotModel, dynamics: RobotDynamics) -> None:
         self._dynamics = dynamics
         self._sites = [robot.model.site(sole_site(side)).id for side in SIDES]
-        self._legs = [_leg(robot, side) for side in SIDES]
+        left, right = (_carrying(robot, side) for side in SIDES)
+        self._legs = [_indices(left - right), _indices(right - left)]
         self._damping = robot.model.dof_damping.copy()
         self._weight = robot.mass * GRAVITY
         self._jacobian = np.zeros((3, robot.model.nv))
@@ -79,15 +80,22 @@ def _vertical(moved: Array, explained: Array) -> float:
     return float((minor * z + second * y + first * x) / (minor * f + second * e + first * c))
 
 
-def _leg(robot: RobotModel, side: str) -> slice | list[int]:
-    """Return the degrees of freedom between the base and a foot; a slice if they come one after the other."""
+def _carrying(robot: RobotModel, side: str) -> set[int]:
+    """Return the degrees of freedom between the base and a foot.
+
+    Those that both feet have, of a waist below the base, say nothing of one of them: they carry the other one as well.
+    """
     model = robot.model
     foot = model.body(robot.config.legs[side].sole.body).id
-    dofs = [
+    return {
         dof
         for body in carriers(model, foot)
         for dof in range(model.body_dofadr[body], model.body_dofadr[body] + model.body_dofnum[body])
         if dof >= BASE_DOFS
-    ]
-    dofs.sort()
-    return slice(dofs[0], dofs[-1] + 1) if dofs == list(range(dofs[0], dofs[-1] + 1)) else dofs
+    }
+
+
+def _indices(dofs: set[int]) -> slice | list[int]:
+    """Return degrees of freedom as indices of arrays; a slice if they come one after the other."""
+    first, behind = min(dofs), max(dofs) + 1
+    return slice(first, behind) if len(dofs) == behind - first else sorted(dofs)

@@ -49,14 +49,14 @@ class FilterNoise:
         tilt: at the beginning [rad].
     """
 
-    gyro: float = 2e-3
+    gyro: float = 5e-4
     accelerometer: float = 0.1
     gyro_bias: float = 1e-3
     accelerometer_bias: float = 0.03
     gyro_drift: float = 1e-6
     accelerometer_drift: float = 1e-4
     slip: float = 0.03
-    twist: float = 0.03
+    twist: float = 0.1
     foot: float = 3e-3
     heading: float = 1e-3
     ground: float = 0.03

@@ -85,7 +85,7 @@ def test_it_finds_what_the_imu_is_off_and_its_tilt_at_the_beginning(belief: Inva
     tilted = Truth(0.0).quaternion + np.array([0, 0.005, -0.004, 0])
     belief.reset(tilted / np.linalg.norm(tilted), Truth(0.0).position)
     rate_off, force_off = np.array([8e-4, -6e-4, 9e-4]), np.array([0.0, 0.0, 0.02])
-    run(belief, 20.0, rate_off, force_off, quiet=0.1)
+    run(belief, 20.0, rate_off, force_off, quiet=0.03)
     assert (np.abs(belief.gyro_bias - rate_off) < 0.6 * np.abs(rate_off)).all()
     np.testing.assert_allclose(belief.quaternion, Truth(20.0).quaternion, atol=2e-3)
     np.testing.assert_allclose(belief.velocity, Truth(20.0).velocity, atol=1e-2)
@@ -119,7 +119,7 @@ def test_heights_do_not_drift_and_the_way_does(belief: InvariantFilter) -> None:
 
 
 def test_a_robot_that_is_put_down_again_keeps_what_it_learnt(belief: InvariantFilter) -> None:
-    run(belief, 5.0, np.array([0.0, 0.0, 1e-3]), np.zeros(3), quiet=0.1)
+    run(belief, 5.0, np.array([0.0, 0.0, 1e-3]), np.zeros(3), quiet=0.03)
     learnt = belief.gyro_bias.copy()
     belief.rest(np.array([1.0, 0, 0, 0]), np.array([3.0, 2.0, 0.5]))
     np.testing.assert_array_equal(belief.gyro_bias, learnt)
@@ -143,5 +143,5 @@ def test_noise_is_for_each_filter_its_own() -> None:
     sure, unsure = InvariantFilter(FilterNoise(gyro_bias=1e-5)), InvariantFilter(FilterNoise(gyro_bias=1e-2))
     for belief in (sure, unsure):
         belief.reset(Truth(0.0).quaternion, Truth(0.0).position)
-        run(belief, 5.0, np.array([0.0, 0.0, 1e-3]), np.zeros(3), quiet=0.1)
+        run(belief, 5.0, np.array([0.0, 0.0, 1e-3]), np.zeros(3), quiet=0.03)
     assert abs(sure.gyro_bias[2]) < 1e-4 < unsure.gyro_bias[2]
