@@ -45,6 +45,7 @@ class Controller:
         robot: the robot.
         plant: what it drives.
         place: where the robot stands, as in :meth:`reset`.
+        waits: whether time stands still while something computes, as in lockstep; on the wall clock it does not.
 
     Attributes:
         supervisor: decides what is allowed.
@@ -55,12 +56,19 @@ class Controller:
         cycle: servo cycles so far.
     """
 
-    def __init__(self, robot: RobotModel, plant: Plant, place: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> None:
+    def __init__(
+        self,
+        robot: RobotModel,
+        plant: Plant,
+        place: tuple[float, float, float] = (0.0, 0.0, 0.0),
+        *,
+        waits: bool = True,
+    ) -> None:
         self._robot, self._plant = robot, plant
         self.supervisor = Supervisor(robot.config.fall, arms_of(robot), robot.config.contact)
         dynamics = RobotDynamics(robot)
         self.estimator = Estimator(robot, dynamics)
-        self._bodies = bodies(robot, dynamics, self.estimator.contact)
+        self._bodies = bodies(robot, dynamics, self.estimator.contact, waits=waits)
         self.body = self._bodies[0]
         self.servo = Servo(robot)
         self.log: CycleLog | None = None

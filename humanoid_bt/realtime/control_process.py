@@ -69,7 +69,7 @@ class ControlProcess:
         )
         if not self._plant.simulated:
             channels.note_real(folder)
-        self._controller = Controller(robot, self._plant, scene.start_pose)
+        self._controller = Controller(robot, self._plant, scene.start_pose, waits=False)
         tables = channels.cycle_tables(folder)
         if all(table.exists() for table in tables):
             plans, servo_cycles = map(TableWriter.open, tables)

@@ -7,6 +7,8 @@ from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Protocol
 
+import numpy as np
+
 from humanoid_bt.control.body.standing import load_robot
 from humanoid_bt.control.supervisor import Supervisor
 from humanoid_bt.core.clock import DECISION_PERIOD, SERVO_PERIOD, cycles
@@ -49,29 +51,39 @@ def intact(command: Command) -> Iterable[Command]:
 
 
 class Machine:
-    """The built-in humanoid on an empty floor, one servo cycle at a time.
+    """A robot on an empty floor, one servo cycle at a time.
+
+    Args:
+        robot: its name, or its ``robot.yaml``.
 
     Attributes:
         decision: what commands it; None: nothing does.
         line: what arrives of its commands.
         sees: what it sees; None when perception is dead.
         modes: (servo cycle, mode) of every change of mode.
+        undo: what a fault has broken that the next reset is to mend.
+        beyond: farthest that a joint was beyond its range so far [rad].
     """
 
-    def __init__(self) -> None:
+    def __init__(self, robot: str = "humanoid") -> None:
         self.workspace = Workspace(builtin_root())
-        self.robot, start = load_robot(Path(self.workspace.find_robot("humanoid")))
+        self.robot, start = load_robot(Path(self.workspace.find_robot(robot)))
         self._alive = ScriptedPerception()
         scene = Scene(load_scene(self.workspace.find_scene("empty")), seed=0)
         self._lockstep = Lockstep(self.robot, start, scene, self._alive)
+        limited = self.robot.model.jnt_limited[1:].astype(bool)
+        self._range = np.where(limited[:, None], self.robot.model.jnt_range[1:], [-np.inf, np.inf])
+        self.undo: list[Callable[[], None]] = []
         self.plant, self.controller = self._lockstep.plant, self._lockstep.controller
         self.reset()
 
     def reset(self) -> None:
         """Stand at the origin at time 0, with a decision that wants nothing."""
+        while self.undo:
+            self.undo.pop()()
         self.sees = ScriptedPerception()
         self._lockstep.reset(self.sees)
-        self.controller.body.kinematics.limits[1:] = []
+        self.beyond = 0.0
         self.decision: Decision = Scripted(lambda _: {})
         self.line: Line = intact
         self.modes: list[tuple[int, Mode]] = []
@@ -124,6 +136,7 @@ class Machine:
                 entry[1]()
             if self.cycle % TICK == 0:
                 state, percepts = self._lockstep.sense()
+                self._note_joints()
                 if until is not None and until(state):
                     return True
                 self.last_command = self.decision.tick(state, percepts)
@@ -135,6 +148,10 @@ class Machine:
                 self._mode = self.supervisor.mode
                 self.modes.append((self.cycle - 1, self._mode))
         return False
+
+    def _note_joints(self) -> None:
+        angles, (low, high) = self.plant.truth().joint_positions, self._range.T
+        self.beyond = max(self.beyond, float(np.maximum(low - angles, angles - high).max()))
 
 
 def seconds(count: int) -> float:

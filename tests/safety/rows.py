@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from threading import Event
 from typing import Any
 
 import mink
 import numpy as np
 
 from humanoid_bt.control.body.planar import ahead
+from humanoid_bt.control.body.policy import inference
 from humanoid_bt.core.clock import cycles
 from humanoid_bt.core.messages import BaseTarget, Command, HandTarget, Mode, Pause
 from humanoid_bt.plant.sensors import FAILURES
+from humanoid_bt.robot.policy.network import Network, Tensor
 from tests.safety.machine import Machine, Scripted, intact, resent, seconds
 
 STOP, PROTECT, DAMP, RUN, PAUSED = Mode.EMERGENCY_STOP, Mode.PROTECTIVE_STOP, Mode.DAMP, Mode.RUN, Mode.PAUSED
@@ -38,6 +41,7 @@ class Row:
         tree: whether a tree decides, instead of a script.
         resets: whether the latched stop is reset in the end.
         promised: whether standing is promised, or only counted.
+        may_fall: whether a fall that ends limp is as told, too.
     """
 
     name: str
@@ -50,6 +54,7 @@ class Row:
     tree: bool = False
     resets: bool = False
     promised: bool = True
+    may_fall: bool = False
 
 
 # ---- emergency stop, requested stop ---------------------------------------------------------------------------------
@@ -165,6 +170,7 @@ def unsolvable(duration: float) -> Fault:
         limits = machine.controller.body.kinematics.limits
         limits.append(Contradiction())
         machine.after(duration, lambda: limits.__delitem__(-1))
+        machine.undo.append(lambda: limits.__delitem__(slice(1, None)))
 
     return fault
 
@@ -236,6 +242,36 @@ def blind_to_itself(machine: Machine, _: np.random.Generator) -> None:
     machine.plant.fail_sensor("imu", "silent")
 
 
+# ---- a learned walker -----------------------------------------------------------------------------------------------
+
+
+def policy_wrong(machine: Machine, _: np.random.Generator) -> None:
+    """Have every answer of the network be no number from now on."""
+    network = _network(machine)
+    run = network.run
+    network.run = lambda outputs, inputs: [np.full_like(answer, np.nan) for answer in run(outputs, inputs)]  # type: ignore[method-assign]
+    machine.undo.append(lambda: setattr(network, "run", run))
+
+
+def policy_stuck(machine: Machine, _: np.random.Generator) -> None:
+    """Have the network compute for ever from now on."""
+    network, over, patience = _network(machine), Event(), inference.PATIENCE
+    run = network.run
+
+    def computes(_outputs: list[str], _inputs: Mapping[str, Tensor]) -> list[Tensor]:
+        over.wait()
+        raise RuntimeError("it was stuck")
+
+    network.run = computes  # type: ignore[method-assign]
+    inference.PATIENCE = 0.5  # s: a trial is not to wait longer
+    machine.undo += [over.set, lambda: setattr(network, "run", run), lambda: setattr(inference, "PATIENCE", patience)]
+
+
+def _network(machine: Machine) -> Network:
+    assert machine.robot.policy is not None, "the robot has no learned walker"
+    return machine.robot.policy.network
+
+
 FRESH, NEVER = "fresh commands", "nothing here"
 
 ROWS = {
@@ -264,6 +300,15 @@ ROWS = {
         Row("... and again, and again", in_the_way(3), (*(PROTECT, RUN) * 2, STOP, RUN), "a reset", 10.0, resets=True),
     ]
 }
+
+POLICY_ROWS = {
+    row.name: row
+    for row in [
+        Row("the policy's answers not finite", policy_wrong, (PROTECT,), "the run's end", may_fall=True),
+        Row("the policy never answers", policy_stuck, (PROTECT,), "the run's end", may_fall=True),
+    ]
+}
+"""Further ones of a robot with a learned walker."""
 
 SETTLE = cycles(5.0)
 """Servo cycles that the robot gets to come to a stand."""

@@ -10,15 +10,16 @@ from humanoid_bt.control.dynamics import RobotDynamics
 from humanoid_bt.robot.model import RobotModel
 
 
-def bodies(robot: RobotModel, dynamics: RobotDynamics, contact: Felt) -> list[Body]:
+def bodies(robot: RobotModel, dynamics: RobotDynamics, contact: Felt, *, waits: bool) -> list[Body]:
     """Return the body that ``robot.yaml`` asks for, and those that take its place, one after the other, if it fails.
 
     Args:
         robot: the robot.
         dynamics: as it is estimated, always up to date.
         contact: what touches it, likewise.
+        waits: whether time stands still while a body computes.
     """
     model_based = WholeBody(robot, dynamics, contact)
     if robot.policy is None:
         return [model_based]
-    return [LearnedBody(robot, robot.policy, dynamics, contact), model_based]
+    return [LearnedBody(robot, robot.policy, dynamics, contact, waits=waits), model_based]

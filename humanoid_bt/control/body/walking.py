@@ -87,6 +87,18 @@ class Walker:
         self.zmp_reference = self.dcm_reference = self.stance[:2].copy()
         self.still_for = 0.0
 
+    def go_on(self, lifted: Side, dcm: Array) -> None:
+        """Finish a step that something else has begun, toward where the robot is moving; call it after :meth:`reset`.
+
+        Args:
+            lifted: the foot that is in the air.
+            dcm: measured, shape (2,) [m].
+        """
+        support = self.foot_reference[OTHER[lifted]]
+        goal = np.array([*dcm, self._planner.stance_beside(OTHER[lifted], support).item(2)])
+        self._start_step(lifted, goal, support[:2], 0.0)
+        self.swing = self._lift_off(lifted)
+
     @property
     def stance(self) -> Array:
         """Pose of the middle between the references of the feet, shape (3,), world frame."""

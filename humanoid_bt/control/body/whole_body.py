@@ -111,11 +111,16 @@ class WholeBody:
         self._home_base[:2] = seen_from(self.walker.stance, self._home_base)
 
     def restart(self, estimate: Estimate) -> None:
-        """Stand where the robot is, with everything at rest, and return to the home posture slowly."""
+        """Stand where the robot is, with everything at rest, and return to the home posture slowly.
+
+        A robot that has a foot in the air, because another body walked, finishes that step first.
+        """
         config, dt = self._robot.config, self._dt
         self.kinematics.reset(estimate.qpos)
         self._stabilizer.reset(self.dynamics.com)
         self.walker.reset(self.dynamics.soles, self.dynamics.footings, self._stabilizer.omega)
+        if (lifted := self._lifted(estimate)) is not None:
+            self.walker.go_on(lifted, self._dcm())
         self._tilt = TiltCompensation(dt)
         self._gaze.yaw = self._gaze.pitch = 0.0
         self._lean.reset()
@@ -136,6 +141,15 @@ class WholeBody:
         self._reaching = 0.0
         self._commanded = frozenset()
         self._zmp = self.walker.zmp_reference.copy()
+
+    def _dcm(self) -> Array:
+        """Return the measured DCM, shape (2,), world frame [m]."""
+        return self.dynamics.com[:2] + self.dynamics.com_velocity[:2] / self._stabilizer.omega
+
+    def _lifted(self, estimate: Estimate) -> Side | None:
+        """Return the foot that is in the air while the other one carries the robot, if one is."""
+        carries = [force > self._robot.config.gait.touchdown_force for force in estimate.foot_force.tolist()]
+        return None if all(carries) or not any(carries) else SIDES[carries.index(False)]
 
     @property
     def fault(self) -> str:
@@ -187,7 +201,7 @@ class WholeBody:
                 are kept, too, after inverse kinematics without a solution.
         """
         dynamics, walker, stabilizer = self.dynamics, self.walker, self._stabilizer
-        dcm = dynamics.com[:2] + dynamics.com_velocity[:2] / stabilizer.omega
+        dcm = self._dcm()
         force: dict[Side, float] = dict(zip(SIDES, estimate.foot_force.tolist(), strict=True))
         goal = None if hold else _goal(targets)
         walker.update(goal, dcm, self._zmp, dynamics.soles, footings=dynamics.footings, foot_force=force, stays=hold)

@@ -48,6 +48,7 @@ class LearnedBody:
         policy: its walker.
         dynamics: as it is estimated, always up to date.
         contact: what touches it, likewise.
+        waits: whether time stands still while the network computes.
 
     Attributes:
         dynamics: as it is estimated, always up to date.
@@ -58,7 +59,9 @@ class LearnedBody:
         lending: which joints are lent.
     """
 
-    def __init__(self, robot: RobotModel, policy: Policy, dynamics: RobotDynamics, contact: Felt) -> None:
+    def __init__(
+        self, robot: RobotModel, policy: Policy, dynamics: RobotDynamics, contact: Felt, *, waits: bool
+    ) -> None:
         config, dt = robot.config, WHOLE_BODY_PERIOD
         self._robot, self._dt = robot, dt
         self.dynamics = dynamics
@@ -66,7 +69,7 @@ class LearnedBody:
         self._known: Indices = np.array([names.index(name) for name in policy.joints])
         self._moved = self._known[policy.moves]
         self._policy = policy
-        self.walker = LearnedWalker(policy, self._known)
+        self.walker = LearnedWalker(policy, self._known, waits=waits)
         self.velocity = VelocityReference(policy, self.walker.period)
         self.lending = Lending(robot, policy, dt)
         self.kinematics = UpperBody(robot, self.lending.groups[WAIST], dt)
@@ -182,6 +185,8 @@ class LearnedBody:
         walks = goal is not None and self.velocity.goes(goal, self._stance)
         self._lend(estimate, targets, hold_hands, walks)
         self._plan(estimate, targets, hold_hands)
+        if self.walker.take():
+            self._tell_what_was_done()
         if self._next == 0:
             self._ask(estimate, goal)
             self._next = self._policy.period
@@ -196,7 +201,9 @@ class LearnedBody:
         share = share[self._known]
         masked = np.flatnonzero(share > 0) if lend.observe == "default" else np.zeros(0, dtype=np.intp)
         self.walker.ask(estimate, command, velocity.stands, masked)
-        if lend.last_action == "executed" and self.lending.busy:
+
+    def _tell_what_was_done(self) -> None:
+        if self._policy.config.lend.last_action == "executed" and self.lending.busy:
             executed = np.flatnonzero(self.lending.share[self._moved] > 0)
             self.walker.executed(executed, self.kinematics.joints[self._moved[executed]])
 

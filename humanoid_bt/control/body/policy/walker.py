@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from humanoid_bt.control.body.policy.inference import Inference
 from humanoid_bt.control.body.policy.observation import Observation
 from humanoid_bt.core.clock import WHOLE_BODY_PERIOD
 from humanoid_bt.core.geometry import clamp
@@ -11,31 +12,35 @@ from humanoid_bt.core.messages import Array, Estimate
 from humanoid_bt.robot.policy.network import Tensor, size
 from humanoid_bt.robot.policy.policy import Indices, Policy
 
-_MISSES = 5  # bad answers in a row after which a policy has failed; it survives such a silence even as it walks
+# Answers in a row after which a policy has failed. It survives a longer silence than either, even as it walks; but the
+# sooner another body takes over, the more often it catches the robot:
+_WRONG, _LATE = 2, 3
 
 
 class LearnedWalker:
-    """A policy that is asked at its own rate.
+    """A policy that is asked at its own rate, and whose answers are taken a control period later.
 
-    An answer that is not finite, or none, is thrown away: the targets of the last good one stay, and the next one is
-    asked for. After several of them in a row the policy has failed.
+    An answer that is not finite is thrown away, and one that is late is not waited for: the targets of the last good
+    one stay. After several of these in a row the policy has failed.
 
     Args:
         policy: it.
         joints: its joints as indices of the robot's.
+        waits: whether time stands still while it computes.
 
     Attributes:
         targets: of the joints that it moves, shape (m,) [rad].
-        fault: why the last answer was none, "" if it was one.
+        fault: why there are no targets of the last answer, "" if there are.
         failure: why it is not asked any more, "" while it is.
         period: time between two answers [s].
     """
 
-    def __init__(self, policy: Policy, joints: Indices) -> None:
-        self._policy = policy
+    def __init__(self, policy: Policy, joints: Indices, *, waits: bool) -> None:
+        self._policy, self._waits = policy, waits
         self.period = policy.period * WHOLE_BODY_PERIOD
         self._observation = Observation(policy, joints, self.period)
         self._offset = policy.default_pose[policy.moves]
+        self._inference = self._new_inference()
         self.reset()
 
     def reset(self) -> None:
@@ -49,9 +54,15 @@ class LearnedWalker:
         self.targets: Array = self._offset.copy()
         self.fault = self.failure = ""
         self._missed = 0
+        if self._inference.busy:  # what comes is an answer to what was before
+            self._inference = self._new_inference()
+
+    def _new_inference(self) -> Inference:
+        policy = self._policy
+        return Inference(policy.network, [policy.output, *policy.states.values()], waits=self._waits)
 
     def ask(self, estimate: Estimate, command: Array, stands: bool, masked: Indices) -> None:
-        """Ask for new targets.
+        """Ask for new targets, unless it still computes the last ones.
 
         Args:
             estimate: the robot.
@@ -59,27 +70,42 @@ class LearnedWalker:
             stands: whether that is to stand.
             masked: joints, of the policy's, that others move.
         """
-        policy, observation = self._policy, self._observation
-        row = observation.observe(estimate, command, stands, masked)
-        shape = [1 if length is None else length for length in policy.network.inputs[policy.input]]
-        inputs = {policy.input: row.reshape(shape), **self._states}
-        try:
-            answer, *states = policy.network.run([policy.output, *policy.states.values()], inputs)
-            self.fault = "" if _finite(answer, *states) else "the policy's answer is not finite"
-        except RuntimeError as error:
-            self.fault = f"the policy gives no answer: {error}"
-        if self.fault:
-            self._missed += 1
-            if self._missed >= _MISSES:
-                self.failure = self.fault
+        policy = self._policy
+        row = self._observation.observe(estimate, command, stands, masked)
+        if self._inference.busy:
+            self._miss("the policy does not answer in time", _LATE)
             return
-        self._missed = 0
-        self._states = dict(zip(policy.states, states, strict=True))
-        action = policy.config.action
+        shape = [1 if length is None else length for length in policy.network.inputs[policy.input]]
+        self._inference.ask({policy.input: row.reshape(shape), **self._states})
+
+    def take(self) -> bool:
+        """Take the answer, if there is one, and return whether there are new targets."""
+        if not self._inference.busy:
+            return False
+        try:
+            answers = self._inference.take()
+        except RuntimeError as error:
+            return self._miss(f"the policy gives no answer: {error}", _WRONG)
+        if answers is None:
+            return False
+        if not _finite(*answers):
+            return self._miss("the policy's answer is not finite", _WRONG)
+        self.fault, self._missed = "", 0
+        answer, *states = answers
+        self._states = dict(zip(self._policy.states, states, strict=True))
+        action = self._policy.config.action
         raw = answer.reshape(-1).astype(float)
         clipped = clamp(raw, -action.clip, action.clip) if action.clip else raw
-        observation.last_action = raw if action.last_action == "raw" else clipped
-        self.targets = self._offset + policy.scale * clipped
+        self._observation.last_action = raw if action.last_action == "raw" else clipped
+        self.targets = self._offset + self._policy.scale * clipped
+        return True
+
+    def _miss(self, fault: str, most: int) -> bool:
+        self.fault = fault
+        self._missed += 1
+        if self._missed >= most:
+            self.failure = fault
+        return False
 
     def executed(self, moved: Indices, position: Array) -> None:
         """Tell it what was done of its last answer by others.

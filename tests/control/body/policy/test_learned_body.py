@@ -6,9 +6,12 @@ around it. Published policies walk in tests/policies.
 
 from __future__ import annotations
 
+from threading import Event
+
 import numpy as np
 import pytest
 
+from humanoid_bt.control.body.policy import inference
 from humanoid_bt.control.body.policy.learned_body import LearnedBody
 from humanoid_bt.control.body.standing import load_robot, standing_posture
 from humanoid_bt.control.body.whole_body import WholeBody
@@ -150,10 +153,10 @@ def test_a_base_target_becomes_a_velocity(rig: ControlRig) -> None:
     assert rig.state.gait is Gait.STEP and not rig.state.base_settled
 
 
-def test_a_short_silence_of_the_policy_changes_nothing(rig: ControlRig, answers: list[float]) -> None:
+def test_a_single_wrong_answer_changes_nothing(rig: ControlRig, answers: list[float]) -> None:
     rig.run(0.5, {})
     answers.append(np.nan)
-    rig.run(0.06, {})
+    rig.run(0.02, {})
     answers.clear()
     rig.run(0.5, {})
     assert isinstance(rig.controller.body, LearnedBody)
@@ -172,6 +175,26 @@ def test_a_policy_that_fails_gives_way_to_the_model_based_body(rig: ControlRig, 
     assert state.base_settled, "it stands"
     rig.reset()
     assert isinstance(rig.controller.body, LearnedBody), "the next run begins with the policy"
+
+
+def test_a_policy_that_never_answers_gives_way_and_nothing_waits_for_it(
+    rig: ControlRig, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(inference, "PATIENCE", 0.1)
+    over = Event()
+    with monkeypatch.context() as stuck:
+        stuck.setattr(Network, "run", lambda *_: over.wait())
+        rig.run(0.06, {})
+        assert rig.state.mode is Mode.RUN, "it was late twice"
+        rig.run(3, {})
+    over.set()
+    assert isinstance(rig.controller.body, WholeBody)
+    assert (rig.state.mode, rig.state.stop_reason) == (Mode.PROTECTIVE_STOP, "the policy does not answer in time")
+    assert rig.controller.supervisor.stops[0].time < 0.07
+    assert rig.state.base_settled, "it stands"
+    rig.reset()
+    rig.run(0.5, {})
+    assert rig.state.mode is Mode.RUN, "the next run asks the policy again"
 
 
 def test_is_deterministic(rig: ControlRig) -> None:
