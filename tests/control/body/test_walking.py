@@ -260,3 +260,21 @@ def test_reset_stands_where_the_feet_are(ideal: Ideal) -> None:
     assert all(ideal.walker.contact.values())
     np.testing.assert_allclose(ideal.walker.stance, [1, 0, 0], atol=1e-12)
     np.testing.assert_allclose(ideal.walker.dcm_reference, [1, 0], atol=1e-12)
+
+
+def test_a_step_that_something_else_began_is_finished_where_the_robot_goes(ideal: Ideal) -> None:
+    walker = ideal.walker
+    lifted = np.array([-0.05, -0.09, 0.0])
+    soles = {"left": np.array([0.0, 0.09, 0.0]), "right": lifted}
+    walker.reset(soles, {"left": np.zeros(3), "right": np.array([0.06, 0.0, 0.0])}, OMEGA)
+    walker.go_on("right", np.array([0.15, 0.0]))
+    ideal.go(DT)
+    assert walker.contact == {"left": True, "right": False}
+    assert walker.swing is not None
+    np.testing.assert_allclose(walker.foot_reference["right"], lifted, atol=0.01)
+    assert walker.foot_footing["right"][0] == pytest.approx(0.06, abs=0.01)
+    ideal.go(0.36)
+    assert walker.foot_reference["right"][0] > 0.1
+    assert walker.foot_footing["right"][0] == pytest.approx(0.0, abs=0.01)
+    ideal.go(4.0)
+    assert walker.gait is Gait.STAND

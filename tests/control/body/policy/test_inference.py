@@ -53,7 +53,12 @@ def test_the_wall_clock_does_not_wait() -> None:
 def test_nothing_waits_for_ever_nor_twice(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(inference, "PATIENCE", 0.05)
     over = Event()
-    asked = made(lambda: [] if over.wait() else [], waits=True)
+
+    def work() -> list[Tensor]:
+        over.wait()
+        return []
+
+    asked = made(work, waits=True)
     asked.ask(ONE)
     assert asked.take() is None
     monkeypatch.setattr(inference, "PATIENCE", 1e6)
