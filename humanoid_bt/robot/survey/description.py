@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import fnmatch
 import json
+import math
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -15,7 +16,7 @@ import yaml
 from humanoid_bt.core.messages import SIDES, Array
 from humanoid_bt.core.texts import listed
 from humanoid_bt.files.formatting import formatted
-from humanoid_bt.robot.config import RobotConfig
+from humanoid_bt.robot.config import GaitConfig, RobotConfig
 from humanoid_bt.robot.footprint import footprint_in
 from humanoid_bt.robot.survey.drives import drive, usual_stiffness
 from humanoid_bt.robot.survey.limbs import Surveyor, roles
@@ -138,6 +139,7 @@ class _Writer:
             self._found.append(f"{side} leg: {len(leg.joints)} joints, foot {self._body(leg.body)}")
         length, width = np.min(halves, axis=0).tolist() if halves else (0.1, 0.04)
         margin = min(_DEFAULT_MARGIN, _MARGIN * width)
+        self._bears = width - margin
         yield f"sole: {{half_length: {length:.3f}, half_width: {width:.3f}, margin: {margin:.3f}}}"
 
     def _hands(self) -> Iterator[str]:
@@ -170,9 +172,7 @@ class _Writer:
     def _drives(self) -> Iterator[str]:
         groups: dict[tuple[float, float, float], list[str]] = {}
         guessed: set[str] = set()
-        soles = [self._standing.xpos[leg.body][2] for leg in self._limbs.legs.values()]
-        height = float(self._standing.subtree_com[self._limbs.base][2] - min(soles))
-        usual = usual_stiffness(self._surveyor, self._limbs, height)
+        usual = usual_stiffness(self._surveyor, self._limbs, self._height())
         for joint in range(self._model.njnt):
             if self._joint(joint) in self._hinges:
                 found = drive(self._model, joint, usual.get(joint))
@@ -214,6 +214,22 @@ class _Writer:
         yield f"  separation_min: {max(apart - _SEPARATION, apart / 2):.2f}"
         yield f"  separation_max: {apart + 0.24:.2f}"
         yield f"  touchdown_force: {_WEIGHT_SHARE * mass * _GRAVITY:.0f}"
+        if (shift := self._first_shift(apart)) > GaitConfig.first_shift:
+            yield f"  first_shift: {shift:.2f}"
+
+    def _first_shift(self, apart: float) -> float:
+        """Return how long the weight shifts before the first step [s].
+
+        A plan that ends at rest begins with the DCM off the middle by d exp(-omega T), for feet at d from it. A robot
+        that stands there lags behind by as much: no more than what a sole can bear on one side.
+        """
+        omega = math.sqrt(_GRAVITY / self._height())
+        return math.log(apart / 2 / self._bears) / omega
+
+    def _height(self) -> float:
+        """Return how high the centre of mass is above the feet [m]."""
+        feet = [self._standing.xpos[leg.body][2] for leg in self._limbs.legs.values()]
+        return float(self._standing.subtree_com[self._limbs.base][2] - min(feet))
 
     def _room(self) -> Iterator[str]:
         """Yield the circle within which it walks, if the default is too small."""

@@ -14,7 +14,7 @@ import pytest
 from humanoid_bt.core.messages import SIDES
 from humanoid_bt.files.formatting import formatted
 from humanoid_bt.files.workspace import builtin_root
-from humanoid_bt.robot.config import RobotConfig, load_robot_config
+from humanoid_bt.robot.config import GaitConfig, RobotConfig, load_robot_config
 from humanoid_bt.robot.footprint import footprint
 from humanoid_bt.robot.model import RobotModel, palm_site, read_model, sole_site
 from humanoid_bt.robot.survey.description import Description, describe
@@ -56,6 +56,15 @@ def test_what_is_found_is_what_the_robots_own_description_says(spec: mujoco.MjSp
         name: {joint for joint in RobotModel(own).joint_names if own.group(joint) == name} for name in own.groups
     }
     assert description.missing == ()
+
+
+def test_the_first_shift_is_longer_on_narrow_soles(spec: mujoco.MjSpec, adopt: Adopt) -> None:
+    assert adopt(spec)[1].gait.first_shift == GaitConfig.first_shift
+    for side in SIDES:
+        for geom in spec.body(f"{side}_foot").geoms:
+            geom.size[1] = 0.02
+    narrow = adopt(spec)[1]
+    assert 0.45 < narrow.gait.first_shift < 0.65
 
 
 def test_names_do_not_matter(spec: mujoco.MjSpec, adopt: Adopt) -> None:
