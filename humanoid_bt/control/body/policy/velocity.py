@@ -11,7 +11,7 @@ from humanoid_bt.core.geometry import clamp
 from humanoid_bt.core.messages import Array, Gait
 from humanoid_bt.robot.policy.policy import Policy
 
-ARRIVED, LEAVES = (0.03, 0.05), (0.055, 0.10)
+ARRIVED, LEAVES = (0.02, 0.035), (0.04, 0.055)
 """How near [m] and how little turned [rad] is there, and beyond what a robot that is there starts again.
 
 Wider than those of planned footsteps: a walker that stops takes a last step of its own."""
