@@ -20,6 +20,7 @@ from humanoid_bt.campaign.statistics import Rate
 from humanoid_bt.campaign.trial import Task
 from humanoid_bt.campaign.workers import Done, Workers
 from humanoid_bt.core.errors import UserError, nearest
+from humanoid_bt.robot.config import Walk
 
 _TIME_LIMIT = 300.0  # s on the wall clock
 
@@ -31,10 +32,12 @@ class Withstood:
     Attributes:
         row: the row.
         trials: those that are done, in the order of their seeds.
+        body: what walked and balanced; None for what ``robot.yaml`` says.
     """
 
     row: Row
     trials: Sequence[Done]
+    body: Walk | None = None
 
     @property
     def good(self) -> Rate:
@@ -68,6 +71,7 @@ class Withstood:
         return {
             "row": self.row.name,
             "what": self.row.what,
+            "body": self.body,
             "reached" if self.row.walks else "on_feet": self.good.count,
             "on_feet": self.on_feet.count,
             "of": self.good.of,
@@ -108,9 +112,12 @@ def measure_body(
     *,
     workers: int,
     progress: Callable[[Withstood], None],
-    recordings: Callable[[Row, int], Path] | None = None,
+    recordings: Callable[[Row, int, Walk | None], Path] | None = None,
+    bodies: Sequence[Walk | None] = (None,),
 ) -> Generator[Withstood]:
-    """Try a body, and yield every row as soon as it and those before it are done; the same for any number of workers.
+    """Try bodies, and yield every row, of each body, as soon as it and those before it are done.
+
+    What comes of it is the same for any number of workers.
 
     Closing the generator ends every process.
 
@@ -120,29 +127,30 @@ def measure_body(
         seeds: of every row's trials.
         workers: trials at a time.
         progress: told after every trial what is known of its row.
-        recordings: says where a trial of a row and a seed is recorded; none is if None.
+        recordings: says where a trial of a row, a seed and a body is recorded; none is if None.
+        bodies: what walks and balances; None is what ``robot.yaml`` says.
 
     Raises:
         UserError: the robot has mistakes, or lacks something that a row needs.
         HumanoidBtError: no process can be started.
     """
-    wanted = [(row, seed) for row in rows for seed in seeds]
+    waiting = [(row, body) for row in rows for body in bodies]
+    wanted = [(row, body, seed) for row, body in waiting for seed in seeds]
     tasks = [
-        Task(row.trial(number, str(robot), seed), str(recordings(row, seed)) if recordings else "")
-        for number, (row, seed) in enumerate(wanted)
+        Task(row.trial(number, str(robot), seed, body), str(recordings(row, seed, body)) if recordings else "")
+        for number, (row, body, seed) in enumerate(wanted)
     ]
-    done: dict[str, list[Done]] = {row.name: [] for row in rows}
-    waiting = list(rows)
+    done: dict[tuple[str, Walk | None], list[Done]] = {(row.name, body): [] for row, body in waiting}
     with tempfile.TemporaryDirectory() as logs:
         running = Workers(make, (), count=workers, time_limit=_TIME_LIMIT, memory=None, logs=Path(logs))
         with closing(running), closing(running.run(tasks)) as found:
             for one in found:
-                row, _ = wanted[one.task.trial.number]
-                done[row.name].append(replace(one, result=row.judged(one.result)))
-                progress(_withstood(row, done))
-                while waiting and len(done[waiting[0].name]) == len(seeds):
-                    yield _withstood(waiting.pop(0), done)
+                row, body, _ = wanted[one.task.trial.number]
+                done[row.name, body].append(replace(one, result=row.judged(one.result)))
+                progress(_withstood(row, body, done))
+                while waiting and len(done[waiting[0][0].name, waiting[0][1]]) == len(seeds):
+                    yield _withstood(*waiting.pop(0), done)
 
 
-def _withstood(row: Row, done: Mapping[str, list[Done]]) -> Withstood:
-    return Withstood(row, sorted(done[row.name], key=lambda one: one.task.trial.number))
+def _withstood(row: Row, body: Walk | None, done: Mapping[tuple[str, Walk | None], list[Done]]) -> Withstood:
+    return Withstood(row, sorted(done[row.name, body], key=lambda one: one.task.trial.number), body)

@@ -9,11 +9,16 @@ from pathlib import Path
 
 import numpy as np
 
-from humanoid_bt.bench.promises import BODY, HARD_PUSH, Promise
+from humanoid_bt.bench.promises import BODY as USUAL
+from humanoid_bt.bench.promises import HARD_PUSH, Promise
 from humanoid_bt.campaign.result import Result
 from humanoid_bt.campaign.trial import CONDITION, PUSH, SET, Trial
 from humanoid_bt.core.units import readable
 from humanoid_bt.plant.scene import random_stream
+from humanoid_bt.robot.config import Walk
+
+BODY = "body"
+"""In what a trial is given: which body it tries."""
 
 _WALK, _STAND = str(Path(__file__).with_name("walk.yaml")), "stand"
 _SCENE = "empty"
@@ -45,7 +50,7 @@ class Row:
 
     name: str
     what: str
-    promise: Promise = BODY
+    promise: Promise = USUAL
     walks: bool = True
     push: float = 0.0
     conditions: Mapping[str, float] = field(default_factory=dict)
@@ -54,15 +59,16 @@ class Row:
     goals: tuple[tuple[float, float], tuple[float, float], tuple[float, float]] = (_DISTANCE, _AROUND, _AROUND)
     limits: Mapping[str, float] = field(default_factory=dict)
 
-    def trial(self, number: int, robot: str, seed: int) -> Trial:
+    def trial(self, number: int, robot: str, seed: int, body: Walk | None = None) -> Trial:
         """Return a trial of this row.
 
-        Rows with the same ``goals`` draw the same goal, moment and direction of a seed.
+        Rows with the same ``goals`` draw the same goal, moment and direction of a seed, for every body.
 
         Args:
             number: its place among all trials.
             robot: the ``robot.yaml``.
             seed: of everything random.
+            body: what walks and balances; what ``robot.yaml`` says if None.
         """
         numbers = random_stream(seed, "bench", "body")
         ends = (*self.goals, _PUSHED_AT, _AROUND)
@@ -74,7 +80,8 @@ class Row:
         given |= {f"{SET}.{name}": value for name, value in goal.items()} if self.walks else {}
         given |= {f"{PUSH}.1.{name}": value for name, value in push.items()} if self.push else {}
         tree, duration = (_WALK, _WALKING_TIME) if self.walks else (_STAND, _STANDING_TIME)
-        return Trial(number, tree, robot, _SCENE, seed, given, duration)
+        chosen = {BODY: body} if body else {}
+        return Trial(number, tree, robot, _SCENE, seed, {**given, **chosen}, duration)
 
     def judged(self, result: Result) -> Result:
         """Return what came of a trial: no success if something was more than it may be."""
@@ -100,7 +107,7 @@ def _pushed(walks: bool, *forces: float) -> list[Row]:
         Row(
             f"push-{how}-{force:g}",
             f"pushed with {force:g} N for {_PUSH_TIME:g} s, {how}",
-            HARD_PUSH if force >= 200 and not walks else BODY,
+            HARD_PUSH if force >= 200 and not walks else USUAL,
             walks,
             force,
         )

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
+from humanoid_bt.bench.body_rows import BODY
 from humanoid_bt.bench.gait import UNITS, GaitWatch
 from humanoid_bt.campaign.result import SUCCESS, Result
 from humanoid_bt.campaign.stage_trials import pushes, result_of
@@ -21,6 +22,7 @@ from humanoid_bt.core.messages import SIDES, Array
 from humanoid_bt.core.odometry import odometry_error
 from humanoid_bt.files.workspace import Workspace, builtin_root
 from humanoid_bt.plant.mujoco_plant import MujocoPlant
+from humanoid_bt.robot.config import Walk
 from humanoid_bt.robot.model import sole_site
 from humanoid_bt.testing.stage import Stage
 from humanoid_bt.testing.tree_run import TreeRun
@@ -33,14 +35,14 @@ _FELL, _ASTRAY = "fell", "failure"
 
 def make() -> Run:
     """Return what runs trials in this process."""
-    stages: dict[str, Stage] = {}
+    stages: dict[tuple[str, Walk | None], Stage] = {}
 
     def run(task: Task) -> Answer:
         trial, began = task.trial, time.monotonic()
-        if trial.robot not in stages:
-            stages.clear()
-            stages[trial.robot] = Stage(Workspace(builtin_root()), trial.robot, trial.scene)
-        stage = stages[trial.robot]
+        key = trial.robot, trial.given.get(BODY)
+        if key not in stages:
+            stages[key] = Stage(Workspace(builtin_root()), trial.robot, trial.scene, body=key[1])
+        stage = stages[key]
         goal = trial.part(SET)
         watch = GaitWatch(lambda: stage.plant, math.hypot(goal["x"], goal["y"])) if goal else None
         found = stage.run(

@@ -17,7 +17,7 @@ from humanoid_bt.core.errors import UserError
 from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.session.report import ExitCode
 
-_OF_BODY = ("robot", "only", "trials", "seed", "workers", "record", "workspace")
+_OF_BODY = ("robot", "walk", "only", "trials", "seed", "workers", "record", "workspace")
 
 
 def bench(arguments: argparse.Namespace) -> int:

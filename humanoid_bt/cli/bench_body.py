@@ -9,6 +9,7 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import closing
 from pathlib import Path
+from typing import get_args
 
 from rich.text import Text
 
@@ -25,6 +26,7 @@ from humanoid_bt.core.errors import relative
 from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.record.folder import make_room
 from humanoid_bt.record.folder_limits import load_limits
+from humanoid_bt.robot.config import RobotConfig, Walk
 from humanoid_bt.session.loader import DEFAULT_ROBOT
 from humanoid_bt.session.options import RUNS, default_recording, make_folder
 from humanoid_bt.session.report import ExitCode
@@ -38,7 +40,8 @@ _GAIT_HEADER = f"{'gait':<17}{'mean':>8}{'median':>8}{'worst':>8}  {'promised':>
 def bench_body(arguments: argparse.Namespace) -> int:
     """Try a robot, print each row as it is done, then what failed and how it is seen again; return the exit code."""
     file = Workspace(arguments.workspace).find_robot(arguments.robot or DEFAULT_ROBOT).absolute()
-    config = load_robot(file)[0].config
+    config = load_robot(file, arguments.walk)[0].config
+    bodies = _bodies(config, arguments.walk)
     asked = chosen(arguments.only or [])
     rows = [row for row in asked if config.hands or not row.hands]
     first, number = arguments.seed or 0, arguments.trials or _TRIALS
@@ -46,16 +49,15 @@ def bench_body(arguments: argparse.Namespace) -> int:
     seeds = range(first, first + number)
     trials = f"{number} trials each, seeds {first} to {seeds[-1]}" if number > 1 else f"a trial each, seed {first}"
     console.print(f"what {config.name} withstands, in {trials}")
-    _say(console, Text(_HEADER, "dim"))
-    found, whole = _tried(console, arguments, file, rows, seeds)
+    for line in _headers(bodies):
+        _say(console, Text(line, "dim"))
+    found, whole = _tried(console, arguments, file, rows, seeds=seeds, bodies=bodies)
     for row in asked:
         if row not in rows:
             console.print(f"{row.name:<17}  {config.name} has no hands", style="dim")
-    figures = [figure for one in found for figure in one.gait]
-    if figures:
-        _say(console, Text(f"\n{_GAIT_HEADER}", "dim"))
-    for figure in figures:
-        _say(console, _gait_line(figure))
+    figures: list[GaitFigure] = []
+    for body in bodies:
+        figures += _gait(console, [one for one in found if one.body == body], body)
     for one in found:
         if one.failed:
             print_lines(["", *_failures(one, arguments)])
@@ -66,22 +68,48 @@ def bench_body(arguments: argparse.Namespace) -> int:
         write_figures(arguments.json, {**head, "rows": [one.to_dict() for one in found]})
     if not whole:
         done = sum(len(one.trials) for one in found)
-        print(f"interrupted after {done} of {len(rows) * number} trials", file=sys.stderr)
+        print(f"interrupted after {done} of {len(rows) * len(bodies) * number} trials", file=sys.stderr)
         return ExitCode.INTERRUPTED
     kept = {one.verdict for one in found} | {figure.verdict for figure in figures} <= {"ok"}
     return ExitCode.SUCCESS if kept else ExitCode.FAILURE
 
 
+def _bodies(config: RobotConfig, walk: Walk | None) -> list[Walk | None]:
+    """Return what is tried: both bodies of a robot that has two, the one that its file names first."""
+    if walk is not None or config.body.policy is None:
+        return [walk]
+    return sorted(get_args(Walk), key=lambda body: body != config.body.walk)
+
+
+def _gait(console: SafeConsole, found: Sequence[Withstood], body: Walk | None) -> list[GaitFigure]:
+    """Print what some rows tell of the gait of a body, and return it."""
+    figures = [figure for one in found for figure in one.gait]
+    if figures:
+        _say(console, Text(f"\n{_GAIT_HEADER}{f'  {body}' if body else ''}", "dim"))
+    for figure in figures:
+        _say(console, _gait_line(figure))
+    return figures
+
+
 def _tried(
-    console: SafeConsole, arguments: argparse.Namespace, robot: Path, rows: Sequence[Row], seeds: Sequence[int]
+    console: SafeConsole,
+    arguments: argparse.Namespace,
+    robot: Path,
+    rows: Sequence[Row],
+    *,
+    seeds: Sequence[int],
+    bodies: Sequence[Walk | None],
 ) -> tuple[list[Withstood], bool]:
     """Try rows and print each as it is done; return what is known of those that are begun, and whether that is all."""
-    known: dict[str, Withstood] = {}
+    known: dict[tuple[str, Walk | None], Withstood] = {}
     left = [row.name for row in rows]
-    began, total = time.monotonic(), len(rows) * len(seeds)
+    began, total = time.monotonic(), len(rows) * len(bodies) * len(seeds)
+
+    def of(name: str) -> list[Withstood]:
+        return [known[name, body] for body in bodies if (name, body) in known]
 
     def progress(found: Withstood) -> None:
-        known[found.row.name] = found
+        known[found.row.name, found.body] = found
         done = sum(len(one.trials) for one in known.values())
         to_go = duration((time.monotonic() - began) / done * (total - done))
         status.update(f"{found.row.name}: {len(found.trials)}/{len(seeds)}; {done}/{total}, {to_go} left")
@@ -91,17 +119,20 @@ def _tried(
     with console.status("loading the robot") as status:
         try:
             with closing(
-                measure_body(robot, rows, seeds, workers=workers, progress=progress, recordings=recordings)
+                measure_body(
+                    robot, rows, seeds, workers=workers, progress=progress, recordings=recordings, bodies=bodies
+                )
             ) as measured:
                 for found in measured:
-                    left.remove(found.row.name)
-                    _say(console, _line(found))
+                    if found.body == bodies[-1]:
+                        left.remove(found.row.name)
+                        _say(console, _line(of(found.row.name)))
         except KeyboardInterrupt:
             pass
     for name in left:
-        if name in known:
-            _say(console, _line(known[name]))
-    return [known[row.name] for row in rows if row.name in known], not left
+        if of(name):
+            _say(console, _line(of(name)))
+    return [found for row in rows for found in of(row.name)], not left
 
 
 def _say(console: SafeConsole, line: Text) -> None:
@@ -110,12 +141,26 @@ def _say(console: SafeConsole, line: Text) -> None:
     console.file.flush()
 
 
-def _line(found: Withstood) -> Text:
-    good, feet = found.good, found.on_feet
-    reached = f"{good.count}/{good.of}" if found.row.walks else ""
-    line = Text(f"{found.row.name:<17}  {reached:>5}  {f'{feet.count}/{feet.of}':>5}  ")
-    line.append(f"{_between(good.interval):>8}  {f'{found.row.promise.bound:g} %':>8}  ")
-    return line.append(judged(found.verdict))
+def _headers(bodies: Sequence[Walk | None]) -> list[str]:
+    if len(bodies) == 1:
+        return [_HEADER]
+    over = "".join(f"  {body:^18}" for body in bodies)
+    return [f"{'':<17}{over}", f"{'':<17}{'   goal   feet     ' * len(bodies)}  promised"]
+
+
+def _line(found: Sequence[Withstood]) -> Text:
+    """Return the line of a row, the bodies side by side."""
+    row = found[0].row
+    line = Text(f"{row.name:<17}")
+    for one in found:
+        reached = f"{one.good.count}/{one.good.of}" if row.walks else ""
+        line.append(f"  {reached:>5}  {f'{one.on_feet.count}/{one.on_feet.of}':>5}")
+        if len(found) > 1:
+            line.append("  ").append(judged(one.verdict)).append(" " * (6 - len(one.verdict)))
+    if len(found) == 1:
+        line.append(f"  {_between(found[0].good.interval):>8}")
+    line.append(f"  {f'{row.promise.bound:g} %':>8}")
+    return line if len(found) > 1 else line.append("  ").append(judged(found[0].verdict))
 
 
 def _gait_line(figure: GaitFigure) -> Text:
@@ -130,7 +175,7 @@ def _between(interval: Interval) -> str:
 
 def _failures(found: Withstood, arguments: argparse.Namespace) -> Iterator[str]:
     """Yield which trials of a row failed, why the worst did, and the command that records it."""
-    yield from hanging("", f"{found.row.name}: {found.row.what}")
+    yield from hanging("", f"{found.row.name}{f' ({found.body})' if found.body else ''}: {found.row.what}")
     for text, fell in (("fell", True), ("not there", False)):
         seeds = [str(done.task.trial.seed) for done in found.failed if done.result.fell is fell]
         more = f" and {len(seeds) - _SEEDS} more" if len(seeds) > _SEEDS else ""
@@ -144,6 +189,7 @@ def _failures(found: Withstood, arguments: argparse.Namespace) -> Iterator[str]:
         return
     words = ["humanoid-bt", "bench", "--body", "--only", found.row.name, "--seed", str(seed), "--trials", "1"]
     words += ["--record", *(["--robot", arguments.robot] if arguments.robot else [])]
+    words += ["--walk", found.body] if found.body else []
     words += ["--workspace", str(arguments.workspace)] if arguments.workspace else []
     yield from hanging("  ", shlex.join(words))
 
@@ -156,8 +202,8 @@ def _recorded(found: Sequence[Withstood]) -> Iterator[str]:
         yield f"and {len(files) - _SEEDS} more in {RUNS}"
 
 
-def _recordings() -> Callable[[Row, int], Path]:
+def _recordings() -> Callable[[Row, int, Walk | None], Path]:
     """Return what says where trials are recorded, with room made for them; raises UserError."""
     make_folder()
     make_room(RUNS, load_limits(RUNS))
-    return lambda row, seed: default_recording(f"{row.name}-seed{seed}").absolute()
+    return lambda row, seed, body: default_recording(f"{row.name}{f'-{body}' if body else ''}-seed{seed}").absolute()

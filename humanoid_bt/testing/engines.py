@@ -14,6 +14,7 @@ from humanoid_bt.perception.senses import new_perception
 from humanoid_bt.perception.simulated import SimulatedPerception
 from humanoid_bt.plant.mujoco_plant import MujocoPlant
 from humanoid_bt.plant.scene import Scene, SceneConfig, load_scene
+from humanoid_bt.robot.config import Walk
 from humanoid_bt.session.engine import Engine
 from humanoid_bt.session.loader import DEFAULT_ROBOT, DEFAULT_SCENE
 from humanoid_bt.session.lockstep import Lockstep
@@ -47,6 +48,7 @@ class Engines:
         robot, scene: names or paths; what each tree says if None.
         dry: whether they simulate no body.
         perception: the percept sources; what each tree or its scene says if None.
+        body: what walks and balances; what ``robot.yaml`` says if None.
     """
 
     def __init__(
@@ -57,9 +59,10 @@ class Engines:
         dry: bool,
         *,
         perception: Sources | None = None,
+        body: Walk | None = None,
     ) -> None:
         self._workspace, self._robot, self._scene, self._dry = workspace, robot, scene, dry
-        self._perception = perception
+        self._perception, self._body = perception, body
         self._files: dict[tuple[str, str], tuple[Path, SceneConfig]] = {}
         self._kept: tuple[object, Ready] | None = None
 
@@ -115,7 +118,7 @@ class Engines:
         return self._files[robot, scene]
 
     def _made(self, robot_file: Path, scene: Scene) -> Ready:
-        robot, start = load_robot(robot_file)
+        robot, start = load_robot(robot_file, self._body)
         perception = SimulatedPerception(scene, scene.seed)  # until a run says what it sees with
         if self._dry:
             return Ready(Dry(robot, start, scene, perception), None, [], robot_file, scene.config.path)

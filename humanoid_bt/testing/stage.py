@@ -18,6 +18,7 @@ from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.perception.choice import written
 from humanoid_bt.plant.mujoco_plant import MujocoPlant
 from humanoid_bt.record.sinks import Sinks
+from humanoid_bt.robot.config import Walk
 from humanoid_bt.session import limits
 from humanoid_bt.session.drive import Drive
 from humanoid_bt.session.engine import Engine
@@ -50,6 +51,7 @@ class Stage:
         robot, scene: names or paths; what each tree says if None.
         dry: without physics: the robot is at once where it is told to be. For the logic of trees only.
         perception: the percept sources, as in a scene file; what each tree or its scene says if None.
+        body: what walks and balances, "dcm" or "policy"; what ``robot.yaml`` says if None.
 
     Raises:
         UserError: the workspace is no folder, or the perception names no sources.
@@ -63,13 +65,14 @@ class Stage:
         dry: bool = False,
         *,
         perception: str | Mapping[str, Any] | Sequence[Any] | None = None,
+        body: Walk | None = None,
     ) -> None:
         self.workspace = workspace if isinstance(workspace, Workspace) else Workspace(workspace)
         self.dry = dry
         self._robot = None if robot is None else str(robot)
         self._scene = None if scene is None else str(scene)
         self._perception = written(perception)
-        self._engines = Engines(self.workspace, self._robot, self._scene, dry, perception=self._perception)
+        self._engines = Engines(self.workspace, self._robot, self._scene, dry, perception=self._perception, body=body)
         self._trees: OrderedDict[tuple[str, str], Tree] = OrderedDict()
         self._stood_in: tuple[Tree, Mapping[str, Replacement], Draft] | None = None
 

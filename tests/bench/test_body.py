@@ -158,7 +158,7 @@ def test_a_robot_that_was_to_stand_has_done_so_unless_it_was_stopped(plant: Mujo
 
 def measured(rows: Sequence[str], workers: int, folder: Path | None = None) -> list[Withstood]:
     told: list[Withstood] = []
-    recordings = None if folder is None else lambda one, seed: folder / f"{one.name}-{seed}.rrd"
+    recordings = None if folder is None else lambda one, seed, _: folder / f"{one.name}-{seed}.rrd"
     wanted = [row(name) for name in rows]
     found = list(measure_body(ROBOT, wanted, [1], workers=workers, progress=told.append, recordings=recordings))
     assert [(one.row.name, len(one.trials)) for one in found] == [(name, 1) for name in rows]

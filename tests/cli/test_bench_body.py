@@ -15,6 +15,10 @@ from humanoid_bt.campaign.result import Cost, Result
 from humanoid_bt.campaign.trial import Task
 from humanoid_bt.campaign.workers import Done
 from humanoid_bt.cli import bench_body, main
+from humanoid_bt.control.body.standing import load_robot
+from humanoid_bt.files.workspace import Workspace, builtin_root
+from humanoid_bt.robot.model import BASE_COORDINATES
+from tests.policy_files import write_standing_robot
 
 FALLS = "the robot is falling: its base is tilted (supervisor)"
 
@@ -29,7 +33,7 @@ def asked(monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
     ) -> Generator[Withstood]:
         asked.update(robot=robot, rows=[row.name for row in rows], seeds=list(seeds), **given)
         number = 0
-        for row in rows:
+        for row, body in [(row, body) for row in rows for body in given["bodies"]]:
             trials: list[Done] = []
             for seed in seeds:
                 if number == asked["interrupt"]:
@@ -37,13 +41,15 @@ def asked(monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
                 result = Result("success", "there", time=9.0, trace="abc")
                 if row.name == "slope" and seed % 2:
                     result = Result("fell", FALLS, time=seed / 10, fell=True)
+                if body == "dcm" and seed == 0:
+                    result = Result("fell", FALLS, time=2.0, fell=True)
                 if row.name == "slope" and seed == 4:
                     result = Result("failure", "walk_to: comes no nearer", time=30.0)
-                recording = str(given["recordings"](row, seed)) if given["recordings"] else ""
-                trials.append(Done(Task(row.trial(number, str(robot), seed), recording), result, Cost()))
-                progress(Withstood(row, list(trials)))
+                recording = str(given["recordings"](row, seed, body)) if given["recordings"] else ""
+                trials.append(Done(Task(row.trial(number, str(robot), seed, body), recording), result, Cost()))
+                progress(Withstood(row, list(trials), body))
                 number += 1
-            yield Withstood(row, trials)
+            yield Withstood(row, trials, body)
 
     monkeypatch.setattr(bench_body, "measure_body", measure)
     return asked
@@ -76,6 +82,22 @@ def test_what_failed_is_told_with_the_worst_first_and_the_command_that_shows_it(
         f"seed 1, 0.1 s: {FALLS}",
         "humanoid-bt bench --body --only slope --seed 1 --trials 1 --record",
     ]
+
+
+def test_a_robot_with_two_bodies_has_them_side_by_side(
+    asked: dict[str, Any], tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pytest.importorskip("onnxruntime", reason="learned walkers need onnxruntime: pip install 'humanoid-bt[policy]'")
+    robot, standing = load_robot(Workspace(builtin_root()).find_robot("humanoid"))
+    path = write_standing_robot(tmp_path, robot.joint_names, standing[BASE_COORDINATES:])
+    command = ["bench", "--body", "--robot", str(path), "--only", "goals", "--trials", "4"]
+    assert main(command) == 1
+    rows = [" ".join(line.split()) for line in capsys.readouterr().out.splitlines()]
+    assert rows[1:4] == ["policy dcm", "goal feet goal feet promised", "goals 4/4 4/4 ok 3/4 3/4 missed 95 %"]
+    assert "goals (dcm): walks to a random goal" in rows
+    assert rows[-1].endswith("--walk dcm")
+    assert main([*command, "--walk", "policy"]) == 0
+    assert asked["bodies"] == ["policy"]
 
 
 def test_the_exit_code_says_whether_every_promise_is_kept(asked: dict[str, Any]) -> None:
@@ -111,8 +133,6 @@ def test_the_file_holds_every_trial(tmp_path: Path) -> None:
 def test_a_robot_without_hands_carries_nothing_in_them(
     tmp_path: Path, asked: dict[str, Any], capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from humanoid_bt.files.workspace import Workspace, builtin_root
-
     built_in = Workspace(builtin_root()).find_robot("humanoid")
     text = built_in.read_text(encoding="utf-8")
     folder = tmp_path / "sim" / "armless"
@@ -150,7 +170,7 @@ def test_recordings_are_named(
     assert main(["bench", "--body", "--only", "slope", "--trials", "1", "--seed", "7", "--record"]) == 1
     out = capsys.readouterr().out
     assert "in a trial each, seed 7" in out
-    recording = asked["recordings"](chosen(["slope"])[0], 7)
+    recording = asked["recordings"](chosen(["slope"])[0], 7, None)
     assert recording.parent == tmp_path / "runs"
     assert recording.name.startswith("slope-seed7-")
     shown = [line.split() for line in out.splitlines() if "runs/" in line]

@@ -69,6 +69,9 @@ def add_bench(commands: Commands) -> None:
     )
     body = bench.add_argument_group("with --body")
     body.add_argument("--robot", metavar="R", help="name, folder or robot.yaml; default: humanoid")
+    body.add_argument(
+        "--walk", choices=("policy", "dcm"), help="of a robot with two bodies, only this one; default: side by side"
+    )
     body.add_argument("--only", nargs="+", metavar="ROW", help="rows, by name or pattern ('push-*'); default: all")
     body.add_argument("--trials", type=number(COUNT), metavar="N", help="of each row; default 20")
     body.add_argument("--seed", type=number(SEED), metavar="FIRST", help="of the first trial; default 0")
