@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from threading import Event
@@ -42,6 +43,7 @@ class Row:
         resets: whether the latched stop is reset in the end.
         promised: whether standing is promised, or only counted.
         may_fall: whether a fall that ends limp is as told, too.
+        within: time in which the first of the modes must follow [s].
     """
 
     name: str
@@ -55,6 +57,7 @@ class Row:
     resets: bool = False
     promised: bool = True
     may_fall: bool = False
+    within: float = math.inf
 
 
 # ---- emergency stop, requested stop ---------------------------------------------------------------------------------
@@ -304,8 +307,8 @@ ROWS = {
 POLICY_ROWS = {
     row.name: row
     for row in [
-        Row("the policy's answers not finite", policy_wrong, (PROTECT,), "the run's end", may_fall=True),
-        Row("the policy never answers", policy_stuck, (PROTECT,), "the run's end", may_fall=True),
+        Row("the policy's answers not finite", policy_wrong, (PROTECT,), "the run's end", may_fall=True, within=0.085),
+        Row("the policy never answers", policy_stuck, (PROTECT,), "the run's end", may_fall=True, within=0.085),
     ]
 }
 """Further ones of a robot with a learned walker."""

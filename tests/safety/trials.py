@@ -68,6 +68,8 @@ class Outcome:
     def as_told(self) -> bool:
         """Whether the row's modes followed, and the robot stood, or lay limp, as the row says."""
         row, modes = _ALL_ROWS[self.row], self.mode_sequence
+        if self.modes and self.modes[0][0] > row.within:
+            return False
         stood, lies = self.standing and not self.limp, self.limp and not self.standing
         if row.may_fall and modes == (*row.modes, Mode.DAMP):
             return lies and self.finite
