@@ -76,10 +76,12 @@ class Outcome:
         return modes == row.modes and (stood if row.stands else lies) and self.finite
 
 
-@functools.cache
 def shared_machine(robot: str = "humanoid") -> Machine:
-    """Return the one robot of this process."""
-    return Machine(robot)
+    """Return the one robot of this name in this process."""
+    return _machine(robot)
+
+
+_machine = functools.cache(Machine)
 
 
 def trial(row_name: str, activity: str, seed: int, robot: str = "humanoid") -> Outcome:

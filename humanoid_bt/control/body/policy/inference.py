@@ -39,11 +39,12 @@ class Inference:
         self._thread = threading.Thread(target=_work, args=work, name="policy", daemon=True)
         self._thread.start()
         weakref.finalize(self, self._orders.put, None)
-        self._ranked = False
+        self._asked = self._ranked = False
 
     def ask(self, inputs: Mapping[str, Tensor]) -> None:
         """Ask; what was asked before must have been answered."""
-        if not self._ranked:
+        if not self._asked:
+            self._asked = True
             self._rank()
         self.busy = True
         self._orders.put(inputs)
@@ -64,12 +65,21 @@ class Inference:
             raise answer
         return answer
 
+    def give_up(self) -> None:
+        """Take its priority away: a network that computes for ever is not to keep others from a processor."""
+        if self._ranked:
+            self._set_scheduler(os.SCHED_OTHER, 0)
+        self._asked = self._ranked = False
+
     def _rank(self) -> None:
         """Run right below whoever asks, if that one has realtime priority: above all else that keeps a machine busy."""
-        self._ranked = True
         if hasattr(os, "sched_getscheduler") and os.sched_getscheduler(0) == os.SCHED_FIFO:
-            below = os.sched_param(max(1, os.sched_getparam(0).sched_priority - 1))
-            os.sched_setscheduler(self._thread.native_id or 0, os.SCHED_FIFO, below)
+            self._set_scheduler(os.SCHED_FIFO, max(1, os.sched_getparam(0).sched_priority - 1))
+            self._ranked = True
+
+    def _set_scheduler(self, policy: int, priority: int) -> None:
+        if self._thread.native_id is not None:
+            os.sched_setscheduler(self._thread.native_id, policy, os.sched_param(priority))
 
 
 def _work(network: Network, outputs: list[str], orders: _Orders, answers: _Answers) -> None:

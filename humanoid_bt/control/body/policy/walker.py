@@ -105,6 +105,7 @@ class LearnedWalker:
         self._missed += 1
         if self._missed >= most:
             self.failure = fault
+            self._inference.give_up()
         return False
 
     def executed(self, moved: Indices, position: Array) -> None:
