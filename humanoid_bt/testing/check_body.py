@@ -18,7 +18,7 @@ from humanoid_bt.plant.scene import Scene
 from humanoid_bt.plant.scene_config import SceneConfig
 from humanoid_bt.robot.config import Walk
 
-_STAND, _STILL = 4.0, 0.05  # s; m and rad that it may drift meanwhile
+_STAND, _STILL, _TURNS = 4.0, 0.05, 0.1  # s; m and rad that it may drift meanwhile: walkers turn slowly as they stand
 _GOAL = (0.8, 0.3, 0.5)  # m, m, rad: where it is to walk
 _WALK, _NEAR, _TURNED = 20.0, 0.06, 0.12  # s; m and rad from there that count as arrived
 _FAR = (3.0, 0.0, 0.0)
@@ -143,7 +143,7 @@ def _tried(trial: _Trial) -> Iterator[BodyRule]:
 def _stands(name: str, trial: _Trial) -> BodyRule:
     trial.run(_STAND, {})
     off, turned = _off(trial.state, (0.0, 0.0, 0.0))
-    good = not trial.fallen and trial.state.base_settled and off < _STILL and turned < _STILL
+    good = not trial.fallen and trial.state.base_settled and off < _STILL and turned < _TURNS
     return BodyRule(name, good, f"{_how(trial)} after {_STAND:g} s, {off * 100:.1f} cm and {turned:.2f} rad from there")
 
 
