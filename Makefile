@@ -5,7 +5,7 @@ BIN := $(VENV)/bin
 export OMP_NUM_THREADS ?= 1
 export OPENBLAS_NUM_THREADS ?= 1
 
-.PHONY: demo test test-trials test-docs test-cluster test-policy test-install check docs bench clean
+.PHONY: demo test test-trials test-docs test-cluster test-policy test-ros test-install check docs bench clean
 
 demo: $(VENV)/.installed
 	$(BIN)/humanoid-bt run fetch
@@ -13,8 +13,8 @@ demo: $(VENV)/.installed
 # They start hundreds of Python processes, which are not to compile the package each time.
 test test-trials: export PYTHONDONTWRITEBYTECODE :=
 test: $(VENV)/.installed-dev
-	$(BIN)/python -m pytest -n auto --dist loadfile -m "not realtime and not trials and not docs and not install and not ray and not policy"
-	$(BIN)/python -m pytest -m "realtime and not trials" $$(grep -rl mark.realtime tests)
+	$(BIN)/python -m pytest -n auto --dist loadfile -m "not realtime and not trials and not docs and not install and not ray and not policy and not ros"
+	$(BIN)/python -m pytest -m "realtime and not trials and not ros" $$(grep -rl mark.realtime tests)
 
 test-trials: $(VENV)/.installed-dev  ## further cases of what a whole robot does, and the bench of realtime mode
 	$(BIN)/python -m pytest -n auto --dist worksteal -m "trials and not realtime" $(if $(PART),--part $(PART))
@@ -28,6 +28,9 @@ test-cluster: $(VENV)-cluster/.installed  ## campaigns on a Ray cluster of two n
 
 test-policy: $(VENV)-policy/.installed  ## learned walkers: tiny ones, and published ones where they are, in an environment of its own
 	$(VENV)-policy/bin/python -m pytest tests/robot/policy tests/control/body/policy tests/session/test_body_choice.py tests/cli/test_bench_body.py tests/policies
+
+test-ros: $(VENV)-ros/.installed  ## the gateway beside real nodes of ROS 2 on this machine, in an environment of its own
+	$(VENV)-ros/bin/python -m pytest -m ros tests/gateway
 
 test-install: $(VENV)/.installed-dev  ## the wheel in an empty environment, with what it declares to need
 	$(BIN)/python -m pytest -m install
@@ -45,7 +48,7 @@ bench: $(VENV)/.installed
 	$(BIN)/humanoid-bt bench
 
 clean:
-	rm -rf $(VENV) $(VENV)-cluster $(VENV)-policy build dist runs .pytest_cache .mypy_cache .ruff_cache
+	rm -rf $(VENV) $(VENV)-cluster $(VENV)-policy $(VENV)-ros build dist runs .pytest_cache .mypy_cache .ruff_cache
 
 $(VENV)/bin/python:
 	$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "Python 3.11 or newer is needed: make PYTHON=python3.11 ...")'
@@ -63,6 +66,11 @@ $(VENV)-cluster/.installed: pyproject.toml constraints.txt
 $(VENV)-policy/.installed: pyproject.toml constraints.txt
 	test -x $(VENV)-policy/bin/python || $(PYTHON) -m venv $(VENV)-policy
 	$(VENV)-policy/bin/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[test,policy]'
+	touch $@
+
+$(VENV)-ros/.installed: pyproject.toml constraints.txt
+	test -x $(VENV)-ros/bin/python || $(PYTHON) -m venv $(VENV)-ros
+	$(VENV)-ros/bin/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[test,ros]' ros-kilted-test-msgs
 	touch $@
 
 $(VENV)/.installed-dev: pyproject.toml constraints.txt | $(VENV)/bin/python

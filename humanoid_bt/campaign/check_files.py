@@ -10,9 +10,11 @@ from humanoid_bt.campaign.planning import checked_campaign
 from humanoid_bt.checking.check import Kinds, collect, findings, settled
 from humanoid_bt.core.errors import Problem, UserError
 from humanoid_bt.files.workspace import Workspace
+from humanoid_bt.gateway.file import FOLDER as GATEWAYS
+from humanoid_bt.gateway.file import load_gateway
 from humanoid_bt.testing.scenario_check import checked_scenario
 
-KINDS: Kinds = {"scenarios": checked_scenario, FOLDER: checked_campaign}
+KINDS: Kinds = {"scenarios": checked_scenario, FOLDER: checked_campaign, GATEWAYS: lambda path, _: load_gateway(path)}
 """What reads the files of a folder that are no trees, scenes, robots or skills."""
 
 

@@ -78,6 +78,7 @@ def _session(arguments: argparse.Namespace, printer: Printer) -> Session:
         plant=arguments.plant,
         plant_key=arguments.key,
         watch=arguments.watch,
+        gateway=arguments.gateway,
         record=not arguments.no_record and (arguments.record or True),
         record_part_size=arguments.record_part_size,
         view="auto" if implied else bool(view),

@@ -15,9 +15,9 @@ from humanoid_bt.files.reading import is_file, is_folder
 
 _PACKAGE = Path(__file__).resolve().parents[1]
 _TREES, _SCENES, _ROBOTS, _SKILLS = "trees/*.yaml", "sim/scenes/*.yaml", "sim/*/robot.yaml", "skills/*.py"
-_SCENARIOS, _CAMPAIGNS = "scenarios/*.yaml", "campaigns/*.yaml"
+_SCENARIOS, _CAMPAIGNS, _GATEWAYS = "scenarios/*.yaml", "campaigns/*.yaml", "gateways/*.yaml"
 _DEEP = ("trees", "scenarios", "campaigns")  # folders in which files may lie at any depth
-_Thing = Literal["tree", "scene", "robot", "scenario"]
+_Thing = Literal["tree", "scene", "robot", "scenario", "gateway"]
 
 
 def builtin_root() -> Path:
@@ -132,6 +132,10 @@ class Workspace:
         """Return every campaign file by name."""
         return self._files(_CAMPAIGNS)
 
+    def gateways(self) -> dict[str, Path]:
+        """Return every gateway file by name."""
+        return self._files(_GATEWAYS)
+
     def robots(self) -> dict[str, Path]:
         """Return every ``robot.yaml`` by the name of its folder."""
         found: dict[str, Path] = {}
@@ -167,6 +171,10 @@ class Workspace:
     def find_scenario(self, name: str) -> Path:
         """Return a scenario's file from its name or path; raises as :meth:`find_tree`."""
         return self._find(name, self.scenarios(), "scenario", "file")
+
+    def find_gateway(self, name: str) -> Path:
+        """Return a gateway file from its name or path; raises as :meth:`find_tree`."""
+        return self._find(name, self.gateways(), "gateway", "file")
 
     def find_robot(self, name: str) -> Path:
         """Return a robot's ``robot.yaml`` from its name, folder or path; raises as :meth:`find_tree`."""

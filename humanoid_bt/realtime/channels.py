@@ -9,7 +9,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
-from humanoid_bt.core.errors import Problem, UserError
+from humanoid_bt.core.errors import Place, Problem, UserError
 from humanoid_bt.link.estop import EStop
 from humanoid_bt.link.heartbeat import Heartbeat
 from humanoid_bt.link.ring import RingReader, RingWriter
@@ -35,6 +35,13 @@ _SIZES: dict[str, tuple[int, int]] = {  # ring -> (bytes in a slot, slots)
     "status": (16384, 8),  # decision -> all: what the tree does
 }
 
+_GATEWAY_SIZES: dict[str, tuple[int, int]] = {
+    "gateway_percept": (16384, 32),  # gateway -> decision, 50 Hz: what came from outside, and its sign of life
+    "gateway_news": (4096, 64),  # gateway -> decision: what happened to it
+    "gateway_estop_news": (4096, 64),  # the gateway's e-stop process -> decision, likewise
+    "gateway_told": (4096, 256),  # decision -> gateway: what happened in the run
+}
+
 ABANDONED = 2
 """What the quit flag stands at, at least, when decision does not wait for control: who ends last cleans up."""
 
@@ -55,6 +62,8 @@ class RunSpec:
         workspace: folder in which they are found.
         plant: where the plant is, if it is in another process: ``udp://HOST:PORT``; "" for the simulated one.
         key: file with the key for frames to it; "" for none.
+        gateway: path of the gateway file, "" for none.
+        joints: names of the robot's joints, for a gateway, which does not load the robot.
     """
 
     robot: str
@@ -69,6 +78,8 @@ class RunSpec:
     workspace: str = ""
     plant: str = ""
     key: str = ""
+    gateway: str = ""
+    joints: tuple[str, ...] = ()
 
     def write(self, folder: RunFolder) -> None:
         """Leave it in the run's folder."""
@@ -89,6 +100,18 @@ def create_channels(folder: RunFolder, **rooms: int) -> None:
     """
     _create(folder, _SIZES, rooms)
     Heartbeat.create(folder.path("quit")).close()
+
+
+def create_gateway_channels(folder: RunFolder, room: int) -> None:
+    """Make the channels of a gateway, before it starts for the first time.
+
+    Args:
+        folder: of the run.
+        room: the most bytes that its percepts take.
+    """
+    for name, (size, slots) in _GATEWAY_SIZES.items():
+        RingWriter.create(folder.path(name), room if name == "gateway_percept" else size, slots).close()
+    Heartbeat.create(folder.path("gateway_beat")).close()
 
 
 def create_lockstep_channels(folder: RunFolder, **rooms: int) -> None:
@@ -123,6 +146,11 @@ def cycle_tables(folder: RunFolder) -> tuple[Path, Path]:
     return folder.path("plans"), folder.path("cycles")
 
 
+def gateway_beat(folder: RunFolder) -> Heartbeat:
+    """Return the sign of life of the process that hears e-stops from outside."""
+    return Heartbeat.open(folder.path("gateway_beat"))
+
+
 def quit_flag(folder: RunFolder) -> Heartbeat:
     """Return the flag with which decision ends the run: it has beaten once, or :data:`ABANDONED` times."""
     return Heartbeat.open(folder.path("quit"))
@@ -136,7 +164,7 @@ def leave(folder: RunFolder) -> None:
 
 def leave_mistakes(folder: RunFolder, error: UserError) -> None:
     """Note what keeps a process from beginning, for decision, which reads it when that has ended."""
-    lines = [[problem.message, problem.hint, problem.code] for problem in error.problems]
+    lines = [[one.message, one.place and asdict(one.place), one.hint, one.code] for one in error.problems]
     with suppress(OSError):
         folder.path(_MISTAKES).write_text(json.dumps(lines), encoding="utf-8")
 
@@ -147,7 +175,7 @@ def left_mistakes(folder: RunFolder) -> list[Problem]:
         lines = json.loads(folder.path(_MISTAKES).read_text(encoding="utf-8"))
     except (OSError, ValueError):
         return []
-    return [Problem(message, None, hint, code) for message, hint, code in lines]
+    return [Problem(message, place and Place(**place), hint, code) for message, place, hint, code in lines]
 
 
 def note_lost(folder: RunFolder, why: str) -> None:

@@ -52,6 +52,10 @@ class Children:
         """Return how a process ended, "" while it runs."""
         return how_ended(self._processes[role])
 
+    def kill(self, role: str) -> None:
+        """End a process that does not answer."""
+        self._processes[role].kill()
+
     def end(self) -> None:
         """Wait until all have ended, kill those that do not; leave no zombie. Who interrupts this leaves them alone."""
         deadline = time.monotonic() + _END_TIMEOUT

@@ -16,7 +16,7 @@ from humanoid_bt.control.cycle_log import Layout
 from humanoid_bt.core.clock import DECISION_PERIOD
 from humanoid_bt.core.errors import ControlLost, HumanoidBtError, UserError
 from humanoid_bt.core.kept import Kept
-from humanoid_bt.core.messages import Array, Command, Percept, State, Truth
+from humanoid_bt.core.messages import Array, Command, Pause, Percept, State, Truth
 from humanoid_bt.core.plain import plain
 from humanoid_bt.link.ring import RingReader, RingWriter
 from humanoid_bt.link.run_folder import RunFolder, RunInfo, clean_stale, live_runs
@@ -37,6 +37,7 @@ from humanoid_bt.plant.touches import Touch
 from humanoid_bt.realtime import channels
 from humanoid_bt.realtime.channels import RunSpec
 from humanoid_bt.realtime.children import Children
+from humanoid_bt.realtime.gateway_life import GatewayLife, GatewayPlan
 from humanoid_bt.realtime.live_tree import TreeTeller
 from humanoid_bt.realtime.remote_supervisor import RemoteSupervisor, StateClock
 from humanoid_bt.realtime.schedule import Schedule, last_core
@@ -65,6 +66,7 @@ class Realtime:
         sources: the percept sources as they are written, None for the simulated tracker; and their workspace.
         publishes: the percepts that they publish; those of the scene if None.
         plant: where the plant is, if it is in another process, and the file with its key; "" for none.
+        gateway: what joins the run with programs outside of it, if anything does.
 
     Attributes:
         clock: the engine's clock.
@@ -88,10 +90,15 @@ class Realtime:
         sources: tuple[Any, str] = (None, ""),
         publishes: Collection[str] | None = None,
         plant: tuple[str, str] = ("", ""),
+        gateway: GatewayPlan | None = None,
     ) -> None:
         self.robot, self.scene = robot, scene
         self.publishes = list(scene.config.percepts if publishes is None else publishes)
         self._sources, self._plant = sources, plant
+        self._gateway_plan = gateway
+        self._gateway: GatewayLife | None = None
+        if gateway is not None:
+            self.publishes += [name for name in gateway.percepts if name not in self.publishes]
         self.clock = StateClock()
         self.model: mujoco.MjModel = MujocoPlant(robot, scene).model
         self.supervisor = RemoteSupervisor()
@@ -148,6 +155,9 @@ class Realtime:
         children = self._children = Children(folder)
         self._start(children, "control", "state")
         self._start(children, "perception", "percept")
+        if self._gateway_plan is not None:
+            self._gateway = GatewayLife(self._gateway_plan, folder, children)
+            self._gateway.start()
         self._schedule = Schedule(DECISION_PERIOD, spin=False)
         self._state_at = time.monotonic()
 
@@ -191,6 +201,8 @@ class Realtime:
             workspace=self._sources[1],
             plant=self._plant[0],
             key=self._plant[1],
+            gateway=str(self._gateway_plan.file.resolve()) if self._gateway_plan else "",
+            joints=tuple(self.robot.joint_names),
         )
 
     def abandon(self) -> str:
@@ -225,6 +237,8 @@ class Realtime:
                 folder.close()
             if self._teller is not None:
                 self._teller.close()
+            if self._gateway is not None:
+                self._gateway.close()
             for writer in self._writers.values():
                 writer.close()
             for reader in self._readers.values():
@@ -262,7 +276,25 @@ class Realtime:
             self._perceives = False
             self.unseen = dict.fromkeys(self.unseen, f"the perception process ended ({how})")
             self.notices.append(Event(self.clock.now(), "error", f"the perception process ended ({how})"))
+        if self._gateway is not None and self._gateway_plan is not None:
+            self._hear_gateway(self._gateway, self._gateway_plan.percepts)
         return self._state, dict(self._percepts)
+
+    @property
+    def hold(self) -> Pause | None:
+        """Why the tree is to stand still and control to hold the robot: the gateway is gone; None while it is there."""
+        return self._gateway.hold if self._gateway is not None else None
+
+    def _hear_gateway(self, gateway: GatewayLife, names: Collection[str]) -> None:
+        """Take what came from outside: of the percepts of these names nothing else counts."""
+        gateway.look()
+        for name in names:
+            self._percepts.pop(name, None)
+        self._percepts |= gateway.percepts
+        others = {name: why for name, why in self.unseen.items() if name not in names}
+        self.unseen = {**others, **gateway.unseen}
+        for level, text in gateway.take_news():
+            self.notices.append(Event(self.clock.now(), level, text))
 
     def request_reset(self, source: str) -> None:
         """Ask control for a reset; its answer comes as a notice."""
@@ -290,6 +322,11 @@ class Realtime:
         """Tell ``humanoid-bt status`` and ``show --live`` what the tree does."""
         if self._teller is not None:
             self._teller.tell(status, tree)
+
+    def announce(self, kind: str, values: Mapping[str, object]) -> None:
+        """Tell programs outside of the run what happened, if a gateway joins it with any."""
+        if self._gateway is not None:
+            self._gateway.tell(kind, values)
 
     def _hear_control(self) -> float:
         """Read what the other processes say; return how long control had been silent when this looked [s].

@@ -161,7 +161,10 @@ class Drive:
         Raises:
             KeyboardInterrupt: Ctrl-C; a first one when the tick is over, a second one at once.
         """
-        self._go(self.loop.tick)
+        if (hold := self.engine.hold) is not None:
+            self.stand_still(hold)
+        else:
+            self._go(self.loop.tick)
 
     def stand_still(self, pause: Pause) -> None:
         """Let a tick's time pass in which control holds the robot; raises as :meth:`tick`."""

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
-from typing import Any, NamedTuple, Protocol
+from typing import Any, Literal, NamedTuple, Protocol
 
 import mujoco
 
 from humanoid_bt.control.supervisor import Stop
 from humanoid_bt.core.clock import Clock
 from humanoid_bt.core.kept import Kept
-from humanoid_bt.core.messages import Array, Command, Percept, State, Truth
+from humanoid_bt.core.messages import Array, Command, Pause, Percept, State, Truth
 from humanoid_bt.link.wire import Event
 from humanoid_bt.plant.scene import Scene
 from humanoid_bt.plant.touches import Touch
@@ -91,6 +91,10 @@ class Engine(Protocol):
         """The percepts that its sources publish."""
 
     @property
+    def hold(self) -> Pause | None:
+        """Why the tree is to stand still and control to hold the robot; None while nothing keeps it."""
+
+    @property
     def unseen(self) -> Mapping[str, str]:
         """The percepts that were never published so far, and why."""
 
@@ -137,6 +141,14 @@ class Engine(Protocol):
 
         Raises:
             UserError: there is no such body, or nobody can push it.
+        """
+
+    def announce(self, kind: Literal["node", "event"], values: Mapping[str, object]) -> None:
+        """Tell programs outside of the run what happened.
+
+        Args:
+            kind: what it is.
+            values: as data for JSON.
         """
 
     def publish(self, status: Mapping[str, object], tree: Tree) -> None:

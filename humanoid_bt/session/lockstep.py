@@ -104,6 +104,10 @@ class Lockstep:
         return self.plant.truth()
 
     @property
+    def hold(self) -> None:
+        """None: nothing keeps the tree from its ticks."""
+
+    @property
     def timing(self) -> None:
         """None: simulated time has nothing to be late for."""
 
@@ -152,6 +156,9 @@ class Lockstep:
     def abandon(self) -> str:
         """Return "": simulated time stands still, and the simulation ends with the program."""
         return ""
+
+    def announce(self, kind: str, values: Mapping[str, object]) -> None:
+        """Tell nobody: only a gateway listens, in realtime mode."""
 
     def publish(self, status: Mapping[str, object], tree: Tree) -> None:
         """Tell other terminals what the tree does. A run for which there is no place in memory goes on without them."""

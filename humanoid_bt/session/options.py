@@ -59,6 +59,7 @@ class RunOptions:
         camera: whether the recording has pictures of the head camera; "auto" where they do not hold up the run.
         watch: swap the tree for an edited one whenever its files change; goes on when the tree has ended.
         view_optional: go on without the native viewer if it cannot be opened.
+        gateway: name or path of the gateway file; None for none.
         staged: what a test does to the run, as in the report; None if it does nothing.
     """
 
@@ -82,6 +83,7 @@ class RunOptions:
     camera: bool | Literal["auto"] = "auto"
     watch: bool = False
     view_optional: bool = False
+    gateway: str | None = None
     staged: dict[str, Any] | None = None
 
     @classmethod
@@ -109,6 +111,7 @@ class RunOptions:
         serve: Any,
         camera: Any,
         watch: Any,
+        gateway: Any,
     ) -> RunOptions:
         """Return the options that the arguments of a :class:`~humanoid_bt.session.session.Session` stand for.
 
@@ -126,6 +129,10 @@ class RunOptions:
         speed = judge.number("pace", pace, limits.POSITIVE)
         if speed and mode == "realtime":
             judge.note("'pace' does not go with the mode realtime", "realtime runs on the wall clock")
+        if gateway is not None and mode == "lockstep":
+            judge.note(
+                "'gateway' does not go with the mode lockstep", "valid: mode='realtime'; ROS time is a wall clock"
+            )
         named = judge.tree(tree)
         if isinstance(named, Tree):
             judge.loaded(named, parameters, watch)
@@ -157,6 +164,7 @@ class RunOptions:
             camera=camera,
             watch=watch,
             view_optional=view == "auto",
+            gateway=judge.name("gateway", gateway),
         )
         if judge.problems:
             raise UserError(judge.problems)

@@ -65,6 +65,7 @@ class Session(Debugging):
         serve: port of 127.0.0.1 on which a browser finds the viewer.
         camera: record what the head camera sees; "auto" where that does not hold up the run.
         watch: swap the tree for an edited one whenever its files change; goes on when the tree has ended.
+        gateway: in realtime mode, the name or the file of a gateway, which joins the run with ROS 2.
         listener: who is told what happens.
         parameters: values for the tree's parameters, for names that are those of arguments too.
         values: values for the tree's parameters: 0.45, or text as after ``--set``, "45 cm".
@@ -97,6 +98,7 @@ class Session(Debugging):
         serve: int | None = None,
         camera: bool | Literal["auto"] = "auto",
         watch: bool = False,
+        gateway: str | PathLike[str] | None = None,
         listener: Listener | None = None,
         parameters: Mapping[str, Any] | None = None,
         **values: Any,
@@ -123,6 +125,7 @@ class Session(Debugging):
             serve=serve,
             camera=camera,
             watch=watch,
+            gateway=gateway,
         )
         who = Listener() if listener is None else listening(listener)
         self._drive = Drive(options, workspace_of(options.tree, workspace), who)

@@ -101,6 +101,7 @@ class Teller:
         now, text = self.now if at is None else at, shortened(text)
         self.trace.events.append((now, level, text))
         self._listener.event(now, level, text)
+        self._engine.announce("event", {"time": now, "level": level, "text": text})
         if self.recorder is not None:
             self.recorder.event(now, level, text)
 
@@ -122,6 +123,8 @@ class Teller:
         """Tell that a node's status changed."""
         self.trace.node_changed(change)
         self._listener.node_changed(change)
+        now = {"path": change.path, "status": change.status.name, "feedback": shortened(change.feedback)}
+        self._engine.announce("node", {"time": change.time, **now})
         if self.recorder is not None:
             said = "; ".join(filter(None, [change.feedback, *map(str, change.results)]))
             self.recorder.node_changed(change.time, change.path, change.status.name, said)

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 from humanoid_bt.control.body.standing import load_robot
+from humanoid_bt.core.errors import UserError, relative
 from humanoid_bt.core.sources import Sources
 from humanoid_bt.files.workspace import Workspace
-from humanoid_bt.perception.choice import choose
+from humanoid_bt.gateway.plan import planned
+from humanoid_bt.perception.choice import DEFAULT, Chosen, choose
 from humanoid_bt.perception.senses import new_perception
 from humanoid_bt.plant.scene import Scene
 from humanoid_bt.realtime.decision_side import Realtime
+from humanoid_bt.realtime.gateway_life import GatewayPlan
 from humanoid_bt.session.engine import Engine
 from humanoid_bt.session.lockstep import Lockstep
 from humanoid_bt.session.options import RunOptions
@@ -35,8 +39,26 @@ def new_engine(
     robot, start = load_robot(robot_path, options.body)
     chosen = choose(sources, workspace, scene.config)
     if options.mode == "realtime":
+        gateway = _gateway(workspace.find_gateway(options.gateway), sources, chosen) if options.gateway else None
         written = (sources.written if sources else None, str(workspace.root))
         names = [name for one in chosen for name in one.names]
         plant = options.plant, options.plant_key
-        return Realtime(robot, scene, tree, options.hold, sources=written, publishes=names, plant=plant)
+        return Realtime(
+            robot, scene, tree, options.hold, sources=written, publishes=names, plant=plant, gateway=gateway
+        )
     return Lockstep(robot, start, scene, new_perception(chosen, robot, scene, waits=True))
+
+
+def _gateway(path: Path, sources: Sources | None, chosen: Sequence[Chosen]) -> GatewayPlan:
+    """Return the plan of a gateway.
+
+    Raises:
+        UserError: it has mistakes, or a source that is named publishes one of its percepts; the simulated tracker
+            leaves them to it.
+    """
+    plan = planned(path)
+    for one in chosen if sources is not None else ():
+        if one.name != DEFAULT and (twice := sorted(set(one.names) & set(plan.percepts))):
+            message = f"the source {one.name!r} and the gateway publish the percept {twice[0]!r}"
+            raise UserError(message, sources.place if sources else None, f"see {relative(path)}", "duplicate-percept")
+    return plan

@@ -72,7 +72,7 @@ class Dry:
 
     external_force_max = 0.0
     touches: Sequence[Touch] = ()
-    timing = cycle_tables = None
+    timing = cycle_tables = hold = None
 
     def __init__(self, robot: RobotModel, start: Array, scene: Scene, perception: Perception) -> None:
         self.robot = robot
@@ -135,6 +135,9 @@ class Dry:
     def abandon(self) -> str:
         """Return "": nothing goes on."""
         return ""
+
+    def announce(self, kind: str, values: Mapping[str, object]) -> None:
+        """Tell nobody: only a gateway listens, in realtime mode."""
 
     def publish(self, status: Mapping[str, object], tree: Tree) -> None:
         """Tell nobody."""

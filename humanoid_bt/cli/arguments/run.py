@@ -19,6 +19,7 @@ examples:
   humanoid-bt run fetch --plant udp://127.0.0.1:4747    on a robot in another process
   humanoid-bt run trees/mine.yaml --serve   watch it in a browser
   humanoid-bt run trees/mine.yaml --watch   edit it while it runs
+  humanoid-bt run fetch --mode realtime --gateway gateways/mine.yaml      on ROS 2
   humanoid-bt run fetch --break reach       pause when it reaches; c continues, n is one tick
 
 keys in its terminal:
@@ -124,6 +125,11 @@ def add_run(commands: Commands) -> None:
         default=10.0,
         metavar="S",
         help="realtime: how long control balances the robot when decision has died [s]; default 10",
+    )
+    run.add_argument(
+        "--gateway",
+        metavar="FILE",
+        help="realtime: join the run with ROS 2 as this gateway file says, by its name or path",
     )
     view = run.add_mutually_exclusive_group()
     view.add_argument("--view", action="store_true", default=None, help="open the live view (default with a display)")

@@ -1,0 +1,20 @@
+"""What a run needs to know of a gateway before it begins."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from humanoid_bt.gateway.check import check_types
+from humanoid_bt.gateway.file import load_gateway
+from humanoid_bt.realtime.gateway_life import GatewayPlan
+
+
+def planned(path: Path) -> GatewayPlan:
+    """Return what a gateway file plans, after a look whether what it names is installed.
+
+    Raises:
+        UserError: it has mistakes, or ROS 2 or a type is not installed.
+    """
+    config = load_gateway(path)
+    check_types(config)
+    return GatewayPlan(path, tuple(config.percepts), config.estop is not None)

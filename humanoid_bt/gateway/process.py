@@ -1,0 +1,137 @@
+"""The gateway process: from topics to the channels of a run, and back, until the run ends or decision dies."""
+
+from __future__ import annotations
+
+import os
+import queue
+import signal
+import sys
+from contextlib import ExitStack
+from functools import partial
+from pathlib import Path
+
+from humanoid_bt.core.clock import DECISION_PERIOD
+from humanoid_bt.core.errors import UserError
+from humanoid_bt.core.messages import Level
+from humanoid_bt.files import document
+from humanoid_bt.gateway.check import check_types
+from humanoid_bt.gateway.clock import EngineClock
+from humanoid_bt.gateway.file import GatewayFile, load_gateway
+from humanoid_bt.gateway.frames import FrameTree
+from humanoid_bt.gateway.inbox import Inbox
+from humanoid_bt.gateway.node import Ears, confine
+from humanoid_bt.gateway.publishing import Publishers
+from humanoid_bt.gateway.qos import SENSOR, profile
+from humanoid_bt.gateway.snapshot import RunView
+from humanoid_bt.gateway.transforms import listen_to_transforms
+from humanoid_bt.link.run_folder import RunFolder
+from humanoid_bt.link.wire import Event, Sight, encode_event, encode_percepts
+from humanoid_bt.realtime import channels
+from humanoid_bt.realtime.channels import RunSpec
+from humanoid_bt.realtime.schedule import Schedule
+
+
+class Gateway:
+    """One gateway at work.
+
+    Args:
+        folder: of the run.
+        spec: of the run.
+        config: the gateway file.
+        stack: closes what it opens.
+
+    Raises:
+        UserError: ROS 2 or a type is not installed.
+    """
+
+    def __init__(self, folder: RunFolder, spec: RunSpec, config: GatewayFile, stack: ExitStack) -> None:
+        import rclpy  # noqa: PLC0415 (part of the extra)
+        from rclpy.context import Context  # noqa: PLC0415
+
+        self._news: queue.SimpleQueue[tuple[Level, str]] = queue.SimpleQueue()
+        self._percepts = channels.writer(folder, "gateway_percept")
+        self._events = channels.writer(folder, "gateway_news")
+        context = Context()
+        rclpy.init(args=[], context=context)
+        stack.callback(context.try_shutdown)
+        self._ears = ears = Ears(context, config.node, self._note)
+        node = ears.node
+        self._clock = EngineClock(lambda: node.get_clock().now().nanoseconds * 1e-9)
+        self._frames = FrameTree(config.frames)
+        self._inbox = Inbox(config.percepts, self._frames, self._clock, config.frames.base, self._note)
+        for percept, topic in config.percepts.items():
+            qos = profile(topic.qos, SENSOR)
+            ears.listen(topic.topic, topic.type, qos, partial(self._inbox.take, percept))
+        if config.frames.tf:
+            listen_to_transforms(ears, self._frames, self._clock)
+        self._view = RunView(folder, spec.joints, config.frames, self._clock)
+        self._publishers = Publishers(node, config)
+        self._publishers.latch("robot_description", _description(Path(spec.robot)))
+        ears.begin()
+        stack.callback(ears.end)
+
+    def turn(self) -> None:
+        """Pass on what has come, publish what is due, and give a sign of life.
+
+        Raises:
+            RuntimeError: the node does not hear any more.
+        """
+        self._ears.check()
+        state = self._view.state()
+        if state is not None:
+            if jump := self._clock.look(state.time):
+                self._inbox.forget_stamps()
+                self._note("warning", f"ROS time jumped by {jump:+.2f} s; stamps are taken by the new time")
+            self._frames.base_at(state.time, state.base_position, state.base_quaternion)
+        self._percepts.write(encode_percepts(Sight(self._inbox.flush(), dict(self._inbox.unseen))))
+        while not self._news.empty():
+            level, text = self._news.get()
+            self._events.write(encode_event(Event(self._clock.engine_time, level, f"gateway: {text}")))
+        for values in self._view.told():
+            kind = values.pop("kind")
+            self._publishers.tell(f"{kind}s", {"stamp": self._clock.ros(values["time"]), **values})
+        if state is not None:
+            self._publishers.publish(self._view.snapshot(state))
+
+    def _note(self, level: Level, text: str) -> None:
+        self._news.put((level, text))
+
+
+def _description(robot: Path) -> str:
+    """Return the text of a robot's model."""
+    model: str = document.load(robot).value["model"].value
+    return (robot.parent / model).read_text(encoding="utf-8")
+
+
+def run(folder: RunFolder) -> None:
+    """Work until decision ends the run or dies.
+
+    Raises:
+        UserError: ROS 2 or a type is not installed, or the file has mistakes.
+    """
+    spec = RunSpec.read(folder)
+    config = load_gateway(Path(spec.gateway))
+    check_types(config)
+    confine(config.network)
+    quit_flag, schedule = channels.quit_flag(folder), Schedule(DECISION_PERIOD, spin=False)
+    with ExitStack() as stack:
+        gateway = Gateway(folder, spec, config, stack)
+        while not quit_flag.count and os.getppid() == spec.parent:
+            schedule.wait()
+            gateway.turn()
+
+
+def main() -> int:
+    """Run the gateway of the run whose folder is the first argument."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the terminal's Ctrl-C is for decision
+    folder = channels.open_folder(sys.argv[1])
+    try:
+        run(folder)
+    except UserError as error:
+        channels.leave_mistakes(folder, error)
+        return 2
+    return 0
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

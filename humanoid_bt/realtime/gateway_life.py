@@ -1,0 +1,117 @@
+"""The gateway of a run as decision sees it: started, listened to, and started again when it is gone."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from humanoid_bt.core.messages import Level, Pause, Percept
+from humanoid_bt.link.ring import RingReader
+from humanoid_bt.link.run_folder import RunFolder
+from humanoid_bt.link.wire import decode_event, decode_percepts, percepts_room
+from humanoid_bt.realtime import channels
+from humanoid_bt.realtime.children import Children
+from humanoid_bt.realtime.companion import Companion
+
+_READ = ("gateway_percept", "gateway_news", "gateway_estop_news")
+_MODULES = {  # by name: they stand above this room
+    "gateway": "humanoid_bt.gateway.process",
+    "gateway_estop": "humanoid_bt.gateway.estop_process",
+}
+
+
+@dataclass(frozen=True)
+class GatewayPlan:
+    """What a run needs to know of its gateway.
+
+    Attributes:
+        file: the gateway file.
+        percepts: the percepts that come through it.
+        stops: whether an e-stop comes through it, which has a process of its own.
+    """
+
+    file: Path
+    percepts: tuple[str, ...] = ()
+    stops: bool = False
+
+
+class GatewayLife:
+    """Looks after the gateway, once per tick. While any of it is gone, control is to hold the robot.
+
+    Args:
+        plan: what it is.
+        folder: of the run; the gateway's channels are made there.
+        children: the processes of the run.
+
+    Attributes:
+        hold: what is gone and why, None while all of it is there.
+        percepts: the latest of each name.
+        unseen: percepts that were never published so far, and why.
+    """
+
+    def __init__(self, plan: GatewayPlan, folder: RunFolder, children: Children) -> None:
+        channels.create_gateway_channels(folder, percepts_room(plan.percepts))
+        self.hold: Pause | None = None
+        self.percepts: dict[str, Percept] = {}
+        self.unseen: Mapping[str, str] = {}
+        self._told = channels.writer(folder, "gateway_told")
+        self._readers = {name: channels.reader(folder, name) for name in _READ}
+        self._read = dict.fromkeys(self._readers, 0)
+        self._beat = channels.gateway_beat(folder)
+        self._news: list[tuple[Level, str]] = []
+        ring: RingReader = self._readers["gateway_percept"]
+        signs = {"gateway": lambda: ring.sequence, "gateway_estop": lambda: self._beat.count}
+        self._companions = {
+            role: Companion(folder, children, role=role, module=module, signs=signs[role])
+            for role, module in _MODULES.items()
+            if role == "gateway" or plan.stops
+        }
+
+    def start(self) -> None:
+        """Start it, and wait until it is there; raises as :meth:`Companion.wait`."""
+        for companion in self._companions.values():
+            companion.begin()
+        for companion in self._companions.values():
+            companion.wait()
+
+    def look(self) -> None:
+        """Take what it says; start again what of it is gone."""
+        for payload in self._new("gateway_percept"):
+            seen, self.unseen = decode_percepts(payload)
+            self.percepts |= {percept.name: percept for percept in seen}
+        for companion in self._companions.values():
+            companion.look()
+        gone = [(role, companion.gone) for role, companion in self._companions.items() if companion.gone]
+        if gone and self.hold is None:
+            role, why = gone[0]
+            self._news.append(("error", f"the {role} is gone, and control holds the robot until it is back: {why}"))
+        elif not gone and self.hold is not None:
+            self._news.append(("info", f"the {self.hold.source} is there again: the tree goes on"))
+        self.hold = (self.hold or Pause(*gone[0])) if gone else None
+
+    def take_news(self) -> list[tuple[Level, str]]:
+        """Return what happened since the last time."""
+        news, self._news = self._news, []
+        events = [decode_event(payload) for name in _READ[1:] for payload in self._new(name)]
+        return news + [(event.level, event.text) for event in events]
+
+    def tell(self, kind: str, values: Mapping[str, object]) -> None:
+        """Tell it of something that happened; of what is too long nobody hears."""
+        data = json.dumps({"kind": kind, **values}).encode()
+        if len(data) <= self._told.slot_size:
+            self._told.write(data)
+
+    def close(self) -> None:
+        """Let go of its channels."""
+        self._told.close()
+        self._beat.close()
+        for reader in self._readers.values():
+            reader.close()
+
+    def _new(self, name: str) -> list[bytes]:
+        entries, _ = self._readers[name].since(self._read[name])
+        if entries:
+            self._read[name] = entries[-1][0]
+        return [payload for _, payload in entries]

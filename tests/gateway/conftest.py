@@ -1,0 +1,72 @@
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+
+from tests.gateway.nodes import Peer
+from tests.projects import make_project
+from tests.realtime.helpers import Live, until
+
+GATEWAY = """
+format: 1
+percepts:
+  target: {topic: /ball, confidence: 0.9}
+estop: {topic: /estop, reset: /reset}
+publish:
+  joint_states: {}
+  odometry: {topic: /odom}
+  diagnostics: {rate: 5}
+  status: {topic: /status}
+  command: {topic: /command}
+  nodes: {topic: /nodes}
+  events: {topic: /events}
+  robot_description: {topic: /robot_description}
+"""
+
+
+@pytest.fixture(scope="session")
+def project(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A user's project folder with a gateway."""
+    project = make_project(tmp_path_factory.mktemp("user") / "project")
+    (project / "trees/stand.yaml").write_text("format: 1\nroot: {emergency_stop: idle}\n")
+    (project / "gateways").mkdir()
+    (project / "gateways/robot.yaml").write_text(GATEWAY)
+    return project
+
+
+@pytest.fixture
+def live(project: Path, tmp_path: Path) -> Iterator[Callable[..., Live]]:
+    """Start a run with a gateway as a process of its own; nothing of it outlives the test."""
+    started: list[Live] = []
+
+    def start(tree: str, *options: str) -> Live:
+        folder = tmp_path / f"{len(started)}"
+        run = Live(project, folder, tree, "--gateway", "robot", *options, record=False)
+        started.append(run)
+        run.ready()
+        until("the gateway's start", lambda: "gateway" in run.folder.info.processes)
+        run.pids = dict(run.folder.info.processes)
+        return run
+
+    yield start
+    for run in started:
+        run.destroy()
+
+
+@pytest.fixture
+def peer(monkeypatch: pytest.MonkeyPatch) -> Iterator[Peer]:
+    """A node of ROS 2, which only nodes of this test find."""
+    rclpy = pytest.importorskip("rclpy")
+    from rclpy.context import Context
+
+    monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+    monkeypatch.setenv("ROS_DOMAIN_ID", str(1 + os.getpid() % 100))
+    context = Context()
+    rclpy.init(args=[], context=context)
+    node = Peer(context)
+    yield node
+    node.close()
+    context.try_shutdown()

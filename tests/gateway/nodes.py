@@ -1,0 +1,72 @@
+"""A node of ROS 2 for tests, in the test's own process; and one in a process of its own, to be killed."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+from humanoid_bt.gateway.file import Qos
+from humanoid_bt.gateway.qos import profile
+from tests.realtime.helpers import environment, until
+
+BALL = (1.9, 0.5, 0.85)
+"""Where the ball of the scene ball_on_stand is, in the engine's world [m]."""
+
+_RELIABLE = Qos(reliability="reliable", durability="volatile", depth=100)
+
+
+class Peer:
+    """A node that hears in a thread of its own, and keeps what it hears."""
+
+    def __init__(self, context: Any) -> None:
+        from rclpy.executors import SingleThreadedExecutor
+        from rclpy.node import Node
+
+        self.node = Node("peer", context=context)
+        self.heard: dict[str, list[Any]] = {}
+        self._executor = SingleThreadedExecutor(context=context)
+        self._executor.add_node(self.node)
+        self._over = False
+        self._thread = threading.Thread(target=self._spin, daemon=True)
+        self._thread.start()
+
+    def _spin(self) -> None:
+        while not self._over:
+            self._executor.spin_once(timeout_sec=0.05)
+
+    def hears(self, kind: Any, topic: str, qos: Qos = _RELIABLE) -> None:
+        heard = self.heard[topic] = []
+        self.node.create_subscription(kind, topic, heard.append, profile(qos, _RELIABLE))
+
+    def publisher(self, kind: Any, topic: str, qos: Qos = _RELIABLE, *, heard: bool = True) -> Any:
+        """Return a publisher; wait until it has a listener."""
+        publisher = self.node.create_publisher(kind, topic, profile(qos, _RELIABLE))
+        if heard:
+            until(f"somebody listens to {topic}", lambda: publisher.get_subscription_count() > 0)
+        return publisher
+
+    def client(self, kind: Any, service: str) -> Any:
+        client = self.node.create_client(kind, service)
+        until(f"the service {service}", client.service_is_ready)
+        return client
+
+    def close(self) -> None:
+        self._over = True
+        self._thread.join()
+        self._executor.shutdown()
+        self.node.destroy_node()
+
+
+@contextmanager
+def ball() -> Iterator[subprocess.Popen[bytes]]:
+    """A node in a process of its own that publishes where the ball is, 20 times a second."""
+    process = subprocess.Popen([sys.executable, "-m", "tests.gateway.ball", *map(str, BALL)], env=environment())
+    try:
+        yield process
+    finally:
+        process.kill()
+        process.wait()
