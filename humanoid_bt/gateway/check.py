@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from humanoid_bt.core.errors import Problem, UserError
 from humanoid_bt.files import document
+from humanoid_bt.gateway.action import check_action
 from humanoid_bt.gateway.estop import EStopEars
 from humanoid_bt.gateway.file import GatewayFile
 from humanoid_bt.gateway.publishing import wanted
@@ -38,5 +39,9 @@ def check_types(config: GatewayFile) -> None:
             EStopEars.check(config.estop)
         except UserError as error:
             problems.extend(error.problems)
+    try:
+        check_action(config, item.place_of)
+    except UserError as error:
+        problems.extend(error.problems)
     if problems:
         raise UserError(problems)

@@ -97,6 +97,22 @@ class EStopTopic:
 
 
 @dataclass(frozen=True, kw_only=True)
+class TreeAction:
+    """The tree as an action: it runs once for every goal."""
+
+    name: str = param(doc="Its name.")
+    type: str = param(doc="Its type, such as my_interfaces/action/Fetch.")
+    parameters: dict[str, str] = param({}, doc="Parameters of the tree, each with where in the goal its value is.")
+    feedback: dict[str, Literal["node", "feedback", "time"]] = param({}, doc="Fields of the feedback: what they hold.")
+    result: dict[str, Literal["outcome", "reason", "success"]] = param({}, doc="Fields of the result: what they hold.")
+
+    @staticmethod
+    def mistakes(item: Item, values: Mapping[str, Any]) -> Iterator[Problem]:
+        """Return what is wrong with names."""
+        yield from name_mistakes(item, values, ("name",))
+
+
+@dataclass(frozen=True, kw_only=True)
 class Output:
     """A topic that is published; what is not given is as its row in docs/ros.md says."""
 
@@ -185,6 +201,7 @@ class GatewayFile:
     frames: Frames = param(Frames(), doc="Names of frames.")
     percepts: dict[str, PerceptTopic] = param({}, doc="The percepts that come from topics.")
     estop: EStopTopic | None = param(None, doc="What stops the robot.")
+    action: TreeAction | None = param(None, doc="The tree as an action; without it the tree starts with the run.")
     publish: Outputs = param(Outputs(), doc="What is published.")
     path: Path = field(default=Path())
 

@@ -93,6 +93,12 @@ class Ears:
 
         self.node.create_timer(period, do, clock=Clock(clock_type=ClockType.STEADY_TIME))
 
+    def future(self) -> Any:
+        """Return what a coroutine of the node can wait for, and any thread can fulfil."""
+        from rclpy.task import Future  # noqa: PLC0415 (part of the extra)
+
+        return Future(executor=self._executor)
+
     def begin(self) -> None:
         """Hear from now on."""
         self._thread.start()

@@ -118,14 +118,25 @@ def _by_fields(message: Any, fields: Mapping[str, str]) -> Sighting:
 
 
 def _number(message: Any, path: str) -> float:
-    """Return a number of a message by its path: ``point.x``, ``data.3``."""
+    value = value_at(message, path)
+    if isinstance(value, (str, bool)):
+        raise Malformed(f"it has no number at {path!r}")
+    return float(value)
+
+
+def value_at(message: Any, path: str) -> float | str | bool:
+    """Return a number or text of a message by its path: ``point.x``, ``data.3``.
+
+    Raises:
+        Malformed: there is none.
+    """
     value = message
     try:
         for part in path.split("."):
             value = value[int(part)] if part.isdigit() else getattr(value, part)
-        return float(value)
+        return value if isinstance(value, (str, bool)) else float(value)
     except (AttributeError, IndexError, TypeError, ValueError):
-        raise Malformed(f"it has no number at {path!r}") from None
+        raise Malformed(f"it has nothing at {path!r}") from None
 
 
 def _header(message: Any) -> tuple[float | None, str]:

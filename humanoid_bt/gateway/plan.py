@@ -17,4 +17,4 @@ def planned(path: Path) -> GatewayPlan:
     """
     config = load_gateway(path)
     check_types(config)
-    return GatewayPlan(path, tuple(config.percepts), config.estop is not None)
+    return GatewayPlan(path, tuple(config.percepts), config.estop is not None, config.action is not None)

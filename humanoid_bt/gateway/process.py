@@ -14,6 +14,7 @@ from humanoid_bt.core.clock import DECISION_PERIOD
 from humanoid_bt.core.errors import UserError
 from humanoid_bt.core.messages import Level
 from humanoid_bt.files import document
+from humanoid_bt.gateway.action import ActionServer
 from humanoid_bt.gateway.check import check_types
 from humanoid_bt.gateway.clock import EngineClock
 from humanoid_bt.gateway.file import GatewayFile, load_gateway
@@ -65,6 +66,10 @@ class Gateway:
         if config.frames.tf:
             listen_to_transforms(ears, self._frames, self._clock)
         self._view = RunView(folder, spec.joints, config.frames, self._clock)
+        self._action: ActionServer | None = None
+        if config.action is not None:
+            orders = channels.writer(folder, "gateway_order")
+            self._action = ActionServer(ears, config.action, orders.write, self._note)
         self._publishers = Publishers(node, config)
         self._publishers.latch("robot_description", _description(Path(spec.robot)))
         ears.begin()
@@ -89,9 +94,14 @@ class Gateway:
             self._events.write(encode_event(Event(self._clock.engine_time, level, f"gateway: {text}")))
         for values in self._view.told():
             kind = values.pop("kind")
+            if kind == "goal" and self._action is not None:
+                self._action.told(values)
             self._publishers.tell(f"{kind}s", {"stamp": self._clock.ros(values["time"]), **values})
         if state is not None:
-            self._publishers.publish(self._view.snapshot(state))
+            now = self._view.snapshot(state)
+            self._publishers.publish(now)
+            if self._action is not None:
+                self._action.feed_back(now)
 
     def _note(self, level: Level, text: str) -> None:
         self._news.put((level, text))

@@ -39,6 +39,7 @@ _GATEWAY_SIZES: dict[str, tuple[int, int]] = {
     "gateway_percept": (16384, 32),  # gateway -> decision, 50 Hz: what came from outside, and its sign of life
     "gateway_news": (4096, 64),  # gateway -> decision: what happened to it
     "gateway_estop_news": (4096, 64),  # the gateway's e-stop process -> decision, likewise
+    "gateway_order": (4096, 64),  # gateway -> decision: goals, and that they are canceled
     "gateway_told": (4096, 256),  # decision -> gateway: what happened in the run
 }
 

@@ -323,6 +323,15 @@ class Realtime:
         if self._teller is not None:
             self._teller.tell(status, tree)
 
+    @property
+    def takes_orders(self) -> bool:
+        """Whether the tree runs once for every goal from outside, and not from the start."""
+        return self._gateway_plan is not None and self._gateway_plan.orders
+
+    def take_orders(self) -> list[dict[str, Any]]:
+        """Return the goals that came, or were canceled, since the last time."""
+        return self._gateway.take_orders() if self._gateway is not None else []
+
     def announce(self, kind: str, values: Mapping[str, object]) -> None:
         """Tell programs outside of the run what happened, if a gateway joins it with any."""
         if self._gateway is not None:

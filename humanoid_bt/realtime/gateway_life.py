@@ -6,6 +6,7 @@ import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from humanoid_bt.core.messages import Level, Pause, Percept
 from humanoid_bt.link.ring import RingReader
@@ -15,7 +16,8 @@ from humanoid_bt.realtime import channels
 from humanoid_bt.realtime.children import Children
 from humanoid_bt.realtime.companion import Companion
 
-_READ = ("gateway_percept", "gateway_news", "gateway_estop_news")
+_NEWS = ("gateway_news", "gateway_estop_news")
+_READ = ("gateway_percept", "gateway_order", *_NEWS)
 _MODULES = {  # by name: they stand above this room
     "gateway": "humanoid_bt.gateway.process",
     "gateway_estop": "humanoid_bt.gateway.estop_process",
@@ -30,11 +32,13 @@ class GatewayPlan:
         file: the gateway file.
         percepts: the percepts that come through it.
         stops: whether an e-stop comes through it, which has a process of its own.
+        orders: whether goals come through it, each of which lets the tree run.
     """
 
     file: Path
     percepts: tuple[str, ...] = ()
     stops: bool = False
+    orders: bool = False
 
 
 class GatewayLife:
@@ -94,8 +98,12 @@ class GatewayLife:
     def take_news(self) -> list[tuple[Level, str]]:
         """Return what happened since the last time."""
         news, self._news = self._news, []
-        events = [decode_event(payload) for name in _READ[1:] for payload in self._new(name)]
+        events = [decode_event(payload) for name in _NEWS for payload in self._new(name)]
         return news + [(event.level, event.text) for event in events]
+
+    def take_orders(self) -> list[dict[str, Any]]:
+        """Return which goals came, or were canceled, since the last time."""
+        return [json.loads(payload) for payload in self._new("gateway_order")]
 
     def tell(self, kind: str, values: Mapping[str, object]) -> None:
         """Tell it of something that happened; of what is too long nobody hears."""

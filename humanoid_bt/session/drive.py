@@ -23,9 +23,10 @@ from humanoid_bt.session.debugger import Debugger
 from humanoid_bt.session.edits import Edits
 from humanoid_bt.session.ending import Ending
 from humanoid_bt.session.engine import Engine, Input
+from humanoid_bt.session.goals import Goals, GoalTrees
 from humanoid_bt.session.interrupt import WholeTick
 from humanoid_bt.session.loader import TreeLoader
-from humanoid_bt.session.loop import Loop
+from humanoid_bt.session.loop import Loop, Successor
 from humanoid_bt.session.options import RunOptions, make_folder
 from humanoid_bt.session.outcome import End, report_of
 from humanoid_bt.session.pace import Pace
@@ -81,7 +82,6 @@ class Drive:
         self._recorder: RunRecorder | None = recorder or new_recorder(options)
         loader = TreeLoader(options, workspace)
         self._files = loader.robot, loader.scene
-        self._watch = Watch(Edits(loader, self._prepare)) if options.watch else None
         if options.numbered:
             make_folder()
         options.sinks.check()
@@ -92,6 +92,9 @@ class Drive:
         self._pace = Pace(options.pace)
         self.ticks = TickWatch(looks)
         self.loop = Loop(self.engine, self.runner, self.debugger, self._pace, self.ticks)
+        self._goal_trees = _goal_trees(options, self.engine, loader, self._prepare)
+        edits = self._goal_trees or (Edits(loader, self._prepare) if options.watch else None)
+        self._watch = Watch(edits) if edits is not None else None
         self._ending = Ending(self.engine, self.runner, self._teller, self._pace, self.ticks)
         self._stack: ExitStack | None = None
         self._tracks: Mapping[str, Track] | None = None
@@ -115,6 +118,12 @@ class Drive:
         executor = Executor(tree, robot, changed)
         executor.setup()
         return executor
+
+    def _successor(self, watch: Watch) -> Successor:
+        """Return what puts other trees in the first one's place: those of goals, or edited ones."""
+        if self._goal_trees is not None:
+            return Goals(self.engine, self._goal_trees, watch, self.runner, self._teller)
+        return Reloader(watch, self.runner, self._teller)
 
     @property
     def running(self) -> bool:
@@ -152,7 +161,7 @@ class Drive:
                 self._recorder.follow(*tables)
             self._teller.begin()
             if self._watch is not None:
-                self.loop.reloader = Reloader(stack.enter_context(self._watch), self.runner, self._teller)
+                self.loop.successor = self._successor(stack.enter_context(self._watch))
             self._stack = stack.pop_all()
 
     def tick(self) -> None:
@@ -273,3 +282,19 @@ def _engine(options: RunOptions, loader: TreeLoader, workspace: Workspace) -> En
     scene = Scene(load_scene(loader.scene), options.seed)
     sources = sources_of(options.perception, loader.first.perception, scene.config)
     return new_engine(options, loader.robot, scene, loader.first.name, sources=sources, workspace=workspace)
+
+
+def _goal_trees(
+    options: RunOptions, engine: Engine, loader: TreeLoader, prepare: Callable[[Tree], Executor]
+) -> GoalTrees | None:
+    """Return what loads the tree of each goal, None where it starts with the run.
+
+    Raises:
+        UserError: the tree cannot be loaded for each, or is to be swapped for edited ones, too.
+    """
+    if not engine.takes_orders:
+        return None
+    if options.watch or isinstance(options.tree, Tree):
+        what = "'watch' does not go" if options.watch else "a tree that is loaded already does not go"
+        raise UserError(f"{what} with the action of a gateway", hint="it loads the tree's file for every goal")
+    return GoalTrees(loader, prepare)

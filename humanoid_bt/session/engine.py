@@ -143,7 +143,14 @@ class Engine(Protocol):
             UserError: there is no such body, or nobody can push it.
         """
 
-    def announce(self, kind: Literal["node", "event"], values: Mapping[str, object]) -> None:
+    @property
+    def takes_orders(self) -> bool:
+        """Whether the tree runs once for every goal from outside, and not from the start."""
+
+    def take_orders(self) -> Sequence[Mapping[str, Any]]:
+        """Return the goals that came, or were canceled, since the last time."""
+
+    def announce(self, kind: Literal["node", "event", "goal"], values: Mapping[str, object]) -> None:
         """Tell programs outside of the run what happened.
 
         Args:

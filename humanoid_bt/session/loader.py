@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import types
+from collections.abc import Mapping
 from os import PathLike
 from pathlib import Path
+from typing import Any
 from weakref import WeakSet
 
 from py_trees.behaviour import Behaviour
@@ -42,13 +45,16 @@ class TreeLoader:
         self.first = self._load()
         self.robot, self.scene = self._robot(self.first), self._scene(self.first)
 
-    def reload(self) -> Tree:
+    def reload(self, parameters: Mapping[str, Any] = types.MappingProxyType({})) -> Tree:
         """Load the tree as it is now, with the warnings that its files do not allow.
+
+        Args:
+            parameters: values for its parameters, before those that the run was given.
 
         Raises:
             UserError: it has mistakes, or is for another robot or another scene.
         """
-        tree = self._load()
+        tree = self._load(parameters)
         problems: list[Problem] = []
         for key, find, known in (("robot", self._robot, self.robot), ("scene", self._scene, self.scene)):
             try:
@@ -71,7 +77,7 @@ class TreeLoader:
         """Return every file that an edited version of a tree may be made of."""
         return [*tree.files, *self._workspace.trees().values(), *self._workspace.skill_files()]
 
-    def _load(self) -> Tree:
+    def _load(self, parameters: Mapping[str, Any] = types.MappingProxyType({})) -> Tree:
         options = self._options
         if isinstance(options.tree, Tree):
             return _once(options.tree)
@@ -79,7 +85,7 @@ class TreeLoader:
         tree = load_checked(
             self._path,
             self._workspace,
-            options.parameters,
+            {**options.parameters, **parameters},
             robot=options.robot,
             scene=options.scene,
             perception=options.perception,

@@ -104,6 +104,15 @@ class Lockstep:
         return self.plant.truth()
 
     @property
+    def takes_orders(self) -> bool:
+        """False: goals come through a gateway, in realtime mode."""
+        return False
+
+    def take_orders(self) -> tuple[()]:
+        """Return none."""
+        return ()
+
+    @property
     def hold(self) -> None:
         """None: nothing keeps the tree from its ticks."""
 

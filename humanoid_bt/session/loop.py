@@ -6,6 +6,7 @@ import math
 import time
 from collections.abc import Mapping
 from dataclasses import replace
+from typing import Protocol
 
 from py_trees.common import Status
 
@@ -16,11 +17,17 @@ from humanoid_bt.session.debugger import Debugger
 from humanoid_bt.session.engine import Engine
 from humanoid_bt.session.outcome import End, failed
 from humanoid_bt.session.pace import Pace
-from humanoid_bt.session.reload import Reloader
 from humanoid_bt.session.tick_watch import TickWatch
 from humanoid_bt.session.tree_runner import TreeRunner
 
 _ENDED = (Status.SUCCESS, Status.FAILURE)
+
+
+class Successor(Protocol):
+    """Puts other trees in the place of the one that runs, or has ended: the run goes on after its tree."""
+
+    def look(self) -> None:
+        """Do so if there is another one. To be called between two ticks."""
 
 
 class Loop:
@@ -36,7 +43,7 @@ class Loop:
     Attributes:
         limit: longest time from the first tick on [s].
         waits: whether an emergency stop is waited for, until its reset; else it ends the run.
-        reloader: puts edited trees in the tree's place, if anybody looks for edits.
+        successor: puts other trees in the tree's place; None if the run ends with it.
         state: what the last tick saw, None before the first.
         command: what the last tick that was whole commanded.
         began: engine time of the first tick [s]; in realtime mode control has run for a while by then.
@@ -48,7 +55,7 @@ class Loop:
         self._teller, self._ticks = debugger.teller, ticks
         self._held: Pace | None = None  # how fast time goes while control holds the robot for a pause
         self.limit, self.waits = math.inf, False
-        self.reloader: Reloader | None = None
+        self.successor: Successor | None = None
         self.state: State | None = None
         self.command = Command(0, 0.0)
         self.began = self.began_at = 0.0
@@ -103,8 +110,8 @@ class Loop:
         else:
             engine.advance()
             (self._held or self._pace).keep(engine.clock.now())
-            if self.reloader is not None and self._held is None:
-                self.reloader.look()
+            if self.successor is not None and self._held is None:
+                self.successor.look()
         state, percepts = engine.sense()
         self.state = state
         if first:
@@ -159,7 +166,7 @@ class Loop:
         if status in _ENDED and not runner.ended and pause is None:
             outcome, otherwise = ("success", "succeeded") if status is Status.SUCCESS else ("failure", "failed")
             end = End(outcome, self._teller.trace.why(status, self.command.stamp) or f"the tree {otherwise}")
-            if self.reloader is None:
+            if self.successor is None:
                 return self._stopped("the tree ended") or end
             self._rest(end)
         if state.time - self.began - runner.robot.clock.stood >= self.limit - DECISION_PERIOD / 2:
@@ -186,6 +193,6 @@ class Loop:
         return End("unfinished", f"the tree still ran after {self.limit:g} s{doing}; {more}")
 
     def _rest(self, end: End) -> None:
-        """Wait for an edit: the tree has ended, and the run goes on."""
+        """Wait for another tree: this one has ended, and the run goes on."""
         self._runner.rest(end)
-        self._teller.tree_ended(end.outcome, "; waiting for an edit")
+        self._teller.tree_ended(end.outcome, f"; {self._teller.resting}")

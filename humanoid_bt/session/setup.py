@@ -59,7 +59,7 @@ def run_setup(tree: Tree, engine: Engine, options: RunOptions, robot: Path, scen
         "tree": tree_setup(tree, options.parameters),
         "robot": {"name": engine.robot.config.name, "file": _name(robot, tree), **_body(engine.robot)},
         "scene": {"name": engine.scene.config.name, "file": _name(scene, tree)},
-        "files": list(_files(tree, robot, scene, sources)),
+        "files": list(_files(tree, robot, scene, sources, options.gateway)),
         "versions": versions(),
         "machine": _machine(),
     }
@@ -126,7 +126,9 @@ def _places(tree: Tree) -> dict[str, str]:
         return {}
 
 
-def _files(tree: Tree, robot: Path, scene: Path, sources: Sources | None) -> Iterator[dict[str, Any]]:
+def _files(
+    tree: Tree, robot: Path, scene: Path, sources: Sources | None, gateway: str | None
+) -> Iterator[dict[str, Any]]:
     """Yield every file that the run is made of: its name in its workspace, what it is, its hash, and its text."""
     skills = (class_file(node.type.cls) for node in tree.nodes if node.kind == "skill")
     model = robot.parent / document.load(robot).value["model"].value
@@ -135,6 +137,7 @@ def _files(tree: Tree, robot: Path, scene: Path, sources: Sources | None) -> Ite
         "skill": [file for file in skills if file is not None],
         "perception": _source_files(tree, sources),
         "scene": [scene],
+        "gateway": [(tree.workspace or Workspace()).find_gateway(gateway)] if gateway else [],
         "robot": [robot],
         "policy": list(_policy_files(robot)),
         "model": [model, *(model.parent / name for name in mujoco.mju_getXMLDependencies(str(model)))],

@@ -71,6 +71,7 @@ class Teller:
         trace: what is kept for the report.
         recorder: the recording, if there is one; set to None it is told no more.
         waits: whether an emergency stop is waited for, until its reset.
+        resting: what the run does between two trees, in words.
         truth: where the robot really was at the last tick, None if nobody knows.
         odometry: how far that is from where it was believed to be: off [m], turned [rad]; None likewise.
     """
@@ -81,6 +82,7 @@ class Teller:
         self.trace = Trace()
         self.recorder: RunRecorder | None = None
         self.waits = False
+        self.resting = "waiting for an edit"
         self.truth: Truth | None = None
         self.odometry: dict[str, float] | None = None
         self._began = time.monotonic()
@@ -198,7 +200,7 @@ class Teller:
                 self.recorder.routes(state.time, routes)
             self.recorder.sample(tick, robot.tracks, objects, hidden)
             self.news(self.recorder)
-        resting = "waiting for an edit" if runner.ended else "coming to a stand"
+        resting = self.resting if runner.ended else "coming to a stand"
         doing = f"{tip.name}: {shortened(tip.feedback_message)}" if tip is not None else resting
         pause = command.pause if command is not None else None
         self._listener.progress(state.time, doing if pause is None else f"{pause}; at {doing}")

@@ -73,6 +73,7 @@ class Dry:
     external_force_max = 0.0
     touches: Sequence[Touch] = ()
     timing = cycle_tables = hold = None
+    takes_orders = False
 
     def __init__(self, robot: RobotModel, start: Array, scene: Scene, perception: Perception) -> None:
         self.robot = robot
@@ -135,6 +136,10 @@ class Dry:
     def abandon(self) -> str:
         """Return "": nothing goes on."""
         return ""
+
+    def take_orders(self) -> tuple[()]:
+        """Return none: goals come through a gateway, in realtime mode."""
+        return ()
 
     def announce(self, kind: str, values: Mapping[str, object]) -> None:
         """Tell nobody: only a gateway listens, in realtime mode."""

@@ -27,13 +27,26 @@ publish:
 """
 
 
+ACTION = """
+format: 1
+action: {name: /rest, type: test_msgs/action/Fibonacci, parameters: {duration: order}}
+"""
+REST = """
+format: 1
+parameters: {duration: 5 s}
+root: {emergency_stop: {pause: {duration: $duration}}}
+"""
+
+
 @pytest.fixture(scope="session")
 def project(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A user's project folder with a gateway."""
     project = make_project(tmp_path_factory.mktemp("user") / "project")
     (project / "trees/stand.yaml").write_text("format: 1\nroot: {emergency_stop: idle}\n")
     (project / "gateways").mkdir()
+    (project / "trees/rest.yaml").write_text(REST)
     (project / "gateways/robot.yaml").write_text(GATEWAY)
+    (project / "gateways/action.yaml").write_text(ACTION)
     return project
 
 
@@ -42,9 +55,9 @@ def live(project: Path, tmp_path: Path) -> Iterator[Callable[..., Live]]:
     """Start a run with a gateway as a process of its own; nothing of it outlives the test."""
     started: list[Live] = []
 
-    def start(tree: str, *options: str) -> Live:
+    def start(tree: str, *options: str, gateway: str = "robot") -> Live:
         folder = tmp_path / f"{len(started)}"
-        run = Live(project, folder, tree, "--gateway", "robot", *options, record=False)
+        run = Live(project, folder, tree, "--gateway", gateway, *options, record=False)
         started.append(run)
         run.ready()
         until("the gateway's start", lambda: "gateway" in run.folder.info.processes)

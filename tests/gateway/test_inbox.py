@@ -162,7 +162,7 @@ def test_any_type_with_named_fields() -> None:
     assert percept is not None
     assert (percept.position.tolist(), percept.confidence, percept.stamp) == ([1, 2, 3], 0.6, 5.0)
     assert desk.percept(SimpleNamespace(data=[1.0]), "tag") is None
-    assert "it has no number at 'data.1'" in desk.news[0][1]
+    assert "it has nothing at 'data.1'" in desk.news[0][1]
     assert desk.percept(SimpleNamespace(data=[1.0, 2.0, 3.0, 7.0]), "tag") is None
     assert len(desk.news) == 1
 

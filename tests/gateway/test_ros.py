@@ -151,6 +151,41 @@ def test_messages_that_cannot_be_used_are_told_and_move_nothing(live: Callable[.
     assert "target" not in run.report["percepts"]
 
 
+def test_the_tree_runs_for_every_goal_of_an_action(live: Callable[..., Live], peer: Peer) -> None:
+    from action_msgs.msg import GoalStatus
+    from rclpy.action import ActionClient
+    from test_msgs.action import Fibonacci
+
+    run = live("rest", gateway="action")
+    client, heard = ActionClient(peer.node, Fibonacci, "/rest"), []
+    until("the action", client.server_is_ready)
+
+    def send(duration: int) -> Any:
+        return done(client.send_goal_async(Fibonacci.Goal(order=duration), feedback_callback=heard.append))
+
+    first = send(1)
+    assert first.accepted
+    assert not send(1).accepted  # another one is at work
+    assert done(first.get_result_async()).status == GoalStatus.STATUS_SUCCEEDED
+    assert heard
+    assert done(send(0).get_result_async()).status == GoalStatus.STATUS_ABORTED  # a duration is above 0
+    endless = send(1000)
+    assert done(endless.cancel_goal_async()).goals_canceling
+    assert done(endless.get_result_async()).status == GoalStatus.STATUS_CANCELED
+    assert done(send(1).get_result_async()).status == GoalStatus.STATUS_SUCCEEDED
+    run.process.send_signal(signal.SIGINT)
+    run.ends()
+    texts = [event["text"] for event in run.report["events"]]
+    assert texts.count("the tree ended: success; waiting for a goal") == 2
+    client.destroy()
+
+
+def done(future: Any) -> Any:
+    """Return what a future holds once it does."""
+    until("an answer", future.done)
+    return future.result()
+
+
 def test_types_that_are_not_installed_are_told_before_the_run(project: Path, tmp_path: Path) -> None:
     import humanoid_bt as hbt
 
