@@ -60,10 +60,9 @@ class FrameTree:
             self._past.append((time, np.array([*position, *orientation])))
 
     def learn(self, frame: str, transform: Transform) -> None:
-        """Take where another frame is; where the robot's own base is, control knows better."""
-        if frame not in (self._base, self._odom):
-            with self._lock:
-                self._known[frame] = transform
+        """Take where a frame is; it is not asked for the base and the world, of which control knows better."""
+        with self._lock:
+            self._known[frame] = transform
 
     def in_base(self, frame: str, time: float) -> Array:
         """Return a frame's pose in the robot's base frame at an engine time [s], shape (7,).

@@ -70,9 +70,10 @@ class Companion:
         if signs != self._seen:
             self._seen, self.gone = signs, ""
         if self._runs and (how := self._children.how_ended(self._role)):
-            self._runs, self.gone = False, f"its process ended ({how})"
-        elif self._runs and not self.gone and self._silent > _SILENT_TICKS:
+            self._runs, self.gone = False, self.gone or f"its process ended ({how})"
+        lasts = time.monotonic() - self._started
+        if self._runs and (lasts > _START_TIMEOUT if self.gone else self._silent > _SILENT_TICKS):
             self._children.kill(self._role)
-            self.gone = "it does not answer"
-        if not self._runs and time.monotonic() - self._started > _AGAIN:
+            self.gone = self.gone or "it does not answer"
+        if not self._runs and lasts > _AGAIN:
             self.begin()
