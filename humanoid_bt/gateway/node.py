@@ -6,6 +6,7 @@ import os
 import threading
 import time
 from collections.abc import Callable
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from humanoid_bt.gateway.inbox import News
@@ -15,13 +16,20 @@ if TYPE_CHECKING:
     from rclpy.context import Context
     from rclpy.qos import QoSProfile
 
+_PROFILES = ("FASTDDS_DEFAULT_PROFILES_FILE", "FASTRTPS_DEFAULT_PROFILES_FILE")  # new and old name
 _TURN = 0.05  # s between two signs of life of the thread
 _STUCK = 1.0  # s without one after which it counts as stuck
 
 
 def confine(network: str) -> None:
-    """Have only nodes of this machine found, unless ROS 2's own variables are to decide; before rclpy begins."""
+    """Have only nodes of this machine found and heard, unless ROS 2's own variables decide; before rclpy begins.
+
+    The range alone keeps Fast DDS from looking for others, but not from listening on every interface: the profile does,
+    unless there is one of the user's own.
+    """
     if network == "loopback":
+        if not any(name in os.environ for name in _PROFILES):
+            os.environ[_PROFILES[0]] = str(Path(__file__).with_name("loopback.xml"))
         os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
         os.environ.pop("ROS_STATIC_PEERS", None)
 

@@ -11,7 +11,7 @@ from humanoid_bt.core.errors import Place, UserError, nearest
 
 Interface = Literal["msg", "srv", "action"]
 
-_WHEELS = ("common_interfaces", "diagnostic_msgs", "geometry_msgs", "nav_msgs", "sensor_msgs", "std_msgs", "std_srvs")
+_WHEELS = ("diagnostic_msgs", "geometry_msgs", "nav_msgs", "sensor_msgs", "std_msgs", "std_srvs")
 _HINT = "pip install 'humanoid-bt[ros]', or source the setup of a ROS 2 that has a Python of this version"
 
 

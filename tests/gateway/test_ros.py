@@ -78,6 +78,8 @@ def test_an_estop_of_a_node_is_in_force_within_10_ms(live: Callable[..., Live], 
     from std_srvs.srv import Trigger
 
     run = live("stand", "--duration", "120")
+    for role in ("gateway", "gateway_estop"):
+        until("it listens on this machine alone", lambda role=role: listening(run.pids[role]) == {"127.0.0.1"})
     stop, reset = peer.publisher(Bool, "/estop"), peer.client(Trigger, "/reset")
     stops = channels.reader(run.folder, "stop")
     took = []
@@ -94,6 +96,19 @@ def test_an_estop_of_a_node_is_in_force_within_10_ms(live: Callable[..., Live], 
         assert run.state.mode is Mode.EMERGENCY_STOP, f"false is no reset ({number})"
         assert reset.call(Trigger.Request(), timeout_sec=5).success
     assert np.percentile(took, 80) < 10, took
+
+
+def listening(process: int) -> set[str]:
+    """Return the addresses on which a process has UDP sockets at the ports of DDS."""
+    files = [Path(f"/proc/{process}/fd/{name.name}") for name in Path(f"/proc/{process}/fd").iterdir()]
+    own = {str(file.readlink()) for file in files if file.exists() or file.is_symlink()}
+    found = set()
+    for line in Path(f"/proc/{process}/net/udp").read_text().splitlines()[1:]:
+        parts = line.split()
+        address, port = parts[1].split(":")
+        if f"socket:[{parts[9]}]" in own and 7000 <= int(port, 16) < 32768:
+            found.add(".".join(str(int(address[at : at + 2], 16)) for at in (6, 4, 2, 0)))
+    return found
 
 
 def test_a_node_that_dies_leaves_percepts_that_are_stale(live: Callable[..., Live]) -> None:
