@@ -74,12 +74,12 @@ class ActionServer:
         self._goal = "accepted"
         return self._replies.GoalResponse.ACCEPT
 
-    def _cancel(self, _handle: Any) -> Any:
-        self._give(order="cancel", goal=self._goal)
+    def _cancel(self, handle: Any) -> Any:
+        self._give(order="cancel", goal=_identity(handle))
         return self._replies.CancelResponse.ACCEPT
 
     async def _execute(self, handle: Any) -> Any:
-        self._goal = bytes(handle.goal_id.uuid).hex()
+        self._goal = _identity(handle)
         self._done, self._handle = self._ears.future(), handle
         self._give(order="start", goal=self._goal, parameters=self._parameters(handle.request))
         end: Mapping[str, Any] = await self._done
@@ -98,6 +98,10 @@ class ActionServer:
 
     def _give(self, **values: Any) -> None:
         self._order(json.dumps(values).encode())
+
+
+def _identity(handle: Any) -> str:
+    return bytes(handle.goal_id.uuid).hex()
 
 
 def check_action(config: GatewayFile, place_of: Callable[..., Place]) -> None:

@@ -71,7 +71,8 @@ class Gateway:
             orders = channels.writer(folder, "gateway_order")
             self._action = ActionServer(ears, config.action, orders.write, self._note)
         self._publishers = Publishers(node, config)
-        self._publishers.latch("robot_description", _description(Path(spec.robot)))
+        if config.publish.robot_description is not None:
+            self._publishers.latch("robot_description", _description(Path(spec.robot)))
         ears.begin()
         stack.callback(ears.end)
 
@@ -110,7 +111,7 @@ class Gateway:
 def _description(robot: Path) -> str:
     """Return the text of a robot's model."""
     model: str = document.load(robot).value["model"].value
-    return (robot.parent / model).read_text(encoding="utf-8")
+    return (robot.parent / model).read_text(encoding="utf-8", errors="replace")
 
 
 def run(folder: RunFolder) -> None:

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from humanoid_bt.core.errors import HumanoidBtError, Problem, UserError
+from humanoid_bt.core.texts import shortened
 from humanoid_bt.session.edits import Edit, EditSource
 from humanoid_bt.session.engine import Engine
 from humanoid_bt.session.loader import TreeLoader
@@ -18,6 +19,7 @@ from humanoid_bt.tree.ticking.executor import Executor, NodeError
 from humanoid_bt.tree.tree import Tree
 
 _CANCELED = "the goal was canceled"
+_LONGEST = 500  # characters of why a goal ended: a message that is too long would not arrive
 
 
 @dataclass(frozen=True)
@@ -111,6 +113,6 @@ class Goals:
         self._ended(End("interrupted", _CANCELED))
 
     def _ended(self, end: End) -> None:
-        said = {"goal": self._goal, "outcome": end.outcome, "reason": end.reason}
+        said = {"goal": self._goal, "outcome": end.outcome, "reason": shortened(end.reason, _LONGEST)}
         self._engine.announce("goal", {"time": self._teller.now, **said})
         self._goal = ""
