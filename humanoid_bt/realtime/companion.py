@@ -13,6 +13,7 @@ from humanoid_bt.realtime.children import Children
 
 _START_TIMEOUT = 30.0  # s until its first sign of life
 _SILENT_TICKS = round(0.3 / DECISION_PERIOD)  # of decision without a sign of life, after which it counts as gone
+_STUCK_TICKS = round(2.0 / DECISION_PERIOD)  # after which it is killed: until then it may only be slow
 _AGAIN = 1.0  # s from one start to the next, at least
 
 
@@ -36,13 +37,14 @@ class Companion:
         self._folder, self._children, self._role, self._module = folder, children, role, module
         self._signs, self._seen, self._silent = signs, 0, 0
         self._runs = False
+        self._spoke = False  # since it was started
         self._started = 0.0
         self.gone = ""
 
     def begin(self) -> None:
         """Start it."""
         self._children.start(self._role, self._module)
-        self._started, self._runs = time.monotonic(), True
+        self._started, self._runs, self._spoke = time.monotonic(), True, False
 
     def wait(self) -> None:
         """Wait for its first sign of life.
@@ -68,12 +70,13 @@ class Companion:
         signs = self._signs()
         self._silent = 0 if signs != self._seen else self._silent + 1
         if signs != self._seen:
-            self._seen, self.gone = signs, ""
+            self._seen, self._spoke, self.gone = signs, True, ""
         if self._runs and (how := self._children.how_ended(self._role)):
             self._runs, self.gone = False, self.gone or f"its process ended ({how})"
         lasts = time.monotonic() - self._started
-        if self._runs and (lasts > _START_TIMEOUT if self.gone else self._silent > _SILENT_TICKS):
+        if self._runs and not self.gone and self._silent > _SILENT_TICKS:
+            self.gone = "it does not answer"
+        if self._runs and self._silent > _STUCK_TICKS and (self._spoke or lasts > _START_TIMEOUT):
             self._children.kill(self._role)
-            self.gone = self.gone or "it does not answer"
         if not self._runs and lasts > _AGAIN:
             self.begin()

@@ -75,6 +75,8 @@ def test_one_that_is_silent_is_killed_and_started_again(watched: Companion, proc
     look(watched, process, 10, lives=False)
     assert (watched.gone, process.killed) == ("", 0)  # 0.2 s
     look(watched, process, 10, lives=False)
+    assert (watched.gone, process.killed) == ("it does not answer", 0)  # it may only be slow
+    look(watched, process, 90, lives=False)
     assert (watched.gone, process.killed, process.started) == ("it does not answer", 1, 2)
 
 
