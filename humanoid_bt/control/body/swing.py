@@ -22,7 +22,7 @@ _LAND_DEPTH = 0.004  # m below the ground that it aims at, so that it does land
 _ADJUST_TIME = 0.03  # s, low-pass of the adjustment
 _ANKLE_SHARE = 0.5  # of the DCM error that the ankle can still take out
 _HURRY_MAX = 2.5  # how much faster than planned a step may go
-_HURRY_SPEED = 1.33  # m/s of a foot that hurries, on average: a minimum-jerk path's peak is 1.875 of it
+_HURRY_SPEED = 1.1  # m/s of a foot that hurries, on average: more is planned than it gets done
 REACH_FORWARD = (-0.35, 0.45)
 """Of a foothold, seen from the support foot [m]."""
 
