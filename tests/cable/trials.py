@@ -54,9 +54,8 @@ class CabledMachine(Machine):
         self.workspace = Workspace(builtin_root())
         self.robot, start = load_robot(Path(self.workspace.find_robot("humanoid")))
         scene = Scene(load_scene(self.workspace.find_scene("empty")), seed=0)
-        self._lockstep = self.cabled = CabledLockstep(self.robot, start, scene, ScriptedPerception(), safe=safe)
-        self.plant, self.controller = self._lockstep.plant, self._lockstep.controller
-        self.reset()
+        self.cabled = CabledLockstep(self.robot, start, scene, ScriptedPerception(), safe=safe)
+        self._begin(self.cabled)
 
 
 @dataclass(frozen=True)

@@ -113,10 +113,14 @@ BREAKS = {
         "weak-drive",
         "raise its torque",
     ),
-    "feet too near": Break("gait: {}", "gait: {stance_width: 0.085}", "self-contact", "touch each other"),
-    "falls at once": Break("gait: {}", "fall: {tilt: 0.01}", "fall-limits", "counts as falling"),
-    "wider than it says": Break("gait: {}", "walking_radius: 0.2", "walking-radius", "'left_hand' is 0.28 m from"),
-    "never falls": Break("gait: {}", "fall: {height: 0.05}", "fall-limits", "not noticed"),
+    "feet too near": Break(
+        "step_turn:", "stance_width: 0.085\n  step_turn:", "self-contact", "touch each other", "stance_width"
+    ),
+    "falls at once": Break("gait:", "fall: {tilt: 0.01}\ngait:", "fall-limits", "counts as falling", "fall:"),
+    "wider than it says": Break(
+        "gait:", "walking_radius: 0.2\ngait:", "walking-radius", "'left_hand' is 0.28 m from", "walking_radius:"
+    ),
+    "never falls": Break("gait:", "fall: {height: 0.05}\ngait:", "fall-limits", "not noticed", "fall:"),
     "a floor of its own": Break(
         "<worldbody>",
         '<worldbody>\n<geom name="ground" type="plane" size="1 1 1"/>',

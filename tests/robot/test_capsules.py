@@ -101,7 +101,7 @@ def test_every_kind_of_shape_is_covered(edit: Edit, tmp_path: Path, shape: str) 
 
 def test_capsules_of_the_file_take_the_place_of_the_models_shapes(edit: Edit, tmp_path: Path) -> None:
     section = "collision:\n  capsules:\n    - {body: head, start: [0, 0, 0], end: [0, 0, 10 cm], radius: 9 cm}\n"
-    edit("robot.yaml", "gait: {}", f"{section}gait: {{}}")
+    edit("robot.yaml", "gait:", f"{section}gait:")
     robot = RobotModel(load_robot_config(tmp_path / "robot.yaml"))
     (head,) = of(robot, "head")
     np.testing.assert_allclose(head.ends, [[0, 0, 0], [0, 0, 0.1]])
@@ -111,7 +111,7 @@ def test_capsules_of_the_file_take_the_place_of_the_models_shapes(edit: Edit, tm
 
 def test_a_capsule_of_no_body_is_a_mistake_with_its_place(edit: Edit, tmp_path: Path) -> None:
     section = "collision: {capsules: [{body: haed, start: [0, 0, 0], end: [0, 0, 0], radius: 9 cm}]}\n"
-    edit("robot.yaml", "gait: {}", f"{section}gait: {{}}")
+    edit("robot.yaml", "gait:", f"{section}gait:")
     with pytest.raises(UserError, match="the model has no body 'haed'") as raised:
         RobotModel(load_robot_config(tmp_path / "robot.yaml"))
     (problem,) = raised.value.problems

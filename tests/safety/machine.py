@@ -70,7 +70,11 @@ class Machine:
         self.robot, start = load_robot(Path(self.workspace.find_robot(robot)))
         self._alive = ScriptedPerception()
         scene = Scene(load_scene(self.workspace.find_scene("empty")), seed=0)
-        self._lockstep = Lockstep(self.robot, start, scene, self._alive)
+        self._begin(Lockstep(self.robot, start, scene, self._alive))
+
+    def _begin(self, lockstep: Lockstep) -> None:
+        """Have an engine, and stand at its start."""
+        self._lockstep = lockstep
         limited = self.robot.model.jnt_limited[1:].astype(bool)
         self._range = np.where(limited[:, None], self.robot.model.jnt_range[1:], [-np.inf, np.inf])
         self.undo: list[Callable[[], None]] = []

@@ -65,12 +65,18 @@ def parting(one: list[Tick], other: list[Tick], tolerance: float = 0.0) -> tuple
     return first_parting((iter(one), []), (iter(other), []), ["hip", "knee"], tolerance)
 
 
+def bent(tick: Tick, angle: float) -> Tick:
+    """Return a tick with another angle of joint 3."""
+    positions = tick.state.joint_positions.copy()
+    positions[3] = angle
+    return replace(tick, state=replace(tick.state, joint_positions=positions))
+
+
 def test_the_first_moment_is_the_first_whatever_differs(recording: Recording) -> None:
     one = ticks(recording)
     assert parting(one, ticks(recording)) is None
-    turned = one[7].state.joint_positions.copy()
-    turned[3] += 1e-6
-    other = [*one[:7], replace(one[7], state=replace(one[7].state, joint_positions=turned)), *one[8:]]
+    one[7] = bent(one[7], 0.25)
+    other = [*one[:7], bent(one[7], 0.250001), *one[8:]]
     found = parting(one, other)
     assert found is not None and found[:2] == (one[7].state.time, "joint_positions 3")
     assert float(found[3]) - float(found[2]) == pytest.approx(1e-6, rel=1e-3)
