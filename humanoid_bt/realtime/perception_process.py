@@ -9,7 +9,8 @@ from collections import deque
 from pathlib import Path
 
 from humanoid_bt.core.errors import UserError
-from humanoid_bt.core.messages import State, Truth
+from humanoid_bt.core.messages import State
+from humanoid_bt.core.odometry import truth_of
 from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.link.run_folder import RunFolder
 from humanoid_bt.link.wire import Event, Sight, decode_state, decode_truth, encode_event, encode_percepts
@@ -54,7 +55,7 @@ def run(folder: RunFolder) -> None:
             if real and spec.perception is None:
                 percepts.write(encode_percepts(Sight([], dict.fromkeys(perception.names, _UNSEEN))))
                 continue
-            truth = _believed(decode_state(latest[1])) if real else decode_truth(latest[1])
+            truth = truth_of(decode_state(latest[1])) if real else decode_truth(latest[1])
             if spec.perception is not None:
                 entries, _ = states.since(read)
                 past.extend(decode_state(payload) for _, payload in entries)
@@ -66,18 +67,6 @@ def run(folder: RunFolder) -> None:
                 news.write(encode_event(Event(truth.time, level, text)))
     finally:
         perception.close()
-
-
-def _believed(state: State) -> Truth:
-    """Return where control believes the robot to be, for sources that look at a real one with eyes of their own."""
-    return Truth(
-        state.time,
-        state.base_position,
-        state.base_quaternion,
-        state.gaze_position,
-        state.gaze_direction,
-        state.joint_positions,
-    )
 
 
 def _perception(spec: RunSpec) -> Perception:
