@@ -64,7 +64,7 @@ class Network:
         """
         try:
             return list(self._session.run(outputs, dict(inputs)))
-        except Exception as error:
+        except Exception as error:  # as above
             raise RuntimeError(_one_line(error)) from error
 
 
