@@ -24,6 +24,8 @@ _STILL_AFTER = 0.3  # s on both feet after which soles no longer roll
 _STILL = 0.1  # of the slip of a sole that rolls
 _ROLLING = 10.0  # times the slip of a loaded sole: one that lifts off, or carries little
 _ROLLS_BELOW = 0.5  # share of the weight
+_SLIDES = 0.15  # m/s of a sole on the ground above which it slides, and says nothing of where the base is
+_SLIDES_FOR = 0.3  # s after which it is not the sole that is wrong
 _LANDS = 0.015  # s in which a sole that has met the ground may slide on it
 _LEVEL_SHARE = 1.0  # of what the legs say of the base's tilt that is believed in a period
 _SAID_SHARE = 0.5  # of what the orientation says of the base's turning that is believed in a period
@@ -72,6 +74,7 @@ class Estimator:
         self.watch = SensorWatch(robot)
         self._velocity_before: Array = np.zeros(BASE_DOFS + joints)
         self._imu: Array = np.zeros(6)
+        self._believed: Array = np.zeros(6)  # of it, on average, when it was last believed
         self._torque: Array = np.zeros(joints)
         self.heard = self._since = self._turn = 0
         self._missed = False  # readings were, since the last update
@@ -80,6 +83,7 @@ class Estimator:
         self._upright = _STEADY  # s
         self._still = self._lost = 0.0
         self._stands_for = [_STEADY, _STEADY]  # s, of each foot
+        self._slides_for = [0.0, 0.0]  # s, likewise
         self._least_upright = math.cos(robot.config.fall.tilt)
 
     def reset(self, reading: Reading, place: tuple[float, float, float]) -> None:
@@ -108,12 +112,13 @@ class Estimator:
         self._filter.reset(estimate.qpos[3:BASE_COORDINATES], estimate.qpos[:3])
         self.watch.reset(reading)
         self._clear()
+        self._believed[:3], self._believed[3:] = self._filter.still, 0.0
         self._velocity_before[:] = 0.0
         self._rate[:] = 0.0
         self._said = None
         self._upright = _STEADY  # s
         self._still = self._lost = 0.0
-        self._stands_for = [_STEADY, _STEADY]
+        self._stands_for, self._slides_for = [_STEADY, _STEADY], [0.0, 0.0]
         self._since = self._turn = 0
         self._missed = False
         self._correct()
@@ -143,11 +148,7 @@ class Estimator:
         heard, qvel = self.heard, estimate.qvel
         time = heard * SERVO_PERIOD
         imu = self._imu / heard
-        if self._missed:
-            watch.resume(reading)  # nothing jumped: much may have happened meanwhile
-            self._missed = False
-        else:
-            watch.look(reading, imu, self._upright >= _STEADY)
+        self._watch(reading, imu)
         doubtful = bool(watch.failed) or not math.isfinite(sum(imu.tolist()))
         if doubtful:
             self._without_imu(reading, imu, time)
@@ -157,7 +158,7 @@ class Estimator:
         self._velocity_before[:] = qvel
         self._position[:], self._quaternion[:], self._velocity[:] = belief.position, belief.quaternion, belief.velocity
         self._joints[:], self._speeds[:] = reading.joint_position, reading.joint_velocity
-        np.subtract(imu[3:] if doubtful else reading.gyro, belief.gyro_bias, out=self._rotation)
+        np.subtract(imu[3:] if doubtful or watch.jumping else reading.gyro, belief.gyro_bias, out=self._rotation)
         estimate.joint_torque[:] = reading.joint_torque
         if watch.any_bad:
             self._stand_in(setpoint)
@@ -238,6 +239,22 @@ class Estimator:
         )
         self._turn = self._since = 0
 
+    def _watch(self, reading: Reading, imu: Array) -> None:
+        """Judge a reading, and let what the IMU said before stand in for what jumps.
+
+        Until a sensor counts as failed, some looks later, its nonsense would move the robot.
+        """
+        watch = self.watch
+        if self._missed:
+            watch.resume(reading)  # nothing jumped: much may have happened meanwhile
+            self._missed = False
+        else:
+            watch.look(reading, imu, self._upright >= _STEADY)
+        for sensor, values in ("accelerometer", slice(0, 3)), ("gyro", slice(3, 6)):
+            if sensor in watch.jumping:
+                imu[values] = self._believed[values]
+        self._believed[:] = imu
+
     def _without_imu(self, reading: Reading, imu: Array, time: float) -> None:
         """Put something else in the place of what the IMU does not say any more."""
         failed, belief = self.watch.failed, self._filter
@@ -276,11 +293,22 @@ class Estimator:
         if self._still > _STILL_AFTER:
             return _STILL, _STILL
         landed = self._since * SERVO_PERIOD + _LANDS
+        slides = self._note_sliding()
         left, right = (
-            FREE if stands_for < landed else _ROLLING if force < self._rolls_below else 1.0
-            for force, stands_for in zip(self.load.force.tolist(), self._stands_for, strict=True)
+            FREE if stands_for < landed or slid else _ROLLING if force < self._rolls_below else 1.0
+            for force, stands_for, slid in zip(self.load.force.tolist(), self._stands_for, slides, strict=True)
         )
         return left, right
+
+    def _note_sliding(self) -> list[bool]:
+        """Return which soles slide on the ground: the base does not move as it would if they stayed."""
+        time = self._since * SERVO_PERIOD
+        ways = self._filter.slides(self._dynamics.sole_positions).tolist()
+        self._slides_for = [
+            before + time if stands and way > _SLIDES * time and not self.watch.failed else 0.0
+            for before, way, stands in zip(self._slides_for, ways, self.load.standing, strict=True)
+        ]
+        return [0.0 < slides_for < _SLIDES_FOR for slides_for in self._slides_for]
 
     def _clear(self) -> None:
         self._imu[:] = 0.0

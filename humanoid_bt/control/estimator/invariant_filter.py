@@ -228,6 +228,14 @@ class InvariantFilter:
         """Count heights from a ground that is higher by so much [m]."""
         self._points[1:, 2] -= way
 
+    def slides(self, feet: Array) -> Array:
+        """Return how far the feet seem to have slid since the last correction, in the plane, shape (2,) [m].
+
+        Args:
+            feet: as in :meth:`correct`.
+        """
+        return np.asarray(np.hypot(*(feet - self._feet)[:, :2].T))
+
     def correct(
         self, feet: Array, headings: Sequence[float], standing: Sequence[bool], ground: Sequence[float] = (0.0, 0.0)
     ) -> None:

@@ -12,7 +12,7 @@ from humanoid_bt.control.controller import Controller
 from humanoid_bt.control.dynamics import GRAVITY
 from humanoid_bt.core.messages import SIDES, BaseTarget, JointCommand, Mode, Reading
 from humanoid_bt.robot.config import load_robot_config
-from humanoid_bt.robot.model import RobotModel, foot_sensor
+from humanoid_bt.robot.model import RobotModel, foot_sensor, sole_site
 from humanoid_bt.robot.sensor_config import FootForceConfig
 from tests.control.conftest import ROBOT
 from tests.control.control_rig import ControlRig
@@ -143,3 +143,36 @@ def test_single_silences_of_the_gyroscope_long_apart_turn_nothing(
     assert rig.state.mode is Mode.RUN
     assert not rig.controller.estimator.watch.failed
     assert fastest < 3.0
+
+
+def test_a_robot_whose_feet_slide_knows_where_it_is(robot: RobotModel, standing: np.ndarray) -> None:
+    rig = ControlRig(robot, standing)
+    rig.plant.alter(friction=0.05)
+    rig.reset()
+    rig.run(0.5, {})
+    soles = [rig.plant.data.site(sole_site(side)) for side in SIDES]
+    before = np.array([sole.xpos[:2].copy() for sole in soles])
+    rig.plant.push("torso", np.array([0.0, 120.0, 0.0]), 0.1)
+    rig.run(0.24, {})
+    slid = np.hypot(*(np.array([sole.xpos[:2] for sole in soles]) - before).T)
+    off = rig.controller.estimator.estimate.qpos[:2] - rig.plant.data.qpos[:2]
+    assert slid.min() > 0.03
+    assert np.hypot(*off) < 0.01
+
+
+@pytest.mark.parametrize("sensor", ["accelerometer", "gyro"])
+def test_a_sensor_that_jumps_is_not_believed_until_it_is_known_to_fail(rig: ControlRig, sensor: str) -> None:
+    rig.run(0.5, {})
+    fastest = 0.0
+
+    def watch() -> None:
+        nonlocal fastest
+        estimator = rig.controller.estimator
+        wrong = estimator.estimate.qvel[:6] - rig.plant.data.qvel[:6]
+        if not estimator.watch.failed:
+            fastest = max(fastest, float(np.abs(wrong).max()))
+
+    rig.plant.fail_sensor(sensor, "jumping")
+    rig.run(0.06, {}, cycle=watch)
+    assert sensor in rig.controller.estimator.watch.failed
+    assert fastest < 0.05
