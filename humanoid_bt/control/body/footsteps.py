@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 from humanoid_bt.control.body.body import Footstep
 from humanoid_bt.control.body.planar import ahead, seen_from, wrap
@@ -17,6 +18,8 @@ STEPS_AHEAD = 4
 _TOE_IN = 0.5  # of the turn of a step outward that one inward may have
 _TURN_SHARE = 0.5  # of its length that a step gives to the largest turn
 _CLEARANCE = 0.01  # m between the soles
+_GRIPS = 0.1  # rad by which a foot that carries the robot may turn: on dry floors hardly ever
+_SHORTER, _LONGER, _SHORTEST = 0.6, 0.05, 0.4  # times, plus, and least share of the longest step
 _TURN_COST = 0.7  # of the steps that a turn takes: it is mostly made on the way
 
 
@@ -25,10 +28,36 @@ class FootstepPlanner:
 
     Args:
         gait, sole: the robot's numbers.
+
+    Attributes:
+        stride: how long steps may be, as a share of the longest.
     """
 
     def __init__(self, gait: GaitConfig, sole: SoleConfig) -> None:
-        self._gait, self._sole = gait, sole
+        self._longest, self._sole = gait, sole
+        self.reset()
+
+    def reset(self) -> None:
+        """Begin on a floor on which feet do not slip."""
+        self._gait, self.stride = self._longest, 1.0
+
+    def stood(self, turned: float) -> None:
+        """Make shorter steps where feet slip, and longer ones again, little by little, where they do not.
+
+        Args:
+            turned: by how much the foot that carried the robot has turned on the ground in a step [rad].
+        """
+        stride = self.stride * _SHORTER if abs(turned) > _GRIPS else self.stride + _LONGER
+        stride = min(max(stride, _SHORTEST), 1.0)
+        if stride != self.stride:
+            self.stride, gait = stride, self._longest
+            self._gait = replace(
+                gait,
+                step_forward=stride * gait.step_forward,
+                step_back=stride * gait.step_back,
+                step_sideways=stride * gait.step_sideways,
+                step_turn=stride * gait.step_turn,
+            )
 
     def stance_beside(self, side: Side, foot: Array) -> Array:
         """Return the stance that belongs to a foot on the ground."""

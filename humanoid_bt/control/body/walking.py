@@ -74,11 +74,13 @@ class Walker:
         self._waited = 0.0  # s for the weight to leave the foot that is to swing
         self._ends = False  # whether the walk ends with this step
         self._contacts = 0
+        self._stood_at = 0.0  # rad, heading of the foot that carries the robot, when the other one was lifted
         self._found = dict.fromkeys(SIDES, _FOUND)  # control periods in which a foot that landed was loaded
 
     def reset(self, soles: Mapping[Side, Array], footings: Mapping[Side, Array], omega: float) -> None:
         """Stand where the feet are."""
         self._omega = omega
+        self._planner.reset()
         self.foot_reference = {side: soles[side].copy() for side in SIDES}
         self.foot_footing = {side: footings[side].copy() for side in SIDES}
         self.contact = dict.fromkeys(SIDES, True)
@@ -97,7 +99,7 @@ class Walker:
         support = self.foot_reference[OTHER[lifted]]
         goal = np.array([*dcm, self._planner.stance_beside(OTHER[lifted], support).item(2)])
         self._start_step(lifted, goal, support[:2], 0.0)
-        self.swing = self._lift_off(lifted)
+        self.swing, self._stood_at = self._lift_off(lifted), support.item(2)
 
     @property
     def stance(self) -> Array:
@@ -173,6 +175,7 @@ class Walker:
             self.contact[side] = False
             if self.swing is None:
                 self.swing = self._lift_off(side)
+                self._stood_at = soles[OTHER[side]].item(2)
             self.swing.update(self._elapsed - self._double, dcm, self.zmp_reference)
             self.foot_reference[side], self.foot_footing[side] = self.swing.pose, self.swing.footing
             rate = self.swing.rate
@@ -183,6 +186,7 @@ class Walker:
         if landed:
             self.contact[side] = True
         if landed or self._elapsed >= self._double + self._single:
+            self._planner.stood(wrap(soles[OTHER[side]].item(2) - self._stood_at))
             self._touch_down(side, goal)
 
     def _must_wait(self, dcm: Array, soles: Mapping[Side, Array]) -> bool:

@@ -125,3 +125,23 @@ def test_a_goal_beside_makes_it_sidestep_without_turning(planner: FootstepPlanne
 )
 def test_the_foot_inside_the_turn_steps_first(planner: FootstepPlanner, goal: list[float], side: str) -> None:
     assert planner.first_swing(ORIGIN, np.array(goal, dtype=float)) == side
+
+
+def test_steps_are_shorter_where_feet_slip_and_grow_again_where_they_do_not(planner: FootstepPlanner) -> None:
+    turn, far = np.array([0.0, 0.0, 2.0]), np.array([3.0, 0.0, 0.0])
+    planner.stood(0.3)
+    assert planner.next_stance(ORIGIN, turn, "left")[2] == pytest.approx(0.6 * GAIT.step_turn)
+    assert planner.next_stance(ORIGIN, far, "left")[0] == pytest.approx(0.6 * GAIT.step_forward)
+    for _ in range(5):
+        planner.stood(-0.3)
+    shortest = planner.stride
+    assert 0.3 < shortest < 0.6
+    planner.stood(0.01)
+    assert shortest < planner.stride < 0.6
+    for _ in range(20):
+        planner.stood(0.01)
+    assert planner.next_stance(ORIGIN, turn, "left")[2] == GAIT.step_turn
+    planner.stood(0.3)
+    planner.reset()
+    assert planner.stride == 1.0
+    assert planner.next_stance(ORIGIN, turn, "left")[2] == GAIT.step_turn

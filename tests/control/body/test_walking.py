@@ -1,8 +1,12 @@
 from __future__ import annotations
 
+import math
+from itertools import pairwise
+
 import numpy as np
 import pytest
 
+from humanoid_bt.control.body.footsteps import OTHER
 from humanoid_bt.control.body.planar import ahead
 from humanoid_bt.control.body.walking import Walker
 from humanoid_bt.core.messages import SIDES, Array, Gait, Side
@@ -249,6 +253,26 @@ def test_a_foot_does_not_wait_for_ever_nor_when_the_dcm_has_left_the_feet(ideal:
     pushed = Ideal()
     pushed.go(GAIT.first_shift + 4 * DT, AHEAD, error=np.array([0.2, -0.04]))
     assert not pushed.walker.contact["right"]
+
+
+def test_steps_are_shorter_after_one_in_which_the_standing_foot_turned(ideal: Ideal) -> None:
+    walker = ideal.walker
+    ideal.until_swing()
+    assert walker.swing is not None
+    stands, before = OTHER[walker.swing.side], walker.swing.target.copy()
+    soles = {side: walker.foot_reference[side].copy() for side in SIDES}
+    soles[stands][2] += 0.15
+    force = {side: 200.0 * (side == stands) for side in SIDES}
+    while walker.swing is not None:
+        soles[OTHER[stands]] = walker.foot_reference[OTHER[stands]].copy()
+        walker.update(AHEAD, walker.dcm_reference, walker.zmp_reference, soles, footings=LEVEL, foot_force=force)
+    longest = max(math.dist(one.pose[:2], other.pose[:2]) for one, other in pairwise(walker.footsteps))
+    assert before[0] == pytest.approx(GAIT.step_forward)
+    assert longest < math.hypot(0.7 * GAIT.step_forward, GAIT.stance_width)
+    again = {side: ahead(np.zeros(3), 0, sign * 0.09) for side, sign in zip(SIDES, (1, -1), strict=True)}
+    walker.reset(again, LEVEL, OMEGA)
+    ideal.until_swing()
+    assert walker.swing.target[0] == pytest.approx(GAIT.step_forward)
 
 
 def test_reset_stands_where_the_feet_are(ideal: Ideal) -> None:
