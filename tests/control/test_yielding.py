@@ -145,6 +145,18 @@ def test_contact_is_told_as_an_event_when_it_begins_and_ends() -> None:
     assert told[0].endswith("; the arm yields")
 
 
+def test_a_robot_whose_arm_yields_no_more_does_not_jerk(rig: ControlRig) -> None:
+    """The plan of the arm, which sagged meanwhile, must not jump to where it is: all of the body would answer."""
+    rig.run(0.5, {})
+    rig.plant.push("right_hand", np.array([-60.0, 0.0, 0.0]), 0.2)
+    assert rig.run(0.3, {}, until=lambda _: bool(rig.controller.supervisor.touch.yielding))
+    assert rig.run(2.0, {}, until=lambda _: not rig.controller.supervisor.touch.yielding)
+    felt: list[float] = []
+    rig.run(1.5, {}, cycle=lambda: felt.append(float(np.abs(rig.plant.data.qacc[:3]).max())))
+    assert max(felt) < 15.0
+    assert not rig.controller.supervisor.touch.yielding
+
+
 def test_a_robot_that_lies_limp_feels_nothing(rig: ControlRig) -> None:
     rig.run(0.1, {})
     rig.plant.push("torso", np.array([600.0, 0.0, 0.0]), 0.2)

@@ -15,6 +15,7 @@ from humanoid_bt.core.messages import SIDES, Array, HandTarget, Side
 from humanoid_bt.robot.model import BASE_COORDINATES, RobotModel
 
 _FOLLOW_TIME = 0.2  # s in which the plan of an arm that yields comes to where the arm is
+_TAKE_UP_TIME, _TAKES_UP_FOR = 0.1, 0.3  # s, likewise of one that has yielded, and for how long: a jump moves the body
 _STIFFEN_TIME = 2.0  # s in which an arm that is soft becomes as stiff as it can be
 _HOMEWARD = 0.2  # share of its stiffness that an arm has at most that goes home from what it touched
 _AWAY, _AWAY_TIME, _AWAY_SPEED = 0.10, 1.2, 0.1  # m, s and m/s: that far and long it first moves away from there
@@ -55,7 +56,7 @@ class YieldingArms:
 
     What pushes such an arm feels little of a spring, for the spring's rest comes after it, and the damping of the
     drives. Where it was left it stays. Gravity, also of what the hand carries, is held by feedforward. When it yields
-    no more its plan is where it is: nothing jumps.
+    no more its plan is brought to where it is, before it moves again: nothing jumps.
 
     An arm that nobody wants anywhere then goes home, and what touched it may be in the way: its palm first moves a
     little to where it was pushed, then the arm goes home, slowly and soft all the way.
@@ -84,6 +85,7 @@ class YieldingArms:
         self.sides: frozenset[Side] = frozenset()
         self._yielded: frozenset[Side] = frozenset()
         self._pushed: dict[Side, Array] = {}  # the largest force on one that yields, shape (3,) [N]
+        self._taken_up: dict[Side, float] = {}  # whose plan comes to where they are, and for how long yet [s]
         self._away: dict[Side, tuple[Array, float]] = {}  # where one moves away to, and for how long [m, s]
         self._reference: dict[Side, Array] = {}  # of the joints of one that yields or goes home [rad]
         self.homeward: frozenset[Side] = frozenset()
@@ -102,11 +104,15 @@ class YieldingArms:
         sides = self.sides
         if not (sides or self._shares):
             return
-        self._kinematics.still = [joint for side in sides for joint in self._joints[side]]
         for side in sides:
+            self._taken_up.pop(side, None)
             self._follow(side, qpos[BASE_COORDINATES:], contact.forces[f"{side}_arm"])
         for side in self._yielded - sides:
-            self._leave(side, qpos[BASE_COORDINATES:])
+            self.homeward |= {side}
+            self._taken_up[side] = _TAKES_UP_FOR
+        for side in list(self._taken_up):
+            self._take_up(side, qpos[BASE_COORDINATES:])
+        self._kinematics.still = [joint for side in {*sides, *self._taken_up} for joint in self._joints[side]]
         self._yielded = sides
         self.homeward = frozenset(side for side in self.homeward - sides if f"{side}_hand" not in wanted)
         stiffness: Array = np.ones(self._count)
@@ -131,10 +137,13 @@ class YieldingArms:
             if before is None or strength > before @ before:
                 self._pushed[side] = force.copy()
 
-    def _leave(self, side: Side, joints: Array) -> None:
-        own = self._joints[side]
-        self._kinematics.follow(own, joints[own], 1.0)
-        self.homeward |= {side}
+    def _take_up(self, side: Side, joints: Array) -> None:
+        """Bring the plan of an arm to where it is, and then let it go."""
+        own, left = self._joints[side], self._taken_up.pop(side) - self._dt
+        self._kinematics.follow(own, joints[own], self._dt / _TAKE_UP_TIME)
+        if left > 0:
+            self._taken_up[side] = left
+            return
         push = self._pushed.pop(side, None)
         if push is not None:
             away = push * (_AWAY / math.sqrt(push @ push))
@@ -161,7 +170,7 @@ class YieldingArms:
         planned = self._kinematics.joints
         for side in self.sides | self.homeward:
             joints = self._joints[side]
-            if side in self.sides or side in self._away:
+            if side in self.sides or side in self._away or side in self._taken_up:
                 self._reference[side] = planned[joints]
             elif not hold:
                 before = self._reference[side]
