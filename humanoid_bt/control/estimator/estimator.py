@@ -170,7 +170,7 @@ class Estimator:
             self.load.explain(qvel, acceleration, torque)
         if doubtful or watch.any_bad:
             self.contact.forget()
-        else:
+        elif not watch.jumping:  # what the base felt is not known
             acceleration[:3] = belief.acceleration(imu[:3])
             self.contact.update(acceleration, torque, time)
         self._since += heard
