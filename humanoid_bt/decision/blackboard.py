@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import re
 import typing
+from collections.abc import Callable
 from typing import Any, ClassVar
 
 from humanoid_bt.core.errors import HumanoidBtError, UserError
@@ -108,8 +109,14 @@ class Key:
 
 
 def are_keys(value: Any) -> bool:
-    """Return whether a parameter's value is a list of keys."""
-    return isinstance(value, list) and bool(value) and all(isinstance(part, Key) for part in value)
+    """Return whether a parameter's value is a list of keys, or a mapping to some."""
+    parts = value.values() if isinstance(value, dict) else value if isinstance(value, list) else ()
+    return bool(parts) and all(isinstance(part, Key) for part in parts)
+
+
+def exchanged(keys: Any, of: Callable[[Key], Key]) -> Any:
+    """Return a list of keys, or a mapping to some, with others in their places."""
+    return {name: of(key) for name, key in keys.items()} if isinstance(keys, dict) else [of(key) for key in keys]
 
 
 def names_key(kind: Any) -> bool:

@@ -41,6 +41,7 @@ from humanoid_bt.perception.track import Track
 
 if TYPE_CHECKING:  # a skill's file is imported without it
     from humanoid_bt.decision.anatomy import Anatomy, ArmJoint
+    from humanoid_bt.decision.calls import Calls
     from humanoid_bt.robot.config import RobotConfig
     from humanoid_bt.robot.model import RobotModel
 
@@ -61,8 +62,10 @@ class Robot:
         log: called at once with source, level and text when a node has something to tell; the program's log if None.
         unseen: answers with the percepts that were never published so far, and why.
         model: the robot; made when it is first asked for where parts of the body are if None, which takes a while.
+        calls: what carries calls to other programs, None where nothing does.
 
     Attributes:
+        calls: what carries calls to other programs, None where nothing does.
         clock: the tree's clock, which stands still while the run is paused.
     """
 
@@ -75,11 +78,13 @@ class Robot:
         unseen: Callable[[], Mapping[str, str]] | None = None,
         *,
         model: RobotModel | None = None,
+        calls: Calls | None = None,
     ) -> None:
         self._raise_estop = raise_estop
         self._model = model
         self._unseen = unseen
         self._tell = log or _to_log
+        self.calls = calls
         self.config = config
         self._engine_clock = clock
         self.clock = TreeClock(clock)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, ClassVar, Literal, Self
@@ -14,9 +14,11 @@ from humanoid_bt.core.errors import Place, Problem, UserError, nearest
 from humanoid_bt.core.items import Item, item_of
 from humanoid_bt.core.params import Param, param
 from humanoid_bt.core.reading import convert, read
+from humanoid_bt.decision.blackboard import Key
 from humanoid_bt.decision.result import Result, ResultValue, declared_results
 from humanoid_bt.decision.robot import Robot
 from humanoid_bt.tree.draft import Draft
+from humanoid_bt.tree.nodes.ros import RosCall
 from humanoid_bt.tree.source.build import paths
 from humanoid_bt.tree.tree import Tree
 
@@ -33,7 +35,10 @@ class Answer:
     status: Answered = param(doc="What it answers in the end; running if it goes on until it is halted.")
     after: float = param(0.0, minimum=0, unit="s", doc="How long it runs before.")
     feedback: str = param("", doc="What it says.")
-    results: dict[str, Any] = param({}, doc="What it reports in the end, by the names that the skill declares.")
+    results: dict[str, Any] = param(
+        {},
+        doc="What it reports in the end, by the names that the skill declares; of a node that asks others, by paths.",
+    )
 
     def __post_init__(self) -> None:
         """Refuse another status, also in Python."""
@@ -110,9 +115,11 @@ class StandIn(Behaviour):
 
     Attributes:
         answers: what it does each time it is started.
+        keys: the keys that get what it reports, of a node that asks other programs.
     """
 
     answers: ClassVar[tuple[Answer, ...]]
+    keys: ClassVar[Mapping[str, Key]] = {}
     ends: ClassVar[bool] = True
 
     def __init__(self, name: str) -> None:
@@ -138,7 +145,10 @@ class StandIn(Behaviour):
         if answer.status == "running" or self._robot.clock.now() - self._since < answer.after - _AT:
             return Status.RUNNING
         for name, value in answer.results.items():
-            setattr(self, name, value)
+            if name in self.keys:
+                self.keys[name].set(value)
+            else:
+                setattr(self, name, value)
         return Status.SUCCESS if answer.status == "success" else Status.FAILURE
 
 
@@ -198,18 +208,30 @@ def _stand_in(draft: Draft, path: str, replacement: Replacement) -> Draft:
             raise UserError([replace(problem, place=replacement.place) for problem in error.problems]) from None
     declared = declared_results(draft.type.cls)
     place = replacement.place or Place(f"replace {path}")
-    cls = type("StandIn", (StandIn,), {"answers": tuple(_in_si(answer, declared, place) for answer in answers)})
+    keys: Mapping[str, Key] = {}
+    if issubclass(draft.type.cls, RosCall):
+        keys = draft.values.get(draft.type.cls.taken, {})
+        for answer in answers:
+            _check_reported(answer, keys, place, "the node takes")
+    else:
+        answers = tuple(_in_si(answer, declared, place) for answer in answers)
+    cls = type("StandIn", (StandIn,), {"answers": answers, "keys": keys})
     for name, result in declared.items():
         setattr(cls, name, result)  # it stays the skill's own: its type is looked up there
     node_type = replace(draft.type, kind="action", cls=cls, params={}, resources=(), takes="none", branches={})
     return Draft(node_type, draft.place, draft.name)
 
 
+def _check_reported(answer: Answer, known: Collection[str], place: Place, what: str) -> None:
+    """Refuse results that a node does not have."""
+    if unknown := [name for name in answer.results if name not in known]:
+        hint = nearest(unknown[0], known) or "it reports nothing"
+        raise UserError(f"{what} no {unknown[0]!r}", place, hint, "unknown-key")
+
+
 def _in_si(answer: Answer, declared: Mapping[str, Result], place: Place) -> Answer:
     """Return an answer with results as a skill declares them; raises UserError."""
-    if unknown := [name for name in answer.results if name not in declared]:
-        hint = nearest(unknown[0], declared) or "it reports nothing"
-        raise UserError(f"the skill reports no {unknown[0]!r}", place, hint, "unknown-key")
+    _check_reported(answer, declared, place, "the skill reports")
     words = {"true": True, "false": False}  # as a recording has them
     given = {
         name: words.get(value, value) if declared[name].type is bool and isinstance(value, str) else value

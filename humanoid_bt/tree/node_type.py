@@ -18,6 +18,7 @@ from humanoid_bt.decision.blackboard import Key, names_key
 from humanoid_bt.decision.result import Result, declared_results
 from humanoid_bt.decision.skill import Skill
 from humanoid_bt.tree.expressions.expression import Expression
+from humanoid_bt.tree.expressions.fields import Fields
 from humanoid_bt.tree.results import ANYTHING, AT_ONCE, NEVER_ENDS, Below, Results
 from humanoid_bt.tree.slots import Slot, Takes
 
@@ -115,7 +116,7 @@ class NodeType:
             if names_percepts(spec.type):
                 value = values.get(name, None if spec.required else spec.default)
                 found[name] = [value] if isinstance(value, str) else list(value or ())
-            elif isinstance(value := values.get(name), Expression):
+            elif isinstance(value := values.get(name), (Expression, Fields)):
                 found[name] = list(dict.fromkeys(value.percepts))
         return found
 

@@ -10,6 +10,7 @@ from py_trees.behaviour import Behaviour
 
 from humanoid_bt.core.errors import UserError
 from humanoid_bt.decision.blackboard import Key
+from humanoid_bt.tree.expressions.fields import Fields
 from humanoid_bt.tree.node import Node
 from humanoid_bt.tree.node_type import CHILD
 
@@ -82,6 +83,8 @@ def written(value: Any, unit: str = "") -> Any:  # noqa: PLR0911 (a table of cas
         return f"{repr(value).removesuffix('.0')} {unit}" if unit else value
     if isinstance(value, (list, tuple)):
         return _FlowList(written(item, unit) for item in value)
+    if isinstance(value, Fields):
+        return _Flow(value.written)
     if isinstance(value, Mapping):
         return {key: written(item, unit) for key, item in value.items()}
     if isinstance(value, str):

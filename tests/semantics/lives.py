@@ -85,6 +85,11 @@ class Life(Run):
         ]
 
     @property
+    def asking(self) -> int:
+        """How many calls nobody is done with."""
+        return len(self.calls.open)
+
+    @property
     def logged(self) -> list[str]:
         """Which ``log`` nodes told something."""
         return [_last(source) for source, level, _ in self.events if level == "info"]

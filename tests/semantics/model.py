@@ -266,6 +266,15 @@ def wait(m: Model, node: Node) -> str:
     return SUCCESS if m.is_over(node) else RUNNING
 
 
+def ros_service(m: Model, node: Node) -> str:
+    """Ask when it starts, run until the answer is there; fail when the time is over before. It writes its key."""
+    if m.elapsed(node) < node.values["after"]:
+        return FAILURE if m.is_over(node) else RUNNING
+    if node.values["answer"] == SUCCESS:
+        m.board["n"] = 5
+    return str(node.values["answer"])
+
+
 def wait_until(m: Model, node: Node) -> str:
     """Run until an expression is true, then succeed."""
     return SUCCESS if m.holds(node) else RUNNING
@@ -546,6 +555,7 @@ RULES: dict[str, Callable[[Model, Node], str]] = {
     **dict.fromkeys(COMMANDS, skill),
     **{"success": success, "failure": failure, "running": running},
     **{"wait": wait, "wait_until": wait_until, "condition": condition, "log": log},
+    **{"ros_service": ros_service, "ros_action": ros_service},
     **{"set_blackboard": set_blackboard, "clear_blackboard": clear_blackboard},
     **COMPOSITES,
     **{"emergency_stop": emergency_stop, "watchdog": watchdog},

@@ -151,6 +151,8 @@ def text_of(tree: Node) -> str:
 
 def item_of(node: Node) -> dict[str, Any]:
     """Return a node as it stands in a tree file."""
+    if node.kind in ("ros_service", "ros_action"):
+        return {node.kind: _call(node)}
     body: dict[str, Any] = {"name": node.name}
     for name, value in node.values.items():
         if name in ("duration", "max_age"):
@@ -176,6 +178,15 @@ def item_of(node: Node) -> dict[str, Any]:
     elif node.children:
         body.update(item_of(node.child))
     return {node.kind: body}
+
+
+def _call(node: Node) -> dict[str, Any]:
+    """Return the body of a node that asks; what it asks says how it is answered."""
+    service, values = node.kind == "ros_service", node.values
+    what = "service" if service else "action"
+    name = f"/{values['answer'].lower()}_{values['after']}"
+    called = {"name": node.name, what: name, "type": "some_interfaces/Some", "timeout": f"{values['duration']} ms"}
+    return {**called, "response" if service else "result": {"some.number": "n"}}
 
 
 def numbered(tree: Node) -> Node:
@@ -333,11 +344,15 @@ def _skill(draw: DrawFn, rules: _Rules, free: frozenset[str]) -> Node:
 @st.composite
 def _leaf(draw: DrawFn, rules: _Rules) -> Node:
     kinds = ["success", "failure", "running", "wait", "wait_until", "condition", "set_blackboard", "log"]
+    kinds += ["ros_service", "ros_action"]
     kind = draw(st.sampled_from(kinds + ["clear_blackboard"] * rules.raising))
     if kind == "wait":
         return Node(kind, values={"duration": draw(MS)})
     if kind in ("wait_until", "condition"):
         return replace(draw(_condition()), kind=kind)
+    if kind in ("ros_service", "ros_action"):
+        answer, after = draw(st.sampled_from(["SUCCESS", "FAILURE"])), draw(st.sampled_from([0, 20, 60, 100]))
+        return Node(kind, values={"answer": answer, "after": after, "duration": draw(MS)})
     if kind == "set_blackboard":
         # a key that was cleared cannot be counted up: that raises
         return Node(kind, values=draw(st.sampled_from([{"value": 0}, {"value": 2}, {"add": 1}])))

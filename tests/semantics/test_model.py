@@ -58,5 +58,8 @@ def agree(life: Life, model: Model, raised: str | None) -> None:
     assert life.executor.status.name == model.status[model.tree.name]
     assert sorted(life.caught) == sorted(model.caught)
     assert life.logged == model.told
+    kinds = {node.name: node.kind for node in model.tree.all()}
+    asking = [name for name, status in model.status.items() if status == "RUNNING" and kinds[name].startswith("ros_")]
+    assert life.asking == len(asking)
     board = {key.name: key.value for key in life.tree.keys if key.is_set}
     assert board == (model.board or board)  # the model has none before the first tick

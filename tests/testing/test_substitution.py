@@ -129,3 +129,16 @@ def test_the_tree_itself_is_left_as_it_is(dry):
     tree = hbt.load("fetch")
     dry.run(tree, replace={"selector": "success"}, duration=0.1)
     assert tree.node("approach").type_name == "approach"
+
+
+def test_a_stand_in_of_a_node_that_asks_others_writes_the_keys_that_it_has(dry, tmp_path):
+    leaf = "ros_service: {service: /lamp, type: std_srvs/SetBool, response: {message: said}}"
+    file = tmp_path / "lamp.yaml"
+    file.write_text(f"format: 1\nroot: {{sequence: [{{{leaf}}}, {{condition: said == 'on'}}]}}\n")
+    lit = {"status": "success", "after": 0.1, "results": {"message": "on"}}
+    run = dry.run(str(file), replace={"ros_service": [lit]})
+    assert (run.report.outcome, changes(run, "ros_service")[-1]) == ("success", (0.1, "SUCCESS"))
+    with pytest.raises(UserError, match=r"the node takes no 'mesage'(.|\n)*did you mean 'message'"):
+        dry.run(str(file), replace={"ros_service": [{"status": "success", "results": {"mesage": "on"}}]})
+    with pytest.raises(UserError, match="no-gateway"):
+        dry.run(str(file))

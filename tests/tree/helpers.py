@@ -12,12 +12,14 @@ import numpy as np
 from humanoid_bt.core.clock import CycleClock
 from humanoid_bt.core.errors import UserError
 from humanoid_bt.core.messages import Command, FootPose, Gait, Level, Mode, Percept, State
+from humanoid_bt.decision.calls import Calls
 from humanoid_bt.decision.robot import Robot
 from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.robot.config import LegConfig, RobotConfig, SiteConfig, SoleConfig
 from humanoid_bt.tree.source.load import load_tree
 from humanoid_bt.tree.ticking.executor import Executor, NodeChange
 from humanoid_bt.tree.tree import Tree
+from tests.tree.calls import NamedCalls
 
 SKILLS = '''
 from typing import Literal
@@ -163,7 +165,9 @@ def make_workspace(root: Path, skills: str = SKILLS) -> Workspace:
     return Workspace(root)
 
 
-def make_robot(clock: CycleClock, log: Callable[[str, Level, str], None] | None = None) -> Robot:
+def make_robot(
+    clock: CycleClock, log: Callable[[str, Level, str], None] | None = None, calls: Calls | None = None
+) -> Robot:
     """Return a robot."""
     sole = SiteConfig(body="foot")
     leg = LegConfig(hip_roll="a", hip_pitch="b", ankle_pitch="c", ankle_roll="d", sole=sole)
@@ -178,7 +182,7 @@ def make_robot(clock: CycleClock, log: Callable[[str, Level, str], None] | None 
         gaze=SiteConfig(body="head"),
         drives=[],
     )
-    return Robot(config, clock, log=log)
+    return Robot(config, clock, log=log, calls=calls)
 
 
 def make_state(time: float = 0.0, mode: Mode = Mode.RUN, reason: str = "", source: str = "") -> State:
@@ -235,7 +239,8 @@ class Run:
         self.tree = tree
         self.clock = CycleClock()
         self.events: list[tuple[str, str, str]] = []
-        self.robot = make_robot(self.clock, lambda *event: self.events.append(event))
+        self.calls = NamedCalls(self.clock)
+        self.robot = make_robot(self.clock, lambda *event: self.events.append(event), self.calls)
         self.changes: list[NodeChange] = []
         self.executor = Executor(tree, self.robot, self.changes.append)
         self.executor.setup()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import ClassVar
 
 from humanoid_bt.core.errors import Place, UserError
 from humanoid_bt.core.items import Item
@@ -46,9 +46,7 @@ class Template:
             hint = "like the target is {distance(target)} away"
             raise UserError(f"{parameter!r} must be text, not {item.kind}", item.place, hint, "wrong-type")
         text = " ".join((readable(item.value) if isinstance(item.value, bool) else str(item.value)).split())
-        if _REFERENCE.fullmatch(text):
-            return cls(text, (Expression.parse(text, item.place),))
-        return cls(text, _parts(text, item.place))
+        return cls(text, parts_of(text, item.place))
 
     @property
     def expressions(self) -> list[Expression]:
@@ -67,14 +65,14 @@ class Template:
         return "".join(part if isinstance(part, str) else _value(part, robot) for part in self.parts)
 
 
-def expressions_of(value: Any) -> list[Expression]:
-    """Return the expressions in a parameter's value."""
-    if isinstance(value, Expression):
-        return [value]
-    return value.expressions if isinstance(value, Template) else []
+def parts_of(text: str, place: Place) -> tuple[str | Expression, ...]:
+    """Return the plain texts and the expressions of a text, in order; a lone ``$name`` is an expression.
 
-
-def _parts(text: str, place: Place) -> tuple[str | Expression, ...]:
+    Raises:
+        UserError: a brace stands alone, or an expression is none.
+    """
+    if _REFERENCE.fullmatch(text):
+        return (Expression.parse(text, place),)
     found: list[str | Expression] = []
     at = 0
     while at < len(text):

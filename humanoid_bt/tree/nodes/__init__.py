@@ -21,6 +21,7 @@ from humanoid_bt.tree.nodes.loops import ForEach, KeepRunningUntilFailure
 from humanoid_bt.tree.nodes.on_error import OnError
 from humanoid_bt.tree.nodes.parallel import Parallel
 from humanoid_bt.tree.nodes.preconditions import Guard, Precondition, While
+from humanoid_bt.tree.nodes.ros import RosAction, RosService
 from humanoid_bt.tree.nodes.statuses import (
     FailureIsRunning,
     ForceFailure,
@@ -54,6 +55,7 @@ BUILTIN: dict[Kind, tuple[type[Behaviour], ...]] = {
         *(Success, Failure, Running),
         *(Wait, WaitUntil, Log),
         *(SetBlackboard, ClearBlackboard),
+        *(RosService, RosAction),
         RaiseEmergencyStop,
     ),
 }
@@ -89,6 +91,8 @@ __all__ = [
     "ReactiveSwitch",
     "Repeat",
     "Retry",
+    "RosAction",
+    "RosService",
     "Running",
     "RunningIsFailure",
     "RunningIsSuccess",

@@ -233,6 +233,19 @@ within: {percept: target, distance: 0.5 m, bearing: 25 deg}
     "raise_emergency_stop": """\
 raise_emergency_stop: {reason: the target is gone}
 """,
+    "ros_service": """\
+sequence:
+  - ros_service: {service: /lamp, type: std_srvs/SetBool, request: {data: true}, response: {message: answer}}
+  - log: "the lamp says {answer}"
+""",
+    "ros_action": """\
+ros_action:
+  action: /lift
+  type: my_interfaces/action/Lift
+  goal: {floor: 2, speed: "{0.5 m/s}"}
+  feedback: height
+  timeout: 60 s
+""",
     "approach": """\
 approach: {target: target, distance: 0.4 m}
 """,

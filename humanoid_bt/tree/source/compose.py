@@ -16,12 +16,12 @@ from humanoid_bt.core.items import Item, item_of
 from humanoid_bt.core.params import Param
 from humanoid_bt.core.reading import convert
 from humanoid_bt.decision.assign import keys_read
-from humanoid_bt.decision.blackboard import Key, are_keys
+from humanoid_bt.decision.blackboard import Key, are_keys, exchanged
 from humanoid_bt.decision.skill import node_type_name
 from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.tree.checks import World, check
 from humanoid_bt.tree.draft import Draft
-from humanoid_bt.tree.expressions.template import expressions_of
+from humanoid_bt.tree.expressions.holding import expressions_of
 from humanoid_bt.tree.node_type import NodeType
 from humanoid_bt.tree.nodes.registry import Registry
 from humanoid_bt.tree.nodes.subtree import SubTree
@@ -184,7 +184,7 @@ class _Composer:
             value = self._scope.write(value.name)
             setattr(behaviour, name, value)
         elif are_keys(value):
-            value = [self._scope.write(part.name) for part in value]
+            value = exchanged(value, lambda part: self._scope.write(part.name))
             setattr(behaviour, name, value)
         elif expressions := expressions_of(value):
             for expression in expressions:

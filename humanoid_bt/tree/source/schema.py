@@ -16,8 +16,8 @@ from typing import Any
 from humanoid_bt.core.params import Param, params_of
 from humanoid_bt.core.units import UNITS, factors
 from humanoid_bt.decision.blackboard import KEY_NAME, Key
-from humanoid_bt.tree.expressions.expression import Expression
-from humanoid_bt.tree.expressions.template import Template
+from humanoid_bt.tree.expressions.fields import Fields
+from humanoid_bt.tree.expressions.holding import holds_expressions
 from humanoid_bt.tree.node_type import NodeType
 from humanoid_bt.tree.nodes.registry import ALIASES, Registry
 from humanoid_bt.tree.nodes.subtree import SubTree
@@ -195,11 +195,11 @@ def _type(kind: Any, spec: Param) -> Schema:  # noqa: PLR0911 (a table of cases)
     if origin in (list, tuple):
         inner = _type(args[0], spec) if args else {}
         return {"type": "array", "items": {"anyOf": [inner, _REFERENCE]} if inner else {}}
-    if origin is dict:
+    if origin is dict or kind is Fields:
         return {"type": "object"}
     if kind is Key:
         return {"type": "string", "pattern": KEY_NAME.pattern}
-    if isinstance(kind, type) and issubclass(kind, (Expression, Template)):
+    if holds_expressions(kind):
         return {"type": ["string", "number", "boolean"]}
     if kind in (float, int):
         return _number(kind, spec)

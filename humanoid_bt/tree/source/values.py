@@ -10,11 +10,11 @@ from humanoid_bt.core.errors import Problem, UserError, any_of, nearest
 from humanoid_bt.core.items import Item
 from humanoid_bt.core.params import Param
 from humanoid_bt.core.reading import needed, read_values
-from humanoid_bt.decision.blackboard import Key, are_keys
+from humanoid_bt.decision.blackboard import Key, are_keys, exchanged
 from humanoid_bt.tree.draft import Draft
 from humanoid_bt.tree.expressions.expression import Expression
+from humanoid_bt.tree.expressions.holding import expressions_of, holds_expressions
 from humanoid_bt.tree.expressions.quantities import ANYTHING, Type, type_of
-from humanoid_bt.tree.expressions.template import Template, expressions_of
 from humanoid_bt.tree.node_type import names_percepts
 from humanoid_bt.tree.nodes import other_libraries
 from humanoid_bt.tree.source.file import check_name
@@ -71,7 +71,7 @@ class ValueReader:
                 kind = declared_type(output) if output else _written_type(values)
                 draft.values[key] = self._scope.write(value.name, kind, draft.value_places[key], output)
             elif are_keys(value):
-                draft.values[key] = [self._scope.write(part.name) for part in value]
+                draft.values[key] = exchanged(value, lambda part: self._scope.write(part.name))
             else:
                 draft.values[key] = value
                 for expression in expressions_of(value):
@@ -163,7 +163,7 @@ def _check_unit(spec: Param, item: Item, parameter: Parameter) -> None:
 def _has_names(kind: Any) -> bool:
     """Return whether values of a parameter's type look up names by themselves."""
     inner = (kind, *typing.get_args(kind))
-    return any(isinstance(part, type) and issubclass(part, (Expression, Template)) for part in inner)
+    return any(map(holds_expressions, inner))
 
 
 def _in_another_form(value: Any, plain: Any) -> bool:
