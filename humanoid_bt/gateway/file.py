@@ -201,6 +201,9 @@ class GatewayFile:
     frames: Frames = param(Frames(), doc="Names of frames.")
     percepts: dict[str, PerceptTopic] = param({}, doc="The percepts that come from topics.")
     estop: EStopTopic | None = param(None, doc="What stops the robot.")
+    parameters: Literal["none", "read", "set"] = param(
+        "none", doc="Whether the node shows the tree's parameters, and whether others may set them while it runs."
+    )
     action: TreeAction | None = param(None, doc="The tree as an action; without it the tree starts with the run.")
     publish: Outputs = param(Outputs(), doc="What is published.")
     path: Path = field(default=Path())

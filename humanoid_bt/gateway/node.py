@@ -41,13 +41,14 @@ class Ears:
         context: of rclpy.
         name: of the node.
         news: is told of publishers whose quality of service does not fit.
+        parameters: whether others see, and may set, what the node has declared as its parameters.
     """
 
-    def __init__(self, context: Context, name: str, news: News) -> None:
+    def __init__(self, context: Context, name: str, news: News, *, parameters: bool = False) -> None:
         from rclpy.executors import SingleThreadedExecutor  # noqa: PLC0415 (part of the extra)
         from rclpy.node import Node  # noqa: PLC0415
 
-        self.node = Node(name, context=context, start_parameter_services=False, enable_rosout=False)
+        self.node = Node(name, context=context, start_parameter_services=parameters, enable_rosout=False)
         self._executor = SingleThreadedExecutor(context=context)
         self._executor.add_node(self.node)
         self._news = news

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from humanoid_bt.gateway.calls import check_call
 from humanoid_bt.gateway.check import check_types
 from humanoid_bt.gateway.file import load_gateway
 from humanoid_bt.realtime.gateway_life import GatewayPlan
@@ -17,4 +18,11 @@ def planned(path: Path) -> GatewayPlan:
     """
     config = load_gateway(path)
     check_types(config)
-    return GatewayPlan(path, tuple(config.percepts), config.estop is not None, config.action is not None)
+    return GatewayPlan(
+        path,
+        tuple(config.percepts),
+        stops=config.estop is not None,
+        orders=config.action is not None,
+        parameters=config.parameters != "none",
+        check_call=check_call,
+    )

@@ -6,6 +6,7 @@ import os
 import queue
 import signal
 import sys
+import time
 from contextlib import ExitStack
 from functools import partial
 from pathlib import Path
@@ -15,12 +16,14 @@ from humanoid_bt.core.errors import UserError
 from humanoid_bt.core.messages import Level
 from humanoid_bt.files import document
 from humanoid_bt.gateway.action import ActionServer
+from humanoid_bt.gateway.calls import Caller
 from humanoid_bt.gateway.check import check_types
 from humanoid_bt.gateway.clock import EngineClock
 from humanoid_bt.gateway.file import GatewayFile, load_gateway
 from humanoid_bt.gateway.frames import FrameTree
 from humanoid_bt.gateway.inbox import Inbox
 from humanoid_bt.gateway.node import Ears, confine
+from humanoid_bt.gateway.parameters import TreeParameters
 from humanoid_bt.gateway.publishing import Publishers
 from humanoid_bt.gateway.qos import SENSOR, profile
 from humanoid_bt.gateway.snapshot import RunView
@@ -30,6 +33,8 @@ from humanoid_bt.link.wire import Event, Sight, encode_event, encode_percepts
 from humanoid_bt.realtime import channels
 from humanoid_bt.realtime.channels import RunSpec
 from humanoid_bt.realtime.schedule import Schedule
+
+_PARTING = 1.0  # s that nodes get, when the run ends, to take note that a goal of theirs is not wanted any more
 
 
 class Gateway:
@@ -55,7 +60,8 @@ class Gateway:
         context = Context()
         rclpy.init(args=[], context=context)
         stack.callback(context.try_shutdown)
-        self._ears = ears = Ears(context, config.node, self._note)
+        shows = config.parameters != "none"
+        self._ears = ears = Ears(context, config.node, self._note, parameters=shows)
         node = ears.node
         self._clock = EngineClock(lambda: node.get_clock().now().nanoseconds * 1e-9)
         self._frames = FrameTree(config.frames)
@@ -70,11 +76,18 @@ class Gateway:
         if config.action is not None:
             orders = channels.writer(folder, "gateway_order")
             self._action = ActionServer(ears, config.action, orders.write, self._note)
+        calls, answers = channels.reader(folder, "gateway_call"), channels.writer(folder, "gateway_answer")
+        self._caller = Caller(ears, calls, answers, str(folder.path("spec.json")), self._note)
+        self._parameters: TreeParameters | None = None
+        if shows:
+            shown, ask = channels.reader(folder, "gateway_parameters"), channels.writer(folder, "gateway_setting")
+            self._parameters = TreeParameters(ears, shown, ask.write, config.parameters == "set")
         self._publishers = Publishers(node, config)
         if config.publish.robot_description is not None:
             self._publishers.latch("robot_description", _description(Path(spec.robot)))
         ears.begin()
         stack.callback(ears.end)
+        stack.callback(self._cancel_goals)
 
     def turn(self) -> None:
         """Pass on what has come, publish what is due, and give a sign of life.
@@ -97,12 +110,21 @@ class Gateway:
             kind = values.pop("kind")
             if kind == "goal" and self._action is not None:
                 self._action.told(values)
+            if kind == "setting" and self._parameters is not None:
+                self._parameters.told(values)
             self._publishers.tell(f"{kind}s", {"stamp": self._clock.ros(values["time"]), **values})
         if state is not None:
             now = self._view.snapshot(state)
             self._publishers.publish(now)
             if self._action is not None:
                 self._action.feed_back(now)
+
+    def _cancel_goals(self) -> None:
+        """Let no goal of others go on that the tree has asked for: the run is over, or decision is gone."""
+        self._caller.end()
+        deadline = time.monotonic() + _PARTING
+        while not self._caller.idle and time.monotonic() < deadline:
+            time.sleep(DECISION_PERIOD)
 
     def _note(self, level: Level, text: str) -> None:
         self._news.put((level, text))

@@ -41,6 +41,10 @@ _GATEWAY_SIZES: dict[str, tuple[int, int]] = {
     "gateway_estop_news": (4096, 64),  # the gateway's e-stop process -> decision, likewise
     "gateway_order": (4096, 64),  # gateway -> decision: goals, and that they are canceled
     "gateway_told": (4096, 256),  # decision -> gateway: what happened in the run
+    "gateway_call": (16384, 64),  # decision -> gateway: what the tree asks of other programs
+    "gateway_parameters": (65536, 4),  # decision -> gateway: the parameters of the tree, as they are now
+    "gateway_setting": (4096, 64),  # gateway -> decision: parameters that are to be set
+    "gateway_answer": (16384, 64),  # gateway -> decision: what is known of that
 }
 
 ABANDONED = 2

@@ -29,6 +29,7 @@ class Companion:
 
     Attributes:
         gone: why it is not there, "" while it is.
+        starts: how often it has been started.
     """
 
     def __init__(
@@ -40,11 +41,13 @@ class Companion:
         self._spoke = False  # since it was started
         self._started = 0.0
         self.gone = ""
+        self.starts = 0
 
     def begin(self) -> None:
         """Start it."""
         self._children.start(self._role, self._module)
         self._started, self._runs, self._spoke = time.monotonic(), True, False
+        self.starts += 1
 
     def wait(self) -> None:
         """Wait for its first sign of life.

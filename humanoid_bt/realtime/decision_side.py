@@ -6,7 +6,7 @@ import contextlib
 import json
 import os
 import time
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -37,6 +37,7 @@ from humanoid_bt.plant.touches import Touch
 from humanoid_bt.realtime import channels
 from humanoid_bt.realtime.channels import RunSpec
 from humanoid_bt.realtime.children import Children
+from humanoid_bt.realtime.gateway_calls import GatewayCalls
 from humanoid_bt.realtime.gateway_life import GatewayLife, GatewayPlan
 from humanoid_bt.realtime.live_tree import TreeTeller
 from humanoid_bt.realtime.remote_supervisor import RemoteSupervisor, StateClock
@@ -73,7 +74,8 @@ class Realtime:
         model: MuJoCo's, of the whole scene.
         supervisor: what is known of the supervisor.
         notices: what happened in other processes so far: (time [s], level, text).
-        inputs: keys of the blackboard that a program set; what else comes from outside is sensed.
+        inputs: keys of the blackboard that a program set, and answers to calls; what else comes from outside is sensed.
+        calls: what carries calls to other programs, None without a gateway.
         external_force_max: largest external force on any body; known after :meth:`close`.
         touches: what of the scene the robot has touched; known after :meth:`close`.
         truth: where the simulated robot really was lately, None before control says it.
@@ -97,6 +99,7 @@ class Realtime:
         self._sources, self._plant = sources, plant
         self._gateway_plan = gateway
         self._gateway: GatewayLife | None = None
+        self.calls = None if gateway is None else GatewayCalls(gateway.check_call)
         if gateway is not None:
             self.publishes += [name for name in gateway.percepts if name not in self.publishes]
         self.clock = StateClock()
@@ -155,8 +158,8 @@ class Realtime:
         children = self._children = Children(folder)
         self._start(children, "control", "state")
         self._start(children, "perception", "percept")
-        if self._gateway_plan is not None:
-            self._gateway = GatewayLife(self._gateway_plan, folder, children)
+        if self._gateway_plan is not None and self.calls is not None:
+            self._gateway = GatewayLife(self._gateway_plan, folder, children, self.calls)
             self._gateway.start()
         self._schedule = Schedule(DECISION_PERIOD, spin=False)
         self._state_at = time.monotonic()
@@ -293,6 +296,9 @@ class Realtime:
         self._percepts |= gateway.percepts
         others = {name: why for name, why in self.unseen.items() if name not in names}
         self.unseen = {**others, **gateway.unseen}
+        for number, answer in self.calls.take_news() if self.calls is not None else ():
+            if answer.final:
+                self.inputs.append((self.clock.now(), "answer", [number, plain(answer)]))
         for level, text in gateway.take_news():
             self.notices.append(Event(self.clock.now(), level, text))
 
@@ -322,6 +328,20 @@ class Realtime:
         """Tell ``humanoid-bt status`` and ``show --live`` what the tree does."""
         if self._teller is not None:
             self._teller.tell(status, tree)
+
+    @property
+    def shows_parameters(self) -> bool:
+        """Whether other programs see the parameters of the tree, through the gateway."""
+        return self._gateway_plan is not None and self._gateway_plan.parameters
+
+    def show_parameters(self, shown: Sequence[Mapping[str, Any]]) -> None:
+        """Show them the parameters of the tree, as data for JSON."""
+        if self._gateway is not None:
+            self._gateway.show_parameters(shown)
+
+    def take_settings(self) -> list[dict[str, Any]]:
+        """Return which parameters they want to be set, since the last time."""
+        return self._gateway.take_settings() if self._gateway is not None else []
 
     @property
     def takes_orders(self) -> bool:

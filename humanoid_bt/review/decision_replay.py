@@ -17,6 +17,7 @@ from humanoid_bt.realtime.remote_supervisor import StateClock
 from humanoid_bt.record.reading import FlightLog, News
 from humanoid_bt.record.tick import Tick
 from humanoid_bt.review.compare_run import Parting, command_parting
+from humanoid_bt.review.recorded_calls import RecordedCalls
 from humanoid_bt.review.recorded_run import RecordedRun
 from humanoid_bt.robot.config import load_robot_config
 from humanoid_bt.session.blackboard import Blackboard
@@ -62,7 +63,8 @@ def decide_again(log: FlightLog, run: RecordedRun, tree: Tree, robot: Path) -> D
     """
     done, clock, unseen = Done(), StateClock(), dict[str, str]()
     changes: list[NodeChange] = []
-    view = Robot(load_robot_config(robot), clock, lambda *_: None, lambda *_: None, lambda: unseen)
+    calls = RecordedCalls()
+    view = Robot(load_robot_config(robot), clock, lambda *_: None, lambda *_: None, lambda: unseen, calls=calls)
     executor = Executor(tree, view, changes.append)
     executor.setup()
     inputs, percepts, first = _Recorded(log, run), dict[str, Percept](), None
@@ -77,6 +79,8 @@ def decide_again(log: FlightLog, run: RecordedRun, tree: Tree, robot: Path) -> D
                 unseen.update(one.value)
             if one.kind == "input" and one.value[1] == "key":
                 set_again(tree, one.value[2], begun=done.ticks > 1)
+            if one.kind == "input" and one.value[1] == "answer":
+                calls.hear(one.value[2])
         changes.clear()
         try:
             command = executor.tick(tick.state, percepts)

@@ -29,6 +29,7 @@ from humanoid_bt.session.loader import TreeLoader
 from humanoid_bt.session.loop import Loop, Successor
 from humanoid_bt.session.options import RunOptions, make_folder
 from humanoid_bt.session.outcome import End, report_of
+from humanoid_bt.session.outside_parameters import OutsideParameters
 from humanoid_bt.session.pace import Pace
 from humanoid_bt.session.recording import RunRecorder, new_recorder, open_recorder
 from humanoid_bt.session.reload import Reloader
@@ -95,6 +96,7 @@ class Drive:
         self._goal_trees = _goal_trees(options, self.engine, loader, self._prepare)
         edits = self._goal_trees or (Edits(loader, self._prepare) if options.watch else None)
         self._watch = Watch(edits) if edits is not None else None
+        self._parameters = OutsideParameters(self.engine, self.runner, self.debugger)
         self._ending = Ending(self.engine, self.runner, self._teller, self._pace, self.ticks)
         self._stack: ExitStack | None = None
         self._tracks: Mapping[str, Track] | None = None
@@ -108,7 +110,7 @@ class Drive:
         engine = self.engine
         raise_estop, tells = engine.supervisor.raise_estop, self._teller.node_tells
         model, clock = engine.robot, engine.clock
-        robot = Robot(model.config, clock, raise_estop, tells, lambda: engine.unseen, model=model)
+        robot = Robot(model.config, clock, raise_estop, tells, lambda: engine.unseen, model=model, calls=engine.calls)
         teller, debugger = self._teller, self.debugger  # not self: whoever forgets a run shall be rid of it at once
 
         def changed(change: NodeChange) -> None:
@@ -182,6 +184,7 @@ class Drive:
     def _go(self, on: Callable[[], End | None]) -> None:
         with self._whole_tick():
             try:
+                self._parameters.look()
                 self.end = on()
             except KeyboardInterrupt as interrupt:
                 if is_ctrl_c(interrupt):

@@ -12,6 +12,7 @@ from humanoid_bt.control.supervisor import Stop
 from humanoid_bt.core.clock import Clock
 from humanoid_bt.core.kept import Kept
 from humanoid_bt.core.messages import Array, Command, Pause, Percept, State, Truth
+from humanoid_bt.decision.calls import Calls
 from humanoid_bt.link.wire import Event
 from humanoid_bt.plant.scene import Scene
 from humanoid_bt.plant.touches import Touch
@@ -25,7 +26,7 @@ class Input(NamedTuple):
 
     Attributes:
         time: engine time from which on it counts [s].
-        kind: push, reset, key.
+        kind: push, reset, key, answer.
         value: as data for JSON.
     """
 
@@ -91,6 +92,10 @@ class Engine(Protocol):
         """The percepts that its sources publish."""
 
     @property
+    def calls(self) -> Calls | None:
+        """What carries calls of the tree to other programs, None where nothing does."""
+
+    @property
     def hold(self) -> Pause | None:
         """Why the tree is to stand still and control to hold the robot; None while nothing keeps it."""
 
@@ -144,13 +149,26 @@ class Engine(Protocol):
         """
 
     @property
+    def shows_parameters(self) -> bool:
+        """Whether other programs see the parameters of the tree, and may set them."""
+
+    def show_parameters(self, shown: Sequence[Mapping[str, Any]]) -> None:
+        """Show other programs the parameters of the tree, as data for JSON."""
+
+    def take_settings(self) -> Sequence[Mapping[str, Any]]:
+        """Return which parameters others want to be set, since the last time: number, name, value, source, at.
+
+        Each is answered with :meth:`announce`, of the kind ``setting``; ``at`` is on the monotonic clock [s].
+        """
+
+    @property
     def takes_orders(self) -> bool:
         """Whether the tree runs once for every goal from outside, and not from the start."""
 
     def take_orders(self) -> Sequence[Mapping[str, Any]]:
         """Return the goals that came, or were canceled, since the last time."""
 
-    def announce(self, kind: Literal["node", "event", "goal"], values: Mapping[str, object]) -> None:
+    def announce(self, kind: Literal["node", "event", "goal", "setting"], values: Mapping[str, object]) -> None:
         """Tell programs outside of the run what happened.
 
         Args:

@@ -11,6 +11,7 @@ from collections import deque
 from collections.abc import Collection, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
+from typing import Any
 
 import mujoco
 
@@ -104,6 +105,18 @@ class Lockstep:
         return self.plant.truth()
 
     @property
+    def shows_parameters(self) -> bool:
+        """False: other programs look through a gateway, in realtime mode."""
+        return False
+
+    def show_parameters(self, _shown: Sequence[Mapping[str, Any]]) -> None:
+        """Nothing: nobody looks."""
+
+    def take_settings(self) -> tuple[()]:
+        """Return none."""
+        return ()
+
+    @property
     def takes_orders(self) -> bool:
         """False: goals come through a gateway, in realtime mode."""
         return False
@@ -111,6 +124,10 @@ class Lockstep:
     def take_orders(self) -> tuple[()]:
         """Return none."""
         return ()
+
+    @property
+    def calls(self) -> None:
+        """None: other programs are asked through a gateway, in realtime mode."""
 
     @property
     def hold(self) -> None:

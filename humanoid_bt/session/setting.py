@@ -13,9 +13,8 @@ from humanoid_bt.core.reading import convert
 from humanoid_bt.core.units import base_unit, readable
 from humanoid_bt.decision.assign import keys_read
 from humanoid_bt.decision.blackboard import Key, names_key
-from humanoid_bt.tree.expressions.expression import Expression
 from humanoid_bt.tree.expressions.grammar import names
-from humanoid_bt.tree.expressions.template import Template, expressions_of
+from humanoid_bt.tree.expressions.holding import expressions_of, holds_expressions
 from humanoid_bt.tree.node import Node
 from humanoid_bt.tree.node_type import names_percepts
 from humanoid_bt.tree.source.given import written_item
@@ -55,7 +54,7 @@ def assign_value(tree: Tree, name: str, value: Any) -> str:
     if parameter not in node.type.params:
         hint = nearest(parameter, node.type.params) or "it has none"
         raise UserError(f"{node.path!r} has no parameter {parameter!r}", hint=hint, code="unknown-parameter")
-    converted = _checked(node, parameter, value)
+    converted = checked(node, parameter, value)
     setattr(node.behaviour, parameter, converted)
     return f"{node.path}.{parameter} = {readable(converted, node.type.params[parameter].unit)}"
 
@@ -70,8 +69,12 @@ def _set_key(key: Key, value: Any, begun: bool) -> str:
     return f"{key.name} = {readable(key.value, spec.unit)}"
 
 
-def _set_everywhere(tree: Tree, name: str, value: Any) -> str:
-    """Set a parameter of the tree wherever it was put in."""
+def uses_of(tree: Tree, name: str) -> list[tuple[Node, str]]:
+    """Return the nodes that are given a parameter of the tree, each with its own parameter that gets the value.
+
+    Raises:
+        UserError: it cannot be set while the tree runs.
+    """
     own = [node for node in tree.nodes if node.place.file == tree.nodes[0].place.file]  # sub-trees have their own names
     uses = [(node, parameter) for node in own for parameter, of in node.references.items() if of == name]
     in_expressions = [node.path for node in own if _asks(node, name)]
@@ -79,7 +82,13 @@ def _set_everywhere(tree: Tree, name: str, value: Any) -> str:
     if fixed or not uses:
         where = f"{fixed[0]!r} has taken its value" if fixed else "no node is given it as a whole"
         raise UserError(f"the parameter {name!r} {_BEFORE}: {where}", hint="set NODE.PARAMETER, or run it with --set")
-    values = [_checked(node, parameter, value) for node, parameter in uses]
+    return uses
+
+
+def _set_everywhere(tree: Tree, name: str, value: Any) -> str:
+    """Set a parameter of the tree wherever it was put in."""
+    uses = uses_of(tree, name)
+    values = [checked(node, parameter, value) for node, parameter in uses]
     for (node, parameter), converted in zip(uses, values, strict=True):
         setattr(node.behaviour, parameter, converted)
     node, parameter = uses[0]
@@ -91,13 +100,17 @@ def _asks(node: Node, name: str) -> bool:
     return any(name in names(part.syntax) for value in node.values.values() for part in expressions_of(value))
 
 
-def _checked(node: Node, parameter: str, value: Any) -> Any:
-    """Return a value for a parameter of a node that may change while it runs."""
+def checked(node: Node, parameter: str, value: Any) -> Any:
+    """Return a value for a parameter of a node that may change while it runs.
+
+    Raises:
+        UserError: it must be known before the run, or takes no such value.
+    """
     spec, what = node.type.params[parameter], f"{parameter!r} of {node.path!r}"
     if (key := keys_read(node.behaviour).get(parameter)) is not None:
         raise UserError(f"{what} is read from the blackboard when the node starts", hint=f"set {key.name}")
     kinds = (spec.type, *getattr(spec.type, "__args__", ()))
-    expression = any(isinstance(kind, type) and issubclass(kind, (Expression, Template)) for kind in kinds)
+    expression = any(map(holds_expressions, kinds))
     if node.kind == "subtree" or expression or names_percepts(spec.type) or names_key(spec.type):
         raise UserError(
             f"{what} {_BEFORE}", hint="edit the tree's file; with --watch it is swapped in", code="not-dynamic"

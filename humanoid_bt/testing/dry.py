@@ -7,6 +7,7 @@ from collections import deque
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -72,8 +73,8 @@ class Dry:
 
     external_force_max = 0.0
     touches: Sequence[Touch] = ()
-    timing = cycle_tables = hold = None
-    takes_orders = False
+    timing = cycle_tables = hold = calls = None
+    takes_orders = shows_parameters = False
 
     def __init__(self, robot: RobotModel, start: Array, scene: Scene, perception: Perception) -> None:
         self.robot = robot
@@ -136,6 +137,13 @@ class Dry:
     def abandon(self) -> str:
         """Return "": nothing goes on."""
         return ""
+
+    def show_parameters(self, _shown: Sequence[Mapping[str, Any]]) -> None:
+        """Nothing: nobody looks."""
+
+    def take_settings(self) -> tuple[()]:
+        """Return none."""
+        return ()
 
     def take_orders(self) -> tuple[()]:
         """Return none: goals come through a gateway, in realtime mode."""

@@ -1,0 +1,81 @@
+"""Parameters of the tree as other programs see them, and as they set them while it runs."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping
+from typing import Any
+
+from humanoid_bt.core.errors import UserError
+from humanoid_bt.core.plain import plain
+from humanoid_bt.session.debugger import Debugger
+from humanoid_bt.session.engine import Engine
+from humanoid_bt.session.setting import checked, uses_of
+from humanoid_bt.session.tree_runner import TreeRunner
+from humanoid_bt.tree.tree import Tree
+
+PATIENCE = 0.5
+"""How long somebody who sets a parameter waits for the answer [s]."""
+
+
+class OutsideParameters:
+    """Shows the parameters of the tree that runs, and sets those that others want to be set; between two ticks.
+
+    Args:
+        engine: joins the run with other programs, if anything does.
+        runner: what runs the tree.
+        debugger: sets them, and tells of it.
+    """
+
+    def __init__(self, engine: Engine, runner: TreeRunner, debugger: Debugger) -> None:
+        self._engine, self._runner, self._debugger = engine, runner, debugger
+        self._shown: Any = None
+
+    def look(self) -> None:
+        """Take what others want, and show what there is now."""
+        if not self._engine.shows_parameters:
+            return
+        tree = self._runner.tree
+        for wanted in self._engine.take_settings():
+            if time.monotonic() - wanted["at"] < PATIENCE:  # else they have been told that nobody answers
+                self._set(tree, wanted)
+        shown = [described(tree, name) for name in tree.parameters]
+        if shown != self._shown:
+            self._shown = shown
+            self._engine.show_parameters(shown)
+
+    def _set(self, tree: Tree, wanted: Mapping[str, Any]) -> None:
+        why = ""
+        try:
+            if self._runner.ended is not None:
+                raise UserError("no tree runs now: the next one starts with its own")
+            self._debugger.assign(tree, wanted["name"], wanted["value"], wanted["source"])
+        except UserError as error:
+            why = "; ".join(f"{one.message} ({one.hint})" if one.hint else one.message for one in error.problems)
+        now = self._engine.clock.now()
+        self._engine.announce("setting", {"time": now, "number": wanted["number"], "why": why})
+
+
+def described(tree: Tree, name: str) -> dict[str, Any]:
+    """Return what others need to know of a parameter of a tree, as data for JSON.
+
+    Its value is the one that nodes have now, in SI units; ``fixed`` says why it cannot be set, "" if it can.
+    """
+    declared = (tree.header.get("parameters") or {}).get(name)
+    form = declared if isinstance(declared, dict) else {}
+    value, fixed, least, most, unit = tree.parameters[name], "", None, None, form.get("unit", "")
+    try:
+        uses = uses_of(tree, name)
+        node, parameter = uses[0]
+        value = getattr(node.behaviour, parameter)
+        for node, parameter in uses:
+            checked(node, parameter, getattr(node.behaviour, parameter))
+            spec = node.type.params[parameter]
+            unit = unit or spec.unit
+            lower = spec.above if spec.minimum is None else spec.minimum
+            least = lower if least is None or (lower is not None and lower > least) else least
+            most = spec.maximum if most is None or (spec.maximum is not None and spec.maximum < most) else most
+    except UserError as error:
+        fixed = error.problems[0].message
+    said = {"name": name, "value": plain(value), "unit": unit, "doc": form.get("doc", ""), "fixed": fixed}
+    return {**said, "least": least, "most": most}
