@@ -138,6 +138,9 @@ class Outputs:
     nodes: Output | None = param(None, doc="std_msgs/String: every node whose status changed, as JSON.")
     events: Output | None = param(None, doc="std_msgs/String: what happens, as JSON.")
     command: Output | None = param(None, doc="std_msgs/String: the command in force, as JSON.")
+    image: Output | None = param(None, doc="sensor_msgs/Image: what the head camera sees, rgb8.")
+    depth: Output | None = param(None, doc="sensor_msgs/Image: how far away that is, 32FC1.")
+    camera_info: Output | None = param(None, doc="sensor_msgs/CameraInfo: of both.")
     robot_description: Output | None = param(None, doc="std_msgs/String: the robot's model, once, latched.")
 
 
@@ -164,6 +167,7 @@ class Frames:
 
     base: str = param("base_link", doc="The robot's base frame.")
     odom: str = param("odom", doc="The world of the engine: odometry, which drifts.")
+    camera: str = param("head_camera_optical_frame", doc="The head camera's optical frame: z ahead, y down.")
     tf: bool = param(False, doc="Listen to /tf and /tf_static, of type tf2_msgs/TFMessage, for all other frames.")
     fixed: dict[str, FixedFrame] = param({}, doc="Frames that do not move in another one.")
 
@@ -171,7 +175,7 @@ class Frames:
     def mistakes(item: Item, values: Mapping[str, Any]) -> Iterator[Problem]:
         """Return what is wrong with names, and frames that hang on nothing."""
         base, odom = values.get("base", "base_link"), values.get("odom", "odom")
-        for key in ("base", "odom"):
+        for key in ("base", "odom", "camera"):
             if not _FRAME.fullmatch(values.get(key, "x")):
                 yield Problem(f"{values[key]!r} cannot be a frame", item.place_of(key), "a name without /", "bad-name")
         if base == odom:

@@ -9,13 +9,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from humanoid_bt.core.geometry import pose_inverse, pose_product
+from humanoid_bt.core.geometry import pose_inverse, pose_product, quaternion
 from humanoid_bt.core.messages import Array
 from humanoid_bt.gateway.file import Frames
+from humanoid_bt.link.wire.picture import SeenPicture
 
 _PAST = 100  # base poses that are remembered: 2 s at 50 Hz
 
 _FRESH = 0.5  # s for which a transform of /tf counts
+_OPTICAL = np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
+"""From a camera's optical frame (z ahead, x right, y down) to the eye's (x ahead, y left, z up)."""
+
 _HERE = np.array([0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0])
 
 
@@ -87,6 +91,11 @@ class FrameTree:
         if not self._past:
             raise UnknownFrame("the robot has not said yet where it is")
         return min(self._past, key=lambda past: abs(past[0] - time))[1]
+
+
+def optical_in_base(picture: SeenPicture) -> tuple[Array, Array]:
+    """Return where a picture's optical frame is in the base frame: position, (3,) [m], and quaternion wxyz, (4,)."""
+    return picture.position, quaternion(picture.rotation @ _OPTICAL)
 
 
 def _unit(orientation: tuple[float, ...]) -> list[float]:

@@ -14,7 +14,8 @@ from humanoid_bt.core.geometry import rotation_matrix
 from humanoid_bt.core.messages import Array, Mode
 from humanoid_bt.core.plain import plain
 from humanoid_bt.gateway.file import Qos
-from humanoid_bt.gateway.qos import LATCHED, RELIABLE
+from humanoid_bt.gateway.frames import optical_in_base
+from humanoid_bt.gateway.qos import LATCHED, PICTURE, RELIABLE
 from humanoid_bt.gateway.snapshot import Snapshot
 
 Types = Callable[[str], Any]
@@ -72,12 +73,20 @@ def odometry(types: Types, now: Snapshot) -> Any:
 
 
 def tf(types: Types, now: Snapshot) -> Any:
-    """Return where the base is in the frame of odometry."""
+    """Return where the base is in the frame of odometry, and where the head camera was that the last picture shows."""
     transform = stamped(types("geometry_msgs/TransformStamped")(), now.stamp, now.frames.odom)
     transform.child_frame_id = now.frames.base
     _set_vector(transform.transform.translation, now.state.base_position)
     _set_quaternion(transform.transform.rotation, now.state.base_quaternion)
-    return types("tf2_msgs/TFMessage")(transforms=[transform])
+    transforms = [transform]
+    if now.picture is not None:
+        position, turn = optical_in_base(now.picture)
+        camera = stamped(types("geometry_msgs/TransformStamped")(), now.picture_stamp, now.frames.base)
+        camera.child_frame_id = now.frames.camera
+        _set_vector(camera.transform.translation, position)
+        _set_quaternion(camera.transform.rotation, turn)
+        transforms.append(camera)
+    return types("tf2_msgs/TFMessage")(transforms=transforms)
 
 
 def diagnostics(types: Types, now: Snapshot) -> Any:
@@ -137,6 +146,9 @@ KINDS: Mapping[str, Kind] = {
     "command": Kind("~/command", "std_msgs/String", 10, message=command),
     "nodes": Kind("~/nodes", "std_msgs/String", 0),
     "events": Kind("~/events", "std_msgs/String", 0),
+    "image": Kind("camera/image_raw", "sensor_msgs/Image", 0, PICTURE),
+    "depth": Kind("camera/depth/image_raw", "sensor_msgs/Image", 0, PICTURE),
+    "camera_info": Kind("camera/camera_info", "sensor_msgs/CameraInfo", 0, PICTURE),
     "robot_description": Kind("robot_description", "std_msgs/String", 0, LATCHED),
 }
 """What can be published, by its key in the file."""

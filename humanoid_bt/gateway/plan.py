@@ -7,6 +7,7 @@ from pathlib import Path
 from humanoid_bt.gateway.calls import check_call
 from humanoid_bt.gateway.check import check_types
 from humanoid_bt.gateway.file import load_gateway
+from humanoid_bt.gateway.publishing import wants_pictures
 from humanoid_bt.realtime.gateway_life import GatewayPlan
 
 
@@ -24,5 +25,6 @@ def planned(path: Path) -> GatewayPlan:
         stops=config.estop is not None,
         orders=config.action is not None,
         parameters=config.parameters != "none",
+        pictures=wants_pictures(config),
         check_call=check_call,
     )

@@ -24,7 +24,7 @@ from humanoid_bt.gateway.frames import FrameTree
 from humanoid_bt.gateway.inbox import Inbox
 from humanoid_bt.gateway.node import Ears, confine
 from humanoid_bt.gateway.parameters import TreeParameters
-from humanoid_bt.gateway.publishing import Publishers
+from humanoid_bt.gateway.publishing import Publishers, wants_pictures
 from humanoid_bt.gateway.qos import SENSOR, profile
 from humanoid_bt.gateway.snapshot import RunView
 from humanoid_bt.gateway.transforms import listen_to_transforms
@@ -85,6 +85,8 @@ class Gateway:
         self._publishers = Publishers(node, config)
         if config.publish.robot_description is not None:
             self._publishers.latch("robot_description", _description(Path(spec.robot)))
+        if wants_pictures(config) and not channels.has_pictures(folder):
+            self._note("warning", "no percept source of this run looks with the head camera: no pictures are published")
         ears.begin()
         stack.callback(ears.end)
         stack.callback(self._cancel_goals)
@@ -113,6 +115,8 @@ class Gateway:
             if kind == "setting" and self._parameters is not None:
                 self._parameters.told(values)
             self._publishers.tell(f"{kind}s", {"stamp": self._clock.ros(values["time"]), **values})
+        if (picture := self._view.picture()) is not None:
+            self._publishers.show(picture, self._clock.ros(picture.time))
         if state is not None:
             now = self._view.snapshot(state)
             self._publishers.publish(now)

@@ -6,9 +6,11 @@ from typing import Any
 
 from humanoid_bt.gateway.file import GatewayFile, Output
 from humanoid_bt.gateway.outputs import KINDS, Kind, text
+from humanoid_bt.gateway.pictures import MAKE
 from humanoid_bt.gateway.qos import profile
 from humanoid_bt.gateway.snapshot import Snapshot
 from humanoid_bt.gateway.types import interface
+from humanoid_bt.link.wire import SeenPicture
 
 
 class Publishers:
@@ -25,6 +27,7 @@ class Publishers:
     def __init__(self, node: Any, config: GatewayFile) -> None:
         self._due: list[_Periodic] = []
         self._others: dict[str, Any] = {}
+        self._camera = config.frames.camera
         for name, kind, output in wanted(config):
             topic = output.topic or kind.topic
             publisher = node.create_publisher(interface(kind.type), topic, profile(output.qos, kind.qos))
@@ -48,6 +51,12 @@ class Publishers:
         if (publisher := self._others.get(name)) is not None:
             publisher.publish(interface("std_msgs/String")(data=data))
 
+    def show(self, picture: SeenPicture, stamp: float) -> None:
+        """Publish what the head camera sees, with a stamp in ROS time [s]."""
+        for name, make in MAKE.items():
+            if (publisher := self._others.get(name)) is not None:
+                publisher.publish(make(interface, picture, stamp, self._camera))
+
 
 class _Periodic:
     """A topic that is published with a period, in engine time [s]."""
@@ -61,6 +70,11 @@ class _Periodic:
         if self._kind.message is not None and time >= self._next - 1e-9:
             self._next = max(self._next + self._period, time)
             self._publisher.publish(self._kind.message(interface, now))
+
+
+def wants_pictures(config: GatewayFile) -> bool:
+    """Return whether a file wants what the head camera sees to be published."""
+    return any(name in MAKE for name, *_ in wanted(config))
 
 
 def wanted(config: GatewayFile) -> list[tuple[str, Kind, Output]]:

@@ -18,6 +18,9 @@ STOP = Qos(reliability="reliable", durability="volatile", depth=10)
 RELIABLE = Qos(reliability="reliable", durability="volatile", depth=10)
 """Of topics that are published."""
 
+PICTURE = Qos(reliability="reliable", durability="volatile", depth=2)
+"""Of the head camera's pictures: who is slow gets the latest."""
+
 LATCHED = Qos(reliability="reliable", durability="transient_local", depth=1)
 """Of what who comes later needs too."""
 

@@ -12,7 +12,7 @@ from humanoid_bt.core.messages import State
 from humanoid_bt.gateway.clock import EngineClock
 from humanoid_bt.gateway.file import Frames
 from humanoid_bt.link.run_folder import RunFolder
-from humanoid_bt.link.wire import WireError, decode_state
+from humanoid_bt.link.wire import SeenPicture, WireError, decode_picture, decode_state
 from humanoid_bt.realtime import channels
 from humanoid_bt.realtime.live_tree import Moment, TreeWatch
 
@@ -29,6 +29,8 @@ class Snapshot:
         tree: what the tree does, None before it tells.
         told: what decision tells besides, as ``humanoid-bt status`` prints it.
         timing: how punctual control is.
+        picture: the last one of the head camera, None if there is none.
+        picture_stamp: ROS time of it [s].
     """
 
     state: State
@@ -38,6 +40,8 @@ class Snapshot:
     tree: Moment | None
     told: Mapping[str, Any]
     timing: Mapping[str, Any]
+    picture: SeenPicture | None = None
+    picture_stamp: float = 0.0
 
 
 class RunView:
@@ -56,12 +60,26 @@ class RunView:
         self._tree = TreeWatch(folder)
         self._told = channels.reader(folder, "gateway_told")
         self._read = self._told.sequence  # what was told before a gateway came is over
+        self._pictures = channels.reader(folder, "picture") if channels.has_pictures(folder) else None
+        self._looked = 0
+        self._picture: SeenPicture | None = None
 
     def state(self) -> State | None:
         """Return the latest state, None before the first."""
         latest = self._rings["state"].latest()
         with suppress(WireError):
             return decode_state(latest[1]) if latest else None
+        return None
+
+    def picture(self) -> SeenPicture | None:
+        """Return the latest picture of the head camera, None if there is none since the last time."""
+        latest = self._pictures.latest() if self._pictures is not None else None
+        if latest is None or latest[0] == self._looked:
+            return None
+        self._looked, payload = latest
+        with suppress(WireError):
+            self._picture = decode_picture(payload)
+            return self._picture
         return None
 
     def told(self) -> list[dict[str, Any]]:
@@ -75,7 +93,9 @@ class RunView:
         """Return all that is known."""
         stamp = self._clock.ros(state.time)
         told, timing = self._json("status"), self._json("timing")
-        return Snapshot(state, stamp, self._joints, self._frames, self._tree.latest(), told, timing)
+        seen = self._picture
+        taken = 0.0 if seen is None else self._clock.ros(seen.time)
+        return Snapshot(state, stamp, self._joints, self._frames, self._tree.latest(), told, timing, seen, taken)
 
     def _json(self, name: str) -> dict[str, Any]:
         latest = self._rings[name].latest()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 from humanoid_bt.core.clock import DECISION_PERIOD
@@ -19,8 +19,13 @@ from humanoid_bt.perception.worker import Worker
 from humanoid_bt.plant.scene import Scene, random_stream
 from humanoid_bt.robot.model import RobotModel
 
+Show = Callable[[float, Picture], object]
+"""Takes a picture that was made for the sources, and its engine time [s]."""
 
-def new_perception(chosen: Sequence[Chosen], robot: RobotModel, scene: Scene, *, waits: bool) -> Perception:
+
+def new_perception(
+    chosen: Sequence[Chosen], robot: RobotModel, scene: Scene, *, waits: bool, show: Show | None = None
+) -> Perception:
     """Return what sees in a run.
 
     Args:
@@ -28,10 +33,11 @@ def new_perception(chosen: Sequence[Chosen], robot: RobotModel, scene: Scene, *,
         robot: whose eyes they look with.
         scene: what surrounds it; its seed is that of the sources' random numbers.
         waits: whether time stands still while a source looks, as in lockstep.
+        show: takes every picture that is made for the sources, None if nobody wants them.
     """
     if [one.name for one in chosen] == [DEFAULT] and set(chosen[0].names) == set(scene.config.percepts):
         return SimulatedPerception(scene, scene.seed)  # trusted: it needs no thread
-    return Senses(chosen, robot, scene, waits=waits)
+    return Senses(chosen, robot, scene, waits=waits, show=show)
 
 
 @dataclass
@@ -57,10 +63,13 @@ class Senses(Perception):
         scene: what surrounds it.
         waits: whether time stands still while a source looks. Else its percepts come when it is done, and it misses
             the looks that are due meanwhile.
+        show: takes every picture that is made for the sources, None if nobody wants them.
     """
 
-    def __init__(self, chosen: Sequence[Chosen], robot: RobotModel, scene: Scene, *, waits: bool) -> None:
-        self._chosen, self._scene, self._waits = chosen, scene, waits
+    def __init__(
+        self, chosen: Sequence[Chosen], robot: RobotModel, scene: Scene, *, waits: bool, show: Show | None = None
+    ) -> None:
+        self._chosen, self._scene, self._waits, self._show = chosen, scene, waits, show
         ticks = [whole_ticks(one.cls.rate) for one in chosen]
         self.period = math.gcd(*ticks) * DECISION_PERIOD if waits else DECISION_PERIOD
         self.names = [name for one in chosen for name in one.names]
@@ -158,6 +167,8 @@ class Senses(Perception):
                 if "camera" in sense.needs and not sense.worker.off:
                     sense.worker.off = f"has no picture: {self._eyes.why_none}"
                     self._tell_off(sense.worker)
+        elif self._show is not None:
+            self._show(robot.time, picture)
         return picture
 
 

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from humanoid_bt.robot.config import Walk
 
 _ESTOP, _LEFT, _MISTAKES, _LOST, _REAL = "estop", "left", "mistakes.json", "lost", "real"
+_PICTURE, _PICTURES = "picture", 4  # ring -> its slots
 _SIZES: dict[str, tuple[int, int]] = {  # ring -> (bytes in a slot, slots)
     "command": (16384, 8),  # decision -> control
     "request": (4096, 8),  # decision -> control: a stop, with source and reason
@@ -117,6 +118,21 @@ def create_gateway_channels(folder: RunFolder, room: int) -> None:
     for name, (size, slots) in _GATEWAY_SIZES.items():
         RingWriter.create(folder.path(name), room if name == "gateway_percept" else size, slots).close()
     Heartbeat.create(folder.path("gateway_beat")).close()
+
+
+def create_picture_channel(folder: RunFolder, room: int) -> None:
+    """Make the channel of the head camera's pictures, perception -> gateway, before perception starts.
+
+    Args:
+        folder: of the run.
+        room: the bytes that a picture takes.
+    """
+    RingWriter.create(folder.path(_PICTURE), room, _PICTURES).close()
+
+
+def has_pictures(folder: RunFolder) -> bool:
+    """Return whether anybody wants the head camera's pictures."""
+    return folder.path(_PICTURE).exists()
 
 
 def create_lockstep_channels(folder: RunFolder, **rooms: int) -> None:

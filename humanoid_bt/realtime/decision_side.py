@@ -29,10 +29,13 @@ from humanoid_bt.link.wire import (
     encode_command,
     encode_event,
     percepts_room,
+    picture_room,
     state_room,
 )
 from humanoid_bt.plant.mujoco_plant import MujocoPlant
+from humanoid_bt.plant.rendering import View
 from humanoid_bt.plant.scene import Scene
+from humanoid_bt.plant.scene_config import widest_view
 from humanoid_bt.plant.touches import Touch
 from humanoid_bt.realtime import channels
 from humanoid_bt.realtime.channels import RunSpec
@@ -151,6 +154,9 @@ class Realtime:
         channels.create_channels(folder, **rooms)
         if self.cycle_tables is not None:
             Layout.of(self.robot.joint_names).create(*self.cycle_tables)
+        if self._gateway_plan is not None and self._gateway_plan.pictures:
+            view = View(self.robot.config.gaze.body, *widest_view(self.scene.config))
+            channels.create_picture_channel(folder, picture_room(*view.size))
         self._writers = {name: channels.writer(folder, name) for name in _WRITTEN}
         self._readers = {name: channels.reader(folder, name) for name in _READ}
         self._teller = TreeTeller(folder)

@@ -35,6 +35,7 @@ class GatewayPlan:
         stops: whether an e-stop comes through it, which has a process of its own.
         orders: whether goals come through it, each of which lets the tree run.
         parameters: whether programs outside see the parameters of the tree.
+        pictures: whether it wants what the head camera sees.
         check_call: refuses calls that nobody could answer.
     """
 
@@ -43,6 +44,7 @@ class GatewayPlan:
     stops: bool = False
     orders: bool = False
     parameters: bool = False
+    pictures: bool = False
     check_call: CheckCall = lambda _call, _places: None
 
 

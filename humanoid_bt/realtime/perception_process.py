@@ -13,10 +13,20 @@ from humanoid_bt.core.messages import State
 from humanoid_bt.core.odometry import truth_of
 from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.link.run_folder import RunFolder
-from humanoid_bt.link.wire import Event, Sight, decode_state, decode_truth, encode_event, encode_percepts
+from humanoid_bt.link.wire import (
+    Event,
+    SeenPicture,
+    Sight,
+    decode_state,
+    decode_truth,
+    encode_event,
+    encode_percepts,
+    encode_picture,
+)
 from humanoid_bt.perception.choice import choose, written
 from humanoid_bt.perception.interface import Perception
-from humanoid_bt.perception.senses import new_perception
+from humanoid_bt.perception.picture import Picture
+from humanoid_bt.perception.senses import Show, new_perception
 from humanoid_bt.perception.simulated import SimulatedPerception
 from humanoid_bt.plant.scene import Scene, load_scene
 from humanoid_bt.realtime import channels
@@ -37,7 +47,7 @@ def run(folder: RunFolder) -> None:
     """
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the terminal's Ctrl-C is for decision
     spec = RunSpec.read(folder)
-    perception = _perception(spec)
+    perception = _perception(spec, _shown(folder) if channels.has_pictures(folder) else None)
     perception.start()
     truths, percepts = channels.reader(folder, "truth"), channels.writer(folder, "percept")
     states, news = channels.reader(folder, "state"), channels.writer(folder, "source")
@@ -69,13 +79,24 @@ def run(folder: RunFolder) -> None:
         perception.close()
 
 
-def _perception(spec: RunSpec) -> Perception:
+def _shown(folder: RunFolder) -> Show:
+    """Return what passes pictures on to the gateway."""
+    ring = channels.writer(folder, "picture")
+
+    def show(time: float, seen: Picture) -> None:
+        picture = SeenPicture(time, seen.color, seen.depth, seen.focal, seen.position, seen.rotation)
+        ring.write(encode_picture(picture))
+
+    return show
+
+
+def _perception(spec: RunSpec, show: Show | None) -> Perception:
     scene = Scene(load_scene(Path(spec.scene)), spec.seed)
     if spec.perception is None:
         return SimulatedPerception(scene, spec.seed)  # it needs no robot, which takes a while to load
     chosen = choose(written(spec.perception), Workspace(spec.workspace), scene.config)
     robot = RobotModel(load_robot_config(Path(spec.robot)))
-    return new_perception(chosen, robot, scene, waits=False)
+    return new_perception(chosen, robot, scene, waits=False, show=show)
 
 
 def main() -> int:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from humanoid_bt.control.body.standing import load_robot
@@ -61,4 +62,4 @@ def _gateway(path: Path, sources: Sources | None, chosen: Sequence[Chosen]) -> G
         if one.name != DEFAULT and (twice := sorted(set(one.names) & set(plan.percepts))):
             message = f"the source {one.name!r} and the gateway publish the percept {twice[0]!r}"
             raise UserError(message, sources.place if sources else None, f"see {relative(path)}", "duplicate-percept")
-    return plan
+    return replace(plan, pictures=plan.pictures and any("camera" in one.cls.needs for one in chosen))

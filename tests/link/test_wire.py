@@ -296,3 +296,19 @@ def test_other_messages_that_have_no_bytes_are_refused() -> None:
         wire.encode_percepts(wire.Sight([Percept("target", 0.0, np.zeros(2), 1.0)], {}))
     with pytest.raises(WireError, match="there is no level 'fatal'; valid: info, warning, error"):
         wire.encode_event(Event(0.0, "fatal", "x"))  # type: ignore[arg-type]
+
+
+def test_a_picture_comes_back_as_it_was() -> None:
+    color = np.arange(4 * 6 * 3, dtype=np.uint8).reshape(4, 6, 3)
+    depth = np.full((4, 6), np.inf, dtype=np.float32)
+    depth[2, 3] = 1.25
+    picture = wire.SeenPicture(1.5, color, depth, 7.5, np.array([1.0, 2.0, 3.0]), np.eye(3))
+    data = wire.encode_picture(picture)
+    assert len(data) <= wire.picture_room(6, 4)
+    back = wire.decode_picture(data)
+    assert (back.time, back.focal) == (1.5, 7.5)
+    for one, other in zip(back, picture, strict=True):
+        assert np.array_equal(one, other)
+    for broken in (data[:-1], data + b"x", data[:30]):
+        with pytest.raises(WireError):
+            wire.decode_picture(broken)

@@ -8,6 +8,7 @@ from humanoid_bt.link.wire.command import decode_command, encode_command
 from humanoid_bt.link.wire.event import Event, Level, decode_event, encode_event
 from humanoid_bt.link.wire.format import MAX_PATH, MAX_TEXT, Header, MessageKind, WireError, peek
 from humanoid_bt.link.wire.percepts import Sight, decode_percepts, encode_percepts, percepts_room
+from humanoid_bt.link.wire.picture import SeenPicture, decode_picture, encode_picture, picture_room
 from humanoid_bt.link.wire.state import decode_state, encode_state, state_room
 from humanoid_bt.link.wire.truth import decode_truth, encode_truth
 
@@ -18,19 +19,23 @@ __all__ = [
     "Header",
     "Level",
     "MessageKind",
+    "SeenPicture",
     "Sight",
     "WireError",
     "decode_command",
     "decode_event",
     "decode_percepts",
+    "decode_picture",
     "decode_state",
     "decode_truth",
     "encode_command",
     "encode_event",
     "encode_percepts",
+    "encode_picture",
     "encode_state",
     "encode_truth",
     "peek",
     "percepts_room",
+    "picture_room",
     "state_room",
 ]

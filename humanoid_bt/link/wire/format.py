@@ -45,6 +45,7 @@ class MessageKind(IntEnum):
     PERCEPTS = 3
     EVENT = 4
     TRUTH = 5
+    PICTURE = 6
 
 
 class Header(NamedTuple):
@@ -52,7 +53,7 @@ class Header(NamedTuple):
 
     Attributes:
         kind: what follows.
-        sequence: a command's sequence, a state's cycle, the number of percepts, 0 for an event or truth.
+        sequence: a command's sequence, a state's cycle, the number of percepts, 0 for the others.
         stamp: engine time [s]; of percepts the newest, 0 without any.
     """
 
