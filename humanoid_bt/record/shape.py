@@ -239,11 +239,14 @@ def _key(data: Any) -> Any:
 _PUSH = row(time, one_of("push"), row(text, row(number, number, number), number))
 _SET = row(time, one_of("key"), _key)
 _RESET = row(time, one_of("reset", "reset_after_tick"), text)
+_ANSWERED = parts({"state": one_of("success", "failure"), "text": text, "values": named(anything)})
+_ANSWER = row(time, one_of("answer"), row(whole, _ANSWERED))
+_INPUTS = {"push": _PUSH, "key": _SET, "answer": _ANSWER}
 
 
 def _input(data: Any) -> Any:
-    kind = _list(data)[1:2]
-    return (_PUSH if kind == ["push"] else _SET if kind == ["key"] else _RESET)(data)
+    kind = next(iter(_list(data)[1:2]), None)
+    return (_INPUTS.get(kind, _RESET) if isinstance(kind, str) else _RESET)(data)
 
 
 NEWS: dict[str, Shape] = {

@@ -60,7 +60,8 @@ def live(project: Path, tmp_path: Path) -> Iterator[Callable[..., Live]]:
         run = Live(project, folder, tree, "--gateway", gateway, *options, record=False)
         started.append(run)
         run.ready()
-        until("the gateway's start", lambda: "gateway" in run.folder.info.processes)
+        roles = {"gateway"} | ({"gateway_estop"} if gateway == "robot" else set())
+        until("the gateway's start", lambda: roles <= run.folder.info.processes.keys())
         run.pids = dict(run.folder.info.processes)
         return run
 

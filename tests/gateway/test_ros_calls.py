@@ -45,15 +45,22 @@ class Ends(hbt.Listener):
 
 
 @pytest.fixture
-def ran(project: Path, asks: Callable[[str], str]) -> Callable[..., dict[str, tuple[str, str]]]:
-    """Run leaves, each by its name, one after the other, whatever they answer; return what they said in the end."""
+def ran(project: Path, asks: Callable[[str], str], tmp_path: Path) -> Callable[..., dict[str, tuple[str, str]]]:
+    """Run leaves, each by its name, one after the other, whatever they answer; return what they said in the end.
+
+    What was recorded of it is decided again, without the gateway.
+    """
 
     def run(**leaves: str) -> dict[str, tuple[str, str]]:
         named = [leaf.replace(": {", f": {{name: {name}, ", 1) for name, leaf in leaves.items()]
         ends = Ends()
         name = asks(f"sequence: [{', '.join(f'{{force_success: {{{leaf}}}}}' for leaf in named)}]")
-        report = hbt.Session(name, workspace=project, mode="realtime", gateway="quiet", listener=ends).run()
+        file = tmp_path / "asks.rrd"
+        gateway: dict[str, Any] = {"mode": "realtime", "gateway": "quiet", "record": file}
+        report = hbt.Session(name, workspace=project, listener=ends, **gateway).run()
         assert report.outcome == "success", report.reason
+        again = hbt.replay(file)
+        assert again.identical, str(again)
         return {name: ends.said[name] for name in leaves}
 
     return run

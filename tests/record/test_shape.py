@@ -11,6 +11,7 @@ from humanoid_bt.record import shape
 from humanoid_bt.record.shape import LAYOUT, NEWS, SETUP, Shape
 
 ENDING = dict.fromkeys(("outcome", "reason", "failure", "traceback", "node", "error", "line"), "x")
+ANSWER = {"state": "success", "text": "it is on", "values": {"message": "on"}}
 STOP = {"time": 1.0, "mode": "damp", "reason": "", "source": "", "resources": {"gaze": "a/b"}}
 LIMITS = {"lower": [0.0], "upper": [None], "torque": [9], "speed": [1.0]}
 NODE = {"path": "t", "type": "", "kind": "", "place": "", "parent": -1, "branch": "", "values": {}}
@@ -35,6 +36,7 @@ NODE = {"path": "t", "type": "", "kind": "", "place": "", "parent": -1, "branch"
         (NEWS["input"], [[1.0, "push", ["torso", [1, 0, 0], 0.1]]], [[1.0, "push", ["torso", [1, 0], 0.1]], [1.0]]),
         (NEWS["input"], [[1.0, "key", ["k", 2]], [1.0, "key", ["k"]]], [[-1.0, "key", ["k"]], [1.0, "key", []]]),
         (NEWS["input"], [[1.0, "reset", "me"], [1.0, "reset_after_tick", "me"]], [[1.0, "estop", "me"], "push"]),
+        (NEWS["input"], [[1.0, "answer", [3, ANSWER]]], [[1.0, "answer", [3, {**ANSWER, "state": "lost"}]], [1.0, 3]]),
         (NEWS["stop"], [STOP], [{**STOP, "time": -1.0}, {**STOP, "reason": None}, {**STOP, "resources": []}, {}]),
         (NEWS["end"], [ENDING], [{**ENDING, "line": 3}, {"outcome": "success"}]),
     ],
