@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import signal
-import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -112,37 +111,50 @@ def test_services_are_called_and_what_went_wrong_is_told(peer: Peer, ran: Callab
     assert request.string_value == "of 3"
 
 
+class Goals:
+    """What an action has been asked: the goals that last until they are canceled, and those that were."""
+
+    def __init__(self) -> None:
+        self.begun: list[bytes] = []
+        self.canceled: list[bytes] = []
+
+    @property
+    def over(self) -> bool:
+        """Whether every goal that was begun has been canceled."""
+        return sorted(self.begun) == sorted(self.canceled)
+
+
 @contextmanager
-def fibonacci(peer: Peer) -> Iterator[dict[str, Any]]:
+def fibonacci(peer: Peer) -> Iterator[Goals]:
     """An action: order 0 is refused, order 1 aborted, up to 9 reached, and others last until they are canceled."""
     from rclpy.action import ActionServer, CancelResponse, GoalResponse
     from rclpy.callback_groups import ReentrantCallbackGroup
+    from rclpy.task import Future
     from test_msgs.action import Fibonacci
 
-    told: dict[str, Any] = {"canceled": threading.Event(), "begun": threading.Event()}
+    goals, ends = Goals(), dict[bytes, Any]()
 
     async def execute(handle: Any) -> Any:
-        order = handle.request.order
-        told["begun"].set()
+        order, goal = handle.request.order, bytes(handle.goal_id.uuid)
         if order == 1:
             handle.abort()
             return Fibonacci.Result()
         handle.publish_feedback(Fibonacci.Feedback(sequence=[0, 1]))
         if order > 9:
-            await told["future"]
+            ends[goal] = Future(executor=peer._executor)
+            goals.begun.append(goal)
+            await ends[goal]
             handle.canceled()
             return Fibonacci.Result()
         handle.succeed()
         return Fibonacci.Result(sequence=[0, 1, 1])
 
-    def cancel(_handle: Any) -> Any:
-        told["canceled"].set()
-        told["future"].set_result(None)
+    def cancel(handle: Any) -> Any:
+        goal = bytes(handle.goal_id.uuid)
+        goals.canceled.append(goal)
+        ends[goal].set_result(None)
         return CancelResponse.ACCEPT
 
-    from rclpy.task import Future
-
-    told["future"] = Future(executor=peer._executor)
     server = ActionServer(
         peer.node,
         Fibonacci,
@@ -152,7 +164,7 @@ def fibonacci(peer: Peer) -> Iterator[dict[str, Any]]:
         cancel_callback=cancel,
         callback_group=ReentrantCallbackGroup(),
     )
-    yield told
+    yield goals
     server.destroy()
 
 
@@ -160,15 +172,17 @@ FIB = "ros_action: {action: /fib, type: test_msgs/Fibonacci, goal: {order: %s}, 
 
 
 def test_goals_are_reached_refused_aborted_or_canceled_in_time(peer: Peer, ran: Callable[..., dict[str, Any]]) -> None:
-    with fibonacci(peer) as told:
+    with fibonacci(peer) as goals:
         said = ran(
             reached=FIB % ("$order", "20 s", ", result: {sequence.2: third}"),
             read="condition: {expression: third == 1}",
             refused=FIB % (0, "20 s", ""),
             aborted=FIB % (1, "20 s", ""),
             late=FIB % (10, "500 ms", ", feedback: sequence.1"),
+            brief=FIB % (10, "40 ms", ""),  # it is dropped about when the action accepts it
         )
-        until("the late goal is canceled", told["canceled"].is_set)
+        until("what is late is canceled", lambda: goals.begun and goals.over)
+    assert said.pop("brief")[0] == "FAILURE"
     assert said == {
         "reached": ("SUCCESS", "/fib answered: sequence.2 1"),
         "read": ("SUCCESS", "third 1 == 1"),
@@ -182,16 +196,16 @@ def test_goals_are_reached_refused_aborted_or_canceled_in_time(peer: Peer, ran: 
 def test_a_goal_that_is_not_wanted_any_more_is_canceled(
     live: Callable[..., Live], peer: Peer, asks: Callable[[str], str], how: str
 ) -> None:
-    with fibonacci(peer) as told:
+    with fibonacci(peer) as goals:
         run = live(asks(FIB % (10, "60 s", "")), gateway="quiet")
-        until("the goal is at work", told["begun"].is_set)
+        until("the goal is at work", lambda: bool(goals.begun))
         if how == "ctrl-c":
             run.process.send_signal(signal.SIGINT)
         elif how == "gateway killed":
             run.kill("gateway", signal.SIGKILL)
         else:
             run.process.kill()
-        until("it is canceled", told["canceled"].is_set)
+        until("it is canceled", lambda: goals.over)
         if how == "gateway killed":
             run.ends()
             why = "nobody heard what became of /fib: the gateway was gone, its process ended (killed by signal 9)"
