@@ -12,6 +12,7 @@ from humanoid_bt.session.debugger import Debugger
 from humanoid_bt.session.engine import Engine
 from humanoid_bt.session.setting import checked, uses_of
 from humanoid_bt.session.tree_runner import TreeRunner
+from humanoid_bt.tree.node import Node
 from humanoid_bt.tree.tree import Tree
 
 PATIENCE = 0.5
@@ -29,7 +30,9 @@ class OutsideParameters:
 
     def __init__(self, engine: Engine, runner: TreeRunner, debugger: Debugger) -> None:
         self._engine, self._runner, self._debugger = engine, runner, debugger
-        self._shown: Any = None
+        self._tree: Tree | None = None
+        self._known: list[Described] = []  # of that tree
+        self._values: list[Any] = []
 
     def look(self) -> None:
         """Take what others want, and show what there is now."""
@@ -39,10 +42,13 @@ class OutsideParameters:
         for wanted in self._engine.take_settings():
             if time.monotonic() - wanted["at"] < PATIENCE:  # else they have been told that nobody answers
                 self._set(tree, wanted)
-        shown = [described(tree, name) for name in tree.parameters]
-        if shown != self._shown:
-            self._shown = shown
-            self._engine.show_parameters(shown)
+        new = tree is not self._tree
+        if new:
+            self._tree, self._known = tree, [Described(tree, name) for name in tree.parameters]
+        values = [one.value for one in self._known]
+        if new or values != self._values:
+            self._values = values
+            self._engine.show_parameters([{**one.words, "value": plain(one.value)} for one in self._known])
 
     def _set(self, tree: Tree, wanted: Mapping[str, Any]) -> None:
         why = ""
@@ -56,26 +62,40 @@ class OutsideParameters:
         self._engine.announce("setting", {"time": now, "number": wanted["number"], "why": why})
 
 
-def described(tree: Tree, name: str) -> dict[str, Any]:
-    """Return what others need to know of a parameter of a tree, as data for JSON.
+class Described:
+    """A parameter of a tree, as others see it.
 
-    Its value is the one that nodes have now, in SI units; ``fixed`` says why it cannot be set, "" if it can.
+    Args:
+        tree: the tree.
+        name: of the parameter.
+
+    Attributes:
+        words: name, unit, doc; ``fixed``, why it cannot be set, "" if it can; ``least`` and ``most`` that nodes take.
     """
-    declared = (tree.header.get("parameters") or {}).get(name)
-    form = declared if isinstance(declared, dict) else {}
-    value, fixed, least, most, unit = tree.parameters[name], "", None, None, form.get("unit", "")
-    try:
-        uses = uses_of(tree, name)
-        node, parameter = uses[0]
-        value = getattr(node.behaviour, parameter)
-        for node, parameter in uses:
-            checked(node, parameter, getattr(node.behaviour, parameter))
-            spec = node.type.params[parameter]
-            unit = unit or spec.unit
-            lower = spec.above if spec.minimum is None else spec.minimum
-            least = lower if least is None or (lower is not None and lower > least) else least
-            most = spec.maximum if most is None or (spec.maximum is not None and spec.maximum < most) else most
-    except UserError as error:
-        fixed = error.problems[0].message
-    said = {"name": name, "value": plain(value), "unit": unit, "doc": form.get("doc", ""), "fixed": fixed}
-    return {**said, "least": least, "most": most}
+
+    def __init__(self, tree: Tree, name: str) -> None:
+        declared = (tree.header.get("parameters") or {}).get(name)
+        form = declared if isinstance(declared, dict) else {}
+        fixed, least, most, unit = "", None, None, form.get("unit", "")
+        self._written = tree.parameters[name]
+        self._uses: list[tuple[Node, str]] = []
+        try:
+            self._uses = uses_of(tree, name)
+            for node, parameter in self._uses:
+                checked(node, parameter, self.value)
+                spec = node.type.params[parameter]
+                unit = unit or spec.unit
+                lower = spec.above if spec.minimum is None else spec.minimum
+                least = lower if least is None or (lower is not None and lower > least) else least
+                most = spec.maximum if most is None or (spec.maximum is not None and spec.maximum < most) else most
+        except UserError as error:
+            fixed = error.problems[0].message
+        said = {"name": name, "unit": unit, "doc": form.get("doc", ""), "fixed": fixed}
+        self.words: dict[str, Any] = {**said, "least": least, "most": most}
+
+    @property
+    def value(self) -> Any:
+        """The value that the first node has now which is given it, in SI units; the tree's own if none is."""
+        for node, parameter in self._uses[:1]:
+            return getattr(node.behaviour, parameter, self._written)
+        return self._written

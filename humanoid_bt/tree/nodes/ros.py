@@ -71,7 +71,7 @@ class RosCall(Leaf):
 
     def initialise(self) -> None:
         """Start to measure."""
-        self._started, self._number = self.robot.clock.now(), None
+        self._started = self.robot.clock.now()
 
     def update(self) -> Status:
         """Ask in the first tick, then look for the answer."""
