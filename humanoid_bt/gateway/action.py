@@ -6,7 +6,8 @@ import json
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from humanoid_bt.core.errors import Place, UserError, nearest
+from humanoid_bt.core.errors import Place, UserError
+from humanoid_bt.gateway.fields import FieldMistake, fill
 from humanoid_bt.gateway.file import GatewayFile, TreeAction
 from humanoid_bt.gateway.inbox import News
 from humanoid_bt.gateway.node import Ears
@@ -122,18 +123,12 @@ def check_action(config: GatewayFile, place_of: Callable[..., Place]) -> None:
     for part, message, fields in parts:
         for field, what in fields.items():
             place = place_of("action", part, field)
-            if not hasattr(message, field):
-                known = message.get_fields_and_field_types()
-                raise UserError(f"the {part} has no field {field!r}", place, nearest(field, known), "unknown-key")
             try:
-                setattr(message, field, samples[what])
-            except (AssertionError, TypeError, ValueError):
-                held = message.get_fields_and_field_types()[field]
-                why = f"{field!r} cannot hold the {what}: it is of type {held}"
-                raise UserError(why, place, code="wrong-type") from None
+                fill(message, {field: samples[what]})
+            except FieldMistake as mistake:
+                why = f"the {part} does not take the {what}: {mistake.message}"
+                raise UserError(why, place, mistake.hint, mistake.code) from None
 
 
 def _filled(message: Any, fields: Mapping[str, str], values: Mapping[str, Any]) -> Any:
-    for field, what in fields.items():
-        setattr(message, field, values[what])
-    return message
+    return fill(message, {field: values[what] for field, what in fields.items()})

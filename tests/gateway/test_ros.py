@@ -216,3 +216,22 @@ def test_types_that_are_not_installed_are_told_before_the_run(project: Path, tmp
     assert str(first.place).endswith("gateway.yaml:3:29")
     assert "apt install ros-$ROS_DISTRO-vision-msgs" in first.hint
     assert "did you mean 'PoseStamped'?" in second.hint
+
+
+@pytest.mark.parametrize(
+    ("fields", "message"),
+    [
+        ("feedback: {sequence: node}", "the feedback does not take the node: 'sequence' cannot be text: it is of type"),
+        ("result: {sequnce: reason}", "the result does not take the reason: there is no field 'sequnce'"),
+    ],
+)
+def test_fields_that_an_action_does_not_have_are_told_before_the_run(tmp_path: Path, fields: str, message: str) -> None:
+    import humanoid_bt as hbt
+
+    file = tmp_path / "gateway.yaml"
+    file.write_text(f"format: 1\naction: {{name: /rest, type: test_msgs/action/Fibonacci, {fields}}}\n")
+    with pytest.raises(hbt.UserError) as told:
+        hbt.Session("fetch", mode="realtime", gateway=file)
+    (problem,) = told.value.problems
+    assert message in problem.message
+    assert str(problem.place).partition("gateway.yaml:")[2].startswith("2:")
