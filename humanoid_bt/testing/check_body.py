@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -17,6 +16,7 @@ from humanoid_bt.plant.mujoco_plant import MujocoPlant
 from humanoid_bt.plant.scene import Scene
 from humanoid_bt.plant.scene_config import SceneConfig
 from humanoid_bt.robot.config import Walk
+from humanoid_bt.testing.conformance import Conformance, RuleOutcome
 
 _STAND, _STILL, _TURNS = 4.0, 0.05, 0.1  # s; m and rad that it may drift meanwhile: walkers turn slowly as they stand
 _GOAL = (0.8, 0.3, 0.5)  # m, m, rad: where it is to walk
@@ -28,55 +28,7 @@ _BLOW, _BLOW_TIME, _FALL = 1500.0, 0.2, 4.0  # N, s, s
 Targets = Mapping[str, Target]
 
 
-@dataclass(frozen=True)
-class BodyRule:
-    """What came of one rule.
-
-    Attributes:
-        name: of the rule: stands, walks, stops, holds, comes back, same.
-        passed: whether the body keeps it.
-        shown: what shows it.
-    """
-
-    name: str
-    passed: bool
-    shown: str
-
-    def __str__(self) -> str:
-        return f"{'passed' if self.passed else 'FAILED'}  {self.name:<10} {self.shown}"
-
-
-@dataclass(frozen=True)
-class BodyCheck:
-    """What came of a check.
-
-    Attributes:
-        robot: its name.
-        rules: every rule.
-    """
-
-    robot: str
-    rules: tuple[BodyRule, ...]
-
-    @property
-    def passed(self) -> bool:
-        """Whether the body keeps all rules."""
-        return all(rule.passed for rule in self.rules)
-
-    def assert_passed(self) -> None:
-        """Raise if it does not.
-
-        Raises:
-            AssertionError: with what came of every rule.
-        """
-        if not self.passed:
-            raise AssertionError(str(self))
-
-    def __str__(self) -> str:
-        return "\n".join([f"the body of {self.robot}", *map(str, self.rules)])
-
-
-def check_body(robot: Path, walk: Walk | None = None) -> BodyCheck:
+def check_body(robot: Path, walk: Walk | None = None) -> Conformance:
     """Try a robot's body on physics: it stands, walks, stops, holds, comes back after a fall, and does so each time.
 
     Args:
@@ -87,7 +39,7 @@ def check_body(robot: Path, walk: Walk | None = None) -> BodyCheck:
         UserError: the robot has mistakes.
     """
     trial = _Trial(robot, walk)
-    return BodyCheck(trial.robot.config.name, tuple(_tried(trial)))
+    return Conformance(f"the body of {trial.robot.config.name}", tuple(_tried(trial)))
 
 
 class _Trial:
@@ -127,7 +79,7 @@ class _Trial:
         return self.controller.supervisor.mode is Mode.DAMP
 
 
-def _tried(trial: _Trial) -> Iterator[BodyRule]:
+def _tried(trial: _Trial) -> Iterator[RuleOutcome]:
     yield _stands("stands", trial)
     first = trial.plant.data.qpos.copy()
     yield _walks(trial)
@@ -137,50 +89,52 @@ def _tried(trial: _Trial) -> Iterator[BodyRule]:
     trial.begin()
     trial.run(_STAND, {})
     off = float(np.abs(trial.plant.data.qpos - first).max())
-    yield BodyRule("same", off == 0, f"run again, it differs by {off:.1e}")
+    yield RuleOutcome("same", off == 0, f"run again, it differs by {off:.1e}")
 
 
-def _stands(name: str, trial: _Trial) -> BodyRule:
+def _stands(name: str, trial: _Trial) -> RuleOutcome:
     trial.run(_STAND, {})
     off, turned = _off(trial.state, (0.0, 0.0, 0.0))
     good = not trial.fallen and trial.state.base_settled and off < _STILL and turned < _TURNS
-    return BodyRule(name, good, f"{_how(trial)} after {_STAND:g} s, {off * 100:.1f} cm and {turned:.2f} rad from there")
+    return RuleOutcome(
+        name, good, f"{_how(trial)} after {_STAND:g} s, {off * 100:.1f} cm and {turned:.2f} rad from there"
+    )
 
 
-def _walks(trial: _Trial) -> BodyRule:
+def _walks(trial: _Trial) -> RuleOutcome:
     there = trial.run(_WALK, _to(_GOAL), lambda state: (state.base_settled and _arrived(state)) or trial.fallen)
     off, turned = _off(trial.state, _GOAL)
     shown = f"{_how(trial)} after {trial.state.time - _STAND:.1f} s, {off * 100:.1f} cm and {turned:.2f} rad away"
-    return BodyRule("walks", there and not trial.fallen, shown)
+    return RuleOutcome("walks", there and not trial.fallen, shown)
 
 
-def _stops(trial: _Trial) -> BodyRule:
+def _stops(trial: _Trial) -> RuleOutcome:
     trial.begin()
     trial.run(_SET_OUT, _to(_FAR))
     walked, began = not trial.state.base_settled, trial.state.time
     stood = trial.run(_STOP, None, lambda state: state.base_settled)
     good = walked and stood and trial.state.mode is Mode.PROTECTIVE_STOP
-    return BodyRule("stops", good, f"{_how(trial)} {trial.state.time - began:.1f} s after decision's last command")
+    return RuleOutcome("stops", good, f"{_how(trial)} {trial.state.time - began:.1f} s after decision's last command")
 
 
-def _holds(trial: _Trial) -> BodyRule:
+def _holds(trial: _Trial) -> RuleOutcome:
     x, y, heading = trial.state.stance.tolist()
     trial.run(_HOLD, None)
     off, turned = _off(trial.state, (x, y, heading))
     good = not trial.fallen and off < _STILL
-    return BodyRule(
+    return RuleOutcome(
         "holds", good, f"{_how(trial)} after {_HOLD:g} s of it, {off * 100:.1f} cm and {turned:.2f} rad away"
     )
 
 
-def _comes_back(trial: _Trial) -> BodyRule:
+def _comes_back(trial: _Trial) -> RuleOutcome:
     trial.plant.push(trial.robot.config.torso, np.array([0.0, _BLOW, 0.0]), _BLOW_TIME)
     fell = trial.run(_FALL, {}, lambda _: trial.fallen)
     if not fell:
-        return BodyRule("comes back", False, f"{_BLOW:g} N for {_BLOW_TIME:g} s did not make it fall")
+        return RuleOutcome("comes back", False, f"{_BLOW:g} N for {_BLOW_TIME:g} s did not make it fall")
     trial.begin()
     again = _stands("comes back", trial)
-    return BodyRule(again.name, again.passed, f"after a fall: {again.shown}")
+    return RuleOutcome(again.name, again.passed, f"after a fall: {again.shown}")
 
 
 def _to(place: tuple[float, float, float]) -> Targets:

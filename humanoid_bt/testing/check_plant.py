@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -19,6 +19,7 @@ from humanoid_bt.core.clock import SERVO_PERIOD
 from humanoid_bt.core.messages import Array, Reading
 from humanoid_bt.realtime.schedule import Schedule
 from humanoid_bt.robot.model import RobotModel
+from humanoid_bt.testing.conformance import Conformance, RuleOutcome
 from humanoid_bt.testing.plant_probe import Probe
 
 _DRIVE = 1.0  # s for which frames are counted
@@ -31,55 +32,7 @@ _SLACK, _NOISE = 1.05, 1.0  # times that, and Nm besides, that its sensor may sa
 _PULL = 0.03  # s for which it is asked
 
 
-@dataclass(frozen=True)
-class PlantRule:
-    """What came of one rule.
-
-    Attributes:
-        name: of the rule.
-        passed: whether the plant keeps it.
-        shown: what shows it.
-    """
-
-    name: str
-    passed: bool
-    shown: str
-
-    def __str__(self) -> str:
-        return f"{'passed' if self.passed else 'FAILED'}  {self.name:<10} {self.shown}"
-
-
-@dataclass(frozen=True)
-class PlantCheck:
-    """What came of a check.
-
-    Attributes:
-        plant: where it is.
-        rules: every rule that was tried.
-    """
-
-    plant: str
-    rules: tuple[PlantRule, ...]
-
-    @property
-    def passed(self) -> bool:
-        """Whether the plant keeps all rules."""
-        return all(rule.passed for rule in self.rules)
-
-    def assert_passed(self) -> None:
-        """Raise if it does not.
-
-        Raises:
-            AssertionError: with what came of every rule.
-        """
-        if not self.passed:
-            raise AssertionError(str(self))
-
-    def __str__(self) -> str:
-        return "\n".join([f"the plant at {self.plant}", *map(str, self.rules)])
-
-
-def check_plant(address: str, robot: Path, key: Path | None = None) -> PlantCheck:
+def check_plant(address: str, robot: Path, key: Path | None = None) -> Conformance:
     """Try a plant that is served: whom it takes for its driver, order, timing, limits, watchdog, restart.
 
     The robot is told to stay where it is found, for a few seconds, and is let go several times: let it hang, or hold
@@ -110,7 +63,7 @@ def check_cabled_plant(
     cable: Callable[[], Cable],
     wait: Callable[[], float],
     key: bytes | None = None,
-) -> PlantCheck:
+) -> Conformance:
     """Try a plant on any cable and any clock, as on a simulated one.
 
     Args:
@@ -123,7 +76,7 @@ def check_cabled_plant(
     model, _ = load_robot(robot)
     trial = _Trial(model, address, cable, wait, key)
     try:
-        return PlantCheck(str(address), tuple(trial.rules()))
+        return Conformance(f"the plant at {address}", tuple(trial.rules()))
     finally:
         trial.close()
 
@@ -152,13 +105,13 @@ class _Trial:
         self._probes.append(probe)
         return probe
 
-    def rules(self) -> Iterator[PlantRule]:
+    def rules(self) -> Iterator[RuleOutcome]:
         """Yield what came of every rule; none but the first two of a plant that welcomes nobody."""
         yield self._refuses()
         probe = self._probe(self._hello)
         welcome = probe.say_hello()
         about = probe.description
-        yield PlantRule("welcomes", welcome, _described(about) if welcome else _answer(probe))
+        yield RuleOutcome("welcomes", welcome, _described(about) if welcome else _answer(probe))
         if not welcome or about is None:
             return
         yield self._follows(probe)
@@ -171,7 +124,7 @@ class _Trial:
         yield self._lets_go(probe)
         yield self._restart(about)
 
-    def _refuses(self) -> PlantRule:
+    def _refuses(self) -> RuleOutcome:
         answers = []
         for hello in (
             replace(self._hello, robot=f"{self._hello.robot}?"),
@@ -184,16 +137,18 @@ class _Trial:
         names = "another robot", "a joint less", "a joint of another name"
         taken = [name for name, refused in zip(names, answers, strict=True) if not refused]
         shown = f"does not refuse {' and '.join(taken)}" if taken else f"{', '.join(names)}, with a reason"
-        return PlantRule("refuses", not taken, shown)
+        return RuleOutcome("refuses", not taken, shown)
 
-    def _follows(self, probe: Probe) -> PlantRule:
+    def _follows(self, probe: Probe) -> RuleOutcome:
         probe.drive(0.3)
         last = probe.last.sensors
         behind = probe.sequence - last.heard
         good = last.state is PlantState.FOLLOWS and behind < 100
-        return PlantRule("follows", good, f"{last.state.name.lower()}; heard command {last.heard} of {probe.sequence}")
+        return RuleOutcome(
+            "follows", good, f"{last.state.name.lower()}; heard command {last.heard} of {probe.sequence}"
+        )
 
-    def _timing(self, probe: Probe) -> PlantRule:
+    def _timing(self, probe: Probe) -> RuleOutcome:
         begin = len(probe.heard)
         probe.drive(_DRIVE)
         heard = probe.heard[begin:]
@@ -203,9 +158,9 @@ class _Trial:
         drift = abs(heard[-1].stamp - heard[0].stamp - counted * SERVO_PERIOD) if heard else _DRIVE
         good = len(heard) >= _FEW * sent and gap <= _GAP and drift < SERVO_PERIOD * 10
         shown = f"{len(heard)} frames in {_DRIVE:g} s, 99 of 100 within {gap * 1e3:.1f} ms of the one before"
-        return PlantRule("timing", good, shown)
+        return RuleOutcome("timing", good, shown)
 
-    def _malformed(self, probe: Probe) -> PlantRule:
+    def _malformed(self, probe: Probe) -> RuleOutcome:
         still, joints = probe.still(), len(self._hello.joints)
         payload = pack_command(still)
         bad = [
@@ -228,9 +183,9 @@ class _Trial:
         taken = wrong & {one.heard for one in heard}
         good = bool(heard) and not taken and heard[-1].state is PlantState.FOLLOWS
         shown = f"{len(taken)} of {len(wrong)} malformed commands were followed"
-        return PlantRule("malformed", good, f"{shown}; {heard[-1].state.name.lower() if heard else 'silent'} then")
+        return RuleOutcome("malformed", good, f"{shown}; {heard[-1].state.name.lower() if heard else 'silent'} then")
 
-    def _limits(self, probe: Probe) -> PlantRule:
+    def _limits(self, probe: Probe) -> RuleOutcome:
         limits = self._robot.torque_limit
         weakest = int(np.argmin(limits))
         torque = np.zeros_like(limits)
@@ -242,21 +197,21 @@ class _Trial:
         good = largest <= limits[weakest] * _SLACK + _NOISE
         name = self._hello.joints[weakest]
         shown = f"{name} gives {largest:.1f} Nm of {limits[weakest]:g} when {torque[weakest]:g} are asked for"
-        return PlantRule("limits", bool(good), shown)
+        return RuleOutcome("limits", bool(good), shown)
 
     def _torques(self, values: Array) -> Array:
         return Reading(len(self._hello.joints), values).joint_torque
 
-    def _one_driver(self, probe: Probe) -> PlantRule:
+    def _one_driver(self, probe: Probe) -> RuleOutcome:
         other = self._probe(self._hello)
         for _ in range(200):
             probe.drive(SERVO_PERIOD)
             if not other.refusals:
                 other.say_hello(SERVO_PERIOD)
         good = bool(other.refusals) and not other.session and probe.last.sensors.state is PlantState.FOLLOWS
-        return PlantRule("one driver", good, f"a second one hears: {_answer(other)}")
+        return RuleOutcome("one driver", good, f"a second one hears: {_answer(other)}")
 
-    def _watchdog(self, probe: Probe, about: Description) -> PlantRule:
+    def _watchdog(self, probe: Probe, about: Description) -> RuleOutcome:
         probe.drive(0.1)
         begin, first = probe.now, len(probe.heard)
         probe.rest(about.watchdog + _LATE)
@@ -266,11 +221,11 @@ class _Trial:
         again = probe.last.sensors.state is PlantState.FOLLOWS
         good = took is not None and about.watchdog - _EARLY <= took <= about.watchdog + _LATE and again
         shown = "never in its safe state" if took is None else f"{safe.name.lower()} after {took * 1e3:.0f} ms"
-        return PlantRule(
+        return RuleOutcome(
             "watchdog", good, f"{shown} without a command, {'follows' if again else 'does not follow'} then"
         )
 
-    def _order(self, probe: Probe) -> PlantRule:
+    def _order(self, probe: Probe) -> RuleOutcome:
         """Send nothing but what was sent already: it does not count, not even for the watchdog."""
         probe.drive(0.1)
         begin, newest = len(probe.heard), probe.sequence
@@ -281,9 +236,9 @@ class _Trial:
         good = bool(heard) and heard[-1].heard == newest and heard[-1].state is not PlantState.FOLLOWS
         state = heard[-1].state.name.lower() if heard else "silent"
         probe.drive(0.05)
-        return PlantRule("order", good, f"{state} after 60 ms of commands that it had heard before")
+        return RuleOutcome("order", good, f"{state} after 60 ms of commands that it had heard before")
 
-    def _lets_go(self, probe: Probe) -> PlantRule:
+    def _lets_go(self, probe: Probe) -> RuleOutcome:
         probe.drive(0.1)
         probe.rest(LET_GO + 0.1)
         probe.refusals.clear()
@@ -291,18 +246,22 @@ class _Trial:
         probe.drive(0.1)
         follows = any(one.sensors.state is PlantState.FOLLOWS for one in probe.heard[begin:])
         good = not follows and bool(probe.refusals)
-        return PlantRule("lets go", good, f"a driver that was silent for {LET_GO * 1e3:.0f} ms hears: {_answer(probe)}")
+        return RuleOutcome(
+            "lets go", good, f"a driver that was silent for {LET_GO * 1e3:.0f} ms hears: {_answer(probe)}"
+        )
 
-    def _restart(self, about: Description) -> PlantRule:
+    def _restart(self, about: Description) -> RuleOutcome:
         again = self._probe(self._hello)
         if not again.say_hello():
-            return PlantRule("restart", False, _answer(again))
+            return RuleOutcome("restart", False, _answer(again))
         again.drive(0.2)
         followed = again.last.sensors.state is PlantState.FOLLOWS
         same = again.description == about
         again.leave()
         again.session = 0
-        return PlantRule("restart", followed and same, "a new driver is welcome, and followed" if followed else "stays")
+        return RuleOutcome(
+            "restart", followed and same, "a new driver is welcome, and followed" if followed else "stays"
+        )
 
 
 def _answer(probe: Probe) -> str:

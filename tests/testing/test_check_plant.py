@@ -20,7 +20,8 @@ from humanoid_bt.files.workspace import Workspace, builtin_root
 from humanoid_bt.plant.mujoco_plant import MujocoPlant
 from humanoid_bt.plant.scene import Scene, load_scene
 from humanoid_bt.realtime.served_simulation import ServedSimulation
-from humanoid_bt.testing.check_plant import PlantCheck, check_cabled_plant
+from humanoid_bt.testing.check_plant import check_cabled_plant
+from humanoid_bt.testing.conformance import Conformance
 from tests.cable.cabled import LOSSY, PERFECT
 
 WORKSPACE = Workspace(builtin_root())
@@ -28,8 +29,8 @@ ROBOT = Path(WORKSPACE.find_robot("humanoid"))
 
 
 @pytest.fixture
-def checked() -> Callable[..., PlantCheck]:
-    def check(impairment: Impairment = PERFECT, key: bytes | None = None) -> PlantCheck:
+def checked() -> Callable[..., Conformance]:
+    def check(impairment: Impairment = PERFECT, key: bytes | None = None) -> Conformance:
         robot, start = load_robot(ROBOT)
         served = ServedSimulation(robot, start, Scene(load_scene(WORKSPACE.find_scene("empty")), 0))
         cabled = LockstepPlant(served, Hello("humanoid", tuple(robot.joint_names)), impairment, key=key)
@@ -50,7 +51,7 @@ def checked() -> Callable[..., PlantCheck]:
 
 @pytest.mark.parametrize(("impairment", "key"), [(PERFECT, None), (LOSSY, b"k" * 32)])
 def test_the_served_simulation_keeps_every_rule(
-    checked: Callable[..., PlantCheck], impairment: Impairment, key: bytes | None
+    checked: Callable[..., Conformance], impairment: Impairment, key: bytes | None
 ) -> None:
     check = checked(impairment, key)
     check.assert_passed()
@@ -82,7 +83,7 @@ def _strong(plant: MujocoPlant, _: np.ndarray) -> None:
 
 @pytest.mark.parametrize("rule", BROKEN)
 def test_a_plant_that_breaks_a_rule_is_found(
-    rule: str, checked: Callable[..., PlantCheck], monkeypatch: pytest.MonkeyPatch
+    rule: str, checked: Callable[..., Conformance], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     BROKEN[rule](monkeypatch)
     check = checked()
