@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-import os
 import queue
-import signal
-import sys
 import time
 from contextlib import ExitStack
 from functools import partial
 from pathlib import Path
 
 from humanoid_bt.core.clock import DECISION_PERIOD
-from humanoid_bt.core.errors import UserError
 from humanoid_bt.core.messages import Level
 from humanoid_bt.files import document
 from humanoid_bt.gateway.action import ActionServer
@@ -32,7 +28,7 @@ from humanoid_bt.link.run_folder import RunFolder
 from humanoid_bt.link.wire import Event, Sight, encode_event, encode_percepts
 from humanoid_bt.realtime import channels
 from humanoid_bt.realtime.channels import RunSpec
-from humanoid_bt.realtime.schedule import Schedule
+from humanoid_bt.realtime.side_process import take_part, turns
 
 _PARTING = 1.0  # s that nodes get, when the run ends, to take note that a goal of theirs is not wanted any more
 
@@ -150,25 +146,11 @@ def run(folder: RunFolder) -> None:
     config = load_gateway(Path(spec.gateway))
     check_types(config)
     confine(config.network)
-    quit_flag, schedule = channels.quit_flag(folder), Schedule(DECISION_PERIOD, spin=False)
     with ExitStack() as stack:
         gateway = Gateway(folder, spec, config, stack)
-        while not quit_flag.count and os.getppid() == spec.parent:
-            schedule.wait()
+        for _ in turns(folder, spec, DECISION_PERIOD):
             gateway.turn()
 
 
-def main() -> int:
-    """Run the gateway of the run whose folder is the first argument."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the terminal's Ctrl-C is for decision
-    folder = channels.open_folder(sys.argv[1])
-    try:
-        run(folder)
-    except UserError as error:
-        channels.leave_mistakes(folder, error)
-        return 2
-    return 0
-
-
 if __name__ == "__main__":
-    raise SystemExit(main())
+    raise SystemExit(take_part(run))

@@ -2,13 +2,9 @@
 
 from __future__ import annotations
 
-import os
-import signal
-import sys
 from collections import deque
 from pathlib import Path
 
-from humanoid_bt.core.errors import UserError
 from humanoid_bt.core.messages import State
 from humanoid_bt.core.odometry import truth_of
 from humanoid_bt.files.workspace import Workspace
@@ -31,7 +27,7 @@ from humanoid_bt.perception.simulated import SimulatedPerception
 from humanoid_bt.plant.scene import Scene, load_scene
 from humanoid_bt.realtime import channels
 from humanoid_bt.realtime.channels import RunSpec
-from humanoid_bt.realtime.schedule import Schedule
+from humanoid_bt.realtime.side_process import take_part, turns
 from humanoid_bt.robot.config import load_robot_config
 from humanoid_bt.robot.model import RobotModel
 
@@ -45,20 +41,16 @@ def run(folder: RunFolder) -> None:
     Raises:
         UserError: a source cannot begin.
     """
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the terminal's Ctrl-C is for decision
     spec = RunSpec.read(folder)
     perception = _perception(spec, _shown(folder) if channels.has_pictures(folder) else None)
     perception.start()
     truths, percepts = channels.reader(folder, "truth"), channels.writer(folder, "percept")
     states, news = channels.reader(folder, "state"), channels.writer(folder, "source")
-    quit_flag = channels.quit_flag(folder)
-    schedule = Schedule(perception.period, spin=False)
     real = channels.is_real(folder)
     past: deque[State] = deque(maxlen=_STATES)
     read = 0
     try:
-        while not quit_flag.count and os.getppid() == spec.parent:
-            schedule.wait()
+        for _ in turns(folder, spec, perception.period):
             latest = (states if real else truths).latest()
             if latest is None:
                 continue
@@ -99,16 +91,5 @@ def _perception(spec: RunSpec, show: Show | None) -> Perception:
     return new_perception(chosen, robot, scene, waits=False, show=show)
 
 
-def main() -> int:
-    """Run perception for the run whose folder is the first argument."""
-    folder = channels.open_folder(sys.argv[1])
-    try:
-        run(folder)
-    except UserError as error:
-        channels.leave_mistakes(folder, error)
-        return 2
-    return 0
-
-
 if __name__ == "__main__":
-    raise SystemExit(main())
+    raise SystemExit(take_part(run))
