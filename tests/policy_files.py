@@ -31,7 +31,7 @@ METADATA = {"dof_names": list(JOINTS), "kp": [10, 20, 30], "kd": "1, 2, 3"}
 
 def write_walker(folder: Path, description: str = DESCRIPTION, numbers: int = 11, **model: object) -> Path:
     """Write a walker of three joints whose answer is its offset; return its description."""
-    write_affine(folder / "walk.onnx", np.zeros((numbers, 3)), [1.0, 0.0, -1.0], METADATA, **model)  # type: ignore[arg-type]
+    write_affine(folder / "walk.onnx", np.zeros((numbers, 3)), [1.0, 0.0, -1.0], METADATA, **model)  # type: ignore[arg-type]  # of each their own kind
     path = folder / "walk.policy.yaml"
     path.write_text(description)
     return path

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import subprocess
 import sys
 from collections.abc import Mapping
@@ -55,3 +56,29 @@ def test_no_file_imports_itself_through_others() -> None:
 )
 def test_circles_are_found(imports: Mapping[str, set[str]], found: list[str]) -> None:
     assert circle(imports) == found
+
+
+_SILENCED = re.compile(r"# (?:type: ignore(?:\[[^\]]*\])?|noqa(?:: [A-Z\d, ]+)?)(?P<why>.*)")
+
+
+def unexplained(text: str) -> list[int]:
+    """Return the lines in which a checker is silenced and no reason stands behind it, nor in a line above."""
+    lines = text.splitlines()
+    found = []
+    for number, line in enumerate(lines, 1):
+        silenced = _SILENCED.search(line)
+        if silenced and not silenced["why"].strip() and not lines[max(number - 2, 0)].lstrip().startswith("# "):
+            found.append(number)
+    return found
+
+
+def test_whoever_silences_a_checker_says_why() -> None:
+    files = [file for folder in ("humanoid_bt", "tests", "docs") for file in (ROOT / folder).rglob("*.py")]
+    silent = {str(file.relative_to(ROOT)): unexplained(file.read_text(encoding="utf-8")) for file in files}
+    assert not {file: lines for file, lines in silent.items() if lines}
+
+
+def test_silence_without_a_reason_is_found() -> None:
+    assert not unexplained("a = b  # type: ignore[misc, arg-type]  # no types\nc = 1  # noqa: E731 (shorter)\n")
+    assert not unexplained("# it has no types\na = b  # type: ignore[misc]\n")
+    assert unexplained("a = b  # type: ignore[misc, arg-type]\nc = 1  # noqa: E731\n") == [1, 2]

@@ -104,7 +104,7 @@ def test_every_name_is_there_and_means_the_same_to_type_checkers() -> None:
 
 def test_an_unknown_name_is_an_attribute_error() -> None:
     with pytest.raises(AttributeError, match="no attribute 'Skil'"):
-        hbt.Skil  # type: ignore[attr-defined]  # noqa: B018
+        hbt.Skil  # type: ignore[attr-defined]  # noqa: B018  # the mistake that is tried
 
 
 def test_a_near_name_is_thought_of() -> None:

@@ -88,7 +88,7 @@ class Skill(py_trees.behaviour.Behaviour):
         self.halt_reason = ""
         self._results: dict[str, ResultValue] = {}
         if declared_results(type(self)):
-            self.initialise = functools.partial(_start_anew, self, self.initialise)  # type: ignore[method-assign]
+            self.initialise = functools.partial(_start_anew, self, self.initialise)  # type: ignore[method-assign]  # the skill's own, with this before it
 
     @property
     def results(self) -> Mapping[str, ResultValue]:

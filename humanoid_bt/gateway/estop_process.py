@@ -40,7 +40,7 @@ def run(folder: RunFolder) -> None:
     EStopEars.check(config.estop)
     confine(config.network)
     import rclpy  # noqa: PLC0415 (part of the extra)
-    from rclpy.context import Context  # noqa: PLC0415
+    from rclpy.context import Context  # noqa: PLC0415 (likewise)
 
     news = channels.writer(folder, "gateway_estop_news")
 

@@ -46,7 +46,7 @@ class Ears:
 
     def __init__(self, context: Context, name: str, news: News, *, parameters: bool = False) -> None:
         from rclpy.executors import SingleThreadedExecutor  # noqa: PLC0415 (part of the extra)
-        from rclpy.node import Node  # noqa: PLC0415
+        from rclpy.node import Node  # noqa: PLC0415 (likewise)
 
         self.node = Node(name, context=context, start_parameter_services=parameters, enable_rosout=False)
         self._executor = SingleThreadedExecutor(context=context)
@@ -76,7 +76,7 @@ class Ears:
             deaf: is told why a publisher cannot be heard, besides the news.
         """
         from rclpy.event_handler import SubscriptionEventCallbacks  # noqa: PLC0415 (part of the extra)
-        from rclpy.qos import qos_policy_name_from_kind  # noqa: PLC0415
+        from rclpy.qos import qos_policy_name_from_kind  # noqa: PLC0415 (likewise)
 
         def tell(why: str) -> None:
             text = f"a publisher of {topic} is not heard: {why}"

@@ -48,7 +48,7 @@ class Gateway:
 
     def __init__(self, folder: RunFolder, spec: RunSpec, config: GatewayFile, stack: ExitStack) -> None:
         import rclpy  # noqa: PLC0415 (part of the extra)
-        from rclpy.context import Context  # noqa: PLC0415
+        from rclpy.context import Context  # noqa: PLC0415 (likewise)
 
         self._news: queue.SimpleQueue[tuple[Level, str]] = queue.SimpleQueue()
         self._percepts = channels.writer(folder, "gateway_percept")

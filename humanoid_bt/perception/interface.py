@@ -46,5 +46,5 @@ class Perception(abc.ABC):
         """Return what happened to it since the last time: how much it matters, and a line of text."""
         return ()
 
-    def close(self) -> None:  # noqa: B027
+    def close(self) -> None:  # noqa: B027 (most have nothing to end)
         """End what it started."""

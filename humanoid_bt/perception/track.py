@@ -61,28 +61,28 @@ class Track:
         return self._percept.name
 
     @property
-    def stamp(self) -> float:  # noqa: D102
+    def stamp(self) -> float:  # noqa: D102 (as name)
         return self._percept.stamp
 
     @property
-    def confidence(self) -> float:  # noqa: D102
+    def confidence(self) -> float:  # noqa: D102 (as name)
         return self._percept.confidence
 
     @property
-    def size(self) -> Array | None:  # noqa: D102
+    def size(self) -> Array | None:  # noqa: D102 (as name)
         return self._percept.size
 
     @property
-    def orientation_world(self) -> Array | None:  # noqa: D102
+    def orientation_world(self) -> Array | None:  # noqa: D102 (as name)
         turn = self._percept.orientation
         return turn if turn is None or self._turn is None else quaternion_product(self._turn, turn)
 
     @property
-    def class_name(self) -> str:  # noqa: D102
+    def class_name(self) -> str:  # noqa: D102 (as name)
         return self._percept.class_name
 
     @property
-    def covariance_world(self) -> Array | None:  # noqa: D102
+    def covariance_world(self) -> Array | None:  # noqa: D102 (as name)
         covariance = self._percept.covariance
         if covariance is None or self._turn is None:
             return covariance
@@ -90,21 +90,21 @@ class Track:
         return np.asarray(turn @ covariance @ turn.T)
 
     @property
-    def deviation(self) -> float | None:  # noqa: D102
+    def deviation(self) -> float | None:  # noqa: D102 (as name)
         covariance = self._percept.covariance
         return None if covariance is None else math.sqrt(max(0.0, float(np.linalg.eigvalsh(covariance)[-1])))
 
     @property
-    def position_base(self) -> Array:  # noqa: D102
+    def position_base(self) -> Array:  # noqa: D102 (as name)
         state = self._state
         return rotation_matrix(state.base_quaternion).T @ (self.position_world - state.base_position)
 
     @property
-    def distance(self) -> float:  # noqa: D102
+    def distance(self) -> float:  # noqa: D102 (as name)
         return math.hypot(*self._offset())
 
     @property
-    def bearing(self) -> float:  # noqa: D102
+    def bearing(self) -> float:  # noqa: D102 (as name)
         x, y = self._offset()
         bearing = math.atan2(y, x) - float(self._state.stance[2])
         return (bearing + math.pi) % (2 * math.pi) - math.pi

@@ -138,7 +138,7 @@ class Outlet:
 
     def _open(self, sinks: Sinks) -> None:
         if sinks.file is not None:
-            open_stream = lambda path: self._open_stream(rr.FileSink(path))  # noqa: E731
+            open_stream = lambda path: self._open_stream(rr.FileSink(path))  # noqa: E731 (shorter than a function)
             self._file = PartedFile(sinks.file, sinks.part_size, self.stream, open_stream, self._tell)
         targets: list[Any] = []
         if sinks.serve is not None:

@@ -144,7 +144,7 @@ def _writer(kind: str, file: Path, schema: Any) -> Writer:
 
         writer = csv.CSVWriter(file, schema)
     else:
-        from pyarrow import parquet  # noqa: PLC0415
+        from pyarrow import parquet  # noqa: PLC0415  # likewise
 
         writer = parquet.ParquetWriter(file, schema, compression="zstd")
     return writer

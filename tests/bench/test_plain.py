@@ -68,7 +68,7 @@ class Pick(Branch, py_trees.composites.Composite):
     """A composite of a kind that py_trees does not have: it ticks some of its children."""
 
     def __init__(self, children: list[Behaviour], picked: list[int]) -> None:
-        super().__init__("pick", children)  # type: ignore[call-arg]
+        super().__init__("pick", children)  # type: ignore[call-arg]  # py_trees' own composite
         self.picked = picked
 
     def advance(self, seen: Seen) -> Status:

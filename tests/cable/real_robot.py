@@ -28,7 +28,7 @@ class RealRobot(ServedSimulation):
         self.description = replace(self.description, simulated=False)
         return super().begin(replace(hello, scene=""))
 
-    def truth(self) -> None:  # type: ignore[override]
+    def truth(self) -> None:  # type: ignore[override]  # no truth of a real one
         return None
 
 

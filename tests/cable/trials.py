@@ -126,11 +126,11 @@ def behind_a_cable(impairment: Impairment, seed: int) -> Iterator[list[CabledLoc
         made.append(CabledLockstep(robot, start, scene, perception, impairment=impairment, seed=seed))
         return made[-1]
 
-    wiring.Lockstep = cabled  # type: ignore[assignment, misc]
+    wiring.Lockstep = cabled  # type: ignore[assignment, misc]  # for these runs
     try:
         yield made
     finally:
-        wiring.Lockstep = before  # type: ignore[misc]
+        wiring.Lockstep = before  # type: ignore[misc]  # as it was
 
 
 def fetch(seed: int, impairment: Impairment) -> tuple[Report, CabledLockstep]:

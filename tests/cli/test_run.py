@@ -51,7 +51,7 @@ def test_the_demo_succeeds(fetched: tuple[int, list[str], dict[str, object]]) ->
 def test_events_come_in_order_with_causes_before_effects(fetched: tuple[int, list[str], dict[str, object]]) -> None:
     _, lines, _ = fetched
     events = lines[1 : lines.index("")]
-    times = [float(re.match(r" *(\d+\.\d\d) s . ", line)[1]) for line in events]  # type: ignore[index]
+    times = [float(re.match(r" *(\d+\.\d\d) s . ", line)[1]) for line in events]  # type: ignore[index]  # every line matches
     assert times == sorted(times)
     at = {text: number for number, line in enumerate(events) for text in [line.split(" s ", 1)[1]]}
     lost = at["• scene: ball hidden"]

@@ -178,9 +178,9 @@ GOOD = np.array([0.4, 0.1, 0.9])
         ({"left_hand": HandTarget(np.zeros(2))}, "malformed"),
         ({"left_hand": HandTarget(np.zeros((3, 1)))}, "malformed"),
         ({"base": BaseTarget(np.zeros((2, 1)), 0.0)}, "malformed"),
-        ({"left_hand": HandTarget(np.array(["a", "b", "c"]))}, "malformed"),  # type: ignore[arg-type]
-        ({"left_hand": HandTarget(None)}, "malformed"),  # type: ignore[arg-type]
-        ({"base": BaseTarget(np.zeros(2), "north")}, "malformed"),  # type: ignore[arg-type]
+        ({"left_hand": HandTarget(np.array(["a", "b", "c"]))}, "malformed"),  # type: ignore[arg-type]  # the mistake that is tried
+        ({"left_hand": HandTarget(None)}, "malformed"),  # type: ignore[arg-type]  # the mistake that is tried
+        ({"base": BaseTarget(np.zeros(2), "north")}, "malformed"),  # type: ignore[arg-type]  # the mistake that is tried
         ({"left_hand": BaseTarget(np.zeros(2), 0.0)}, "cannot take a BaseTarget"),
         ({"tail": HandTarget(GOOD)}, "cannot take a HandTarget"),
         ({"left_hand": GOOD}, "cannot take a ndarray"),
@@ -190,10 +190,10 @@ GOOD = np.array([0.4, 0.1, 0.9])
         ({"left_hand": HandTarget(GOOD, np.zeros(3))}, "an orientation that is malformed"),
         ({"left_hand": HandTarget(GOOD, Pointing(np.array([0, 0, 2.0])))}, "a direction of length 2 and not 1"),
         ({"left_hand": HandTarget(GOOD, Pointing(np.zeros(4)))}, "a direction that is malformed"),
-        ({"left_hand": HandTarget(GOOD, Pointing(np.eye(3)[0], "thumb"))}, "no axis of a palm"),  # type: ignore[arg-type]
+        ({"left_hand": HandTarget(GOOD, Pointing(np.eye(3)[0], "thumb"))}, "no axis of a palm"),  # type: ignore[arg-type]  # the mistake that is tried
         ({"left_hand": HandTarget(GOOD, speed=0.0)}, "the speed 0.0, which is not above 0"),
         ({"left_hand": HandTarget(GOOD, speed=math.nan)}, "a speed that is not finite"),
-        ({"left_hand": HandTarget(GOOD, speed="fast")}, "malformed"),  # type: ignore[arg-type]
+        ({"left_hand": HandTarget(GOOD, speed="fast")}, "malformed"),  # type: ignore[arg-type]  # the mistake that is tried
         ({"left_hand": HandTarget(GOOD, relative=True)}, "relative to 'right_hand', for which there is no position"),
         (
             {"left_hand": HandTarget(GOOD, relative=True), "right_hand": HandTarget(GOOD, relative=True)},
@@ -242,7 +242,7 @@ def test_repeated_and_overtaken_commands_are_refused(run: Run, sequence: int) ->
     assert run.send({}, sequence=6)
 
 
-@pytest.mark.parametrize("junk", [None, "go", Command("x", 0.0), Command(9, None)])  # type: ignore[arg-type]
+@pytest.mark.parametrize("junk", [None, "go", Command("x", 0.0), Command(9, None)])  # type: ignore[arg-type]  # the mistake that is tried
 def test_junk_is_refused(run: Run, junk: Any) -> None:
     run.send()
     assert not run.supervisor.submit(junk)

@@ -75,5 +75,5 @@ def test_a_stall_of_control_is_forgiven_in_a_pause_too(run: Run) -> None:
 
 
 def test_what_is_no_pause_is_refused(run: Run) -> None:
-    assert not run.send(pause="please")  # type: ignore[arg-type]
+    assert not run.send(pause="please")  # type: ignore[arg-type]  # the mistake that is tried
     assert "'please' is no pause" in run.supervisor.rejected[0]

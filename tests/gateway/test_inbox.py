@@ -31,7 +31,7 @@ class Desk:
         fixed = {"camera": FixedFrame(parent="base_link", position=(0.1, 0.0, 0.5), orientation=(HALF, 0, 0, HALF))}
         self.frames = FrameTree(Frames(fixed=fixed))
         self.news: list[tuple[str, str]] = []
-        told = lambda level, text: self.news.append((level, text))  # noqa: E731
+        told = lambda level, text: self.news.append((level, text))  # noqa: E731 (shorter than a function)
         self.inbox = Inbox(topics, self.frames, self.clock, "base_link", told)
 
     def passes(self, duration: float) -> None:

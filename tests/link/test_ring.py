@@ -150,7 +150,7 @@ def test_a_writer_that_dies_in_a_write_leaves_the_last_payload(folder: Path, sto
     for index in range(6):
         writer.write(bytes([index]) * 40)
     left = [stores]
-    writer._words, writer._bytes = Dying(writer._words, left), Dying(writer._bytes, left)  # type: ignore[assignment]
+    writer._words, writer._bytes = Dying(writer._words, left), Dying(writer._bytes, left)  # type: ignore[assignment]  # memory that dies
     with pytest.raises(KilledError):
         writer.write(b"\xff" * 64)
     assert reader.latest() == (6, b"\5" * 40)

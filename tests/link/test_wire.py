@@ -273,10 +273,10 @@ def test_what_people_read_is_cut_and_what_names_something_is_not() -> None:
         Command(0, 0.0, {}, {"tail": "fetch"}),
         Command(0, 0.0, {"base": BaseTarget(np.zeros(3), 0.0)}),
         Command(0, 0.0, {"gaze": GazeTarget(np.zeros((1, 3)))}),
-        Command(0, 0.0, {"posture": "low"}),  # type: ignore[dict-item]
-        Command(0, 0.0, {"posture": PostureTarget("low")}),  # type: ignore[arg-type]
+        Command(0, 0.0, {"posture": "low"}),  # type: ignore[dict-item]  # the mistake that is tried
+        Command(0, 0.0, {"posture": PostureTarget("low")}),  # type: ignore[arg-type]  # the mistake that is tried
         Command(2**64, 0.0),
-        Command(0, 0.0, pause=Pause("keyboard", None)),  # type: ignore[arg-type]
+        Command(0, 0.0, pause=Pause("keyboard", None)),  # type: ignore[arg-type]  # the mistake that is tried
     ],
 )
 def test_a_command_that_has_no_bytes_is_refused(command: Command) -> None:
@@ -288,14 +288,14 @@ def test_other_messages_that_have_no_bytes_are_refused() -> None:
     for state in (
         replace(STATE, joint_torques=np.zeros(30)),
         replace(STATE, base_quaternion=np.zeros(3)),
-        replace(STATE, hands={"middle": np.zeros(3)}),  # type: ignore[dict-item]
+        replace(STATE, hands={"middle": np.zeros(3)}),  # type: ignore[dict-item]  # the mistake that is tried
     ):
         with pytest.raises(WireError):
             wire.encode_state(state)
     with pytest.raises(WireError, match=r"shape \(2,\) where \(3,\)"):
         wire.encode_percepts(wire.Sight([Percept("target", 0.0, np.zeros(2), 1.0)], {}))
     with pytest.raises(WireError, match="there is no level 'fatal'; valid: info, warning, error"):
-        wire.encode_event(Event(0.0, "fatal", "x"))  # type: ignore[arg-type]
+        wire.encode_event(Event(0.0, "fatal", "x"))  # type: ignore[arg-type]  # the mistake that is tried
 
 
 def test_a_picture_comes_back_as_it_was() -> None:

@@ -110,7 +110,7 @@ def test_events_have_levels(record: Maker, file: Path) -> None:
         recorder.event(0.1, "info", "started")
         recorder.event(0.2, "error", "fell → ✗ \U0001f600")
         with pytest.raises(HumanoidBtError, match="warning"):
-            recorder.event(0.3, "warn", "")  # type: ignore[arg-type]
+            recorder.event(0.3, "warn", "")  # type: ignore[arg-type]  # the mistake that is tried
     assert events(file) == [(0.1, "INFO", "started"), (0.2, "ERROR", "fell → ✗ ?")]
 
 

@@ -41,7 +41,7 @@ class DirectRecorder:
 
     def __getattr__(self, name: str) -> Callable[..., Any]:
         """Return what takes the other calls."""
-        return getattr(self._recorder, name)  # type: ignore[no-any-return]
+        return getattr(self._recorder, name)  # type: ignore[no-any-return]  # as the recorder has it
 
     def take_news(self) -> list[tuple[Level, str]]:
         news, self._news = self._news, []

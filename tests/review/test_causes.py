@@ -42,7 +42,7 @@ def leant_on(session: Session) -> None:
 
 
 def blinded(session: Session) -> None:
-    session.engine.perception = ScriptedPerception()  # type: ignore[attr-defined]
+    session.engine.perception = ScriptedPerception()  # type: ignore[attr-defined]  # what its Protocol does not name
 
 
 def pressed_then_pushed(session: Session) -> None:
@@ -52,7 +52,7 @@ def pressed_then_pushed(session: Session) -> None:
 
 
 def unsolvable(session: Session) -> None:
-    limits = session.engine.controller.body.kinematics.limits  # type: ignore[attr-defined]
+    limits = session.engine.controller.body.kinematics.limits  # type: ignore[attr-defined]  # what its Protocol does not name
     limits.append(Contradiction())
     session.run_until(0.7)
     del limits[-1]
@@ -60,7 +60,7 @@ def unsolvable(session: Session) -> None:
 
 def held_up(session: Session) -> None:
     """Let a command arrive too late, as one of a decision without a processor, then none, then one far too late."""
-    controller = session.engine.controller  # type: ignore[attr-defined]
+    controller = session.engine.controller  # type: ignore[attr-defined]  # what its Protocol does not name
     submit, sent = controller.submit, []
 
     def later(command: Command) -> None:
@@ -78,14 +78,14 @@ def held_up(session: Session) -> None:
 
 def silent_then_pressed(session: Session) -> None:
     """Let no command arrive any more, and the e-stop be raised when that has stopped the robot."""
-    session.engine.controller.submit = lambda _: None  # type: ignore[attr-defined]
+    session.engine.controller.submit = lambda _: None  # type: ignore[attr-defined]  # what its Protocol does not name
     session.run_until(0.6)
     pressed(session)
 
 
 def deluded(session: Session) -> None:
     """Let the supervisor be given a velocity that is no number."""
-    supervisor = session.engine.controller.supervisor  # type: ignore[attr-defined]
+    supervisor = session.engine.controller.supervisor  # type: ignore[attr-defined]  # what its Protocol does not name
     check = supervisor.check
 
     def deluded_check(cycle: int, estimate: Estimate, *faults: str) -> None:
@@ -99,10 +99,10 @@ def lost(session: Session) -> None:
 
     def advance() -> None:
         for _ in range(5):
-            session.engine.clock.advance()  # type: ignore[attr-defined]
+            session.engine.clock.advance()  # type: ignore[attr-defined]  # what its Protocol does not name
         raise ControlLost("the control process has ended (signal SIGKILL)")
 
-    session.engine.advance = advance  # type: ignore[method-assign]
+    session.engine.advance = advance  # type: ignore[method-assign]  # of this run alone
 
 
 BLOCKED = "something is in the way of the torso: 60 N, 3 times within 20 s"

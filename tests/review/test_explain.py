@@ -139,7 +139,7 @@ def test_a_wrong_name_or_time_is_answered(
     try:
         code = main(["explain", str(seen), *options])
     except SystemExit as end:
-        code = end.code  # type: ignore[assignment]
+        code = end.code  # type: ignore[assignment]  # of another type in each round
     out, err = capsys.readouterr()
     assert (code, out) == (2, "")
     assert said in err

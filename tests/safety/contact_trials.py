@@ -243,14 +243,14 @@ def alarms(seeds: range, conditions: dict[str, float]) -> Iterator[Alarms]:
     def feel(supervisor: Supervisor, forces: dict[str, Array], estimate: Estimate) -> None:
         listener.feel(supervisor, forces, estimate)
 
-    Supervisor.feel = feel  # type: ignore[method-assign,assignment]
+    Supervisor.feel = feel  # type: ignore[method-assign,assignment]  # watched for a while
     try:
         for seed in seeds:
             listener.begin()
             run = stage.run("fetch", seed=seed, conditions=conditions, duration=60.0)
             yield Alarms(run.outcome, listener.alarms.true, listener.alarms.false, listener.alarms.largest)
     finally:
-        Supervisor.feel = before  # type: ignore[method-assign]
+        Supervisor.feel = before  # type: ignore[method-assign]  # watched for a while
 
 
 def _walls(seeds: range, hand_payload: float) -> bool:

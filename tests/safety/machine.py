@@ -165,4 +165,4 @@ def seconds(count: int) -> float:
 
 def resent(command: Command, **changes: object) -> Command:
     """Return a command as it looks after something damaged it."""
-    return dataclasses.replace(command, **changes)  # type: ignore[arg-type]
+    return dataclasses.replace(command, **changes)  # type: ignore[arg-type]  # of each their own kind

@@ -94,7 +94,7 @@ def stuck(machine: Machine, _: np.random.Generator) -> None:
 
 
 def garbage(command: Command) -> list[Any]:
-    return [None, 7, "go", *(damage(command) for damage in DAMAGES.values()), Command("x", 0.0, None)]  # type: ignore[arg-type]
+    return [None, 7, "go", *(damage(command) for damage in DAMAGES.values()), Command("x", 0.0, None)]  # type: ignore[arg-type]  # what nobody may send
 
 
 def paused(machine: Machine, _: np.random.Generator) -> None:
@@ -159,7 +159,7 @@ def blind_for_a_while(machine: Machine, _: np.random.Generator) -> None:
 # ---- inverse kinematics ---------------------------------------------------------------------------------------------
 
 
-class Contradiction(mink.Limit):  # type: ignore[misc]
+class Contradiction(mink.Limit):  # type: ignore[misc]  # mink has no types
     """The first joint shall turn both ways: a problem without a solution."""
 
     def compute_qp_inequalities(self, configuration: mink.Configuration, dt: float) -> mink.Constraint:
@@ -252,7 +252,7 @@ def policy_wrong(machine: Machine, _: np.random.Generator) -> None:
     """Have every answer of the network be no number from now on."""
     network = _network(machine)
     run = network.run
-    network.run = lambda outputs, inputs: [np.full_like(answer, np.nan) for answer in run(outputs, inputs)]  # type: ignore[method-assign]
+    network.run = lambda outputs, inputs: [np.full_like(answer, np.nan) for answer in run(outputs, inputs)]  # type: ignore[method-assign]  # of this network alone
     machine.undo.append(lambda: setattr(network, "run", run))
 
 
@@ -265,7 +265,7 @@ def policy_stuck(machine: Machine, _: np.random.Generator) -> None:
         over.wait()
         raise RuntimeError("it was stuck")
 
-    network.run = computes  # type: ignore[method-assign]
+    network.run = computes  # type: ignore[method-assign]  # of this network alone
     inference.PATIENCE = 0.5  # s: a trial is not to wait longer
     machine.undo += [over.set, lambda: setattr(network, "run", run), lambda: setattr(inference, "PATIENCE", patience)]
 

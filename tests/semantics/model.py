@@ -83,7 +83,7 @@ class Snapshot:
     mode: str = "RUN"
 
 
-class Broken(Exception):  # noqa: N818
+class Broken(Exception):  # noqa: N818 (it is a verdict, no error)
     """A node raised an exception."""
 
     def __init__(self, node: Node) -> None:

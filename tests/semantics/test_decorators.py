@@ -244,7 +244,7 @@ def test_what_on_error_does_not_take(workspace: Workspace, error: str) -> None:
     def raise_it() -> None:
         raise getattr(humanoid_bt.core.errors, error)("no")
 
-    caught.tree.nodes[1].behaviour.update = raise_it  # type: ignore[assignment, method-assign]
+    caught.tree.nodes[1].behaviour.update = raise_it  # type: ignore[assignment, method-assign]  # this node alone
     with pytest.raises(NodeError, match=error):
         caught.tick()
 
@@ -256,7 +256,7 @@ def test_on_error_does_not_take_ctrl_c(workspace: Workspace) -> None:
     def press() -> None:
         raise KeyboardInterrupt
 
-    caught.tree.nodes[1].behaviour.update = press  # type: ignore[assignment, method-assign]
+    caught.tree.nodes[1].behaviour.update = press  # type: ignore[assignment, method-assign]  # this node alone
     with pytest.raises(KeyboardInterrupt):
         caught.tick()
 

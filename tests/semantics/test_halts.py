@@ -52,7 +52,7 @@ def test_a_skill_knows_why_before_it_is_told(workspace: Workspace) -> None:
     selector = run(workspace, "{reactive_selector: [{act: {script: fsr}}, {act: {name: low}}]}")
     low = next(node.behaviour for node in selector.tree.nodes if node.name == "low")
     reasons: list[str] = []
-    low.terminate = lambda _status: reasons.append(vars(low)["halt_reason"])  # type: ignore[method-assign]
+    low.terminate = lambda _status: reasons.append(vars(low)["halt_reason"])  # type: ignore[method-assign]  # this node alone
     selector.ticks(2)
     assert reasons == ["preempted by 'act', which succeeded"]
     assert selector.changes[1].feedback == f"halted: {reasons[0]}"

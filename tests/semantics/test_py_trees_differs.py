@@ -38,7 +38,7 @@ class Act(Behaviour):
         self.log.append(f"{self.name} acts")
         if letter == "x":
             raise RuntimeError("out of order")
-        return STATUSES.get(letter, letter)  # type: ignore[arg-type]
+        return STATUSES.get(letter, letter)  # type: ignore[arg-type]  # what is no status goes through
 
     def terminate(self, new_status: Status) -> None:
         self.log.append(f"{self.name} {new_status.name}")

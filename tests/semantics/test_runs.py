@@ -332,9 +332,9 @@ def test_setup_comes_before_anything_moves(workspace: Workspace) -> None:
 
         def count(name: str = node.name, before: object = before, **values: object) -> None:
             calls.append(name)
-            before(**values)  # type: ignore[operator]
+            before(**values)  # type: ignore[operator]  # py_trees declares none
 
-        node.behaviour.setup = count  # type: ignore[method-assign]
+        node.behaviour.setup = count  # type: ignore[method-assign]  # this node alone
     Ticked(counted).ticks(2)
     assert sorted(calls) == ["a", "b", "sequence", "timeout"]
 

@@ -96,7 +96,7 @@ def test_every_node_of_a_tick_sees_the_same(spying: Workspace) -> None:
         percepts.update(seen(0.05))
         return Status.SUCCESS
 
-    meanwhile.update = world_goes_on  # type: ignore[method-assign]
+    meanwhile.update = world_goes_on  # type: ignore[method-assign]  # this node alone
     spies.tick(percepts)
     assert noted(spies) == [(0.0, 0.0, 0.0)] * 2
     spies.tick(percepts)

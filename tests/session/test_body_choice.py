@@ -32,7 +32,7 @@ def body_of(session: Session) -> object:
 
 def test_a_body_that_is_none_is_refused() -> None:
     with pytest.raises(UserError, match="'body' cannot be 'legs'") as caught:
-        Session("stand", body="legs")  # type: ignore[arg-type]
+        Session("stand", body="legs")  # type: ignore[arg-type]  # the mistake that is tried
     assert "dcm" in caught.value.problems[0].hint
 
 

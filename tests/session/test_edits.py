@@ -39,12 +39,12 @@ class Files:
         self.edits = self.watched()
 
     def watched(self) -> Edits:
-        loader = TreeLoader(RunOptions("mine", **self._options), Workspace(self.root))  # type: ignore[arg-type]
+        loader = TreeLoader(RunOptions("mine", **self._options), Workspace(self.root))  # type: ignore[arg-type]  # of each their own kind
         return Edits(loader, self._prepare)
 
     def _prepare(self, tree: Tree) -> Executor:
         self.while_loading()
-        executor = Executor(tree, make_robot(None))  # type: ignore[arg-type]
+        executor = Executor(tree, make_robot(None))  # type: ignore[arg-type]  # it needs no engine here
         executor.setup()
         return executor
 

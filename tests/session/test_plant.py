@@ -69,7 +69,7 @@ def test_every_mistake_of_a_session_is_told_at_once() -> None:
     with pytest.raises(UserError, match="'plant_key' is that of a plant"):
         Session("stand", plant_key="plant.key")
     with pytest.raises(UserError, match="'plant' must be an address"):
-        Session("stand", plant=7, mode="realtime")  # type: ignore[arg-type]
+        Session("stand", plant=7, mode="realtime")  # type: ignore[arg-type]  # the mistake that is tried
 
 
 def test_the_commands_tell_it_too(capsys: pytest.CaptureFixture[str]) -> None:

@@ -72,7 +72,7 @@ def test_a_value_is_plain_or_text(folder: Path, value: object) -> None:
 )
 def test_a_mistake_is_one_clear_message(folder: Path, values: dict[str, object], message: str) -> None:
     with pytest.raises(hbt.UserError) as raised:
-        hbt.load("nods", workspace=folder, **values)  # type: ignore[arg-type]
+        hbt.load("nods", workspace=folder, **values)  # type: ignore[arg-type]  # of each their own kind
     assert str(raised.value).startswith(message)
 
 

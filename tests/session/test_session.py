@@ -259,7 +259,7 @@ def test_a_wrong_argument_is_one_clear_message(arguments: dict[str, Any], messag
 
 def test_every_wrong_argument_is_told() -> None:
     with pytest.raises(hbt.UserError) as raised:
-        hbt.Session(3, seed=-1, duration=0, record=0)  # type: ignore[arg-type]
+        hbt.Session(3, seed=-1, duration=0, record=0)  # type: ignore[arg-type]  # the mistakes that are tried
     assert len(raised.value.problems) == 4
 
 

@@ -292,7 +292,7 @@ def test_mistakes_are_told_with_their_place(run: TreeRun, text: str, column: int
 @pytest.mark.parametrize("text", ["", "  ", 5, None])
 def test_what_is_no_text_is_no_expectation(run: TreeRun, text: object) -> None:
     with pytest.raises(UserError, match="an expectation is text, not"):
-        run.expect(text)  # type: ignore[arg-type]
+        run.expect(text)  # type: ignore[arg-type]  # the mistake that is tried
 
 
 def test_a_test_in_python_uses_the_same_language(run: TreeRun) -> None:

@@ -76,7 +76,7 @@ def test_finds_angles_for_a_pose_that_the_arm_can_have(
     assert (angles <= robot.upper[arm]).all()
     there, turn = palm(robot, with_arm(robot, standing, angles))
     assert np.linalg.norm(there - place) < 0.005
-    assert turn_left(turn, goal.orientation) < 0.02  # type: ignore[arg-type]
+    assert turn_left(turn, goal.orientation) < 0.02  # type: ignore[arg-type]  # the goal has one
 
 
 def test_says_when_there_are_none(search: ArmSearch, standing: Array) -> None:

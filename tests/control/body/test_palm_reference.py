@@ -45,10 +45,10 @@ def follow(turn: TurnReference, target: Array | Pointing, periods: int, planned:
 def test_an_orientation_is_reached_the_shortest_way_at_limited_speed() -> None:
     found = follow(TurnReference(0.3, 0.01), AWAY, 800, np.eye(3))
     whole = angle(UPRIGHT, AWAY)
-    speeds = [angle(one, other) / DT for one, other in pairwise([UPRIGHT, *found])]  # type: ignore[arg-type]
+    speeds = [angle(one, other) / DT for one, other in pairwise([UPRIGHT, *found])]  # type: ignore[arg-type]  # there is a turn
     assert max(speeds) <= WEIGHTS.hand_turn_speed * 1.001
     assert sum(speeds) * DT == pytest.approx(whole, abs=0.02)  # no detour; what lags is corrected a little too much
-    assert angle(found[-1], AWAY) < 1e-3  # type: ignore[arg-type]
+    assert angle(found[-1], AWAY) < 1e-3  # type: ignore[arg-type]  # there is a turn
 
 
 def test_a_direction_is_reached_the_shortest_way_at_limited_speed_also_right_behind() -> None:
@@ -64,7 +64,7 @@ def test_it_is_never_far_ahead_of_a_palm_that_stays_behind() -> None:
     turn = TurnReference(0.3, 0.01)
     for _ in range(1000):
         now = turn.update(AWAY, np.eye(3), np.eye(3), heading=0.0, step=STEP)
-    assert 0.3 <= angle(UPRIGHT, now) < 0.6  # type: ignore[arg-type]
+    assert 0.3 <= angle(UPRIGHT, now) < 0.6  # type: ignore[arg-type]  # there is a turn
 
 
 def test_near_the_target_a_measured_error_is_corrected() -> None:
@@ -72,13 +72,13 @@ def test_near_the_target_a_measured_error_is_corrected() -> None:
     measured = np.eye(3)
     for _ in range(1500):
         now = turn.update(AWAY, measured, measured, heading=0.0, step=STEP)
-        measured = rotation_matrix(turned(now, sag))  # type: ignore[arg-type]
+        measured = rotation_matrix(turned(now, sag))  # type: ignore[arg-type]  # there is a turn
     assert angle(quaternion(measured), AWAY) < 1e-4
 
 
 def test_a_change_of_what_is_asked_begins_where_the_palm_is() -> None:
     turn = TurnReference(0.3, 0.01)
-    planned = rotation_matrix(follow(turn, AWAY, 400, np.eye(3))[-1])  # type: ignore[arg-type]
+    planned = rotation_matrix(follow(turn, AWAY, 400, np.eye(3))[-1])  # type: ignore[arg-type]  # there is a turn
     now = turn.update(Pointing(np.array([0, 0, 1.0]), "facing"), planned, planned, heading=0.0, step=STEP)
     assert isinstance(now, Pointing)
     assert math.acos(now.direction @ planned[:, 2]) <= STEP * 1.001
@@ -87,9 +87,9 @@ def test_a_change_of_what_is_asked_begins_where_the_palm_is() -> None:
 def test_a_held_palm_turns_with_the_stance() -> None:
     turn = TurnReference(0.3, 0.01)
     before = follow(turn, AWAY, 400, np.eye(3))[-1]
-    planned = rotation_matrix(before)  # type: ignore[arg-type]
+    planned = rotation_matrix(before)  # type: ignore[arg-type]  # there is a turn
     after = turn.update(None, planned, planned, heading=0.2, step=STEP)
-    np.testing.assert_allclose(turn_between(before, after), [0, 0, 0.2], atol=1e-9)  # type: ignore[arg-type]
+    np.testing.assert_allclose(turn_between(before, after), [0, 0, 0.2], atol=1e-9)  # type: ignore[arg-type]  # there is a turn
 
 
 def update(palm: PalmReference, target: HandTarget | None, hold: bool = False) -> tuple[Array, object] | None:

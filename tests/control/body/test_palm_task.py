@@ -27,7 +27,7 @@ def data_at(robot: RobotModel, qpos: Array) -> mujoco.MjData:
 
 
 def frame(robot: RobotModel, qpos: Array, side: str) -> Array:
-    return Pose(robot, qpos).rotation(palm_site(side)) @ robot.palm_axes[side]  # type: ignore[index]
+    return Pose(robot, qpos).rotation(palm_site(side)) @ robot.palm_axes[side]  # type: ignore[index]  # this robot has palms
 
 
 def near(robot: RobotModel, qpos: Array, relative: bool, axis: PalmAxis | None) -> HandTarget:
@@ -67,7 +67,7 @@ def test_the_trunk_has_no_part_in_how_palms_are_to_each_other(robot: RobotModel,
     goal = near(robot, standing, relative=True, axis=None)
     turned_away = HandTarget(goal.position - ASIDE, goal.orientation, relative=True)
     task.aim(data_at(robot, standing), turned_away)
-    arms = [6 + joint for side in ("left", "right") for joint in robot.arm_joints(side)]  # type: ignore[arg-type]
+    arms = [6 + joint for side in ("left", "right") for joint in robot.arm_joints(side)]  # type: ignore[arg-type]  # this robot has arms
     others = np.setdiff1d(np.arange(robot.model.nv), arms)
     np.testing.assert_allclose(task.jacobian[:, others], 0, atol=1e-12)
     assert np.abs(task.jacobian[:, arms]).max() > 0.1

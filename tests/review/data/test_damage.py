@@ -204,7 +204,7 @@ def test_few_bytes_cannot_become_many() -> None:
             unbundle(reading_header(small, packed))
     columns = 10
     with pytest.raises(BlockError):
-        unpack(block_header(columns, packed), [1.0] * columns)  # type: ignore[arg-type]
+        unpack(block_header(columns, packed), [1.0] * columns)  # type: ignore[arg-type]  # what bytes may claim
     with pytest.raises(BlockError):
         unbundle(reading_header(3, zlib.compress(b"abc")))
 

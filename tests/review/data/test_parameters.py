@@ -113,7 +113,7 @@ def test_any_value_comes_back(values: dict[str, object]) -> None:
         title, path = "a run", Path("a.rrd")
         setup = SETUP({"tree": {"parameters": {name: {"value": value} for name, value in values.items()}}})
 
-    text = parameters.as_yaml(Held())  # type: ignore[arg-type]
+    text = parameters.as_yaml(Held())  # type: ignore[arg-type]  # less than a whole one is enough
     read = document.parse(text, "a.yaml")
     assert isinstance(read, Item)
     assert parameters.same(read.plain(), values)

@@ -68,7 +68,7 @@ def robot() -> Robot:
 def see(robot: Robot, x: float, y: float = 0.0) -> None:
     time = robot.clock.now()
     robot.begin_tick(make_state(time), {"cup": Percept("cup", time, np.array([x, y, 1.0]), 0.8)})
-    robot.clock._engine.cycle += 100  # type: ignore[attr-defined]
+    robot.clock._engine.cycle += 100  # type: ignore[attr-defined]  # a test moves time
 
 
 def evaluate(text: str, names: Names, robot: Robot) -> Any:

@@ -76,9 +76,9 @@ def test_watchdog_without_on_stale_halts_and_fails(workspace: Workspace) -> None
 def test_the_branch_that_runs_is_the_tip(workspace: Workspace) -> None:
     dog = run(workspace, DOG)
     dog.tick(seen(0.0))
-    assert dog.tree.root.tip().name == "act"  # type: ignore[union-attr]
+    assert dog.tree.root.tip().name == "act"  # type: ignore[union-attr]  # it was ticked
     dog.ticks(3)
-    assert dog.tree.root.tip().name == "wait"  # type: ignore[union-attr]
+    assert dog.tree.root.tip().name == "wait"  # type: ignore[union-attr]  # it was ticked
 
 
 def test_a_halt_reaches_on_stale(workspace: Workspace) -> None:

@@ -128,4 +128,4 @@ def test_one_node_or_sub_tree_stands_in_one_place(workspace: Workspace, act: Any
 
 def test_its_file_must_be_given() -> None:
     with pytest.raises(TypeError, match="tree"):
-        SubTree("go")  # type: ignore[call-arg]
+        SubTree("go")  # type: ignore[call-arg]  # the mistake that is tried

@@ -51,7 +51,7 @@ def test_py_trees_visitors_see_every_ticked_node_children_first(workspace: Works
     managed.tick()
     names = [node.name for node in nested.tree.root.iterate() if node.id in visitor.visited]
     assert names == ["a", "b", "sequence", "emergency_stop"]
-    assert managed.tip() is not None and managed.tip().name == "b"  # type: ignore[union-attr]
+    assert managed.tip() is not None and managed.tip().name == "b"  # type: ignore[union-attr]  # the same as before
     managed.root.stop(INVALID)
     assert nested.log[-1] == ("INVALID", "b")
     assert all(node.status is INVALID for node in nested.tree.root.iterate())

@@ -26,7 +26,7 @@ class Stub:
 
 
 def made(work: Callable[[], list[Tensor]], *, waits: bool) -> Inference:
-    return Inference(Stub(work), ["action"], waits=waits)  # type: ignore[arg-type]
+    return Inference(Stub(work), ["action"], waits=waits)  # type: ignore[arg-type]  # a network of a test's own
 
 
 def test_time_that_stands_still_waits_for_the_answer() -> None:
