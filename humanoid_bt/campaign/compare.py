@@ -182,6 +182,8 @@ def _common(table: Table) -> dict[str, str]:
     setting = table.plan.settings[0]._asdict() if table.plan.settings else {}
     given = {factor.name: str(factor.values[0]) for factor in table.plan.factors if factor.values}
     run = {"duration": str(table.plan.duration or "as a run"), "physics": "none" if table.plan.dry else "MuJoCo"}
+    if table.plan.sources:
+        run["perception"] = ", ".join(table.plan.sources)
     same = {name: value for name, value in {**setting, **given, **run}.items() if name not in table.plan.varies}
     return {**same, **{f"file {path}": digest for path, digest in table.plan.files.items()}}
 

@@ -14,6 +14,7 @@ from humanoid_bt.core.errors import Problem, UserError
 from humanoid_bt.core.items import Item
 from humanoid_bt.core.params import param, params_of
 from humanoid_bt.core.reading import read
+from humanoid_bt.core.sources import Sources
 from humanoid_bt.files import document
 from humanoid_bt.testing.conditions import Conditions
 from humanoid_bt.testing.events import Event, too_late
@@ -81,6 +82,7 @@ class CampaignFile:
     tree: Names = param(doc="Name or file of the tree; several are all tried.")
     robot: Names = param(Names(), doc="The robots; what the tree says if not given.")
     scene: Names = param(Names(), doc="The scenes; what the tree says if not given.")
+    perception: Sources | None = param(None, doc="The percept sources; what the tree or the scene says if not given.")
     seeds: Seeds = param(Seeds(tuple(range(100))), doc="Each is tried with everything else: 0-99, or 3, 17, 100-199.")
     parameters: dict[str, Variation] = param({}, doc="Parameters of the tree, each of which may vary.")
     conditions: dict[str, Variation] = param({}, doc="What is different from the robot's and the scene's files.")

@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 from humanoid_bt.campaign.trial import Trial
 from humanoid_bt.campaign.variation import Factor
 from humanoid_bt.core.errors import UserError
+from humanoid_bt.perception.choice import written
 from humanoid_bt.testing.seeds import Seeds
 
 MOST = 1_000_000
@@ -38,6 +39,7 @@ class Plan:
         factors: what trials are given beside.
         duration: longest simulated time of a trial [s]; None for what a run has.
         dry: whether there is no physics.
+        perception: the percept sources as they are written; None for what each tree or its scene says.
         script: what happens in every trial, as its file has it.
         fail_on: what makes a trial a failure that else would have succeeded.
         description: one line for people.
@@ -51,6 +53,7 @@ class Plan:
     factors: tuple[Factor, ...] = ()
     duration: float | None = None
     dry: bool = False
+    perception: Any = None
     script: tuple[Mapping[str, Any], ...] = ()
     fail_on: tuple[str, ...] = ()
     description: str = ""
@@ -91,12 +94,19 @@ class Plan:
         return (*parts, *(factor.name for factor in self.factors if factor.varies))
 
     @property
+    def sources(self) -> list[str]:
+        """The percept sources, each as the command line takes it; none where trees and scenes say which."""
+        named = written(self.perception)
+        return named.texts if named else []
+
+    @property
     def title(self) -> str:
         """What is run, in a line."""
         many = {name: sorted({getattr(one, name) for one in self.settings}) for name in Setting._fields}
         tree, robot, scene = (names[0] if len(names) == 1 else f"{len(names)} {what}s" for what, names in many.items())
         dry = ", dry: without physics" if self.dry else ""
-        return f"{tree} on {robot} in {scene}, seeds {self.seeds}{dry}"
+        seen = f", perception {', '.join(self.sources)}" if self.sources else ""
+        return f"{tree} on {robot} in {scene}, seeds {self.seeds}{seen}{dry}"
 
     def to_dict(self) -> dict[str, Any]:
         """Return it as plain data for JSON."""

@@ -19,11 +19,14 @@ from humanoid_bt.core.items import Item
 from humanoid_bt.core.params import Param, params_of
 from humanoid_bt.core.plain import plain
 from humanoid_bt.files.workspace import Workspace
+from humanoid_bt.perception.choice import choose, sources_of
+from humanoid_bt.perception.source_files import files_of
 from humanoid_bt.plant.scene_config import load_scene
 from humanoid_bt.robot.config import load_robot_config
 from humanoid_bt.session.loader import DEFAULT_ROBOT, DEFAULT_SCENE, used_files
 from humanoid_bt.session.report import versions
 from humanoid_bt.testing.conditions import Conditions
+from humanoid_bt.testing.engines import refuse_blind
 from humanoid_bt.tree.source.file import read_file
 from humanoid_bt.tree.source.parameters import NodeItem
 from humanoid_bt.tree.tree import Tree
@@ -71,9 +74,12 @@ def planned(campaign: CampaignFile, workspace: Workspace, script: Sequence[Any] 
         header = read_file(file, []).header
         for robot in _chosen(names, "robot") or [header.get("robot") or DEFAULT_ROBOT]:
             for scene in _chosen(names, "scene") or [header.get("scene") or DEFAULT_SCENE]:
-                trees.append(_loaded(file, workspace, first, robot, scene))
-                settings.append(Setting(name, robot, scene))
-                used |= {*used_files(trees[-1]), workspace.find_scene(scene), *_of_robot(workspace.find_robot(robot))}
+                setting = Setting(name, robot, scene)
+                tree = _loaded(campaign, workspace, file, first, setting)
+                settings.append(setting)
+                trees.append(tree)
+                used |= {*used_files(tree), workspace.find_scene(scene), *_of_robot(workspace.find_robot(robot))}
+                used |= _seeing(campaign, workspace, tree, scene)
     reported = {name: spec.unit for tree in trees for node in tree.nodes for name, spec in node.type.results.items()}
     plan = Plan(
         campaign.name,
@@ -82,6 +88,7 @@ def planned(campaign: CampaignFile, workspace: Workspace, script: Sequence[Any] 
         tuple(factors),
         campaign.duration,
         campaign.dry,
+        campaign.perception and campaign.perception.written,
         tuple(script),
         tuple(campaign.fail_on),
         campaign.description,
@@ -130,14 +137,25 @@ def _chosen(names: Sequence[Named], kind: str) -> list[str]:
     return [name for of, name, _ in names if of == kind]
 
 
-def _loaded(file: Path, workspace: Workspace, parameters: Mapping[str, Any], robot: str, scene: str) -> Tree:
-    """Return a tree as it is run; raises UserError for what is wrong with it or with its scene."""
-    tree = load_checked(file, workspace, parameters, robot=robot, scene=scene)
+def _loaded(
+    campaign: CampaignFile, workspace: Workspace, file: Path, parameters: Mapping[str, Any], setting: Setting
+) -> Tree:
+    """Return a tree as it is run; raises UserError for what is wrong with it, its scene, or with what it sees."""
+    _, robot, scene = setting
+    tree = load_checked(file, workspace, parameters, robot=robot, scene=scene, perception=campaign.perception)
     if tree.is_subtree:
         hint = "a tree that uses it does"
         raise UserError(f"the tree {tree.name!r} does not run alone: it is made for use in other trees", hint=hint)
-    load_scene(workspace.find_scene(scene))
     return tree
+
+
+def _seeing(campaign: CampaignFile, workspace: Workspace, tree: Tree, scene: str) -> set[Path]:
+    """Return the files of the percept sources that a tree has in a scene; raises UserError if a dry run has none."""
+    around = load_scene(workspace.find_scene(scene))
+    sources = sources_of(campaign.perception, tree.perception, around)
+    if campaign.dry and sources is not None:
+        refuse_blind(choose(sources, workspace, around), sources)
+    return set(files_of(sources, workspace))
 
 
 def _factors(campaign: CampaignFile, trees: Sequence[Path]) -> Iterator[Callable[[], Factor]]:

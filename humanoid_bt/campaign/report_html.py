@@ -103,6 +103,8 @@ def _about(summary: Summary, folder: Path) -> Iterator[tuple[str, str]]:
             yield safe(factor.name), safe(f"{low} to {high}, drawn for each trial from its seed")
         else:
             yield safe(factor.name), safe(", ".join(readable(value, factor.unit) for value in factor.values))
+    if plan.sources:
+        yield "perception", safe(", ".join(plan.sources))
     if plan.duration is not None:
         yield "longest time", safe(readable(plan.duration, "s"))
     if plan.script:

@@ -56,6 +56,8 @@ def command(trial: Trial, plan: Plan, folder: Path) -> str:
     ]
     for name, value in trial.part(SET).items():
         words += ["--set", f"{name}={value}"]
+    for source in plan.sources:
+        words += ["--perception", source]
     if trial.duration is not None:
         words += ["--duration", f"{trial.duration:g}"]
     return shlex.join(words + where)

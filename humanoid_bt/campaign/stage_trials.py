@@ -7,8 +7,9 @@ import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
+from humanoid_bt.campaign.plan import Plan
 from humanoid_bt.campaign.result import SUCCESS, Explained, Result, Value
 from humanoid_bt.campaign.trial import CONDITION, PUSH, SET, Task, Trial
 from humanoid_bt.campaign.work import Answer, Run
@@ -29,11 +30,18 @@ class Setup:
         workspace: where names are looked up.
         script: what happens in every trial, as YAML has it.
         fail_on: what makes a trial a failure whose tree succeeded.
+        perception: the percept sources as they are written; None for what each tree or its scene says.
     """
 
     workspace: str
     script: tuple[Mapping[str, Any], ...] = ()
     fail_on: tuple[str, ...] = ()
+    perception: Any = None
+
+    @classmethod
+    def of(cls, plan: Plan, workspace: str) -> Self:
+        """Return what the trials of a plan have in common, in a workspace."""
+        return cls(workspace, plan.script, plan.fail_on, plan.perception)
 
 
 def make(setup: Setup) -> Run:
@@ -67,7 +75,8 @@ class _Stages:
     def _stage(self, trial: Trial) -> Stage:
         key = trial.robot, trial.scene, trial.dry
         if key not in self._stages:
-            self._stages[key] = Stage(self._setup.workspace, trial.robot, trial.scene, trial.dry)
+            setup = self._setup
+            self._stages[key] = Stage(setup.workspace, trial.robot, trial.scene, trial.dry, perception=setup.perception)
         return self._stages[key]
 
 

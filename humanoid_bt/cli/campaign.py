@@ -94,9 +94,8 @@ def _runners(arguments: argparse.Namespace, time_limit: float, store: Store, wor
         from humanoid_bt.campaign.ray_cluster import RayCluster, Ways, see_that_it_is_shipped
 
         see_that_it_is_shipped(plan, workspace)
-        setup = (Setup(".", plan.script, plan.fail_on),)
-        return RayCluster(arguments.cluster, workspace.root, Ways(make, setup, time_limit, memory))
-    setup = (Setup(str(workspace.root), plan.script, plan.fail_on),)
+        return RayCluster(arguments.cluster, workspace.root, Ways(make, (Setup.of(plan, "."),), time_limit, memory))
+    setup = (Setup.of(plan, str(workspace.root)),)
     return Workers(make, setup, count=arguments.workers, time_limit=time_limit, memory=memory, logs=store.logs)
 
 

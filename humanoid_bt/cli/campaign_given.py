@@ -9,6 +9,7 @@ from typing import Any
 
 from humanoid_bt.campaign.file import FOLDER, CampaignFile
 from humanoid_bt.campaign.variation import BETWEEN
+from humanoid_bt.cli.overrides import sources
 from humanoid_bt.core.errors import Place, UserError, nearest, relative
 from humanoid_bt.core.items import Item, item_of
 from humanoid_bt.core.reading import read
@@ -73,6 +74,8 @@ def _given(arguments: argparse.Namespace, known: Mapping[str, Item]) -> Iterator
     for key in ("scene", "robot", "seeds", "duration", "time_limit", "recordings", "dry", "fail_on"):
         if (value := getattr(arguments, key)) is not None:
             yield key, item_of(value, Place(f"--{key.replace('_', '-')}"))
+    if (named := sources(arguments.perception)) is not None:
+        yield "perception", item_of(named, Place("--perception"))
     for key, option, texts in (
         ("parameters", "--set", arguments.overrides),
         ("conditions", "--condition", arguments.conditions),

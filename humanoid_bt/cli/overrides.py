@@ -1,8 +1,11 @@
-"""What ``--set`` gives."""
+"""What ``--set`` and ``--perception`` give."""
 
 from __future__ import annotations
 
+from typing import Any
+
 from humanoid_bt.core.errors import UserError
+from humanoid_bt.files import document
 
 
 def overrides(texts: list[str]) -> dict[str, str]:
@@ -21,3 +24,13 @@ def overrides(texts: list[str]) -> dict[str, str]:
             raise UserError(f"--set {text!r}: {name!r} was set to {values[name]!r} before", hint="give each name once")
         values[name] = value
     return values
+
+
+def sources(texts: list[str]) -> Any:
+    """Return the percept sources that ``--perception`` names, in the form of scenes and trees; None if there are none.
+
+    Raises:
+        UserError: a text is no YAML.
+    """
+    given = [document.parse(text, f"--perception {text}").plain() for text in texts]
+    return given[0] if len(given) == 1 else given or None

@@ -18,11 +18,10 @@ from rich.text import Text
 from humanoid_bt.cli import keyboard, keys
 from humanoid_bt.cli.console import SafeConsole
 from humanoid_bt.cli.findings import print_findings
-from humanoid_bt.cli.overrides import overrides
+from humanoid_bt.cli.overrides import overrides, sources
 from humanoid_bt.cli.printer import Printer, print_summary
 from humanoid_bt.core import forks
 from humanoid_bt.core.errors import UserError
-from humanoid_bt.files import document
 from humanoid_bt.files.whole import make_way
 from humanoid_bt.session.report import ExitCode, Report
 from humanoid_bt.session.session import Session
@@ -67,7 +66,7 @@ def _session(arguments: argparse.Namespace, printer: Printer) -> Session:
         robot=arguments.robot,
         scene=arguments.scene,
         body=arguments.body,
-        perception=_sources(arguments.perception),
+        perception=sources(arguments.perception),
         parameters=_parameters(arguments),
         seed=arguments.seed,
         duration=arguments.duration,
@@ -111,12 +110,6 @@ def _parameters(arguments: argparse.Namespace) -> dict[str, Any]:
     from humanoid_bt.review.parameters import given_parameters
 
     return {**given_parameters(arguments.params), **values}
-
-
-def _sources(texts: list[str]) -> Any:
-    """Return the percept sources that were given, each in the form of scenes and trees; None if none were."""
-    given = [document.parse(text, f"--perception {text}").plain() for text in texts]
-    return given[0] if len(given) == 1 else given or None
 
 
 def _make_way(path: Path) -> None:

@@ -2,13 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from typing import Any, NamedTuple
+import json
+from collections.abc import Iterator, Mapping
+from typing import Any, ClassVar, NamedTuple
 
 from humanoid_bt.core.errors import Place, Problem, UserError
 from humanoid_bt.core.items import Item
 
 _HINT = "perception: NAME, or perception: [NAME, {NAME: {PARAMETER: VALUE}}]"
+_NAME: dict[str, Any] = {"type": "string", "minLength": 1}
+_NAMES: dict[str, Any] = {
+    "type": "object",
+    "additionalProperties": {"type": ["object", "null"]},
+    "minProperties": 1,
+}
 
 
 class NamedSource(NamedTuple):
@@ -34,7 +41,13 @@ class Sources:
         place: where they begin.
     """
 
-    described = "names of sources, each with its parameters"
+    described: ClassVar[str] = "names of sources, each with its parameters"
+    """What they are called in messages."""
+
+    schema: ClassVar[Mapping[str, Any]] = {
+        "anyOf": [_NAME, _NAMES, {"type": "array", "items": {"anyOf": [_NAME, _NAMES]}, "minItems": 1}]
+    }
+    """How they are written, for editors."""
 
     def __init__(self, every: tuple[NamedSource, ...], written: Any, place: Place) -> None:
         self.every, self.written, self.place = every, written, place
@@ -53,6 +66,12 @@ class Sources:
         if problems:
             raise UserError(problems)
         return cls(found, item.plain(), item.place)
+
+    @property
+    def texts(self) -> list[str]:
+        """Each of them as the command line takes it: its name, or with parameters."""
+        plain = [(one.name, one.values.plain()) for one in self.every]
+        return [json.dumps({name: values}, ensure_ascii=False) if values else name for name, values in plain]
 
 
 def _named(item: Item, problems: list[Problem]) -> Iterator[NamedSource]:

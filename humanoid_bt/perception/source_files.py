@@ -10,7 +10,8 @@ from typing import Any
 from humanoid_bt.core.clock import DECISION_PERIOD
 from humanoid_bt.core.errors import Place, Problem, UserError, relative
 from humanoid_bt.core.params import params_of
-from humanoid_bt.files.class_files import class_place, classes_of, load_module
+from humanoid_bt.core.sources import Sources
+from humanoid_bt.files.class_files import class_file, class_place, classes_of, load_module
 from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.perception.source import NEEDS, PerceptSource, source_name
 from humanoid_bt.perception.tracker import Tracker
@@ -52,6 +53,15 @@ def load_sources(workspace: Workspace) -> dict[str, type[PerceptSource]]:
     if problems:
         raise UserError(problems)
     return dict(sorted(found.items()))
+
+
+def files_of(sources: Sources | None, workspace: Workspace) -> list[Path]:
+    """Return the files of sources, without what is built into the package; raises as :func:`load_sources`."""
+    if sources is None:
+        return []
+    known = load_sources(workspace)
+    used = {file for one in sources.every if (file := class_file(known[one.name])) is not None}
+    return sorted(file for file in used if file.parent.name == "perception")
 
 
 def whole_ticks(rate: Any) -> int:

@@ -104,7 +104,7 @@ class ExpressionBreak:
         for name in self._expression.percepts:
             if name not in self._percepts:
                 hint = nearest(name, self._percepts) or "it publishes none"
-                raise UserError(f"in {self.text!r}: the scene publishes no percept {name!r}", _place(), hint)
+                raise UserError(f"in {self.text!r}: no percept source publishes {name!r}", _place(), hint)
 
     def changed(self, change: NodeChange, before: Status) -> Pause | None:
         """Return None."""

@@ -23,7 +23,7 @@ from humanoid_bt.files import document
 from humanoid_bt.files.class_files import class_file
 from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.perception.choice import sources_of
-from humanoid_bt.perception.source_files import load_sources
+from humanoid_bt.perception.source_files import files_of
 from humanoid_bt.robot.model import RobotModel
 from humanoid_bt.session.engine import Engine
 from humanoid_bt.session.options import RunOptions
@@ -135,7 +135,7 @@ def _files(
     roles = {
         "tree": tree.files,
         "skill": [file for file in skills if file is not None],
-        "perception": _source_files(tree, sources),
+        "perception": files_of(sources, tree.workspace or Workspace()),
         "scene": [scene],
         "gateway": [(tree.workspace or Workspace()).find_gateway(gateway)] if gateway else [],
         "robot": [robot],
@@ -158,15 +158,6 @@ def _policy_files(robot: Path) -> Iterator[Path]:
         yield description
         if description.is_file() and (model := document.load(description).plain().get("model")):
             yield description.parent / model
-
-
-def _source_files(tree: Tree, sources: Sources | None) -> list[Path]:
-    """Return the files of the percept sources of a run."""
-    if sources is None:
-        return []
-    known = load_sources(tree.workspace or Workspace())
-    used = {file for one in sources.every if (file := class_file(known[one.name])) is not None}
-    return sorted(file for file in used if file.parent.name == "perception")
 
 
 def _content(file: Path) -> dict[str, str]:

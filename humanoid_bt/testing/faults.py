@@ -151,7 +151,7 @@ class _Sensory(Fault):
         name = str(vars(self)["percept"])
         if name and known.percepts is not None and name not in known.percepts:
             hint = nearest(name, known.percepts) or "it publishes none; the event 'see' dictates one"
-            problem = Problem(f"the scene publishes no percept {name!r}", hint=hint, code="unknown-percept")
+            problem = Problem(f"no percept source publishes {name!r}", hint=hint, code="unknown-percept")
             yield Misnamed(problem, ("percept",))
 
 

@@ -12,6 +12,7 @@ from humanoid_bt.core.errors import Place, Problem, UserError
 from humanoid_bt.core.items import Item
 from humanoid_bt.core.params import Param, param, params_of
 from humanoid_bt.core.reading import convert, read
+from humanoid_bt.core.sources import Sources
 from humanoid_bt.files import document
 from humanoid_bt.files.reading import is_file
 from humanoid_bt.testing.conditions import Conditions
@@ -52,6 +53,7 @@ class Scenario:
     tree: str = param(doc="The tree, by name or path.")
     robot: str | None = param(None, doc="The robot; what the tree says if not given.")
     scene: str | None = param(None, doc="The scene; what the tree says if not given.")
+    perception: Sources | None = param(None, doc="The percept sources; what the tree or the scene says if not given.")
     seeds: Seeds = param(Seeds(), doc="A run for each: 3, 0-9, '0-9, 20' or [0, 4, 7].")
     duration: float = param(60.0, above=0, unit="s", doc="Longest simulated time of a run.")
     dry: bool = param(False, doc="Without physics: the robot is at once where it is told to be.")

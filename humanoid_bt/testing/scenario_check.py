@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 
 from humanoid_bt.core.errors import Problem, UserError, nearest
 from humanoid_bt.files.workspace import Workspace
-from humanoid_bt.plant.scene_config import SceneConfig, load_scene
+from humanoid_bt.perception.choice import choose, sources_of
+from humanoid_bt.plant.scene_config import load_scene
 from humanoid_bt.robot.config import load_robot_config
 from humanoid_bt.robot.model import RobotModel
 from humanoid_bt.session.loader import DEFAULT_ROBOT, DEFAULT_SCENE
 from humanoid_bt.testing.course import Course
+from humanoid_bt.testing.engines import refuse_blind
 from humanoid_bt.testing.events import mistakes
 from humanoid_bt.testing.fault import Known
 from humanoid_bt.testing.scenario import Scenario, load_scenario, readable_scenario
@@ -96,13 +98,17 @@ def _misfits(scenario: Scenario, workspace: Workspace, robot: bool, scene: bool)
     try:
         there = load_scene(workspace.find_scene(scenario.scene or tree.scene or DEFAULT_SCENE))
         model = RobotModel(load_robot_config(workspace.find_robot(scenario.robot or tree.robot or DEFAULT_ROBOT)))
+        sources = sources_of(scenario.perception, tree.perception, there)
+        chosen = choose(sources, workspace, there)
+        if scenario.dry and sources is not None:
+            refuse_blind(chosen, sources)
     except UserError as error:
         yield from (replace(problem, place=problem.place or scenario.place("tree")) for problem in error.problems)
         return
     for name, why in scenario.conditions.refused(model, scenario.dry):
         hint, code = ("leave it out, or dry", "exclusive-keys") if scenario.dry else ("leave it out", "model")
         yield Problem(why, scenario.place("conditions", name), hint, code)
-    known = _known(scenario, tree, run, there, model)
+    known = _known(scenario, tree, run, [name for one in chosen for name in one.names], model)
     if not scene:
         known = known._replace(percepts=None, asked=())
     unsure = () if robot else ("unknown-joint", "unknown-body")
@@ -118,7 +124,14 @@ def _tree(scenario: Scenario, workspace: Workspace) -> tuple[Tree | None, list[P
     path, problems = workspace.find_tree(scenario.tree), list[Problem]()
     for parameters in (scenario.parameters.items, {}):
         try:
-            tree = load_tree(path, workspace, parameters, robot=scenario.robot, scene=scenario.scene)
+            tree = load_tree(
+                path,
+                workspace,
+                parameters,
+                robot=scenario.robot,
+                scene=scenario.scene,
+                perception=scenario.perception,
+            )
             return tree, problems
         except UserError as error:
             problems = problems or [problem for problem in error.problems if problem.severity == "error"]
@@ -135,9 +148,9 @@ def _unknown_nodes(scenario: Scenario, tree: Tree) -> Iterator[tuple[str, Proble
             yield node, Problem(message, place, nearest(node, course.node_names), "unknown-node")
 
 
-def _known(scenario: Scenario, loaded: Tree, tree: Tree, scene: SceneConfig, robot: RobotModel) -> Known:
+def _known(scenario: Scenario, loaded: Tree, tree: Tree, published: Sequence[str], robot: RobotModel) -> Known:
     """Return what names in a scenario can mean."""
-    percepts = {*scene.percepts, *(event.see.percept for event in scenario.script if event.see)}
-    asked = {*scene.percepts, *loaded.percepts}
+    percepts = {*published, *(event.see.percept for event in scenario.script if event.see)}
+    asked = {*published, *loaded.percepts}
     bodies = [robot.model.body(number).name for number in range(1, robot.model.nbody)]
     return Known(tree, robot.config.torso, robot.joint_names, bodies, percepts, asked, scenario.dry)

@@ -5,10 +5,12 @@ from __future__ import annotations
 import dataclasses
 import types
 import typing
+from collections.abc import Iterable
 from typing import Any
 
 from humanoid_bt.core.params import Param, params_of
 from humanoid_bt.files.workspace import Workspace
+from humanoid_bt.perception.source_files import load_sources
 from humanoid_bt.testing.expectations import Expectations
 from humanoid_bt.testing.fault import Fault
 from humanoid_bt.testing.scenario import Scenario, Values
@@ -54,9 +56,14 @@ def scenario_schema(workspace: Workspace) -> Schema:
 
 
 def file_schema(cls: type, title: str, workspace: Workspace) -> Schema:
-    """Return the schema of files that are read into a dataclass which names a tree, a robot and a scene."""
+    """Return the schema of files that are read into a dataclass which names tree, robot, scene and percept sources."""
     schema = _object(cls)
-    names = {"tree": workspace.trees(), "robot": workspace.robots(), "scene": workspace.scenes()}
+    names: dict[str, Iterable[str]] = {
+        "tree": workspace.trees(),
+        "robot": workspace.robots(),
+        "scene": workspace.scenes(),
+        "perception": load_sources(workspace),
+    }
     for key, known in names.items():
         schema["properties"][key]["examples"] = sorted(known)
     return {"$schema": DIALECT, "title": title, **schema}

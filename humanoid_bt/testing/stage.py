@@ -13,6 +13,7 @@ from py_trees.common import Status
 
 from humanoid_bt.checking.check import load_checked
 from humanoid_bt.core.errors import UserError, nearest
+from humanoid_bt.core.sources import Sources
 from humanoid_bt.decision.result import results_of
 from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.perception.choice import written
@@ -64,7 +65,7 @@ class Stage:
         scene: str | PathLike[str] | None = None,
         dry: bool = False,
         *,
-        perception: str | Mapping[str, Any] | Sequence[Any] | None = None,
+        perception: str | Mapping[str, Any] | Sequence[Any] | Sources | None = None,
         body: Walk | None = None,
     ) -> None:
         self.workspace = workspace if isinstance(workspace, Workspace) else Workspace(workspace)

@@ -97,7 +97,7 @@ class Trials:
 
     def __init__(self, root: Path | None = None) -> None:
         self._root = root
-        self._stages: dict[tuple[Path, str | None, str | None, bool], Stage] = {}
+        self._stages: dict[tuple[object, ...], Stage] = {}
 
     def workspace(self, path: Path) -> Workspace:
         """Return where the names of a scenario file are looked up; raises UserError."""
@@ -164,9 +164,10 @@ class Trials:
 
     def _stage(self, scenario: Scenario) -> Stage:
         workspace = self.workspace(scenario.path)
-        key = workspace.root, scenario.robot, scenario.scene, scenario.dry
+        sources = scenario.perception
+        key = workspace.root, scenario.robot, scenario.scene, scenario.dry, sources and repr(sources.written)
         if key not in self._stages:
-            self._stages[key] = Stage(workspace, scenario.robot, scenario.scene, scenario.dry)
+            self._stages[key] = Stage(workspace, scenario.robot, scenario.scene, scenario.dry, perception=sources)
         return self._stages[key]
 
     def _command(self, scenario: Scenario, seed: int) -> str:

@@ -308,7 +308,7 @@ def test_a_halt_is_a_breakpoint_but_not_that_of_the_end() -> None:
         ("distanse(target) < 1", "breakpoint:1:1: error: in 'distanse(target) < 1': unknown function 'distanse'"),
         ("state.time", "it is a number in s, but must be true or false"),
         ("count > 3", "unknown name 'count'"),
-        ("distance(cup) < 1 m", "the scene publishes no percept 'cup'"),
+        ("distance(cup) < 1 m", "no percept source publishes 'cup'"),
         ("", "a breakpoint is a node or an expression"),
     ],
 )

@@ -91,7 +91,7 @@ MISTAKES = {
     "a fault": ("push:", "pusch:", "11:15: error: unknown key 'pusch' of the event", "did you mean 'push'?"),
     "a late event": ("at: 2 s,", "at: 61 s,", "11:10: error: the event at 61 s never happens", "an earlier moment"),
     "no moment": ("at: 2 s, ", "", "11:5: error: an event happens at a time or when", "write at: 2 s, or when:"),
-    "a percept of a fault": ("lose: target", "lose: taget", "12:42: error: the scene publishes no percept", "'target'"),
+    "a percept of a fault": ("lose: target", "lose: taget", "12:42: error: no percept source publishes", "'target'"),
     "a body of a fault": (
         "{force: [0, 60, 0]}}",
         "{force: [0, 60, 0], body: trso}}",

@@ -219,6 +219,6 @@ def test_the_rig_runs_whole_trees(rig):
         UserError, match=r"the percept 'targt': error: neither the tree nor [^\0]*did you mean 'target'"
     ):
         rig.run_tree("fetch", percepts={"targt": (0.4, 0.2, 0.9)}, dry=True, replace={"watchdog": "running"})
-    with pytest.raises(UserError, match="event 1 of the script: error: the scene publishes no percept 'targt'"):
+    with pytest.raises(UserError, match="event 1 of the script: error: no percept source publishes 'targt'"):
         rig.run_tree("fetch", percepts={"target": (0.4, 0, 1)}, dry=True, script=[{"at": 1, "lose": "targt"}])
     assert rig.run_tree("fetch", scene="ball_on_stand", dry=True, replace={"reach": "success"}).succeeded

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from humanoid_bt.cli.arguments.numbers import COUNT, number, size
-from humanoid_bt.cli.arguments.parsing import Commands, add_workspace
+from humanoid_bt.cli.arguments.parsing import Commands, add_perception, add_workspace
 from humanoid_bt.session.limits import DURATION, Limit
 
 _WHOLE = Limit(int, "a whole number, 0 or more", lambda value: value >= 0)
@@ -26,6 +26,7 @@ examples:
   humanoid-bt campaign fetch --set stop_distance=35cm --set stop_distance=40cm    both
   humanoid-bt campaign fetch --set look=5s..9s --condition friction=0.5..1.2      drawn for each trial
   humanoid-bt campaign fetch --push at=1s..6s,force=20..80,direction=-180deg..180deg
+  humanoid-bt campaign fetch --scene random_target --perception color_blob --seeds 1-50
   humanoid-bt campaign campaigns/slippery.yaml --require 'success >= 95 %'
   humanoid-bt campaign campaigns/slippery.yaml --out runs/slippery --resume       go on after a kill
   humanoid-bt campaign compare runs/before runs/after
@@ -54,6 +55,7 @@ def add_campaign(commands: Commands) -> None:
     vary = campaign.add_argument_group("what is tried (in a campaign file too; given here it takes that one's place)")
     vary.add_argument("--scene", action="append", metavar="S", help="a scene; given several times, all are tried")
     vary.add_argument("--robot", action="append", metavar="R", help="a robot; given several times, all are tried")
+    add_perception(vary)
     vary.add_argument(
         "--seeds", metavar="N-M", help="each is tried with everything else, as 3,17,100-199; default 0-99"
     )

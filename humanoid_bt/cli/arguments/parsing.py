@@ -99,6 +99,18 @@ def add_run_id(command: Parser) -> None:
     command.add_argument("--run", metavar="ID", help="its id or how that begins, if several run")
 
 
+def add_perception(command: argparse._ActionsContainer) -> None:
+    """Let a command say what the robot sees with."""
+    command.add_argument(
+        "--perception",
+        action="append",
+        default=[],
+        metavar="SOURCE",
+        help="see with this percept source: its name, or with parameters 'NAME: {PARAMETER: VALUE}'; may be given "
+        "several times; default: what the tree says, or the scene",
+    )
+
+
 def add_workspace(command: Parser) -> None:
     """Let a command say where names are looked up."""
     command.add_argument(

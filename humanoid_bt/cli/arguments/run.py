@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from humanoid_bt.cli.arguments.numbers import number, size
-from humanoid_bt.cli.arguments.parsing import EXIT_CODES, Commands, add_workspace
+from humanoid_bt.cli.arguments.parsing import EXIT_CODES, Commands, add_perception, add_workspace
 from humanoid_bt.record.parts import PART_SIZE
 from humanoid_bt.session.limits import DURATION, HOLD, PORT, POSITIVE, SEED
 
@@ -43,14 +43,7 @@ def add_run(commands: Commands) -> None:
         help="what walks and balances: dcm (footsteps from the model) or policy (the learned walker that robot.yaml "
         "names); default: what robot.yaml says",
     )
-    run.add_argument(
-        "--perception",
-        action="append",
-        default=[],
-        metavar="SOURCE",
-        help="see with this percept source: its name, or with parameters 'NAME: {PARAMETER: VALUE}'; may be given "
-        "several times; default: what the tree says, or the scene",
-    )
+    add_perception(run)
     run.add_argument(
         "--set",
         action="append",

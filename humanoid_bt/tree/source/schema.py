@@ -14,6 +14,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from humanoid_bt.core.params import Param, params_of
+from humanoid_bt.core.sources import Sources
 from humanoid_bt.core.units import UNITS, factors
 from humanoid_bt.decision.blackboard import KEY_NAME, Key
 from humanoid_bt.tree.expressions.fields import Fields
@@ -199,6 +200,8 @@ def _type(kind: Any, spec: Param) -> Schema:  # noqa: PLR0911 (a table of cases)
         return {"type": "object"}
     if kind is Key:
         return {"type": "string", "pattern": KEY_NAME.pattern}
+    if kind is Sources:
+        return dict(Sources.schema)
     if holds_expressions(kind):
         return {"type": ["string", "number", "boolean"]}
     if kind in (float, int):
