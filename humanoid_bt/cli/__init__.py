@@ -13,6 +13,7 @@ from humanoid_bt.cli.findings import counted, print_findings
 from humanoid_bt.cli.output import standard_streams
 from humanoid_bt.core.early import raise_it
 from humanoid_bt.core.errors import HumanoidBtError, UserError
+from humanoid_bt.plant.opengl import see_that_mujoco_loads
 from humanoid_bt.session.report import ExitCode
 
 
@@ -90,6 +91,7 @@ _COMMANDS = {
 
 
 def _dispatch(arguments: argparse.Namespace) -> int:
+    see_that_mujoco_loads()
     module = importlib.import_module(f"humanoid_bt.cli.{_COMMANDS[arguments.command]}")
     raise_it()
     code: int = getattr(module, arguments.command)(arguments)

@@ -11,13 +11,13 @@ from humanoid_bt.core.messages import Array, State, Truth
 from humanoid_bt.perception.picture import Picture
 from humanoid_bt.plant.camera_client import CameraLost, CameraProcess
 from humanoid_bt.plant.mujoco_plant import MujocoPlant
+from humanoid_bt.plant.opengl import INSTALL
 from humanoid_bt.plant.rendering import Setup, Shot, View
 from humanoid_bt.plant.scene import Scene
 from humanoid_bt.plant.scene_config import widest_view
 from humanoid_bt.robot.model import BASE_COORDINATES, GAZE_SITE, RobotModel
 
 _TIMEOUT = 10.0  # s on the wall clock until a picture must be there; software takes 0.03 s for one
-_INSTALL = "Debian: apt install libegl1 libgl1-mesa-dri (or libosmesa6)"
 
 
 class Eyes:
@@ -51,7 +51,7 @@ class Eyes:
         if self.why_none:
             self._camera.end()
             message = f"a percept source needs the head camera, and there is no picture: {self.why_none}"
-            raise UserError(message, hint=_INSTALL)
+            raise UserError(message, hint=INSTALL)
 
     def look(self, robot: Truth, state: State) -> Picture | None:
         """Return what the camera sees, None if there are no pictures any more.

@@ -10,9 +10,12 @@ import subprocess
 import sys
 from typing import Any
 
+from humanoid_bt.plant.opengl import CHOICE
 from humanoid_bt.plant.rendering import Setup, Shot
 
 _END_TIMEOUT = 5.0  # s that a killed process may take to be gone: longer only if the system itself hangs
+_OTHER_CHOICE = "PYOPENGL_PLATFORM"  # PyOpenGL's; MuJoCo sets it itself, and refuses any but its own
+_BEGIN_TIMEOUT = 60.0  # s until it is ready, at least: a busy machine takes long to load MuJoCo
 _OTHERS = ("osmesa",) if sys.platform == "linux" else ()  # ways to render without a display, besides the first one
 
 
@@ -26,7 +29,7 @@ class CameraProcess:
     Args:
         setup: of the camera.
         slowest: what a picture may take [s]; inf for any time.
-        timeout: how long it may take to answer [s]; None for any time.
+        timeout: how long it may take to answer [s], once it is ready; None for any time.
 
     Attributes:
         process: it, None before :meth:`open`.
@@ -44,7 +47,7 @@ class CameraProcess:
         Where EGL does not render, OSMesa is tried, unless ``MUJOCO_GL`` says what is to be used.
         """
         why = self._started(None)
-        for other in _OTHERS if why and "MUJOCO_GL" not in os.environ else ():
+        for other in _OTHERS if why and CHOICE not in os.environ else ():
             self._kill()
             if not self.over and not self._started(other):
                 return ""
@@ -56,7 +59,7 @@ class CameraProcess:
         Raises:
             CameraLost: there is none.
         """
-        return self._ask(shot)
+        return self._ask(shot, self._timeout)
 
     def end(self) -> None:
         """End it for good, whatever it is at."""
@@ -72,13 +75,16 @@ class CameraProcess:
 
     def _started(self, backend: str | None) -> str:
         environment = {**os.environ, "LP_NUM_THREADS": "0", "OMP_NUM_THREADS": "1"}
+        environment.pop(_OTHER_CHOICE, None)
+        if backend is not None:
+            environment[CHOICE] = backend
         try:
             self.process = subprocess.Popen(
                 [sys.executable, "-P", "-m", "humanoid_bt.plant.camera_process"],
                 stdin=subprocess.PIPE,
                 stdout=subprocess.PIPE,
                 stderr=subprocess.DEVNULL,
-                env=environment if backend is None else {**environment, "MUJOCO_GL": backend},
+                env=environment,
                 start_new_session=True,  # Ctrl-C ends the run, and the run this
             )
         except OSError as error:
@@ -86,20 +92,21 @@ class CameraProcess:
         if self.over:  # another thread has ended it meanwhile
             self._kill()
         try:
-            answer: str = self._ask((pickle.dumps(self._setup), self._slowest))
+            patience = None if self._timeout is None else max(self._timeout, _BEGIN_TIMEOUT)
+            answer: str = self._ask((pickle.dumps(self._setup), self._slowest), patience)
         except CameraLost as error:
             return str(error)
         return answer
 
-    def _ask(self, question: object) -> Any:
+    def _ask(self, question: object, timeout: float | None) -> Any:
         process = self.process
         if process is None or process.stdin is None or process.stdout is None:
             raise CameraLost("its process ended")
         try:
             pickle.dump(question, process.stdin)
             process.stdin.flush()
-            if self._timeout is not None and not select.select([process.stdout], [], [], self._timeout)[0]:
-                raise CameraLost(f"its process did not answer within {self._timeout:g} s")
+            if timeout is not None and not select.select([process.stdout], [], [], timeout)[0]:
+                raise CameraLost(f"its process did not answer within {timeout:g} s")
             return pickle.load(process.stdout)  # from a process that was started here
         except CameraLost:
             raise

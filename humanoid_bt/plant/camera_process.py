@@ -14,6 +14,8 @@ import time
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
+from humanoid_bt.plant.opengl import CHOICE
+
 if TYPE_CHECKING:
     from humanoid_bt.plant.rendering import Camera
 
@@ -48,7 +50,7 @@ def main() -> None:
     with suppress(OSError):
         os.nice(_NICE)
     if sys.platform == "linux":
-        os.environ.setdefault("MUJOCO_GL", "egl")  # it needs no display
+        os.environ.setdefault(CHOICE, "egl")  # it needs no display
     source, sink = sys.stdin.buffer, sys.stdout.buffer
     with suppress(EOFError, BrokenPipeError):
         camera, why = ready(*pickle.load(source))

@@ -13,6 +13,7 @@ import rerun as rr
 
 from humanoid_bt.core.errors import UserError
 from humanoid_bt.core.messages import Array, State
+from humanoid_bt.plant.opengl import INSTALL
 from humanoid_bt.plant.rendering import Setup, Shot, View
 from humanoid_bt.record.columns import send, xyzw
 from humanoid_bt.record.photographer import Photographer
@@ -58,7 +59,7 @@ class HeadCamera:
             self._photographer.wait_until_ready()
             if why := self._photographer.why:
                 self._photographer.finish()
-                hint = "Debian: apt install libegl1 libgl1-mesa-dri (or libosmesa6); or do without the camera"
+                hint = f"{INSTALL}; or do without the camera"
                 raise UserError(f"there is no picture of the head camera: {why}", hint=hint)
 
     @property
