@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -36,6 +36,16 @@ class Chosen:
     cls: type[PerceptSource]
     values: Mapping[str, Any]
     names: tuple[str, ...]
+
+
+def labels(chosen: Sequence[Chosen]) -> list[str]:
+    """Return what the sources of a run are called: their names, with a number from the second of a name on."""
+    count = dict[str, int]()
+    found = []
+    for one in chosen:
+        number = count[one.name] = count.get(one.name, 0) + 1
+        found.append(one.name if number == 1 else f"{one.name} {number}")
+    return found
 
 
 def written(value: Any, what: str = "perception") -> Sources | None:

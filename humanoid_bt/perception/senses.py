@@ -5,10 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from types import MappingProxyType
 
 from humanoid_bt.core.clock import DECISION_PERIOD
 from humanoid_bt.core.messages import Level, Percept, State, Truth
-from humanoid_bt.perception.choice import DEFAULT, Chosen
+from humanoid_bt.perception.choice import DEFAULT, Chosen, labels
 from humanoid_bt.perception.eyes import Eyes
 from humanoid_bt.perception.interface import Perception
 from humanoid_bt.perception.picture import Picture
@@ -24,7 +25,14 @@ Show = Callable[[float, Picture], object]
 
 
 def new_perception(
-    chosen: Sequence[Chosen], robot: RobotModel, scene: Scene, *, waits: bool, show: Show | None = None
+    chosen: Sequence[Chosen],
+    robot: RobotModel,
+    scene: Scene,
+    *,
+    waits: bool,
+    show: Show | None = None,
+    marks: Sequence[Callable[[], None]] = (),
+    off: Mapping[str, str] = MappingProxyType({}),
 ) -> Perception:
     """Return what sees in a run.
 
@@ -34,10 +42,11 @@ def new_perception(
         scene: what surrounds it; its seed is that of the sources' random numbers.
         waits: whether time stands still while a source looks, as in lockstep.
         show: takes every picture that is made for the sources, None if nobody wants them.
+        marks, off: as of :class:`Senses`.
     """
     if [one.name for one in chosen] == [DEFAULT] and set(chosen[0].names) == set(scene.config.percepts):
         return SimulatedPerception(scene, scene.seed)  # trusted: it needs no thread
-    return Senses(chosen, robot, scene, waits=waits, show=show)
+    return Senses(chosen, robot, scene, waits=waits, show=show, marks=marks, off=off)
 
 
 @dataclass
@@ -64,12 +73,23 @@ class Senses(Perception):
         waits: whether time stands still while a source looks. Else its percepts come when it is done, and it misses
             the looks that are due meanwhile.
         show: takes every picture that is made for the sources, None if nobody wants them.
+        marks: called when each of the sources begins to work, and again when it has done it.
+        off: sources that are not to work, by label, and why.
     """
 
     def __init__(
-        self, chosen: Sequence[Chosen], robot: RobotModel, scene: Scene, *, waits: bool, show: Show | None = None
+        self,
+        chosen: Sequence[Chosen],
+        robot: RobotModel,
+        scene: Scene,
+        *,
+        waits: bool,
+        show: Show | None = None,
+        marks: Sequence[Callable[[], None]] = (),
+        off: Mapping[str, str] = MappingProxyType({}),
     ) -> None:
-        self._chosen, self._scene, self._waits, self._show = chosen, scene, waits, show
+        self._chosen, self._scene, self._waits = chosen, scene, waits
+        self._show, self._marks, self._off = show, marks, off
         ticks = [whole_ticks(one.cls.rate) for one in chosen]
         self.period = math.gcd(*ticks) * DECISION_PERIOD if waits else DECISION_PERIOD
         self.names = [name for one in chosen for name in one.names]
@@ -93,18 +113,20 @@ class Senses(Perception):
         """
         if self._eyes is not None:
             self._eyes.open()
-        count = dict[str, int]()
-        for one, ticks in zip(self._chosen, self._ticks, strict=True):
-            number = count[one.name] = count.get(one.name, 0) + 1
-            label = one.name if number == 1 else f"{one.name} {number}"
+        for number, (one, label) in enumerate(zip(self._chosen, labels(self._chosen), strict=True)):
             source = one.cls(**one.values)
             source.names = one.names
             source.random = random_stream(self._scene.seed, "source", label)
             if "scene" in one.cls.needs:
                 source.scene = self._scene
-            self._senses.append(_Sense(Worker(source, label), ticks, one.cls.needs))
+            worker = Worker(source, label, self._marks[number] if self._marks else None)
+            self._senses.append(_Sense(worker, self._ticks[number], one.cls.needs))
+            if why := self._off.get(label, ""):
+                worker.off = why
+                self._explain(worker)
         for sense in self._senses:
-            sense.worker.set_up()
+            if not sense.worker.off:
+                sense.worker.set_up()
         for sense in self._senses:
             self._take(sense.worker, wait=True)
 
@@ -153,6 +175,10 @@ class Senses(Perception):
 
     def _tell_off(self, worker: Worker) -> None:
         self._news.append(("error", f"the percept source {worker.label!r} is off: it {worker.off}"))
+        self._explain(worker)
+
+    def _explain(self, worker: Worker) -> None:
+        """Say why nothing comes of a source that is off."""
         for name in worker.source.names:
             if name in self._never:
                 self._never[name] = f"the percept source {worker.label!r} is off: it {worker.off}"

@@ -40,14 +40,16 @@ class Worker:
     Args:
         source: it.
         label: what it is called.
+        mark: called in its thread when it begins to work, and again when it has done it.
 
     Attributes:
         off: why it does not work any more, "" while it does.
         busy: whether it is at work.
     """
 
-    def __init__(self, source: PerceptSource, label: str) -> None:
+    def __init__(self, source: PerceptSource, label: str, mark: Callable[[], None] | None = None) -> None:
         self.source, self.label = source, label
+        self._mark = mark or (lambda: None)
         self.off, self.busy = "", False
         self._since = 0.0
         self._limit = SETUP_PATIENCE
@@ -101,10 +103,10 @@ class Worker:
 
     def _obey(self) -> None:
         while (order := self._orders.get()) is not None:
-            try:
-                self._answers.put((order() or [], None))
-            except BaseException as error:  # whatever it is, it is this source's alone
-                self._answers.put(([], error))
+            self._mark()
+            answer = _obeyed(order)
+            self._mark()
+            self._answers.put(answer)
 
     def _give_up(self) -> None:
         self.off = f"has been at it for more than {self._limit:g} s"
@@ -123,6 +125,14 @@ class Worker:
             return f"{error}{where}"
         said = shortened(one_line(str(error)), _LONGEST)
         return f"raised {type(error).__name__}{f': {said}' if said else ''}{where}"
+
+
+def _obeyed(order: Callable[[], Any]) -> tuple[list[Percept], BaseException | None]:
+    """Return what came of an order, or what it raised."""
+    try:
+        return order() or [], None
+    except BaseException as error:  # whatever it is, it is this source's alone
+        return [], error
 
 
 def checked(found: Iterable[Percept], names: Iterable[str], time: float) -> list[Percept]:

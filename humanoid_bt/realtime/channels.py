@@ -19,7 +19,7 @@ from humanoid_bt.realtime.timing import STOP_ROOM
 if TYPE_CHECKING:
     from humanoid_bt.robot.config import Walk
 
-_ESTOP, _LEFT, _MISTAKES, _LOST, _REAL = "estop", "left", "mistakes.json", "lost", "real"
+_ESTOP, _LEFT, _MISTAKES, _LOST, _REAL, _OFF = "estop", "left", "mistakes.json", "lost", "real", "off.json"
 _PICTURE, _PICTURES = "picture", 4  # ring -> its slots
 _SIZES: dict[str, tuple[int, int]] = {  # ring -> (bytes in a slot, slots)
     "command": (16384, 8),  # decision -> control
@@ -170,6 +170,29 @@ def cycle_tables(folder: RunFolder) -> tuple[Path, Path]:
 def gateway_beat(folder: RunFolder) -> Heartbeat:
     """Return the sign of life of the process that hears e-stops from outside."""
     return Heartbeat.open(folder.path("gateway_beat"))
+
+
+def create_source_signs(folder: RunFolder, count: int) -> None:
+    """Make the signs with which percept sources say that they are at work."""
+    for number in range(count):
+        Heartbeat.create(folder.path(f"source_{number}")).close()
+
+
+def source_signs(folder: RunFolder, count: int) -> list[Heartbeat]:
+    """Return the signs of percept sources, in their order: an odd one is at work."""
+    return [Heartbeat.open(folder.path(f"source_{number}")) for number in range(count)]
+
+
+def note_off(folder: RunFolder, off: Mapping[str, str]) -> None:
+    """Note which percept sources are not to work any more, by label, and why."""
+    folder.path(_OFF).write_text(json.dumps(off), encoding="utf-8")
+
+
+def off_sources(folder: RunFolder) -> dict[str, str]:
+    """Return which percept sources are not to work any more, by label, and why."""
+    path = folder.path(_OFF)
+    off: dict[str, str] = json.loads(path.read_text(encoding="utf-8")) if path.exists() else {}
+    return off
 
 
 def quit_flag(folder: RunFolder) -> Heartbeat:

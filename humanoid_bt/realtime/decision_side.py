@@ -18,6 +18,7 @@ from humanoid_bt.core.errors import ControlLost, HumanoidBtError, UserError
 from humanoid_bt.core.kept import Kept
 from humanoid_bt.core.messages import Array, Command, Pause, Percept, State, Truth
 from humanoid_bt.core.plain import plain
+from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.link.ring import RingReader, RingWriter
 from humanoid_bt.link.run_folder import RunFolder, RunInfo, clean_stale, live_runs
 from humanoid_bt.link.wire import (
@@ -32,6 +33,7 @@ from humanoid_bt.link.wire import (
     picture_room,
     state_room,
 )
+from humanoid_bt.perception.choice import Chosen, choose
 from humanoid_bt.plant.mujoco_plant import MujocoPlant
 from humanoid_bt.plant.rendering import View
 from humanoid_bt.plant.scene import Scene
@@ -43,6 +45,7 @@ from humanoid_bt.realtime.children import Children
 from humanoid_bt.realtime.gateway_calls import GatewayCalls
 from humanoid_bt.realtime.gateway_life import GatewayLife, GatewayPlan
 from humanoid_bt.realtime.live_tree import TreeTeller
+from humanoid_bt.realtime.perception_life import PerceptionLife
 from humanoid_bt.realtime.remote_supervisor import RemoteSupervisor, StateClock
 from humanoid_bt.realtime.schedule import Schedule, last_core
 from humanoid_bt.realtime.timing import StopRecord, Timing
@@ -68,7 +71,7 @@ class Realtime:
         tree: name of the tree, for ``humanoid-bt status``.
         hold: how long control goes on balancing the robot after decision died [s].
         sources: the percept sources as they are written, None for the simulated tracker; and their workspace.
-        publishes: the percepts that they publish; those of the scene if None.
+        chosen: what they are; the simulated tracker if None.
         plant: where the plant is, if it is in another process, and the file with its key; "" for none.
         gateway: what joins the run with programs outside of it, if anything does.
 
@@ -93,12 +96,13 @@ class Realtime:
         hold: float = HOLD_TIME,
         *,
         sources: tuple[Any, str] = (None, ""),
-        publishes: Collection[str] | None = None,
+        chosen: Sequence[Chosen] | None = None,
         plant: tuple[str, str] = ("", ""),
         gateway: GatewayPlan | None = None,
     ) -> None:
         self.robot, self.scene = robot, scene
-        self.publishes = list(scene.config.percepts if publishes is None else publishes)
+        self._chosen = choose(None, Workspace(), scene.config) if chosen is None else chosen
+        self.publishes = [name for one in self._chosen for name in one.names]
         self._sources, self._plant = sources, plant
         self._gateway_plan = gateway
         self._gateway: GatewayLife | None = None
@@ -119,7 +123,7 @@ class Realtime:
         self._folder: RunFolder | None = None
         self._children: Children | None = None
         self._teller: TreeTeller | None = None
-        self._perceives = True
+        self._perception: PerceptionLife | None = None
         self._writers: dict[str, RingWriter] = {}
         self._readers: dict[str, RingReader] = {}
         self._percepts: dict[str, Percept] = {}
@@ -162,8 +166,11 @@ class Realtime:
         self._teller = TreeTeller(folder)
         self.supervisor.connect(channels.estop(folder))
         children = self._children = Children(folder)
-        self._start(children, "control", "state")
-        self._start(children, "perception", "percept")
+        children.start("control", "humanoid_bt.realtime.control_process")
+        self._wait(children, "control", "state")
+        self._perception = PerceptionLife(folder, children, self._chosen, self._readers["percept"])
+        self._perception.start()
+        self._wait(children, "perception", "percept")
         if self._gateway_plan is not None and self.calls is not None:
             self._gateway = GatewayLife(self._gateway_plan, folder, children, self.calls)
             self._gateway.start()
@@ -182,9 +189,8 @@ class Realtime:
     def take_cycles(self) -> None:
         """None: they are in :attr:`cycle_tables`."""
 
-    def _start(self, children: Children, role: str, channel: str) -> None:
-        """Start a process and wait until it writes to its channel."""
-        children.start(role, f"humanoid_bt.realtime.{role}_process")
+    def _wait(self, children: Children, role: str, channel: str) -> None:
+        """Wait until a process writes to its channel."""
         deadline = time.monotonic() + _START_TIMEOUT
         while not self._readers[channel].sequence:
             for known in {"control", role}:
@@ -193,7 +199,9 @@ class Realtime:
                         raise UserError(mistakes)
                     raise self._lost(known, how)
             if time.monotonic() > deadline:
-                raise HumanoidBtError(f"the {role} process did not start within {_START_TIMEOUT:g} s")
+                busy = self._perception.at_work if self._perception is not None else []
+                why = f": the percept source {' and '.join(map(repr, busy))} is at work" if busy else ""
+                raise HumanoidBtError(f"the {role} process did not start within {_START_TIMEOUT:g} s{why}")
             time.sleep(_POLL)
 
     def _spec(self, core: int | None, log: Path | None) -> RunSpec:
@@ -248,6 +256,8 @@ class Realtime:
                 self._teller.close()
             if self._gateway is not None:
                 self._gateway.close()
+            if self._perception is not None:
+                self._perception.close()
             for writer in self._writers.values():
                 writer.close()
             for reader in self._readers.values():
@@ -281,10 +291,9 @@ class Realtime:
             raise ControlLost(f"the control process has been silent for more than {_SILENCE:g} s")
         assert self._state is not None
         self.clock.time = self._state.time
-        if self._perceives and (how := self._children.how_ended("perception")):
-            self._perceives = False
-            self.unseen = dict.fromkeys(self.unseen, f"the perception process ended ({how})")
-            self.notices.append(Event(self.clock.now(), "error", f"the perception process ended ({how})"))
+        if self._perception is not None and (told := self._perception.look()):
+            self.unseen = dict.fromkeys(self.unseen, told)
+            self.notices.append(Event(self.clock.now(), "error", told))
         if self._gateway is not None and self._gateway_plan is not None:
             self._hear_gateway(self._gateway, self._gateway_plan.percepts)
         return self._state, dict(self._percepts)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
+from collections.abc import Callable
 from pathlib import Path
 
 from humanoid_bt.core.messages import State
@@ -42,7 +43,7 @@ def run(folder: RunFolder) -> None:
         UserError: a source cannot begin.
     """
     spec = RunSpec.read(folder)
-    perception = _perception(spec, _shown(folder) if channels.has_pictures(folder) else None)
+    perception = _perception(spec, folder)
     perception.start()
     truths, percepts = channels.reader(folder, "truth"), channels.writer(folder, "percept")
     states, news = channels.reader(folder, "state"), channels.writer(folder, "source")
@@ -82,13 +83,23 @@ def _shown(folder: RunFolder) -> Show:
     return show
 
 
-def _perception(spec: RunSpec, show: Show | None) -> Perception:
+def _perception(spec: RunSpec, folder: RunFolder) -> Perception:
     scene = Scene(load_scene(Path(spec.scene)), spec.seed)
     if spec.perception is None:
         return SimulatedPerception(scene, spec.seed)  # it needs no robot, which takes a while to load
     chosen = choose(written(spec.perception), Workspace(spec.workspace), scene.config)
     robot = RobotModel(load_robot_config(Path(spec.robot)))
-    return new_perception(chosen, robot, scene, waits=False, show=show)
+    show = _shown(folder) if channels.has_pictures(folder) else None
+    marks, off = _marks(folder, len(chosen)), channels.off_sources(folder)
+    return new_perception(chosen, robot, scene, waits=False, show=show, marks=marks, off=off)
+
+
+def _marks(folder: RunFolder, count: int) -> list[Callable[[], None]]:
+    """Return what tells decision that a source begins to work, and again that it has done it."""
+    signs = channels.source_signs(folder, count)
+    for sign in signs:
+        sign.beat(sign.count % 2)  # one that was at work when this process was ended is not any more
+    return [sign.beat for sign in signs]
 
 
 if __name__ == "__main__":

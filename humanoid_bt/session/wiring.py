@@ -42,11 +42,8 @@ def new_engine(
     if options.mode == "realtime":
         gateway = _gateway(workspace.find_gateway(options.gateway), sources, chosen) if options.gateway else None
         written = (sources.written if sources else None, str(workspace.root))
-        names = [name for one in chosen for name in one.names]
         plant = options.plant, options.plant_key
-        return Realtime(
-            robot, scene, tree, options.hold, sources=written, publishes=names, plant=plant, gateway=gateway
-        )
+        return Realtime(robot, scene, tree, options.hold, sources=written, chosen=chosen, plant=plant, gateway=gateway)
     return Lockstep(robot, start, scene, new_perception(chosen, robot, scene, waits=True))
 
 

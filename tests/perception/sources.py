@@ -46,6 +46,24 @@ class Blocks(PerceptSource):
             time.sleep(0.001)
 
 
+class Holds(PerceptSource):
+    """Call something that keeps Python's lock, and does not come back."""
+
+
+    name: PerceptName = param("held", doc="Percept that it publishes.")
+
+    def setup(self):
+        self.looks = 0
+
+    def look(self, now):
+        import ctypes
+
+        self.looks += 1
+        if self.looks > 10:
+            ctypes.PyDLL(None).pause()
+        return []
+
+
 class Floods(PerceptSource):
     """Publish without end."""
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 
 import pytest
@@ -154,6 +155,32 @@ def test_in_realtime_sources_run_in_the_perception_process(project: Path) -> Non
     assert report.outcome == "success", report.reason
     (told,) = [event["text"] for event in report.events if "percept source" in event["text"]]
     assert told == "the percept source 'blocks' is off: it has been at it for more than 0.2 s"
+
+
+AGAIN = """
+format: 1
+root:
+  emergency_stop:
+    sequence:
+      - wait: 0.2 s
+      - watchdog:
+          percept: sign
+          max_age: 1 min
+          sequence:
+            - wait_until: sign.age > 1 s
+            - timeout: {duration: 20 s, wait_until: sign.age < 0.2 s}
+"""
+
+
+@pytest.mark.trials
+@pytest.mark.realtime
+def test_a_source_that_keeps_the_lock_is_off_and_the_others_see_again(project: Path) -> None:
+    (project / "trees/again.yaml").write_text(AGAIN)
+    report = hbt.run("again", perception=["door_sign", "holds"], mode="realtime", duration=60)
+    assert report.outcome == "success", report.reason
+    (told,) = [event for event in report.events if event["level"] == "error"]
+    held = r"the percept source 'holds' is off: it held up perception for 3\.\d s, which begins anew without it"
+    assert re.fullmatch(held, told["text"])
 
 
 @pytest.mark.realtime
