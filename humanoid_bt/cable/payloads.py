@@ -47,12 +47,14 @@ class Hello:
         joints: names of its joints, in the order of its commands.
         scene: name of the scene that a simulated plant is to stand in; "" for any, as of a real one.
         seed: of what is random in it.
+        digest: of what stands and happens in the scene; "" for anything.
     """
 
     robot: str
     joints: tuple[str, ...]
     scene: str = ""
     seed: int = 0
+    digest: str = ""
 
 
 @dataclass(frozen=True)
@@ -110,7 +112,7 @@ class Sensors(NamedTuple):
 
 def pack_hello(hello: Hello) -> bytes:
     """Return it as bytes."""
-    texts = (hello.robot, hello.scene, *hello.joints)
+    texts = (hello.robot, hello.scene, hello.digest, *hello.joints)
     return _HELLO.pack(hello.seed, len(hello.joints)) + b"".join(map(pack_text, texts))
 
 
@@ -122,8 +124,8 @@ def unpack_hello(payload: bytes) -> Hello:
         WireError: it is something else.
     """
     seed, count = _HELLO.unpack_from(payload)
-    robot, scene, *joints = _texts(payload, _HELLO.size, 2 + count)
-    return Hello(robot, tuple(joints), scene, seed)
+    robot, scene, digest, *joints = _texts(payload, _HELLO.size, 3 + count)
+    return Hello(robot, tuple(joints), scene, seed, digest)
 
 
 def pack_welcome(nonce: int, plant: Description) -> bytes:

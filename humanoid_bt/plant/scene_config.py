@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import hashlib
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -151,6 +152,11 @@ class SceneConfig:
     perception: Sources | None = param(None, doc="The percept sources; default: `tracker`, which publishes `percepts`.")
     events: list[EventConfig] = param([], doc="What happens when.")
     path: Path = field(default=Path(), compare=False)
+
+    @property
+    def digest(self) -> str:
+        """Tells it from other scenes by what stands and happens in it, whatever perception makes of that."""
+        return hashlib.sha256(repr((self.robot, self.objects, self.events)).encode()).hexdigest()[:16]
 
 
 def load_scene(path: Path) -> SceneConfig:

@@ -136,7 +136,8 @@ class CablePlant:
         where = read_address(address)
         if scene.seed > MOST_SEED:
             raise UserError(f"a plant in another process takes seeds up to {MOST_SEED}, not {scene.seed}")
-        hello = Hello(robot.config.name, tuple(robot.joint_names), scene.config.name, scene.seed)
+        config = scene.config
+        hello = Hello(robot.config.name, tuple(robot.joint_names), config.name, scene.seed, config.digest)
         self._remote = RemotePlant(UdpCable(peer=where), where, hello, read_key(where, key), time.monotonic_ns)
         try:
             self._remote.connect(lambda: time.sleep(_HELLO_PERIOD))

@@ -57,6 +57,8 @@ class ServedSimulation:
         config = self._scene.config
         if hello.scene not in ("", config.name):
             return f"this plant stands in the scene {config.name!r}, not {hello.scene!r}"
+        if hello.digest not in ("", config.digest):
+            return f"the scene {config.name!r} of this plant is not that of the run: its file says something else"
         try:
             if hello.seed == self._scene.seed:
                 self._simulation.restart()

@@ -31,7 +31,7 @@ def loaded() -> Loaded:
 @pytest.fixture
 def hello(loaded: Loaded) -> Hello:
     robot, _, scene = loaded
-    return Hello("humanoid", tuple(robot.joint_names), scene.config.name)
+    return Hello("humanoid", tuple(robot.joint_names), scene.config.name, 0, scene.config.digest)
 
 
 @pytest.fixture

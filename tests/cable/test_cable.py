@@ -86,6 +86,7 @@ def test_the_truth_of_a_simulation_comes_in_the_engines_time(plant: Make) -> Non
         ({"robot": "g1"}, "this plant is the robot 'humanoid', not 'g1'"),
         ({"joints": ("a", "b")}, r"'humanoid' has \d+ joints here, not 2"),
         ({"scene": "moon"}, "this plant stands in the scene 'empty', not 'moon'"),
+        ({"digest": "1"}, "the scene 'empty' of this plant is not that of the run: its file says something else"),
     ],
 )
 def test_a_driver_for_something_else_is_refused_and_both_sides_say_so(

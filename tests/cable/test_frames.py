@@ -51,7 +51,7 @@ def test_another_version_is_named() -> None:
 
 
 def test_payloads_come_back_as_they_were() -> None:
-    hello = Hello("größe", ("left_hip", "right_hip"), "empty", 7)
+    hello = Hello("größe", ("left_hip", "right_hip"), "empty", 7, "0a1b")
     plant = Description("größe", ("left_hip", "right_hip"), True, "damp", 0.02, 0.001)
     rows = np.random.default_rng(0).random((5, 2))
     command = payloads.unpack_command(payloads.pack_command(JointCommand(*rows)), 2)

@@ -322,3 +322,13 @@ def test_the_box_around_a_person_holds_every_part_of_it(tmp_path: Path) -> None:
         if model.geom(geom).name.startswith("object_guest"):
             middle = model.geom_pos[geom]
             assert np.all(np.abs(middle) < box.size / 2), model.geom(geom).name
+
+
+def test_scenes_of_one_name_are_told_apart_by_what_is_in_them(tmp_path: Path) -> None:
+    text = "format: 1\nname: mine\nobjects:\n  ball: {shape: ball, size: [8 cm], position: [1, 0, 0.85]}\n"
+    digests = []
+    for number, change in enumerate((text, text + "# as before\n", text.replace("0.85", "0.95"))):
+        file = tmp_path / f"{number}.yaml"
+        file.write_text(change)
+        digests.append(load_scene(file).digest)
+    assert digests[0] == digests[1] != digests[2]
