@@ -131,7 +131,7 @@ class RemotePlant:
                 return
         if self._unsealed:
             raise UserError(f"the plant at {self._address} is not for this driver: {self._unsealed}")
-        hint = "start one with: humanoid-bt plant ROBOT --scene SCENE"
+        hint = "start the robot's driver, or a simulated robot: humanoid-bt plant ROBOT --scene SCENE"
         raise UserError(f"no plant answers at {self._address}", hint=hint)
 
     def measure(self, into: Reading | None = None) -> Reading:

@@ -93,7 +93,8 @@ def robots(arguments: argparse.Namespace) -> int:
     def load(path: Path) -> RobotModel:
         return RobotModel(load_robot_config(path))
 
-    return _files(arguments.names, Workspace(arguments.workspace).robots(), "robot", load, _robot)
+    known, explain = Workspace(arguments.workspace).robots(), _robot if arguments.names else _robot_line
+    return _files(arguments.names, known, "robot", load, explain)
 
 
 def scenarios(arguments: argparse.Namespace) -> int:
@@ -193,6 +194,11 @@ def _point(position: Sequence[float]) -> str:
 
 
 def _robot(name: str, robot: RobotModel) -> None:
+    _robot_line(name, robot)
+    print_lines(hanging("  joints  ", ", ".join(robot.joint_names)))
+
+
+def _robot_line(name: str, robot: RobotModel) -> None:
     _headline(name, robot.config.description)
     print_lines(hanging("  ", f"{robot.mass:.1f} kg, {len(robot.joint_names)} joints; {relative(robot.config.path)}"))
 

@@ -27,7 +27,7 @@ _FEW = 0.9  # share of the frames that must come
 _GAP = 0.005  # s between two of them, of 99 in 100
 _LATE = 0.025  # s beside its time that the watchdog may take, cable and a busy machine included
 _EARLY = 0.003  # s
-_TORQUE = 2.0  # times what the weakest drive gives, that is asked of it
+_TORQUE = 2.0  # times what a weak drive gives, that is asked of it
 _SLACK, _NOISE = 1.05, 1.0  # times that, and Nm besides, that its sensor may say
 _PULL = 0.03  # s for which it is asked
 
@@ -36,7 +36,7 @@ def check_plant(address: str, robot: Path, key: Path | None = None) -> Conforman
     """Try a plant that is served: whom it takes for its driver, order, timing, limits, watchdog, restart.
 
     The robot is told to stay where it is found, for a few seconds, and is let go several times: let it hang, or hold
-    it. For 30 ms its weakest drive is asked for twice the torque that it has.
+    it. For 30 ms a weak drive is asked for twice the torque that it has.
 
     Args:
         address: where it is: ``udp://HOST:PORT``.
@@ -125,7 +125,7 @@ class _Trial:
         yield self._restart(about)
 
     def _refuses(self) -> RuleOutcome:
-        answers = []
+        answers, heard = [], False
         for hello in (
             replace(self._hello, robot=f"{self._hello.robot}?"),
             replace(self._hello, joints=self._hello.joints[1:]),
@@ -134,6 +134,9 @@ class _Trial:
             probe = self._probe(hello)
             probe.say_hello(1.0)
             answers.append(not probe.session and bool(probe.refusals))
+            heard = heard or bool(probe.session or probe.refusals)
+        if not heard:
+            return RuleOutcome("refuses", False, f"nobody answers at {self._address}: is the driver running there?")
         names = "another robot", "a joint less", "a joint of another name"
         taken = [name for name, refused in zip(names, answers, strict=True) if not refused]
         shown = f"does not refuse {' and '.join(taken)}" if taken else f"{', '.join(names)}, with a reason"
@@ -187,16 +190,16 @@ class _Trial:
 
     def _limits(self, probe: Probe) -> RuleOutcome:
         limits = self._robot.torque_limit
-        weakest = int(np.argmin(limits))
+        weak = weak_drive(limits)
         torque = np.zeros_like(limits)
-        torque[weakest] = _TORQUE * limits[weakest]
+        torque[weak] = _TORQUE * limits[weak]
         begin = len(probe.heard)
         probe.drive(_PULL, changes={"torque": torque})
         probe.drive(0.1)
-        largest = max((abs(self._torques(one.sensors.values)[weakest]) for one in probe.heard[begin:]), default=0.0)
-        good = largest <= limits[weakest] * _SLACK + _NOISE
-        name = self._hello.joints[weakest]
-        shown = f"{name} gives {largest:.1f} Nm of {limits[weakest]:g} when {torque[weakest]:g} are asked for"
+        largest = max((abs(self._torques(one.sensors.values)[weak]) for one in probe.heard[begin:]), default=0.0)
+        good = largest <= limits[weak] * _SLACK + _NOISE
+        name = self._hello.joints[weak]
+        shown = f"{name} gives {largest:.1f} Nm of {limits[weak]:g} when {torque[weak]:g} are asked for"
         return RuleOutcome("limits", bool(good), shown)
 
     def _torques(self, values: Array) -> Array:
@@ -262,6 +265,16 @@ class _Trial:
         return RuleOutcome(
             "restart", followed and same, "a new driver is welcome, and followed" if followed else "stays"
         )
+
+
+def weak_drive(limits: Array) -> int:
+    """Return the weakest drive of which the noise of its sensor does not hide that it gives twice its torque.
+
+    Args:
+        limits: torques of all drives, shape (nj,) [Nm].
+    """
+    telling = (_TORQUE - _SLACK) * limits > 2 * _NOISE
+    return int(np.argmin(np.where(telling, limits, np.inf)) if telling.any() else np.argmax(limits))
 
 
 def _answer(probe: Probe) -> str:

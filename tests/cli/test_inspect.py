@@ -66,6 +66,11 @@ def test_robots_are_listed(capsys: pytest.CaptureFixture[str]) -> None:
     assert "31 joints" in out
 
 
+def test_a_robots_joints_are_listed_in_their_order(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["robots", "humanoid"]) == 0
+    assert "  joints  left_hip_yaw, left_hip_roll, left_hip_pitch, left_knee," in capsys.readouterr().out
+
+
 @pytest.mark.parametrize(
     ("arguments", "says"),
     [

@@ -20,7 +20,7 @@ from humanoid_bt.files.workspace import Workspace, builtin_root
 from humanoid_bt.plant.mujoco_plant import MujocoPlant
 from humanoid_bt.plant.scene import Scene, load_scene
 from humanoid_bt.realtime.served_simulation import ServedSimulation
-from humanoid_bt.testing.check_plant import check_cabled_plant
+from humanoid_bt.testing.check_plant import check_cabled_plant, weak_drive
 from humanoid_bt.testing.conformance import Conformance
 from tests.cable.cabled import LOSSY, PERFECT
 
@@ -99,7 +99,20 @@ def test_where_nobody_answers_the_first_rules_say_so() -> None:
     check = check_cabled_plant(ROBOT, PLANT, cable, lambda: 0.0)
     assert not check.passed
     assert [rule.name for rule in check.rules] == ["refuses", "welcomes"]
+    assert check.rules[0].shown == f"nobody answers at {PLANT}: is the driver running there?"
     assert check.rules[1].shown == "nothing"
+
+
+@pytest.mark.parametrize(
+    ("limits", "drive"),
+    [
+        ([0.7, 25.0, 5.0, 0.7], 2),  # twice a finger's torque is no more than noise
+        ([40.0, 25.0], 1),
+        ([0.5, 0.9], 1),
+    ],
+)
+def test_a_drive_is_tried_whose_torque_can_be_told_from_noise(limits: list[float], drive: int) -> None:
+    assert weak_drive(np.array(limits)) == drive
 
 
 class Nowhere:
