@@ -27,7 +27,7 @@ test-cluster: $(VENV)-cluster/.installed  ## campaigns on a Ray cluster of two n
 	$(VENV)-cluster/bin/python -m pytest -m ray tests/campaign/test_ray.py
 
 test-policy: $(VENV)-policy/.installed  ## learned walkers: tiny ones, and published ones where they are, in an environment of its own
-	$(VENV)-policy/bin/python -m pytest tests/robot/policy tests/control/body/policy tests/session/test_body_choice.py tests/cli/test_bench_body.py tests/policies
+	$(VENV)-policy/bin/python -m pytest tests/robot/policy tests/control/body/policy tests/session/test_body_choice.py tests/cli/test_bench_body.py tests/bench/test_speed.py tests/policies
 
 test-ros: $(VENV)-ros/.installed  ## the gateway beside real nodes of ROS 2 on this machine, in an environment of its own
 	$(VENV)-ros/bin/python -m pytest -m ros tests/gateway

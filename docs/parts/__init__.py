@@ -33,7 +33,7 @@ PARTS_BY_NAME: dict[str, Callable[[], str]] = {
         *(python.handle, python.route, python.hand_route, python.track, python.state, python.rig, python.rig_result),
         *(api.api, api.session, api.debugging, api.report),
         *(codes.codes, codes.code_examples),
-        *(promises.costs, promises.reactions, promises.body_rows, promises.gait_figures),
+        *(promises.costs, promises.reactions, promises.speeds, promises.body_rows, promises.gait_figures),
         *(tables.data_tables, tables.recording),
         *(testing.skill_rules, testing.faults, testing.conditions, testing.answers, testing.tree_run, testing.view),
         *(scenarios.scenario_keys, scenarios.run_words, scenarios.node_verbs),

@@ -18,6 +18,11 @@ def reactions() -> str:
     return _table("bench --realtime")
 
 
+def speeds() -> str:
+    """Return the table of how fast a learned walker is to be simulated."""
+    return _table("bench --speed")
+
+
 def body_rows() -> str:
     """Return the table of what a robot's body is tried with."""
     ends = {True: "reaches the goal", False: "stays on its feet"}

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 from humanoid_bt.bench.body_rows import ROWS, Row
 from humanoid_bt.bench.body_trial import make
@@ -20,7 +20,7 @@ from humanoid_bt.campaign.statistics import Rate
 from humanoid_bt.campaign.trial import Task
 from humanoid_bt.campaign.workers import Done, Workers
 from humanoid_bt.core.errors import UserError, nearest
-from humanoid_bt.robot.config import Walk
+from humanoid_bt.robot.config import RobotConfig, Walk
 
 _TIME_LIMIT = 300.0  # s on the wall clock
 
@@ -103,6 +103,13 @@ def chosen(patterns: Sequence[str]) -> list[Row]:
         if not any(fnmatchcase(name, pattern) for name in names):
             raise UserError(f"no row {pattern!r}", hint=nearest(pattern, names))
     return [row for row in ROWS if not patterns or any(fnmatchcase(row.name, pattern) for pattern in patterns)]
+
+
+def bodies_of(config: RobotConfig) -> list[Walk]:
+    """Return the bodies that a robot can have, the one that ``robot.yaml`` names first."""
+    if config.body.policy is None:
+        return [config.body.walk]
+    return sorted(get_args(Walk), key=lambda body: body != config.body.walk)
 
 
 def measure_body(

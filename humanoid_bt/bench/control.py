@@ -7,6 +7,7 @@ import gc
 import statistics
 import time
 from collections.abc import Callable, Iterator
+from pathlib import Path
 
 import mujoco
 import numpy as np
@@ -26,37 +27,41 @@ from humanoid_bt.files.workspace import Workspace, builtin_root
 from humanoid_bt.link.table import LocalTable
 from humanoid_bt.plant.mujoco_plant import MujocoPlant
 from humanoid_bt.plant.scene import Scene, load_scene
+from humanoid_bt.robot.config import Walk
 
 _BEGIN, _CYCLES = 1000, 2000  # servo cycles until it walks, and that are measured
 _FAR = {"base": BaseTarget(np.array([100.0, 0.0]), 0.0)}
 _HANDS = {f"{side}_hand": HandTarget(np.array([0.3, 0.0, 0.95])) for side in ("left", "right")}
-_PHYSICS = "mj_step for as long"
+PHYSICS = "mj_step for as long"
 
 
 class CommandedRobot:
-    """The built-in robot in the empty scene, with the same targets in every tick.
+    """A robot in the empty scene, with the same targets in every tick.
 
     Args:
         targets: resource -> target.
+        file: its ``robot.yaml``; the built-in one's if None.
+        walk: what walks and balances; what ``robot.yaml`` says if None.
 
     Attributes:
+        targets: as given; they count from the next tick on.
         controller, plant: its own.
     """
 
-    def __init__(self, targets: dict[str, Target]) -> None:
+    def __init__(self, targets: dict[str, Target], file: Path | None = None, walk: Walk | None = None) -> None:
         workspace = Workspace(builtin_root())
-        robot, start = load_robot(workspace.find_robot("humanoid"))
+        robot, start = load_robot(file or workspace.find_robot("humanoid"), walk)
         self.plant = MujocoPlant(robot, Scene(load_scene(workspace.find_scene("empty")), 0))
         self.plant.place(start)
         self.controller = Controller(robot, self.plant)
-        self._targets = targets
+        self.targets = targets
 
     def run(self, count: int) -> None:
         """Run so many servo cycles."""
         controller = self.controller
         for _ in range(count):
             if controller.cycle % cycles(DECISION_PERIOD) == 0:
-                controller.submit(Command(controller.cycle, controller.cycle * SERVO_PERIOD, self._targets))
+                controller.submit(Command(controller.cycle, controller.cycle * SERVO_PERIOD, self.targets))
             controller.run_cycle()
 
     def physics(self) -> float:
@@ -76,20 +81,20 @@ def measure_control(repetitions: int) -> Iterator[Figure]:
     for robot in robots:
         robot.run(_BEGIN)
     title = "estimating the robot for a whole-body period, walking"
-    pairs = _beside_physics(walking, walking.controller.estimator, "update", repetitions)
-    yield figure(title, _PHYSICS, "us CPU", pairs, scale=1e6, promise=ESTIMATE)
+    pairs = beside_physics(walking, walking.controller.estimator, "update", repetitions)
+    yield figure(title, PHYSICS, "us CPU", pairs, scale=1e6, promise=ESTIMATE)
     body = pressing.controller.body
     assert isinstance(body, WholeBody)
     own_links = body.kinematics.limits[0]
     title = "keeping own links apart in one solve, hands pressed together"
-    pairs = _beside_physics(pressing, own_links, "compute_qp_inequalities", repetitions)
-    yield figure(title, _PHYSICS, "us CPU", pairs, scale=1e6, promise=OWN_LINKS)
+    pairs = beside_physics(pressing, own_links, "compute_qp_inequalities", repetitions)
+    yield figure(title, PHYSICS, "us CPU", pairs, scale=1e6, promise=OWN_LINKS)
     for robot, doing in zip(robots, ("walking", "both hands commanded"), strict=True):
         yield from _log(doing, robot, repetitions)
 
 
-def _beside_physics(robot: CommandedRobot, owner: object, method: str, repetitions: int) -> Pairs:
-    """Return what a call of an object's method takes while the robot goes on, and what bare physics does."""
+def beside_physics(robot: CommandedRobot, owner: object, method: str, repetitions: int) -> Pairs:
+    """Return what a call of an object's method takes while the robot goes on, and what bare physics does [s]."""
     spent = _note_time(owner, method)
 
     def ours() -> float:
@@ -107,9 +112,9 @@ def _note_time(owner: object, method: str) -> list[float]:
     spent: list[float] = []
     call: Callable[..., object] = getattr(owner, method)
 
-    def noted(*arguments: object) -> object:
+    def noted(*arguments: object, **named: object) -> object:
         began = time.thread_time()
-        result = call(*arguments)
+        result = call(*arguments, **named)
         spent.append(time.thread_time() - began)
         return result
 

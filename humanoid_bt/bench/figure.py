@@ -25,7 +25,7 @@ class Figure:
         ours, theirs: median of the repetitions, in ``unit``.
         ratio: median of ours / theirs, pair by pair.
         low, high: smallest and largest ratio.
-        promise: the bound of the ratio; None where there is none.
+        promise: the bound of the ratio, or of ``ours`` if it has another unit than "x"; None where there is none.
     """
 
     name: str
@@ -41,7 +41,9 @@ class Figure:
     @property
     def verdict(self) -> Verdict | None:
         """Whether it keeps its promise, None without one."""
-        return None if self.promise is None else self.promise.verdict(self.ratio)
+        if self.promise is None:
+            return None
+        return self.promise.verdict(self.ratio if self.promise.unit == "x" else self.ours)
 
     def to_dict(self) -> dict[str, Any]:
         """Return plain data for JSON."""
@@ -83,7 +85,7 @@ def figure(
         unit: of what is shown.
         pairs: at least one.
         scale: from the pairs' unit to ``unit``.
-        promise: the bound of the ratio.
+        promise: the bound of the ratio, or of what we took if it has another unit than "x".
     """
     ratios = [ours / theirs for ours, theirs in pairs]
     return Figure(

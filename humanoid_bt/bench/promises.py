@@ -67,6 +67,12 @@ RECORDED_TICK = Promise(
     _REALTIME,
 )
 
+_SPEED = "bench --speed"
+WALKER_SPEED = Promise(
+    "simulated time of a learned walker that stands or walks, beside the CPU time it takes", 15.0, "x", True, _SPEED
+)
+ARMS = Promise("inverse kinematics of both arms of a learned walker, one solve", 300.0, "us", False, _SPEED)
+
 _BODY = "bench --body"
 BODY = Promise("random goals reached, or pushes withstood, under each of its conditions", 95.0, "%", True, _BODY)
 HARD_PUSH = Promise("pushes of 200 N for 0.1 s withstood standing", 90.0, "%", True, _BODY)
@@ -77,4 +83,4 @@ FROM_TOUCHDOWN = Promise("from the last touchdown until the base is settled", 0.
 GAIT = (PACE, METRE, FROM_COMMAND, FROM_TOUCHDOWN)
 
 _WHOLE = (STACK, SPEED, ESTIMATE, OWN_LINKS, LOG_USUAL, LOG, TICK, LOAD)
-PROMISES = (*_WHOLE, LATENESS, E_STOP, PROTECTIVE_STOP, RECORDED_TICK, BODY, HARD_PUSH, *GAIT)
+PROMISES = (*_WHOLE, LATENESS, E_STOP, PROTECTIVE_STOP, RECORDED_TICK, WALKER_SPEED, ARMS, BODY, HARD_PUSH, *GAIT)

@@ -9,11 +9,10 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import closing
 from pathlib import Path
-from typing import get_args
 
 from rich.text import Text
 
-from humanoid_bt.bench.body import Withstood, chosen, measure_body
+from humanoid_bt.bench.body import Withstood, bodies_of, chosen, measure_body
 from humanoid_bt.bench.body_rows import Row
 from humanoid_bt.bench.gait import GaitFigure
 from humanoid_bt.campaign.statistics import Interval
@@ -78,7 +77,7 @@ def _bodies(config: RobotConfig, walk: Walk | None) -> list[Walk | None]:
     """Return what is tried: both bodies of a robot that has two, the one that its file names first."""
     if walk is not None or config.body.policy is None:
         return [walk]
-    return sorted(get_args(Walk), key=lambda body: body != config.body.walk)
+    return list(bodies_of(config))
 
 
 def _gait(console: SafeConsole, found: Sequence[Withstood], body: Walk | None) -> list[GaitFigure]:

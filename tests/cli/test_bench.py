@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from humanoid_bt.bench.figure import Figure
+from humanoid_bt.bench.promises import ARMS as ARMS_PROMISE
 from humanoid_bt.bench.promises import SPEED as SPEED_PROMISE
 from humanoid_bt.bench.promises import TICK as TICK_PROMISE
 from humanoid_bt.cli import bench, main
 from humanoid_bt.files.workspace import Workspace
 
+ARMS = Figure("arms", "mj_step", "us CPU", 310.0, 200.0, 1.55, 1.5, 1.6, promise=ARMS_PROMISE)
 TICK = Figure("tick of a tree", "py_trees", "us CPU", 15.0, 12.0, 1.25, 1.2, 1.3, promise=TICK_PROMISE)
 SPEED = Figure("lockstep", "CPU time it took", "s", 12.0, 1.0, 12.0, 11.0, 13.0, promise=SPEED_PROMISE)
 
@@ -31,7 +34,13 @@ def measured(monkeypatch: pytest.MonkeyPatch) -> list[Path]:
         asked.append(path)
         yield TICK
 
+    def measure_speed(robot: Path, bodies: Sequence[str], _repetitions: int) -> Iterator[Figure]:
+        asked.append(robot)
+        for body in bodies:
+            yield replace(ARMS, name=f"arms of {body}")
+
     monkeypatch.setattr(bench, "measure", measure)
+    monkeypatch.setattr(bench, "measure_speed", measure_speed)
     monkeypatch.setattr(bench, "measure_tree", measure_tree)
     monkeypatch.setenv("COLUMNS", "50")
     return asked
@@ -62,6 +71,18 @@ def test_a_tree_that_is_not_there_is_named(measured: list[Path], capsys: pytest.
     assert main(["bench", "--tree", "fetsch"]) == 2
     assert "did you mean 'fetch'?" in capsys.readouterr().err
     assert measured == []
+
+
+def test_a_robot_is_measured_with_the_bodies_that_it_has(
+    measured: list[Path], capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["bench", "--speed", "--robot", "humanoid"]) == 0
+    text = " ".join(capsys.readouterr().out.split())
+    assert "arms of dcm 310 us <= 300 us missed" in text
+    assert "arms of policy" not in text
+    assert [path.parent.name for path in measured] == ["humanoid"]
+    assert main(["bench", "--robot", "humanoid"]) == 2
+    assert "--robot goes with --body or --speed" in capsys.readouterr().err
 
 
 def test_trees_and_realtime_are_measured_apart(capsys: pytest.CaptureFixture[str]) -> None:

@@ -90,6 +90,7 @@ def test_a_robot_with_two_bodies_has_them_side_by_side(
     pytest.importorskip("onnxruntime", reason="learned walkers need onnxruntime: pip install 'humanoid-bt[policy]'")
     robot, standing = load_robot(Workspace(builtin_root()).find_robot("humanoid"))
     path = write_standing_robot(tmp_path, robot.joint_names, standing[BASE_COORDINATES:])
+    monkeypatch.setenv("COLUMNS", "200")  # whatever the length of the path
     command = ["bench", "--body", "--robot", str(path), "--only", "goals", "--trials", "4"]
     assert main(command) == 1
     rows = [" ".join(line.split()) for line in capsys.readouterr().out.splitlines()]

@@ -15,6 +15,7 @@ examples:
   humanoid-bt bench --tree trees/mine.yaml
   humanoid-bt bench --realtime            can this board do it?
   humanoid-bt bench --realtime --duration 60 --json board.json
+  humanoid-bt bench --speed --robot sim/mine   how fast is it simulated?
   humanoid-bt bench --body -j 2           what does the robot withstand?
   humanoid-bt bench --body --robot sim/mine --only goals 'push-*' --trials 50
 
@@ -57,6 +58,12 @@ def add_bench(commands: Commands) -> None:
         help="measure instead how often a robot reaches random goals and stays on its feet: pushed, on ice, on plates "
         "and slopes, with loads, weak and late drives, a wrong encoder; takes about half an hour",
     )
+    what.add_argument(
+        "--speed",
+        action="store_true",
+        help="measure instead how many times faster than real time a robot is simulated with each of its bodies, as it "
+        "stands and as it walks, and what a solve of inverse kinematics takes",
+    )
     bench.add_argument(
         "--duration",
         type=number(PHASE),
@@ -67,15 +74,14 @@ def add_bench(commands: Commands) -> None:
     bench.add_argument(
         "--repetitions", type=number(COUNT), default=5, metavar="N", help="of each pair, or each cause; default 5"
     )
+    robot = bench.add_argument_group("with --body or --speed")
+    robot.add_argument("--robot", metavar="R", help="name, folder or robot.yaml; default: humanoid")
+    robot.add_argument("--walk", choices=("policy", "dcm"), help="of a robot with two bodies, only this one")
+    robot.add_argument("--workspace", type=Path, metavar="DIR", help="where robots are looked up; default: here")
     body = bench.add_argument_group("with --body")
-    body.add_argument("--robot", metavar="R", help="name, folder or robot.yaml; default: humanoid")
-    body.add_argument(
-        "--walk", choices=("policy", "dcm"), help="of a robot with two bodies, only this one; default: side by side"
-    )
     body.add_argument("--only", nargs="+", metavar="ROW", help="rows, by name or pattern ('push-*'); default: all")
     body.add_argument("--trials", type=number(COUNT), metavar="N", help="of each row; default 20")
     body.add_argument("--seed", type=number(SEED), metavar="FIRST", help="of the first trial; default 0")
     body.add_argument("-j", "--workers", type=number(COUNT), metavar="N", help="trials at a time; default 1")
     body.add_argument("--record", action="store_true", help="record every trial to runs/")
-    body.add_argument("--workspace", type=Path, metavar="DIR", help="where robots are looked up; default: here")
     bench.add_argument("--json", type=Path, metavar="FILE", help="write the figures to this file too")

@@ -34,6 +34,7 @@ class Lending:
     Attributes:
         groups: name -> joints of the robot, as indices.
         share: how far each joint of the robot is lent, shape (nj,), in [0, 1].
+        joints: those that are lent, at least a little.
     """
 
     def __init__(self, robot: RobotModel, policy: Policy, dt: float) -> None:
@@ -58,7 +59,7 @@ class Lending:
     def reset(self) -> None:
         """Give everything back."""
         self._shares = dict.fromkeys(self.groups, 0.0)
-        self.share: Array = self._always.copy()
+        self._take(self._always.copy())
 
     def lends(self, group: str) -> bool:
         """Return whether any of a group is lent."""
@@ -71,6 +72,8 @@ class Lending:
             wanted: group -> whether somebody wants it.
             away: how far each planned joint is from the default pose, shape (nj,) [rad].
         """
+        if not (self.busy or any(wanted.values())):
+            return []
         fresh: list[int] = []
         share = self._always.copy()
         for group, joints in self.groups.items():
@@ -82,18 +85,17 @@ class Lending:
                 time = _WAIST_BACK_TIME if group == WAIST else _BACK_TIME
                 self._shares[group] = approach(before, 0.0, self._dt / time)
             share[joints] = np.maximum(share[joints], self._shares[group])
-        self.share = share
+        self._take(share)
         return fresh
+
+    def _take(self, share: Array) -> None:
+        self.share: Array = share
+        self.joints: Indices = np.flatnonzero(share)
 
     @property
     def busy(self) -> bool:
         """Whether anything is lent that the walker could move itself."""
         return any(self._shares.values())
-
-    @property
-    def joints(self) -> Indices:
-        """The joints that are lent, at least a little."""
-        return np.flatnonzero(self.share > 0)
 
 
 def _matches(name: str, patterns: Iterable[str]) -> bool:

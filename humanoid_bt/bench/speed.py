@@ -1,0 +1,71 @@
+"""How fast a robot is simulated with each of its bodies, and what a solve of inverse kinematics takes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from humanoid_bt.bench.control import PHYSICS, CommandedRobot, beside_physics
+from humanoid_bt.bench.figure import Figure, cpu, figure
+from humanoid_bt.bench.promises import ARMS, WALKER_SPEED, Promise
+from humanoid_bt.control.body.policy.learned_body import LearnedBody
+from humanoid_bt.control.body.whole_body import WholeBody
+from humanoid_bt.core.clock import SERVO_PERIOD, WHOLE_BODY_PERIOD, cycles
+from humanoid_bt.core.messages import BaseTarget, HandTarget, Target
+from humanoid_bt.robot.config import Walk
+
+_BEGIN, _CYCLES = 1000, 1000  # servo cycles until it does what it is to do, and that are measured
+_CPU = "CPU time it took"
+_FAR = 100.0  # m ahead
+_LIFTED = np.array([0.15, 0.0, 0.15])  # m: by so much the hands are brought ahead and up
+
+
+def measure_speed(robot: Path, bodies: Sequence[Walk], repetitions: int) -> Iterator[Figure]:
+    """Measure a robot in the empty scene, in lockstep, without decision and recording.
+
+    Args:
+        robot: its ``robot.yaml``.
+        bodies: what walks and balances.
+        repetitions: of each pair.
+
+    Raises:
+        UserError: the robot has mistakes.
+    """
+    for body in bodies:
+        promise = WALKER_SPEED if body == "policy" else None
+        yield _simulated(_begun(robot, body, {}), f"{body} stands", repetitions, promise)
+        walking = _begun(robot, body, {"base": BaseTarget(np.array([_FAR, 0.0]), 0.0)})
+        yield _simulated(walking, f"{body} walks", repetitions, promise)
+        alone = [(WHOLE_BODY_PERIOD, walking.physics()) for _ in range(repetitions)]
+        yield figure(f"{body} walks: simulated time, mj_step alone", _CPU, "s", alone)
+        yield from _solve(robot, body, repetitions)
+
+
+def _simulated(robot: CommandedRobot, doing: str, repetitions: int, promise: Promise | None) -> Figure:
+    simulated = _CYCLES * SERVO_PERIOD
+    pairs = [(simulated, cpu(lambda: robot.run(_CYCLES))) for _ in range(repetitions)]
+    return figure(f"{doing}: simulated time", _CPU, "s", pairs, promise=promise)
+
+
+def _solve(robot: Path, body: Walk, repetitions: int) -> Iterator[Figure]:
+    """Measure inverse kinematics while both hands are commanded; nothing for a robot without hands."""
+    tried = _begun(robot, body, {})
+    hands = tried.controller.state().hands
+    tried.targets = {f"{side}_hand": HandTarget(palm + _LIFTED) for side, palm in hands.items()}
+    if not hands:
+        return
+    tried.run(cycles(WHOLE_BODY_PERIOD))
+    planner = tried.controller.body
+    assert isinstance(planner, (LearnedBody, WholeBody))
+    pairs = beside_physics(tried, planner.kinematics, "step", repetitions)
+    what, promise = ("arms", ARMS) if body == "policy" else ("whole body", None)
+    name = f"{body} moves both hands: inverse kinematics of the {what}, one solve"
+    yield figure(name, PHYSICS, "us CPU", pairs, scale=1e6, promise=promise)
+
+
+def _begun(robot: Path, body: Walk, targets: dict[str, Target]) -> CommandedRobot:
+    tried = CommandedRobot(targets, robot, body)
+    tried.run(_BEGIN)
+    return tried
