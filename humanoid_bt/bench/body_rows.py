@@ -20,9 +20,12 @@ from humanoid_bt.robot.config import Walk
 BODY = "body"
 """In what a trial is given: which body it tries."""
 
-_WALK, _STAND = str(Path(__file__).with_name("walk.yaml")), "stand"
-_SCENE = "empty"
-_WALKING_TIME, _STANDING_TIME = 60.0, 6.0  # s
+STAND = "stand"
+"""The tree of a robot that stands, which goes on for ever."""
+
+_WALK, _FETCH = str(Path(__file__).with_name("walk.yaml")), "fetch"
+_EMPTY, _BALL = "empty", "random_target"
+_WALKING_TIME, _STANDING_TIME, _FETCHING_TIME = 60.0, 6.0, 120.0  # s
 _PUSH_TIME = 0.1  # s
 _PUSHED_AT = (0.6, 1.8)  # s: half a meter straight ahead takes longer
 _DISTANCE = (0.5, 3.0)  # m
@@ -39,11 +42,12 @@ class Row:
         name: the row's.
         what: the same in words.
         promise: of which share of the trials it withstands it [%].
-        walks: whether it walks to a random goal, which it is to reach; else it stands, and is to stay on its feet.
+        walks: whether it has a random goal, which it is to reach; else it stands, and is to stay on its feet.
         push: a push from a random side [N], 0 for none.
         conditions: what is different from the robot's numbers.
         drawn: conditions that the seed says, each with what draws it.
         hands: whether it takes hands.
+        fetches: whether the goal is to touch a ball, by the tree ``fetch``; else it is a place.
         goals: between which numbers the goal is drawn: distance [m], bearing and heading [rad].
         limits: what of a trial may be at most how much, in SI units: "drift" and the like.
     """
@@ -56,6 +60,7 @@ class Row:
     conditions: Mapping[str, float] = field(default_factory=dict)
     drawn: Mapping[str, Callable[[np.random.Generator], float]] = field(default_factory=dict)
     hands: bool = False
+    fetches: bool = False
     goals: tuple[tuple[float, float], tuple[float, float], tuple[float, float]] = (_DISTANCE, _AROUND, _AROUND)
     limits: Mapping[str, float] = field(default_factory=dict)
 
@@ -77,11 +82,14 @@ class Row:
         push = {"at": at, "force": self.push, "direction": side, "duration": _PUSH_TIME}
         drawn = {name: float(draw(numbers)) for name, draw in self.drawn.items()}
         given = {f"{CONDITION}.{name}": value for name, value in {**self.conditions, **drawn}.items()}
-        given |= {f"{SET}.{name}": value for name, value in goal.items()} if self.walks else {}
         given |= {f"{PUSH}.1.{name}": value for name, value in push.items()} if self.push else {}
-        tree, duration = (_WALK, _WALKING_TIME) if self.walks else (_STAND, _STANDING_TIME)
-        chosen = {BODY: body} if body else {}
-        return Trial(number, tree, robot, _SCENE, seed, {**given, **chosen}, duration)
+        given |= {BODY: body} if body else {}
+        if self.fetches:
+            return Trial(number, _FETCH, robot, _BALL, seed, given, _FETCHING_TIME)
+        if not self.walks:
+            return Trial(number, STAND, robot, _EMPTY, seed, given, _STANDING_TIME)
+        given |= {f"{SET}.{name}": value for name, value in goal.items()}
+        return Trial(number, _WALK, robot, _EMPTY, seed, given, _WALKING_TIME)
 
     def judged(self, result: Result) -> Result:
         """Return what came of a trial: no success if something was more than it may be."""
@@ -135,5 +143,6 @@ ROWS = (
     Row("plates", "plates of 10 mm on the floor", conditions={"plates": 0.01}),
     Row("slope", "a slope of 4 deg", conditions={"slope": math.radians(4)}, drawn={"uphill": _around}),
     Row("encoder", "the encoder of a leg's joint 0.5 deg off", drawn={"encoder_error": _off}),
+    Row("fetch", "walks to a ball 1 to 3 m away, in any direction, and touches it", hands=True, fetches=True),
 )
 """All of them, in the order in which they are tried."""

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from humanoid_bt.bench.body_rows import BODY
+from humanoid_bt.bench.body_rows import BODY, STAND
 from humanoid_bt.bench.gait import UNITS, GaitWatch
 from humanoid_bt.campaign.result import SUCCESS, Result
 from humanoid_bt.campaign.stage_trials import pushes, result_of
@@ -35,13 +35,13 @@ _FELL, _ASTRAY = "fell", "failure"
 
 def make() -> Run:
     """Return what runs trials in this process."""
-    stages: dict[tuple[str, Walk | None], Stage] = {}
+    stages: dict[tuple[str, str, Walk | None], Stage] = {}
 
     def run(task: Task) -> Answer:
         trial, began = task.trial, time.monotonic()
-        key = trial.robot, trial.given.get(BODY)
+        key = trial.robot, trial.scene, trial.given.get(BODY)
         if key not in stages:
-            stages[key] = Stage(Workspace(builtin_root()), trial.robot, trial.scene, body=key[1])
+            stages[key] = Stage(Workspace(builtin_root()), trial.robot, trial.scene, body=key[-1])
         stage = stages[key]
         goal = trial.part(SET)
         watch = GaitWatch(lambda: stage.plant, math.hypot(goal["x"], goal["y"])) if goal else None
@@ -108,7 +108,7 @@ def _with_odometry(result: Result, run: TreeRun) -> Result:
 
 
 def judged(result: Result, trial: Trial, plant: MujocoPlant) -> Result:
-    """Return what came of a trial: ``success`` if the robot is where it was to be, on its feet.
+    """Return what came of a trial: ``success`` if the robot has done what it was to do, and is on its feet.
 
     Args:
         result: what its run said.
@@ -119,8 +119,9 @@ def judged(result: Result, trial: Trial, plant: MujocoPlant) -> Result:
     _, start = load_robot(Path(trial.robot))
     if result.fell or body.tilt > fall.tilt or body.height < fall.height * start[2]:
         return replace(result, outcome=_FELL, fell=True)
-    if not goal:
-        return replace(result, outcome=SUCCESS if result.outcome == "unfinished" else result.outcome)
+    if not goal:  # it was to stand, which never ends, or to touch a ball
+        stood = trial.tree == STAND and result.outcome == "unfinished"
+        return replace(result, outcome=SUCCESS) if stood else result
     off = math.hypot(goal["x"] - body.stance[0], goal["y"] - body.stance[1])
     turned = abs(math.remainder(goal["heading"] - body.stance[2], math.tau))
     result = replace(result, values={"off": off, "turned": turned}, units={"off": "m", "turned": "rad"})

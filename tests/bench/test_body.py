@@ -68,7 +68,7 @@ def test_every_row_has_conditions_that_a_run_can_have_and_what_is_asked_of_it() 
     assert different["slope"].keys() == {"slope", "uphill"}
     assert abs(different["encoder"]["encoder_error"]) == pytest.approx(math.radians(0.5))
     pushed = {name for name in different if name.startswith("push-")}
-    unchanged = {"goals", "straight", "metre", "odometry", *pushed}
+    unchanged = {"goals", "fetch", "straight", "metre", "odometry", *pushed}
     assert {name for name, found in different.items() if not found} == unchanged
     bounds = {one.name: one.promise.bound for one in ROWS}
     assert bounds.pop("push-standing-200") == 90
@@ -145,6 +145,13 @@ def test_a_robot_that_lies_has_fallen_whatever_it_says(plant: MujocoPlant) -> No
     for said in ("success", "unfinished"):
         result = judged(Result(said, ""), walked(0, 0, 0), plant)
         assert (result.outcome, result.fell) == ("fell", True)
+
+
+def test_a_ball_is_fetched_when_its_tree_says_so(plant: MujocoPlant) -> None:
+    fetched = row("fetch").trial(0, str(ROBOT), 0)
+    assert (fetched.tree, fetched.scene, fetched.part(SET)) == ("fetch", "random_target", {})
+    assert judged(Result("success", "touched"), fetched, plant).succeeded
+    assert judged(Result("unfinished", "time is up"), fetched, plant).outcome == "unfinished"
 
 
 def test_a_robot_that_was_to_stand_has_done_so_unless_it_was_stopped(plant: MujocoPlant) -> None:
