@@ -39,7 +39,9 @@ class TermConfig:
         "phase_sin, phase_cos: of the phase; constant: value."
     )
     scale: float | list[float] = param(1.0, doc="What the term is multiplied by; a list has one for each number.")
-    clip: float | None = param(None, above=0, doc="Then it is clipped to this, on either side.")
+    clip: float | list[float] | None = param(
+        None, doc="It is clipped to this on either side, or to [least, largest]; before or after the scale: clipped."
+    )
     history: int | None = param(None, minimum=1, doc="How many of its latest values; default: the observation's.")
     axes: list[Axis] = param(["vx", "vy", "wz"], doc="Of a command: which numbers, in which order.")
     joints: list[str] | None = param(None, doc="Of joints: only these, by name or pattern; default: all.")
@@ -56,17 +58,19 @@ class ObservationConfig:
     order: Literal["by_term", "by_time"] = param(
         "by_term", doc="With a history: all values of a term together, or all terms of a time together."
     )
+    clipped: Literal["after_scale", "before_scale"] = param("after_scale", doc="When terms with a clip are clipped.")
     fill: Literal["zeros", "first"] = param("zeros", doc="What the history holds at first.")
     clip: float | None = param(None, above=0, doc="The whole of it is clipped to this, on either side.")
 
 
 @dataclass(frozen=True, kw_only=True)
 class ActionConfig:
-    """What the network's answer means: position targets of joints, default pose + scale x answer."""
+    """What the network's answer means: position targets of joints, offset + scale x answer."""
 
     output: str = param("", doc="The model's output; default: the only one that is no state.")
     joints: list[str] | None = param(None, doc="The joints that it moves, by name or pattern; default: all of them.")
     scale: PerJoint | None = param(None, doc="[rad]; default: action_scale of the model's metadata.")
+    offset: Angles | None = param(None, doc="[rad]; default: the default pose.")
     clip: float | None = param(None, above=0, doc="The answer is clipped to this first, on either side.")
     last_action: Literal["clipped", "raw"] = param("clipped", doc="As what it is observed next time.")
 
@@ -79,6 +83,9 @@ class PhaseConfig:
     start: list[float] = param([0.0], unit="rad", doc="Where it begins.")
     standing: list[float] | None = param(
         None, unit="rad", doc="Where it stays while the command is to stand; default: it goes on."
+    )
+    standing_zero: bool = param(
+        False, doc="Whether sine and cosine are both observed as 0 while the command is to stand."
     )
     advance: Literal["before", "after"] = param("before", doc="Whether it moves on before or after it is observed.")
 

@@ -17,6 +17,7 @@ from humanoid_bt.core.clock import WHOLE_BODY_PERIOD
 from humanoid_bt.core.errors import Place, Problem, UserError, nearest
 from humanoid_bt.core.items import Item
 from humanoid_bt.core.messages import Array
+from humanoid_bt.core.units import readable
 from humanoid_bt.robot.policy.config import Axis, PolicyConfig, TermConfig, load_policy_config
 from humanoid_bt.robot.policy.network import Network, size
 from humanoid_bt.robot.policy.per_joint import Angles, FromModel, Joints, PerJoint, from_model
@@ -49,6 +50,7 @@ class Term:
         length: how many numbers it has, without its history.
         history: how many of its latest values are observed.
         scale: shape (length,).
+        bounds: to which it is clipped; None if it is not.
     """
 
     config: TermConfig
@@ -56,6 +58,7 @@ class Term:
     length: int
     history: int
     scale: Array
+    bounds: tuple[float, float] | None = None
 
 
 class Policy:
@@ -73,6 +76,7 @@ class Policy:
         default_pose: shape (n,) [rad].
         moves: the m joints that its answer moves, as indices of these.
         scale: of the answer, shape (m,) [rad].
+        offset: what is added to it then, shape (m,) [rad].
         stiffness, damping: of their drives, shape (m,) [Nm/rad], [Nm s/rad].
         ranges: least and largest vx, vy [m/s] and wz [rad/s], shape (2, 3).
         terms: of the observation.
@@ -99,6 +103,9 @@ class Policy:
             if (gains < 0).any():
                 self._wrong(f"the {key} of {moving[int(np.argmin(gains))]!r} is negative", key)
         self.scale = self._numbers(action.scale, "scale", moving, PerJoint, within=("action",))
+        self.offset: Array = self.default_pose[self.moves]
+        if action.offset is not None:
+            self.offset = self._numbers(action.offset, "offset", moving, Angles, others=0.0, within=("action",))
         self.ranges = np.array([self._range(axis) for axis in _RANGE_KEYS]).T
         self.period = _CONTROL_RATE // config.rate
         if _CONTROL_RATE % config.rate:
@@ -219,7 +226,18 @@ class Policy:
             if scale.ndim and len(scale) != length:
                 self._wrong(f"the scale of {term.term} must have {length} numbers, not {len(scale)}", *where, "scale")
                 scale = np.ones(())
-            yield Term(term, chosen, length, history, np.broadcast_to(scale, (length,)))
+            bounds = self._bounds(term, (*where, "clip"))
+            yield Term(term, chosen, length, history, np.broadcast_to(scale, (length,)), bounds)
+
+    def _bounds(self, term: TermConfig, where: tuple[str | int, ...]) -> tuple[float, float] | None:
+        if term.clip is None:
+            return None
+        pair = term.clip if isinstance(term.clip, list) else [-term.clip, term.clip]
+        if len(pair) != 2 or not pair[0] < pair[1]:
+            hint = "a positive number, or [least, largest]"
+            self._wrong(f"{term.term} cannot be clipped to {readable(term.clip)}", *where, hint=hint)
+            return None
+        return pair[0], pair[1]
 
     def _length(self, term: TermConfig, joints: Indices, where: tuple[str | int, ...]) -> int:
         phase = self.config.phase

@@ -51,6 +51,13 @@ def test_numbers_by_patterns_and_for_all(tmp_path: Path) -> None:
     assert policy.stiffness.tolist() == [40, 40, 40]
 
 
+def test_what_is_added_to_the_answer_is_the_default_pose_unless_it_is_said(tmp_path: Path) -> None:
+    assert load_policy(write_walker(tmp_path)).offset.tolist() == [0.1, 0.2, 0.3]
+    policy = load_policy(write_walker(tmp_path, DESCRIPTION.replace("clip: 2", "clip: 2, offset: {c_knee: 0.5}")))
+    assert policy.offset.tolist() == [0, 0, 0.5]
+    assert policy.default_pose.tolist() == [0.1, 0.2, 0.3]
+
+
 def test_a_wrong_number_of_terms_is_refused_with_the_size_of_each(tmp_path: Path) -> None:
     [message] = refused(write_walker(tmp_path, numbers=12))
     assert "walk.policy.yaml:7:5: error" in message
@@ -78,6 +85,9 @@ def test_a_wrong_number_of_terms_is_refused_with_the_size_of_each(tmp_path: Path
         ("model: walk.onnx", "model: other.onnx", 2, "the model 'other.onnx' is missing"),
         ("clip: 2", "clip: 2, output: actions", 4, "the model has no output 'actions'"),
         ("  terms:", "  input: observation\n  terms:", 6, "the model has no input 'observation'"),
+        ("scale: 0.25}", "clip: [1, -1]}", 7, "base_ang_vel cannot be clipped to [1, -1]"),
+        ("scale: 0.25}", "clip: -2}", 7, "base_ang_vel cannot be clipped to -2"),
+        ("scale: 0.5,", "scale: 0.5, offset: [1, 2],", 4, "must be 3 numbers, one for each joint, not 2"),
         ("term: joint_pos_rel", "term: joint_pos_rl", 9, "'term' cannot be 'joint_pos_rl'"),
     ],
 )

@@ -11,10 +11,11 @@ from humanoid_bt.core.messages import Array, Estimate
 from humanoid_bt.robot.model import BASE_COORDINATES, BASE_DOFS
 from humanoid_bt.robot.policy.config import PhaseConfig
 from humanoid_bt.robot.policy.network import Tensor
-from humanoid_bt.robot.policy.policy import Indices, Policy
+from humanoid_bt.robot.policy.policy import Indices, Policy, Term
 
 _AXES = {"vx": 0, "vy": 1, "wz": 2}
 _DOWN = np.array([0.0, 0.0, -1.0])
+_NOTHING: Array = np.zeros(0)
 
 
 class Phase:
@@ -51,6 +52,16 @@ class Phase:
         else:
             self.angles = (self.angles + self._step + math.pi) % math.tau - math.pi
         self._stands = stands
+
+    def seen(self, stands: bool) -> tuple[Array, Array]:
+        """Return what is observed of it: sines and cosines, of the shape of ``angles`` each.
+
+        Args:
+            stands: whether the command is to stand.
+        """
+        if stands and self._config.standing_zero:
+            return np.zeros_like(self.angles), np.zeros_like(self.angles)
+        return np.sin(self.angles), np.cos(self.angles)
 
     @property
     def is_ahead(self) -> bool:
@@ -96,7 +107,7 @@ class Observation:
         phase = self._phase
         if phase and phase.is_ahead:
             phase.advance(stands)
-        values = self._values(estimate, command, masked)
+        values = self._values(estimate, command, stands, masked)
         if phase and not phase.is_ahead:
             phase.advance(stands)
         latest: list[Array] = []
@@ -108,12 +119,18 @@ class Observation:
                 known = np.array(config.value)
             elif config.term.startswith("joint"):
                 known = known[term.joints]
-            scaled = known * term.scale
-            latest.append(clamp(scaled, -config.clip, config.clip) if config.clip else scaled)
+            latest.append(self._scaled(term, known))
         self._remember(latest)
         return self._row()
 
-    def _values(self, estimate: Estimate, command: Array, masked: Indices) -> dict[str, Array]:
+    def _scaled(self, term: Term, known: Array) -> Array:
+        if term.bounds is None:
+            return known * term.scale
+        if self._config.clipped == "before_scale":
+            return clamp(known, *term.bounds) * term.scale
+        return clamp(known * term.scale, *term.bounds)
+
+    def _values(self, estimate: Estimate, command: Array, stands: bool, masked: Indices) -> dict[str, Array]:
         """Return every term as it is before its scale."""
         qpos, qvel = estimate.qpos, estimate.qvel
         to_base = rotation_matrix(qpos[3:BASE_COORDINATES]).T
@@ -121,7 +138,7 @@ class Observation:
         offset, speeds = angles - self._policy.default_pose, qvel[BASE_DOFS:][self._joints]
         if len(masked):
             offset[masked] = speeds[masked] = 0.0
-        phase = self._phase.angles if self._phase else np.zeros(0)
+        sine, cosine = self._phase.seen(stands) if self._phase else (_NOTHING, _NOTHING)
         return {
             "base_ang_vel": qvel[3:BASE_DOFS],
             "base_lin_vel": to_base @ qvel[:3],
@@ -131,9 +148,9 @@ class Observation:
             "joint_pos_rel": offset,
             "joint_vel": speeds,
             "last_action": self.last_action,
-            "phase_sin": np.sin(phase),
-            "phase_cos": np.cos(phase),
-            "constant": np.zeros(0),
+            "phase_sin": sine,
+            "phase_cos": cosine,
+            "constant": _NOTHING,
         }
 
     def _remember(self, latest: list[Array]) -> None:

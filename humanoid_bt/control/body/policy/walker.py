@@ -39,7 +39,7 @@ class LearnedWalker:
         self._policy, self._waits = policy, waits
         self.period = policy.period * WHOLE_BODY_PERIOD
         self._observation = Observation(policy, joints, self.period)
-        self._offset = policy.default_pose[policy.moves]
+        self._offset = policy.offset
         self._inference = self._new_inference()
         self.reset()
 
@@ -51,7 +51,7 @@ class LearnedWalker:
             name: np.zeros([1 if length is None else length for length in policy.network.inputs[name]], np.float32)
             for name in policy.states
         }
-        self.targets: Array = self._offset.copy()
+        self.targets: Array = policy.default_pose[policy.moves]
         self.fault = self.failure = ""
         self._missed = 0
         if self._inference.busy:  # what comes is an answer to what was before

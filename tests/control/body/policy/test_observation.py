@@ -76,6 +76,12 @@ def test_a_clip_comes_after_the_scale(tmp_path: Path) -> None:
     assert seen.observe(estimate(np.zeros(3)), COMMAND, False, NONE)[0].tolist() == [3.5, 2.0, -3.0]
 
 
+def test_a_clip_may_come_before_the_scale_and_have_two_bounds(tmp_path: Path) -> None:
+    terms = "[{term: command, scale: [10, 20, 30], clip: [-0.1, 0.4]}]"
+    seen = observation(tmp_path, terms, "  clipped: before_scale\n")
+    assert seen.observe(estimate(np.zeros(3)), COMMAND, False, NONE)[0] == pytest.approx([4.0, 4.0, -3.0])
+
+
 @pytest.mark.parametrize(
     ("rule", "expected"),
     [
@@ -116,3 +122,12 @@ def test_the_phase_moves_on_before_or_after_it_is_seen(tmp_path: Path, rule: str
     seen = observation(tmp_path, "[{term: phase_sin}, {term: phase_cos}]", after=after)
     row = seen.observe(estimate(np.zeros(3)), COMMAND, False, NONE)[0]
     assert row[0] == pytest.approx(expected)
+
+
+def test_a_phase_may_be_seen_as_nothing_while_the_robot_stands(tmp_path: Path) -> None:
+    after = "phase: {period: 0.08, standing_zero: true}\n"
+    seen = observation(tmp_path, "[{term: phase_sin}, {term: phase_cos}]", after=after)
+    rows = [seen.observe(estimate(np.zeros(3)), COMMAND, stands, NONE)[0] for stands in (False, True, False)]
+    assert rows[0] == pytest.approx([1, 0], abs=1e-6)
+    assert rows[1].tolist() == [0, 0]
+    assert rows[2] == pytest.approx([-1, 0], abs=1e-6), "it has gone on"
