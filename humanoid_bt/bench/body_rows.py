@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -81,9 +82,10 @@ class Row:
         goal = {"x": distance * math.cos(bearing), "y": distance * math.sin(bearing), "heading": heading}
         push = {"at": at, "force": self.push, "direction": side, "duration": _PUSH_TIME}
         drawn = {name: float(draw(numbers)) for name, draw in self.drawn.items()}
-        given = {f"{CONDITION}.{name}": value for name, value in {**self.conditions, **drawn}.items()}
+        given: dict[str, Any] = {f"{CONDITION}.{name}": value for name, value in {**self.conditions, **drawn}.items()}
         given |= {f"{PUSH}.1.{name}": value for name, value in push.items()} if self.push else {}
-        given |= {BODY: body} if body else {}
+        if body:
+            given[BODY] = body
         if self.fetches:
             return Trial(number, _FETCH, robot, _BALL, seed, given, _FETCHING_TIME)
         if not self.walks:

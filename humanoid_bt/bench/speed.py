@@ -36,33 +36,40 @@ def measure_speed(robot: Path, bodies: Sequence[Walk], repetitions: int) -> Iter
     for body in bodies:
         promise = WALKER_SPEED if body == "policy" else None
         yield _simulated(_begun(robot, body, {}), f"{body} stands", repetitions, promise)
-        walking = _begun(robot, body, {"base": BaseTarget(np.array([_FAR, 0.0]), 0.0)})
-        yield _simulated(walking, f"{body} walks", repetitions, promise)
-        alone = [(WHOLE_BODY_PERIOD, walking.physics()) for _ in range(repetitions)]
-        yield figure(f"{body} walks: simulated time, mj_step alone", _CPU, "s", alone)
-        yield from _solve(robot, body, repetitions)
+        yield from measure_walk(robot, body, repetitions)
+        if (solve := measure_solve(robot, body, repetitions)) is not None:
+            yield solve
 
 
-def _simulated(robot: CommandedRobot, doing: str, repetitions: int, promise: Promise | None) -> Figure:
-    simulated = _CYCLES * SERVO_PERIOD
-    pairs = [(simulated, cpu(lambda: robot.run(_CYCLES))) for _ in range(repetitions)]
-    return figure(f"{doing}: simulated time", _CPU, "s", pairs, promise=promise)
+def measure_walk(robot: Path, body: Walk, repetitions: int) -> tuple[Figure, Figure]:
+    """Return how much faster than real time a robot is simulated as it walks, and how much physics alone."""
+    walking = _begun(robot, body, {"base": BaseTarget(np.array([_FAR, 0.0]), 0.0)})
+    promise = WALKER_SPEED if body == "policy" else None
+    whole = _simulated(walking, f"{body} walks", repetitions, promise)
+    alone = [(WHOLE_BODY_PERIOD, walking.physics()) for _ in range(repetitions)]
+    return whole, figure(f"{body} walks: simulated time, mj_step alone", _CPU, "s", alone)
 
 
-def _solve(robot: Path, body: Walk, repetitions: int) -> Iterator[Figure]:
-    """Measure inverse kinematics while both hands are commanded; nothing for a robot without hands."""
+def measure_solve(robot: Path, body: Walk, repetitions: int) -> Figure | None:
+    """Return what inverse kinematics takes while both hands are commanded; None for a robot without hands."""
     tried = _begun(robot, body, {})
     hands = tried.controller.state().hands
-    tried.targets = {f"{side}_hand": HandTarget(palm + _LIFTED) for side, palm in hands.items()}
     if not hands:
-        return
+        return None
+    tried.targets = {f"{side}_hand": HandTarget(palm + _LIFTED) for side, palm in hands.items()}
     tried.run(cycles(WHOLE_BODY_PERIOD))
     planner = tried.controller.body
     assert isinstance(planner, (LearnedBody, WholeBody))
     pairs = beside_physics(tried, planner.kinematics, "step", repetitions)
     what, promise = ("arms", ARMS) if body == "policy" else ("whole body", None)
     name = f"{body} moves both hands: inverse kinematics of the {what}, one solve"
-    yield figure(name, PHYSICS, "us CPU", pairs, scale=1e6, promise=promise)
+    return figure(name, PHYSICS, "us CPU", pairs, scale=1e6, promise=promise)
+
+
+def _simulated(robot: CommandedRobot, doing: str, repetitions: int, promise: Promise | None) -> Figure:
+    simulated = _CYCLES * SERVO_PERIOD
+    pairs = [(simulated, cpu(lambda: robot.run(_CYCLES))) for _ in range(repetitions)]
+    return figure(f"{doing}: simulated time", _CPU, "s", pairs, promise=promise)
 
 
 def _begun(robot: Path, body: Walk, targets: dict[str, Target]) -> CommandedRobot:

@@ -16,6 +16,7 @@ from rich.text import Text
 from humanoid_bt.cli.console import SafeConsole
 from humanoid_bt.cli.output import columns, hanging, print_lines
 from humanoid_bt.cli.robots_init import robots_init
+from humanoid_bt.cli.robots_table import robots_table
 from humanoid_bt.core.errors import Problem, UserError, nearest, relative
 from humanoid_bt.core.params import Param, params_of
 from humanoid_bt.core.texts import printable
@@ -84,7 +85,11 @@ def scenes(arguments: argparse.Namespace) -> int:
 
 
 def robots(arguments: argparse.Namespace) -> int:
-    """List robots, explain some, or describe a new one."""
+    """List robots, explain some, describe a new one, or measure some side by side."""
+    if arguments.names[:1] == ["table"]:
+        return robots_table(arguments.names[1:], arguments)
+    if given := [name for name in ("out", "trials", "only", "workers") if getattr(arguments, name)]:
+        raise UserError(f"--{given[0]} is for robots table", hint="humanoid-bt robots table ROBOT...")
     if arguments.names[:1] == ["init"]:
         return robots_init(arguments.names[1:], arguments.name, Workspace(arguments.workspace))
     if arguments.name is not None:

@@ -28,7 +28,7 @@ class View:
     """What a camera has in the picture.
 
     Attributes:
-        body: that carries it.
+        body: that carries it, and is not in the picture; "" for none.
         horizontal, vertical: full angles [rad].
     """
 
@@ -58,7 +58,7 @@ class Setup:
 
     Attributes:
         model: the whole scene; the robot's qpos comes first.
-        view: what is in a picture; the body that carries the camera is not seen by it.
+        view: what is in a picture.
         depth: whether pictures have a depth, and are arrays; else they are JPEG.
     """
 
@@ -107,7 +107,8 @@ class Camera:
         self._jpeg = not setup.depth
         self._data = mujoco.MjData(model)
         self._groups = model.geom_group.copy()
-        self._groups[model.geom_bodyid == model.body(setup.view.body).id] = _NO_GROUP
+        if setup.view.body:
+            self._groups[model.geom_bodyid == model.body(setup.view.body).id] = _NO_GROUP
         quality, shown = model.vis.quality, model.vis.global_
         quality.offsamples, quality.shadowsize, quality.numslices, quality.numstacks = 0, _SHADOWS, _SLICES, _STACKS
         model.vis.map.znear = _NEAR / model.stat.extent

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
+from humanoid_bt.cli.arguments.numbers import COUNT, number
 from humanoid_bt.cli.arguments.parsing import Commands, add_workspace
 
 _LISTS = {
@@ -15,9 +18,13 @@ _LISTS = {
 
 
 _ROBOTS = """\
-List robots, or explain some; or write a first robot.yaml for a model: init
-finds legs, feet, arms, head, drives and a posture in it, and marks what it
-guessed.
+List robots, or explain some.
+
+init writes a first robot.yaml for a model: it finds legs, feet, arms, head,
+drives and a posture in it, and marks what it guessed.
+
+table tries robots with some rows of bench --body, with each of their bodies,
+and writes a table with their pictures into a folder.
 """
 
 _ROBOTS_EXAMPLES = """\
@@ -25,6 +32,7 @@ examples:
   humanoid-bt robots
   humanoid-bt robots init models/my_robot.xml
   humanoid-bt check sim/my_robot/robot.yaml         does it stand and walk?
+  humanoid-bt robots table humanoid my_robot --trials 10 --out robots
 """
 
 
@@ -38,11 +46,26 @@ def add_lists(commands: Commands) -> None:
 
 def add_robots(commands: Commands) -> None:
     """Declare ``robots``."""
-    robots = commands.add("robots", "list robots, or describe a new one", _ROBOTS, _ROBOTS_EXAMPLES)
+    robots = commands.add(
+        "robots", "list robots, describe a new one, or try some side by side", _ROBOTS, _ROBOTS_EXAMPLES
+    )
     robots.usage = (
         "humanoid-bt robots [-h] [--workspace DIR] [NAME ...]\n"
-        "       humanoid-bt robots [-h] [--workspace DIR] init MODEL [--name NAME]"
+        "       humanoid-bt robots [-h] [--workspace DIR] init MODEL [--name NAME]\n"
+        "       humanoid-bt robots [-h] [--workspace DIR] table ROBOT ... [--out DIR] [--trials N]\n"
+        "                                                [--only ROW ...] [-j N]"
     )
     robots.add_argument("names", nargs="*", metavar="NAME", help="explain only these")
     robots.add_argument("--name", metavar="NAME", help="with init: the robot's name; default: the model's")
     add_workspace(robots)
+    table = robots.add_argument_group("with table")
+    table.add_argument("--out", type=Path, metavar="DIR", help="folder that it is written to; default: robots")
+    table.add_argument("--trials", type=number(COUNT), metavar="N", help="of each row; default 4")
+    table.add_argument(
+        "--only",
+        nargs="+",
+        metavar="ROW",
+        help="rows of bench --body, by name or pattern; default: fetch, goals, straight, push-standing-100, "
+        "push-walking-100",
+    )
+    table.add_argument("-j", "--workers", type=number(COUNT), metavar="N", help="trials at a time; default 1")
