@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from collections.abc import Sequence
 
 import mujoco
 import numpy as np
@@ -25,7 +26,9 @@ class OwnLinks:
 
     Left out are shapes of one link and of two that a joint joins, those that the model excludes, and those that are in
     each other in the home posture, as neighbours may be. Two that are near there may come half as near, or they could
-    not move at all. Legs among themselves are left to the gait: a step that catches a push must not be held up.
+    not move at all. Legs among themselves are left to the gait: a step that catches a push must not be held up. A trunk
+    and a hip that are in each other there are neighbours whichever of their shapes meet: a trunk that turns on a hip
+    would lift the whole robot.
 
     Args:
         robot: the robot.
@@ -74,6 +77,10 @@ class OwnLinks:
             pairs = ([one, other], [other, one])
             kept[pairs] = min(distance / 2, kept[one, other]) if distance > 0 else _NEVER
             begins[pairs] = min(_AT_HOME * distance, begins[one, other]) if distance > 0 else _NEVER
+        for pair in _neighbours(robot, legs, home):
+            ours = (np.isin([shape.body for shape in shapes], body) for body in pair)
+            met = np.logical_and.outer(*ours)
+            kept[met | met.T] = begins[met | met.T] = _NEVER
         self.margins, self.begins = (table[number_of[:, None], number_of] for table in (kept, begins))
 
 
@@ -85,6 +92,22 @@ def _add(body: mujoco.MjsBody, name: str, points: Array, radius: float, kind: in
         geom.type, geom.pos = mujoco.mjtGeom.mjGEOM_SPHERE, points[0]
     else:
         geom.type, geom.fromto = mujoco.mjtGeom.mjGEOM_CAPSULE, points.ravel()
+
+
+def _neighbours(robot: RobotModel, legs: Sequence[str], home: mujoco.MjData) -> set[tuple[int, int]]:
+    """Return the bodies of the trunk and of the legs that are in each other in the home posture.
+
+    Args:
+        robot: the robot.
+        legs: names of the base and of the legs' bodies.
+        home: the shapes, with the contacts of that posture.
+    """
+    model = home.model
+    trunk = set(carriers(model, model.body(robot.config.torso).id)) - {0}
+    inside = home.contact.dist <= 0
+    touching = {tuple(pair) for pair in model.geom_bodyid[home.contact.geom[inside]].tolist()}
+    below = {model.body(name).id for name in legs} - trunk
+    return {(one, other) for a, b in touching for one, other in ((a, b), (b, a)) if one in trunk and other in below}
 
 
 def _leg_bodies(robot: RobotModel) -> list[str]:

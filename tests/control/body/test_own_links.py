@@ -1,0 +1,44 @@
+"""Which links are kept apart at all."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from humanoid_bt.control.body.own_links import OwnLinks
+from humanoid_bt.core.messages import Array
+from humanoid_bt.files.workspace import Workspace, builtin_root
+from humanoid_bt.robot.config import CapsuleConfig, load_robot_config
+from humanoid_bt.robot.model import RobotModel
+
+CONFIG = load_robot_config(Workspace(builtin_root()).find_robot("humanoid"))
+
+
+def margins(low: float) -> tuple[Array, Array]:
+    """Return how far the torso is kept from the left and the right thigh, as it reaches down on the left to a height.
+
+    Args:
+        low: its lowest point, in its own frame [m]; a second shape of it is on the right, and high.
+    """
+    left = CapsuleConfig(body="torso", start=(0, 0.085, 0.1), end=(0, 0.085, low), radius=0.03)
+    right = CapsuleConfig(body="torso", start=(0, -0.085, 0.1), end=(0, -0.085, 0.05), radius=0.03)
+    collision = replace(CONFIG.collision, capsules=[left, right])
+    links = OwnLinks(RobotModel(replace(CONFIG, collision=collision)), near=0.02)
+    model = links.model
+    bodies = [model.body(body).name for body in model.geom_bodyid.tolist()]
+    ours = np.array([model.geom(geom).name.startswith("hbt_") for geom in range(model.ngeom)])
+    trunk = ours & (np.array(bodies) == "torso")
+    thighs = [ours & (np.array(bodies) == f"{side}_thigh") for side in ("left", "right")]
+    return links.margins[np.ix_(trunk, thighs[0])], links.margins[np.ix_(trunk, thighs[1])]
+
+
+def test_a_trunk_and_a_hip_that_are_in_each_other_at_home_are_left_alone_whichever_shapes_meet() -> None:
+    inside, apart = margins(low=-0.35)
+    assert (inside < 0).all()
+    assert (apart > 0).all()
+
+
+def test_a_trunk_is_kept_from_legs_that_it_does_not_meet_at_home() -> None:
+    left, right = margins(low=0.05)
+    assert (left > 0).all() and (right > 0).all()
