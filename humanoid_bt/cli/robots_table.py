@@ -47,7 +47,11 @@ def robots_table(names: Sequence[str], arguments: argparse.Namespace) -> int:
     rows, seeds = chosen(arguments.only or ROWS), range(arguments.trials or _TRIALS)
     folder = arguments.out or _OUT
     _make(folder)
-    command = shlex.join(["humanoid-bt", "robots", "table", *called])
+    options = [
+        *(["--trials", str(arguments.trials)] if arguments.trials else []),
+        *(["--only", *arguments.only] if arguments.only else []),
+    ]
+    command = shlex.join(["humanoid-bt", "robots", "table", *called, *options])
     console, entries = SafeConsole(), list[Entry]()
     with console.status("loading the first robot") as status:
         try:

@@ -71,6 +71,7 @@ def test_a_table_has_what_was_measured_of_each_robot_and_its_picture(
         "| 1 of 2 | 1 of 2 | 0.50 m/s | 3.0x (20x) | 250 us |"
     )
     assert "**twin**" in lines[5]
+    assert "Made by `humanoid-bt robots table humanoid twin --trials 2 --only straight goals`: 2 trials" in lines[7]
     out = capsys.readouterr().out
     assert "twin, dcm: straight 1/2" in out
     assert "written: found/robots.md" in out
