@@ -26,4 +26,6 @@ def see_that_mujoco_loads() -> None:
     except Exception as error:  # whatever MuJoCo and PyOpenGL raise
         why = str(error).strip().split("\n", maxsplit=1)[0] or type(error).__name__
         hint = f"unset {CHOICE}: pictures are rendered with EGL or OSMesa, whichever is there. {INSTALL}"
-        raise UserError(f"MuJoCo does not load with {CHOICE}={chosen}: {why}", hint=hint) from error
+        raise UserError(
+            f"MuJoCo does not load with {CHOICE}={chosen}: {why}", hint=hint, code="wrong-choice"
+        ) from error

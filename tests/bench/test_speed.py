@@ -25,7 +25,7 @@ def briefly(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def measured(robot: Path, body: str) -> dict[str, Promise | None]:
-    figures = list(speed.measure_speed(robot, [body], 2))  # type: ignore[list-item]
+    figures = list(speed.measure_speed(robot, [body], 2))  # type: ignore[list-item]  # body is one of the two
     assert all(0 < one.low <= one.ratio <= one.high for one in figures)
     return {one.name: one.promise for one in figures}
 
