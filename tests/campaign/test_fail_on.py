@@ -19,7 +19,7 @@ name: back
 root:
   emergency_stop:
     force_success:
-      timeout: {duration: 2.5 s, step_back: {distance: 40 cm}}
+      timeout: {duration: 2.5 s, step_back: {distance: 32 cm}}
 """
 WALL = """
 format: 1
