@@ -74,7 +74,6 @@ class Estimator:
         self.watch = SensorWatch(robot)
         self._velocity_before: Array = np.zeros(BASE_DOFS + joints)
         self._imu: Array = np.zeros(6)
-        self._believed: Array = np.zeros(6)  # of it, on average, when it was last believed
         self._torque: Array = np.zeros(joints)
         self.heard = self._since = self._turn = 0
         self._missed = False  # readings were, since the last update
@@ -112,7 +111,6 @@ class Estimator:
         self._filter.reset(estimate.qpos[3:BASE_COORDINATES], estimate.qpos[:3])
         self.watch.reset(reading)
         self._clear()
-        self._believed[:3], self._believed[3:] = self._filter.still, 0.0
         self._velocity_before[:] = 0.0
         self._rate[:] = 0.0
         self._said = None
@@ -148,7 +146,11 @@ class Estimator:
         heard, qvel = self.heard, estimate.qvel
         time = heard * SERVO_PERIOD
         imu = self._imu / heard
-        self._watch(reading, imu)
+        if self._missed:
+            watch.resume(reading)  # nothing jumped: much may have happened meanwhile
+            self._missed = False
+        else:
+            watch.look(reading, imu, self._upright >= _STEADY)
         doubtful = bool(watch.failed) or not math.isfinite(sum(imu.tolist()))
         if doubtful:
             self._without_imu(reading, imu, time)
@@ -158,7 +160,7 @@ class Estimator:
         self._velocity_before[:] = qvel
         self._position[:], self._quaternion[:], self._velocity[:] = belief.position, belief.quaternion, belief.velocity
         self._joints[:], self._speeds[:] = reading.joint_position, reading.joint_velocity
-        np.subtract(imu[3:] if doubtful or watch.jumping else reading.gyro, belief.gyro_bias, out=self._rotation)
+        np.subtract(imu[3:] if doubtful else reading.gyro, belief.gyro_bias, out=self._rotation)
         estimate.joint_torque[:] = reading.joint_torque
         if watch.any_bad:
             self._stand_in(setpoint)
@@ -170,7 +172,7 @@ class Estimator:
             self.load.explain(qvel, acceleration, torque)
         if doubtful or watch.any_bad:
             self.contact.forget()
-        elif not watch.jumping:  # what the base felt is not known
+        else:
             acceleration[:3] = belief.acceleration(imu[:3])
             self.contact.update(acceleration, torque, time)
         self._since += heard
@@ -238,22 +240,6 @@ class Estimator:
             _turned(said, yaw_of(quaternion) - yaw_of(said)), np.array([position[0], position[1], height])
         )
         self._turn = self._since = 0
-
-    def _watch(self, reading: Reading, imu: Array) -> None:
-        """Judge a reading, and let what the IMU said before stand in for what jumps.
-
-        Until a sensor counts as failed, some looks later, its nonsense would move the robot.
-        """
-        watch = self.watch
-        if self._missed:
-            watch.resume(reading)  # nothing jumped: much may have happened meanwhile
-            self._missed = False
-        else:
-            watch.look(reading, imu, self._upright >= _STEADY)
-        for sensor, values in ("accelerometer", slice(0, 3)), ("gyro", slice(3, 6)):
-            if sensor in watch.jumping:
-                imu[values] = self._believed[values]
-        self._believed[:] = imu
 
     def _without_imu(self, reading: Reading, imu: Array, time: float) -> None:
         """Put something else in the place of what the IMU does not say any more."""

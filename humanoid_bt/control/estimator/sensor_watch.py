@@ -34,7 +34,6 @@ class SensorWatch:
     Attributes:
         fault: what failed first, for people; "" while nothing has.
         failed: which of the IMU's sensors failed.
-        jumping: which of them jumped in the last look: they fail, or have felt a blow.
         bad_joints: whether each joint's sensors failed, or are doubted now, shape (nj,).
         any_bad: whether those of any did.
     """
@@ -68,7 +67,6 @@ class SensorWatch:
         self.bad_joints = np.zeros(joints, dtype=bool)
         self.any_bad = False
         self.failed: set[str] = set()
-        self.jumping: set[str] = set()
         self.fault = ""
 
     def reset(self, reading: Reading) -> None:
@@ -80,7 +78,6 @@ class SensorWatch:
         self._suspicious = self.any_bad = False
         self._compare_from(reading)
         self.failed.clear()
-        self.jumping.clear()
         self.fault = ""
 
     def resume(self, reading: Reading) -> None:
@@ -114,7 +111,6 @@ class SensorWatch:
             self._count(name, "is frozen", self._imu_flickers[name] and not moved.any(), _FROZEN_AFTER)
             jumps = bool((moved > most).any()) and upright and not (shaken and name == "accelerometer")
             self._count(name, "jumps", jumps, _JUMPS_AFTER[name])
-            (self.jumping.add if jumps else self.jumping.discard)(name)
         self._look_at_joints(reading, upright)
         self._suspicious = bool(self._counts) or bool(self._silent.any() or self._frozen.any() or self.any_bad)
 
