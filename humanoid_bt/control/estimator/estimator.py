@@ -290,8 +290,9 @@ class Estimator:
         """Return which soles slide on the ground: the base does not move as it would if they stayed."""
         time = self._since * SERVO_PERIOD
         ways = self._filter.slides(self._dynamics.sole_positions).tolist()
+        surely = not (self.watch.suspicious or self.watch.failed)  # else it may be the IMU that is wrong
         self._slides_for = [
-            before + time if stands and way > _SLIDES * time and not self.watch.failed else 0.0
+            before + time if surely and stands and way > _SLIDES * time else 0.0
             for before, way, stands in zip(self._slides_for, ways, self.load.standing, strict=True)
         ]
         return [0.0 < slides_for < _SLIDES_FOR for slides_for in self._slides_for]

@@ -36,6 +36,7 @@ class SensorWatch:
         failed: which of the IMU's sensors failed.
         bad_joints: whether each joint's sensors failed, or are doubted now, shape (nj,).
         any_bad: whether those of any did.
+        suspicious: whether something was seen lately of any sensor that may be a failure.
     """
 
     def __init__(self, robot: RobotModel) -> None:
@@ -60,7 +61,7 @@ class SensorWatch:
         self._counts: dict[tuple[str, str], float] = {}  # looks in which something was seen of a sensor
         self._silent, self._frozen = np.zeros(joints, dtype=int), np.zeros(joints, dtype=int)
         self._dead = np.zeros(joints, dtype=bool)
-        self._suspicious = False
+        self.suspicious = False
         self._turned: Array = np.zeros(3)  # by what the gyro says, since the orientation was compared with it
         self._turned_looks = 0
         self._compared = self._before.orientation.tolist()
@@ -75,7 +76,7 @@ class SensorWatch:
         self._counts.clear()
         for joints in (self._silent, self._frozen, self._dead, self.bad_joints):
             joints[:] = 0
-        self._suspicious = self.any_bad = False
+        self.suspicious = self.any_bad = False
         self._compare_from(reading)
         self.failed.clear()
         self.fault = ""
@@ -97,7 +98,7 @@ class SensorWatch:
         np.abs(np.subtract(values, self._before.values, out=moved), out=moved)
         np.less_equal(moved, self._most.values, out=self._usual[0])  # false also of what is not finite
         np.greater(moved, self._least, out=self._usual[1])
-        if self._suspicious or _FALSE in self._usual.tobytes():  # a tenth of the time of all()
+        if self.suspicious or _FALSE in self._usual.tobytes():  # a tenth of the time of all()
             self._look_closer(reading, upright)
         self._before.values[:] = values
         self._compare(reading, imu, upright)
@@ -112,7 +113,7 @@ class SensorWatch:
             jumps = bool((moved > most).any()) and upright and not (shaken and name == "accelerometer")
             self._count(name, "jumps", jumps, _JUMPS_AFTER[name])
         self._look_at_joints(reading, upright)
-        self._suspicious = bool(self._counts) or bool(self._silent.any() or self._frozen.any() or self.any_bad)
+        self.suspicious = bool(self._counts) or bool(self._silent.any() or self._frozen.any() or self.any_bad)
 
     def _compare(self, reading: Reading, imu: Array, upright: bool) -> None:
         """Compare now and then how the orientation has turned with what the gyro says."""
