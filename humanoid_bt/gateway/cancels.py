@@ -9,7 +9,8 @@ from humanoid_bt.gateway.inbox import News
 from humanoid_bt.gateway.types import interface
 
 _CANCEL = "action_msgs/CancelGoal"
-_PATIENCE = 5.0  # s for a node that offers the action to be found, and to answer
+_PATIENCE = 10.0  # s for a node that offers the action to be found, and to answer
+_AGAIN = 1.0  # s without an answer after which it is asked again: a node that was just found may not hear yet
 _REFUSED = 1  # action_msgs/CancelGoal; the other codes say that the goal is over or was never there
 
 
@@ -25,7 +26,7 @@ class Cancels:
         self._node, self._news = node, news
         self._clients: dict[str, Any] = {}
         self._waiting: list[tuple[str, bytes, float]] = []  # action, goal, when it is given up
-        self._asked: list[tuple[str, Any, float]] = []  # action, future, likewise
+        self._asked: list[tuple[str, bytes, float, Any, float]] = []  # the same, future, when it is asked again
 
     @property
     def waiting(self) -> bool:
@@ -41,20 +42,23 @@ class Cancels:
         waiting, self._waiting = self._waiting, []
         for action, goal, until in waiting:
             if self._client(action).service_is_ready():
-                self._asked.append((action, self._ask(action, goal), until))
+                again = time.monotonic() + _AGAIN
+                self._asked.append((action, goal, until, self._ask(action, goal), again))
             elif time.monotonic() < until:
                 self._waiting.append((action, goal, until))
             else:
                 self._news("warning", f"a goal of {action} is not canceled: nobody offers that action any more")
         asked, self._asked = self._asked, []
-        for action, future, until in asked:
+        for action, goal, until, future, again in asked:
             if future.done():
                 if future.result().return_code == _REFUSED:
                     self._news("warning", f"a goal of {action} goes on: its node refuses to cancel it")
-            elif time.monotonic() < until:
-                self._asked.append((action, future, until))
-            else:
+            elif time.monotonic() >= until:
                 self._news("warning", f"a goal of {action} is not canceled: its node does not answer")
+            elif time.monotonic() >= again:
+                self._waiting.append((action, goal, until))
+            else:
+                self._asked.append((action, goal, until, future, again))
 
     def _ask(self, action: str, goal: bytes) -> Any:
         request = interface(_CANCEL, "srv").Request()
