@@ -16,7 +16,15 @@ __all__ = ["opengl"]
 pytestmark = [pytest.mark.ros, pytest.mark.realtime]
 
 EYE = "format: 1\npublish: {image: {}, depth: {topic: /far}, camera_info: {}}\n"
-WATCH = "format: 1\nscene: ball_on_stand\nroot: {wait: 1000 s}\n"
+WATCH = "format: 1\nscene: still\nroot: {wait: 1000 s}\n"
+STILL = """
+format: 1
+name: still
+objects:
+  ball: {shape: ball, size: [8 cm], color: orange, position: [1.9, 0.5, 0.85], stand: true}
+percepts:
+  target: {object: ball}
+"""
 
 
 @pytest.mark.usefixtures("opengl")
@@ -26,6 +34,8 @@ def test_pictures_are_published_as_often_as_a_source_looks(
     from sensor_msgs.msg import CameraInfo, Image
 
     (project / "trees/watch.yaml").write_text(WATCH)
+    (project / "sim/scenes").mkdir(parents=True, exist_ok=True)
+    (project / "sim/scenes/still.yaml").write_text(STILL)
     (project / "gateways/eye.yaml").write_text(EYE)
     peer.hears(Image, "/camera/image_raw")
     peer.hears(Image, "/far")
@@ -49,6 +59,8 @@ def test_without_a_source_that_looks_it_is_told_that_there_are_no_pictures(
     live: Callable[..., Live], project: Path
 ) -> None:
     (project / "trees/watch.yaml").write_text(WATCH)
+    (project / "sim/scenes").mkdir(parents=True, exist_ok=True)
+    (project / "sim/scenes/still.yaml").write_text(STILL)
     (project / "gateways/eye.yaml").write_text(EYE)
     run = live("watch", gateway="eye")
     until("it is told", lambda: "no percept source of this run looks with the head camera" in run.output)
