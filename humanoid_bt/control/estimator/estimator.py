@@ -178,11 +178,12 @@ class Estimator:
         self._since += heard
         self._clear()
         self._note_contact(time)
+        self._ground.land(dynamics.sole_positions[:, 2], self.load.standing)
         if self._lost > _LOST_AFTER:
             self._rest(reading)
         else:
             self._filter_by_turns()
-        if sinks := self._ground.update(dynamics.sole_positions[:, 2], self.load.standing, time):
+        if sinks := self._ground.sink(time):
             belief.sink(sinks)
         return self._dated(reading.time)
 

@@ -31,13 +31,12 @@ class Ground:
         self.heights = [0.0, 0.0] if abs(left - right) < _EVEN else [left, right]
         self._stood = [True, True]
 
-    def update(self, feet: Array, standing: Sequence[bool], time: float) -> float:
-        """Return by how much everything sinks, seen from the ground that the robot stands on now [m].
+    def land(self, feet: Array, standing: Sequence[bool]) -> None:
+        """Take the height of the ground under each foot that has come to stand on it.
 
         Args:
             feet: heights of the (left, right) sole as they are estimated, shape (2,) [m].
             standing: whether each is on the ground.
-            time: since the last update [s].
         """
         heights, stood = self.heights, self._stood
         for foot, stands in enumerate(standing):
@@ -45,10 +44,13 @@ class Ground:
                 other, height = heights[1 - foot], feet.item(foot)
                 heights[foot] = other if abs(height - other) < _EVEN else height
             stood[foot] = stands
-        left, right = heights
-        if not any(standing) or left == right == 0:
+
+    def sink(self, time: float) -> float:
+        """Return by how much everything sinks in a time [s], seen from the ground that the robot stands on now [m]."""
+        (left, right), stood = self.heights, self._stood
+        if not any(stood) or left == right == 0:
             return 0.0
-        mean = (left + right) / 2 if all(standing) else left if standing[0] else right
+        mean = (left + right) / 2 if all(stood) else left if stood[0] else right
         sinks = mean * (1 - math.exp(-time / _SETTLE_TIME))
         self.heights = [left - sinks, right - sinks]
         return sinks

@@ -10,6 +10,7 @@ import pytest
 
 from humanoid_bt.control.controller import Controller
 from humanoid_bt.control.dynamics import GRAVITY
+from humanoid_bt.core.clock import WHOLE_BODY_PERIOD, cycles
 from humanoid_bt.core.messages import SIDES, BaseTarget, JointCommand, Mode, Reading
 from humanoid_bt.robot.config import load_robot_config
 from humanoid_bt.robot.model import RobotModel, foot_sensor, sole_site
@@ -143,6 +144,30 @@ def test_single_silences_of_the_gyroscope_long_apart_turn_nothing(
     assert rig.state.mode is Mode.RUN
     assert not rig.controller.estimator.watch.failed
     assert fastest < 3.0
+
+
+def test_a_foot_stands_on_the_ground_that_it_finds_not_where_it_once_was(
+    rig: ControlRig, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A robot that fell is put back on its feet, first on the left one."""
+    estimator = rig.controller.estimator
+    explain, stands = estimator.load.explain, [False, False]
+
+    def explained(*motion: np.ndarray) -> None:
+        explain(*motion)
+        estimator.load.standing[:] = stands
+
+    rig.run(0.1, {})
+    monkeypatch.setattr(estimator.load, "explain", explained)
+    rig.run(0.4, {})
+    estimator._ground.heights = [-0.5, -0.5]  # where they were when they last touched something
+    stands[:] = True, False
+    for _ in range(cycles(WHOLE_BODY_PERIOD)):
+        rig.controller.run_cycle()
+    stands[:] = True, True
+    errors: list[float] = []
+    rig.run(0.1, {}, cycle=lambda: errors.append(estimator.estimate.qpos[2] - rig.plant.data.qpos[2]))
+    assert np.abs(errors).max() < 5e-3
 
 
 def test_a_robot_whose_feet_slide_knows_where_it_is(robot: RobotModel, standing: np.ndarray) -> None:

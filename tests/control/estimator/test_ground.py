@@ -20,8 +20,9 @@ def ground() -> Ground:
 
 def land(ground: Ground, height: float) -> float:
     """Lift the right foot and put it down at a height [m]; return by how much everything sinks in that update [m]."""
-    ground.update(np.zeros(2), LEFT, TIME)
-    return ground.update(np.array([0.0, height]), BOTH, TIME)
+    ground.land(np.zeros(2), LEFT)
+    ground.land(np.array([0.0, height]), BOTH)
+    return ground.sink(TIME)
 
 
 def test_level_ground_stays_level(ground: Ground) -> None:
@@ -38,15 +39,16 @@ def test_a_foot_that_lands_higher_stands_higher(ground: Ground) -> None:
 def test_heights_are_counted_from_where_the_robot_stands_now(ground: Ground) -> None:
     sunk = land(ground, 0.02)
     for _ in range(round(8.0 / TIME)):
-        sunk += ground.update(np.array(ground.heights), BOTH, TIME)
+        sunk += ground.sink(TIME)
     assert sunk == pytest.approx(0.01, abs=1e-4)
     np.testing.assert_allclose(ground.heights, [-0.01, 0.01], atol=1e-4)
-    sunk += sum(ground.update(np.array(ground.heights), (False, True), TIME) for _ in range(round(8.0 / TIME)))
+    ground.land(np.array(ground.heights), (False, True))
+    sunk += sum(ground.sink(TIME) for _ in range(round(8.0 / TIME)))
     assert sunk == pytest.approx(0.02, abs=1e-4)
 
 
 def test_a_foot_that_stands_is_not_measured_anew(ground: Ground) -> None:
     land(ground, 0.02)
     before = np.diff(ground.heights)
-    ground.update(np.array([0.0, 0.05]), BOTH, TIME)
+    ground.land(np.array([0.0, 0.05]), BOTH)
     np.testing.assert_allclose(np.diff(ground.heights), before)
