@@ -25,7 +25,7 @@ from humanoid_bt.plant.scene_config import load_scene
 from humanoid_bt.robot.config import load_robot_config
 from humanoid_bt.session.loader import DEFAULT_ROBOT, DEFAULT_SCENE, used_files
 from humanoid_bt.session.report import versions
-from humanoid_bt.testing.conditions import Conditions
+from humanoid_bt.testing.conditions import NOISE, Conditions, unsimulated
 from humanoid_bt.testing.engines import refuse_blind
 from humanoid_bt.tree.source.file import read_file
 from humanoid_bt.tree.source.parameters import NodeItem
@@ -67,6 +67,7 @@ def planned(campaign: CampaignFile, workspace: Workspace, script: Sequence[Any] 
     first = {
         factor.name.removeprefix(f"{SET}."): _example(factor) for factor in factors if factor.name.startswith(f"{SET}.")
     }
+    noise = any(factor.name == f"{CONDITION}.{NOISE}" and _changes(factor) for factor in factors)
     settings: list[Setting] = []
     trees: list[Tree] = []
     used: set[Path] = set()
@@ -79,7 +80,7 @@ def planned(campaign: CampaignFile, workspace: Workspace, script: Sequence[Any] 
                 settings.append(setting)
                 trees.append(tree)
                 used |= {*used_files(tree), workspace.find_scene(scene), *_of_robot(workspace.find_robot(robot))}
-                used |= _seeing(campaign, workspace, tree, scene)
+                used |= _seeing(campaign, workspace, tree, scene, noise)
     reported = {name: spec.unit for tree in trees for node in tree.nodes for name, spec in node.type.results.items()}
     plan = Plan(
         campaign.name,
@@ -149,12 +150,27 @@ def _loaded(
     return tree
 
 
-def _seeing(campaign: CampaignFile, workspace: Workspace, tree: Tree, scene: str) -> set[Path]:
-    """Return the files of the percept sources that a tree has in a scene; raises UserError if a dry run has none."""
+def _seeing(campaign: CampaignFile, workspace: Workspace, tree: Tree, scene: str, noise: bool) -> set[Path]:
+    """Return the files of the percept sources that a tree has in a scene.
+
+    Args:
+        campaign: what is asked for.
+        workspace: where the sources are.
+        tree: it.
+        scene: its name or file.
+        noise: whether the campaign makes the scene's percepts noisier.
+
+    Raises:
+        UserError: a dry run cannot have them, or noise changes nothing of what they see.
+    """
     around = load_scene(workspace.find_scene(scene))
     sources = sources_of(campaign.perception, tree.perception, around)
+    chosen = choose(sources, workspace, around)
     if campaign.dry and sources is not None:
-        refuse_blind(choose(sources, workspace, around), sources)
+        refuse_blind(chosen, sources)
+    if noise and (problem := unsimulated(chosen)) is not None:
+        place = _place(campaign.conditions[NOISE])
+        raise UserError([replace(problem, place=place)])
     return set(files_of(sources, workspace))
 
 
@@ -172,7 +188,7 @@ def _factors(campaign: CampaignFile, trees: Sequence[Path]) -> Iterator[Callable
 
 
 def _parameter(name: str, variation: Variation, trees: Sequence[Path]) -> Factor:
-    place = (variation.ends or variation.values)[0].place
+    place = _place(variation)
     for path in trees:
         declared = read_file(path, []).parameters
         if name not in declared:
@@ -184,17 +200,26 @@ def _parameter(name: str, variation: Variation, trees: Sequence[Path]) -> Factor
 
 
 def _condition(name: str, variation: Variation, dry: bool) -> Factor:
-    spec = params_of(Conditions)[name]
-    factor = variation.factor(f"{CONDITION}.{name}", spec)
-    if dry and name in Conditions().of_body and (factor.ends or set(factor.values) != {spec.default}):
+    factor = variation.factor(f"{CONDITION}.{name}", params_of(Conditions)[name])
+    if dry and name != NOISE and _changes(factor):
         _refuse_dry(f"the condition {name!r}", variation)
     return factor
 
 
+def _changes(condition: Factor) -> bool:
+    """Return whether a condition makes any trial differ from the files."""
+    default = params_of(Conditions)[condition.name.removeprefix(f"{CONDITION}.")].default
+    return bool(condition.ends) or set(condition.values) != {default}
+
+
 def _refuse_dry(what: str, variation: Variation) -> NoReturn:
-    place = (variation.ends or variation.values)[0].place
     hint = "run it without dry, or leave it out"
-    raise UserError(f"{what} needs a body, and a dry run simulates none", place, hint, "out-of-range")
+    raise UserError(f"{what} needs a body, and a dry run simulates none", _place(variation), hint, "out-of-range")
+
+
+def _place(variation: Variation) -> Place:
+    """Return where the first value of what varies stands."""
+    return (variation.ends or variation.values)[0].place
 
 
 def _number(variation: Variation, column: str, spec: Param) -> Factor:

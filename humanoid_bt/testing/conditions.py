@@ -2,22 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
-from humanoid_bt.core.errors import Place
+from humanoid_bt.core.errors import Place, Problem
 from humanoid_bt.core.items import item_of
 from humanoid_bt.core.messages import Array
 from humanoid_bt.core.params import param, params_of
 from humanoid_bt.core.reading import read
 from humanoid_bt.core.units import readable
+from humanoid_bt.perception.choice import Chosen
 from humanoid_bt.plant.floor import Floor
 from humanoid_bt.plant.scene import random_stream
 from humanoid_bt.plant.scene_config import SceneConfig
 from humanoid_bt.robot.model import RobotModel
+
+NOISE = "perception_noise"
+"""The one condition that is not of a body, or of what it stands on: the one that a dry run can have."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -93,13 +97,17 @@ class Conditions:
         errors[random_stream(seed, "encoder").choice(legs)] = self.encoder_error
         return errors
 
-    def refused(self, robot: RobotModel, dry: bool) -> Iterator[tuple[str, str]]:
-        """Yield those that a run of a robot cannot have, each by its name with the reason."""
+    def refused(self, robot: RobotModel, chosen: Sequence[Chosen], dry: bool) -> Iterator[tuple[str, Problem]]:
+        """Yield those that a run of a robot with these percept sources cannot have, each by its name."""
         for name in self.changed:
-            if dry and name != "perception_noise":
-                yield name, f"the condition {name!r} needs a body, and a dry run simulates none"
+            if dry and name != NOISE:
+                message = f"the condition {name!r} needs a body, and a dry run simulates none"
+                yield name, Problem(message, hint="leave it out, or dry", code="exclusive-keys")
             elif name == "hand_payload" and not robot.config.hands:
-                yield name, f"the condition {name!r} needs hands, and {robot.config.name} has none"
+                message = f"the condition {name!r} needs hands, and {robot.config.name} has none"
+                yield name, Problem(message, hint="leave it out", code="model")
+            elif name == NOISE and (problem := unsimulated(chosen)) is not None:
+                yield name, problem
 
     @property
     def changed(self) -> dict[str, float]:
@@ -120,3 +128,13 @@ class Conditions:
             for name, seen in scene.percepts.items()
         }
         return replace(scene, percepts=percepts)
+
+
+def unsimulated(chosen: Sequence[Chosen]) -> Problem | None:
+    """Return why noise of the scene's percepts would change nothing in a run with these sources, None if it would."""
+    if any("scene" in one.cls.needs and one.names for one in chosen):
+        return None
+    seeing = ", ".join(dict.fromkeys(repr(one.name) for one in chosen if one.names))
+    instead = f"percepts come from {seeing}" if seeing else "there are no percepts"
+    message = f"the condition {NOISE!r} is noise of the simulated tracker, and here {instead}"
+    return Problem(message, hint="leave it out", code="exclusive-keys")

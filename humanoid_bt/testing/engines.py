@@ -82,7 +82,7 @@ class Engines:
         """Return an engine at the start of a tree's run.
 
         Raises:
-            UserError: the robot or the scene has mistakes, or the conditions need a body in a dry run.
+            UserError: the robot or the scene has mistakes, or the run cannot have the conditions.
         """
         robot, config = self._load(
             self._robot or tree.robot or DEFAULT_ROBOT, self._scene or tree.scene or DEFAULT_SCENE
@@ -100,8 +100,8 @@ class Engines:
             self._kept = key, self._made(robot, scene)
         ready = self._kept[1]
         engine = ready.engine
-        for _, why in conditions.refused(engine.robot, self._dry):
-            raise UserError(why)
+        if refused := [problem for _, problem in conditions.refused(engine.robot, chosen, self._dry)]:
+            raise UserError(refused)
         assert isinstance(engine, (Lockstep, Dry))
         if ready.plant is not None:
             ready.plant.alter(**conditions.of_body, encoders=conditions.encoders(engine.robot, seed))

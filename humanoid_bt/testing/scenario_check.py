@@ -105,9 +105,8 @@ def _misfits(scenario: Scenario, workspace: Workspace, robot: bool, scene: bool)
     except UserError as error:
         yield from (replace(problem, place=problem.place or scenario.place("tree")) for problem in error.problems)
         return
-    for name, why in scenario.conditions.refused(model, scenario.dry):
-        hint, code = ("leave it out, or dry", "exclusive-keys") if scenario.dry else ("leave it out", "model")
-        yield Problem(why, scenario.place("conditions", name), hint, code)
+    for name, problem in scenario.conditions.refused(model, chosen, scenario.dry):
+        yield replace(problem, place=scenario.place("conditions", name))
     known = _known(scenario, tree, run, [name for one in chosen for name in one.names], model)
     if not scene:
         known = known._replace(percepts=None, asked=())

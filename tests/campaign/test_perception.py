@@ -92,6 +92,14 @@ def test_a_fault_can_end_what_is_published_and_nothing_else(project: Path) -> No
         checked_scenario(Path("scenarios/signs.yaml"), Workspace())
 
 
+def test_noise_of_the_tracker_that_does_not_see_is_refused(project: Path) -> None:
+    Path("campaigns/signs.yaml").write_text(f"{CAMPAIGN}conditions: {{perception_noise: [1, 3]}}\n")
+    with pytest.raises(UserError, match=r"8:33: error: the condition 'perception_noise' .* from 'door_sign'"):
+        checked_campaign(Path("campaigns/signs.yaml"), Workspace())
+    Path("campaigns/signs.yaml").write_text(f"{CAMPAIGN}conditions: {{perception_noise: 1}}\n")
+    assert checked_campaign(Path("campaigns/signs.yaml"), Workspace()).plan.factors
+
+
 def test_a_campaign_sees_with_what_it_names(project: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["campaign", "signs", "--quiet", "--out", "far", "--require", "success == 100 %"]) == 0
     assert "door_sign" in Path("far/report.html").read_text()

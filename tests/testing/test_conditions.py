@@ -221,3 +221,30 @@ def test_one_stage_serves_all_conditions_with_one_model(stage):
         run = own.run("stand", duration=0.02, conditions={"friction": friction})
     assert run.trace == own.run("stand", duration=0.02).trace
     assert run.time == pytest.approx(20 * SERVO_PERIOD)
+
+
+UNTRACKED = {
+    "another source": ("color_blob", "percepts come from 'color_blob'"),
+    "the tracker has nothing left": (["tracker", "color_blob"], "percepts come from 'color_blob'"),
+}
+
+
+@pytest.mark.parametrize(("perception", "why"), UNTRACKED.values(), ids=list(UNTRACKED))
+def test_noise_that_nobody_sees_is_refused(stage, tmp_path, perception, why):
+    refused = f"'perception_noise' is noise of the simulated tracker, and here {why}"
+    with pytest.raises(UserError, match=refused):
+        Stage(stage.workspace, perception=perception).run("fetch", conditions={"perception_noise": 2})
+    scenario = tmp_path / "scenarios" / "noisy.yaml"
+    scenario.parent.mkdir()
+    scenario.write_text(
+        f"format: 1\ntree: fetch\nperception: {perception}\n"
+        "conditions: {perception_noise: 2}\nexpect: {never: fell}\n"
+    )
+    (problem,) = check(scenario, workspace=tmp_path)
+    assert refused in problem.message
+    assert str(problem.place).endswith("noisy.yaml:4:32")
+
+
+def test_noise_of_no_percepts_is_refused(dry):
+    with pytest.raises(UserError, match="and here there are no percepts"):
+        dry.run("stand", conditions={"perception_noise": 2})
