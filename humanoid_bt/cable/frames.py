@@ -34,9 +34,10 @@ class FrameKind(IntEnum):
     REFUSED = 3  # plant: why not
     COMMAND = 4  # driver: a joint command, every servo cycle
     SENSORS = 5  # plant: what its sensors say, every servo cycle
-    TRUTH = 6  # plant, only a simulated one: where the robot really is
+    TRUTH = 6  # plant, only a simulated one: where the robot really is, and what it has touched
     NOTE = 7  # plant: what happened
     BYE = 8  # driver: it leaves
+    TARGETS = 9  # driver, only to a simulated plant: what the robot is sent to touch
 
 
 class Frame(NamedTuple):

@@ -16,6 +16,7 @@ from humanoid_bt.core.errors import nearest
 from humanoid_bt.core.messages import READING_SIZE, Array, JointCommand, Truth
 from humanoid_bt.link.wire import WireError, decode_truth, encode_truth
 from humanoid_bt.link.wire.format import FLOAT, guarded, pack_cut_text, pack_text
+from humanoid_bt.plant.touches import Touch
 
 MOST_SEED = 2**64 - 1
 """Largest seed that fits into a hello."""
@@ -26,7 +27,9 @@ _HELLO = struct.Struct("<QH")  # seed, joints
 _WELCOME = struct.Struct("<QBBddH")  # nonce, simulated, safe state, period, watchdog, joints
 _NONCE = struct.Struct("<Q")
 _SENSORS = struct.Struct("<QdB7x")  # sequence of the newest command, how long ago it came, what the plant does
-_FORCE = struct.Struct("<d")
+_SIMULATED = struct.Struct("<dH")  # largest external force, touches
+_TOUCH = struct.Struct("<dB")  # time, whether it was meant
+_MOST_TOUCHES = 256  # with their names they fill half a datagram
 
 
 class PlantState(IntEnum):
@@ -108,6 +111,20 @@ class Sensors(NamedTuple):
     ago: float
     state: PlantState
     values: Array
+
+
+class Simulated(NamedTuple):
+    """What only a simulation knows, in its own time.
+
+    Attributes:
+        truth: where the robot really is.
+        force: largest external force on it so far [N, Nm].
+        touches: what of the scene it has touched so far.
+    """
+
+    truth: Truth
+    force: float
+    touches: Sequence[Touch]
 
 
 def pack_hello(hello: Hello) -> bytes:
@@ -206,29 +223,42 @@ def unpack_sensors(payload: bytes, joints: int) -> Sensors:
     return Sensors(heard, ago, PlantState(state), np.frombuffer(payload, FLOAT, offset=_SENSORS.size))
 
 
-def pack_truth(truth: Truth, force: float) -> bytes:
-    """Return where the robot really is, and the largest external force on it so far [N, Nm]."""
-    return _FORCE.pack(force) + encode_truth(truth)
+def pack_simulated(known: Simulated) -> bytes:
+    """Return what only a simulation knows as bytes, with its first touches if they are very many."""
+    touches = known.touches[:_MOST_TOUCHES]
+    told = [_TOUCH.pack(one.time, one.meant) + pack_text(one.thing) + pack_text(one.link) for one in touches]
+    return _SIMULATED.pack(known.force, len(touches)) + b"".join(told) + encode_truth(known.truth)
 
 
 @guarded("malformed truth")
-def unpack_truth(payload: bytes) -> tuple[Truth, float]:
-    """Return where the robot really is, and the largest external force on it so far [N, Nm].
+def unpack_simulated(payload: bytes) -> Simulated:
+    """Return what bytes hold.
 
     Raises:
         WireError: it is something else.
     """
-    (force,) = _FORCE.unpack_from(payload)
-    return decode_truth(payload[_FORCE.size :]), force
+    force, count = _SIMULATED.unpack_from(payload)
+    touches, offset = [], _SIMULATED.size
+    for _ in range(count):
+        time, meant = _TOUCH.unpack_from(payload, offset)
+        (thing, link), offset = _texts_from(payload, offset + _TOUCH.size, 2)
+        touches.append(Touch(time, thing, link, bool(meant)))
+    return Simulated(decode_truth(payload[offset:]), force, touches)
 
 
 def _texts(payload: bytes, offset: int, count: int) -> Sequence[str]:
     """Return the texts with which a payload ends."""
+    texts, offset = _texts_from(payload, offset, count)
+    if offset != len(payload):
+        raise WireError(f"its texts end at byte {offset} of {len(payload)}")
+    return texts
+
+
+def _texts_from(payload: bytes, offset: int, count: int) -> tuple[Sequence[str], int]:
+    """Return texts that begin at a byte, and where they end."""
     texts = []
     for _ in range(count):
         begin = offset + _TEXT.size
         offset = begin + _TEXT.unpack_from(payload, offset)[0]
         texts.append(payload[begin:offset].decode())
-    if offset != len(payload):
-        raise WireError(f"its texts end at byte {offset} of {len(payload)}")
-    return texts
+    return texts, offset

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import secrets
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from humanoid_bt.cable.address import Address
@@ -19,15 +19,16 @@ from humanoid_bt.cable.payloads import (
     pack_hello,
     unpack_refusal,
     unpack_sensors,
-    unpack_truth,
+    unpack_simulated,
     unpack_welcome,
 )
 from humanoid_bt.cable.safe_state import LET_GO
 from humanoid_bt.core.clock import SERVO_PERIOD, cycles
 from humanoid_bt.core.errors import UserError
-from humanoid_bt.core.messages import JointCommand, Level, Reading, Truth
-from humanoid_bt.link.wire import WireError, decode_event
+from humanoid_bt.core.messages import Command, JointCommand, Level, Reading, Target, Truth
+from humanoid_bt.link.wire import WireError, decode_event, encode_command
 from humanoid_bt.plant.interface import SILENT_AFTER
+from humanoid_bt.plant.touches import Touch
 
 _HELLOS = 200  # that are sent before nobody is taken to be there
 _SMOOTH = 0.02  # share of a new round trip in the mean that is kept
@@ -80,6 +81,8 @@ class RemotePlant:
         silent: servo cycles since its sensors were last heard.
         session: the plant's number for it, 0 before :meth:`connect`.
         description: what it says it is, after :meth:`connect`.
+        external_force_max: largest external force on it so far, if it is simulated [N, Nm].
+        touches: what of the scene it has touched so far, likewise.
     """
 
     def __init__(self, cable: Cable, address: Address, hello: Hello, key: bytes | None, now: Callable[[], int]) -> None:
@@ -98,6 +101,7 @@ class RemotePlant:
         self._truth: Truth | None = None
         self._news: list[tuple[Level, str]] = []
         self.external_force_max = 0.0
+        self.touches: list[Touch] = []
         self.description: Description | None = None
         self.silent = 0
         self.lost = False
@@ -156,6 +160,12 @@ class RemotePlant:
             self.lost = True
             self._refused = f"the plant at {self._address} is silent for {self.silent} ms"
         self._longest_silence = max(self._longest_silence, self.silent)
+
+    def surround(self, targets: Mapping[str, Target]) -> None:
+        """Tell a simulated plant the targets in force: what the robot is sent to touch."""
+        if self.description is not None and self.description.simulated:
+            told = Command(self._sequence, self.time, targets, {})
+            self._send(FrameKind.TARGETS, self.session, encode_command(told))
 
     def take_truth(self) -> Truth | None:
         """Return where the robot really is, if the plant is simulated and has said so since the last time."""
@@ -222,8 +232,12 @@ class RemotePlant:
             self._time_trip(sensors)
             self._sensors = sensors
         elif frame.kind is FrameKind.TRUTH:
-            truth, self.external_force_max = unpack_truth(frame.payload)
-            self._truth = replace(truth, time=max(0.0, self.time - self._trip / 2))  # in the engine's time
+            known = unpack_simulated(frame.payload)
+            time = max(0.0, self.time - self._trip / 2)  # in the engine's time
+            self._truth, self.external_force_max = replace(known.truth, time=time), known.force
+            behind = time - known.truth.time
+            new = known.touches[len(self.touches) :]
+            self.touches += [replace(touch, time=touch.time + behind) for touch in new]
         elif frame.kind is FrameKind.NOTE:
             event = decode_event(frame.payload)
             self._tell(event.level, f"plant: {event.text}")

@@ -7,8 +7,8 @@ from __future__ import annotations
 
 import secrets
 from collections import Counter
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Protocol
 
 from humanoid_bt.cable.address import Address
@@ -20,17 +20,18 @@ from humanoid_bt.cable.payloads import (
     Hello,
     PlantState,
     Sensors,
+    Simulated,
     pack_refusal,
     pack_sensors,
-    pack_truth,
+    pack_simulated,
     pack_welcome,
     unpack_command,
     unpack_hello,
 )
 from humanoid_bt.cable.watchdog import PlantWatchdog
 from humanoid_bt.core.clock import DECISION_PERIOD, SERVO_PERIOD, cycles
-from humanoid_bt.core.messages import Level, Reading, Truth
-from humanoid_bt.link.wire import Event, WireError, encode_event
+from humanoid_bt.core.messages import Level, Reading, Target
+from humanoid_bt.link.wire import Event, WireError, decode_command, encode_event
 from humanoid_bt.plant.interface import Plant
 
 _START_TIMEOUT = 10.0  # s that a driver gets from its welcome to its first command
@@ -52,11 +53,15 @@ class Served(Plant, Protocol):
         A simulation begins anew. A real robot stays as it is, and refuses while it is not safe to be driven.
         """
 
-    def surround(self) -> None:
-        """Let what surrounds the robot move, once in 20 ms; nothing for a real robot."""
+    def surround(self, targets: Mapping[str, Target]) -> None:
+        """Let what surrounds the robot move, once in 20 ms; nothing for a real robot.
 
-    def truth(self) -> tuple[Truth, float] | None:
-        """Return where the robot really is, and the largest external force so far [N]; None of a real one."""
+        Args:
+            targets: in force, which tell a simulation what the robot is sent to touch.
+        """
+
+    def truth(self) -> Simulated | None:
+        """Return what only a simulation knows; None of a real robot."""
 
     def take_news(self) -> Sequence[tuple[Level, str]]:
         """Return what happened since the last time, for people."""
@@ -64,7 +69,7 @@ class Served(Plant, Protocol):
 
 @dataclass
 class _Driver:
-    """Who drives the plant: where it is, its session, the number of its hello, and the order of its commands."""
+    """Who drives the plant: where it is, its session, the number of its hello, the order of its commands, targets."""
 
     peer: Address
     session: int
@@ -72,6 +77,7 @@ class _Driver:
     order: Order
     since: int
     heard: int = 0  # sequence of its newest command
+    targets: Mapping[str, Target] = field(default_factory=dict)
 
 
 class PlantServer:
@@ -124,7 +130,7 @@ class PlantServer:
         command = self._watchdog.command()
         self._look_after(before)
         if self.cycle % _TRUTH_PHASE == 0:
-            self._plant.surround()
+            self._plant.surround(self._driver.targets if self._driver else {})
         if command is not None:
             self._plant.step(command)
         self.cycle += 1
@@ -148,6 +154,8 @@ class PlantServer:
                 self._refuse_stranger(frame, sender)
             elif frame.kind is FrameKind.COMMAND:
                 self._take(driver, frame)
+            elif frame.kind is FrameKind.TARGETS:
+                driver.targets = decode_command(frame.payload).targets
             elif frame.kind is FrameKind.BYE:
                 self._let_go(_LEFT)
         except SealError as error:
@@ -234,8 +242,8 @@ class PlantServer:
         reading = self._plant.measure(self._reading)
         ago = max(0, self._watchdog.silent - 1) * SERVO_PERIOD  # in this cycle: 0
         self._send(FrameKind.SENSORS, pack_sensors(Sensors(driver.heard, ago, self.state, reading.values)))
-        if self.cycle % _TRUTH_PHASE == 1 and (truth := self._plant.truth()) is not None:
-            self._send(FrameKind.TRUTH, pack_truth(*truth))
+        if self.cycle % _TRUTH_PHASE == 1 and (known := self._plant.truth()) is not None:
+            self._send(FrameKind.TRUTH, pack_simulated(known))
 
     def _note(self, level: Level, text: str) -> None:
         """Tell something on both sides."""

@@ -144,7 +144,7 @@ class CablePlant:
         except UserError:
             self._remote.close()
             raise
-        self.step, self.measure = self._remote.step, self._remote.measure
+        self.step, self.measure, self.surround = self._remote.step, self._remote.measure, self._remote.surround
 
     @property
     def simulated(self) -> bool:
@@ -161,9 +161,6 @@ class CablePlant:
         """Whether it has let go of this run, or was silent for so long that it has."""
         return self._remote.lost
 
-    def surround(self, targets: Mapping[str, Target]) -> None:
-        """Nothing: what surrounds it is on its side."""
-
     def truth(self) -> Truth | None:
         """Return where the robot really is, if the plant has told it since the last time."""
         return self._remote.take_truth()
@@ -173,8 +170,9 @@ class CablePlant:
         return self._remote.take_news()
 
     def result(self) -> Mapping[str, Any]:
-        """Return the largest external force; what a robot elsewhere has touched is told as events only."""
-        return {"external_force_max": self._remote.external_force_max, "touches": []}
+        """Return the largest external force, and what the robot has touched; nobody knows that of a real one."""
+        touches = [asdict(touch) for touch in self._remote.touches]
+        return {"external_force_max": self._remote.external_force_max, "touches": touches}
 
     @property
     def cable(self) -> str:

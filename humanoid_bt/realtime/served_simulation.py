@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 from humanoid_bt.cable.cables import Cable
 from humanoid_bt.cable.impairment import ImpairedCable
-from humanoid_bt.cable.payloads import Description, Hello
+from humanoid_bt.cable.payloads import Description, Hello, Simulated
 from humanoid_bt.cable.safe_state import WATCHDOG, SafeState
 from humanoid_bt.cable.server import PlantServer
 from humanoid_bt.core.clock import SERVO_PERIOD
 from humanoid_bt.core.errors import UserError
-from humanoid_bt.core.messages import Array, JointCommand, Level, Reading, Truth
+from humanoid_bt.core.messages import Array, JointCommand, Level, Reading, Target
 from humanoid_bt.plant.scene import Scene
 from humanoid_bt.realtime.driven_plant import Simulation
 from humanoid_bt.realtime.schedule import Schedule
@@ -77,15 +77,15 @@ class ServedSimulation:
         """Drive the joints for one servo period."""
         self._simulation.step(command)
 
-    def surround(self) -> None:
-        """Move the scene's things."""
-        self._simulation.surround({})
+    def surround(self, targets: Mapping[str, Target]) -> None:
+        """Move the scene's things; the targets tell what the robot is sent to touch."""
+        self._simulation.surround(targets)
 
-    def truth(self) -> tuple[Truth, float]:
-        """Return where the robot really is, and the largest external force so far [N, Nm]."""
+    def truth(self) -> Simulated:
+        """Return where the robot really is, the largest external force so far, and what it has touched."""
         plant = self._simulation.plant
         plant.note_external_force()
-        return plant.truth(), plant.external_force_max
+        return Simulated(plant.truth(), plant.external_force_max, plant.touches.all)
 
     def take_news(self) -> Sequence[tuple[Level, str]]:
         """Return what the robot has touched, and what the simulator warns of."""

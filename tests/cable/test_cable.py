@@ -15,8 +15,9 @@ from humanoid_bt.cable.payloads import Description, Hello, PlantState
 from humanoid_bt.cable.remote_plant import RemotePlant
 from humanoid_bt.control.controller import Controller
 from humanoid_bt.core.errors import UserError
-from humanoid_bt.core.messages import BaseTarget, Command
+from humanoid_bt.core.messages import BaseTarget, Command, HandTarget
 from humanoid_bt.plant.mujoco_plant import MujocoPlant
+from humanoid_bt.plant.touches import Touch
 from humanoid_bt.realtime.served_simulation import ServedSimulation
 from tests.cable.cabled import LOSSY, still
 from tests.cable.conftest import Loaded
@@ -78,6 +79,34 @@ def test_the_truth_of_a_simulation_comes_in_the_engines_time(plant: Make) -> Non
     assert 0.17 < truth.time < 0.202
     assert truth.base_position[2] > 0.5
     assert cabled.remote.take_truth() is None
+
+
+def test_what_a_simulated_robot_touches_comes_although_frames_are_lost(loaded: Loaded, hello: Hello) -> None:
+    served = ServedSimulation(*loaded)
+    cabled = LockstepPlant(served, hello, Impairment(latency=0.004, loss=0.4))
+    driven(cabled, 500)
+    touches = served.simulation.plant.touches.all
+    touches.append(Touch(served.simulation.plant.time, "ball", "left_hand", True))
+    driven(cabled, 200)
+    touches.append(Touch(served.simulation.plant.time, "post", "right_shin", False))
+    driven(cabled, 200)
+    cabled.measure()
+    first, second = cabled.remote.touches
+    assert (first.thing, first.link, first.meant) == ("ball", "left_hand", True)
+    assert (second.thing, second.link, second.meant) == ("post", "right_shin", False)
+    assert (first.time, second.time) == (pytest.approx(0.5, abs=0.01), pytest.approx(0.7, abs=0.01))
+
+
+def test_a_simulated_plant_knows_what_the_robot_is_sent_to_touch(loaded: Loaded, hello: Hello) -> None:
+    served = ServedSimulation(*loaded)
+    cabled = LockstepPlant(served, hello)
+    driven(cabled, 50)
+    cabled.remote.surround({"left_hand": HandTarget(np.array([0.3, 0.2, 0.9]), press=5.0)})
+    driven(cabled, 21)
+    assert served.simulation.plant.touches.targets["left_hand"].press == 5.0
+    cabled.remote.surround({})
+    driven(cabled, 21)
+    assert served.simulation.plant.touches.targets == {}
 
 
 @pytest.mark.parametrize(

@@ -11,9 +11,10 @@ from humanoid_bt.cable import payloads
 from humanoid_bt.cable.frames import Frame, FrameKind, SealError, pack, unpack
 from humanoid_bt.cable.lockstep import DRIVER, PLANT, LockstepPlant
 from humanoid_bt.cable.order import Order
-from humanoid_bt.cable.payloads import Description, Hello, PlantState, Sensors
+from humanoid_bt.cable.payloads import Description, Hello, PlantState, Sensors, Simulated
 from humanoid_bt.core.messages import JointCommand, Truth
 from humanoid_bt.link.wire import WireError
+from humanoid_bt.plant.touches import Touch
 from tests.cable.cabled import still
 
 KEY, OTHER = b"k" * 32, b"o" * 32
@@ -63,9 +64,10 @@ def test_payloads_come_back_as_they_were() -> None:
     sensors = payloads.unpack_sensors(payloads.pack_sensors(Sensors(3, 0.002, PlantState.HOLDS, np.arange(18.0))), 2)
     assert sensors[:3] == (3, 0.002, PlantState.HOLDS)
     assert np.array_equal(sensors.values, np.arange(18.0))
-    back, force = payloads.unpack_truth(payloads.pack_truth(truth, 12.5))
-    assert force == 12.5
-    assert np.array_equal(back.gaze_direction, truth.gaze_direction)
+    touches = [Touch(0.5, "größter_ball", "left_hand", True), Touch(0.7, "post", "right_shin", False)]
+    back = payloads.unpack_simulated(payloads.pack_simulated(Simulated(truth, 12.5, touches)))
+    assert (back.force, back.touches) == (12.5, touches)
+    assert np.array_equal(back.truth.gaze_direction, truth.gaze_direction)
 
 
 @pytest.mark.parametrize(
@@ -115,7 +117,7 @@ def test_no_frame_however_broken_disturbs_either_end(plant: Callable[..., Lockst
 
 
 FUZZER, OTHER_FUZZER = PLANT._replace(port=9), PLANT._replace(port=10)
-KINDS = [FrameKind.HELLO, FrameKind.WELCOME, FrameKind.COMMAND, FrameKind.SENSORS, FrameKind.TRUTH, FrameKind.NOTE]
+KINDS = [kind for kind in FrameKind if kind not in (FrameKind.REFUSED, FrameKind.BYE)]
 
 
 def _broken(rng: random.Random, session: int, good: bytes) -> bytes:

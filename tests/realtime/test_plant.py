@@ -106,6 +106,35 @@ def test_control_that_dies_leaves_a_plant_in_its_safe_state(
     plant.said("was silent for 100 ms")
 
 
+BACK = "format: 1\nroot: {emergency_stop: {force_success: {timeout: {duration: 3 s, step_back: {distance: 32 cm}}}}}\n"
+WALL = """
+format: 1
+name: room
+objects:
+  wall: {shape: box, size: [0.1, 2, 1], solid: true, position: [-0.45, 0, 0.5]}
+"""
+
+
+@pytest.mark.trials
+def test_the_report_names_what_a_simulated_robot_bumped_into(
+    serve: Callable[..., Served], live: Callable[..., Live], port: int, tmp_path: Path
+) -> None:
+    for name, text in {"trees/back.yaml": BACK, "sim/scenes/room.yaml": WALL}.items():
+        (tmp_path / name).parent.mkdir(parents=True)
+        (tmp_path / name).write_text(text)
+    serve("--scene", "room", "--workspace", str(tmp_path)).said("waits for a driver")
+    where = "--workspace", str(tmp_path), "--scene", "room"
+    run = live("back", "--plant", f"udp://127.0.0.1:{port}", *where, wait=False)
+    run.process.wait(60)
+    touch = run.report["touches"][0]
+    assert (touch["thing"], touch["meant"]) == ("wall", False)
+    (told,) = (
+        one for one in run.report["events"] if one["text"].endswith(f"{touch['link'].replace('_', ' ')} touches wall")
+    )
+    assert abs(told["time"] - touch["time"]) < 0.5
+    assert "bumped" in run.output
+
+
 @pytest.mark.trials
 def test_a_robot_of_which_nobody_knows_the_truth_is_driven_too(
     serve: Callable[..., Served], live: Callable[..., Live], port: int
