@@ -122,7 +122,7 @@ class Worker:
         place = place_in_file(error, file) if file else None
         where = f" ({place or relative(file or Path(self.label))})"
         if isinstance(error, PerceptError):
-            return f"{error}{where}"
+            return f"answers wrongly: {error}{where}"
         said = shortened(one_line(str(error)), _LONGEST)
         return f"raised {type(error).__name__}{f': {said}' if said else ''}{where}"
 
