@@ -47,7 +47,9 @@ class CameraProcess:
         Where EGL does not render, OSMesa is tried, unless ``MUJOCO_GL`` says what is to be used.
         """
         why = self._started(None)
-        for other in _OTHERS if why and CHOICE not in os.environ else ():
+        if why and (chosen := os.environ.get(CHOICE)):
+            return f"{why}; {CHOICE} is {chosen!r}: unset it, and EGL or OSMesa is taken, whichever is there"
+        for other in _OTHERS if why else ():
             self._kill()
             if not self.over and not self._started(other):
                 return ""

@@ -58,6 +58,12 @@ def test_without_any_the_first_reason_is_told(
     assert "there is no OpenGL to render with (Cannot initialize a EGL device display" in process.open()
 
 
+def test_a_choice_that_renders_nothing_is_told(camera: Callable[..., CameraProcess]) -> None:
+    why = camera(**{CHOICE: "glx"}).open()  # which only a program with a window has
+    assert "there is no OpenGL to render with" in why
+    assert "MUJOCO_GL is 'glx': unset it" in why
+
+
 def test_a_choice_that_mujoco_does_not_load_with_is_told() -> None:
     command = [sys.executable, "-m", "humanoid_bt", "sources"]
     environment = {**os.environ, CHOICE: "osmessa"}
