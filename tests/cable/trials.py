@@ -24,7 +24,7 @@ from humanoid_bt.cable.payloads import PlantState
 from humanoid_bt.cable.safe_state import SafeState
 from humanoid_bt.control.body.standing import load_robot
 from humanoid_bt.core.clock import cycles
-from humanoid_bt.core.messages import Mode
+from humanoid_bt.core.messages import Array, Mode
 from humanoid_bt.files.workspace import Workspace, builtin_root
 from humanoid_bt.perception.interface import Perception
 from humanoid_bt.plant.scene import Scene, load_scene
@@ -41,6 +41,9 @@ STOPPED_WITHIN = cycles(0.025)
 """Servo cycles from the pull until both sides have stopped: 20 ms of silence, and what was under way."""
 
 _AFTERWARDS = cycles(0.3)
+_PUSHED = ("walking straight", "turning", "standing still")
+_STANDING_TAKES = 1.4  # times the force that a walking robot takes
+_RECOVERS = 3.0  # s after a push in which it falls, or does not
 
 
 class CabledMachine(Machine):
@@ -48,14 +51,19 @@ class CabledMachine(Machine):
 
     Args:
         safe: the plant's safe state.
+        impairment: what becomes of frames.
     """
 
-    def __init__(self, safe: SafeState) -> None:
+    def __init__(self, safe: SafeState, impairment: Impairment = LOSSY) -> None:
         self.workspace = Workspace(builtin_root())
         self.robot, start = load_robot(Path(self.workspace.find_robot("humanoid")))
         scene = Scene(load_scene(self.workspace.find_scene("empty")), seed=0)
-        self.cabled = CabledLockstep(self.robot, start, scene, ScriptedPerception(), safe=safe)
+        self.cabled = CabledLockstep(self.robot, start, scene, ScriptedPerception(), safe=safe, impairment=impairment)
         self._begin(self.cabled)
+
+    def push(self, body: str, force: Array, duration: float) -> None:
+        """Push a body, shape (3,), world frame [N], for a time [s]."""
+        self.cabled.push(body, force, duration)
 
 
 @dataclass(frozen=True)
@@ -85,8 +93,24 @@ class Pull:
 
 
 @functools.cache
-def _machine(safe: SafeState) -> CabledMachine:
-    return CabledMachine(safe)
+def _machine(safe: SafeState, impairment: Impairment = LOSSY) -> CabledMachine:
+    return CabledMachine(safe, impairment)
+
+
+def pushed(seed: int, impairment: Impairment, force: float) -> bool:
+    """Push the torso for 0.1 s with a force [N], more of one that stands; return whether the robot went on."""
+    activity = _PUSHED[seed % len(_PUSHED)]
+    machine = _machine("hold", impairment)
+    rng = np.random.default_rng([seed, 77])
+    plan = ACTIVITIES[activity](rng)
+    machine.reset()
+    machine.decision = Scripted(plan.targets)
+    machine.run(cycles(round(rng.uniform(plan.earliest, plan.latest), 3)))
+    angle, size = rng.uniform(0.0, 2 * np.pi), force * rng.uniform(0.8, 1.2)
+    size *= 1.0 if activity in WALKING else _STANDING_TAKES
+    machine.push("torso", size * np.array([np.cos(angle), np.sin(angle), 0.0]), 0.1)
+    machine.run(cycles(_RECOVERS))
+    return not machine.modes
 
 
 def pull(safe: SafeState, activity: str, seed: int, plugged_after: float | None = None) -> tuple[Pull, CabledMachine]:
@@ -171,11 +195,13 @@ def fetch_in_realtime(seed: int, address: str) -> tuple[str, str]:
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Run both; return 0 if the ball was touched in 96 % of the runs, and every pulled cable was as told."""
+    """Run them; return 0 if the ball was touched in 96 % of the runs, and every pulled cable was as told."""
     parser = argparse.ArgumentParser(prog="python -m tests.cable.trials", description="A robot behind a cable.")
     parser.add_argument("--seeds", type=int, default=50, help="runs of the demo (default: %(default)s)")
     parser.add_argument("--first", type=int, default=0, help="seed of the first (default: %(default)s)")
     parser.add_argument("--pulls", type=int, default=100, help="pulled cables (default: %(default)s)")
+    parser.add_argument("--pushes", type=int, default=0, help="pushed robots (default: %(default)s)")
+    parser.add_argument("--force", type=float, default=100.0, help="with which, on average [N] (default: %(default)s)")
     parser.add_argument("--latency", type=float, default=LOSSY.latency, help="[s] (default: %(default)s)")
     parser.add_argument("--jitter", type=float, default=LOSSY.jitter, help="[s] (default: %(default)s)")
     parser.add_argument("--loss", type=float, default=LOSSY.loss, help="share (default: %(default)s)")
@@ -197,6 +223,9 @@ def main(arguments: list[str] | None = None) -> int:
         sys.stdout.write(f"  seed {seed}: {why or 'touched'} after {report.sim_time:.1f} s; {cable}\n")
         sys.stdout.flush()
     sys.stdout.write(f"random_target: touched {touched} of {options.seeds}\n")
+    if options.pushes:
+        went_on = sum(pushed(seed, impairment, options.force) for seed in range(options.pushes))
+        sys.stdout.write(f"pushed: {went_on} of {options.pushes} went on\n")
     pulls: list[Pull] = []
     for seed in range(options.pulls):
         activity = list(WALKING)[seed // 2 % len(WALKING)]
