@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 import threading
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
+from pathlib import Path
 from typing import Any
 
 from humanoid_bt.gateway.file import Qos
@@ -17,6 +19,25 @@ BALL = (1.9, 0.5, 0.85)
 """Where the ball of the scene ball_on_stand is, in the engine's world [m]."""
 
 _RELIABLE = Qos(reliability="reliable", durability="volatile", depth=100)
+
+
+@contextmanager
+def punctual() -> Iterator[bool]:
+    """Let no thread of this process wait for a busy machine, if that is allowed; give whether it is."""
+    threads = [int(thread.name) for thread in Path("/proc/self/task").iterdir()]
+    before = [(os.sched_getscheduler(thread), os.sched_getparam(thread)) for thread in threads]
+    try:
+        for thread in threads:
+            os.sched_setscheduler(thread, os.SCHED_FIFO, os.sched_param(1))
+    except PermissionError:
+        yield False
+        return
+    try:
+        yield True
+    finally:
+        for thread, (policy, parameters) in zip(threads, before, strict=True):
+            with suppress(ProcessLookupError):
+                os.sched_setscheduler(thread, policy, parameters)
 
 
 class Peer:

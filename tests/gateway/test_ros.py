@@ -16,7 +16,7 @@ from humanoid_bt.core.messages import Mode
 from humanoid_bt.gateway.file import Qos
 from humanoid_bt.realtime import channels
 from humanoid_bt.realtime.timing import StopRecord
-from tests.gateway.nodes import Peer, ball
+from tests.gateway.nodes import Peer, ball, punctual
 from tests.realtime.helpers import Live, until
 
 pytestmark = [pytest.mark.ros, pytest.mark.realtime]
@@ -83,19 +83,20 @@ def test_an_estop_of_a_node_is_in_force_within_10_ms(live: Callable[..., Live], 
     stop, reset = peer.publisher(Bool, "/estop"), peer.client(Trigger, "/reset")
     stops = channels.reader(run.folder, "stop")
     took = []
-    for number in range(STOPS):
-        until("the robot is free", lambda: run.state.mode is Mode.RUN)
-        read, began = stops.sequence, time.monotonic_ns()
-        stop.publish(Bool(data=True))
-        until("the stop", lambda read=read: stops.sequence > read)
-        record = StopRecord.from_bytes(stops.since(read)[0][-1][1])
-        assert (record.source, record.reason) == ("ROS 2", "/estop is true")
-        took.append((record.at - began) / 1e6)
-        stop.publish(Bool(data=False))
-        time.sleep(0.1)
-        assert run.state.mode is Mode.EMERGENCY_STOP, f"false is no reset ({number})"
-        assert reset.call(Trigger.Request(), timeout_sec=5).success
-    assert np.percentile(took, 80) < 10, took
+    with punctual() as never_waits:
+        for number in range(STOPS):
+            until("the robot is free", lambda: run.state.mode is Mode.RUN)
+            read, began = stops.sequence, time.monotonic_ns()
+            stop.publish(Bool(data=True))
+            until("the stop", lambda read=read: stops.sequence > read)
+            record = StopRecord.from_bytes(stops.since(read)[0][-1][1])
+            assert (record.source, record.reason) == ("ROS 2", "/estop is true")
+            took.append((record.at - began) / 1e6)
+            stop.publish(Bool(data=False))
+            time.sleep(0.1)
+            assert run.state.mode is Mode.EMERGENCY_STOP, f"false is no reset ({number})"
+            assert reset.call(Trigger.Request(), timeout_sec=5).success
+    assert np.percentile(took, 90 if never_waits else 80) < 10, took  # a virtual machine stands still now and then
 
 
 def listening(process: int) -> set[str]:
