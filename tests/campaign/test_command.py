@@ -115,7 +115,10 @@ def test_what_was_killed_before_it_made_its_folder_begins_anew(
         ("fetch --dry --condition friction=0.5", "the condition 'friction' needs a body, and a dry run simulates none"),
         ("fetch --dry --condition drives=0.5..1", "run it without dry, or leave it out"),
         ("fetch --dry --condition slope=5deg", "the condition 'slope' needs a body"),
-        ("fetch --perception color_blob --condition perception_noise=2", "percepts come from 'color_blob'"),
+        (
+            "fetch --perception color_blob --condition perception_noise=2 --seeds 0 --duration 1",
+            "percepts come from 'color_blob'",
+        ),
         ("fetch --dry --push at=1s,force=9", "a push needs a body"),
         ("fetch --seeds 3-x", "are no seeds"),
         ("fetch --require 'sucess > 3'", "unknown name 'sucess'"),
