@@ -10,6 +10,7 @@ import functools
 import socket
 import subprocess
 import sys
+from collections import Counter
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -190,8 +191,8 @@ def fetch_in_realtime(seed: int, address: str) -> tuple[str, str]:
         "fetch", scene="random_target", seed=seed, duration=PATIENCE, mode="realtime", plant=address, on_estop="end"
     )
     told = [event["text"] for event in report.events if event["text"].startswith(("the cable", "the servo"))]
-    stops = [f"{stop['mode']}: {stop['reason']}" for stop in report.stops]
-    return fault(report), f"{'; '.join(told)}; stops: {stops}"
+    stops = Counter(f"{stop['mode']}: {stop['reason']}" for stop in report.stops)
+    return fault(report), f"{'; '.join(told)}; stops: {dict(stops)}"
 
 
 def main(arguments: list[str] | None = None) -> int:
