@@ -234,7 +234,7 @@ def read_flight(path: str | PathLike[str]) -> FlightLog:
     """
     log = FlightLog(Path(path))
     try:
-        for part in _parts(log.path):
+        for part in files_of(log.path):
             file = RrdFile(part)
             _fill(log, file)
             log.cut, log.damaged = log.cut or file.cut, log.damaged + file.damaged
@@ -259,8 +259,8 @@ def read_cycles(path: str | PathLike[str], kind: str = "cycles") -> Cycles:
     return read_flight(path).cycles(kind)
 
 
-def _parts(path: Path) -> list[Path]:
-    """Return all parts of a recording that hold anything; just this file where there are none."""
+def files_of(path: Path) -> list[Path]:
+    """Return the files of all parts of a recording that hold anything; just this file where there are none."""
     return [part for part in parts_of(path) if is_recording(part)] or [path]
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 from humanoid_bt.core.errors import UserError
 from humanoid_bt.core.plain import plain
 from humanoid_bt.review.export import Progress, Wanted, refuse_existing, replaced, told_failures
-from humanoid_bt.review.mcap_messages import messages, schemas
+from humanoid_bt.review.mcap_schemas import schemas
 from humanoid_bt.review.recording import Recording
 
 _TOLD = 0.1  # s of the run between two reports on how far it is
@@ -32,8 +32,10 @@ def export_mcap(
     """
     try:
         from mcap.writer import Writer  # noqa: PLC0415  # an extra
+
+        from humanoid_bt.review.mcap_messages import TOPICS, messages  # noqa: PLC0415  # needs one
     except ImportError as error:
-        raise UserError("MCAP files need a package", hint="pip install 'humanoid-bt[mcap]'") from error
+        raise UserError("MCAP files need two packages", hint="pip install 'humanoid-bt[mcap]'") from error
     refuse_existing([file], force)
     with told_failures(file):
         file.parent.mkdir(parents=True, exist_ok=True)
@@ -42,7 +44,7 @@ def export_mcap(
             writer.start(library="humanoid_bt")
             known = {
                 name: writer.register_schema(name, "jsonschema", json.dumps(schema).encode())
-                for name, schema in schemas().items()
+                for name, schema in schemas(TOPICS, recording.setup["robot"]["joints"]).items()
             }
             channels: dict[str, int] = {}
             told = -_TOLD

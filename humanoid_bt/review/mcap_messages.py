@@ -1,21 +1,24 @@
-"""What a recording holds as messages of topics, under the schemas that Foxglove and PlotJuggler know."""
+"""What a recording holds as messages of topics, for Foxglove and PlotJuggler."""
 
 from __future__ import annotations
 
 import heapq
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from itertools import groupby
 from typing import Any, NamedTuple
 
-from humanoid_bt.review.columns import TABLES
+from humanoid_bt.review.drawing import Drawing, read_drawing
 from humanoid_bt.review.export import Wanted
 from humanoid_bt.review.happened import Row
+from humanoid_bt.review.mcap_scene import scene_update
+from humanoid_bt.review.mcap_schemas import FRAMES, JOINTS, LOG, POSE, SCENE, SERVO, own_schema
 from humanoid_bt.review.recording import Recording
 
 WORLD, BASE = "world", "base"
 _LEVELS = {"debug": 1, "info": 2, "warning": 3, "error": 4}
 _STATUS_LEVELS = {"FAILURE": 3}
+_STATE = {"position": "position", "velocity": "velocity", "effort": "torque"}
 
 
 class Message(NamedTuple):
@@ -36,34 +39,15 @@ class Message(NamedTuple):
 
 def messages(recording: Recording, wanted: Wanted) -> Iterator[Message]:
     """Yield everything as messages, in the order of time."""
-    own = (_own(recording, wanted, name, topic) for name, topic in _TOPICS.items())
-    parts = [_joints(recording, wanted), _base(recording, wanted), _percepts(recording, wanted)]
+    own = (_own(recording, wanted, name, topic) for name, topic in TOPICS.items())
+    drawing = read_drawing(recording.path)
+    parts = [_scene(drawing, wanted), _bodies(drawing, wanted), _base(recording, wanted)]
+    parts += [_joints(recording, wanted), _percepts(recording, wanted)]
     parts += [_logs(recording, wanted, "events"), _logs(recording, wanted, "nodes"), *own]
     return heapq.merge(*parts, key=lambda message: message.time)
 
 
-def schemas() -> dict[str, dict[str, Any]]:
-    """Return the JSON schema of every kind of message by its name."""
-    pose = _object(position=_vector("xyz"), orientation=_vector("xyzw"))
-    transform = _object(
-        timestamp=_TIME,
-        parent_frame_id=_TEXT,
-        child_frame_id=_TEXT,
-        translation=_vector("xyz"),
-        rotation=_vector("xyzw"),
-    )
-    joint = _object(name=_TEXT, position=_NUMBER, velocity=_NUMBER, effort=_NUMBER)
-    known = {
-        "foxglove.JointStates": _object(timestamp=_TIME, joints={"type": "array", "items": joint}),
-        "foxglove.FrameTransforms": _object(transforms={"type": "array", "items": transform}),
-        "foxglove.PoseInFrame": _object(timestamp=_TIME, frame_id=_TEXT, pose=pose),
-        "foxglove.Log": _object(timestamp=_TIME, level=_WHOLE, message=_TEXT, name=_TEXT, file=_TEXT, line=_WHOLE),
-    }
-    own = {_own_schema(name): _of_table(name) for name in _TOPICS}
-    return {name: {"title": name, **schema} for name, schema in {**known, **own}.items()}
-
-
-_TOPICS = {
+TOPICS = {
     "body": "/body",
     "ticks": "/ticks",
     "contacts": "/contacts/{group}",
@@ -76,28 +60,58 @@ _TOPICS = {
 """Tables whose rows are messages as they are, and their topics."""
 
 
+def _scene(drawing: Drawing, wanted: Wanted) -> Iterator[Message]:
+    """Yield robot and scene, with bodies fixed to their frames."""
+    begin, end = wanted.between or (-math.inf, math.inf)
+    latest = {part: shapes for time, part, shapes in drawing.parts() if time <= begin}
+    for part, shapes in latest.items():
+        yield Message(begin, f"/{part}", SCENE, scene_update(shapes, _stamp(begin)))
+    for time, part, shapes in drawing.parts():
+        if begin < time <= end:
+            yield Message(time, f"/{part}", SCENE, scene_update(shapes, _stamp(time)))
+
+
+def _bodies(drawing: Drawing, wanted: Wanted) -> Iterator[Message]:
+    """Yield where the bodies are, as often as the 3D view was drawn."""
+    begin, end = wanted.between or (-math.inf, math.inf)
+    for times, frames, positions, quaternions in drawing.poses:
+        rows = zip(times.tolist(), frames, positions.tolist(), quaternions.tolist(), strict=True)
+        for time, some in groupby(rows, key=lambda row: row[0]):
+            if begin <= time <= end:
+                stamp = _stamp(time)
+                moved = [_transform(stamp, frame, position, turn) for _, frame, position, turn in some]
+                yield Message(time, "/tf", FRAMES, {"transforms": moved})
+
+
+def _transform(stamp: dict[str, int], frame: str, position: Iterable[float], turn: Iterable[float]) -> dict[str, Any]:
+    return {
+        "timestamp": stamp,
+        "parent_frame_id": WORLD,
+        "child_frame_id": frame,
+        "translation": dict(zip("xyz", position, strict=True)),
+        "rotation": dict(zip("xyzw", turn, strict=True)),
+    }
+
+
 def _joints(recording: Recording, wanted: Wanted) -> Iterator[Message]:
-    columns = ("time", "joint", "position", "velocity", "torque")
-    for time, rows in groupby(_rows(recording, wanted, "joints", columns), key=lambda row: row["time"]):
-        states = [_without_gaps({**row, "name": row["joint"], "effort": row["torque"]}) for row in rows]
-        kept = [
-            {key: state[key] for key in ("name", "position", "velocity", "effort") if key in state} for state in states
+    for time, rows in groupby(_rows(recording, wanted, "joints"), key=lambda row: row["time"]):
+        known = {row["joint"]: _without_gaps(row) for row in rows}
+        states = [
+            {"name": name, **{told: row[own] for told, own in _STATE.items() if own in row}}
+            for name, row in known.items()
         ]
-        yield Message(time, "/joints", "foxglove.JointStates", {"timestamp": _stamp(time), "joints": kept})
+        yield Message(time, "/joints", JOINTS, {"timestamp": _stamp(time), "joints": states})
+        servo = {name: {key: row[key] for key in row if key not in ("time", "joint")} for name, row in known.items()}
+        yield Message(time, "/servo", SERVO, {"timestamp": _stamp(time), **servo})
 
 
 def _base(recording: Recording, wanted: Wanted) -> Iterator[Message]:
     for row in _rows(recording, wanted, "body"):
         numbers = _without_gaps(row)
         if all(name in numbers for name in ("x", "y", "z", "qx", "qy", "qz", "qw")):
-            transform = {
-                "timestamp": _stamp(row["time"]),
-                "parent_frame_id": WORLD,
-                "child_frame_id": BASE,
-                "translation": {axis: row[axis] for axis in "xyz"},
-                "rotation": {axis: row[f"q{axis}"] for axis in "xyzw"},
-            }
-            yield Message(row["time"], "/tf", "foxglove.FrameTransforms", {"transforms": [transform]})
+            place, turn = [row[axis] for axis in "xyz"], [row[f"q{axis}"] for axis in "xyzw"]
+            base = _transform(_stamp(row["time"]), BASE, place, turn)
+            yield Message(row["time"], "/tf", FRAMES, {"transforms": [base]})
 
 
 def _percepts(recording: Recording, wanted: Wanted) -> Iterator[Message]:
@@ -106,7 +120,7 @@ def _percepts(recording: Recording, wanted: Wanted) -> Iterator[Message]:
         turn = {axis: row[f"q{axis}"] for axis in "xyzw"} if turned else _upright(row["heading"] or 0.0)
         pose = {"position": {axis: row[axis] for axis in "xyz"}, "orientation": turn}
         value = {"timestamp": _stamp(row["stamp"]), "frame_id": BASE, "pose": pose}
-        yield Message(row["time"], f"/percepts/{row['name']}", "foxglove.PoseInFrame", value)
+        yield Message(row["time"], f"/percepts/{row['name']}", POSE, value)
 
 
 def _upright(heading: float) -> dict[str, float]:
@@ -121,17 +135,17 @@ def _logs(recording: Recording, wanted: Wanted, name: str) -> Iterator[Message]:
         text = row["text"] if name == "events" else f"{row['status']} {row['text']}".strip()
         file, line = _file_and_line(places.get(node, ""))
         value = {"timestamp": _stamp(row["time"]), "level": level, "message": text, "name": node}
-        yield Message(row["time"], f"/{name}", "foxglove.Log", {**value, "file": file, "line": line})
+        yield Message(row["time"], f"/{name}", LOG, {**value, "file": file, "line": line})
 
 
 def _own(recording: Recording, wanted: Wanted, name: str, topic: str) -> Iterator[Message]:
     for row in _rows(recording, wanted, name):
         value = {"timestamp": _stamp(row["time"]), **_without_gaps(row)}
-        yield Message(row["time"], topic.format(**row), _own_schema(name), value)
+        yield Message(row["time"], topic.format(**row), own_schema(name), value)
 
 
-def _rows(recording: Recording, wanted: Wanted, name: str, columns: tuple[str, ...] | None = None) -> Iterator[Row]:
-    for batch in recording.batches(name, between=wanted.between, rate=wanted.rate, columns=columns):
+def _rows(recording: Recording, wanted: Wanted, name: str) -> Iterator[Row]:
+    for batch in recording.batches(name, between=wanted.between, rate=wanted.rate):
         yield from batch.to_pylist()
 
 
@@ -153,32 +167,3 @@ def _file_and_line(place: str) -> tuple[str, int]:
     """Return the parts of file:line:column."""
     file, line, _ = [*place.rsplit(":", 2), "", ""][:3]
     return file, int(line) if line.isascii() and line.isdigit() else 0
-
-
-# ---- schemas --------------------------------------------------------------------------------------------------------
-
-_NUMBER, _WHOLE, _TEXT = {"type": "number"}, {"type": "integer"}, {"type": "string"}
-_TYPES = {"number": _NUMBER, "sample": _NUMBER, "count": _WHOLE, "boolean": {"type": "boolean"}}
-
-
-def _object(**properties: Any) -> dict[str, Any]:
-    return {"type": "object", "properties": properties}
-
-
-_TIME = {"title": "time", **_object(sec=_WHOLE, nsec=_WHOLE)}
-
-
-def _vector(axes: str) -> dict[str, Any]:
-    return _object(**dict.fromkeys(axes, _NUMBER))
-
-
-def _own_schema(name: str) -> str:
-    return f"humanoid_bt.{name}"
-
-
-def _of_table(name: str) -> dict[str, Any]:
-    described = {
-        c.name: {**_TYPES.get(c.type, _TEXT), "description": f"{c.meaning} [{c.unit}]" if c.unit else c.meaning}
-        for c in TABLES[name].columns
-    }
-    return _object(timestamp=_TIME, **described)

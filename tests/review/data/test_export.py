@@ -106,7 +106,46 @@ def test_joints_in_mcap_are_those_of_the_recording(messages: dict[str, list[Any]
     assert [(j["name"], j["position"], j["effort"]) for j in value["joints"]] == [
         (row["joint"], row["position"], row["torque"]) for row in table
     ]
-    assert len(messages["/joints"]) == len(messages["/tf"]) == 320
+    based = [at for at, _, value in messages["/tf"] if value["transforms"][0]["child_frame_id"] == "base"]
+    assert len(messages["/joints"]) == len(messages["/servo"]) == len(based) == 320
+
+
+def test_joints_in_mcap_can_be_asked_for_by_name(messages: dict[str, list[Any]], recording: Recording) -> None:
+    rows = {row["joint"]: row for row in recording.joints(rate=100, between=(1.5, 1.5)).to_pylist()}
+    value = next(value for at, _, value in messages["/servo"] if at == 1_500_000_000)
+    assert {name: row["setpoint"] for name, row in value.items() if name != "timestamp"} == {
+        name: row["setpoint"] for name, row in rows.items()
+    }
+
+
+def test_robot_and_scene_in_mcap_are_fixed_to_frames_that_move(messages: dict[str, list[Any]]) -> None:
+    ((_, schema, robot),) = messages["/robot"]
+    assert schema == "foxglove.SceneUpdate"
+    _, _, bodies = [found for found in messages["/tf"] if len(found[2]["transforms"]) > 1][25]
+    moved = {each["child_frame_id"]: each for each in bodies["transforms"]}
+    assert {entity["frame_id"] for entity in robot["entities"]} <= moved.keys()
+    shin = next(entity for entity in robot["entities"] if entity["id"] == "left_shin")
+    assert shin["frame_locked"] and shin["cylinders"] and shin["spheres"]
+    second = bodies["transforms"][0]["timestamp"]["sec"] + bodies["transforms"][0]["timestamp"]["nsec"] / 1e9
+    place = next(
+        value["transforms"][0]["translation"]["x"]
+        for at, _, value in messages["/tf"]
+        if at >= second * 1e9 and value["transforms"][0]["child_frame_id"] == "base"
+    )
+    assert moved["pelvis"]["translation"]["x"] == pytest.approx(place, abs=0.005)
+
+
+def test_a_hidden_thing_in_mcap_can_be_seen_through(messages: dict[str, list[Any]]) -> None:
+    opacity = [
+        (at, entity["spheres"][0]["color"]["a"])
+        for at, _, value in messages["/scene"]
+        for entity in value["entities"]
+        if entity["id"] == "object_ball"
+    ]
+    (begin, whole), (hidden, faint) = opacity
+    assert (begin, whole) == (0, 1.0)
+    assert hidden == 3_000_000_000 and faint < 0.5
+    assert all(len(value["entities"]) > 1 for _, _, value in messages["/scene"])
 
 
 def test_what_happened_is_told_under_known_schemas(messages: dict[str, list[Any]]) -> None:
