@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from humanoid_bt.cli import main
 from humanoid_bt.control.body.policy.learned_body import LearnedBody
 from humanoid_bt.control.body.standing import load_robot
 from humanoid_bt.control.body.whole_body import WholeBody
@@ -45,6 +46,15 @@ def test_a_robot_without_a_walker_says_what_is_missing() -> None:
 def test_the_run_has_the_last_word(robot: Path) -> None:
     assert isinstance(body_of(Session("stand", robot=robot)), LearnedBody)
     assert isinstance(body_of(Session("stand", robot=robot, body="dcm")), WholeBody)
+
+
+def test_a_walker_that_does_not_walk_is_refused_in_its_own_file(
+    robot: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["check", str(robot)]) == 2
+    told = capsys.readouterr().out
+    assert "stand.policy.yaml:7:22: error: it does not walk straight ahead" in told
+    assert "the terms' order, scales and history" in told
 
 
 def test_the_tree_runs_on_a_learned_walker(robot: Path) -> None:

@@ -126,7 +126,7 @@ class Policy:
 
     def problems_with(self, robot_joints: Sequence[str]) -> Iterator[Problem]:
         """Yield the joints of the policy that a robot does not have, as what is wrong."""
-        place = self._place("joints") if self.config.joints else self._place("model")
+        place = self.place("joints") if self.config.joints else self.place("model")
         for name in self.joints:
             if name not in robot_joints:
                 hint = nearest(name, robot_joints)
@@ -135,8 +135,12 @@ class Policy:
         for key, patterns in (("joints", lend.joints), ("waist", lend.waist)):
             for number, pattern in enumerate(patterns or ()):
                 if not fnmatch.filter(self.joints, pattern):
-                    hint, where = nearest(pattern, self.joints), self._place("lend", key, number)
+                    hint, where = nearest(pattern, self.joints), self.place("lend", key, number)
                     yield Problem(f"no joint of the policy matches {pattern!r}", where, hint, code="unknown-joint")
+
+    def place(self, *keys: str | int) -> Place | None:
+        """Return where in its description something stands, None if it has none."""
+        return self.config.written.place_of(*keys) if self.config.written else None
 
     # ---- reading -----------------------------------------------------------------------------------------------------
 
@@ -147,18 +151,15 @@ class Policy:
             self._problems += error.problems
             return None
 
-    def _place(self, *keys: str | int) -> Place | None:
-        return self.config.written.place_of(*keys) if self.config.written else None
-
     def _wrong(self, message: str, *keys: str | int, hint: str = "") -> None:
-        self._problems.append(Problem(message, self._place(*keys), hint, code="policy"))
+        self._problems.append(Problem(message, self.place(*keys), hint, code="policy"))
 
     def _stated(self, value: Any, key: str, kind: type[_T], within: tuple[str, ...] = ()) -> _T:
         """Return what the description says, or else where the model's metadata has it."""
         if value is not None:
             assert isinstance(value, kind)
             return value
-        place = self._place(*within) or Place(str(self.config.path))
+        place = self.place(*within) or Place(str(self.config.path))
         found = next((name for name in _KEYS[key] if name in self.network.metadata), None)
         if found is None:
             message = f"there is no {'.'.join((*within, key))!r}, and the model's metadata has none"
@@ -190,7 +191,7 @@ class Policy:
             matching = [index for index, name in enumerate(names) if fnmatch.fnmatchcase(name, pattern)]
             if not matching:
                 message, hint = f"no joint of the policy matches {pattern!r}", nearest(pattern, names)
-                raise UserError(message, self._place(*keys, number), hint, code="unknown-joint")
+                raise UserError(message, self.place(*keys, number), hint, code="unknown-joint")
             found += [index for index in matching if index not in found]
         return np.array(found, dtype=np.intp)
 
