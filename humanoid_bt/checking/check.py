@@ -18,6 +18,7 @@ from humanoid_bt.files.workspace import Workspace, source_files, yaml_files
 from humanoid_bt.perception.choice import choose
 from humanoid_bt.perception.source_files import load_sources
 from humanoid_bt.plant.scene_config import load_scene
+from humanoid_bt.robot.policy.policy import load_policy
 from humanoid_bt.tree.nodes.registry import Registry
 from humanoid_bt.tree.source.load import load_tree
 from humanoid_bt.tree.tree import Tree
@@ -31,8 +32,8 @@ def checked(path: Path, workspace: Workspace, kinds: Kinds = types.MappingProxyT
     """Return the errors and warnings of a tree, a scene, a robot or a skill file, each with its file.
 
     Args:
-        path: the file: ``*.py`` is a percept source in ``perception/``, else a skill; ``robot.yaml`` a robot; what lies
-            in ``scenes/`` a scene, else a tree.
+        path: the file: ``*.py`` is a percept source in ``perception/``, else a skill; ``robot.yaml`` a robot;
+            ``*.policy.yaml`` a learned walker; what lies in ``scenes/`` a scene, else a tree.
         workspace: where it would run.
         kinds: other kinds of files.
     """
@@ -111,6 +112,8 @@ def _load(path: Path, workspace: Workspace, kinds: Kinds) -> Sequence[Problem]:
         Registry.of(workspace)
     elif path.name == "robot.yaml":
         return robot_problems(path)
+    elif path.name.endswith(".policy.yaml"):
+        load_policy(path)
     elif path.parent.name == "scenes":
         scene = load_scene(path)
         choose(scene.perception, workspace, scene)

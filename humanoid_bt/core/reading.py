@@ -105,6 +105,10 @@ def unexplained(unknown: Collection[str], known: Collection[str], missing: Colle
 
 def needed(spec: Param) -> str:
     """Return a hint: how a parameter that is missing is written."""
+    kind: Any = spec.type
+    if dataclasses.is_dataclass(kind):
+        keys = (f"{name}: ..." for name, inner in params_of(typing.cast("type", kind)).items() if inner.required)
+        return f"{spec.name}: {{{', '.join(keys) or '...'}}}  # {spec.doc}"
     return f"{spec.name}: {spec.type_name}  # {spec.doc}"
 
 

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from humanoid_bt.cli import main
 from humanoid_bt.core.errors import UserError
 from humanoid_bt.robot.policy.policy import load_policy
 from tests.onnx_models import write_affine
@@ -35,6 +36,16 @@ def test_takes_from_the_metadata_what_the_file_leaves_out(tmp_path: Path) -> Non
     assert policy.width == 3 + 2 + 3 + 3
     assert policy.period == 4
     assert policy.ranges.tolist() == [[-1, -0.5, -1], [1, 0.5, 1]]
+
+
+def test_a_description_can_be_checked_alone(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["check", str(write_walker(tmp_path))]) == 0
+    bare = write_walker(tmp_path, "format: 1\nmodel: walk.onnx\n")
+    capsys.readouterr()
+    assert main(["check", str(bare)]) == 2
+    assert (
+        "'observation' of the policy is missing [missing-key]\n    observation: {terms: ...}" in capsys.readouterr().out
+    )
 
 
 def test_reads_command_ranges_from_the_metadata(tmp_path: Path) -> None:
