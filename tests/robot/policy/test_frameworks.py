@@ -40,6 +40,7 @@ def loaded(
     """Return the walker that the page's example describes, on a model that answers zeros."""
     section = PAGE.read_text(encoding="utf-8").split(f"\n### {framework}\n")[1].split("\n#")[0]
     (text,) = re.findall(r"```yaml\n(.*?)```", section, re.DOTALL)
+    text = re.sub(r"model: \S+", "model: policy.onnx", text)
     if state:
         text = text.replace(", {input: c_in, output: c_out}", "")  # the writer of models has one memory
     path = folder / "walk.policy.yaml"
@@ -62,6 +63,22 @@ def seen(policy: Policy, times: int = 1) -> Array:
         qvel[3] = 0.4 + number
         row = observation.observe(Estimate(0.0, qpos, qvel, np.zeros(count), np.zeros(2)), COMMAND, False, NONE)[0]
     return row
+
+
+def test_holosoma(tmp_path: Path) -> None:
+    ranges = {"lin_vel_x": [-1, 1], "lin_vel_y": [-1, 1], "ang_vel_yaw": [-1, 1]}
+    metadata = {"dof_names": MOTORS, "kp": [40.0] * 29, "kd": [2.0] * 29, "command_ranges": ranges}
+    policy = loaded(tmp_path, "holosoma", width=100, moved=29, metadata=metadata)
+    assert policy.default_pose[:6].tolist() == [-0.312, 0, 0, 0.669, -0.363, 0]
+    assert policy.default_pose[15:19].tolist() == [0.2, 0.2, 0, 0.6]
+    row = seen(policy)
+    assert row[:29].tolist() == list(range(29))
+    assert row[29:35] == pytest.approx([0.1, 0.125, 0.15, -0.3, 0.5, 0.2])
+    angle = 2 * np.pi * 0.02
+    assert row[35:37] == pytest.approx([np.cos(angle), -np.cos(angle)])
+    assert row[37 + 3] == pytest.approx(0.03 - 0.669)
+    assert row[66 + 3] == pytest.approx(0.05 * 0.3)
+    assert row[95:98].tolist() == [0, 0, -1]
 
 
 def test_unitree_rl_gym(tmp_path: Path) -> None:
