@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import select
+import signal
 import socket
 import subprocess
 import sys
@@ -341,6 +342,8 @@ if hasattr(os, "register_at_fork"):
 
 def _end_process(process: subprocess.Popen[bytes], end: socket.socket) -> None:
     end.close()
-    process.kill()
+    if process.poll() is None:
+        with suppress(ProcessLookupError):  # with what its libraries start as they load, which would complain
+            os.killpg(process.pid, signal.SIGKILL)
     with suppress(subprocess.TimeoutExpired):
         process.wait(_END_TIMEOUT)

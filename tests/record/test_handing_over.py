@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import os
 import pickle
+import select
 import socket
 import subprocess
 import time
@@ -145,6 +146,22 @@ def test_a_forked_child_lets_go_of_the_recorder(recorder: RemoteRecorder) -> Non
     if not child:
         os._exit(0 if recorder._end.fileno() == -1 else 1)
     assert os.waitpid(child, 0)[1] == 0
+
+
+def test_a_recorder_that_is_ended_as_it_loads_leaves_nothing_behind(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    telling, told = os.pipe()
+    loading = tmp_path / "python"
+    loading.write_text(f"#!/bin/sh\nexec 3>/proc/{os.getpid()}/fd/{told}\nsleep 60 &\necho >&3\nwait\n")
+    loading.chmod(0o755)
+    monkeypatch.setattr(remote_recorder.sys, "executable", str(loading))
+    recorder = RemoteRecorder(waits=True)
+    assert os.read(telling, 1) == b"\n", "it has started something, as libraries do that look for others"
+    os.close(told)
+    recorder.close()
+    assert select.select([telling], [], [], 20)[0] and not os.read(telling, 1), "nobody has the other end any more"
+    os.close(telling)
 
 
 def test_while_nothing_comes_there_is_time_for_other_things(ends: tuple[socket.socket, socket.socket]) -> None:
