@@ -31,7 +31,7 @@ class EStopEars:
 
     def __init__(self, ears: Ears, config: EStopTopic, estop: EStop, news: News) -> None:
         self._config, self._estop, self._news = config, estop, news
-        self._heard, self._silent = time.monotonic(), False
+        self._heard, self._silent, self._ever = time.monotonic(), False, False
         ears.listen(config.topic, "std_msgs/Bool", profile(config.qos, STOP), self._hear, self._deaf)
         ears.every(_LOOK, self._look)
         if config.reset:
@@ -47,7 +47,7 @@ class EStopEars:
     def _hear(self, message: Any) -> None:
         if message.data:
             self._estop.raise_(SOURCE, f"{self._config.topic} is true")
-        self._heard, self._silent = time.monotonic(), False
+        self._heard, self._silent, self._ever = time.monotonic(), False, True
 
     def _deaf(self, why: str) -> None:
         self._estop.raise_(SOURCE, why)
@@ -56,7 +56,9 @@ class EStopEars:
         timeout = self._config.timeout
         if timeout is not None and not self._silent and time.monotonic() - self._heard > timeout:
             self._silent = True
-            self._estop.raise_(SOURCE, f"{self._config.topic} has been silent for more than {timeout:g} s")
+            topic, limit = self._config.topic, f"for more than {timeout:g} s"
+            why = f"{topic} has been silent {limit}" if self._ever else f"nobody has been heard yet on {topic}, {limit}"
+            self._estop.raise_(SOURCE, why)
 
     def _reset(self, _request: Any, response: Any) -> Any:
         level: Level = "info"

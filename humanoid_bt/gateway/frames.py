@@ -23,6 +23,10 @@ _OPTICAL = np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
 _HERE = np.array([0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0])
 
 
+class NotYetKnown(ValueError):  # noqa: N818 (the name says it)
+    """The run has just begun: control has not said yet where the robot is."""
+
+
 class UnknownFrame(ValueError):  # noqa: N818 (the name says it)
     """Nobody has said where a frame is."""
 
@@ -73,6 +77,7 @@ class FrameTree:
 
         Raises:
             UnknownFrame: nobody has said where it is, or not lately though it moves.
+            NotYetKnown: it hangs on the engine's world, and the run has just begun.
         """
         with self._lock:
             pose, name, way = _HERE, frame.lstrip("/"), set[str]()
@@ -89,7 +94,7 @@ class FrameTree:
 
     def _base_pose(self, time: float) -> Array:
         if not self._past:
-            raise UnknownFrame("the robot has not said yet where it is")
+            raise NotYetKnown("the robot has not said yet where it is")
         return min(self._past, key=lambda past: abs(past[0] - time))[1]
 
 

@@ -11,7 +11,7 @@ from humanoid_bt.core.geometry import heading_of, quaternion, rotation_matrix
 from humanoid_bt.core.messages import Level, Percept
 from humanoid_bt.gateway.clock import EngineClock
 from humanoid_bt.gateway.file import PerceptTopic
-from humanoid_bt.gateway.frames import FrameTree, UnknownFrame
+from humanoid_bt.gateway.frames import FrameTree, NotYetKnown, UnknownFrame
 from humanoid_bt.gateway.percepts import Malformed, Sighting, sighting
 from humanoid_bt.perception.worker import PerceptError, checked
 
@@ -60,6 +60,9 @@ class Inbox:
                 self._why(name, f"the messages on {topic.topic} have no {topic.class_ or 'detection'}")
                 return
             percept = self._percept(name, topic, seen)
+        except NotYetKnown as error:  # of the first moments of every run: no mistake
+            self._why(name, f"a message on {topic.topic} cannot be used yet: {error}")
+            return
         except (Malformed, UnknownFrame, PerceptError) as error:
             self._refuse(name, f"a message on {topic.topic} is refused: {error}")
             return
@@ -114,6 +117,7 @@ class Inbox:
         Raises:
             Malformed: its stamp cannot be.
             UnknownFrame: nobody knows where its frame is.
+            NotYetKnown: nobody knows yet where the robot is.
             PerceptError: it is no percept.
         """
         now = self._clock.now()

@@ -26,7 +26,10 @@ publish:
   robot_description: {topic: /robot_description}
 """
 
-
+SILENCE = """
+format: 1
+estop: {topic: /estop, timeout: 1 s, reset: /reset}
+"""
 ACTION = """
 format: 1
 action: {name: /rest, type: test_msgs/action/Fibonacci, parameters: {duration: order}}
@@ -46,6 +49,7 @@ def project(tmp_path_factory: pytest.TempPathFactory) -> Path:
     (project / "gateways").mkdir()
     (project / "trees/rest.yaml").write_text(REST)
     (project / "gateways/robot.yaml").write_text(GATEWAY)
+    (project / "gateways/silence.yaml").write_text(SILENCE)
     (project / "gateways/action.yaml").write_text(ACTION)
     return project
 
@@ -60,7 +64,7 @@ def live(project: Path, tmp_path: Path) -> Iterator[Callable[..., Live]]:
         run = Live(project, folder, tree, "--gateway", gateway, *options, record=False)
         started.append(run)
         run.ready()
-        roles = {"gateway"} | ({"gateway_estop"} if gateway == "robot" else set())
+        roles = {"gateway"} | ({"gateway_estop"} if gateway in ("robot", "silence") else set())
         until("the gateway's start", lambda: roles <= run.folder.info.processes.keys())
         run.pids = dict(run.folder.info.processes)
         return run

@@ -84,6 +84,14 @@ def test_a_frame_that_moves_counts_as_long_as_it_is_told_of(desk: Desk) -> None:
     assert "where the frame 'head' is was last said 1.0 s before" in desk.news[0][1]
 
 
+def test_before_the_robot_says_where_it_is_no_message_is_a_mistake(desk: Desk) -> None:
+    assert desk.percept(messages.pose_stamped(START, (1, 0, 0), "odom")) is None
+    assert "cannot be used yet: the robot has not said yet where it is" in desk.inbox.unseen["ball"]
+    desk.frames.base_at(5.0, np.zeros(3), np.array([1.0, 0, 0, 0]))
+    assert desk.percept(messages.pose_stamped(START, (1, 0, 0), "odom")) is not None
+    assert desk.news == []
+
+
 def test_where_the_base_is_control_knows_better(desk: Desk) -> None:
     desk.frames.base_at(5.0, np.zeros(3), np.array([1.0, 0, 0, 0]))
     told = SimpleNamespace(transforms=[messages.transform("odom", "base_link", START, (9, 9, 9))])

@@ -99,6 +99,28 @@ def test_an_estop_of_a_node_is_in_force_within_10_ms(live: Callable[..., Live], 
     assert np.percentile(took, 90 if never_waits else 80) < 10, took  # a virtual machine stands still now and then
 
 
+def test_an_estop_topic_that_is_silent_stops_the_robot(live: Callable[..., Live], peer: Peer) -> None:
+    from std_msgs.msg import Bool
+    from std_srvs.srv import Trigger
+
+    run = live("stand", "--duration", "120", gateway="silence")
+    stops = channels.reader(run.folder, "stop")
+    reasons = lambda: [StopRecord.from_bytes(data).reason for _, data in stops.since(0)[0]]  # noqa: E731 (read thrice)
+    never, silent = "nobody has been heard yet on /estop, for more than 1 s", "/estop has been silent for more than 1 s"
+    until("a stop, for nobody is there", lambda: never in reasons())
+    stop, reset = peer.publisher(Bool, "/estop"), peer.client(Trigger, "/reset")
+
+    def free() -> bool:
+        stop.publish(Bool(data=False))
+        return run.state.mode is Mode.RUN
+
+    assert not free(), "a word is no reset"
+    assert reset.call(Trigger.Request(), timeout_sec=5).success
+    until("the robot is free", free)
+    assert silent not in reasons()
+    until("a stop, for it is silent again", lambda: silent in reasons())
+
+
 def listening(process: int) -> set[str]:
     """Return the addresses on which a process has UDP sockets at the ports of DDS."""
     files = [Path(f"/proc/{process}/fd/{name.name}") for name in Path(f"/proc/{process}/fd").iterdir()]
