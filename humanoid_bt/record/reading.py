@@ -12,6 +12,7 @@ from bisect import bisect_left
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from itertools import pairwise
 from os import PathLike
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -201,18 +202,14 @@ class FlightLog:
     @property
     def span(self) -> tuple[float, float]:
         """The engine times [s] of the first and the last servo cycle that the file has; both 0 if it has none."""
-        first, last = (
-            self.cycles("cycles", *at, ("servo",)).time for at in ((0.0, self._first), (self._last, math.inf))
-        )
+        first, last = self._edge(forward=True), self._edge(forward=False)
         return (float(first[0]), float(last[-1])) if len(first) and len(last) else (0.0, 0.0)
 
-    @property
-    def _first(self) -> float:
-        return self.until["cycles"][0] if self.until["cycles"] else 0.0
-
-    @property
-    def _last(self) -> float:
-        return self.until["cycles"][-2] if len(self.until["cycles"]) > 1 else 0.0
+    def _edge(self, *, forward: bool) -> Array:
+        """Return times [s] of the servo cycles in the outermost intact block on one side, empty if none is intact."""
+        looks = list(pairwise([0.0, *self.until["cycles"][:-1], math.inf]))
+        found = (self.cycles("cycles", *look, ("servo",)).time for look in (looks if forward else reversed(looks)))
+        return next((times for times in found if len(times)), np.zeros(0))
 
     def _blocks(self, name: str, begin: float, last: int | None = None) -> list[bytes]:
         """Return the blocks, up to a number, in which something may be from a time [s] on."""

@@ -197,6 +197,17 @@ def test_damaged_blocks_are_counted(file: Path) -> None:
     assert 0 < recording.joints().num_rows < open_recording(file).joints().num_rows
 
 
+def test_the_first_and_the_last_blocks_are_not_missed(file: Path) -> None:
+    log = read_flight(file)
+    whole, blocks = Recording(log).joints(rate=1000)["time"].to_pylist(), log.blocks["cycles"]
+    assert len(blocks) > 4
+    for number in (0, 1, -1):
+        blocks[number] = b"nonsense"
+    times = Recording(log).joints(rate=1000)["time"].to_pylist()
+    assert whole[0] < times[0] < log.until["cycles"][2]
+    assert log.until["cycles"][-3] <= times[-1] < whole[-1]
+
+
 def test_few_bytes_cannot_become_many() -> None:
     packed = zlib.compress(bytes(20_000_000), 9)
     for small in (1, 1000):
