@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
 from humanoid_bt.control.body.own_links import OwnLinks
 from humanoid_bt.core.messages import Array
@@ -33,10 +34,11 @@ def margins(low: float) -> tuple[Array, Array]:
     return links.margins[np.ix_(trunk, thighs[0])], links.margins[np.ix_(trunk, thighs[1])]
 
 
-def test_a_trunk_and_a_hip_that_are_in_each_other_at_home_are_left_alone_whichever_shapes_meet() -> None:
-    inside, apart = margins(low=-0.35)
-    assert (inside < 0).all()
-    assert (apart > 0).all()
+@pytest.mark.parametrize("low", [-0.35, -0.06], ids=["in each other", "nearer than the margin"])
+def test_a_trunk_and_a_hip_that_meet_at_home_are_left_alone_whichever_shapes_meet(low: float) -> None:
+    left, right = margins(low)
+    assert (left < 0).all()
+    assert (right > 0).all()
 
 
 def test_a_trunk_is_kept_from_legs_that_it_does_not_meet_at_home() -> None:
