@@ -162,7 +162,8 @@ def _wrong_bodies(robot: RobotModel, data: mujoco.MjData) -> Iterator[Problem]:
         if away > _NEAR_BODY:
             message = f"{title} {away * 100:.0f} cm away from the body {site.body!r}"
             yield Problem(message, config.place(*keys, "position"), "a position in the body's frame", code="site-off")
-    ahead, height = data.site(GAZE_SITE).xmat[[0, 3, 6]], data.site(GAZE_SITE).xpos[2] - data.body(config.base).xpos[2]
+    ahead = data.body(config.gaze.body).xmat[[0, 3, 6]]
+    height = data.site(GAZE_SITE).xpos[2] - data.body(config.base).xpos[2]
     if ahead @ data.body(config.base).xmat[[0, 3, 6]] < _ALONG:
         message = f"the eyes do not look ahead: x of {config.gaze.body!r} points along {_axis(ahead)}"
         yield Problem(message, config.place("gaze", "body"), "x must point ahead, z up", code="site-off")

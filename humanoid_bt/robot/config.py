@@ -42,6 +42,19 @@ class HandConfig(SiteConfig):
 
 
 @dataclass(frozen=True, kw_only=True)
+class GazeConfig(SiteConfig):
+    """The eyes: a point on the body that carries them."""
+
+    down: float = param(
+        0.0,
+        minimum=0,
+        maximum=1.2,
+        unit="rad",
+        doc="How far they look down while that body is upright, as those of a robot without a neck do.",
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
 class LegConfig:
     """The joints and the sole of one leg."""
 
@@ -242,7 +255,7 @@ class RobotConfig:
     legs: dict[str, LegConfig] = param(doc="The legs: left and right.")
     sole: SoleConfig = param(doc="Shape of both soles.")
     hands: dict[str, HandConfig] = param({}, doc="Palms: left, right, or none.")
-    gaze: SiteConfig = param(doc="The eyes, x in the direction of view.")
+    gaze: GazeConfig = param(doc="The eyes, x ahead.")
     neck: NeckConfig | None = param(None, doc="Neck joints, if it has any.")
     drives: list[DriveConfig] = param(doc="Drives of all joints; the first group that matches a joint counts.")
     home: dict[str, float] = param({}, unit="rad", doc="Home posture: joint pattern to angle; others 0.")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import fnmatch
+import math
 import re
 from collections.abc import Iterator
 from pathlib import Path
@@ -141,7 +142,7 @@ class RobotModel:
                 objname=config.legs[side].sole.body,
                 intprm=[_FORCE, _NET, 1],
             )
-        _add_site(spec, GAZE_SITE, config.gaze)
+        _add_site(spec, GAZE_SITE, config.gaze, config.gaze.down)
         return spec
 
 
@@ -317,5 +318,7 @@ def _add_drives(spec: mujoco.MjSpec, config: RobotConfig) -> None:
         )
 
 
-def _add_site(spec: mujoco.MjSpec, name: str, site: SiteConfig) -> None:
-    spec.body(site.body).add_site(name=name, pos=list(site.position), size=[0.005] * 3, group=4)
+def _add_site(spec: mujoco.MjSpec, name: str, site: SiteConfig, down: float = 0.0) -> None:
+    """Add a site whose x axis is turned down [rad]."""
+    turn = [math.cos(down / 2), 0.0, math.sin(down / 2), 0.0]
+    spec.body(site.body).add_site(name=name, pos=list(site.position), quat=turn, size=[0.005] * 3, group=4)

@@ -14,7 +14,7 @@ from humanoid_bt.plant.rendering import View
 from humanoid_bt.record.recorder import Recorder
 from humanoid_bt.record.sinks import Sinks
 from humanoid_bt.record.subject import TreeView
-from humanoid_bt.robot.config import DriveConfig, LegConfig, RobotConfig, SiteConfig, SoleConfig
+from humanoid_bt.robot.config import DriveConfig, GazeConfig, LegConfig, RobotConfig, SiteConfig, SoleConfig
 from humanoid_bt.tree.show import Outline, OutlineNode
 
 JOINTS = ("left_hip", "right_hip", "neck")
@@ -80,7 +80,7 @@ def config() -> RobotConfig:
         torso="pelvis",
         legs=legs,
         sole=SoleConfig(half_length=0.1, half_width=0.05),
-        gaze=SiteConfig(body="head"),
+        gaze=GazeConfig(body="head"),
         drives=[DriveConfig(joints=["*"], stiffness=100.0, damping=5.0, torque=50.0)],
         groups={"both legs": ["*_hip"], "arms": ["*_elbow"]},
     )

@@ -15,7 +15,7 @@ from humanoid_bt.core.messages import Command, FootPose, Gait, Level, Mode, Perc
 from humanoid_bt.decision.calls import Calls
 from humanoid_bt.decision.robot import Robot
 from humanoid_bt.files.workspace import Workspace
-from humanoid_bt.robot.config import LegConfig, RobotConfig, SiteConfig, SoleConfig
+from humanoid_bt.robot.config import GazeConfig, LegConfig, RobotConfig, SiteConfig, SoleConfig
 from humanoid_bt.tree.source.load import load_tree
 from humanoid_bt.tree.ticking.executor import Executor, NodeChange
 from humanoid_bt.tree.tree import Tree
@@ -179,7 +179,7 @@ def make_robot(
         torso="torso",
         legs={"left": leg, "right": leg},
         sole=SoleConfig(half_length=0.1, half_width=0.05),
-        gaze=SiteConfig(body="head"),
+        gaze=GazeConfig(body="head"),
         drives=[],
     )
     return Robot(config, clock, log=log, calls=calls)

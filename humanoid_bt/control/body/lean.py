@@ -34,7 +34,7 @@ class LeanReference:
     def __init__(self, robot: RobotModel, dt: float) -> None:
         config = robot.config
         neck = float(robot.upper[robot.joint(config.neck.pitch)]) if config.neck else 0.0
-        self._unaided = neck + config.whole_body.gaze_below
+        self._unaided = config.gaze.down + neck + config.whole_body.gaze_below
         self._waist, self._dt = _waist_range(robot), dt
         self._farthest = min(config.whole_body.gaze_lean, self._waist + max(0.0, config.fall.tilt - _UPRIGHT))
         self._deepest = config.whole_body.gaze_crouch

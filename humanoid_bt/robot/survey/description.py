@@ -20,7 +20,7 @@ from humanoid_bt.robot.config import GaitConfig, RobotConfig
 from humanoid_bt.robot.footprint import footprint_in
 from humanoid_bt.robot.survey.drives import drive, usual_stiffness
 from humanoid_bt.robot.survey.limbs import Surveyor, roles
-from humanoid_bt.robot.survey.places import eyes, palm
+from humanoid_bt.robot.survey.places import eyes, looks_down, palm
 from humanoid_bt.robot.survey.posture import home
 
 _SIDE = re.compile(r"left|right|(?<![a-z])[lr](?=_)|(?<=_)[lr](?![a-z])", re.I)
@@ -159,8 +159,6 @@ class _Writer:
     def _gaze(self) -> Iterator[str]:
         surveyor, head = self._surveyor, self._limbs.head
         body, place, source = eyes(surveyor, self._limbs)
-        note = f"from {source}" if source else self._guess("the eyes' position")
-        yield f"gaze: {{body: {_quoted(self._body(body))}, position: {_vector(place)}}}    # {note}"
         turns = {axis: j for j in (head.joints if head else ()) for axis in (1, 2) if surveyor.turns_about(j, axis)}
         if set(turns) == {1, 2}:
             yaw, pitch = (_quoted(self._joint(turns[axis])) for axis in (2, 1))
@@ -168,6 +166,10 @@ class _Writer:
             self._found.append("neck with yaw and pitch")
         else:
             self._found.append("no neck: the torso turns the view")
+        note, angle = f"from {source}" if source else self._guess("the eyes' position"), ""
+        if (down := looks_down(surveyor, self._limbs, body, place)) > 0:
+            note, angle = f"{note}; down: {self._guess('how far the eyes look down')}", f", down: {down:.2f}"
+        yield f"gaze: {{body: {_quoted(self._body(body))}, position: {_vector(place)}{angle}}}    # {note}"
 
     def _drives(self) -> Iterator[str]:
         groups: dict[tuple[float, float, float], list[str]] = {}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Callable
 
@@ -9,6 +10,7 @@ import mujoco
 import numpy as np
 
 from humanoid_bt.core.messages import Array
+from humanoid_bt.robot.config import RobotConfig, WholeBodyConfig
 from humanoid_bt.robot.model import carriers
 from humanoid_bt.robot.survey.limbs import Limb, Limbs, Surveyor
 
@@ -47,6 +49,27 @@ def eyes(surveyor: Surveyor, limbs: Limbs) -> tuple[int, Array, str]:
     head = max(tops, key=lambda top: float(top[0][2]) + top[1] / 2)
     ahead = data.xpos[surveyor.base] + data.xmat[surveyor.base].reshape(3, 3) @ (head[0] + [head[1] / 2, 0, 0])
     return body, _inside(data, body, ahead), ""
+
+
+def looks_down(surveyor: Surveyor, limbs: Limbs, body: int, place: Array) -> float:
+    """Return how far eyes that no joint turns down must look down to see what the hands reach [rad].
+
+    That is a thing at the height of the hips, as far ahead as it stands to reach. It may be as low in the picture as
+    what no trunk would lean for yet.
+
+    Args:
+        surveyor: of the model.
+        limbs: the robot's.
+        body: which carries the eyes.
+        place: where they are in its frame, shape (3,) [m].
+    """
+    nods = (*limbs.trunk, *(limbs.head.joints if limbs.head else ()))
+    if any(surveyor.turns_about(joint, 1) for joint in nods):
+        return 0.0
+    data = surveyor.data
+    ahead, _, above = surveyor.seen(data.xpos[body] + data.xmat[body].reshape(3, 3) @ place).tolist()
+    below = math.atan2(above, RobotConfig.reach_distance - ahead)
+    return max(0.0, below - WholeBodyConfig.gaze_below)
 
 
 def _named(surveyor: Surveyor, name: re.Pattern[str], fits: Callable[[int], bool]) -> tuple[Array, str] | None:

@@ -16,7 +16,7 @@ from humanoid_bt.files.formatting import formatted
 from humanoid_bt.files.workspace import builtin_root
 from humanoid_bt.robot.config import GaitConfig, RobotConfig, load_robot_config
 from humanoid_bt.robot.footprint import footprint
-from humanoid_bt.robot.model import RobotModel, palm_site, read_model, sole_site
+from humanoid_bt.robot.model import GAZE_SITE, RobotModel, palm_site, read_model, sole_site
 from humanoid_bt.robot.survey.description import Description, describe
 from humanoid_bt.robot.survey.limbs import NoHumanoidError, Surveyor
 
@@ -160,6 +160,22 @@ def test_an_ankle_without_roll_is_told(spec: mujoco.MjSpec) -> None:
         spec.delete(spec.joint(f"{side}_ankle_roll"))
     description = describe(spec.compile(), "found", "model.xml")
     assert description.missing == ("ankle_roll of the left leg", "ankle_roll of the right leg")
+
+
+def test_eyes_that_nothing_turns_down_look_down(spec: mujoco.MjSpec, adopt: Adopt) -> None:
+    assert adopt(spec)[1].gaze.down == 0.0
+    for name in ("neck_yaw", "neck_pitch"):
+        spec.delete(spec.joint(name))
+    assert adopt(spec)[1].gaze.down == 0.0  # the waist leans
+    spec.delete(spec.joint("waist_pitch"))
+    stiff = adopt(spec)[1]
+    assert 0.3 < stiff.gaze.down < 0.7
+    robot = RobotModel(stiff)
+    data = mujoco.MjData(robot.model)
+    data.qpos[:] = robot.home_qpos
+    mujoco.mj_kinematics(robot.model, data)
+    ahead = data.site(GAZE_SITE).xmat.reshape(3, 3)[:, 0]
+    np.testing.assert_allclose(ahead, [np.cos(stiff.gaze.down), 0.0, -np.sin(stiff.gaze.down)], atol=1e-6)
 
 
 @pytest.mark.parametrize(("change", "says"), [("no base", "one free joint"), ("no legs", "no leg is on the left")])

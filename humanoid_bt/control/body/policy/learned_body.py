@@ -253,7 +253,7 @@ class LearnedBody:
         config, yaw, pitch = self._robot.config, wrap(heading + self._gaze.yaw), self._gaze.pitch
         if not config.neck:  # the trunk bends no farther than it must for the point to be in view: hands bend it, too
             below, (now_yaw, now_pitch) = config.whole_body.gaze_below, self.kinematics.view
-            pitch = max(0.0, pitch - below, now_pitch if hands else 0.0)
+            pitch = max(config.gaze.down, pitch - below, now_pitch if hands else 0.0)
             if hands:
                 yaw += min(max(wrap(now_yaw - yaw), -below), below)
         if not self.lending.lends("gaze" if config.neck else WAIST) or ("gaze" not in targets and not hold):
