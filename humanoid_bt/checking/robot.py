@@ -11,7 +11,7 @@ import numpy as np
 
 from humanoid_bt.checking.robot_trial import tried
 from humanoid_bt.core.errors import Problem
-from humanoid_bt.core.messages import SIDES, Array
+from humanoid_bt.core.messages import SIDES, Array, Side
 from humanoid_bt.robot.capsules import capsules
 from humanoid_bt.robot.config import SiteConfig, load_robot_config
 from humanoid_bt.robot.footprint import footprint
@@ -67,6 +67,9 @@ def _wrong_joints(robot: RobotModel, data: mujoco.MjData) -> Iterator[Problem]:
         chain = _joints_above(model, leg.sole.body)
         for role, axis in _AXES.items():
             joint, place = getattr(leg, role), config.place("legs", side, role)
+            if joint is None:
+                yield from _unnamed_roll(robot, data, side, chain)
+                continue
             turns = upright.T @ data.joint(joint).xaxis
             hip = role.startswith("hip")
             others = [getattr(leg, other) for other in _AXES if other.startswith("hip") != hip]
@@ -82,6 +85,24 @@ def _wrong_joints(robot: RobotModel, data: mujoco.MjData) -> Iterator[Problem]:
                 part = "hip" if hip else "ankle"
                 hint = f"from the {config.base} down: {', '.join(chain)}"
                 yield Problem(f"{joint!r} is no {part} joint", place, hint, code="joint-role")
+
+
+def _unnamed_roll(robot: RobotModel, data: mujoco.MjData, side: Side, chain: list[str]) -> Iterator[Problem]:
+    """Yield that a foot is tilted sideways by a joint that robot.yaml does not name.
+
+    Args:
+        robot: the robot.
+        data: in its home posture.
+        side: of a leg without ankle roll.
+        chain: its joints, from the base down.
+    """
+    leg, upright = robot.config.legs[side], data.body(robot.config.base).xmat.reshape(3, 3)
+    below = chain[chain.index(leg.hip_pitch) + 1 :] if leg.hip_pitch in chain else []
+    for joint in below:
+        if abs((upright.T @ data.joint(joint).xaxis)[0]) >= _ALONG:
+            place = robot.config.place("legs", side)
+            message = f"{joint!r} tilts the {side} foot sideways, and no ankle_roll is named"
+            yield Problem(message, place, f"ankle_roll: {joint}", code="joint-role")
 
 
 def _wrong_neck(robot: RobotModel, data: mujoco.MjData) -> Iterator[Problem]:

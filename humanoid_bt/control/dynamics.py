@@ -39,6 +39,7 @@ class RobotDynamics:
         self._palm_axes = robot.palm_axes
         self._palm_turns = {side: quaternion(axes) for side, axes in robot.palm_axes.items()}
         self._gaze = robot.model.site(GAZE_SITE).id
+        self._feet_roll = robot.config.feet_roll
         self._foot = {side: robot.model.body(robot.config.legs[side].sole.body).id for side in SIDES}
         self.com: Array = np.zeros(3)
         self.com_velocity: Array = np.zeros(3)
@@ -63,8 +64,9 @@ class RobotDynamics:
         for side, site in self._sole.items():
             x, y, z = data.site_xpos[site].tolist()
             ahead, _, up_x, left, _, up_y, *_ = data.site_xmat[site].tolist()
-            self.footings[side] = np.array([z, -up_y, up_x])
             self.soles[side] = np.array([x, y, math.atan2(left, ahead)])
+            roll, pitch, _ = self._ground_tilt(up_x, up_y, ahead, left)
+            self.footings[side] = np.array([z, roll, pitch])
         w, x, y, z = data.qpos[3:7].tolist()
         self.roll = math.atan2(2 * (w * x + y * z), 1 - 2 * (x * x + y * y))
         self.pitch = math.asin(max(-1.0, min(1.0, 2 * (w * y - z * x))))
@@ -91,8 +93,24 @@ class RobotDynamics:
 
     def sole_tilt(self, foot: int) -> Array:
         """Return how the (0: left, 1: right) sole is turned from level, rotation vector, world frame, shape (3,)."""
-        up = self.data.site_xmat[self._soles[foot]][2::3]
-        return np.array([-up[1], up[0], 0.0])
+        ahead, _, up_x, left, _, up_y, *_ = self.data.site_xmat[self._soles[foot]].tolist()
+        return np.array(self._ground_tilt(up_x, up_y, ahead, left))
+
+    def _ground_tilt(self, up_x: float, up_y: float, ahead: float, left: float) -> tuple[float, float, float]:
+        """Return what a sole says of how the ground is turned from level, rotation vector, world frame [rad].
+
+        A foot that no joint rolls leans sideways with its leg, on any ground: only its pitch counts.
+
+        Args:
+            up_x, up_y: of the sole's z axis.
+            ahead, left: x and y of its x axis.
+        """
+        if self._feet_roll:
+            return -up_y, up_x, 0.0
+        length = math.hypot(ahead, left)
+        across_x, across_y = -left / length, ahead / length
+        pitch = across_y * up_x - across_x * up_y
+        return pitch * across_x, pitch * across_y, 0.0
 
     def inertia_times(self, acceleration: Array) -> Array:
         """Return M(q) acceleration, shape (nv,); valid until the next call."""

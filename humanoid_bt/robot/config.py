@@ -61,7 +61,7 @@ class LegConfig:
     hip_roll: str = param(doc="Joint that swings the leg sideways.")
     hip_pitch: str = param(doc="Joint that swings the leg forward.")
     ankle_pitch: str = param(doc="Joint that tilts the foot forward.")
-    ankle_roll: str = param(doc="Joint that tilts the foot sideways.")
+    ankle_roll: str | None = param(None, doc="Joint that tilts the foot sideways, if it has one: both legs or none.")
     sole: SiteConfig = param(doc="Centre of the sole, x forward, z up when standing.")
 
 
@@ -72,6 +72,18 @@ class SoleConfig:
     half_length: float = param(above=0, unit="m", doc="From the sole's centre to the toe.")
     half_width: float = param(above=0, unit="m", doc="From the sole's centre to its side.")
     margin: float = param(0.012, minimum=0, unit="m", doc="The centre of pressure is kept this far inside the edge.")
+    side_margin: float | None = param(
+        None,
+        minimum=0,
+        unit="m",
+        doc="The same for its sides; default: margin, or half_width, its middle line, if no ankle_roll holds the foot.",
+    )
+
+    @property
+    def bears(self) -> tuple[float, float]:
+        """Half length and half width of the part that may bear the centre of pressure [m]."""
+        aside = self.margin if self.side_margin is None else self.side_margin
+        return self.half_length - self.margin, max(self.half_width - aside, 0.0)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -290,6 +302,11 @@ class RobotConfig:
             missing.add("gaze")
         return tuple(resource for resource in RESOURCES if resource not in missing)
 
+    @property
+    def feet_roll(self) -> bool:
+        """Whether ankles tilt the feet sideways; where they do not, a foot lies as its leg leans."""
+        return all(leg.ankle_roll is not None for leg in self.legs.values())
+
     def place(self, *keys: str | int) -> Place:
         """Return where a value is written, as in ``place("legs", "left", "sole")``, or what should hold it."""
         item = self.written
@@ -342,7 +359,20 @@ def load_robot_config(path: Path) -> RobotConfig:
     problems += _mistakes(item, path.parent)
     if config is None or problems:
         raise UserError(problems)
+    if not config.feet_roll and config.sole.side_margin is None:
+        config = dataclasses.replace(config, sole=dataclasses.replace(config.sole, side_margin=config.sole.half_width))
     return dataclasses.replace(config, path=path, written=item)
+
+
+def _one_ankle_that_rolls(legs: Item | None) -> Iterator[Problem]:
+    """Yield that one leg has an ankle_roll and the other one has none."""
+    if legs is None or not isinstance(legs.value, dict):
+        return
+    rolls = {side: leg for side, leg in legs.value.items() if isinstance(leg.value, dict) and "ankle_roll" in leg.value}
+    if len(legs.value) == len(SIDES) and len(rolls) == 1:
+        ((side, leg),) = rolls.items()
+        hint = "name the joint of the other leg, or leave it out for both if neither foot tilts sideways"
+        yield Problem(f"only the {side} leg has an 'ankle_roll'", leg.place, hint, code="missing-key")
 
 
 def _mistakes(item: Item, folder: Path) -> Iterator[Problem]:
@@ -356,6 +386,7 @@ def _mistakes(item: Item, folder: Path) -> Iterator[Problem]:
             missing = [side for side in SIDES if side not in sides.value]
             hint = f"{', '.join(missing)} is missing" if missing else "left and right, and no other"
             yield Problem(f"{what!r} must have the keys left and right", sides.place, hint, code="missing-key")
+    yield from _one_ankle_that_rolls(parts.get("legs"))
     model = parts.get("model")
     if model is None or not isinstance(model.value, str):
         return

@@ -279,7 +279,8 @@ def _named_bodies(config: RobotConfig) -> Iterator[_Reference]:
 def _named_joints(config: RobotConfig) -> Iterator[_Reference]:
     for side, leg in config.legs.items():
         for what in ("hip_roll", "hip_pitch", "ankle_pitch", "ankle_roll"):
-            yield ("legs", side, what), getattr(leg, what)
+            if (joint := getattr(leg, what)) is not None:
+                yield ("legs", side, what), joint
     if config.neck:
         yield ("neck", "yaw"), config.neck.yaw
         yield ("neck", "pitch"), config.neck.pitch

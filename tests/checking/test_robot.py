@@ -12,6 +12,7 @@ import pytest
 from humanoid_bt.checking.check import checked
 from humanoid_bt.core.errors import Problem
 from humanoid_bt.files.workspace import Workspace, builtin_root
+from tests.line_feet import write_line_feet
 
 BUILTIN = builtin_root() / "sim" / "humanoid"
 LEFT_SOLE = "sole: {body: left_foot, position: [0.03, 0, -0.06]}"
@@ -222,6 +223,24 @@ def published(tmp_path: Path) -> Path:
 
 def test_the_built_in_robot_has_no_findings(robot: Path) -> None:
     assert found(robot) == []
+
+
+def test_an_ankle_that_rolls_must_be_named(robot: Path) -> None:
+    file = robot / "robot.yaml"
+    for side in ("left", "right"):
+        file.write_text(file.read_text().replace(f"    ankle_roll: {side}_ankle_roll\n", ""))
+    left, right = found(robot)
+    assert left.message == "'left_ankle_roll' tilts the left foot sideways, and no ankle_roll is named"
+    assert (left.code, left.hint, right.hint) == (
+        "joint-role",
+        "ankle_roll: left_ankle_roll",
+        "ankle_roll: right_ankle_roll",
+    )
+
+
+def test_a_robot_whose_ankles_only_pitch_stands_and_walks(tmp_path: Path) -> None:
+    write_line_feet(tmp_path)
+    assert found(tmp_path) == []
 
 
 def test_a_published_robot_has_no_findings(published: Path) -> None:

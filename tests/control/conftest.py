@@ -11,6 +11,7 @@ from humanoid_bt.core.messages import Array, Estimate
 from humanoid_bt.robot.config import load_robot_config
 from humanoid_bt.robot.model import RobotModel
 from tests.control.control_rig import ControlRig
+from tests.line_feet import write_line_feet
 
 ROBOT = Path(__file__).resolve().parents[2] / "sim" / "humanoid" / "robot.yaml"
 
@@ -18,6 +19,12 @@ ROBOT = Path(__file__).resolve().parents[2] / "sim" / "humanoid" / "robot.yaml"
 @pytest.fixture(scope="session")
 def robot() -> RobotModel:
     return RobotModel(load_robot_config(ROBOT))
+
+
+@pytest.fixture(scope="session")
+def line_feet(tmp_path_factory: pytest.TempPathFactory) -> RobotModel:
+    """A robot whose feet no joint rolls."""
+    return RobotModel(load_robot_config(write_line_feet(tmp_path_factory.mktemp("line_feet"))))
 
 
 @pytest.fixture(scope="session")

@@ -103,6 +103,10 @@ class BodyTask(BaseTask):  # type: ignore[misc]  # mink has no types
 
         self._com = rows(0.0)
         self._soles = {side: (rows(weights.foot_position), rows(weights.foot_orientation)) for side in SIDES}
+        self._feet_roll = config.feet_roll
+        if not self._feet_roll:  # their legs say how feet lean; in the sole's frame that is the first of the rows
+            for _, turn in self._soles.values():
+                turn.cost[0] = 0.0
         self._base, self._torso = rows(0.0), rows(0.0)
         self._gaze = rows(weights.gaze) if config.neck else None
         posture = next(firsts)
@@ -132,6 +136,9 @@ class BodyTask(BaseTask):  # type: ignore[misc]  # mink has no types
             mujoco.mj_jacSite(model, data, position.jacobian, turn.jacobian, site)
             np.subtract(pose[:3], data.site_xpos[site], out=position.error)
             self._turn_site(data, turn, site, pose[3:])
+            if not self._feet_roll:
+                axes = data.site_xmat[site].reshape(3, 3)
+                turn.jacobian[:], turn.error[:] = axes.T @ turn.jacobian, axes.T @ turn.error
         base_lean, torso_lean = targets.lean
         self._turn_body(data, self._base, self._root, leaning(targets.heading, base_lean))
         self._turn_body(data, self._torso, self._trunk, leaning(targets.heading, torso_lean, targets.torso_yaw))

@@ -38,7 +38,7 @@ class Catching:
 
     def __init__(self, gait: GaitConfig, sole: SoleConfig) -> None:
         self._gait = gait
-        self._half = sole.half_length - sole.margin, sole.half_width - sole.margin
+        self._half = sole.bears
 
     def step(
         self, dcm: Array, soles: Mapping[Side, Array], foot_force: Mapping[Side, float], omega: float

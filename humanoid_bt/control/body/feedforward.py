@@ -36,13 +36,12 @@ class Feedforward:
         # half the margin more than is planned, which leaves the joint feedback some room
         half_length = config.sole.half_length - 0.5 * config.sole.margin
         half_width = config.sole.half_width - 0.5 * config.sole.margin
-        self._ankles = {
-            side: (
-                (robot.joint(config.legs[side].ankle_pitch), 0, half_length),
-                (robot.joint(config.legs[side].ankle_roll), 1, half_width),
-            )
-            for side in SIDES
-        }
+        self._ankles: dict[Side, list[tuple[int, int, float]]] = {}
+        for side in SIDES:
+            leg = config.legs[side]
+            self._ankles[side] = [(robot.joint(leg.ankle_pitch), 0, half_length)]
+            if leg.ankle_roll is not None:
+                self._ankles[side].append((robot.joint(leg.ankle_roll), 1, half_width))
         self._linear = np.zeros((3, robot.model.nv))
         self._angular = np.zeros((3, robot.model.nv))
 

@@ -45,7 +45,7 @@ class Stabilizer:
 
     def __init__(self, gait: GaitConfig, sole: SoleConfig, mass: float, dt: float) -> None:
         self._gait, self._mass, self._dt = gait, mass, dt
-        self._half = (sole.half_length - sole.margin, sole.half_width - sole.margin)
+        self._half = sole.bears
         self.com_reference: Array = np.zeros(2)
         self.omega = 1.0
 

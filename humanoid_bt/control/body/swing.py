@@ -64,7 +64,7 @@ class Swing:
         dcm_end: Array,
     ) -> None:
         self._gait, self._omega, self._dt, self.side = gait, omega, dt, side
-        self._ankle = [_ANKLE_SHARE * (half - sole.margin) for half in (sole.half_length, sole.half_width)]
+        self._ankle = [_ANKLE_SHARE * half for half in sole.bears]
         self._steps = round(gait.single_support / dt)
         self._start, self._support = start, support
         self._planned, self._dcm_end = seen_from(support, foothold), seen_from(support, dcm_end)

@@ -24,7 +24,8 @@ from humanoid_bt.robot.survey.places import eyes, looks_down, palm
 from humanoid_bt.robot.survey.posture import home
 
 _SIDE = re.compile(r"left|right|(?<![a-z])[lr](?=_)|(?<=_)[lr](?![a-z])", re.I)
-_ROLES = ("hip_roll", "hip_pitch", "ankle_pitch", "ankle_roll")
+_ROLES = ("hip_roll", "hip_pitch", "ankle_pitch")
+_ROLL = "ankle_roll"  # which a leg may lack
 _MARGIN = 0.4  # share of the sole's half width inside which the centre of pressure may be, at most the default
 _DEFAULT_MARGIN = 0.012  # m
 _SEPARATION = 0.05  # m that feet may come nearer than they stand
@@ -129,6 +130,10 @@ class _Writer:
                 else:
                     yield f"    # {role}: no joint of this leg was found that does it"
                     self._missing.append(f"{role} of the {side} leg")
+            if _ROLL in found:
+                yield f"    {_ROLL}: {found[_ROLL]}"
+            else:
+                yield f"    # {_ROLL}: no joint of this leg tilts the foot sideways; it balances sideways by its steps"
             foot = footprint_in(self._model, self._standing, leg.body)
             centre = np.zeros(3) if foot is None else foot.centre
             if foot is None:
@@ -136,7 +141,8 @@ class _Writer:
             else:
                 halves.append(foot.half)
             yield f"    sole: {{body: {_quoted(self._body(leg.body))}, position: {_vector(centre)}}}"
-            self._found.append(f"{side} leg: {len(leg.joints)} joints, foot {self._body(leg.body)}")
+            tilts = "" if _ROLL in found else ", none of them tilts it sideways"
+            self._found.append(f"{side} leg: {len(leg.joints)} joints, foot {self._body(leg.body)}{tilts}")
         length, width = np.min(halves, axis=0).tolist() if halves else (0.1, 0.04)
         margin = min(_DEFAULT_MARGIN, _MARGIN * width)
         self._bears = width - margin
@@ -160,16 +166,16 @@ class _Writer:
         surveyor, head = self._surveyor, self._limbs.head
         body, place, source = eyes(surveyor, self._limbs)
         turns = {axis: j for j in (head.joints if head else ()) for axis in (1, 2) if surveyor.turns_about(j, axis)}
+        note, angle = f"from {source}" if source else self._guess("the eyes' position"), ""
+        if (down := looks_down(surveyor, self._limbs, body, place)) > 0:
+            note, angle = f"{note}; down: {self._guess('how far the eyes look down')}", f", down: {down:.2f}"
+        yield f"gaze: {{body: {_quoted(self._body(body))}, position: {_vector(place)}{angle}}}    # {note}"
         if set(turns) == {1, 2}:
             yaw, pitch = (_quoted(self._joint(turns[axis])) for axis in (2, 1))
             yield f"neck: {{yaw: {yaw}, pitch: {pitch}}}"
             self._found.append("neck with yaw and pitch")
         else:
             self._found.append("no neck: the torso turns the view")
-        note, angle = f"from {source}" if source else self._guess("the eyes' position"), ""
-        if (down := looks_down(surveyor, self._limbs, body, place)) > 0:
-            note, angle = f"{note}; down: {self._guess('how far the eyes look down')}", f", down: {down:.2f}"
-        yield f"gaze: {{body: {_quoted(self._body(body))}, position: {_vector(place)}{angle}}}    # {note}"
 
     def _drives(self) -> Iterator[str]:
         groups: dict[tuple[float, float, float], list[str]] = {}

@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 
 from humanoid_bt.control.body.body_task import BodyTargets, BodyTask
-from humanoid_bt.core.messages import Array
-from humanoid_bt.robot.model import BASE_COORDINATES, RobotModel
+from humanoid_bt.control.body.standing import standing_posture
+from humanoid_bt.core.messages import SIDES, Array
+from humanoid_bt.robot.model import BASE_COORDINATES, RobotModel, sole_site
 
 SMALL = 1e-6
 
@@ -73,3 +74,56 @@ def test_it_turns_the_short_way(robot: RobotModel, standing: Array, targets: Bod
     task = BodyTask(robot, robot.model)
     task.aim(data_at(robot, standing), replace(targets, heading=2 * np.pi - 0.1, torso_yaw=0.0, gaze=(0.0, 0.0)))
     assert np.abs(task.error).max() < 0.7
+
+
+@pytest.fixture
+def line_targets(line_feet: RobotModel) -> BodyTargets:
+    """Where feet stand that no joint rolls, and near that."""
+    standing = standing_posture(line_feet)
+    data = data_at(line_feet, standing)
+    soles = {side: data.site(sole_site(side)).xpos for side in SIDES}
+    return BodyTargets(
+        com=data.subtree_com[1] + 0.01,
+        soles={side: np.array([*sole[:2], 0.0]) for side, sole in soles.items()},
+        sole_footings={side: np.array([sole[2], 0.0, 0.0]) for side, sole in soles.items()},
+        sole_twists=dict.fromkeys(SIDES, np.zeros(6)),
+        heading=0.02,
+        torso_yaw=0.01,
+        lean=(0.01, 0.02),
+        gaze=(0.02, 0.01),
+        hands={},
+        reaching=0.0,
+        posture=standing[BASE_COORDINATES:] + 0.01,
+    )
+
+
+def test_a_foot_that_no_joint_rolls_may_lean_sideways_and_in_no_other_way(
+    line_feet: RobotModel, line_targets: BodyTargets
+) -> None:
+    task, data = BodyTask(line_feet, line_feet.model), data_at(line_feet, standing_posture(line_feet))
+    height = line_targets.sole_footings["left"][0]
+
+    def cost(roll: float, pitch: float) -> float:
+        footings = dict.fromkeys(SIDES, np.array([height, roll, pitch]))
+        task.aim(data, replace(line_targets, sole_footings=footings))
+        feet = slice(3, 3 + 6 * len(SIDES))  # after the centre of mass: position and orientation of each
+        return float(np.linalg.norm(task.cost[feet] * task.error[feet]))
+
+    assert cost(0.0, 0.0) < 0.1
+    assert cost(0.1, 0.0) < 0.1
+    assert cost(0.0, 0.1) > 1.0
+
+
+def test_the_jacobian_is_the_errors_derivative_where_feet_do_not_roll(
+    line_feet: RobotModel, line_targets: BodyTargets
+) -> None:
+    near = standing_posture(line_feet)
+    near[BASE_COORDINATES:] += 0.01
+    task = BodyTask(line_feet, line_feet.model)
+    task.aim(data_at(line_feet, near), line_targets)
+    jacobian, error = task.jacobian.copy(), task.error.copy()
+    for dof in range(line_feet.model.nv):
+        moved = near.copy()
+        mujoco.mj_integratePos(line_feet.model, moved, np.eye(line_feet.model.nv)[dof], SMALL)
+        task.aim(data_at(line_feet, moved), line_targets)
+        np.testing.assert_allclose((error - task.error) / SMALL, jacobian[:, dof], atol=0.06)

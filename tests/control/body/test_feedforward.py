@@ -7,6 +7,7 @@ import pytest
 
 from humanoid_bt.control.body.feedforward import Feedforward
 from humanoid_bt.control.body.stabilizer import Load
+from humanoid_bt.control.body.standing import standing_posture
 from humanoid_bt.control.dynamics import GRAVITY, RobotDynamics
 from humanoid_bt.core.messages import SIDES, Array, Estimate, JointCommand
 from humanoid_bt.robot.model import BASE_COORDINATES, BASE_DOFS, RobotModel
@@ -136,3 +137,20 @@ def test_dynamics_measure_tilt_and_centre_of_mass(robot: RobotModel, estimate: E
     assert dynamics.pitch == pytest.approx(0.1)
     assert dynamics.roll == pytest.approx(0)
     np.testing.assert_allclose(dynamics.com_velocity, [0.3, 0, 0], atol=1e-9)
+
+
+@pytest.mark.parametrize(("roll", "pitch"), [(0.1, 0.0), (0.0, 0.1)])
+def test_a_foot_that_no_joint_rolls_says_nothing_of_a_ground_that_leans_sideways(
+    robot: RobotModel, line_feet: RobotModel, roll: float, pitch: float
+) -> None:
+    for model, counts in ((robot, roll), (line_feet, 0.0)):
+        posture = standing_posture(model)
+        joints = len(model.joint_names)
+        qpos = posture.copy()
+        turn = np.array([1.0, roll / 2, pitch / 2, 0.0])
+        qpos[3:7] = turn / np.linalg.norm(turn)
+        dynamics = RobotDynamics(model)
+        dynamics.update(Estimate(0.0, qpos, np.zeros(6 + joints), np.zeros(joints), np.zeros(2)))
+        for foot, side in enumerate(SIDES):
+            np.testing.assert_allclose(dynamics.footings[side][1:], [counts, pitch], atol=2e-3)
+            np.testing.assert_allclose(dynamics.sole_tilt(foot), [counts, pitch, 0.0], atol=2e-3)

@@ -155,11 +155,23 @@ def test_a_robot_with_one_arm_has_no_hands(spec: mujoco.MjSpec, adopt: Adopt) ->
     assert any("skills that command a hand will fail" in line for line in description.found)
 
 
-def test_an_ankle_without_roll_is_told(spec: mujoco.MjSpec) -> None:
+def test_an_ankle_without_roll_is_told_and_does_not_matter(spec: mujoco.MjSpec, adopt: Adopt) -> None:
     for side in SIDES:
         spec.delete(spec.joint(f"{side}_ankle_roll"))
+    description, found = adopt(spec)
+    assert description.missing == ()
+    assert "left leg: 5 joints, foot left_ankle_link, none of them tilts it sideways" in description.found
+    assert [found.legs[side].ankle_roll for side in SIDES] == [None, None]
+    assert found.sole.bears[1] == 0.0
+    RobotModel(found)
+
+
+def test_a_leg_without_another_joint_is_told(spec: mujoco.MjSpec) -> None:
+    for side in SIDES:
+        spec.delete(spec.joint(f"{side}_hip_roll"))
+        spec.delete(spec.joint(f"{side}_ankle_roll"))
     description = describe(spec.compile(), "found", "model.xml")
-    assert description.missing == ("ankle_roll of the left leg", "ankle_roll of the right leg")
+    assert description.missing == ("hip_roll of the left leg", "hip_roll of the right leg")
 
 
 def test_eyes_that_nothing_turns_down_look_down(spec: mujoco.MjSpec, adopt: Adopt) -> None:
@@ -197,7 +209,6 @@ class Published:
         file: in the folder of published robots.
         torso, foot, hand: bodies; those of the left side.
         joints: of a leg, of an arm, and of the fingers of a hand.
-        missing: what it does not have.
     """
 
     file: str
@@ -205,13 +216,12 @@ class Published:
     foot: str
     hand: str
     joints: tuple[int, int, int]
-    missing: int = 0
 
 
 PUBLISHED = (
     Published("unitree_g1/g1.xml", "torso_link", "left_ankle_roll_link", "left_elbow_roll_link", (6, 5, 7)),
     Published("unitree_g1_29dof/g1_29dof.xml", "torso_link", "left_ankle_roll_link", "left_wrist_yaw_link", (6, 7, 0)),
-    Published("unitree_h1/h1.xml", "torso_link", "left_ankle_link", "left_elbow_link", (5, 4, 0), missing=2),
+    Published("unitree_h1/h1.xml", "torso_link", "left_ankle_link", "left_elbow_link", (5, 4, 0)),
     Published("booster_t1_29dof/t1_29dof.xml", "Trunk", "left_foot_link", "left_hand_link", (6, 7, 0)),
 )
 
@@ -228,4 +238,4 @@ def test_limbs_of_published_robots_are_found(robot: Published) -> None:
     bodies = [model.body(body).name for body in (limbs.torso, leg.body, arm.body)]
     assert bodies == [robot.torso, robot.foot, robot.hand]
     assert (len(leg.joints), len(arm.joints), len(arm.fingers)) == robot.joints
-    assert len(describe(model, "found", "model.xml").missing) == robot.missing
+    assert describe(model, "found", "model.xml").missing == ()
