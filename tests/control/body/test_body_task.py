@@ -117,8 +117,12 @@ def test_a_foot_that_no_joint_rolls_may_lean_sideways_and_in_no_other_way(
 def test_the_jacobian_is_the_errors_derivative_where_feet_do_not_roll(
     line_feet: RobotModel, line_targets: BodyTargets
 ) -> None:
+    """Of feet that point aside in the world: their own axes are none of its axes."""
     near = standing_posture(line_feet)
     near[BASE_COORDINATES:] += 0.01
+    near[3:BASE_COORDINATES] = [np.cos(0.4), 0.0, 0.0, np.sin(0.4)]
+    soles = {side: np.array([*sole[:2], 0.81]) for side, sole in line_targets.soles.items()}
+    line_targets = replace(line_targets, soles=soles, heading=0.81, gaze=(0.01, 0.01))
     task = BodyTask(line_feet, line_feet.model)
     task.aim(data_at(line_feet, near), line_targets)
     jacobian, error = task.jacobian.copy(), task.error.copy()
