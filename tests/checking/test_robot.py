@@ -12,6 +12,8 @@ import pytest
 from humanoid_bt.checking.check import checked
 from humanoid_bt.core.errors import Problem
 from humanoid_bt.files.workspace import Workspace, builtin_root
+from humanoid_bt.robot.model import read_model
+from humanoid_bt.robot.survey.description import describe
 from tests.line_feet import write_line_feet
 
 BUILTIN = builtin_root() / "sim" / "humanoid"
@@ -245,6 +247,16 @@ def test_a_robot_whose_ankles_only_pitch_stands_and_walks(tmp_path: Path) -> Non
 
 def test_a_published_robot_has_no_findings(published: Path) -> None:
     assert found(published) == []
+
+
+def test_a_published_robot_whose_ankles_only_pitch_has_no_findings_as_init_describes_it(tmp_path: Path) -> None:
+    folder = os.environ.get("HUMANOID_BT_ROBOTS", "")
+    file = Path(folder) / "unitree_h1" / "h1.xml"
+    if not (folder and file.is_file()):
+        pytest.skip("HUMANOID_BT_ROBOTS names no folder with unitree_h1/h1.xml (MuJoCo Menagerie)")
+    text = describe(read_model(file).compile(), "h1", str(file)).text
+    (tmp_path / "robot.yaml").write_text(text)
+    assert found(tmp_path) == []
 
 
 def test_a_published_robot_with_a_floor_is_refused_at_the_floors_line(published: Path) -> None:
