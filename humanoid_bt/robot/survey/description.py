@@ -29,7 +29,6 @@ _ROLL = "ankle_roll"  # which a leg may lack
 _MARGIN = 0.4  # share of the sole's half width inside which the centre of pressure may be, at most the default
 _DEFAULT_MARGIN = 0.012  # m
 _SEPARATION = 0.05  # m that feet may come nearer than they stand
-_TURNING = 0.8  # of how far a hip turns, that a step turns: each hip turns by half of it
 _WEIGHT_SHARE, _GRAVITY = 0.12, 9.81  # of the weight, that tells that a foot has landed
 _ZERO = 5e-4  # m
 _SWAY = 0.08  # m that a walking robot reaches farther than a standing one
@@ -230,11 +229,11 @@ class _Writer:
             yield f"  step_turn: {turn:.2f}"
 
     def _step_turn(self) -> float:
-        """Return by how much a step may turn so that hips that turn little still catch a push [rad]."""
+        """Return by how much a step may turn: each hip by half of what it can, the rest is for pushes [rad]."""
         model, surveyor = self._model, self._surveyor
         turning = [j for leg in self._limbs.legs.values() for j in leg.joints if surveyor.turns_about(j, 2)]
         limits = [float(np.abs(model.jnt_range[joint]).min()) for joint in turning if model.jnt_limited[joint]]
-        return _TURNING * min(limits, default=math.inf)
+        return min(limits, default=math.inf)
 
     def _first_shift(self, apart: float) -> float:
         """Return how long the weight shifts before the first step [s].
