@@ -99,7 +99,7 @@ COMMAND = (
     Step(
         "control/controller.py",
         "Controller.run_cycle",
-        "One servo cycle: supervise, every fifth time plan the whole body, drive the joints, hear the sensors.",
+        "One servo cycle: supervise, every tenth time plan the whole body, drive the joints, hear the sensors.",
     ),
     Step(
         "control/body/whole_body.py",

@@ -16,6 +16,7 @@ def clocks() -> str:
     """Return the table of the loops' periods."""
     loops = {
         "servo, supervisor, physics": clock.SERVO_PERIOD,
+        "estimate: where the robot is, what it carries and feels": clock.ESTIMATE_PERIOD,
         "whole body: balance, walking, inverse kinematics": clock.WHOLE_BODY_PERIOD,
         "decision: one tick of the tree": clock.DECISION_PERIOD,
         "perception": clock.PERCEPTION_PERIOD,

@@ -21,7 +21,7 @@ from humanoid_bt.control.controller import Controller
 from humanoid_bt.control.cycle_log import CycleLog, Layout
 from humanoid_bt.control.servo import Servo
 from humanoid_bt.control.supervisor import Supervisor
-from humanoid_bt.core.clock import DECISION_PERIOD, SERVO_PERIOD, WHOLE_BODY_PERIOD, cycles
+from humanoid_bt.core.clock import DECISION_PERIOD, ESTIMATE_PERIOD, SERVO_PERIOD, cycles
 from humanoid_bt.core.messages import BaseTarget, Command, Estimate, HandTarget, Target
 from humanoid_bt.files.workspace import Workspace, builtin_root
 from humanoid_bt.link.table import LocalTable
@@ -64,10 +64,10 @@ class CommandedRobot:
                 controller.submit(Command(controller.cycle, controller.cycle * SERVO_PERIOD, self.targets))
             controller.run_cycle()
 
-    def physics(self) -> float:
-        """Return the CPU time of bare physics for a whole-body period, from where the robot is now [s]."""
+    def physics(self, time: float) -> float:
+        """Return the CPU time of bare physics for some time [s], from where the robot is now [s]."""
         model, data = self.plant.model, copy.copy(self.plant.data)
-        return cpu(lambda: mujoco.mj_step(model, data), _CYCLES) * cycles(WHOLE_BODY_PERIOD)
+        return cpu(lambda: mujoco.mj_step(model, data), _CYCLES) * cycles(time)
 
 
 def measure_control(repetitions: int) -> Iterator[Figure]:
@@ -80,21 +80,28 @@ def measure_control(repetitions: int) -> Iterator[Figure]:
     robots = (walking, pressing)
     for robot in robots:
         robot.run(_BEGIN)
-    title = "estimating the robot for a whole-body period, walking"
-    pairs = beside_physics(walking, walking.controller.estimator, "update", repetitions)
+    title = "estimating the robot, walking"
+    pairs = beside_physics(walking, walking.controller.estimator, "update", ESTIMATE_PERIOD, repetitions)
     yield figure(title, PHYSICS, "us CPU", pairs, scale=1e6, promise=ESTIMATE)
     body = pressing.controller.body
     assert isinstance(body, WholeBody)
     own_links = body.kinematics.limits[0]
     title = "keeping own links apart in one solve, hands pressed together"
-    pairs = beside_physics(pressing, own_links, "compute_qp_inequalities", repetitions)
+    pairs = beside_physics(pressing, own_links, "compute_qp_inequalities", body.period, repetitions)
     yield figure(title, PHYSICS, "us CPU", pairs, scale=1e6, promise=OWN_LINKS)
     for robot, doing in zip(robots, ("walking", "both hands commanded"), strict=True):
         yield from _log(doing, robot, repetitions)
 
 
-def beside_physics(robot: CommandedRobot, owner: object, method: str, repetitions: int) -> Pairs:
-    """Return what a call of an object's method takes while the robot goes on, and what bare physics does [s]."""
+def beside_physics(robot: CommandedRobot, owner: object, method: str, period: float, repetitions: int) -> Pairs:
+    """Return what a call of an object's method takes while the robot goes on, and what bare physics does [s].
+
+    Args:
+        robot: it.
+        owner, method: what is called.
+        period: time between two calls, for which physics is reckoned [s].
+        repetitions: of the pair.
+    """
     spent = _note_time(owner, method)
 
     def ours() -> float:
@@ -102,7 +109,7 @@ def beside_physics(robot: CommandedRobot, owner: object, method: str, repetition
         robot.run(_CYCLES)
         return statistics.fmean(spent)
 
-    pairs = [(ours(), robot.physics()) for _ in range(repetitions)]
+    pairs = [(ours(), robot.physics(period)) for _ in range(repetitions)]
     delattr(owner, method)
     return pairs
 

@@ -12,7 +12,7 @@ from humanoid_bt.bench.figure import Figure, cpu, figure
 from humanoid_bt.bench.promises import ARMS, WALKER_SPEED, Promise
 from humanoid_bt.control.body.policy.learned_body import LearnedBody
 from humanoid_bt.control.body.whole_body import WholeBody
-from humanoid_bt.core.clock import SERVO_PERIOD, WHOLE_BODY_PERIOD, cycles
+from humanoid_bt.core.clock import SERVO_PERIOD, cycles
 from humanoid_bt.core.messages import BaseTarget, HandTarget, Target
 from humanoid_bt.robot.config import Walk
 
@@ -46,7 +46,7 @@ def measure_walk(robot: Path, body: Walk, repetitions: int) -> tuple[Figure, Fig
     walking = _begun(robot, body, {"base": BaseTarget(np.array([_FAR, 0.0]), 0.0)})
     promise = WALKER_SPEED if body == "policy" else None
     whole = _simulated(walking, f"{body} walks", repetitions, promise)
-    alone = [(WHOLE_BODY_PERIOD, walking.physics()) for _ in range(repetitions)]
+    alone = [(_CYCLES * SERVO_PERIOD, walking.physics(_CYCLES * SERVO_PERIOD)) for _ in range(repetitions)]
     return whole, figure(f"{body} walks: simulated time, mj_step alone", _CPU, "s", alone)
 
 
@@ -57,10 +57,10 @@ def measure_solve(robot: Path, body: Walk, repetitions: int) -> Figure | None:
     if not hands:
         return None
     tried.targets = {f"{side}_hand": HandTarget(palm + _LIFTED) for side, palm in hands.items()}
-    tried.run(cycles(WHOLE_BODY_PERIOD))
     planner = tried.controller.body
+    tried.run(cycles(planner.period))
     assert isinstance(planner, (LearnedBody, WholeBody))
-    pairs = beside_physics(tried, planner.kinematics, "step", repetitions)
+    pairs = beside_physics(tried, planner.kinematics, "step", planner.period, repetitions)
     what, promise = ("arms", ARMS) if body == "policy" else ("whole body", None)
     name = f"{body} moves both hands: inverse kinematics of the {what}, one solve"
     return figure(name, PHYSICS, "us CPU", pairs, scale=1e6, promise=promise)

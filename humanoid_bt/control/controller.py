@@ -1,6 +1,6 @@
-"""One servo cycle: measure, supervise, every fifth cycle plan the whole body, drive the joints.
+"""One servo cycle: measure, supervise, every so often plan the whole body, drive the joints.
 
-A stop does not wait for the fifth cycle: the whole body is planned anew in the cycle in which the supervisor orders it.
+A stop does not wait for the next plan: the whole body is planned anew in the cycle in which the supervisor orders it.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from humanoid_bt.control.dynamics import RobotDynamics
 from humanoid_bt.control.estimator.estimator import Estimator
 from humanoid_bt.control.servo import Servo
 from humanoid_bt.control.supervisor import Supervisor
-from humanoid_bt.core.clock import WHOLE_BODY_PERIOD, cycles
+from humanoid_bt.core.clock import ESTIMATE_PERIOD, cycles
 from humanoid_bt.core.messages import (
     SIDES,
     Array,
@@ -72,7 +72,7 @@ class Controller:
         self.body = self._bodies[0]
         self.servo = Servo(robot)
         self.log: CycleLog | None = None
-        self._whole_body_period = cycles(WHOLE_BODY_PERIOD)
+        self._estimate_period = cycles(ESTIMATE_PERIOD)
         self._reading = Reading(len(robot.joint_names))
         self.reset(place)
 
@@ -91,7 +91,7 @@ class Controller:
         self._reading = self._plant.measure(self._reading)
         self.estimator.reset(self._reading, place)
         estimate = self.estimator.estimate
-        self.body = self._bodies[0]
+        self._take(self._bodies[0])
         for body in self._bodies:
             body.reset(estimate)
         self.servo.reset(estimate.qpos[BASE_COORDINATES:])
@@ -114,7 +114,7 @@ class Controller:
             if self._limp:
                 self._stand_up(estimate)
             self._plan(estimate)
-            self._next_plan = self.cycle + self._whole_body_period
+            self._next_plan = self.cycle + self._body_period
         self._held = supervisor.hold
         self._plant.step(self.servo.command)
         self.cycle += 1
@@ -124,7 +124,7 @@ class Controller:
             estimator.miss(reading)
         else:
             estimator.take(reading)
-        if estimator.heard and (self.cycle == self._next_plan or estimator.heard >= self._whole_body_period):
+        if estimator.heard and (self.cycle == self._next_plan or estimator.heard >= self._estimate_period):
             estimator.update(reading, self.servo.setpoint)
             self._feel()
         if log is not None:
@@ -136,7 +136,7 @@ class Controller:
         body.arms.sides = supervisor.touch.yielding
         setpoint = body.update(estimate, supervisor.targets, supervisor.hold)
         supervisor.touch.homeward = body.arms.homeward
-        refused = self.servo.follow(setpoint)
+        refused = self.servo.follow(setpoint, body.period)
         self._setpoint_fault = refused or body.fault
         still = body.gait is Gait.STAND and body.still_for >= _SETTLED_AFTER
         self._at_rest = still and body.com_speed < (_STIRRED_SPEED if self._at_rest else _SETTLED_SPEED)
@@ -148,8 +148,12 @@ class Controller:
         self.supervisor.request_stop("body", body.failure)
         place = self._bodies.index(body) + 1
         if place < len(self._bodies):
-            self.body = self._bodies[place]
+            self._take(self._bodies[place])
             self.body.restart(estimate)
+
+    def _take(self, body: Body) -> None:
+        """Let a body plan from now on."""
+        self.body, self._body_period = body, cycles(body.period)
 
     def _feel(self) -> None:
         """Tell the supervisor what pushes the robot, and the observer what of it is nothing that it carries.

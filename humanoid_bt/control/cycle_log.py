@@ -8,12 +8,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from humanoid_bt.core.arrays import numbers
-from humanoid_bt.core.clock import DECISION_PERIOD, WHOLE_BODY_PERIOD, cycles
+from humanoid_bt.core.clock import DECISION_PERIOD, ESTIMATE_PERIOD, cycles
 from humanoid_bt.core.messages import SIDES, Array, Command, Estimate, Gait, Mode, Reading
 from humanoid_bt.link.table import LocalTable, TableWriter
 
@@ -137,7 +137,7 @@ class Layout:
         Raises:
             LinkError: a file cannot be made.
         """
-        TableWriter.create(plans, self.plan.width, cycles(_LATE) // cycles(WHOLE_BODY_PERIOD)).close()
+        TableWriter.create(plans, self.plan.width, cycles(_LATE) // cycles(ESTIMATE_PERIOD)).close()
         TableWriter.create(servo_cycles, self.cycle.width, cycles(_LATE)).close()
 
     def local(self) -> tuple[LocalTable, LocalTable]:
@@ -150,7 +150,8 @@ class CycleLog:
     """Control's end of the tables.
 
     It must cost a servo cycle next to nothing: what was decided is noted at once, while it is in the processor's cache;
-    the plant measures right into the row; a plan is copied part by part in the cycles after it.
+    the plant measures right into the row; a plan is copied part by part in the cycles after it, as bytes where arrays
+    would take longer to begin than to copy.
 
     Args:
         plans, servo_cycles: the tables, as :class:`Layout` makes them.
@@ -163,19 +164,21 @@ class CycleLog:
     def __init__(self, plans: Table, servo_cycles: Table, layout: Layout) -> None:
         self._plans, self._cycles = plans, servo_cycles
         joints = len(layout.joints)
-        parts = _parts(plans.rows, 4 + len(SIDES), 3, 3 * joints)
-        self._plan_rows = [(plan, com, of.reshape(3, joints), limited) for plan, com, of, limited in parts]
-        rows = _parts(servo_cycles.rows, _HEAD)
-        self._rows = [(head, Reading(joints, values)) for head, values in rows]
-        self._count = len(rows)
-        head: Array = np.zeros(_HEAD)
-        self._head = numbers(head)  # of the row to come
-        self._pose, self._twist, self._force = np.split(head[_DECIDED:], (_POSE, _POSE + _TWIST))
+        widths = 4 + len(SIDES), 3, 3 * joints
+        parts = [np.split(row, np.cumsum(widths)) for row in plans.rows]
+        self._plan_rows = [(numbers(plan), _bytes(com), _bytes(of), limited) for plan, com, of, limited in parts]
+        self._rows = [(numbers(row[:_HEAD]), Reading(joints, row[_HEAD:])) for row in servo_cycles.rows]
+        self._count = len(self._rows)
+        self._head = numbers(np.zeros(_HEAD))  # of the row to come
+        believed = self._head[_DECIDED:]
+        self._pose, self._twist = believed[:_POSE], believed[_POSE : _POSE + _TWIST]
+        self._force = believed[_POSE + _TWIST :]
         self._estimate: Estimate | None = None  # that these are of
-        self._clamped = [bool(row[-1].any()) for row in parts]
+        self._clamped = [bool(limited.any()) for *_, limited in parts]
         self._commands = -1  # of the servo, as far as they were seen; -1 before the first, which is no plan
         self._plan, self._left = 0, 0  # cycle of the last plan, and how much is left to copy of it
         self._mode = self._plan_mode = MODES[0]
+        self._gait, self._gait_number = GAITS[0], 0
         self._command: Command | None = None
         self._head[_COMMAND] = NONE
         self._row_head, self.measured = self._rows[0]
@@ -205,9 +208,10 @@ class CycleLog:
 
     def end(self, estimate: Estimate) -> None:
         """Let readers see the cycle, with what is believed of base and feet after it."""
-        if estimate is not self._estimate:  # a new one every fifth cycle, in the same arrays
+        if estimate is not self._estimate:  # a new one now and then, in the same arrays
             if self._estimate is None or estimate.qpos is not self._estimate.qpos:
-                self._sources = estimate.qpos[:_POSE], estimate.qvel[:_TWIST], estimate.foot_force
+                qpos, qvel = numbers(estimate.qpos), numbers(estimate.qvel)
+                self._sources = qpos[:_POSE], qvel[:_TWIST], numbers(estimate.foot_force)
             self._estimate = estimate
             self._pose[:], self._twist[:], self._force[:] = self._sources
         self._row_head[:] = self._head
@@ -224,9 +228,9 @@ class CycleLog:
         row = self._plans.count % len(self._plan_rows)
         plan, com_error, setpoint, limited = self._plan_rows[row]
         if self._left == 3:
-            setpoint[:] = servo.setpoint
+            setpoint[:] = servo.setpoint.tobytes()
         elif self._left == 2:
-            com_error[:] = body.com_error
+            com_error[:] = body.com_error.tobytes()
             if servo.clamped or self._clamped[row]:  # else they are zero, as they are to be
                 limited[:] = servo.limited
                 self._clamped[row] = servo.clamped
@@ -234,14 +238,16 @@ class CycleLog:
             errors = body.hand_errors
             plan[4], plan[5] = [errors.get(side, NONE) for side in SIDES] if errors else _NO_HANDS
         else:
+            gait = body.gait
+            if gait is not self._gait:
+                self._gait, self._gait_number = gait, GAITS.index(gait)
             plan[0] = self._plan
-            plan[1] = GAITS.index(body.gait)
+            plan[1] = self._gait_number
             plan[2] = not body.fault
             plan[3] = self._plan_mode is not Mode.DAMP
             self._plans.publish()
 
 
-def _parts(rows: Array, *widths: int) -> list[list[Any]]:
-    """Return views of the parts of each row, the first as its numbers."""
-    parts = (np.split(row, np.cumsum(widths)) for row in rows)
-    return [[numbers(first), *others] for first, *others in parts]
+def _bytes(array: Array) -> memoryview[int]:
+    """Return the bytes of an array's own numbers."""
+    return array.data.cast("B")

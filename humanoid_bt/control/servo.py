@@ -7,7 +7,6 @@ import math
 import numpy as np
 
 from humanoid_bt.control.body.body import Setpoint
-from humanoid_bt.core.clock import WHOLE_BODY_PERIOD
 from humanoid_bt.core.geometry import clamp
 from humanoid_bt.core.messages import Array, JointCommand
 from humanoid_bt.robot.model import RobotModel
@@ -35,7 +34,6 @@ class Servo:
 
     def __init__(self, robot: RobotModel) -> None:
         self._robot = robot
-        self._step = robot.speed_limit * WHOLE_BODY_PERIOD
         high = np.array((robot.upper, robot.speed_limit, robot.torque_limit))
         self._low, self._high = -high, high  # of position, which moves along with it, velocity and torque
         self._zeros: Array = np.zeros_like(robot.lower)
@@ -59,10 +57,12 @@ class Servo:
         """The command in force."""
         return self._command
 
-    def follow(self, setpoint: Setpoint) -> str:
+    def follow(self, setpoint: Setpoint, time: float) -> str:
         """Take a new setpoint, clamped into the limits, if it is finite; otherwise hold the last one.
 
-        Call it once per whole-body period: the speed limit counts on it.
+        Args:
+            setpoint: it.
+            time: until the next one comes [s]: the speed limit counts on it.
 
         Returns:
             Why the setpoint was refused, "" when it is in force.
@@ -72,8 +72,9 @@ class Servo:
         if not math.isfinite(wanted.sum()):
             self.hold()
             return "the setpoint is not finite"
-        np.maximum(robot.lower, self.position - self._step, out=self._low[0])
-        np.minimum(robot.upper, self.position + self._step, out=self._high[0])
+        step = time * robot.speed_limit
+        np.maximum(robot.lower, self.position - step, out=self._low[0])
+        np.minimum(robot.upper, self.position + step, out=self._high[0])
         kept = clamp(wanted, self._low, self._high)
         position, velocity, torque = kept
         outside = np.abs(kept - wanted) > _TOLERANCES

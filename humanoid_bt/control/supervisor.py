@@ -224,7 +224,7 @@ class Supervisor:
         if setpoint_fault and not self._faulty_cycles:
             self.rejected.append(f"setpoint at {cycle * SERVO_PERIOD:.3f} s: {setpoint_fault}")
         self._faulty_cycles = self._faulty_cycles + 1 if setpoint_fault else 0
-        if estimate is not self._looked_at:  # a new one every fifth cycle
+        if estimate is not self._looked_at:  # a new one now and then
             self._looked_at, self._falling = estimate, self._why_falling(estimate)
         if self._falling:
             self._stop(Mode.DAMP, self._falling, "supervisor")

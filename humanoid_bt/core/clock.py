@@ -7,8 +7,11 @@ from typing import Protocol
 SERVO_PERIOD = 0.001
 """Servo and physics period [s] (1000 Hz)."""
 
-WHOLE_BODY_PERIOD = 0.005
-"""Whole-body control period [s] (200 Hz); a whole multiple of the servo period."""
+ESTIMATE_PERIOD = 0.005
+"""Period of the estimate of the robot [s] (200 Hz); a whole multiple of the servo period."""
+
+WHOLE_BODY_PERIOD = 0.010
+"""Whole-body control period [s] (100 Hz); a whole multiple of the period of the estimate."""
 
 DECISION_PERIOD = 0.020
 """Tree tick period [s] (50 Hz)."""

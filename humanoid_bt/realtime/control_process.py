@@ -20,7 +20,7 @@ from humanoid_bt.control.body.standing import load_robot
 from humanoid_bt.control.controller import Controller
 from humanoid_bt.control.cycle_log import CycleLog, Layout
 from humanoid_bt.control.supervisor import Stop
-from humanoid_bt.core.clock import DECISION_PERIOD, SERVO_PERIOD, WHOLE_BODY_PERIOD, cycles
+from humanoid_bt.core.clock import DECISION_PERIOD, ESTIMATE_PERIOD, SERVO_PERIOD, cycles
 from humanoid_bt.core.errors import ControlLost, UserError
 from humanoid_bt.core.messages import Gait, Mode
 from humanoid_bt.link.run_folder import RunFolder
@@ -90,7 +90,7 @@ class ControlProcess:
         self._hold = cycles(spec.hold)
         self._terminated = False
         self._leaving_since: int | None = None  # control is to end; the robot comes to rest first
-        self._state_phase = cycles(WHOLE_BODY_PERIOD)
+        self._state_phase = cycles(ESTIMATE_PERIOD)
         self._object_phase = cycles(DECISION_PERIOD)
 
     def run(self) -> None:

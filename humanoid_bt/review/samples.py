@@ -19,7 +19,7 @@ from humanoid_bt.record.reading import Cycles, FlightLog
 Places = NDArray[np.intp]
 
 RATE = 200.0
-"""Rate of samples unless another is asked for [Hz]: that at which setpoints are made."""
+"""Rate of samples unless another is asked for [Hz]: that at which the robot is estimated."""
 
 FULL_RATE = round(1 / SERVO_PERIOD)
 """Rate at which samples are recorded [Hz]."""

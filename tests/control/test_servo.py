@@ -7,9 +7,10 @@ import pytest
 
 from humanoid_bt.control.body.body import Setpoint
 from humanoid_bt.control.servo import Servo
-from humanoid_bt.core.clock import WHOLE_BODY_PERIOD
 from humanoid_bt.core.messages import Array
 from humanoid_bt.robot.model import BASE_COORDINATES, RobotModel
+
+PERIOD = 0.01  # s
 
 
 @pytest.fixture
@@ -42,7 +43,7 @@ def test_it_starts_by_holding_where_the_joints_are(servo: Servo, robot: RobotMod
 
 def test_a_setpoint_inside_the_limits_goes_through(servo: Servo, robot: RobotModel, setpoint: Setpoint) -> None:
     wanted = Setpoint(setpoint.position + 0.01, setpoint.velocity + 0.5, setpoint.torque - 3.0)
-    assert servo.follow(wanted) == ""
+    assert servo.follow(wanted, PERIOD) == ""
     np.testing.assert_array_equal(servo.command.position, wanted.position)
     np.testing.assert_array_equal(servo.command.velocity, wanted.velocity)
     np.testing.assert_array_equal(servo.command.torque, wanted.torque)
@@ -57,7 +58,7 @@ def test_soft_limits_clamp_and_flag(servo: Servo, robot: RobotModel, setpoint: S
     limit = float(getattr(robot, bound)[joint])
     outside = limit + (0.02 if bound == "upper" else -0.02)
     servo.reset(changed(setpoint.position, joint, limit))
-    servo.follow(replace(setpoint, position=changed(setpoint.position, joint, outside)))
+    servo.follow(replace(setpoint, position=changed(setpoint.position, joint, outside)), PERIOD)
     assert servo.command.position[joint] == limit
     assert np.flatnonzero(servo.limited).tolist() == [joint]
     assert servo.clamps == 1
@@ -67,19 +68,19 @@ def test_a_solvers_overshoot_is_clamped_but_not_flagged(servo: Servo, robot: Rob
     joint = robot.joint("left_knee")
     position = changed(setpoint.position, joint, robot.upper[joint] + 1e-4)
     servo.reset(position)
-    servo.follow(replace(setpoint, position=position))
+    servo.follow(replace(setpoint, position=position), PERIOD)
     assert servo.command.position[joint] == robot.upper[joint]
     assert not servo.limited.any()
 
 
 def test_setpoints_move_at_limited_speed(servo: Servo, robot: RobotModel, setpoint: Setpoint) -> None:
     joint = robot.joint("right_elbow")
-    start, step = setpoint.position[joint], robot.speed_limit[joint] * WHOLE_BODY_PERIOD
+    start, step = setpoint.position[joint], robot.speed_limit[joint] * PERIOD
     jump = replace(setpoint, position=changed(setpoint.position, joint, start - 0.5))
-    servo.follow(jump)
+    servo.follow(jump, PERIOD)
     assert servo.command.position[joint] == pytest.approx(start - step)
     assert np.flatnonzero(servo.limited).tolist() == [joint]
-    servo.follow(jump)
+    servo.follow(jump, PERIOD)
     assert servo.command.position[joint] == pytest.approx(start - 2 * step)
 
 
@@ -88,7 +89,7 @@ def test_velocity_and_torque_are_limited(
     servo: Servo, robot: RobotModel, setpoint: Setpoint, field: str, limit: str
 ) -> None:
     joint = robot.joint("left_ankle_pitch")
-    servo.follow(replace(setpoint, **{field: changed(setpoint.torque, joint, -1e4)}))
+    servo.follow(replace(setpoint, **{field: changed(setpoint.torque, joint, -1e4)}), PERIOD)
     assert getattr(servo.command, field)[joint] == -getattr(robot, limit)[joint]
     assert np.flatnonzero(servo.limited).tolist() == [joint]
 
@@ -99,16 +100,17 @@ def test_what_is_not_finite_is_refused_and_the_last_setpoint_held(
     servo: Servo, setpoint: Setpoint, field: str, value: float
 ) -> None:
     good = Setpoint(setpoint.position + 0.01, setpoint.velocity + 0.5, setpoint.torque + 5.0)
-    servo.follow(good)
-    assert servo.follow(replace(good, **{field: changed(setpoint.torque, 3, value)})) == "the setpoint is not finite"
+    servo.follow(good, PERIOD)
+    bad = replace(good, **{field: changed(setpoint.torque, 3, value)})
+    assert servo.follow(bad, PERIOD) == "the setpoint is not finite"
     np.testing.assert_array_equal(servo.command.position, good.position)
     np.testing.assert_array_equal(servo.command.torque, good.torque)  # what carried the robot carries it still
     assert not servo.command.velocity.any()
-    assert servo.follow(good) == ""
+    assert servo.follow(good, PERIOD) == ""
 
 
 def test_damping_lets_go_but_for_the_joints_friction(servo: Servo, robot: RobotModel, setpoint: Setpoint) -> None:
-    servo.follow(replace(setpoint, torque=setpoint.torque + 1e4))
+    servo.follow(replace(setpoint, torque=setpoint.torque + 1e4), PERIOD)
     servo.damp()
     command = servo.command
     assert not command.stiffness.any()
@@ -120,7 +122,7 @@ def test_damping_lets_go_but_for_the_joints_friction(servo: Servo, robot: RobotM
 
 
 def test_reset_clamps_into_the_limits_and_forgets(servo: Servo, robot: RobotModel, setpoint: Setpoint) -> None:
-    servo.follow(replace(setpoint, torque=setpoint.torque + 1e4))
+    servo.follow(replace(setpoint, torque=setpoint.torque + 1e4), PERIOD)
     servo.reset(robot.upper + 1.0)
     np.testing.assert_array_equal(servo.command.position, robot.upper)
     np.testing.assert_array_equal(servo.command.stiffness, robot.stiffness)

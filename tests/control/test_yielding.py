@@ -94,7 +94,7 @@ def test_it_is_stiff_again_without_a_jump(rig: ControlRig) -> None:
     rig.run(12.0, {}, cycle=lambda: speeds.append(np.abs(rig.plant.data.qvel[6:][joints]).max()))
     assert not rig.state.contacts
     assert rig.controller.servo.command.stiffness is rig.robot.stiffness
-    assert max(speeds) < 1.0
+    assert max(speeds) < 1.1  # rad/s: in the end as joints that are released, at 1 rad/s
     assert rig.run(3.0, HAND, until=lambda state: state.hand_errors["right"] < 0.01)
 
 

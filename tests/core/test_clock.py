@@ -4,6 +4,7 @@ import pytest
 
 from humanoid_bt.core.clock import (
     DECISION_PERIOD,
+    ESTIMATE_PERIOD,
     PERCEPTION_PERIOD,
     SERVO_PERIOD,
     WHOLE_BODY_PERIOD,
@@ -26,7 +27,9 @@ def test_a_duration_between_cycles_is_refused(seconds: float) -> None:
 
 
 def test_every_loop_is_a_whole_number_of_the_faster_ones() -> None:
-    assert cycles(WHOLE_BODY_PERIOD) == 5
+    assert cycles(ESTIMATE_PERIOD) == 5
+    assert cycles(WHOLE_BODY_PERIOD) == 10
+    assert cycles(WHOLE_BODY_PERIOD) % cycles(ESTIMATE_PERIOD) == 0
     assert cycles(DECISION_PERIOD) % cycles(WHOLE_BODY_PERIOD) == 0
     assert cycles(PERCEPTION_PERIOD) % cycles(DECISION_PERIOD) == 0
 

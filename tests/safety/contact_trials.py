@@ -17,7 +17,7 @@ import numpy as np
 from humanoid_bt.control.body.standing import load_robot
 from humanoid_bt.control.controller import Controller
 from humanoid_bt.control.supervisor import Supervisor
-from humanoid_bt.core.clock import DECISION_PERIOD, WHOLE_BODY_PERIOD, cycles
+from humanoid_bt.core.clock import DECISION_PERIOD, ESTIMATE_PERIOD, cycles
 from humanoid_bt.core.messages import SIDES, TORSO, Array, Estimate, HandTarget, Mode, Side
 from humanoid_bt.files.workspace import Workspace, builtin_root
 from humanoid_bt.plant.mujoco_plant import MujocoPlant
@@ -216,7 +216,7 @@ class _Listener:
         contacts = supervisor.touch.contacts
         now = {group for group, contact in contacts.items() if contact.yields or group == TORSO}
         for group in now - self._known:
-            recent = self._periods - self._last.get(group, -(10**9)) < cycles(_TRULY) / cycles(WHOLE_BODY_PERIOD)
+            recent = self._periods - self._last.get(group, -(10**9)) < cycles(_TRULY) / cycles(ESTIMATE_PERIOD)
             (self.alarms.true if recent else self.alarms.false).append(group)
         self._known = now
 

@@ -49,12 +49,16 @@ class Footstep:
 
 
 class Body(Protocol):
-    """State and targets in, setpoints of all joints out, 200 times a second.
+    """State and targets in, setpoints of all joints out, time and again.
 
     It balances whatever the targets are, so that a robot without commands goes on standing. Bodies do not know of each
     other, nor of who commands them: the controller gives each the same estimate and takes the same setpoints, and the
     servo clamps them into the same limits.
     """
+
+    @property
+    def period(self) -> float:
+        """Time between two updates [s]: a whole multiple of the period of the estimate."""
 
     @property
     def dynamics(self) -> RobotDynamics:

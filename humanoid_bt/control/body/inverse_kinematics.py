@@ -27,7 +27,7 @@ _ARM_SPEED = 2.5  # rad/s of its joints
 _RISE_SPEED = 0.2  # m/s of the base, up and down
 _TURN_SPEED = 1.5  # rad/s of the base, and of the waist's joints
 _PARTING = 50.0  # cost per metre of links that do not part, where not all can: that of a foot
-_SMOOTH_TIME, _ARM_SMOOTH_TIME = 0.01, 0.02  # s, low-pass of planned acceleration and momentum rate
+_SMOOTH_TIME, _ARM_SMOOTH_TIME = 0.02, 0.03  # s, low-pass of planned acceleration and momentum rate
 
 
 class InverseKinematics:

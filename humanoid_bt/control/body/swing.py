@@ -14,7 +14,7 @@ from humanoid_bt.core.messages import SIDES, Array, Side
 from humanoid_bt.robot.config import GaitConfig, SoleConfig
 
 _ARRIVE_EARLY = 0.02  # s before touchdown at which the foot is over its foothold
-_LATE_SHARE = 0.3  # of what is still missing then, in each control period
+_LATE_SHARE = 0.5  # of what is still missing then, in each control period
 _SPEED_MAX = 4.0  # m/s along each axis, of the foot's reference: a foothold that moves late is not reached
 _LAND_FROM = 0.93  # share of the swing after which the foot only goes down
 _LIFT_EARLY = 0.7  # power of the share: it goes up quickly and comes down slowly, wherever the ground is

@@ -19,7 +19,7 @@ from humanoid_bt.robot.config import GaitConfig, SoleConfig
 
 _FOLLOW_TIME = 0.08  # s, a standing foot's reference follows the measured foot
 _LEVEL_TIME = 0.3  # s, its tilt does so: a slope stays, a foot that tips over its edge does not
-_FOUND = 3  # control periods of force on a foot after which it has found the ground
+_FOUND = 2  # control periods of force on a foot after which it has found the ground
 _GROUND_TIME = 0.15  # s in which the body follows the ground
 _STEEPEST = 0.2  # rad
 _SINK_SPEED = 0.4  # m/s at which a foot is lowered that has not found the ground where it was to be

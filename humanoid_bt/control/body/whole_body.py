@@ -66,9 +66,10 @@ class WholeBody:
     """
 
     failure = ""
+    period = WHOLE_BODY_PERIOD
 
     def __init__(self, robot: RobotModel, dynamics: RobotDynamics, contact: Felt) -> None:
-        config, dt = robot.config, WHOLE_BODY_PERIOD
+        config, dt = robot.config, self.period
         self._robot, self._dt = robot, dt
         self.dynamics = dynamics
         self.walker = Walker(config.gait, config.sole, dt)

@@ -7,7 +7,7 @@ import sys
 
 import numpy as np
 
-from humanoid_bt.core.clock import WHOLE_BODY_PERIOD
+from humanoid_bt.core.clock import ESTIMATE_PERIOD
 from humanoid_bt.core.messages import Array, Reading
 from humanoid_bt.robot.model import RobotModel
 
@@ -52,7 +52,7 @@ class SensorWatch:
         self._most.values[:] = sys.float_info.max  # that a number may change from look to look
         self._most.gyro[:], self._most.accelerometer[:] = _GYRO_JUMP, _ACCELEROMETER_JUMP
         self._most.orientation[:] = _ORIENTATION_JUMP / 2  # of a quaternion's numbers
-        self._most.joint_position[:] = _SPEEDS * robot.speed_limit * WHOLE_BODY_PERIOD + _SLACK
+        self._most.joint_position[:] = _SPEEDS * robot.speed_limit * ESTIMATE_PERIOD + _SLACK
         least = Reading(joints)  # IMU, speeds, torques: they hardly ever say the same twice
         least.values[:] = -1.0
         least.values[6 + joints :] = least.orientation[:] = 0.0
@@ -117,7 +117,7 @@ class SensorWatch:
 
     def _compare(self, reading: Reading, imu: Array, upright: bool) -> None:
         """Compare now and then how the orientation has turned with what the gyro says."""
-        self._turned += imu[3:] * WHOLE_BODY_PERIOD
+        self._turned += imu[3:] * ESTIMATE_PERIOD
         self._turned_looks += 1
         if self._turned_looks < _COMPARED_EVERY:
             return

@@ -13,7 +13,7 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from humanoid_bt.core.clock import WHOLE_BODY_PERIOD
+from humanoid_bt.core.clock import ESTIMATE_PERIOD
 from humanoid_bt.core.errors import Place, Problem, UserError, nearest
 from humanoid_bt.core.items import Item
 from humanoid_bt.core.messages import Array
@@ -37,7 +37,7 @@ _KEYS = {
 _RANGES = "command_ranges"
 _RANGE_KEYS: dict[Axis, str] = {"vx": "lin_vel_x", "vy": "lin_vel_y", "wz": "ang_vel_yaw"}
 _VECTORS, _PHASES = ("base_ang_vel", "base_lin_vel", "projected_gravity"), ("phase_sin", "phase_cos")
-_CONTROL_RATE = round(1 / WHOLE_BODY_PERIOD)  # Hz
+_CONTROL_RATE = round(1 / ESTIMATE_PERIOD)  # Hz
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ import pytest
 
 from humanoid_bt.control.controller import Controller
 from humanoid_bt.control.dynamics import GRAVITY
-from humanoid_bt.core.clock import WHOLE_BODY_PERIOD, cycles
+from humanoid_bt.core.clock import ESTIMATE_PERIOD, cycles
 from humanoid_bt.core.messages import SIDES, BaseTarget, JointCommand, Mode, Reading
 from humanoid_bt.robot.config import load_robot_config
 from humanoid_bt.robot.model import RobotModel, foot_sensor, sole_site
@@ -162,7 +162,7 @@ def test_a_foot_stands_on_the_ground_that_it_finds_not_where_it_once_was(
     rig.run(0.4, {})
     estimator._ground.heights = [-0.5, -0.5]  # where they were when they last touched something
     stands[:] = True, False
-    for _ in range(cycles(WHOLE_BODY_PERIOD)):
+    for _ in range(cycles(ESTIMATE_PERIOD)):
         rig.controller.run_cycle()
     stands[:] = True, True
     errors: list[float] = []

@@ -21,7 +21,7 @@ from humanoid_bt.control.body.policy.walker import LearnedWalker
 from humanoid_bt.control.body.references import ArmReference, GazeReference, PostureReference
 from humanoid_bt.control.body.yielding import Felt, YieldingArms
 from humanoid_bt.control.dynamics import RobotDynamics
-from humanoid_bt.core.clock import WHOLE_BODY_PERIOD
+from humanoid_bt.core.clock import ESTIMATE_PERIOD
 from humanoid_bt.core.messages import (
     SIDES,
     ArmTarget,
@@ -59,10 +59,12 @@ class LearnedBody:
         lending: which joints are lent.
     """
 
+    period = ESTIMATE_PERIOD  # what the network says is taken so soon after it was asked
+
     def __init__(
         self, robot: RobotModel, policy: Policy, dynamics: RobotDynamics, contact: Felt, *, waits: bool
     ) -> None:
-        config, dt = robot.config, WHOLE_BODY_PERIOD
+        config, dt = robot.config, self.period
         self._robot, self._dt = robot, dt
         self.dynamics = dynamics
         names = robot.joint_names

@@ -6,7 +6,7 @@ import numpy as np
 
 from humanoid_bt.control.body.policy.inference import Inference
 from humanoid_bt.control.body.policy.observation import Observation
-from humanoid_bt.core.clock import WHOLE_BODY_PERIOD
+from humanoid_bt.core.clock import ESTIMATE_PERIOD
 from humanoid_bt.core.geometry import clamp
 from humanoid_bt.core.messages import Array, Estimate
 from humanoid_bt.robot.policy.network import Tensor, size
@@ -37,7 +37,7 @@ class LearnedWalker:
 
     def __init__(self, policy: Policy, joints: Indices, *, waits: bool) -> None:
         self._policy, self._waits = policy, waits
-        self.period = policy.period * WHOLE_BODY_PERIOD
+        self.period = policy.period * ESTIMATE_PERIOD
         self._observation = Observation(policy, joints, self.period)
         self._offset = policy.offset
         self._inference = self._new_inference()
