@@ -31,7 +31,7 @@ def test_a_robot_that_reaches_stands_at_rest(rig: Rig) -> None:
     rig.run("reach", target=(0.4, 0.3, 1.1), hand="left")
     result = rig.run("reach", target=(0.35, -0.2, 0.5), hand="right")
     assert result.succeeded
-    assert max(np.hypot(*state.com_velocity[:2]) for state in result.states) > 0.03
+    assert max(np.hypot(*state.com_velocity[:2]) for state in result.states) > 0.018  # m/s: more than rest
     assert all(state.base_settled for state in result.states)
 
 

@@ -19,7 +19,6 @@ from humanoid_bt.robot.config import GaitConfig, SoleConfig
 
 _FOLLOW_TIME = 0.08  # s, a standing foot's reference follows the measured foot
 _LEVEL_TIME = 0.3  # s, its tilt does so: a slope stays, a foot that tips over its edge does not
-_FOUND = 2  # control periods of force on a foot after which it has found the ground
 _GROUND_TIME = 0.15  # s in which the body follows the ground
 _STEEPEST = 0.2  # rad
 _SINK_SPEED = 0.4  # m/s at which a foot is lowered that has not found the ground where it was to be
@@ -29,7 +28,6 @@ _WAIT_FROM = 0.02  # m that the DCM is too near to the foot that is to swing
 _WAIT_MOST = 0.3  # s
 _ASTRAY, _TURNED = 0.05, 0.3  # m and rad that a foot may have slipped from its place beside the other one
 _CALM, _CALM_FOR = 0.02, 1.0  # m of the DCM from the middle, and s of standing, before it is put there again
-_CONTACTS_NEEDED = 2  # control periods of force on the swing foot before it counts as touchdown
 
 
 class Walker:
@@ -73,9 +71,8 @@ class Walker:
         self._stepping: Side = "left"
         self._waited = 0.0  # s for the weight to leave the foot that is to swing
         self._ends = False  # whether the walk ends with this step
-        self._contacts = 0
         self._stood_at = 0.0  # rad, heading of the foot that carries the robot, when the other one was lifted
-        self._found = dict.fromkeys(SIDES, _FOUND)  # control periods in which a foot that landed was loaded
+        self._found = dict.fromkeys(SIDES, True)  # whether each foot has been loaded since it landed
 
     def reset(self, soles: Mapping[Side, Array], footings: Mapping[Side, Array], omega: float) -> None:
         """Stand where the feet are."""
@@ -156,7 +153,7 @@ class Walker:
         self._plan = plan_walk(
             self._numbers, self._omega, self._dt, zmp=zmp, support=support, shift=shift, steps=self.footsteps
         )
-        self._elapsed, self._contacts, self._stepping, self.swing = 0.0, 0, swing, None
+        self._elapsed, self._stepping, self.swing = 0.0, swing, None
         self._waited = 0.0
         self.gait = Gait.STEP
 
@@ -179,9 +176,8 @@ class Walker:
             self.swing.update(self._elapsed - self._double, dcm, self.zmp_reference)
             self.foot_reference[side], self.foot_footing[side] = self.swing.pose, self.swing.footing
             rate = self.swing.rate
-            self._contacts = self._contacts + 1 if foot_force[side] > self._numbers.touchdown_force else 0
             share = (self._elapsed - self._double) / self._single
-            landed = share > self._numbers.touchdown_after and self._contacts >= _CONTACTS_NEEDED
+            landed = share > self._numbers.touchdown_after and foot_force[side] > self._numbers.touchdown_force
         self._elapsed += rate
         if landed:
             self.contact[side] = True
@@ -215,7 +211,7 @@ class Walker:
         assert self.swing is not None
         elsewhere = math.dist(self.swing.target[:2], self.footsteps[0].pose[:2]) > _ELSEWHERE
         self.foot_reference[side] = np.array([*self.swing.pose[:2], self.swing.target[2]])
-        self.swing, self._found[side] = None, 0
+        self.swing, self._found[side] = None, False
         if elsewhere or not self._ends:
             early = max(0.0, self._double + self._single - self._elapsed) * self._dt  # the DCM is where it is
             shift = _CAUGHT_SHIFT if elsewhere else self._numbers.double_support + early
@@ -263,10 +259,10 @@ class Walker:
             error[2] = wrap(error[2])
             self.foot_reference[side] = self.foot_reference[side] + follow * error
             loaded = foot_force[side] > self._numbers.touchdown_force
-            self._found[side] = self._found[side] + 1 if loaded else min(self._found[side], _FOUND)
             if loaded:
+                self._found[side] = True
                 self._follow_footing(side, footings[side], follow)
-            elif self._found[side] < _FOUND:
+            elif not self._found[side]:  # one that bounces has: sunk and lifted by turns it would shake the robot
                 self.foot_footing[side] = self.foot_footing[side] - np.array([_SINK_SPEED * self._dt, 0.0, 0.0])
         self.ground += min(1.0, self._dt / _GROUND_TIME) * (self._carrying_height() - self.ground)
 

@@ -141,11 +141,14 @@ def test_contact_ends_the_swing_only_when_it_is_due(ideal: Ideal, share: float, 
     assert ideal.walker.foot_footing["right"][0] < before + 0.01
 
 
-def test_a_short_touch_is_not_a_touchdown(ideal: Ideal) -> None:
+def test_a_foot_that_bounces_as_it_lands_is_not_lowered(ideal: Ideal) -> None:
     ideal.until_swing()
     ideal.go(0.85 * GAIT.single_support, AHEAD)
     ideal.go(DT, AHEAD, force={"left": 300.0, "right": 100.0})
-    assert not ideal.walker.contact["right"]
+    assert ideal.walker.contact["right"]
+    landed = ideal.walker.foot_footing["right"][0]
+    ideal.go(5 * DT, AHEAD, force={"left": 300.0, "right": 0.0})
+    assert ideal.walker.foot_footing["right"][0] == landed
 
 
 def test_references_of_the_feet_never_jump(ideal: Ideal) -> None:
