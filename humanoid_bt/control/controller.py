@@ -1,6 +1,7 @@
 """One servo cycle: measure, supervise, every so often plan the whole body, drive the joints.
 
 A stop does not wait for the next plan: the whole body is planned anew in the cycle in which the supervisor orders it.
+Nor does an arm that is to yield.
 """
 
 from __future__ import annotations
@@ -169,6 +170,8 @@ class Controller:
         supervisor.feel(contact.forces, self.estimator.estimate)
         if supervisor.touch.pressed != pressed:
             contact.distrust(supervisor.touch.pressed)
+        if supervisor.touch.yielding - self.body.arms.sides:
+            self._next_plan = self.cycle
 
     def _let_go(self) -> None:
         self._end_logged_plan()

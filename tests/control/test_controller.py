@@ -121,6 +121,31 @@ def test_an_emergency_stop_is_planned_in_the_very_next_servo_cycle(
     assert plans == [(raised, True), (raised + PERIOD, True), (raised + 2 * PERIOD, True)]
 
 
+def test_an_arm_that_is_to_yield_yields_in_the_very_next_servo_cycle(
+    rig: ControlRig, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    rig.run(1.0, REACH)
+    controller, plans = rig.controller, set()
+    update, touch = controller.body.update, controller.supervisor.touch
+
+    def spy(estimate: Estimate, targets: Mapping[str, Target], hold: bool) -> Setpoint:
+        plans.add(controller.cycle)
+        return update(estimate, targets, hold)
+
+    monkeypatch.setattr(controller.body, "update", spy)
+    for phase in range(0, PERIOD, 5):
+        rig.reset()
+        rig.run(0.5, REACH)
+        for _ in range(phase):
+            controller.run_cycle()
+        rig.plant.push("left_hand", np.array([-60.0, 0.0, 0.0]), 0.2)
+        while not touch.yielding:
+            controller.run_cycle()
+        felt = controller.cycle
+        controller.run_cycle()
+        assert felt in plans
+
+
 def test_after_a_reset_commands_are_followed_again(rig: ControlRig) -> None:
     rig.run(0.2, {})
     rig.controller.supervisor.raise_estop("test", "pressed")
