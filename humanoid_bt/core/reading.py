@@ -107,8 +107,9 @@ def needed(spec: Param) -> str:
     """Return a hint: how a parameter that is missing is written."""
     kind: Any = spec.type
     if dataclasses.is_dataclass(kind):
-        keys = (f"{name}: ..." for name, inner in params_of(typing.cast("type", kind)).items() if inner.required)
-        return f"{spec.name}: {{{', '.join(keys) or '...'}}}  # {spec.doc}"
+        keys = [f"{name}: ..." for name, inner in params_of(typing.cast("type", kind)).items() if inner.required]
+        if keys:  # some are written as text
+            return f"{spec.name}: {{{', '.join(keys)}}}  # {spec.doc}"
     return f"{spec.name}: {spec.type_name}  # {spec.doc}"
 
 
