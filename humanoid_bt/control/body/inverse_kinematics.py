@@ -223,12 +223,13 @@ class InverseKinematics:
         program = self._program
         program.aim(self.configuration, self.tasks)
         try:
-            way = np.linalg.solve(program.hessian, -program.gradient)
+            way: Array = np.asarray(np.linalg.solve(program.hessian, -program.gradient), dtype=np.float64)
         except np.linalg.LinAlgError:
             return np.zeros(self._model.nv)
         if not np.isfinite(way).all():
             return np.zeros(self._model.nv)
-        after = clamp(self.joints + way[BASE_DOFS:], self._robot.lower, self._robot.upper)
+        after = self.joints + clamp(way[BASE_DOFS:], -self._farthest, self._farthest)
+        after = clamp(after, self._robot.lower, self._robot.upper)
         way[BASE_DOFS:] = after - self.joints
         return np.asarray(way / self._dt)
 

@@ -9,7 +9,7 @@ import pytest
 from humanoid_bt.control.body.body_task import BodyTargets
 from humanoid_bt.control.body.inverse_kinematics import InverseKinematics
 from humanoid_bt.core.messages import SIDES, Array
-from humanoid_bt.robot.model import BASE_COORDINATES, RobotModel, palm_site, sole_site
+from humanoid_bt.robot.model import BASE_COORDINATES, BASE_DOFS, RobotModel, palm_site, sole_site
 from tests.control.body.pose import Pose
 
 DT = 0.005
@@ -142,6 +142,17 @@ def test_without_a_solution_it_goes_on_without_limits_and_says_so(
     monkeypatch.undo()
     assert kinematics.step(wanted)
     assert kinematics.solved
+
+
+def test_without_a_solution_no_joint_is_faster_than_its_limit(
+    robot: RobotModel, standing: Array, kinematics: InverseKinematics, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(daqp, "solve", no_solution)
+    far = targets(robot, standing, com=Pose(robot, standing).com + np.array([0.0, 0.0, -0.2]))
+    kinematics.step(far)
+    speeds = np.abs(kinematics.velocity[BASE_DOFS:])
+    assert speeds.max() > 1.0
+    assert (speeds <= robot.speed_limit + 1e-9).all()
 
 
 def test_without_a_solution_the_joints_stay_inside_the_soft_limits(
