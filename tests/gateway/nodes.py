@@ -22,18 +22,18 @@ _RELIABLE = Qos(reliability="reliable", durability="volatile", depth=100)
 
 
 @contextmanager
-def punctual() -> Iterator[bool]:
-    """Let no thread of this process wait for a busy machine, if that is allowed; give whether it is."""
+def punctual() -> Iterator[None]:
+    """Let no thread of this process wait for a busy machine, if that is allowed."""
     threads = [int(thread.name) for thread in Path("/proc/self/task").iterdir()]
     before = [(os.sched_getscheduler(thread), os.sched_getparam(thread)) for thread in threads]
     try:
         for thread in threads:
             os.sched_setscheduler(thread, os.SCHED_FIFO, os.sched_param(1))
     except PermissionError:
-        yield False
+        yield
         return
     try:
-        yield True
+        yield
     finally:
         for thread, (policy, parameters) in zip(threads, before, strict=True):
             with suppress(ProcessLookupError):
