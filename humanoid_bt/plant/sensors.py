@@ -8,8 +8,8 @@ from typing import Literal, get_args
 import mujoco
 import numpy as np
 
-from humanoid_bt.core.arrays import numbers
 from humanoid_bt.core.clock import SERVO_PERIOD, cycles
+from humanoid_bt.core.compiled import compiled
 from humanoid_bt.core.messages import Array, Reading
 from humanoid_bt.robot.sensor_config import SensorsConfig
 
@@ -47,13 +47,9 @@ class Sensors:
         self, config: SensorsConfig, data: mujoco.MjData, joints: int, feet: Sequence[Array], gravity: float
     ) -> None:
         self._config, self._joints, self._feet, self._gravity = config, joints, feet, gravity
-        self._velocity_now, self._quaternion = data.qvel[:3], data.qpos[3:7]
-        self._pose, self._rates = numbers(data.qpos[3 : 7 + joints]), numbers(data.qvel[3 : 6 + joints])
-        self._torques = numbers(data.actuator_force)
-        self._true = Reading(joints)
-        values = self._true.values
-        self._true_pose, self._true_rates = numbers(values[2 : 6 + joints]), numbers(values[9 + joints : -joints])
-        self._true_torque, self._true_force = numbers(self._true.joint_torque), numbers(self._true.accelerometer)
+        self._velocity_now, self._pose = data.qvel[:3], data.qpos[3 : 7 + joints]
+        self._rates, self._torques = data.qvel[3 : 6 + joints], data.actuator_force
+        self._borne: Array = np.zeros(2)
         self._joint_positions = slice(6, 6 + joints)
         self._places = {"orientation": slice(2, 6), "accelerometer": slice(6 + joints, 9 + joints)}
         self._places["gyro"] = slice(9 + joints, 12 + joints)
@@ -61,10 +57,10 @@ class Sensors:
         self._noise, self._bias, resolution = self._described()
         self._finest = np.maximum(resolution, _FINEST)
         self._delay = cycles(config.delay)
-        self._rows = np.zeros((self._delay + 1, len(self._true.values)))
-        self._velocity = [0.0, 0.0, 0.0]
+        self._rows = np.zeros((self._delay + 1, len(self._noise)))
+        self._velocity: Array = np.zeros(3)
         self._random = np.random.default_rng(0)
-        self._offset: Array = np.zeros(len(self._true.values))
+        self._offset: Array = np.zeros(len(self._noise))
         self._errors: Array = np.zeros((_BLOCK, len(self._offset)))
         self._drift = 0.0
         self._tilt = 0.0, 0.0
@@ -105,31 +101,24 @@ class Sensors:
         self._drift = float(random.standard_normal()) * self._config.orientation.drift
         self._count = 0
         self._failures.clear()
-        self._velocity = self._velocity_now.tolist()
+        self._velocity[:] = self._velocity_now
         for _ in self._rows:
             self.sense()
 
     def sense(self) -> None:
         """Measure what is true now; call it once a servo cycle."""
-        true, count = self._true, self._count
+        count = self._count
         place = count % _BLOCK
         if place == 0:
             self._errors = self._random.standard_normal(self._errors.shape) * self._noise + self._offset
             self._turned = _slightly(*self._tilt, self._drift * count * SERVO_PERIOD)
-        self._true_pose[:], self._true_rates[:], self._true_torque[:] = self._pose, self._rates, self._torques
-        x, y, z = self._velocity
-        vx, vy, vz = self._velocity = self._velocity_now.tolist()
-        force = (vx - x) / SERVO_PERIOD, (vy - y) / SERVO_PERIOD, (vz - z) / SERVO_PERIOD + self._gravity
-        seen = self._true_force
-        seen[0], seen[1], seen[2] = _seen_from(self._quaternion.tolist(), force)
-        np.dot(self._turned, self._quaternion, out=true.orientation)
         if self._feels:
-            true.foot_force[:] = [abs(force.item()) for force in self._feet]
+            self._borne[:] = [abs(force.item()) for force in self._feet]
         row = self._rows[count % len(self._rows)]
-        np.add(true.values, self._errors[place], out=row)
-        row /= self._finest
-        np.rint(row, out=row)
-        row *= self._finest
+        _sense(
+            row, self._borne, self._pose, self._velocity_now, self._rates, self._torques, self._velocity,
+            self._turned, self._gravity, self._errors, place, self._finest,
+        )  # fmt: skip
         self._count += 1
         if self._failures:
             self._spoil(row)
@@ -174,12 +163,60 @@ class Sensors:
         np.copyto(into.values, self._rows[self._count % len(self._rows)])
 
 
-def _seen_from(quaternion: Sequence[float], vector: tuple[float, float, float]) -> tuple[float, float, float]:
-    """Return a vector of the world in the frame that a quaternion turns."""
-    w, x, y, z = quaternion
-    a, b, c = vector
+@compiled(
+    "void(f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[:, ::1], f8, f8[:, ::1], i8, f8[::1])"
+)
+def _sense(
+    row: Array,
+    borne: Array,
+    pose: Array,
+    velocity: Array,
+    rates: Array,
+    torques: Array,
+    before: Array,
+    turned: Array,
+    gravity: float,
+    errors: Array,
+    place: int,
+    finest: Array,
+) -> None:
+    """Write what the sensors say in the order of :class:`~humanoid_bt.core.messages.Reading`; note the velocity.
+
+    Args:
+        row: that is written.
+        borne: what the feet bear, shape (2,) [N].
+        pose: quaternion of the base, and the joints, shape (4 + nj,).
+        velocity: of the base, world frame, shape (3,) [m/s].
+        rates: angular velocity of the base in its own frame, and of the joints, shape (3 + nj,) [rad/s].
+        torques: shape (nj,) [Nm].
+        before: the velocity a servo period ago; becomes the one now.
+        turned: turns a quaternion by what the IMU's own filter is off, shape (4, 4).
+        gravity: upward [m/s^2].
+        errors: rows of what is added.
+        place: the one of them that counts.
+        finest: resolutions.
+    """
+    joints = len(torques)
+    row[:2] = borne
+    for i in range(4):
+        row[2 + i] = (
+            turned[i, 0] * pose[0] + turned[i, 1] * pose[1] + turned[i, 2] * pose[2] + turned[i, 3] * pose[3]
+        )
+    row[6 : 6 + joints] = pose[4:]
+    a = (velocity[0] - before[0]) / SERVO_PERIOD
+    b = (velocity[1] - before[1]) / SERVO_PERIOD
+    c = (velocity[2] - before[2]) / SERVO_PERIOD + gravity
+    before[:] = velocity
+    w, x, y, z = pose[0], pose[1], pose[2], pose[3]  # which turns the base into the world; the force, back
     u, v, t = 2 * (y * c - z * b), 2 * (z * a - x * c), 2 * (x * b - y * a)
-    return a - w * u + y * t - z * v, b - w * v + z * u - x * t, c - w * t + x * v - y * u
+    force = 6 + joints
+    row[force] = a - w * u + y * t - z * v
+    row[force + 1] = b - w * v + z * u - x * t
+    row[force + 2] = c - w * t + x * v - y * u
+    row[force + 3 : 6 + force + joints] = rates
+    row[6 + force + joints :] = torques
+    for i in range(len(row)):
+        row[i] = np.rint((row[i] + errors[place, i]) / finest[i]) * finest[i]
 
 
 def _slightly(x: float, y: float, z: float) -> Array:
