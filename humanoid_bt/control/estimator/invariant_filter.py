@@ -14,10 +14,10 @@ from dataclasses import dataclass, replace
 
 import mujoco
 import numpy as np
-from scipy.linalg.blas import dtrsm
-from scipy.linalg.lapack import dpotrf
 
 from humanoid_bt.control.dynamics import GRAVITY
+from humanoid_bt.control.estimator.small_matrices import factored, turn
+from humanoid_bt.core.compiled import compiled, inlined
 from humanoid_bt.core.messages import Array
 
 FREE = 1e3
@@ -29,9 +29,6 @@ _FEET, _GYRO, _ACCELEROMETER, _SOLES = (slice(9, 12), slice(12, 15)), slice(15, 
 _SIZE = 23
 _TURNED = 15  # of these, what a turn of the world turns: orientation, velocity, position, feet
 _ROWS = 10  # of a measurement: position of each foot, heading of each sole, height of each foot
-_CROSS = np.zeros((3, 9))  # v @ _CROSS is the matrix of v x, row by row
-for _axis, (_plus, _minus) in enumerate(((7, 5), (2, 6), (3, 1))):
-    _CROSS[_axis, _plus], _CROSS[_axis, _minus] = 1.0, -1.0
 _FALL = np.array([[0.0, GRAVITY, 0.0], [-GRAVITY, 0.0, 0.0], [0.0, 0.0, 0.0]])  # the matrix of gravity x
 
 
@@ -81,14 +78,13 @@ class InvariantFilter:
         self._turn9: Array = np.eye(3).reshape(9)
         self._turn = self._turn9.reshape(3, 3)
         self._state: Array = np.zeros(_SIZE - 3)  # all but the orientation, in the error's order
-        self._points = self._state[:12].reshape(4, 3)
-        self.velocity, self.position, self._feet = self._points[0], self._points[1], self._points[2:]
+        points = self._state[:12].reshape(4, 3)
+        self.velocity, self.position, self._feet = points[0], points[1], points[2:]
         self.gyro_bias, self.accelerometer_bias = self._state[12:15], self._state[15:18]
         self._covariance: Array = np.zeros((_SIZE, _SIZE))
         self._scratch = np.zeros((_SIZE, _SIZE))
         self._lever = np.zeros((_TURNED, 3))  # what a small turn of the world does to what it turns
         self._lever[:3] = np.eye(3)
-        self._cross = self._lever[3:].reshape(4, 9)
         self._transition = np.eye(_SIZE)
         self._growth: Array = np.zeros(_SIZE)
         self._time = 0.0  # that transition and growth are for [s]
@@ -99,6 +95,7 @@ class InvariantFilter:
             self._measures[6 + foot, 2], self._measures[6 + foot, _SOLES.start + foot] = -1.0, 1.0
             self._measures[8 + foot, _FEET[foot].stop - 1] = 1.0
         self._innovation = np.zeros((_ROWS, _SIZE + 1))  # that of the covariance, and last that of the state
+        self._spread = np.zeros((_ROWS, _ROWS))
         self._doubt: Array = np.full(_ROWS, noise.foot**2)
         self._doubt[6:8], self._doubt[8:] = noise.heading**2, noise.ground**2
 
@@ -180,18 +177,7 @@ class InvariantFilter:
             force: specific force, which is what an accelerometer measures, base frame, shape (3,) [m/s^2].
             time: [s].
         """
-        rate = rate - self.gyro_bias
-        fx, fy, fz = (force - self.accelerometer_bias).tolist()
-        wx, wy, wz = rate.tolist()
-        half = time / 2  # it turns while it accelerates
-        turned = (fx + half * (wy * fz - wz * fy), fy + half * (wz * fx - wx * fz), fz + half * (wx * fy - wy * fx))
-        gain = self._turn.dot(turned)
-        gain[2] -= GRAVITY
-        gain *= time
-        self.position += (self.velocity + gain / 2) * time
-        self.velocity += gain
-        mujoco.mju_quatIntegrate(self.quaternion, rate, time)
-        mujoco.mju_quat2Mat(self._turn9, self.quaternion)
+        _predict(self._state, self.quaternion, self._turn, rate, force, time)
 
     def doubt(self, time: float, slip: tuple[float, float]) -> None:
         """Let the covariance grow by what predictions over a time [s] add to it.
@@ -202,19 +188,14 @@ class InvariantFilter:
         """
         if time != self._time:
             self._set_time(time)
-        noise, covariance, transition = self._noise, self._covariance, self._transition
-        np.dot(self._points, _CROSS, out=self._cross)
-        turn = self._turn * -time
-        transition[:_TURNED, _GYRO] = self._lever.dot(turn)
-        transition[_VELOCITY, _ACCELEROMETER] = turn
-        np.dot(transition, covariance, out=self._scratch)
-        np.dot(self._scratch, transition.T, out=covariance)
-        covariance[:_TURNED, :_TURNED] += self._lever.dot(self._lever.T) * (noise.gyro**2 * time)
-        growth = self._growth
+        noise, growth = self._noise, self._growth
         for foot in range(2):
             growth[_FEET[foot]] = (noise.slip * slip[foot]) ** 2 * time
             growth[_SOLES.start + foot] = (noise.twist * slip[foot]) ** 2 * time
-        covariance.reshape(-1)[:: _SIZE + 1] += growth
+        _doubt(
+            self._covariance, self._transition, self._state, self._turn, growth, noise.gyro**2 * time, time,
+            self._lever, self._scratch,
+        )  # fmt: skip
 
     def _set_time(self, time: float) -> None:
         noise, transition, growth = self._noise, self._transition, self._growth
@@ -226,7 +207,7 @@ class InvariantFilter:
 
     def sink(self, way: float) -> None:
         """Count heights from a ground that is higher by so much [m]."""
-        self._points[1:, 2] -= way
+        self._state[5:12:3] -= way
 
     def slides(self, feet: Array) -> Array:
         """Return how far the feet seem to have slid since the last correction, in the plane, shape (2,) [m].
@@ -247,27 +228,181 @@ class InvariantFilter:
             standing: whether each foot is on the ground.
             ground: how high that is under each [m].
         """
-        state, covariance, measures = self._state, self._covariance, self._measures
-        innovation, error = self._innovation[:, :_SIZE], self._innovation[:, _SIZE]
-        np.subtract(feet, self._feet, out=error[:6].reshape(2, 3))
-        for foot, (x, y, z) in enumerate(self._feet.tolist()):
-            turned = headings[foot] - state.item(18 + foot)
-            error[6 + foot] = (turned + math.pi) % (2 * math.pi) - math.pi
-            error[8 + foot] = ground[foot] - z
-            measures[8 + foot, 0], measures[8 + foot, 1] = y, -x
-            self._doubt[8 + foot] = self._noise.ground**2 if standing[foot] else 1e2
-        np.matmul(measures, covariance, out=innovation)
-        spread = innovation.dot(measures.T)
-        spread.reshape(-1)[:: _ROWS + 1] += self._doubt
-        factor, _ = dpotrf(spread, lower=1)
-        halves = dtrsm(1.0, factor, self._innovation, lower=1)
-        change = halves.T.dot(halves)
-        covariance -= change[:_SIZE, :_SIZE]
-        covariance += covariance.T.copy()
-        covariance *= 0.5
-        turn, rest = change[:3, _SIZE], change[3:_SIZE, _SIZE]
-        np.dot(self._points, _CROSS, out=self._cross)
-        state[:12] -= self._lever[3:] @ turn
-        state += rest
-        mujoco.mju_quatIntegrate(self.quaternion, turn @ self._turn, 1.0)
-        mujoco.mju_quat2Mat(self._turn9, self.quaternion)
+        for foot, stands in enumerate(standing):
+            self._doubt[8 + foot] = self._noise.ground**2 if stands else 1e2
+        _correct(
+            self._state, self._covariance, self.quaternion, self._turn, feet, headings[0], headings[1],
+            ground[0], ground[1], self._measures, self._doubt, self._lever, self._innovation, self._spread,
+        )  # fmt: skip
+
+
+@compiled("void(f8[::1], f8[::1], f8[:, ::1], f8[::1], f8[::1], f8)")
+def _predict(state: Array, quaternion: Array, turned: Array, rate: Array, force: Array, time: float) -> None:
+    """See :meth:`InvariantFilter.predict`."""
+    wx, wy, wz = rate[0] - state[12], rate[1] - state[13], rate[2] - state[14]
+    fx, fy, fz = force[0] - state[15], force[1] - state[16], force[2] - state[17]
+    half = time / 2  # it turns while it accelerates
+    x, y, z = fx + half * (wy * fz - wz * fy), fy + half * (wz * fx - wx * fz), fz + half * (wx * fy - wy * fx)
+    for i in range(3):
+        gain = turned[i, 0] * x + turned[i, 1] * y + turned[i, 2] * z
+        if i == 2:
+            gain -= GRAVITY
+        gain *= time
+        state[3 + i] += (state[i] + gain / 2) * time
+        state[i] += gain
+    turn(quaternion, turned, wx * time, wy * time, wz * time)
+
+
+@inlined
+def _cross(state: Array, lever: Array) -> None:
+    """Write what a small turn of the world does to velocity, position and feet: v x, below one another."""
+    for point in range(4):
+        x, y, z = state[3 * point], state[3 * point + 1], state[3 * point + 2]
+        row = 3 + 3 * point
+        lever[row, 1], lever[row, 2] = -z, y
+        lever[row + 1, 0], lever[row + 1, 2] = z, -x
+        lever[row + 2, 0], lever[row + 2, 1] = -y, x
+
+
+@inlined
+def _times(sparse: Array, matrix: Array, product: Array) -> None:
+    """Write the product of two matrices, the first one mostly zeros."""
+    for i in range(_SIZE):
+        for j in range(_SIZE):
+            product[i, j] = 0.0
+        for k in range(_SIZE):
+            share = sparse[i, k]
+            if share != 0.0:
+                for j in range(_SIZE):
+                    product[i, j] += share * matrix[k, j]
+
+
+@compiled("void(f8[:, ::1], f8[:, ::1], f8[::1], f8[:, ::1], f8[::1], f8, f8, f8[:, ::1], f8[:, ::1])")
+def _doubt(
+    covariance: Array,
+    transition: Array,
+    state: Array,
+    turned: Array,
+    growth: Array,
+    turning: float,
+    time: float,
+    lever: Array,
+    scratch: Array,
+) -> None:
+    """Let the covariance P grow: F P F^T + Q.
+
+    Args:
+        covariance: P.
+        transition: F, but for what depends on where the base is.
+        state, turned: where it is.
+        growth: the diagonal of Q, but for what turns everything.
+        turning: variance of that [rad^2].
+        time: [s].
+        lever, scratch: are written.
+    """
+    _cross(state, lever)
+    for j in range(3):
+        a, b, c = -time * turned[0, j], -time * turned[1, j], -time * turned[2, j]
+        transition[3, 18 + j], transition[4, 18 + j], transition[5, 18 + j] = a, b, c
+        for i in range(_TURNED):
+            transition[i, 15 + j] = lever[i, 0] * a + lever[i, 1] * b + lever[i, 2] * c
+    _times(transition, covariance, scratch)
+    for i in range(_SIZE):
+        for j in range(_SIZE):
+            covariance[i, j] = scratch[j, i]
+    _times(transition, covariance, scratch)
+    covariance[:] = scratch  # symmetric, as F (F P)^T is
+    for i in range(_TURNED):
+        for j in range(_TURNED):
+            covariance[i, j] += turning * (
+                lever[i, 0] * lever[j, 0] + lever[i, 1] * lever[j, 1] + lever[i, 2] * lever[j, 2]
+            )
+    for i in range(_SIZE):
+        covariance[i, i] += growth[i]
+
+
+@compiled(
+    "void(f8[::1], f8[:, ::1], f8[::1], f8[:, ::1], f8[:, ::1], f8, f8, f8, f8, f8[:, ::1], f8[::1], f8[:, ::1],"
+    " f8[:, ::1], f8[:, ::1])"
+)
+def _correct(
+    state: Array,
+    covariance: Array,
+    quaternion: Array,
+    turned: Array,
+    feet: Array,
+    left_heading: float,
+    right_heading: float,
+    left_ground: float,
+    right_ground: float,
+    measures: Array,
+    doubt: Array,
+    lever: Array,
+    innovation: Array,
+    spread: Array,
+) -> None:
+    """See :meth:`InvariantFilter.correct`.
+
+    Args:
+        state, covariance, quaternion, turned: are corrected.
+        feet, left_heading, right_heading, left_ground, right_ground: what is measured.
+        measures: what that is of the error, H, shape (rows, size).
+        doubt: its variances, the diagonal of R.
+        lever, innovation, spread: are written.
+    """
+    _cross(state, lever)
+    for foot in range(2):
+        x, y, z = state[6 + 3 * foot], state[7 + 3 * foot], state[8 + 3 * foot]
+        innovation[3 * foot, _SIZE] = feet[foot, 0] - x
+        innovation[3 * foot + 1, _SIZE] = feet[foot, 1] - y
+        innovation[3 * foot + 2, _SIZE] = feet[foot, 2] - z
+        wrong = (right_heading if foot else left_heading) - state[18 + foot]
+        innovation[6 + foot, _SIZE] = (wrong + math.pi) % (2 * math.pi) - math.pi
+        innovation[8 + foot, _SIZE] = (right_ground if foot else left_ground) - z
+        measures[8 + foot, 0], measures[8 + foot, 1] = y, -x
+    for i in range(_ROWS):  # H P
+        for j in range(_SIZE):
+            innovation[i, j] = 0.0
+        for k in range(_SIZE):
+            share = measures[i, k]
+            if share != 0.0:
+                for j in range(_SIZE):
+                    innovation[i, j] += share * covariance[k, j]
+    for i in range(_ROWS):  # H P H^T + R
+        for j in range(i + 1):
+            total = 0.0
+            for k in range(_SIZE):
+                total += innovation[i, k] * measures[j, k]
+            spread[i, j] = total
+        spread[i, i] += doubt[i]
+    factored(spread, _ROWS)
+    for i in range(_ROWS):  # L^-1 (H P | error)
+        for k in range(i):
+            share = spread[i, k]
+            for j in range(_SIZE + 1):
+                innovation[i, j] -= share * innovation[k, j]
+        for j in range(_SIZE + 1):
+            innovation[i, j] /= spread[i, i]
+    change = np.zeros(_SIZE)
+    for k in range(_ROWS):
+        share = innovation[k, _SIZE]
+        for j in range(_SIZE):
+            change[j] += share * innovation[k, j]
+    for i in range(_SIZE):
+        for j in range(i + 1):
+            total = (covariance[i, j] + covariance[j, i]) / 2
+            for k in range(_ROWS):
+                total -= innovation[k, i] * innovation[k, j]
+            covariance[i, j] = covariance[j, i] = total
+    x, y, z = change[0], change[1], change[2]
+    for i in range(12):
+        state[i] -= lever[3 + i, 0] * x + lever[3 + i, 1] * y + lever[3 + i, 2] * z
+    for i in range(_SIZE - 3):
+        state[i] += change[3 + i]
+    turn(
+        quaternion,
+        turned,
+        x * turned[0, 0] + y * turned[1, 0] + z * turned[2, 0],
+        x * turned[0, 1] + y * turned[1, 1] + z * turned[2, 1],
+        x * turned[0, 2] + y * turned[1, 2] + z * turned[2, 2],
+    )

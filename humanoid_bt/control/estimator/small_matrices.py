@@ -1,0 +1,67 @@
+"""Small matrices and rotations in machine code, for the functions of the estimator."""
+
+from __future__ import annotations
+
+import math
+
+from humanoid_bt.core.compiled import inlined
+from humanoid_bt.core.messages import Array
+
+_NO_TURN = 1e-15  # rad; less turns nothing
+
+
+@inlined
+def factored(matrix: Array, size: int) -> None:
+    """Write the Cholesky factor L of a symmetric matrix, M = L L^T, into its lower triangle.
+
+    Args:
+        matrix: positive definite, shape (size, size); only its lower triangle is read.
+        size: of it.
+    """
+    for column in range(size):
+        pivot = matrix[column, column]
+        for k in range(column):
+            pivot -= matrix[column, k] * matrix[column, k]
+        pivot = math.sqrt(pivot)
+        matrix[column, column] = pivot
+        for row in range(column + 1, size):
+            rest = matrix[row, column]
+            for k in range(column):
+                rest -= matrix[row, k] * matrix[column, k]
+            matrix[row, column] = rest / pivot
+
+
+@inlined
+def solved(factor: Array, vector: Array) -> None:
+    """Put the solution of L L^T x = b in the place of b; ``factor`` has L in its lower triangle."""
+    size = len(vector)
+    for row in range(size):
+        for k in range(row):
+            vector[row] -= factor[row, k] * vector[k]
+        vector[row] /= factor[row, row]
+    for row in range(size - 1, -1, -1):
+        for k in range(row + 1, size):
+            vector[row] -= factor[k, row] * vector[k]
+        vector[row] /= factor[row, row]
+
+
+@inlined
+def turn(quaternion: Array, matrix: Array, x: float, y: float, z: float) -> None:
+    """Turn an orientation by a rotation vector in its own frame [rad], and write its matrix, shape (3, 3), too."""
+    angle = math.sqrt(x * x + y * y + z * z)
+    w, i, j, k = quaternion[0], quaternion[1], quaternion[2], quaternion[3]
+    if angle > _NO_TURN:
+        share, c = math.sin(angle / 2) / angle, math.cos(angle / 2)
+        a, b, d = x * share, y * share, z * share
+        w, i, j, k = (
+            w * c - i * a - j * b - k * d,
+            w * a + i * c + j * d - k * b,
+            w * b - i * d + j * c + k * a,
+            w * d + i * b - j * a + k * c,
+        )
+    length = math.sqrt(w * w + i * i + j * j + k * k)
+    w, i, j, k = w / length, i / length, j / length, k / length
+    quaternion[0], quaternion[1], quaternion[2], quaternion[3] = w, i, j, k
+    matrix[0, 0], matrix[0, 1], matrix[0, 2] = 1 - 2 * (j * j + k * k), 2 * (i * j - w * k), 2 * (i * k + w * j)
+    matrix[1, 0], matrix[1, 1], matrix[1, 2] = 2 * (i * j + w * k), 1 - 2 * (i * i + k * k), 2 * (j * k - w * i)
+    matrix[2, 0], matrix[2, 1], matrix[2, 2] = 2 * (i * k - w * j), 2 * (j * k + w * i), 1 - 2 * (i * i + j * j)
