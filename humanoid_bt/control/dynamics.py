@@ -27,6 +27,7 @@ class RobotDynamics:
         soles: poses (x, y, yaw) of the soles.
         footings: height of each sole and how its foot is turned from level about the world's x and y [m, rad].
         roll, pitch: tilt of the base [rad].
+        motions, origin: as :func:`~humanoid_bt.control.jacobians.point_moves` wants them.
     """
 
     def __init__(self, robot: RobotModel) -> None:
@@ -41,6 +42,8 @@ class RobotDynamics:
         self._gaze = robot.model.site(GAZE_SITE).id
         self._feet_roll = robot.config.feet_roll
         self._foot = {side: robot.model.body(robot.config.legs[side].sole.body).id for side in SIDES}
+        self.motions: Array = self.data.cdof
+        self.origin: Array = self.data.subtree_com[self.model.body_rootid[self._base]]
         self.com: Array = np.zeros(3)
         self.com_velocity: Array = np.zeros(3)
         self.soles: dict[Side, Array] = {}

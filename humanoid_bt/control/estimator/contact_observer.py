@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterable
+from collections.abc import Collection
 
-import mujoco
 import numpy as np
 
 from humanoid_bt.control.dynamics import GRAVITY, RobotDynamics
-from humanoid_bt.core.geometry import clamp
+from humanoid_bt.control.estimator.small_matrices import factored, solved
+from humanoid_bt.control.jacobians import Chains, chains, point_moves
+from humanoid_bt.core.compiled import compiled
 from humanoid_bt.core.messages import SIDES, TORSO, Array, Side
-from humanoid_bt.robot.model import BASE_DOFS, RobotModel, carriers, palm_site
+from humanoid_bt.robot.model import BASE_DOFS, RobotModel, palm_site
 
 _GAIN = 50.0  # 1/s, of the observer: three quarters of a force that begins are seen after 28 ms
 _SINGULAR = 1e-3  # m^2, of a stretched arm, whose joints say little of forces along it
@@ -46,17 +47,22 @@ class ContactObserver:
     def __init__(self, robot: RobotModel, dynamics: RobotDynamics) -> None:
         model, config = robot.model, robot.config
         self._dynamics, self._damping = dynamics, robot.model.dof_damping.copy()
-        self._torso = model.body(config.torso).id
+        torso = model.body(config.torso).id
         self._palms: dict[Side, int] = {side: model.site(palm_site(side)).id for side in SIDES if side in config.hands}
-        trunk = carriers(model, self._torso)
-        arms = [carriers(model, model.body(config.hands[side].body).id) for side in self._palms]
-        self._dofs = _dofs(model, {body for bodies in (trunk, *arms) for body in bodies})
-        self._has_waist = bool(_dofs(model, trunk))
-        groups = [f"{side}_arm" for side in self._palms] + [TORSO] * self._has_waist
+        arms = [model.body(config.hands[side].body).id for side in self._palms]
+        links = chains(model, [*arms, torso])
+        has_waist = bool((links[-1] >= BASE_DOFS).any())
+        self._links = links[: len(arms) + has_waist].copy()
+        self._dofs = np.unique(links[links >= BASE_DOFS])
+        groups = [f"{side}_arm" for side in self._palms] + [TORSO] * has_waist
+        data = dynamics.data
+        self._places: list[Array] = [data.site_xpos[site] for site in self._palms.values()]  # views
+        self._places += [data.xipos[torso]] * has_waist
+        self._points: Array = np.zeros((len(groups), 3))
         size = 3 * len(groups)
-        self._jacobian = np.zeros((size, model.nv))
-        self._before = np.zeros((size, model.nv))
-        self._regular = _SINGULAR * np.eye(size)
+        self._jacobian, self._before = np.zeros((2, size, model.nv))
+        self._pushed = np.zeros(model.nv)
+        self._square = np.zeros((size, size))
         self._force: Array = np.zeros(size)
         self._carried: Array = np.zeros(len(groups))  # kg
         self.residual: Array = np.zeros(model.nv)
@@ -87,31 +93,16 @@ class ContactObserver:
             torque: of the joints, on average, shape (nj,) [Nm].
             time: [s].
         """
-        dynamics, residual = self._dynamics, self.residual
-        pushed = dynamics.inertia_times(acceleration)
-        pushed += dynamics.bias
-        pushed += self._damping * dynamics.data.qvel
-        pushed[BASE_DOFS:] -= torque
-        pushed += self._pull_of_carried(acceleration, time)
-        pushed -= residual
-        pushed *= -math.expm1(-_GAIN * time)
-        residual += pushed
-        if not self.forces:
-            return
-        jacobian = self._jacobian[:, self._dofs]
-        moved = jacobian @ jacobian.T + self._regular
-        mujoco.mju_cholFactor(moved, 0.0)
-        mujoco.mju_cholSolve(self._force, moved, jacobian @ residual[self._dofs])
-        self._learn(time)
-
-    def _pull_of_carried(self, acceleration: Array, time: float) -> Array:
-        """Return what it takes to hold and to move what is carried, shape (nv,) [N, Nm]."""
+        dynamics = self._dynamics
         self._before, self._jacobian = self._jacobian, self._before
-        self._look()
-        moved = self._jacobian @ acceleration
-        moved += (self._jacobian - self._before) @ self._dynamics.data.qvel / time
-        moved[2::3] += GRAVITY
-        return np.asarray((np.repeat(self._carried, 3) * moved) @ self._jacobian)
+        for point, place in zip(self._points, self._places, strict=True):
+            point[:] = place
+        _observe(
+            self.residual, self._force, self._carried, self._learns,
+            dynamics.inertia_times(acceleration), dynamics.bias, self._damping, dynamics.data.qvel, acceleration, torque,
+            dynamics.motions, dynamics.origin, self._points, self._links, self._dofs, time,
+            self._jacobian, self._before, self._pushed, self._square,
+        )  # fmt: skip
 
     def torques_of_carried(self, side: Side) -> Array:
         """Return the torques, shape (nj,), with which the joints hold what a hand carries [Nm]."""
@@ -120,25 +111,93 @@ class ContactObserver:
 
     def _look(self) -> None:
         """Find the Jacobians of palms and torso."""
-        model, data, row = self._dynamics.model, self._dynamics.data, 0
-        for site in self._palms.values():
-            mujoco.mj_jacSite(model, data, self._jacobian[row : row + 3], None, site)
-            row += 3
-        if self._has_waist:
-            mujoco.mj_jacBodyCom(model, data, self._jacobian[row:], None, self._torso)
-
-    def _learn(self, time: float) -> None:
-        """Learn what weighs on hands and torso."""
-        learnt = self._carried - self._force[2::3] * (self._learns * (time / (_LEARN_TIME * GRAVITY)))
-        clamp(learnt, -_MOST_CARRIED, _MOST_CARRIED, self._carried)
+        for point, place in zip(self._points, self._places, strict=True):
+            point[:] = place
+        _look(self._dynamics.motions, self._dynamics.origin, self._points, self._links, self._jacobian)
 
 
-def _dofs(model: mujoco.MjModel, bodies: Iterable[int]) -> slice | list[int]:
-    """Return the degrees of freedom of some bodies without the base; a slice if they come one after the other."""
-    found = sorted(
-        dof
-        for body in bodies
-        for dof in range(model.body_dofadr[body], model.body_dofadr[body] + model.body_dofnum[body])
-        if dof >= BASE_DOFS
-    )
-    return slice(found[0], found[-1] + 1) if found and found == list(range(found[0], found[-1] + 1)) else found
+@compiled("void(f8[:, ::1], f8[::1], f8[:, ::1], i8[:, ::1], f8[:, ::1])")
+def _look(motions: Array, origin: Array, points: Array, links: Chains, jacobian: Array) -> None:
+    """Write how points move, three rows for each.
+
+    Args:
+        motions, origin: of the dynamics.
+        points: shape (n, 3) [m].
+        links: the degrees of freedom that move each.
+        jacobian: shape (3 n, nv).
+    """
+    for group in range(len(points)):
+        point_moves(motions, origin, points[group], links[group], jacobian[3 * group : 3 * group + 3])
+
+
+@compiled(
+    "void(f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1],"
+    " f8[:, ::1], f8[::1], f8[:, ::1], i8[:, ::1], i8[::1], f8,"
+    " f8[:, ::1], f8[:, ::1], f8[::1], f8[:, ::1])"
+)
+def _observe(
+    residual: Array,
+    force: Array,
+    carried: Array,
+    learns: Array,
+    driven: Array,
+    bias: Array,
+    damping: Array,
+    velocity: Array,
+    acceleration: Array,
+    torque: Array,
+    motions: Array,
+    origin: Array,
+    points: Array,
+    links: Chains,
+    dofs: Chains,
+    time: float,
+    jacobian: Array,
+    before: Array,
+    pushed: Array,
+    square: Array,
+) -> None:
+    """See :meth:`ContactObserver.update`.
+
+    Args:
+        residual, force, carried: are brought up to date.
+        learns: 1 for groups of which it is learnt what they carry, 0 for others.
+        driven: M qdd.
+        bias, damping, velocity, acceleration, torque: of the dynamics, and of the joints.
+        motions, origin, points, links: as :func:`_look` wants them.
+        dofs: the degrees of freedom that count.
+        time: [s].
+        jacobian, before: of the points, now, which is written, and the time before.
+        pushed, square: are written.
+    """
+    _look(motions, origin, points, links, jacobian)
+    size, base = len(force), len(residual) - len(torque)
+    for dof in range(len(residual)):
+        pushed[dof] = driven[dof] + bias[dof] + damping[dof] * velocity[dof] - residual[dof]
+    for joint in range(len(torque)):
+        pushed[base + joint] -= torque[joint]
+    for row in range(size):  # what it takes to hold and to move what is carried
+        total = GRAVITY if row % 3 == 2 else 0.0
+        for dof in range(len(residual)):
+            total += jacobian[row, dof] * acceleration[dof]
+            total += (jacobian[row, dof] - before[row, dof]) * velocity[dof] / time
+        for dof in range(len(residual)):
+            pushed[dof] += carried[row // 3] * total * jacobian[row, dof]
+    gain = -math.expm1(-_GAIN * time)
+    for dof in range(len(residual)):
+        residual[dof] += gain * pushed[dof]
+    for row in range(size):
+        total = 0.0
+        for dof in dofs:
+            total += jacobian[row, dof] * residual[dof]
+        force[row] = total
+        for column in range(row + 1):
+            total = _SINGULAR if row == column else 0.0
+            for dof in dofs:
+                total += jacobian[row, dof] * jacobian[column, dof]
+            square[row, column] = total
+    factored(square, size)
+    solved(square, force)
+    for group in range(len(carried)):  # learn what weighs on hands and torso
+        learnt = carried[group] - force[3 * group + 2] * learns[group] * (time / (_LEARN_TIME * GRAVITY))
+        carried[group] = min(max(learnt, -_MOST_CARRIED), _MOST_CARRIED)

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-import mujoco
 import numpy as np
 
 from humanoid_bt.control.dynamics import GRAVITY, RobotDynamics
+from humanoid_bt.control.jacobians import Chains, chains, point_moves
+from humanoid_bt.core.compiled import compiled
 from humanoid_bt.core.messages import SIDES, Array
-from humanoid_bt.robot.model import BASE_DOFS, RobotModel, carriers, sole_site
+from humanoid_bt.robot.model import BASE_DOFS, RobotModel, sole_site
 
 _LOADED, _UNLOADED = 0.15, 0.08  # share of the weight from and up to which a foot stands (hysteresis)
 _SINGULAR = 1e-4  # m^2, of a stretched leg, which says little of forces along it
@@ -30,12 +31,13 @@ class FootLoad:
 
     def __init__(self, robot: RobotModel, dynamics: RobotDynamics) -> None:
         self._dynamics = dynamics
-        self._sites = [robot.model.site(sole_site(side)).id for side in SIDES]
-        left, right = (_carrying(robot, side) for side in SIDES)
-        self._legs = [_indices(left - right), _indices(right - left)]
+        self._sites = np.array([robot.model.site(sole_site(side)).id for side in SIDES])
+        self._places: Array = dynamics.data.site_xpos
+        self._legs = _legs(robot)
         self._damping = robot.model.dof_damping.copy()
         self._weight = robot.mass * GRAVITY
         self._jacobian = np.zeros((3, robot.model.nv))
+        self._left = np.zeros(robot.model.nv)
         self.force: Array = np.zeros(2)
         self.standing = [True, True]
 
@@ -57,13 +59,10 @@ class FootLoad:
             torque: of the joints, shape (nj,) [Nm].
         """
         dynamics = self._dynamics
-        left = dynamics.bias + dynamics.inertia_times(acceleration) + self._damping * velocity
-        left[BASE_DOFS:] -= torque
-        model, data, whole = dynamics.model, dynamics.data, self._jacobian
-        for foot, (site, leg) in enumerate(zip(self._sites, self._legs, strict=True)):
-            mujoco.mj_jacSite(model, data, whole, None, site)
-            jacobian = whole[:, leg]
-            self.force[foot] = _vertical(jacobian.dot(jacobian.T), jacobian.dot(left[leg]))
+        _explain(
+            self.force, dynamics.inertia_times(acceleration), dynamics.bias, self._damping, velocity, torque,
+            dynamics.motions, dynamics.origin, self._places, self._sites, self._legs, self._left, self._jacobian,
+        )  # fmt: skip
         self._judge()
 
     def _judge(self) -> None:
@@ -71,31 +70,65 @@ class FootLoad:
             self.standing[foot] = force > (_UNLOADED if self.standing[foot] else _LOADED) * self._weight
 
 
-def _vertical(moved: Array, explained: Array) -> float:
-    """Return f_z of A f = b for a symmetric A, shape (3, 3), made regular, by Cramer's rule."""
-    (a, b, c), (_, d, e), (_, _, f) = moved.tolist()
-    x, y, z = explained.tolist()
-    a, d, f = a + _SINGULAR, d + _SINGULAR, f + _SINGULAR
-    minor, first, second = a * d - b * b, b * e - c * d, b * c - a * e
-    return float((minor * z + second * y + first * x) / (minor * f + second * e + first * c))
+@compiled(
+    "void(f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1],"
+    " f8[:, ::1], f8[::1], f8[:, ::1], i8[::1], i8[:, ::1], f8[::1], f8[:, ::1])"
+)
+def _explain(
+    force: Array,
+    driven: Array,
+    bias: Array,
+    damping: Array,
+    velocity: Array,
+    torque: Array,
+    motions: Array,
+    origin: Array,
+    places: Array,
+    sites: Chains,
+    legs: Chains,
+    left: Array,
+    jacobian: Array,
+) -> None:
+    """Write the vertical part of the force f on each foot that minimises |J^T f - (M qdd + h + d qd - tau)|.
+
+    Args:
+        force: is written, shape (2,) [N].
+        driven: M qdd.
+        bias, damping, velocity: h, d, qd.
+        torque: of the joints, tau.
+        motions, origin: of the dynamics.
+        places, sites: of all sites, and which of them are the soles.
+        legs: the degrees of freedom of each leg.
+        left, jacobian: are written.
+    """
+    base = len(left) - len(torque)
+    for dof in range(len(left)):
+        left[dof] = driven[dof] + bias[dof] + damping[dof] * velocity[dof]
+    for joint in range(len(torque)):
+        left[base + joint] -= torque[joint]
+    for foot in range(2):
+        point_moves(motions, origin, places[sites[foot]], legs[foot], jacobian)
+        a = d = f = _SINGULAR  # of A = J J^T, made regular
+        b = c = e = 0.0
+        x = y = z = 0.0  # of J (...)
+        for dof in legs[foot]:
+            if dof < 0:
+                break
+            u, v, w = jacobian[0, dof], jacobian[1, dof], jacobian[2, dof]
+            a, b, c, d, e, f = a + u * u, b + u * v, c + u * w, d + v * v, e + v * w, f + w * w
+            x, y, z = x + u * left[dof], y + v * left[dof], z + w * left[dof]
+        minor, first, second = a * d - b * b, b * e - c * d, b * c - a * e  # by Cramer's rule
+        force[foot] = (minor * z + second * y + first * x) / (minor * f + second * e + first * c)
 
 
-def _carrying(robot: RobotModel, side: str) -> set[int]:
-    """Return the degrees of freedom between the base and a foot.
+def _legs(robot: RobotModel) -> Chains:
+    """Return the joints between the base and each foot.
 
     Those that both feet have, of a waist below the base, say nothing of one of them: they carry the other one as well.
     """
-    model = robot.model
-    foot = model.body(robot.config.legs[side].sole.body).id
-    return {
-        dof
-        for body in carriers(model, foot)
-        for dof in range(model.body_dofadr[body], model.body_dofadr[body] + model.body_dofnum[body])
-        if dof >= BASE_DOFS
-    }
-
-
-def _indices(dofs: set[int]) -> slice | list[int]:
-    """Return degrees of freedom as indices of arrays; a slice if they come one after the other."""
-    first, behind = min(dofs), max(dofs) + 1
-    return slice(first, behind) if len(dofs) == behind - first else sorted(dofs)
+    both = chains(robot.model, [robot.model.body(robot.config.legs[side].sole.body).id for side in SIDES])
+    for leg, other in ((both[0], both[1].copy()), (both[1], both[0].copy())):
+        own = [dof for dof in leg if dof >= BASE_DOFS and dof not in other]
+        leg[:] = -1
+        leg[: len(own)] = own
+    return both
