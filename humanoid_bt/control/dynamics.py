@@ -7,6 +7,7 @@ import math
 import mujoco
 import numpy as np
 
+from humanoid_bt.core.compiled import compiled
 from humanoid_bt.core.geometry import quaternion
 from humanoid_bt.core.messages import SIDES, Array, Estimate, FootPose, Side
 from humanoid_bt.robot.model import GAZE_SITE, RobotModel, palm_site, sole_site
@@ -24,6 +25,7 @@ class RobotDynamics:
     Attributes:
         model, data: MuJoCo's, of the robot alone.
         com, com_velocity: shape (3,) [m], [m/s].
+        sole_positions: of the (left, right) sole, shape (2, 3) [m].
         soles: poses (x, y, yaw) of the soles.
         footings: height of each sole and how its foot is turned from level about the world's x and y [m, rad].
         roll, pitch: tilt of the base [rad].
@@ -35,7 +37,8 @@ class RobotDynamics:
         self.data = mujoco.MjData(robot.model)
         self._base = robot.model.body(robot.config.base).id
         self._sole = {side: robot.model.site(sole_site(side)).id for side in SIDES}
-        self._soles = list(self._sole.values())
+        self._soles = np.array(list(self._sole.values()))
+        self._places, self._turns = self.data.site_xpos, self.data.site_xmat  # views, of all sites
         self._palm = {side: robot.model.site(palm_site(side)).id for side in robot.config.hands if side in SIDES}
         self._palm_axes = robot.palm_axes
         self._palm_turns = {side: quaternion(axes) for side, axes in robot.palm_axes.items()}
@@ -46,6 +49,7 @@ class RobotDynamics:
         self.origin: Array = self.data.subtree_com[self.model.body_rootid[self._base]]
         self.com: Array = np.zeros(3)
         self.com_velocity: Array = np.zeros(3)
+        self.sole_positions: Array = np.zeros((2, 3))
         self.soles: dict[Side, Array] = {}
         self.footings: dict[Side, Array] = {}
         self.roll = self.pitch = 0.0
@@ -64,12 +68,10 @@ class RobotDynamics:
         mujoco.mj_subtreeVel(model, data)
         self.com = data.subtree_com[self._base].copy()
         self.com_velocity = data.subtree_linvel[self._base].copy()
-        for side, site in self._sole.items():
-            x, y, z = data.site_xpos[site].tolist()
-            ahead, _, up_x, left, _, up_y, *_ = data.site_xmat[site].tolist()
-            self.soles[side] = np.array([x, y, math.atan2(left, ahead)])
-            roll, pitch, _ = self._ground_tilt(up_x, up_y, ahead, left)
-            self.footings[side] = np.array([z, roll, pitch])
+        self.sole_positions, poses, footings = np.empty((3, 2, 3))
+        _look_at_soles(self._places, self._turns, self._soles, self._feet_roll, self.sole_positions, poses, footings)
+        self.soles = dict(zip(SIDES, poses, strict=True))
+        self.footings = dict(zip(SIDES, footings, strict=True))
         w, x, y, z = data.qpos[3:7].tolist()
         self.roll = math.atan2(2 * (w * x + y * z), 1 - 2 * (x * x + y * y))
         self.pitch = math.asin(max(-1.0, min(1.0, 2 * (w * y - z * x))))
@@ -89,31 +91,10 @@ class RobotDynamics:
         """Angular velocity of the base, base frame, shape (3,) [rad/s]."""
         return np.asarray(self.data.qvel[3:6])
 
-    @property
-    def sole_positions(self) -> Array:
-        """Positions of the (left, right) sole, shape (2, 3) [m]."""
-        return np.asarray(self.data.site_xpos[self._soles])
-
     def sole_tilt(self, foot: int) -> Array:
         """Return how the (0: left, 1: right) sole is turned from level, rotation vector, world frame, shape (3,)."""
-        ahead, _, up_x, left, _, up_y, *_ = self.data.site_xmat[self._soles[foot]].tolist()
-        return np.array(self._ground_tilt(up_x, up_y, ahead, left))
-
-    def _ground_tilt(self, up_x: float, up_y: float, ahead: float, left: float) -> tuple[float, float, float]:
-        """Return what a sole says of how the ground is turned from level, rotation vector, world frame [rad].
-
-        A foot that no joint rolls leans sideways with its leg, on any ground: only its pitch counts.
-
-        Args:
-            up_x, up_y: of the sole's z axis.
-            ahead, left: x and y of its x axis.
-        """
-        if self._feet_roll:
-            return -up_y, up_x, 0.0
-        length = math.hypot(ahead, left)
-        across_x, across_y = -left / length, ahead / length
-        pitch = across_y * up_x - across_x * up_y
-        return pitch * across_x, pitch * across_y, 0.0
+        _, roll, pitch = self.footings[SIDES[foot]].tolist()
+        return np.array((roll, pitch, 0.0))
 
     def inertia_times(self, acceleration: Array) -> Array:
         """Return M(q) acceleration, shape (nv,); valid until the next call."""
@@ -161,3 +142,34 @@ class RobotDynamics:
     def gaze_direction(self) -> Array:
         """Direction of view, unit vector, shape (3,)."""
         return np.array(self.data.site_xmat[self._gaze][[0, 3, 6]])
+
+
+@compiled("void(f8[:, ::1], f8[:, ::1], i8[::1], b1, f8[:, ::1], f8[:, ::1], f8[:, ::1])")
+def _look_at_soles(
+    places: Array, turns: Array, soles: Array, feet_roll: bool, positions: Array, poses: Array, footings: Array
+) -> None:
+    """Write where soles are, and what each says of how the ground is turned from level.
+
+    A foot that no joint rolls leans sideways with its leg, on any ground: only its pitch counts.
+
+    Args:
+        places, turns: positions and rotation matrices of all sites, shapes (n, 3) and (n, 9).
+        soles: which of these are soles.
+        feet_roll: whether a joint rolls them.
+        positions: shape (2, 3) [m].
+        poses: x, y, yaw, shape (2, 3) [m, rad].
+        footings: height, and rotation vector from level about the world's x and y, shape (2, 3) [m, rad].
+    """
+    for foot in range(len(soles)):
+        site = soles[foot]
+        for axis in range(3):
+            positions[foot, axis] = places[site, axis]
+        ahead, left, up_x, up_y = turns[site, 0], turns[site, 3], turns[site, 2], turns[site, 5]
+        poses[foot, 0], poses[foot, 1], poses[foot, 2] = places[site, 0], places[site, 1], math.atan2(left, ahead)
+        roll, pitch = -up_y, up_x
+        if not feet_roll:
+            length = math.hypot(ahead, left)
+            across_x, across_y = -left / length, ahead / length
+            about = across_y * up_x - across_x * up_y
+            roll, pitch = about * across_x, about * across_y
+        footings[foot, 0], footings[foot, 1], footings[foot, 2] = places[site, 2], roll, pitch

@@ -1,9 +1,9 @@
 """Machine code for the arithmetic that runs hundreds of times a second, from Python functions, by numba.
 
 Between small arrays Python spends far more time on what surrounds an operation than on the operation. A function that
-takes and changes arrays of numbers, and nothing else, is compiled as its module is imported: the first time on a machine
-that takes a second or so, afterwards its code is loaded in two milliseconds. With ``NUMBA_DISABLE_JIT=1`` it stays a
-Python function, for a debugger.
+takes and changes arrays of numbers, and nothing else, is compiled as its module is imported: the first time on a
+machine that takes a second or so, afterwards its code is loaded in two milliseconds. With ``NUMBA_DISABLE_JIT=1`` it
+stays a Python function, for a debugger.
 """
 
 from __future__ import annotations
@@ -26,9 +26,9 @@ def compiled(signature: str) -> Callable[[Callable[_P, _R]], Callable[_P, _R]]:
     Args:
         signature: of numba's, as ``"f8(f8[::1], f8)"``: arrays whose numbers lie one after the other, and numbers.
     """
-    return njit(signature, cache=True, error_model="numpy")  # type: ignore[no-any-return]  # numba has no types
+    return njit(signature, cache=True, error_model="numpy")
 
 
 def inlined(function: Callable[_P, _R]) -> Callable[_P, _R]:
     """Compile a function as a part of compiled ones that call it, for whatever types they call it with."""
-    return njit(cache=True, error_model="numpy")(function)  # type: ignore[no-any-return]
+    return njit(cache=True, error_model="numpy")(function)

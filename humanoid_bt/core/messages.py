@@ -237,6 +237,7 @@ class Reading:
         age: how long it was under way and has been there since [s], beside the delay of the sensors themselves; 0 where
             there is no cable.
         values: all of it.
+        rates: imu, joint_velocity and joint_torque, shape (6 + 2 nj,).
         imu: the next two, shape (6,).
         accelerometer: specific force at the base, base frame, shape (3,) [m/s^2]; at rest 9.81 upward.
         gyro: angular velocity of the base, base frame, shape (3,) [rad/s].
@@ -256,6 +257,7 @@ class Reading:
         "joint_torque",
         "joint_velocity",
         "orientation",
+        "rates",
         "time",
         "values",
     )
@@ -264,7 +266,7 @@ class Reading:
         self.time = self.age = 0.0
         self.values = values = np.zeros(READING_SIZE + 3 * joints) if values is None else values
         self.foot_force, self.orientation, self.joint_position = values[:2], values[2:6], values[6 : 6 + joints]
-        rates = values[6 + joints :]
+        self.rates = rates = values[6 + joints :]
         self.imu, self.accelerometer, self.gyro = rates[:6], rates[:3], rates[3:6]
         self.joint_velocity, self.joint_torque = rates[6:].reshape(2, joints)
 

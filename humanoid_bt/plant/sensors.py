@@ -199,9 +199,7 @@ def _sense(
     joints = len(torques)
     row[:2] = borne
     for i in range(4):
-        row[2 + i] = (
-            turned[i, 0] * pose[0] + turned[i, 1] * pose[1] + turned[i, 2] * pose[2] + turned[i, 3] * pose[3]
-        )
+        row[2 + i] = turned[i, 0] * pose[0] + turned[i, 1] * pose[1] + turned[i, 2] * pose[2] + turned[i, 3] * pose[3]
     row[6 : 6 + joints] = pose[4:]
     a = (velocity[0] - before[0]) / SERVO_PERIOD
     b = (velocity[1] - before[1]) / SERVO_PERIOD

@@ -99,8 +99,8 @@ class ContactObserver:
             point[:] = place
         _observe(
             self.residual, self._force, self._carried, self._learns,
-            dynamics.inertia_times(acceleration), dynamics.bias, self._damping, dynamics.data.qvel, acceleration, torque,
-            dynamics.motions, dynamics.origin, self._points, self._links, self._dofs, time,
+            dynamics.inertia_times(acceleration), dynamics.bias, self._damping, dynamics.data.qvel, acceleration,
+            torque, dynamics.motions, dynamics.origin, self._points, self._links, self._dofs, time,
             self._jacobian, self._before, self._pushed, self._square,
         )  # fmt: skip
 

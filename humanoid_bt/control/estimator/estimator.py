@@ -15,6 +15,7 @@ from humanoid_bt.control.estimator.ground import Ground
 from humanoid_bt.control.estimator.invariant_filter import FREE, FilterNoise, InvariantFilter
 from humanoid_bt.control.estimator.sensor_watch import SensorWatch
 from humanoid_bt.core.clock import SERVO_PERIOD
+from humanoid_bt.core.compiled import compiled
 from humanoid_bt.core.geometry import yaw_of
 from humanoid_bt.core.messages import SIDES, Array, Estimate, Reading
 from humanoid_bt.robot.model import BASE_COORDINATES, BASE_DOFS, RobotModel
@@ -69,12 +70,17 @@ class Estimator:
             0.0, np.zeros(BASE_COORDINATES + joints), np.zeros(BASE_DOFS + joints), np.zeros(joints), self.load.force
         )
         qpos, qvel = self.estimate.qpos, self.estimate.qvel
-        self._position, self._quaternion, self._joints = qpos[:3], qpos[3:BASE_COORDINATES], qpos[BASE_COORDINATES:]
-        self._velocity, self._rotation, self._speeds = qvel[:3], qvel[3:BASE_DOFS], qvel[BASE_DOFS:]
+        self._quaternion, self._joints, self._speeds = (
+            qpos[3:BASE_COORDINATES],
+            qpos[BASE_COORDINATES:],
+            qvel[BASE_DOFS:],
+        )
         self.watch = SensorWatch(robot)
         self._velocity_before: Array = np.zeros(BASE_DOFS + joints)
-        self._imu: Array = np.zeros(6)
-        self._torque: Array = np.zeros(joints)
+        self._acceleration: Array = np.zeros(BASE_DOFS + joints)
+        self._sums: Array = np.zeros(len(Reading(joints).rates))  # of what was heard since the last update
+        self._means: Array = np.zeros_like(self._sums)
+        self._imu, self._torque = self._means[:6], self._means[-joints:]
         self.heard = self._since = self._turn = 0
         self._missed = False  # readings were, since the last update
         self._rate: Array = np.zeros(3)  # of the base, where the gyroscope does not say it
@@ -124,8 +130,7 @@ class Estimator:
 
     def take(self, reading: Reading) -> None:
         """Hear what the sensors say, once a servo cycle."""
-        self._imu += reading.imu
-        self._torque += reading.joint_torque
+        self._sums += reading.rates
         self.heard += 1
 
     def miss(self, reading: Reading) -> None:
@@ -143,9 +148,9 @@ class Estimator:
                 that failed, shape (3, nj).
         """
         estimate, dynamics, belief, watch = self.estimate, self._dynamics, self._filter, self.watch
-        heard, qvel = self.heard, estimate.qvel
+        heard, qvel, imu, acceleration = self.heard, estimate.qvel, self._imu, self._acceleration
         time = heard * SERVO_PERIOD
-        imu = self._imu / heard
+        np.divide(self._sums, heard, out=self._means)
         if self._missed:
             watch.resume(reading)  # nothing jumped: much may have happened meanwhile
             self._missed = False
@@ -157,24 +162,25 @@ class Estimator:
         else:
             self._said = None
         belief.predict(imu[3:], imu[:3], time)
-        self._velocity_before[:] = qvel
-        self._position[:], self._quaternion[:], self._velocity[:] = belief.position, belief.quaternion, belief.velocity
-        self._joints[:], self._speeds[:] = reading.joint_position, reading.joint_velocity
-        np.subtract(imu[3:] if doubtful else reading.gyro, belief.gyro_bias, out=self._rotation)
-        estimate.joint_torque[:] = reading.joint_torque
+        _believe(
+            estimate.qpos, qvel, estimate.joint_torque, self._velocity_before,
+            belief.position, belief.quaternion, belief.velocity, belief.gyro_bias,
+            imu[3:] if doubtful else reading.gyro, reading.values, reading.joint_torque,
+        )  # fmt: skip
         if watch.any_bad:
             self._stand_in(setpoint)
         dynamics.update(estimate)
-        acceleration, torque = (qvel - self._velocity_before) / time, self._torque / self.heard
+        np.subtract(qvel, self._velocity_before, out=acceleration)
+        acceleration /= time
         if self._feels:
             self.load.sensed(reading.foot_force)
         else:
-            self.load.explain(qvel, acceleration, torque)
+            self.load.explain(qvel, acceleration, self._torque)
         if doubtful or watch.any_bad:
             self.contact.forget()
         else:
             acceleration[:3] = belief.acceleration(imu[:3])
-            self.contact.update(acceleration, torque, time)
+            self.contact.update(acceleration, self._torque, time)
         self._since += heard
         self._clear()
         self._note_contact(time)
@@ -191,7 +197,7 @@ class Estimator:
         """Believe of joints whose sensors failed that they are where the servo has them."""
         bad = self.watch.bad_joints
         self._joints[bad], self._speeds[bad], self.estimate.joint_torque[bad] = setpoint[:, bad]
-        self._torque[bad] = setpoint[2, bad] * self.heard
+        self._torque[bad] = setpoint[2, bad]
 
     def _dated(self, time: float) -> Estimate:
         """Return the estimate as one of a time [s]: ``replace`` takes as long as a small matrix product."""
@@ -299,9 +305,41 @@ class Estimator:
         return [0.0 < slides_for < _SLIDES_FOR for slides_for in self._slides_for]
 
     def _clear(self) -> None:
-        self._imu[:] = 0.0
-        self._torque[:] = 0.0
+        self._sums[:] = 0.0
         self.heard = 0
+
+
+@compiled("void(f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1])")
+def _believe(
+    qpos: Array,
+    qvel: Array,
+    joint_torque: Array,
+    before: Array,
+    position: Array,
+    quaternion: Array,
+    velocity: Array,
+    gyro_bias: Array,
+    rate: Array,
+    values: Array,
+    torque: Array,
+) -> None:
+    """Write what is believed of base and joints, and before that, what was believed of their velocities.
+
+    Args:
+        qpos, qvel, joint_torque: of the estimate.
+        before: qvel as it was.
+        position, quaternion, velocity, gyro_bias: of the filter.
+        rate: what a gyroscope says, shape (3,) [rad/s].
+        values: of the reading.
+        torque: of its joints.
+    """
+    before[:] = qvel
+    qpos[:3], qpos[3:7], qvel[:3] = position, quaternion, velocity
+    for axis in range(3):
+        qvel[3 + axis] = rate[axis] - gyro_bias[axis]
+    joints = len(torque)
+    qpos[7:], qvel[6:] = values[6 : 6 + joints], values[12 + joints : 12 + 2 * joints]
+    joint_torque[:] = torque
 
 
 def _turned(quaternion: Array, yaw: float) -> Array:

@@ -16,7 +16,7 @@ import mujoco
 import numpy as np
 
 from humanoid_bt.control.dynamics import GRAVITY
-from humanoid_bt.control.estimator.small_matrices import factored, turn
+from humanoid_bt.control.estimator.small_matrices import measured, times, turn
 from humanoid_bt.core.compiled import compiled, inlined
 from humanoid_bt.core.messages import Array
 
@@ -149,9 +149,9 @@ class InvariantFilter:
         Args:
             force: what the accelerometer says, base frame, shape (3,) [m/s^2].
         """
-        acceleration = self._turn @ (force - self.accelerometer_bias)
-        acceleration[2] -= GRAVITY
-        return np.asarray(acceleration)
+        acceleration = np.empty(3)
+        _acceleration(self._turn, force, self.accelerometer_bias, acceleration)
+        return acceleration
 
     def level(self, tilt: Array) -> Array:
         """Turn the base back by what something level seems to be tilted; return by how much, base frame, shape (3,).
@@ -253,6 +253,15 @@ def _predict(state: Array, quaternion: Array, turned: Array, rate: Array, force:
     turn(quaternion, turned, wx * time, wy * time, wz * time)
 
 
+@compiled("void(f8[:, ::1], f8[::1], f8[::1], f8[::1])")
+def _acceleration(turned: Array, force: Array, bias: Array, acceleration: Array) -> None:
+    """See :meth:`InvariantFilter.acceleration`."""
+    x, y, z = force[0] - bias[0], force[1] - bias[1], force[2] - bias[2]
+    for i in range(3):
+        acceleration[i] = turned[i, 0] * x + turned[i, 1] * y + turned[i, 2] * z
+    acceleration[2] -= GRAVITY
+
+
 @inlined
 def _cross(state: Array, lever: Array) -> None:
     """Write what a small turn of the world does to velocity, position and feet: v x, below one another."""
@@ -262,19 +271,6 @@ def _cross(state: Array, lever: Array) -> None:
         lever[row, 1], lever[row, 2] = -z, y
         lever[row + 1, 0], lever[row + 1, 2] = z, -x
         lever[row + 2, 0], lever[row + 2, 1] = -y, x
-
-
-@inlined
-def _times(sparse: Array, matrix: Array, product: Array) -> None:
-    """Write the product of two matrices, the first one mostly zeros."""
-    for i in range(_SIZE):
-        for j in range(_SIZE):
-            product[i, j] = 0.0
-        for k in range(_SIZE):
-            share = sparse[i, k]
-            if share != 0.0:
-                for j in range(_SIZE):
-                    product[i, j] += share * matrix[k, j]
 
 
 @compiled("void(f8[:, ::1], f8[:, ::1], f8[::1], f8[:, ::1], f8[::1], f8, f8, f8[:, ::1], f8[:, ::1])")
@@ -306,11 +302,11 @@ def _doubt(
         transition[3, 18 + j], transition[4, 18 + j], transition[5, 18 + j] = a, b, c
         for i in range(_TURNED):
             transition[i, 15 + j] = lever[i, 0] * a + lever[i, 1] * b + lever[i, 2] * c
-    _times(transition, covariance, scratch)
+    times(transition, covariance, scratch)
     for i in range(_SIZE):
         for j in range(_SIZE):
             covariance[i, j] = scratch[j, i]
-    _times(transition, covariance, scratch)
+    times(transition, covariance, scratch)
     covariance[:] = scratch  # symmetric, as F (F P)^T is
     for i in range(_TURNED):
         for j in range(_TURNED):
@@ -351,49 +347,21 @@ def _correct(
         lever, innovation, spread: are written.
     """
     _cross(state, lever)
+    left, right = (left_heading, left_ground), (right_heading, right_ground)
     for foot in range(2):
         x, y, z = state[6 + 3 * foot], state[7 + 3 * foot], state[8 + 3 * foot]
-        innovation[3 * foot, _SIZE] = feet[foot, 0] - x
-        innovation[3 * foot + 1, _SIZE] = feet[foot, 1] - y
-        innovation[3 * foot + 2, _SIZE] = feet[foot, 2] - z
-        wrong = (right_heading if foot else left_heading) - state[18 + foot]
-        innovation[6 + foot, _SIZE] = (wrong + math.pi) % (2 * math.pi) - math.pi
-        innovation[8 + foot, _SIZE] = (right_ground if foot else left_ground) - z
+        heading, ground = right if foot else left
+        for axis in range(3):
+            innovation[3 * foot + axis, _SIZE] = feet[foot, axis] - state[6 + 3 * foot + axis]
+        innovation[6 + foot, _SIZE] = (heading - state[18 + foot] + math.pi) % (2 * math.pi) - math.pi
+        innovation[8 + foot, _SIZE] = ground - z
         measures[8 + foot, 0], measures[8 + foot, 1] = y, -x
-    for i in range(_ROWS):  # H P
-        for j in range(_SIZE):
-            innovation[i, j] = 0.0
-        for k in range(_SIZE):
-            share = measures[i, k]
-            if share != 0.0:
-                for j in range(_SIZE):
-                    innovation[i, j] += share * covariance[k, j]
-    for i in range(_ROWS):  # H P H^T + R
-        for j in range(i + 1):
-            total = 0.0
-            for k in range(_SIZE):
-                total += innovation[i, k] * measures[j, k]
-            spread[i, j] = total
-        spread[i, i] += doubt[i]
-    factored(spread, _ROWS)
-    for i in range(_ROWS):  # L^-1 (H P | error)
-        for k in range(i):
-            share = spread[i, k]
-            for j in range(_SIZE + 1):
-                innovation[i, j] -= share * innovation[k, j]
-        for j in range(_SIZE + 1):
-            innovation[i, j] /= spread[i, i]
+    measured(covariance, measures, doubt, innovation, spread)
     change = np.zeros(_SIZE)
     for k in range(_ROWS):
         share = innovation[k, _SIZE]
         for j in range(_SIZE):
             change[j] += share * innovation[k, j]
-    for i in range(_SIZE):
-        for j in range(i + 1):
-            total = (covariance[i, j] + covariance[j, i]) / 2
-            for k in range(_ROWS):
-                total -= innovation[k, i] * innovation[k, j]
-            covariance[i, j] = covariance[j, i] = total
     x, y, z = change[0], change[1], change[2]
     for i in range(12):
         state[i] -= lever[3 + i, 0] * x + lever[3 + i, 1] * y + lever[3 + i, 2] * z

@@ -8,6 +8,7 @@ import sys
 import numpy as np
 
 from humanoid_bt.core.clock import ESTIMATE_PERIOD
+from humanoid_bt.core.compiled import compiled
 from humanoid_bt.core.messages import Array, Reading
 from humanoid_bt.robot.model import RobotModel
 
@@ -19,7 +20,6 @@ _DRIFT, _DRIFTS_AFTER = 0.03, 2  # rad that gyro and orientation disagree in two
 _COMPARED_EVERY = 2  # looks
 _FORGET = 0.5  # looks that another one in which nothing is seen takes off
 _SPEEDS, _SLACK = 2.0, 0.03  # times its limit that a joint may be fast, and rad beside that
-_FALSE = b"\0"
 _IMU = ("gyro", "accelerometer", "orientation")
 
 
@@ -57,7 +57,6 @@ class SensorWatch:
         least.values[:] = -1.0
         least.values[6 + joints :] = least.orientation[:] = 0.0
         self._least = least.values
-        self._usual = np.ones((2, len(self._least)), dtype=bool)  # not too much, and enough
         self._counts: dict[tuple[str, str], float] = {}  # looks in which something was seen of a sensor
         self._silent, self._frozen = np.zeros(joints, dtype=int), np.zeros(joints, dtype=int)
         self._dead = np.zeros(joints, dtype=bool)
@@ -94,14 +93,12 @@ class SensorWatch:
             imu: specific force and rate, on average since the one before, shape (6,).
             upright: whether the robot stands or walks; one that falls is thrown about, and so are its sensors.
         """
-        values, moved = reading.values, self._moved.values
-        np.abs(np.subtract(values, self._before.values, out=moved), out=moved)
-        np.less_equal(moved, self._most.values, out=self._usual[0])  # false also of what is not finite
-        np.greater(moved, self._least, out=self._usual[1])
-        if self.suspicious or _FALSE in self._usual.tobytes():  # a tenth of the time of all()
+        values, before = reading.values, self._before.values
+        usual = _usual(values, before, self._most.values, self._least, self._moved.values, imu, self._turned)
+        if self.suspicious or not usual:
             self._look_closer(reading, upright)
-        self._before.values[:] = values
-        self._compare(reading, imu, upright)
+        before[:] = values
+        self._compare(reading, upright)
 
     def _look_closer(self, reading: Reading, upright: bool) -> None:
         shaken = np.partition(self._moved.joint_velocity, -2)[-2] > _SHAKEN
@@ -115,9 +112,8 @@ class SensorWatch:
         self._look_at_joints(reading, upright)
         self.suspicious = bool(self._counts) or bool(self._silent.any() or self._frozen.any() or self.any_bad)
 
-    def _compare(self, reading: Reading, imu: Array, upright: bool) -> None:
+    def _compare(self, reading: Reading, upright: bool) -> None:
         """Compare now and then how the orientation has turned with what the gyro says."""
-        self._turned += imu[3:] * ESTIMATE_PERIOD
         self._turned_looks += 1
         if self._turned_looks < _COMPARED_EVERY:
             return
@@ -161,6 +157,27 @@ class SensorWatch:
             self._dead |= joints
         np.logical_or(self._dead, silent, out=self.bad_joints)
         self.any_bad = bool(self.bad_joints.any())
+
+
+@compiled("b1(f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1])")
+def _usual(values: Array, before: Array, most: Array, least: Array, moved: Array, imu: Array, turned: Array) -> bool:
+    """Return whether every number has changed by no more than the most and by more than the least.
+
+    Args:
+        values, before: of two looks.
+        most, least: what is usual.
+        moved: is written: how much each has changed.
+        imu: specific force and rate, on average between the looks.
+        turned: how far that has turned the base is added to it.
+    """
+    usual = True
+    for place in range(len(values)):
+        way = abs(values[place] - before[place])
+        moved[place] = way
+        usual = usual and way <= most[place] and way > least[place]  # false also of what is not finite
+    for axis in range(3):
+        turned[axis] += imu[3 + axis] * ESTIMATE_PERIOD
+    return usual
 
 
 def _turn(before: list[float], after: list[float]) -> list[float]:

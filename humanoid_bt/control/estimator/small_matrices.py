@@ -46,6 +46,59 @@ def solved(factor: Array, vector: Array) -> None:
 
 
 @inlined
+def times(sparse: Array, matrix: Array, product: Array) -> None:
+    """Write the product of two matrices, the first one mostly zeros, into the first columns of a third one."""
+    rows, middle = sparse.shape
+    columns = matrix.shape[1]
+    for i in range(rows):
+        for j in range(columns):
+            product[i, j] = 0.0
+        for k in range(middle):
+            share = sparse[i, k]
+            if share != 0.0:
+                for j in range(columns):
+                    product[i, j] += share * matrix[k, j]
+
+
+@inlined
+def measured(covariance: Array, measures: Array, doubt: Array, innovation: Array, spread: Array) -> None:
+    """Correct the covariance P of a Kalman filter by a measurement.
+
+    With L L^T = H P H^T + R it leaves L^-1 (H P | error) = (A | b) in ``innovation``: A^T b corrects the state.
+
+    Args:
+        covariance: P, shape (n, n).
+        measures: H, shape (m, n), mostly zeros.
+        doubt: the diagonal of R, shape (m,).
+        innovation: shape (m, n + 1); its last column is the error.
+        spread: is written, shape (m, m).
+    """
+    rows, size = measures.shape
+    times(measures, covariance, innovation)
+    for i in range(rows):
+        for j in range(i + 1):
+            total = 0.0
+            for k in range(size):
+                total += innovation[i, k] * measures[j, k]
+            spread[i, j] = total
+        spread[i, i] += doubt[i]
+    factored(spread, rows)
+    for i in range(rows):
+        for k in range(i):
+            share = spread[i, k]
+            for j in range(size + 1):
+                innovation[i, j] -= share * innovation[k, j]
+        for j in range(size + 1):
+            innovation[i, j] /= spread[i, i]
+    for i in range(size):
+        for j in range(i + 1):
+            total = (covariance[i, j] + covariance[j, i]) / 2
+            for k in range(rows):
+                total -= innovation[k, i] * innovation[k, j]
+            covariance[i, j] = covariance[j, i] = total
+
+
+@inlined
 def turn(quaternion: Array, matrix: Array, x: float, y: float, z: float) -> None:
     """Turn an orientation by a rotation vector in its own frame [rad], and write its matrix, shape (3, 3), too."""
     angle = math.sqrt(x * x + y * y + z * z)
