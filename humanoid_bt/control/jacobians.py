@@ -12,12 +12,12 @@ from humanoid_bt.core.compiled import inlined
 from humanoid_bt.core.messages import Array
 from humanoid_bt.robot.model import carriers
 
-Chains = NDArray[np.int64]
-"""For each of some bodies the degrees of freedom that move it, in rising order, and then -1, shape (n, most)."""
+Indices = NDArray[np.int64]
+"""Of degrees of freedom, sites or bodies."""
 
 
-def chains(model: mujoco.MjModel, bodies: Sequence[int]) -> Chains:
-    """Return the degrees of freedom that move each of some bodies."""
+def chains(model: mujoco.MjModel, bodies: Sequence[int]) -> Indices:
+    """Return for each of some bodies the degrees of freedom that move it, in rising order, and then -1."""
     found = [
         sorted(
             dof
@@ -33,7 +33,7 @@ def chains(model: mujoco.MjModel, bodies: Sequence[int]) -> Chains:
 
 
 @inlined
-def point_moves(motions: Array, origin: Array, point: Array, chain: Chains, rows: Array) -> None:
+def point_moves(motions: Array, origin: Array, point: Array, chain: Indices, rows: Array) -> None:
     """Write how a point moves with the degrees of freedom of a chain; all other columns stay.
 
     Args:
@@ -41,7 +41,7 @@ def point_moves(motions: Array, origin: Array, point: Array, chain: Chains, rows
             ``origin``, world frame, shape (nv, 6).
         origin: ``subtree_com`` of the robot, shape (3,) [m].
         point: world frame, shape (3,) [m].
-        chain: one row of :data:`Chains`.
+        chain: one row of :func:`chains`.
         rows: shape (3, nv).
     """
     x, y, z = point[0] - origin[0], point[1] - origin[1], point[2] - origin[2]
@@ -55,7 +55,7 @@ def point_moves(motions: Array, origin: Array, point: Array, chain: Chains, rows
 
 
 @inlined
-def link_turns(motions: Array, chain: Chains, rows: Array) -> None:
+def link_turns(motions: Array, chain: Indices, rows: Array) -> None:
     """Write how a link turns with the degrees of freedom of its chain; as :func:`point_moves`."""
     for dof in chain:
         if dof < 0:

@@ -5,8 +5,10 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from numpy.typing import NDArray
 
 from humanoid_bt.control.body.body import Setpoint
+from humanoid_bt.core.compiled import compiled
 from humanoid_bt.core.geometry import clamp
 from humanoid_bt.core.messages import Array, JointCommand
 from humanoid_bt.robot.model import RobotModel
@@ -14,7 +16,7 @@ from humanoid_bt.robot.model import RobotModel
 LIMIT_TOLERANCE = 1e-3
 """How far [rad] a setpoint may lie outside the soft limits before it is flagged: solvers overshoot by 1e-6."""
 
-_TOLERANCES = np.array([[LIMIT_TOLERANCE], [0.0], [0.0]])  # of position, velocity, torque
+_IN_LIMITS, _CLAMPED, _NOT_FINITE = range(3)  # what is found of a setpoint
 
 
 class Servo:
@@ -34,8 +36,6 @@ class Servo:
 
     def __init__(self, robot: RobotModel) -> None:
         self._robot = robot
-        high = np.array((robot.upper, robot.speed_limit, robot.torque_limit))
-        self._low, self._high = -high, high  # of position, which moves along with it, velocity and torque
         self._zeros: Array = np.zeros_like(robot.lower)
         self.position: Array = self._zeros.copy()
         self.limited = np.zeros(len(robot.lower), dtype=bool)
@@ -68,19 +68,17 @@ class Servo:
             Why the setpoint was refused, "" when it is in force.
         """
         robot = self._robot
-        wanted = np.array((setpoint.position, setpoint.velocity, setpoint.torque))
-        if not math.isfinite(wanted.sum()):
+        kept, limited = np.empty((3, len(robot.lower))), np.empty(len(robot.lower), dtype=bool)
+        found = _clamped(
+            setpoint.position, setpoint.velocity, setpoint.torque, self.position, time,
+            robot.lower, robot.upper, robot.speed_limit, robot.torque_limit, kept, limited,
+        )  # fmt: skip
+        if found == _NOT_FINITE:
             self.hold()
             return "the setpoint is not finite"
-        step = time * robot.speed_limit
-        np.maximum(robot.lower, self.position - step, out=self._low[0])
-        np.minimum(robot.upper, self.position + step, out=self._high[0])
-        kept = clamp(wanted, self._low, self._high)
-        position, velocity, torque = kept
-        outside = np.abs(kept - wanted) > _TOLERANCES
-        self.clamped = bool(outside.any())
-        self.limited = np.logical_or.reduce(outside)
+        self.clamped, self.limited = found == _CLAMPED, limited
         self.clamps += self.clamped
+        position, velocity, torque = kept
         self.position, self.setpoint = position, kept
         stiffness = robot.stiffness if setpoint.stiffness is None else setpoint.stiffness
         damping = robot.damping if setpoint.damping is None else setpoint.damping
@@ -108,3 +106,46 @@ class Servo:
     def _drive(self, command: JointCommand) -> None:
         self._command = command
         self.commands += 1
+
+
+@compiled("i8(f8[::1], f8[::1], f8[::1], f8[::1], f8, f8[::1], f8[::1], f8[::1], f8[::1], f8[:, ::1], b1[::1])")
+def _clamped(
+    position: Array,
+    velocity: Array,
+    torque: Array,
+    before: Array,
+    time: float,
+    lower: Array,
+    upper: Array,
+    speed_limit: Array,
+    torque_limit: Array,
+    kept: Array,
+    limited: NDArray[np.bool_],
+) -> int:
+    """Write a setpoint as far as it is within all limits, and which joints it was not for; return what was found.
+
+    Args:
+        position, velocity, torque: the setpoint.
+        before: position of the last one.
+        time: in which it is followed [s].
+        lower, upper, speed_limit, torque_limit: the limits.
+        kept: position, velocity and torque within them.
+        limited: whether a limit has changed that by more than a solver's error.
+    """
+    found = _IN_LIMITS
+    for joint in range(len(position)):
+        if not math.isfinite(position[joint] + velocity[joint] + torque[joint]):
+            return _NOT_FINITE
+        way, speed, most = time * speed_limit[joint], speed_limit[joint], torque_limit[joint]
+        low, high = max(lower[joint], before[joint] - way), min(upper[joint], before[joint] + way)
+        kept[0, joint] = min(max(position[joint], low), high)
+        kept[1, joint] = min(max(velocity[joint], -speed), speed)
+        kept[2, joint] = min(max(torque[joint], -most), most)
+        limited[joint] = (
+            abs(kept[0, joint] - position[joint]) > LIMIT_TOLERANCE
+            or kept[1, joint] != velocity[joint]
+            or kept[2, joint] != torque[joint]
+        )
+        if limited[joint]:
+            found = _CLAMPED
+    return found

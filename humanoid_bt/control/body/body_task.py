@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
@@ -10,10 +11,16 @@ import mujoco
 import numpy as np
 from mink.tasks import BaseTask
 
-from humanoid_bt.core.geometry import exp, leaning, planar_pose, pose_product, tilted, view_along
+from humanoid_bt.control.jacobians import Indices, chains, link_turns, point_moves
+from humanoid_bt.core.compiled import compiled, inlined
 from humanoid_bt.core.messages import SIDES, Array, HandTarget, Side
+from humanoid_bt.core.turns import Quaternion, Vector, between, exponential, of_matrix, product, turned
 from humanoid_bt.robot.model import BASE_COORDINATES, BASE_DOFS, GAZE_SITE, RobotModel, sole_site
 
+_SOLES, _BASE, _TORSO, _GAZE = (3, 9), 15, 18, 21  # first rows, after those of the centre of mass; then the posture
+_SOLE_GOAL = 12  # numbers of a sole's goal: x, y, yaw, height, tilt, twist
+_TURNS = 2 * _SOLE_GOAL  # heading, leans of base and torso, yaw of the torso, yaw and pitch of the view
+_GOALS = _TURNS + 6
 _NO_TWIST = 1e-14  # square of a twist too small to matter
 _LEANS = 0.3  # rad of lean for the gaze at which a reaching hand does not move the torso any more
 
@@ -55,21 +62,6 @@ class BodyTargets:
     firmness: float = 1.0
 
 
-class _Rows:
-    """Three rows of the problem, world frame: a position [m] or an orientation, as a rotation vector [rad].
-
-    Attributes:
-        jacobian: how it moves with the degrees of freedom, shape (3, nv).
-        error: from where it is to its target, shape (3,).
-        cost: of an error, shape (3,); 0 takes no part.
-    """
-
-    def __init__(self, task: BodyTask, first: int, cost: float) -> None:
-        rows = slice(first, first + 3)
-        self.jacobian, self.error, self.cost = task.jacobian[rows], task.error[rows], task.cost[rows]
-        self.cost[:] = cost
-
-
 class BodyTask(BaseTask):  # type: ignore[misc]  # mink has no types
     """Centre of mass, soles, pelvis, torso, view and posture.
 
@@ -95,59 +87,42 @@ class BodyTask(BaseTask):  # type: ignore[misc]  # mink has no types
         count = 3 * (3 + 2 * len(SIDES) + bool(config.neck)) + joints
         self.jacobian, self.error, self.cost = np.zeros((count, model.nv)), np.zeros(count), np.zeros(count)
         self._column, self._weighted = self.cost[:, None], np.zeros_like(self.jacobian)
-        self._turn, self._quaternion = np.zeros(3), np.zeros(4)
-        firsts = iter(range(0, count, 3))
-
-        def rows(cost: float) -> _Rows:
-            return _Rows(self, next(firsts), cost)
-
-        self._com = rows(0.0)
-        self._soles = {side: (rows(weights.foot_position), rows(weights.foot_orientation)) for side in SIDES}
+        self._com_jacobian, self._com_error = self.jacobian[:3], self.error[:3]
+        self._com_cost, self._base_cost, self._torso_cost = (self.cost[rows : rows + 3] for rows in (0, _BASE, _TORSO))
         self._feet_roll = config.feet_roll
-        if not self._feet_roll:  # their legs say how feet lean; in the sole's frame that is the first of the rows
-            for _, turn in self._soles.values():
-                turn.cost[0] = 0.0
-        self._base, self._torso = rows(0.0), rows(0.0)
-        self._gaze = rows(weights.gaze) if config.neck else None
-        posture = next(firsts)
+        for sole in _SOLES:
+            self.cost[sole : sole + 3], self.cost[sole + 3 : sole + 6] = weights.foot_position, weights.foot_orientation
+            if not self._feet_roll:  # their legs say how feet lean; in the sole's frame that is the first of the rows
+                self.cost[sole + 3] = 0.0
+        if config.neck:
+            self.cost[_GAZE : _GAZE + 3] = weights.gaze
+        posture = count - joints
         self.jacobian[posture:, BASE_DOFS:] = np.eye(joints)
         self.cost[posture:] = weights.posture
         self._posture_error, self._posture_cost = self.error[posture:], self.cost[posture:]
-        self._root, self._trunk = model.body(config.base).id, model.body(config.torso).id
-        self._sole_sites = {side: model.site(sole_site(side)).id for side in SIDES}
-        self._gaze_site = model.site(GAZE_SITE).id if config.neck else -1
+        self._root = model.body(config.base).id
+        sites = [model.site(sole_site(side)).id for side in SIDES] + [model.site(GAZE_SITE).id] * bool(config.neck)
+        self._sites, self._links = np.array(sites), np.array([self._root, model.body(config.torso).id])
+        self._chains = chains(model, [*model.site_bodyid[self._sites], *self._links])
+        self._goals: Array = np.zeros(_GOALS)
         self._arms: Sequence[int] = ()
         self._given = (-1.0, -1.0, 1.0)  # to the hands, how far it leans for the eyes, and its firmness
 
     def aim(self, data: mujoco.MjData, targets: BodyTargets) -> None:
         """Take the targets of this control period, and how far the body is from them now."""
-        model = self._model
-        mujoco.mj_jacSubtreeCom(model, data, self._com.jacobian, self._root)
-        np.subtract(targets.com, data.subtree_com[self._root], out=self._com.error)
-        for side, (position, turn) in self._soles.items():
-            x, y, yaw = targets.soles[side].tolist()
-            z, roll, pitch = targets.sole_footings[side].tolist()
-            pose = planar_pose(x, y, z, yaw)
-            pose[3:] = tilted(pose[3:], roll, pitch)
-            twist = targets.sole_twists[side]
-            if twist.dot(twist) > _NO_TWIST:
-                pose = pose_product(exp(twist), pose)
-            site = self._sole_sites[side]
-            mujoco.mj_jacSite(model, data, position.jacobian, turn.jacobian, site)
-            np.subtract(pose[:3], data.site_xpos[site], out=position.error)
-            self._turn_site(data, turn, site, pose[3:])
-            if not self._feet_roll:
-                axes = data.site_xmat[site].reshape(3, 3)
-                turn.jacobian[:], turn.error[:] = axes.T @ turn.jacobian, axes.T @ turn.error
-        base_lean, torso_lean = targets.lean
-        self._turn_body(data, self._base, self._root, leaning(targets.heading, base_lean))
-        self._turn_body(data, self._torso, self._trunk, leaning(targets.heading, torso_lean, targets.torso_yaw))
-        if self._gaze is not None:
-            yaw, pitch = targets.gaze
-            mujoco.mj_jacSite(model, data, None, self._gaze.jacobian, self._gaze_site)
-            goal = view_along(targets.heading + yaw, pitch)
-            self._turn_site(data, self._gaze, self._gaze_site, goal)
+        goals, base_lean, torso_lean = self._goals, *targets.lean
+        for side, sole in zip(SIDES, (goals[:_SOLE_GOAL], goals[_SOLE_GOAL:]), strict=True):
+            sole[:3], sole[3:6] = targets.soles[side], targets.sole_footings[side]
+            sole[6:_SOLE_GOAL] = targets.sole_twists[side]
+        yaw, pitch = targets.gaze
+        goals[_TURNS:] = targets.heading, base_lean, torso_lean, targets.torso_yaw, targets.heading + yaw, pitch
+        mujoco.mj_jacSubtreeCom(self._model, data, self._com_jacobian, self._root)
+        np.subtract(targets.com, data.subtree_com[self._root], out=self._com_error)
         np.subtract(targets.posture, data.qpos[BASE_COORDINATES:], out=self._posture_error)
+        _aim(
+            self.jacobian, self.error, goals, self._feet_roll, data.cdof, data.subtree_com[self._root],
+            data.site_xpos, data.site_xmat, data.xquat, self._sites, self._links, self._chains,
+        )  # fmt: skip
         if targets.arms != self._arms:
             self._arms = targets.arms
             self._posture_cost[:] = self._weights.posture
@@ -158,7 +133,7 @@ class BodyTask(BaseTask):  # type: ignore[misc]  # mink has no types
     @property
     def com_error(self) -> Array:
         """From where the centre of mass was planned to be to its target, shape (3,) [m]."""
-        return self._com.error
+        return self._com_error
 
     def compute_qp_residual(self, configuration: mink.Configuration) -> tuple[Array, Array, float]:
         """Return the weighted Jacobian, which stays until the next time, the weighted error, and no damping."""
@@ -170,29 +145,107 @@ class BodyTask(BaseTask):  # type: ignore[misc]  # mink has no types
         jacobian, error, _ = self.compute_qp_residual(configuration)
         return mink.Objective(jacobian.T @ jacobian, -(error @ jacobian))
 
-    def _turn_body(self, data: mujoco.MjData, rows: _Rows, body: int, goal: Array) -> None:
-        mujoco.mj_jacBody(self._model, data, None, rows.jacobian, body)
-        self._turn_to(goal, data.xquat[body], rows.error)
-
-    def _turn_site(self, data: mujoco.MjData, rows: _Rows, site: int, goal: Array) -> None:
-        mujoco.mju_mat2Quat(self._quaternion, data.site_xmat[site])
-        self._turn_to(goal, self._quaternion, rows.error)
-
-    def _turn_to(self, goal: Array, now: Array, turn: Array) -> None:
-        """Write the rotation vector, world frame, that turns one orientation into another; quaternions wxyz."""
-        mujoco.mju_subQuat(self._turn, goal, now)
-        mujoco.mju_rotVecQuat(turn, self._turn, now)
-
     def _give_body_to_hands(self, reaching: float, lean: float, firmness: float) -> None:
         weights = self._weights
         self._given = (reaching, lean, firmness)
         torso = _blend(weights.reach_torso, weights.torso_orientation, min(1.0, lean / _LEANS))  # the eyes need it
-        self._com.cost[:] = (*weights.com[:2], firmness * _blend(weights.com[2], weights.reach_height, reaching))
-        self._base.cost[:] = firmness * _blend(weights.base_orientation, weights.reach_base, reaching)
-        self._torso.cost[:] = firmness * _blend(weights.torso_orientation, torso, reaching)
+        self._com_cost[:] = (*weights.com[:2], firmness * _blend(weights.com[2], weights.reach_height, reaching))
+        self._base_cost[:] = firmness * _blend(weights.base_orientation, weights.reach_base, reaching)
+        self._torso_cost[:] = firmness * _blend(weights.torso_orientation, torso, reaching)
 
 
 def _blend(free: float, reaching: float, share: float) -> float:
     """Return a cost between two; cubic, because a little of the free cost moves a body that leans a lot."""
     taken = (1 - share) ** 3
     return free * taken + reaching * (1 - taken)
+
+
+@inlined
+def _sole_goal(goal: Array) -> tuple[Vector, Quaternion]:
+    """Return where a sole is to be, and how it is to be turned."""
+    roll, pitch = goal[4], goal[5]
+    tilt = math.sqrt(1 - 0.25 * (roll * roll + pitch * pitch)), 0.5 * roll, 0.5 * pitch, 0.0
+    turn = product(tilt, (math.cos(goal[2] / 2), 0.0, 0.0, math.sin(goal[2] / 2)))
+    x, y, z = goal[0], goal[1], goal[3]
+    if (goal[6:] ** 2).sum() > _NO_TWIST:
+        (a, b, c), twist = exponential((goal[6], goal[7], goal[8]), (goal[9], goal[10], goal[11]))
+        x, y, z = turned(twist, (x, y, z))
+        x, y, z, turn = a + x, b + y, c + z, product(twist, turn)
+    return (x, y, z), turn
+
+
+@inlined
+def _view_along(yaw: float, pitch: float) -> Quaternion:
+    """Return the quaternion of what looks along a yaw and then a pitch [rad]."""
+    cy, sy, cp, sp = math.cos(yaw / 2), math.sin(yaw / 2), math.cos(pitch / 2), math.sin(pitch / 2)
+    return cy * cp, -sy * sp, cy * sp, sy * cp
+
+
+@inlined
+def _in_frame(axes: Array, vector: Array) -> None:
+    """Turn a vector from the world into a frame, whose rotation matrix has its numbers in a row, shape (9,)."""
+    x, y, z = vector[0], vector[1], vector[2]
+    for axis in range(3):
+        vector[axis] = axes[axis] * x + axes[3 + axis] * y + axes[6 + axis] * z
+
+
+@compiled(
+    "void(f8[:, ::1], f8[::1], f8[::1], b1, f8[:, ::1], f8[::1], f8[:, ::1], f8[:, ::1], f8[:, ::1],"
+    " i8[::1], i8[::1], i8[:, ::1])"
+)
+def _aim(
+    jacobian: Array,
+    error: Array,
+    goals: Array,
+    feet_roll: bool,
+    motions: Array,
+    origin: Array,
+    places: Array,
+    turns: Array,
+    link_quaternions: Array,
+    sites: Indices,
+    links: Indices,
+    moved_by: Indices,
+) -> None:
+    """Write the rows of soles, base, torso and view.
+
+    Args:
+        jacobian, error: are written.
+        goals: as :meth:`BodyTask.aim` puts them together.
+        feet_roll: whether a joint rolls the feet; otherwise their turn counts in their own frame.
+        motions, origin: as :func:`~humanoid_bt.control.jacobians.point_moves` wants them.
+        places, turns: positions and rotation matrices of all sites.
+        link_quaternions: of all bodies.
+        sites: the soles, and the eyes if they are turned.
+        links: base and torso.
+        moved_by: the degrees of freedom of all of these.
+    """
+    for foot in range(2):
+        site, row, chain = sites[foot], _SOLES[foot], moved_by[foot]
+        place, turn = _sole_goal(goals[_SOLE_GOAL * foot : _SOLE_GOAL * (foot + 1)])
+        point_moves(motions, origin, places[site], chain, jacobian[row : row + 3])
+        link_turns(motions, chain, jacobian[row + 3 : row + 6])
+        off = between(of_matrix(turns[site]), turn)
+        for axis in range(3):
+            error[row + axis] = place[axis] - places[site, axis]
+            error[row + 3 + axis] = off[axis]
+        if not feet_roll:
+            for dof in chain:
+                if dof < 0:
+                    break
+                _in_frame(turns[site], jacobian[row + 3 : row + 6, dof])
+            _in_frame(turns[site], error[row + 3 : row + 6])
+    heading, base_lean, torso_lean = goals[_TURNS], goals[_TURNS + 1], goals[_TURNS + 2]
+    torso_yaw, yaw, pitch = goals[_TURNS + 3], goals[_TURNS + 4], goals[_TURNS + 5]
+    torso = product(_view_along(heading, torso_lean), (math.cos(torso_yaw / 2), 0.0, 0.0, math.sin(torso_yaw / 2)))
+    for link, (row, goal) in enumerate(((_BASE, _view_along(heading, base_lean)), (_TORSO, torso))):
+        link_turns(motions, moved_by[len(sites) + link], jacobian[row : row + 3])
+        now = link_quaternions[links[link]]
+        off = between((now[0], now[1], now[2], now[3]), goal)
+        for axis in range(3):
+            error[row + axis] = off[axis]
+    if len(sites) > 2:
+        link_turns(motions, moved_by[2], jacobian[_GAZE : _GAZE + 3])
+        off = between(of_matrix(turns[sites[2]]), _view_along(yaw, pitch))
+        for axis in range(3):
+            error[_GAZE + axis] = off[axis]

@@ -9,6 +9,7 @@ import daqp
 import mink
 import numpy as np
 
+from humanoid_bt.core.compiled import compiled
 from humanoid_bt.core.messages import Array
 
 _NO_BOUND = 1e30  # for the solver
@@ -45,16 +46,14 @@ class QuadraticProgram:
 
     def aim(self, configuration: mink.Configuration, tasks: Sequence[mink.BaseTask]) -> None:
         """Take the tasks, each of which has a residual."""
-        jacobian, error, damping = tasks[0].compute_qp_residual(configuration)
-        np.dot(jacobian.T, jacobian, out=self.hessian)
-        np.dot(error, jacobian, out=self.gradient)
-        for task in tasks[1:]:
+        self.hessian[:] = 0.0
+        self.gradient[:] = 0.0
+        damping = self._damping
+        for task in tasks:
             jacobian, error, own_damping = task.compute_qp_residual(configuration)
-            self.hessian += jacobian.T @ jacobian
-            self.gradient += error @ jacobian
+            _add(self.hessian, self.gradient, np.ascontiguousarray(jacobian), error)
             damping += own_damping
-        np.negative(self.gradient, out=self.gradient)
-        self._diagonal += self._damping + damping
+        self._diagonal += damping
 
     def limit(self, configuration: mink.Configuration, limits: Sequence[mink.Limit], dt: float) -> None:
         """Take the limits."""
@@ -90,3 +89,21 @@ class QuadraticProgram:
         self._rows, self._low, self._high = rows, low, high
         self._kinds = np.zeros(nv + most, dtype=np.intc)  # all of them inequalities
         self.low, self.high = low[:nv], high[:nv]
+
+
+@compiled("void(f8[:, ::1], f8[::1], f8[:, ::1], f8[::1])")
+def _add(hessian: Array, gradient: Array, jacobian: Array, error: Array) -> None:
+    """Add the normal equations of rows most of whose numbers are zeros: J^T J, and -J^T e.
+
+    Args:
+        hessian, gradient: are added to.
+        jacobian, error: J and e.
+    """
+    rows, size = jacobian.shape
+    for row in range(rows):
+        for i in range(size):
+            share = jacobian[row, i]
+            if share != 0.0:
+                gradient[i] -= share * error[row]
+                for j in range(size):
+                    hessian[i, j] += share * jacobian[row, j]

@@ -9,7 +9,7 @@ import numpy as np
 
 from humanoid_bt.control.dynamics import GRAVITY, RobotDynamics
 from humanoid_bt.control.estimator.small_matrices import factored, solved
-from humanoid_bt.control.jacobians import Chains, chains, point_moves
+from humanoid_bt.control.jacobians import Indices, chains, point_moves
 from humanoid_bt.core.compiled import compiled
 from humanoid_bt.core.messages import SIDES, TORSO, Array, Side
 from humanoid_bt.robot.model import BASE_DOFS, RobotModel, palm_site
@@ -117,7 +117,7 @@ class ContactObserver:
 
 
 @compiled("void(f8[:, ::1], f8[::1], f8[:, ::1], i8[:, ::1], f8[:, ::1])")
-def _look(motions: Array, origin: Array, points: Array, links: Chains, jacobian: Array) -> None:
+def _look(motions: Array, origin: Array, points: Array, links: Indices, jacobian: Array) -> None:
     """Write how points move, three rows for each.
 
     Args:
@@ -149,8 +149,8 @@ def _observe(
     motions: Array,
     origin: Array,
     points: Array,
-    links: Chains,
-    dofs: Chains,
+    links: Indices,
+    dofs: Indices,
     time: float,
     jacobian: Array,
     before: Array,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from humanoid_bt.control.dynamics import GRAVITY, RobotDynamics
-from humanoid_bt.control.jacobians import Chains, chains, point_moves
+from humanoid_bt.control.jacobians import Indices, chains, point_moves
 from humanoid_bt.core.compiled import compiled
 from humanoid_bt.core.messages import SIDES, Array
 from humanoid_bt.robot.model import BASE_DOFS, RobotModel, sole_site
@@ -84,8 +84,8 @@ def _explain(
     motions: Array,
     origin: Array,
     places: Array,
-    sites: Chains,
-    legs: Chains,
+    sites: Indices,
+    legs: Indices,
     left: Array,
     jacobian: Array,
 ) -> None:
@@ -121,7 +121,7 @@ def _explain(
         force[foot] = (minor * z + second * y + first * x) / (minor * f + second * e + first * c)
 
 
-def _legs(robot: RobotModel) -> Chains:
+def _legs(robot: RobotModel) -> Indices:
     """Return the joints between the base and each foot.
 
     Those that both feet have, of a waist below the base, say nothing of one of them: they carry the other one as well.

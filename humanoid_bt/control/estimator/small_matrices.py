@@ -6,8 +6,7 @@ import math
 
 from humanoid_bt.core.compiled import inlined
 from humanoid_bt.core.messages import Array
-
-_NO_TURN = 1e-15  # rad; less turns nothing
+from humanoid_bt.core.turns import of_vector, product
 
 
 @inlined
@@ -101,17 +100,8 @@ def measured(covariance: Array, measures: Array, doubt: Array, innovation: Array
 @inlined
 def turn(quaternion: Array, matrix: Array, x: float, y: float, z: float) -> None:
     """Turn an orientation by a rotation vector in its own frame [rad], and write its matrix, shape (3, 3), too."""
-    angle = math.sqrt(x * x + y * y + z * z)
-    w, i, j, k = quaternion[0], quaternion[1], quaternion[2], quaternion[3]
-    if angle > _NO_TURN:
-        share, c = math.sin(angle / 2) / angle, math.cos(angle / 2)
-        a, b, d = x * share, y * share, z * share
-        w, i, j, k = (
-            w * c - i * a - j * b - k * d,
-            w * a + i * c + j * d - k * b,
-            w * b - i * d + j * c + k * a,
-            w * d + i * b - j * a + k * c,
-        )
+    now = quaternion[0], quaternion[1], quaternion[2], quaternion[3]
+    w, i, j, k = product(now, of_vector(x, y, z))
     length = math.sqrt(w * w + i * i + j * j + k * k)
     w, i, j, k = w / length, i / length, j / length, k / length
     quaternion[0], quaternion[1], quaternion[2], quaternion[3] = w, i, j, k
