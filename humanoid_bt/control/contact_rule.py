@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from humanoid_bt.core.clock import cycles
-from humanoid_bt.core.messages import SIDES, TORSO, Array, BaseTarget, Command, Contact, HandTarget, Side
+from humanoid_bt.core.messages import SIDES, TORSO, Array, BaseTarget, Command, Contact, HandTarget, Side, Target
 from humanoid_bt.robot.config import ContactConfig
 
 MOST_PRESS = 50.0
@@ -21,6 +21,7 @@ _FORGET = 1.0  # s without contact after which a robot may go on that something 
 _OFTEN, _OFTEN_WITHIN = 3, 20.0  # so many stops for that in so many s, and only a person lets it go on
 _LONG = 10.0  # s that one of them lasts, likewise
 _LEAK = 0.25  # s that are forgotten of contact in every second without
+_ARMS = tuple((side, f"{side}_arm", f"{side}_hand") for side in SIDES)  # group of links, resource
 _AGAINST = -0.5  # cosine of the angle between a force and the way, up to which it is against it
 
 
@@ -97,14 +98,18 @@ class ContactRule:
             place: where the base is, shape (2,) [m].
         """
         self._forces = forces
-        pressing = {f"{side}_arm": press for side in SIDES if (press := _press(side, command))} if command else {}
+        pressing: dict[str, float] = {}
+        if command:
+            pressing = {arm: press for _, arm, hand in _ARMS if (press := _press(command.targets.get(hand)))}
         for group, force in forces.items():
             begins = self._config.torso if group == TORSO else self._config.notice
             if group in pressing:
                 begins = min(begins, _PRESS_NOTICED * pressing[group])
-            self._feel(group, math.sqrt(force @ force), begins)
-        for side in SIDES:
-            self._judge_arm(cycle, side, command, pressing.get(f"{side}_arm", 0.0))
+            x, y, z = force.tolist()
+            self._feel(group, math.sqrt(x * x + y * y + z * z), begins)
+        if self._touches or self._yields:
+            for side, arm, hand in _ARMS:
+                self._judge_arm(cycle, side, arm, hand, command, pressing.get(arm, 0.0))
         self._judge_way(cycle, command, place)
         if pressing or self._yields or TORSO in self._touches or self.pressed:
             torso = {TORSO} & self._touches.keys()
@@ -129,8 +134,7 @@ class ContactRule:
         elif largest:
             del self._touches[group]
 
-    def _judge_arm(self, cycle: int, side: Side, command: Command | None, press: float) -> None:
-        arm, hand = f"{side}_arm", f"{side}_hand"
+    def _judge_arm(self, cycle: int, side: Side, arm: str, hand: str, command: Command | None, press: float) -> None:
         touch, yields = self._touches.get(arm, 0.0), self._yields.get(arm)
         source = command.sources.get(hand, "") if command and hand in command.targets else ""
         if yields is None:
@@ -149,13 +153,7 @@ class ContactRule:
     def _judge_way(self, cycle: int, command: Command | None, place: Array) -> None:
         """Judge whether the robot may walk on; contact that comes and goes with its steps counts, too."""
         passed, self._looked = cycle - self._looked, cycle
-        base = command.targets.get("base") if command else None
-        way = base.position - place if isinstance(base, BaseTarget) else None
-        against = [
-            (group, largest)
-            for group, largest in self._touches.items()
-            if way is not None and (group == TORSO or group in self._yields) and _opposes(self._forces[group][:2], way)
-        ]
+        against = self._against_the_way(command, place) if self._touches else []
         if self.held:
             self._free = 0 if self._touches else self._free + passed
             if self._free > self._forget:
@@ -173,13 +171,24 @@ class ContactRule:
         else:
             self._against = max(0.0, self._against - _LEAK * passed)
 
+    def _against_the_way(self, command: Command | None, place: Array) -> list[tuple[str, float]]:
+        """Return the groups of links that something pushes back from where the base is to go, and how hard [N]."""
+        base = command.targets.get("base") if command else None
+        if not isinstance(base, BaseTarget):
+            return []
+        way = base.position - place
+        return [
+            (group, largest)
+            for group, largest in self._touches.items()
+            if (group == TORSO or group in self._yields) and _opposes(self._forces[group][:2], way)
+        ]
+
 
 def _opposes(force: Array, way: Array) -> bool:
     """Return whether a force, shape (2,), pushes back one who has a way to go, shape (2,)."""
     return float(force @ way) < _AGAINST * math.sqrt(float(force @ force) * float(way @ way))
 
 
-def _press(side: Side, command: Command) -> float:
+def _press(target: Target | None) -> float:
     """Return with which force a hand is to press [N]."""
-    target = command.targets.get(f"{side}_hand")
     return target.press if isinstance(target, HandTarget) else 0.0

@@ -99,17 +99,6 @@ def view_along(yaw: float, pitch: float) -> Array:
     return np.array(_view_along(yaw, pitch))
 
 
-def leaning(heading: float, lean: float, yaw: float = 0.0) -> Array:
-    """Return the quaternion, shape (4,), of what leans ahead along a heading, and turns about its own axis [rad]."""
-    return np.array(_product(_view_along(heading, lean), [math.cos(yaw / 2), 0.0, 0.0, math.sin(yaw / 2)]))
-
-
-def tilted(quaternion: Array, x: float, y: float) -> Array:
-    """Return a quaternion, shape (4,), turned by small angles about the world's x and y [rad]."""
-    turn = [math.sqrt(1 - 0.25 * (x * x + y * y)), 0.5 * x, 0.5 * y, 0.0]
-    return np.array(_product(turn, quaternion.tolist()))
-
-
 def pose_product(first: Array, second: Array) -> Array:
     """Return the pose, shape (7,), of ``second`` when it is given in the frame of ``first``."""
     a, b = first.tolist(), second.tolist()

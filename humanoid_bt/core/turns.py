@@ -1,4 +1,4 @@
-"""Quaternions as four floats (w, x, y, z) and vectors as three, for functions that are machine code."""
+"""Rotations and rigid motions as tuples of floats, for functions that are machine code: quaternions (w, x, y, z)."""
 
 from __future__ import annotations
 
@@ -65,6 +65,25 @@ def to_vector(quaternion: Quaternion) -> Vector:
 
 
 @inlined
+def view_along(yaw: float, pitch: float) -> Quaternion:
+    """Return the quaternion of what looks along a yaw and then a pitch [rad]."""
+    cy, sy, cp, sp = math.cos(yaw / 2), math.sin(yaw / 2), math.cos(pitch / 2), math.sin(pitch / 2)
+    return cy * cp, -sy * sp, cy * sp, sy * cp
+
+
+@inlined
+def leaning(heading: float, lean: float, yaw: float) -> Quaternion:
+    """Return the quaternion of what leans ahead along a heading, and turns about its own axis [rad]."""
+    return product(view_along(heading, lean), (math.cos(yaw / 2), 0.0, 0.0, math.sin(yaw / 2)))
+
+
+@inlined
+def tilted(quaternion: Quaternion, x: float, y: float) -> Quaternion:
+    """Return a quaternion turned by small angles about the world's x and y [rad]."""
+    return product((math.sqrt(1 - 0.25 * (x * x + y * y)), 0.5 * x, 0.5 * y, 0.0), quaternion)
+
+
+@inlined
 def between(start: Quaternion, end: Quaternion) -> Vector:
     """Return the rotation vector, in the frame of both, that turns one orientation into another [rad]."""
     w, x, y, z = start
@@ -94,7 +113,7 @@ def of_matrix(m: Array) -> Quaternion:
 
 @inlined
 def exponential(way: Vector, turn: Vector) -> tuple[Vector, Quaternion]:
-    """Return the pose that a twist leads to; as :func:`~humanoid_bt.core.geometry.exp`."""
+    """Return the pose that a twist leads to; of unit time; see :mod:`~humanoid_bt.core.geometry`."""
     angle = math.sqrt(turn[0] ** 2 + turn[1] ** 2 + turn[2] ** 2)
     b, c = 0.5, 1 / 6
     if angle >= _SMALL:
@@ -103,3 +122,16 @@ def exponential(way: Vector, turn: Vector) -> tuple[Vector, Quaternion]:
     g, h, i = cross(turn, (d, e, f))
     place = way[0] + b * d + c * g, way[1] + b * e + c * h, way[2] + b * f + c * i
     return place, of_vector(turn[0], turn[1], turn[2])
+
+
+@inlined
+def logarithm(place: Vector, quaternion: Quaternion) -> tuple[Vector, Vector]:
+    """Return the twist, way and turn, that leads to a pose; as :func:`~humanoid_bt.core.geometry.log`."""
+    turn = to_vector(quaternion)
+    angle = math.sqrt(turn[0] ** 2 + turn[1] ** 2 + turn[2] ** 2)
+    d = 1 / 12
+    if angle >= _SMALL:
+        d = (1 - angle * math.sin(angle) / (2 * (1 - math.cos(angle)))) / angle**2
+    a, b, c = cross(turn, place)
+    e, f, g = cross(turn, (a, b, c))
+    return (place[0] - 0.5 * a + d * e, place[1] - 0.5 * b + d * f, place[2] - 0.5 * c + d * g), turn

@@ -8,7 +8,6 @@ import pytest
 
 from humanoid_bt.core.geometry import (
     exp,
-    leaning,
     log,
     planar_pose,
     pose_inverse,
@@ -67,9 +66,3 @@ def test_a_view_looks_along_its_yaw_and_then_down_by_its_pitch(yaw: float, pitch
         ahead, [math.cos(yaw) * math.cos(pitch), math.sin(yaw) * math.cos(pitch), -down], atol=1e-12
     )
     assert left[2] == pytest.approx(0, abs=1e-12)
-
-
-def test_what_leans_is_turned_about_its_own_axis() -> None:
-    turned, straight = (rotation_matrix(leaning(0.4, 0.3, yaw)) for yaw in (0.5, 0.0))
-    np.testing.assert_allclose(turned[:, 2], straight[:, 2], atol=1e-12)
-    assert np.arccos(turned[:, 0] @ straight[:, 0]) == pytest.approx(0.5)

@@ -14,7 +14,18 @@ from mink.tasks import BaseTask
 from humanoid_bt.control.jacobians import Indices, chains, link_turns, point_moves
 from humanoid_bt.core.compiled import compiled, inlined
 from humanoid_bt.core.messages import SIDES, Array, HandTarget, Side
-from humanoid_bt.core.turns import Quaternion, Vector, between, exponential, of_matrix, product, turned
+from humanoid_bt.core.turns import (
+    Quaternion,
+    Vector,
+    between,
+    exponential,
+    leaning,
+    of_matrix,
+    product,
+    tilted,
+    turned,
+    view_along,
+)
 from humanoid_bt.robot.model import BASE_COORDINATES, BASE_DOFS, GAZE_SITE, RobotModel, sole_site
 
 _SOLES, _BASE, _TORSO, _GAZE = (3, 9), 15, 18, 21  # first rows, after those of the centre of mass; then the posture
@@ -163,22 +174,13 @@ def _blend(free: float, reaching: float, share: float) -> float:
 @inlined
 def _sole_goal(goal: Array) -> tuple[Vector, Quaternion]:
     """Return where a sole is to be, and how it is to be turned."""
-    roll, pitch = goal[4], goal[5]
-    tilt = math.sqrt(1 - 0.25 * (roll * roll + pitch * pitch)), 0.5 * roll, 0.5 * pitch, 0.0
-    turn = product(tilt, (math.cos(goal[2] / 2), 0.0, 0.0, math.sin(goal[2] / 2)))
+    turn = tilted((math.cos(goal[2] / 2), 0.0, 0.0, math.sin(goal[2] / 2)), goal[4], goal[5])
     x, y, z = goal[0], goal[1], goal[3]
     if (goal[6:] ** 2).sum() > _NO_TWIST:
         (a, b, c), twist = exponential((goal[6], goal[7], goal[8]), (goal[9], goal[10], goal[11]))
         x, y, z = turned(twist, (x, y, z))
         x, y, z, turn = a + x, b + y, c + z, product(twist, turn)
     return (x, y, z), turn
-
-
-@inlined
-def _view_along(yaw: float, pitch: float) -> Quaternion:
-    """Return the quaternion of what looks along a yaw and then a pitch [rad]."""
-    cy, sy, cp, sp = math.cos(yaw / 2), math.sin(yaw / 2), math.cos(pitch / 2), math.sin(pitch / 2)
-    return cy * cp, -sy * sp, cy * sp, sy * cp
 
 
 @inlined
@@ -237,8 +239,8 @@ def _aim(
             _in_frame(turns[site], error[row + 3 : row + 6])
     heading, base_lean, torso_lean = goals[_TURNS], goals[_TURNS + 1], goals[_TURNS + 2]
     torso_yaw, yaw, pitch = goals[_TURNS + 3], goals[_TURNS + 4], goals[_TURNS + 5]
-    torso = product(_view_along(heading, torso_lean), (math.cos(torso_yaw / 2), 0.0, 0.0, math.sin(torso_yaw / 2)))
-    for link, (row, goal) in enumerate(((_BASE, _view_along(heading, base_lean)), (_TORSO, torso))):
+    torso = leaning(heading, torso_lean, torso_yaw)
+    for link, (row, goal) in enumerate(((_BASE, view_along(heading, base_lean)), (_TORSO, torso))):
         link_turns(motions, moved_by[len(sites) + link], jacobian[row : row + 3])
         now = link_quaternions[links[link]]
         off = between((now[0], now[1], now[2], now[3]), goal)
@@ -246,6 +248,6 @@ def _aim(
             error[row + axis] = off[axis]
     if len(sites) > 2:
         link_turns(motions, moved_by[2], jacobian[_GAZE : _GAZE + 3])
-        off = between(of_matrix(turns[sites[2]]), _view_along(yaw, pitch))
+        off = between(of_matrix(turns[sites[2]]), view_along(yaw, pitch))
         for axis in range(3):
             error[_GAZE + axis] = off[axis]

@@ -9,8 +9,9 @@ import numpy as np
 from humanoid_bt.control.body.footsteps import SIGN
 from humanoid_bt.control.body.planar import ahead, seen_from, wrap
 from humanoid_bt.control.body.step_timing import Axis, best_time
-from humanoid_bt.core.geometry import clamp, log, pose_inverse, pose_product
+from humanoid_bt.core.compiled import compiled
 from humanoid_bt.core.messages import SIDES, Array, Side
+from humanoid_bt.core.turns import logarithm, product, turned
 from humanoid_bt.robot.config import GaitConfig, SoleConfig
 
 _ARRIVE_EARLY = 0.02  # s before touchdown at which the foot is over its foothold
@@ -201,8 +202,31 @@ class TiltCompensation:
         for side in SIDES:
             if swing is not None and swing.side == side:
                 weight = min(1.0, max(0.0, swing.progress) / self._FADE_IN)
-                error = log(pose_product(base_reference, pose_inverse(base_measured)))
-                goal = weight * clamp(error, -self._LIMIT, self._LIMIT)
-                self.twist[side] += min(1.0, self._dt / self._RISE) * (goal - self.twist[side])
+                share = min(1.0, self._dt / self._RISE)
+                _follow_error(self.twist[side], base_measured, base_reference, weight, share, self._LIMIT)
             else:
                 self.twist[side] *= math.exp(-self._dt / self._DECAY)
+
+
+@compiled("void(f8[::1], f8[::1], f8[::1], f8, f8, f8)")
+def _follow_error(twist: Array, measured: Array, reference: Array, weight: float, share: float, limit: float) -> None:
+    """Bring a twist nearer to the one that leads from one pose to another.
+
+    Args:
+        twist: shape (6,).
+        measured, reference: poses, shape (7,).
+        weight: of what leads from the first to the second.
+        share: of the difference by which it comes nearer.
+        limit: of each coordinate of what it is to follow.
+    """
+    turn = product(
+        (reference[3], reference[4], reference[5], reference[6]),
+        (measured[3], -measured[4], -measured[5], -measured[6]),
+    )
+    x, y, z = turned(turn, (measured[0], measured[1], measured[2]))
+    way, about = logarithm((reference[0] - x, reference[1] - y, reference[2] - z), turn)
+    for axis in range(3):
+        goal = weight * min(max(way[axis], -limit), limit)
+        twist[axis] += share * (goal - twist[axis])
+        goal = weight * min(max(about[axis], -limit), limit)
+        twist[3 + axis] += share * (goal - twist[3 + axis])
