@@ -44,7 +44,6 @@ class RobotDynamics:
         self._palm_turns = {side: quaternion(axes) for side, axes in robot.palm_axes.items()}
         self._gaze = robot.model.site(GAZE_SITE).id
         self._feet_roll = robot.config.feet_roll
-        self._foot = {side: robot.model.body(robot.config.legs[side].sole.body).id for side in SIDES}
         self.motions: Array = self.data.cdof
         self.origin: Array = self.data.subtree_com[self.model.body_rootid[self._base]]
         self.com: Array = np.zeros(3)
@@ -100,10 +99,6 @@ class RobotDynamics:
         """Return M(q) acceleration, shape (nv,); valid until the next call."""
         mujoco.mj_mulM(self.model, self.data, self._product, acceleration)
         return self._product
-
-    def foot_jacobian(self, side: Side, point: Array, linear: Array, angular: Array | None = None) -> None:
-        """Write the Jacobians, shape (3, nv), of a point of the foot, world frame, into the given arrays."""
-        mujoco.mj_jac(self.model, self.data, linear, angular, point, self._foot[side])
 
     def palm(self, side: Side) -> Array:
         """Return a palm's position, shape (3,)."""

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from humanoid_bt.core.compiled import inlined
 from humanoid_bt.core.messages import Array
+from humanoid_bt.core.turns import Vector
 from humanoid_bt.robot.model import carriers
 
 Indices = NDArray[np.int64]
@@ -33,7 +34,9 @@ def chains(model: mujoco.MjModel, bodies: Sequence[int]) -> Indices:
 
 
 @inlined
-def point_moves(motions: Array, origin: Array, point: Array, chain: Indices, rows: Array) -> None:
+def point_moves(
+    motions: Array, origin: Array, point: Array | tuple[float, float, float], chain: Indices, rows: Array
+) -> None:
     """Write how a point moves with the degrees of freedom of a chain; all other columns stay.
 
     Args:

@@ -8,8 +8,10 @@ import numpy as np
 
 from humanoid_bt.control.body.stabilizer import Load
 from humanoid_bt.control.dynamics import RobotDynamics
+from humanoid_bt.control.jacobians import Indices, chains, point_moves
+from humanoid_bt.core.compiled import compiled
 from humanoid_bt.core.messages import SIDES, Array, Side
-from humanoid_bt.robot.model import BASE_COORDINATES, BASE_DOFS, RobotModel
+from humanoid_bt.robot.model import BASE_DOFS, RobotModel
 
 _UNLOADED = 1e-4  # share of the weight below which a foot counts as free
 _ANKLE_LOADED = 0.02
@@ -32,18 +34,17 @@ class Feedforward:
         self._hips = {
             side: (robot.joint(config.legs[side].hip_roll), robot.joint(config.legs[side].hip_pitch)) for side in SIDES
         }
-        # the ankles: joint, axis of the sole along which it moves the pressure, and how far it may:
+        feet = chains(robot.model, [robot.model.body(config.legs[side].sole.body).id for side in SIDES])
+        self._feet: dict[Side, Indices] = dict(zip(SIDES, feet, strict=True))
+        # pitch and roll of the ankles, -1 where there is none, and how far each may move the pressure along the sole:
         # half the margin more than is planned, which leaves the joint feedback some room
-        half_length = config.sole.half_length - 0.5 * config.sole.margin
-        half_width = config.sole.half_width - 0.5 * config.sole.margin
-        self._ankles: dict[Side, list[tuple[int, int, float]]] = {}
-        for side in SIDES:
-            leg = config.legs[side]
-            self._ankles[side] = [(robot.joint(leg.ankle_pitch), 0, half_length)]
-            if leg.ankle_roll is not None:
-                self._ankles[side].append((robot.joint(leg.ankle_roll), 1, half_width))
-        self._linear = np.zeros((3, robot.model.nv))
-        self._angular = np.zeros((3, robot.model.nv))
+        legs = [(side, config.legs[side].ankle_pitch, config.legs[side].ankle_roll) for side in SIDES]
+        self._ankles: dict[Side, Indices] = {
+            side: np.array([robot.joint(pitch), -1 if roll is None else robot.joint(roll)])
+            for side, pitch, roll in legs
+        }
+        self._halves = np.array([config.sole.half_length, config.sole.half_width]) - 0.5 * config.sole.margin
+        self._jacobian = np.zeros((3, robot.model.nv))
 
     def torques(self, load: Load, acceleration: Array, position: Array, velocity: Array, lean: float = 0.0) -> Array:
         """Return feedforward torques, shape (nj,) [Nm].
@@ -54,18 +55,24 @@ class Feedforward:
             position, velocity: setpoint that the drives will get, shape (nj,).
             lean: of the pelvis ahead, as it is meant to be [rad].
         """
-        dynamics = self._dynamics
+        dynamics, robot = self._dynamics, self._robot
         forces = dynamics.bias + dynamics.inertia_times(acceleration)
+        carried = {side: load.share[side] * load.force for side in SIDES}
         for side in SIDES:
             if load.share[side] > _UNLOADED:
-                point = np.array([*load.cop[side].tolist(), 0.0])
-                dynamics.foot_jacobian(side, point, self._linear)
-                forces -= (load.share[side] * load.force).dot(self._linear)
-        torque: Array = forces[BASE_DOFS:].copy()
+                _carry(
+                    forces, carried[side], load.cop[side],
+                    dynamics.motions, dynamics.origin, self._feet[side], self._jacobian,
+                )  # fmt: skip
+        torque: Array = forces[BASE_DOFS:]
         self._resist_tilt(torque, load, lean)
         for side in SIDES:
             if load.share[side] >= _ANKLE_LOADED:
-                self._limit_ankle(torque, side, load.share[side] * load.force, position, velocity)
+                _limit_ankles(
+                    torque, carried[side], dynamics.soles[side], self._ankles[side], self._halves,
+                    position, velocity, robot.stiffness, robot.damping, dynamics.data.qpos, dynamics.data.qvel,
+                    dynamics.motions, dynamics.origin, self._feet[side], self._jacobian,
+                )  # fmt: skip
         return torque
 
     def _resist_tilt(self, torque: Array, load: Load, lean: float) -> None:
@@ -78,22 +85,76 @@ class Feedforward:
             torque[hip_roll] += load.share[side] * roll
             torque[hip_pitch] += load.share[side] * pitch
 
-    def _limit_ankle(self, torque: Array, side: Side, force: Array, position: Array, velocity: Array) -> None:
-        """Keep the whole ankle torque, feedback included, so small that the pressure stays inside the sole."""
-        dynamics, robot = self._dynamics, self._robot
-        x, y, yaw = dynamics.soles[side].tolist()
-        fx, fy, fz = force.tolist()
-        dynamics.foot_jacobian(side, np.array([x, y, 0.0]), self._linear, self._angular)
-        cos, sin = math.cos(yaw), math.sin(yaw)
-        for joint, axis, half in self._ankles[side]:
-            dof = BASE_DOFS + joint
-            lx, ly, lz = self._linear[:, dof].tolist()
-            centred = -(lx * fx + ly * fy + lz * fz)  # torque for pressure at the sole's centre
-            ex, ey = (cos, sin) if axis == 0 else (-sin, cos)
-            tx, ty, tz = self._angular[:, dof].tolist()
-            reach = abs(half * (tx * ey * fz - ty * ex * fz + tz * (ex * fy - ey * fx)))
-            feedback = robot.stiffness.item(joint) * (
-                position.item(joint) - dynamics.data.qpos.item(BASE_COORDINATES + joint)
-            ) + robot.damping.item(joint) * (velocity.item(joint) - dynamics.data.qvel.item(dof))
-            whole = min(max(feedback + torque.item(joint), centred - reach), centred + reach)
-            torque[joint] = whole - feedback
+
+@compiled("void(f8[::1], f8[::1], f8[::1], f8[:, ::1], f8[::1], i8[::1], f8[:, ::1])")
+def _carry(
+    forces: Array, force: Array, place: Array, motions: Array, origin: Array, chain: Indices, jacobian: Array
+) -> None:
+    """Take from the generalised forces what a force of the ground on a foot does: J^T F.
+
+    Args:
+        forces: shape (nv,).
+        force: on the foot, shape (3,) [N].
+        place: where it acts on the ground, shape (2,) [m].
+        motions, origin: of the dynamics.
+        chain: the degrees of freedom that move the foot.
+        jacobian: is written.
+    """
+    point_moves(motions, origin, (place[0], place[1], 0.0), chain, jacobian)
+    for dof in chain:
+        if dof < 0:
+            break
+        forces[dof] -= force[0] * jacobian[0, dof] + force[1] * jacobian[1, dof] + force[2] * jacobian[2, dof]
+
+
+@compiled(
+    "void(f8[::1], f8[::1], f8[::1], i8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1],"
+    " f8[:, ::1], f8[::1], i8[::1], f8[:, ::1])"
+)
+def _limit_ankles(
+    torque: Array,
+    force: Array,
+    sole: Array,
+    ankles: Indices,
+    halves: Array,
+    position: Array,
+    velocity: Array,
+    stiffness: Array,
+    damping: Array,
+    qpos: Array,
+    qvel: Array,
+    motions: Array,
+    origin: Array,
+    chain: Indices,
+    jacobian: Array,
+) -> None:
+    """Keep the whole ankle torque, feedback included, so small that the pressure stays inside the sole.
+
+    Args:
+        torque: of the joints, shape (nj,).
+        force: on the foot, shape (3,) [N].
+        sole: its pose, shape (3,).
+        ankles: joints that move the pressure along the sole and across it, -1 for none.
+        halves: how far they may, shape (2,) [m].
+        position, velocity, stiffness, damping: that the drives will get.
+        qpos, qvel: as they are.
+        motions, origin: of the dynamics.
+        chain: the degrees of freedom that move the foot.
+        jacobian: is written.
+    """
+    base = len(qvel) - len(torque)
+    fx, fy, fz = force[0], force[1], force[2]
+    cos, sin = math.cos(sole[2]), math.sin(sole[2])
+    point_moves(motions, origin, (sole[0], sole[1], 0.0), chain, jacobian)
+    for axis in range(2):
+        joint = ankles[axis]
+        if joint < 0:
+            continue
+        dof = base + joint
+        centred = -(jacobian[0, dof] * fx + jacobian[1, dof] * fy + jacobian[2, dof] * fz)  # pressure at its middle
+        ex, ey = (cos, sin) if axis == 0 else (-sin, cos)
+        tx, ty, tz = motions[dof, 0], motions[dof, 1], motions[dof, 2]
+        reach = abs(halves[axis] * (tx * ey * fz - ty * ex * fz + tz * (ex * fy - ey * fx)))
+        feedback = stiffness[joint] * (position[joint] - qpos[base + 1 + joint])
+        feedback += damping[joint] * (velocity[joint] - qvel[dof])
+        torque[joint] = min(max(feedback + torque[joint], centred - reach), centred + reach) - feedback
