@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 
 from humanoid_bt.core.compiled import inlined
 from humanoid_bt.core.messages import Array
-from humanoid_bt.core.turns import Vector
 from humanoid_bt.robot.model import carriers
 
 Indices = NDArray[np.int64]
