@@ -2,6 +2,8 @@
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
+# Control is compiled when it is first imported: once here, and not by several tests at the same time.
+COMPILE = $(BIN)/python -c 'import humanoid_bt.session.lockstep'
 export OMP_NUM_THREADS ?= 1
 export OPENBLAS_NUM_THREADS ?= 1
 
@@ -56,6 +58,7 @@ $(VENV)/bin/python:
 
 $(VENV)/.installed: pyproject.toml constraints.txt | $(VENV)/bin/python
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[test]'
+	$(COMPILE)
 	touch $@
 
 $(VENV)-cluster/.installed: pyproject.toml constraints.txt
@@ -75,4 +78,5 @@ $(VENV)-ros/.installed: pyproject.toml constraints.txt
 
 $(VENV)/.installed-dev: pyproject.toml constraints.txt | $(VENV)/bin/python
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[dev]'
+	$(COMPILE)
 	touch $@ $(VENV)/.installed

@@ -19,14 +19,13 @@ from humanoid_bt.core.items import Item
 from humanoid_bt.core.params import Param, params_of
 from humanoid_bt.core.plain import plain
 from humanoid_bt.files.workspace import Workspace
-from humanoid_bt.perception.choice import choose, sources_of
+from humanoid_bt.perception.choice import choose, refuse_blind, sources_of
 from humanoid_bt.perception.source_files import files_of
 from humanoid_bt.plant.scene_config import load_scene
 from humanoid_bt.robot.config import load_robot_config
 from humanoid_bt.session.loader import DEFAULT_ROBOT, DEFAULT_SCENE, used_files
 from humanoid_bt.session.report import versions
 from humanoid_bt.testing.conditions import NOISE, Conditions, unsimulated
-from humanoid_bt.testing.engines import refuse_blind
 from humanoid_bt.tree.source.file import read_file
 from humanoid_bt.tree.source.parameters import NodeItem
 from humanoid_bt.tree.tree import Tree

@@ -19,6 +19,9 @@ DECISION_PERIOD = 0.020
 PERCEPTION_PERIOD = 0.100
 """Perception period [s] (10 Hz)."""
 
+HOLD_TIME = 10.0
+"""How long control goes on balancing the robot after decision died, unless it is told otherwise [s]."""
+
 
 def cycles(seconds: float) -> int:
     """Return how many servo cycles a duration takes.

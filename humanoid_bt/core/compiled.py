@@ -4,17 +4,24 @@ Between small arrays Python spends far more time on what surrounds an operation 
 takes and changes arrays of numbers, and nothing else, is compiled as its module is imported: the first time on a
 machine that takes a second or so, afterwards its code is loaded in two milliseconds. With ``NUMBA_DISABLE_JIT=1`` it
 stays a Python function, for a debugger.
+
+numba itself takes 0.3 s to load, so only what simulates a robot or controls one imports such functions.
 """
 
 from __future__ import annotations
 
+import sys
+import time
 from collections.abc import Callable
+from functools import cache
 from typing import ParamSpec, TypeVar
 
 from numba import njit
 
 _P = ParamSpec("_P")
 _R = TypeVar("_R")
+
+_NOTICED = 0.5  # s that nobody waits for a function that is loaded
 
 
 def compiled(signature: str) -> Callable[[Callable[_P, _R]], Callable[_P, _R]]:
@@ -26,9 +33,33 @@ def compiled(signature: str) -> Callable[[Callable[_P, _R]], Callable[_P, _R]]:
     Args:
         signature: of numba's, as ``"f8(f8[::1], f8)"``: arrays whose numbers lie one after the other, and numbers.
     """
-    return njit(signature, cache=True, error_model="numpy")
+
+    def compile_it(function: Callable[_P, _R]) -> Callable[_P, _R]:
+        begun = time.monotonic()
+        done = _jit(function, signature)
+        if time.monotonic() - begun > _NOTICED:
+            _tell()
+        return done
+
+    return compile_it
 
 
 def inlined(function: Callable[_P, _R]) -> Callable[_P, _R]:
     """Compile a function as a part of compiled ones that call it, for whatever types they call it with."""
-    return njit(cache=True, error_model="numpy")(function)
+    return _jit(function)
+
+
+def _jit(function: Callable[_P, _R], *signature: str) -> Callable[_P, _R]:
+    try:
+        return njit(*signature, cache=True, error_model="numpy")(function)
+    except RuntimeError as error:  # nowhere to keep it: neither beside the file nor in a cache of the user's
+        if "cannot cache" not in str(error):
+            raise
+        return njit(*signature, error_model="numpy")(function)
+
+
+@cache
+def _tell() -> None:
+    """Tell a person who waits, once, why it takes so long."""
+    if sys.stderr.isatty():
+        sys.stderr.write("compiling control for this machine, which takes some ten seconds the first time\n")

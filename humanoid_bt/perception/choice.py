@@ -112,3 +112,14 @@ def _published(
             taken[name] = one
         names[number] = tuple(own)
     return [Chosen(one.name, cls, values, names[number]) for number, (one, cls, values) in enumerate(found)]
+
+
+def refuse_blind(chosen: Sequence[Chosen], sources: Sources) -> None:
+    """Refuse sources that a dry run cannot have, which has no picture.
+
+    Raises:
+        UserError: one of them needs the head camera.
+    """
+    if seeing := [one.name for one in chosen if "camera" in one.cls.needs]:
+        message = f"the percept source {seeing[0]!r} needs the head camera, and a dry run has no picture"
+        raise UserError(message, sources.place, "without dry, or with perception: tracker", "exclusive-keys")

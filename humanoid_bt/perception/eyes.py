@@ -10,11 +10,11 @@ from humanoid_bt.core.geometry import rotation_matrix
 from humanoid_bt.core.messages import Array, State, Truth
 from humanoid_bt.perception.picture import Picture
 from humanoid_bt.plant.camera_client import CameraLost, CameraProcess
-from humanoid_bt.plant.mujoco_plant import MujocoPlant
 from humanoid_bt.plant.opengl import INSTALL
 from humanoid_bt.plant.rendering import Setup, Shot, View
 from humanoid_bt.plant.scene import Scene
 from humanoid_bt.plant.scene_config import widest_view
+from humanoid_bt.plant.scene_model import scene_model
 from humanoid_bt.robot.model import BASE_COORDINATES, GAZE_SITE, RobotModel
 
 _TIMEOUT = 10.0  # s on the wall clock until a picture must be there; software takes 0.03 s for one
@@ -33,7 +33,7 @@ class Eyes:
 
     def __init__(self, robot: RobotModel, scene: Scene) -> None:
         self._scene = scene
-        model = MujocoPlant(robot, scene).model
+        model = scene_model(robot, scene)
         self._view = View(robot.config.gaze.body, *widest_view(scene.config))
         self._camera = CameraProcess(Setup(model, self._view, depth=True), np.inf, _TIMEOUT)
         self._model, self._data = model, mujoco.MjData(model)  # for kinematics only

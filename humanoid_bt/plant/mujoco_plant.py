@@ -12,6 +12,7 @@ from humanoid_bt.core.clock import SERVO_PERIOD
 from humanoid_bt.core.errors import ControlLost, Place, UserError, nearest, relative
 from humanoid_bt.core.messages import SIDES, Array, JointCommand, Reading, Truth
 from humanoid_bt.plant.scene import Scene, random_stream
+from humanoid_bt.plant.scene_model import scene_model
 from humanoid_bt.plant.sensors import Sensors
 from humanoid_bt.plant.touches import Touches
 from humanoid_bt.robot.model import BASE_COORDINATES, GAZE_SITE, RobotModel, foot_sensor
@@ -40,18 +41,7 @@ class MujocoPlant:
     def __init__(self, robot: RobotModel, scene: Scene) -> None:
         self.robot = robot
         self.scene = scene
-        spec = robot.spec()
-        spec.option.timestep = SERVO_PERIOD
-        spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
-        spec.option.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET  # a state that blew up must be seen
-        spec.option.jacobian = mujoco.mjtJacobian.mjJAC_DENSE  # the sparse solver of MuJoCo 4.0.0 converges slowly
-        scene.add_to(spec)
-        try:
-            self.model = spec.compile()
-        except ValueError as error:
-            where = Place(relative(scene.config.path))
-            message = f"the scene does not compile: {' '.join(str(error).split())}"
-            raise UserError(message, where, code="model") from error
+        self.model = scene_model(robot, scene)
         self.data = mujoco.MjData(self.model)
         joints = len(robot.joint_names)
         self._nq = BASE_COORDINATES + joints

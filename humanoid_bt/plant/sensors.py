@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Literal, get_args
 
 import mujoco
 import numpy as np
@@ -11,19 +10,11 @@ import numpy as np
 from humanoid_bt.core.clock import SERVO_PERIOD, cycles
 from humanoid_bt.core.compiled import compiled
 from humanoid_bt.core.messages import Array, Reading
+from humanoid_bt.plant.sensor_failures import FAILURES
 from humanoid_bt.robot.sensor_config import SensorsConfig
 
 _BLOCK = 25  # servo cycles for which noise is drawn at once
 _FINEST = 1e-12  # stands for the resolution of a sensor that is said to have none
-
-SensorFailure = Literal["frozen", "silent", "jumping"]
-"""How a sensor can fail: it says the same for ever, nothing (NaN), or anything."""
-
-FAILURES: tuple[SensorFailure, ...] = get_args(SensorFailure)
-"""All of them."""
-
-IMU_SENSORS = ("gyro", "accelerometer", "orientation", "imu")
-"""The sensors of the IMU, and all three of them."""
 
 _JUMPS = {"gyro": 10.0, "accelerometer": 100.0, "orientation": 0.5, "joint": 0.5}  # as far as they jump
 

@@ -13,7 +13,7 @@ from typing import Any
 import mujoco
 
 from humanoid_bt.control.cycle_log import Layout
-from humanoid_bt.core.clock import DECISION_PERIOD
+from humanoid_bt.core.clock import DECISION_PERIOD, HOLD_TIME
 from humanoid_bt.core.errors import ControlLost, HumanoidBtError, UserError
 from humanoid_bt.core.kept import Kept
 from humanoid_bt.core.messages import Array, Command, Pause, Percept, State, Truth
@@ -34,10 +34,10 @@ from humanoid_bt.link.wire import (
     state_room,
 )
 from humanoid_bt.perception.choice import Chosen, choose
-from humanoid_bt.plant.mujoco_plant import MujocoPlant
 from humanoid_bt.plant.rendering import View
 from humanoid_bt.plant.scene import Scene
 from humanoid_bt.plant.scene_config import widest_view
+from humanoid_bt.plant.scene_model import scene_model
 from humanoid_bt.plant.touches import Touch
 from humanoid_bt.realtime import channels
 from humanoid_bt.realtime.channels import RunSpec
@@ -51,9 +51,6 @@ from humanoid_bt.realtime.schedule import Schedule, last_core
 from humanoid_bt.realtime.timing import StopRecord, Timing
 from humanoid_bt.robot.model import RobotModel
 from humanoid_bt.tree.tree import Tree
-
-HOLD_TIME = 10.0
-"""How long control goes on balancing the robot after decision died [s]."""
 
 _START_TIMEOUT = 30.0  # s until the first state must be there
 _SILENCE = 1.0  # s without a new state after which control counts as lost
@@ -110,7 +107,7 @@ class Realtime:
         if gateway is not None:
             self.publishes += [name for name in gateway.percepts if name not in self.publishes]
         self.clock = StateClock()
-        self.model: mujoco.MjModel = MujocoPlant(robot, scene).model
+        self.model: mujoco.MjModel = scene_model(robot, scene)
         self.supervisor = RemoteSupervisor()
         self.notices: Kept[Event] = Kept()
         self.inputs: Kept[Any] = Kept()

@@ -20,7 +20,6 @@ from humanoid_bt.review.compare_run import Parting
 from humanoid_bt.review.decision_replay import decide_again
 from humanoid_bt.review.recorded_files import RecordedFiles, lay_out, started_with
 from humanoid_bt.review.recorded_run import recorded_run
-from humanoid_bt.review.run_replay import run_again
 from humanoid_bt.tree.tree import Tree
 
 Files = Literal["recorded", "current"]
@@ -121,6 +120,8 @@ def replay(
         whole = run.mode == "lockstep" and tree is None and not parameters
         begin = time.perf_counter()
         if whole:
+            from humanoid_bt.review.run_replay import run_again  # noqa: PLC0415 (control, which takes a while)
+
             done = run_again(log, run, found)
         else:
             given = {**({} if tree is not None else run.given), **(parameters or {})}  # another tree has others

@@ -11,11 +11,11 @@ from pathlib import Path
 from typing import Any, Literal, get_args
 
 from humanoid_bt.cable.address import read_address, read_key
+from humanoid_bt.core.clock import HOLD_TIME
 from humanoid_bt.core.errors import Problem, UserError, nearest
 from humanoid_bt.core.sizes import VALID, read_size, shown_size
 from humanoid_bt.core.sources import Sources
 from humanoid_bt.perception.choice import written
-from humanoid_bt.realtime.decision_side import HOLD_TIME
 from humanoid_bt.record.folder_limits import load_limits
 from humanoid_bt.record.parts import PART_SIZE, SMALLEST_PART
 from humanoid_bt.record.sinks import Sinks, has_display

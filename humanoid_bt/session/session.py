@@ -12,11 +12,11 @@ from typing import Any, Literal, Self
 
 import numpy as np
 
+from humanoid_bt.core.clock import HOLD_TIME
 from humanoid_bt.core.errors import HumanoidBtError, UserError
 from humanoid_bt.core.messages import Pause, State
 from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.perception.track import Track
-from humanoid_bt.realtime.decision_side import HOLD_TIME
 from humanoid_bt.record.parts import PART_SIZE
 from humanoid_bt.robot.config import Walk
 from humanoid_bt.session import limits

@@ -17,7 +17,6 @@ from humanoid_bt.plant.scene import Scene
 from humanoid_bt.realtime.decision_side import Realtime
 from humanoid_bt.realtime.gateway_life import GatewayPlan
 from humanoid_bt.session.engine import Engine
-from humanoid_bt.session.lockstep import Lockstep
 from humanoid_bt.session.options import RunOptions
 
 
@@ -44,6 +43,8 @@ def new_engine(
         written = (sources.written if sources else None, str(workspace.root))
         plant = options.plant, options.plant_key
         return Realtime(robot, scene, tree, options.hold, sources=written, chosen=chosen, plant=plant, gateway=gateway)
+    from humanoid_bt.session.lockstep import Lockstep  # noqa: PLC0415 (control, which a realtime run has elsewhere)
+
     return Lockstep(robot, start, scene, new_perception(chosen, robot, scene, waits=True))
 
 

@@ -46,8 +46,8 @@ from humanoid_bt.core.odometry import truth_of
 from humanoid_bt.core.palm import axis_of, in_world, other_side
 from humanoid_bt.link.wire import Event
 from humanoid_bt.perception.interface import Perception
-from humanoid_bt.plant.mujoco_plant import MujocoPlant
 from humanoid_bt.plant.scene import Scene
+from humanoid_bt.plant.scene_model import scene_model
 from humanoid_bt.plant.touches import Touch
 from humanoid_bt.robot.arms import arms_of
 from humanoid_bt.robot.model import BASE_COORDINATES, BASE_DOFS, RobotModel
@@ -103,7 +103,7 @@ class Dry:
     def model(self) -> mujoco.MjModel:
         """MuJoCo's model of the robot in its scene, for those who draw it."""
         if self._model is None:
-            self._model = MujocoPlant(self.robot, self.scene).model
+            self._model = scene_model(self.robot, self.scene)
         return self._model
 
     @property

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -10,7 +9,7 @@ from humanoid_bt.control.body.standing import load_robot
 from humanoid_bt.core.errors import UserError
 from humanoid_bt.core.sources import Sources
 from humanoid_bt.files.workspace import Workspace
-from humanoid_bt.perception.choice import Chosen, choose, sources_of
+from humanoid_bt.perception.choice import choose, refuse_blind, sources_of
 from humanoid_bt.perception.senses import new_perception
 from humanoid_bt.perception.simulated import SimulatedPerception
 from humanoid_bt.plant.mujoco_plant import MujocoPlant
@@ -39,17 +38,6 @@ class Ready(NamedTuple):
     bodies: list[str]
     robot: Path
     scene: Path
-
-
-def refuse_blind(chosen: Sequence[Chosen], sources: Sources) -> None:
-    """Refuse sources that a dry run cannot have, which has no picture.
-
-    Raises:
-        UserError: one of them needs the head camera.
-    """
-    if seeing := [one.name for one in chosen if "camera" in one.cls.needs]:
-        message = f"the percept source {seeing[0]!r} needs the head camera, and a dry run has no picture"
-        raise UserError(message, sources.place, "without dry, or with perception: tracker", "exclusive-keys")
 
 
 class Engines:

@@ -15,7 +15,7 @@ from humanoid_bt.core.geometry import heading_of, rotation_matrix
 from humanoid_bt.core.items import Item
 from humanoid_bt.core.messages import Array, Percept, State
 from humanoid_bt.core.params import param
-from humanoid_bt.plant.sensors import IMU_SENSORS, SensorFailure
+from humanoid_bt.plant.sensor_failures import IMU_SENSORS, SensorFailure
 from humanoid_bt.session.setting import assign_value
 from humanoid_bt.testing.fault import Acting, Fault, Known, Misnamed
 

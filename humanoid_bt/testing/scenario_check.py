@@ -9,13 +9,12 @@ from pathlib import Path
 
 from humanoid_bt.core.errors import Problem, UserError, nearest
 from humanoid_bt.files.workspace import Workspace
-from humanoid_bt.perception.choice import choose, sources_of
+from humanoid_bt.perception.choice import choose, refuse_blind, sources_of
 from humanoid_bt.plant.scene_config import load_scene
 from humanoid_bt.robot.config import load_robot_config
 from humanoid_bt.robot.model import RobotModel
 from humanoid_bt.session.loader import DEFAULT_ROBOT, DEFAULT_SCENE
 from humanoid_bt.testing.course import Course
-from humanoid_bt.testing.engines import refuse_blind
 from humanoid_bt.testing.events import mistakes
 from humanoid_bt.testing.fault import Known
 from humanoid_bt.testing.scenario import Scenario, load_scenario, readable_scenario

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+import subprocess
+import sys
 
 import numpy as np
 
@@ -32,3 +34,17 @@ def test_nothing_is_reordered() -> None:
     for value in values.tolist():
         one_by_one += value
     assert total(values) == one_by_one
+
+
+def test_a_function_that_cannot_be_kept_is_compiled_all_the_same() -> None:
+    """As in a container that can only be read: here there is no file to keep it beside."""
+    found: dict = {}
+    exec("def double(value): return 2 * value", found)
+    assert compiled("f8(f8)")(found["double"])(1.5) == 3.0
+
+
+def test_what_simulates_nothing_does_not_load_the_compiler() -> None:
+    modules = "humanoid_bt.cli.check, humanoid_bt.cli.explain, humanoid_bt.session.session"
+    modules += ", humanoid_bt.record.recorder_process, humanoid_bt.realtime.perception_process"
+    code = f"import sys, {modules}; sys.exit('numba' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0

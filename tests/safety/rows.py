@@ -15,7 +15,7 @@ from humanoid_bt.control.body.planar import ahead
 from humanoid_bt.control.body.policy import inference
 from humanoid_bt.core.clock import cycles
 from humanoid_bt.core.messages import BaseTarget, Command, HandTarget, Mode, Pause
-from humanoid_bt.plant.sensors import FAILURES
+from humanoid_bt.plant.sensor_failures import FAILURES
 from humanoid_bt.robot.policy.network import Network, Tensor
 from tests.safety.machine import Machine, Scripted, intact, resent, seconds
 

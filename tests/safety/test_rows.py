@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from humanoid_bt.core.messages import Mode
-from humanoid_bt.plant.sensors import FAILURES
+from humanoid_bt.plant.sensor_failures import FAILURES
 from tests.safety.activities import STANDING, WALKING
 from tests.safety.rows import DAMAGES, ROWS
 from tests.safety.trials import main, shared_machine, summary, trial
