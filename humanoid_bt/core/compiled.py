@@ -49,13 +49,13 @@ def inlined(function: Callable[_P, _R]) -> Callable[_P, _R]:
     return _jit(function)
 
 
-def _jit(function: Callable[_P, _R], *signature: str) -> Callable[_P, _R]:
+def _jit(function: Callable[_P, _R], signature: str | None = None) -> Callable[_P, _R]:
     try:
-        return njit(*signature, cache=True, error_model="numpy")(function)
+        return njit(signature, cache=True, error_model="numpy")(function)
     except RuntimeError as error:  # nowhere to keep it: neither beside the file nor in a cache of the user's
         if "cannot cache" not in str(error):
             raise
-        return njit(*signature, error_model="numpy")(function)
+        return njit(signature, error_model="numpy")(function)
 
 
 @cache
