@@ -182,7 +182,7 @@ class Controller:
     def _end_logged_plan(self) -> None:
         """Let the log take what is left of the last plan, before there is another one or none."""
         if self.log is not None:
-            self.log.end_plan(self.servo, self.body)
+            self.log.end_plan()
 
     def _stand_up(self, estimate: Estimate) -> None:
         """Stiffen limp joints where they are: the setpoints from before the fall would be a blow."""
