@@ -36,6 +36,8 @@ _MODE_INDEX = {mode: index for index, mode in enumerate(_MODES)}
 _SIDES_OF_BITS: tuple[tuple[Side, ...], ...] = ((), SIDES[:1], SIDES[1:], SIDES)
 _JOINT_ARRAYS = 5
 _COVARIANCE = np.triu_indices(9)  # it is symmetric
+_WHOLE_COVARIANCE = np.zeros((9, 9), np.intp)  # of each element, its place among those
+_WHOLE_COVARIANCE[_COVARIANCE] = _WHOLE_COVARIANCE.T[_COVARIANCE] = np.arange(len(_COVARIANCE[0]))
 _FIXED_FLOATS = 28 + len(_COVARIANCE[0])
 _V = TypeVar("_V")
 
@@ -210,9 +212,7 @@ def _pack_foot(foot: FootPose) -> bytes:
 
 
 def _symmetric(upper: Array) -> Array:
-    whole: Array = np.zeros((9, 9))
-    whole[_COVARIANCE] = upper
-    whole.T[_COVARIANCE] = upper
+    whole: Array = upper[_WHOLE_COVARIANCE]
     whole.flags.writeable = False
     return whole
 
