@@ -171,6 +171,8 @@ class InverseKinematics:
     def hand_obstacles(self) -> dict[Side, str]:
         """The body that keeps a commanded palm from its target, of those that one keeps."""
         found: dict[Side, str] = {}
+        if not self._hand_goals or not self._own_links.pressures.any():
+            return found
         for side, goal in self._hand_goals.items():
             jacobian = np.zeros((3, self._model.nv))
             mujoco.mj_jacSite(self._model, self.configuration.data, jacobian, None, self._palms[side])
