@@ -182,7 +182,7 @@ class Controller:
     def _end_logged_plan(self) -> None:
         """Let the log take what is left of the last plan, before there is another one or none."""
         if self.log is not None:
-            self.log.end_plan(self.servo, self.body)
+            self.log.end_plan()
 
     def _stand_up(self, estimate: Estimate) -> None:
         """Stiffen limp joints where they are: the setpoints from before the fall would be a blow."""
@@ -242,23 +242,25 @@ class Controller:
 
     def _limit_flags(self) -> tuple[str, ...]:
         """Return the joints whose setpoint was clamped or whose drive gives all the torque it has."""
-        robot = self._robot
-        limited = self.servo.limited | (np.abs(self.estimator.estimate.joint_torque) >= robot.torque_limit)
-        return tuple(robot.joint_names[i] for i in np.flatnonzero(limited))
+        robot, servo = self._robot, self.servo
+        limited = np.abs(self.estimator.estimate.joint_torque) >= robot.torque_limit
+        if servo.clamped:
+            limited |= servo.limited
+        return tuple([robot.joint_names[i] for i in limited.nonzero()[0].tolist()]) if limited.any() else ()
 
     def _hand_errors(self, dynamics: RobotDynamics) -> tuple[dict[Side, float], dict[Side, float]]:
         """Return how far the hands are from their targets [m], and how far they are turned from them [rad]."""
         errors: dict[Side, float] = {}
         turns: dict[Side, float] = {}
-        for side, palm in dynamics.hands.items():
-            target = self.supervisor.targets.get(f"{side}_hand")
-            if not isinstance(target, HandTarget):
+        targets = self.supervisor.targets
+        for side in SIDES:
+            goal = targets.get(f"{side}_hand")
+            if side not in self._robot.config.hands or not isinstance(goal, HandTarget):
                 continue
-            goal = target
             if goal.relative:
                 leader = other_side(side)
                 goal = in_world(goal, dynamics.palm(leader), dynamics.palm_frame(leader))
-            offset = goal.position - palm
+            offset = goal.position - dynamics.palm(side)
             errors[side] = float((offset @ offset) ** 0.5)
             if goal.orientation is not None:
                 turns[side] = turn_left(dynamics.palm_frame(side), goal.orientation)

@@ -5,7 +5,7 @@ One table has a row for each servo cycle, another one a row for each plan of the
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -27,11 +27,9 @@ MODES, GAITS = tuple(Mode), tuple(Gait)
 NONE = -1.0
 """Stands for the error of a hand that nothing commands, and for the command before the first."""
 
-_NO_HANDS = (NONE,) * len(SIDES)
 _CYCLE, _MODE, _COMMAND = range(3)  # of a row, the numbers of what was decided
 _DECIDED, _POSE, _TWIST = 3, 3 + 4, 3 + 3  # so many; then of the base position and quaternion, velocity and rate
 _HEAD = _DECIDED + _POSE + _TWIST + len(SIDES)  # of a row, what the plant does not measure into it
-_PARTS = 4  # of a plan, each copied in a cycle of its own
 _LATE = 4.0  # s that a reader may be late before it misses something
 
 
@@ -150,8 +148,9 @@ class CycleLog:
     """Control's end of the tables.
 
     It must cost a servo cycle next to nothing: what was decided is noted at once, while it is in the processor's cache;
-    the plant measures right into the row; a plan is copied part by part in the cycles after it, as bytes where arrays
-    would take longer to begin than to copy.
+    the plant measures right into the row; a plan is copied part by part in the cycles after it, for code that runs in
+    one cycle of ten takes four times as long as in a loop; as bytes where arrays would take longer to begin than to
+    copy.
 
     Args:
         plans, servo_cycles: the tables, as :class:`Layout` makes them.
@@ -176,8 +175,10 @@ class CycleLog:
         self._estimate: Estimate | None = None  # that these are of
         self._clamped = [bool(limited.any()) for *_, limited in parts]
         self._commands = -1  # of the servo, as far as they were seen; -1 before the first, which is no plan
-        self._plan, self._left = 0, 0  # cycle of the last plan, and how much is left to copy of it
-        self._mode = self._plan_mode = MODES[0]
+        self._copying: Iterator[None] = iter(())  # of the last plan, what is left of it
+        self._body: Body | None = None  # that made it
+        self._com_error = _bytes(np.zeros(3))  # of that body
+        self._mode = MODES[0]
         self._gait, self._gait_number = GAITS[0], 0
         self._command: Command | None = None
         self._head[_COMMAND] = NONE
@@ -192,10 +193,11 @@ class CycleLog:
             servo, body: as the cycle before left them.
         """
         if servo.commands != self._commands:
-            self._plan, self._plan_mode, self._left = cycle - 1, self._mode, 0 if self._commands < 0 else _PARTS
+            if self._commands >= 0:
+                self._copying = self._copy(cycle - 1, self._mode, servo, body)
             self._commands = servo.commands
-        if self._left:
-            self._copy_part(servo, body)
+        else:
+            next(self._copying, None)
         head = self._head
         head[_CYCLE] = cycle
         if supervisor.mode is not self._mode:
@@ -217,35 +219,39 @@ class CycleLog:
         self._row_head[:] = self._head
         self._cycles.publish()
 
-    def end_plan(self, servo: Servo, body: Body) -> None:
+    def end_plan(self) -> None:
         """Copy what is left of a plan, before there is another one."""
-        while self._left:
-            self._copy_part(servo, body)
+        for _ in self._copying:
+            pass
 
-    def _copy_part(self, servo: Servo, body: Body) -> None:
-        """Copy the next part of the last plan."""
-        self._left -= 1
+    def _copy(self, cycle: int, mode: Mode, servo: Servo, body: Body) -> Iterator[None]:
+        """Copy a plan into the next row, in parts that take about as long as each other.
+
+        Args:
+            cycle, mode: in which it was made.
+            servo: it follows it.
+            body: it has made it.
+        """
         row = self._plans.count % len(self._plan_rows)
         plan, com_error, setpoint, limited = self._plan_rows[row]
-        if self._left == 3:
-            setpoint[:] = servo.setpoint.tobytes()
-        elif self._left == 2:
-            com_error[:] = body.com_error.tobytes()
-            if servo.clamped or self._clamped[row]:  # else they are zero, as they are to be
-                limited[:] = servo.limited
-                self._clamped[row] = servo.clamped
-        elif self._left == 1:
-            errors = body.hand_errors
-            plan[4], plan[5] = [errors.get(side, NONE) for side in SIDES] if errors else _NO_HANDS
-        else:
-            gait = body.gait
-            if gait is not self._gait:
-                self._gait, self._gait_number = gait, GAITS.index(gait)
-            plan[0] = self._plan
-            plan[1] = self._gait_number
-            plan[2] = not body.fault
-            plan[3] = self._plan_mode is not Mode.DAMP
-            self._plans.publish()
+        setpoint[:] = servo.setpoint.tobytes()
+        plan[0], plan[3] = cycle, mode is not Mode.DAMP
+        yield
+        for place, side in enumerate(SIDES, 4):
+            error = body.hand_error(side)
+            plan[place] = NONE if error is None else error
+        yield
+        if body is not self._body:
+            self._body, self._com_error = body, _bytes(body.com_error)
+        com_error[:] = self._com_error
+        if servo.clamped or self._clamped[row]:  # else they are zero, as they are to be
+            limited[:] = servo.limited
+            self._clamped[row] = servo.clamped
+        gait = body.gait
+        if gait is not self._gait:
+            self._gait, self._gait_number = gait, GAITS.index(gait)
+        plan[1], plan[2] = self._gait_number, not body.fault
+        self._plans.publish()
 
 
 def _bytes(array: Array) -> memoryview[int]:

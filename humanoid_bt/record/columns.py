@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+import pyarrow as pa
 import rerun as rr
 
 from humanoid_bt.core.messages import Array
@@ -14,6 +15,9 @@ TIMELINE = "sim_time"
 """The one timeline: the engine's time."""
 
 Color = tuple[int, int, int]
+
+_STRIP = rr.components.LineStrip3DBatch([]).as_arrow_array().type
+_POINT = _STRIP.value_type
 
 
 def entity(*parts: str) -> str:
@@ -54,6 +58,17 @@ def time_column(times: Sequence[float] | Array) -> Any:
     """Return the index column of engine times [s]."""
     nanoseconds = np.round(np.asarray(times, dtype=float) * 1e9).astype("timedelta64[ns]")
     return rr.TimeColumn(TIMELINE, duration=nanoseconds)
+
+
+def strips(lines: Sequence[Any]) -> Any:
+    """Return lines as :class:`rerun.LineStrips3D` takes them: at once, where it converts one after the other.
+
+    Args:
+        lines: of each the points, shape (n, 3) [m].
+    """
+    points = np.array([point for line in lines for point in line], np.float32).reshape(-1)
+    ends = np.cumsum([0, *map(len, lines)], dtype=np.int32)
+    return pa.ListArray.from_arrays(ends, pa.FixedSizeListArray.from_arrays(points, type=_POINT), type=_STRIP)
 
 
 def xyzw(quaternions: Array) -> Array:

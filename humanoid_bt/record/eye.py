@@ -28,11 +28,14 @@ _FARTHEST = 3.0  # m; what is farther away from the robot is only partly on the 
 _SAME = 0.5  # m; a percept this near an object is one of it
 _SETTLING = 0.6  # s; time constant of each of the two filters in a row that make the motion smooth
 
+Point = tuple[float, float, float]  # a dozen of them take arrays five times as long
+
 
 def position(base_height: float) -> tuple[float, float, float]:
     """Return where the eye is in its frame [m], for a robot whose base is at this height [m]."""
-    x, y, z = -_DISTANCE * base_height * _forward(0.0)
-    return float(x), float(y), float(z)
+    x, y, z = _forward(0.0)
+    back = -_DISTANCE * base_height
+    return back * x, back * y, back * z
 
 
 class Eye:
@@ -46,8 +49,8 @@ class Eye:
     def __init__(self, base_height: float, heights: Mapping[str, tuple[float, float]]) -> None:
         self._base_height, self._heights = base_height, heights
         self._time = 0.0
-        self._filters: tuple[Array, Array] | None = None  # each: heading, middle of the picture, distance
-        self._rows: list[tuple[float, float, Array]] = []
+        self._filters: tuple[list[float], list[float]] | None = None  # each: heading, middle of the picture, distance
+        self._rows: list[tuple[float, float, Point]] = []
 
     def add(
         self,
@@ -65,10 +68,10 @@ class Eye:
             routes: ways that are followed, each of shape (n, 2), world frame [m].
         """
         points = [*self._points(state, tracks, objects), *_ahead(state, routes)]
-        heading, *middle, distance = self._smoothed(state, np.array(points))
-        forward = _forward(heading)
+        heading, x, y, z, distance = self._smoothed(state, points)
+        right, forward, up = _forward(heading)
         back = distance - _DISTANCE * self._base_height
-        self._rows.append((state.time, heading, np.array(middle) - back * forward))
+        self._rows.append((state.time, heading, (x - back * right, y - back * forward, z - back * up)))
 
     def flush(self, stream: Any) -> None:
         """Write where the eye was since the last flush."""
@@ -86,67 +89,80 @@ class Eye:
         send(stream, FRAME, times, columns)
         self._rows = []
 
-    def _points(self, state: State, tracks: Mapping[str, Track], objects: Mapping[str, Array]) -> list[Array]:
-        """Return what has to be in the picture, each of shape (3,), world frame [m]."""
-        x, y, _ = state.base_position
-        points = [np.array([x, y, 0.0]), np.array([x, y, _HEAD * self._base_height])]
+    def _points(self, state: State, tracks: Mapping[str, Track], objects: Mapping[str, Array]) -> list[Point]:
+        """Return what has to be in the picture, world frame [m]."""
+        x, y, _ = state.base_position.tolist()
+        feet = (x, y, 0.0)
+        points: list[Point] = [feet, (x, y, _HEAD * self._base_height)]
         for target in state.targets.values():
             if isinstance(target, BaseTarget):
-                points.append(_near(points[0], np.array([*target.position, 0.0])))
+                points.append(_near(feet, (*target.position.tolist(), 0.0)))
         for side in SIDES:
             if (hand := commanded(state, side)) is not None:
-                points.append(_near(points[0], hand.position))
+                points.append(_near(feet, hand.position.tolist()))
+        places = [(name, place.tolist()) for name, place in objects.items()]
         for track in tracks.values():
-            seen = track.position_world
-            points += [_near(points[0], seen), _near(points[0], np.array([*seen[:2], 0.0]))]
-            for name, place in objects.items():
-                if math.dist(place, seen) < _SAME:
-                    points += [_near(points[0], place + np.array([0.0, 0.0, end])) for end in self._heights[name]]
+            seen = track.position_world.tolist()
+            points += [_near(feet, seen), _near(feet, (*seen[:2], 0.0))]
+            for name, (across, along, height) in places:
+                if math.dist((across, along, height), seen) < _SAME:
+                    points += [_near(feet, (across, along, height + end)) for end in self._heights[name]]
         return points
 
-    def _smoothed(self, state: State, points: Array) -> Array:
+    def _smoothed(self, state: State, points: Sequence[Point]) -> list[float]:
         """Return the eye's heading, the middle of its picture and how far it is from there, low-passed."""
         step, self._time = state.time - self._time, state.time
-        heading = state.stance[2]
+        heading = float(state.stance[2])
         if self._filters is None:
-            first = np.array([heading, *_framed(points, heading, self._base_height)])
-            self._filters = first, first.copy()
+            first = [heading, *_framed(points, heading, self._base_height)]
+            self._filters = first, first
         share = 1 - math.exp(-step / _SETTLING)
         near, far = self._filters
         turn = math.remainder(heading - near[0], math.tau)
-        goal = np.array([near[0] + turn, *_framed(points, far[0], self._base_height)])
-        near += share * (goal - near)
-        far += share * (near - far)
+        goal = (near[0] + turn, *_framed(points, far[0], self._base_height))
+        near = [value + share * (aim - value) for value, aim in zip(near, goal, strict=True)]
+        far = [value + share * (aim - value) for value, aim in zip(far, near, strict=True)]
+        self._filters = near, far
         return far
 
 
-def _framed(points: Array, heading: float, base_height: float) -> tuple[float, float, float, float]:
+def _framed(points: Sequence[Point], heading: float, base_height: float) -> tuple[float, float, float, float]:
     """Return the middle of the picture that has all points in it (x, y, z), and the eye's distance from there [m]."""
-    forward = _forward(heading)
-    right = np.array([forward[1], -forward[0], 0.0]) / math.hypot(forward[0], forward[1])
-    up = np.cross(right, forward)
-    depth, aside, above = points @ forward, points @ right, points @ up
-    centre = depth[0], (aside.min() + aside.max()) / 2, (above.min() + above.max()) / 2
-    wide = np.maximum(np.abs(aside - centre[1]) / _WIDTH, np.abs(above - centre[2]) / _HEIGHT) - (depth - centre[0])
-    x, y, z = centre[0] * forward + centre[1] * right + centre[2] * up
-    return x, y, z, max(float(wide.max()), _NEAREST * base_height)
+    ahead = fx, fy, fz = _forward(heading)
+    level = math.hypot(fx, fy)
+    rx, ry = fy / level, -fx / level  # to the right
+    ux, uy, uz = ry * fz, -rx * fz, level  # up
+    asides = [rx * x + ry * y for x, y, _ in points]
+    aboves = [ux * x + uy * y + uz * z for x, y, z in points]
+    depths = [fx * x + fy * y + fz * z for x, y, z in points]
+    depth, aside, above = depths[0], (min(asides) + max(asides)) / 2, (min(aboves) + max(aboves)) / 2
+    wide = [
+        max(abs(right - aside) / _WIDTH, abs(high - above) / _HEIGHT) - (deep - depth)
+        for right, high, deep in zip(asides, aboves, depths, strict=True)
+    ]
+    x, y, z = (depth * f + aside * r + above * u for f, r, u in zip(ahead, (rx, ry, 0.0), (ux, uy, uz), strict=True))
+    return x, y, z, max(*wide, _NEAREST * base_height)
 
 
-def _forward(heading: float) -> Array:
+def _forward(heading: float) -> tuple[float, float, float]:
     """Return the direction in which the eye looks, beside a robot of this heading."""
     side, level = heading + _SIDE, math.cos(_ABOVE)
-    return np.array([-level * math.cos(side), -level * math.sin(side), -math.sin(_ABOVE)])
+    return -level * math.cos(side), -level * math.sin(side), -math.sin(_ABOVE)
 
 
-def _ahead(state: State, routes: Sequence[Array]) -> list[Array]:
-    """Return the points of ways that are still ahead of the robot, each of shape (3,), world frame [m]."""
-    here = np.array([*state.base_position[:2], 0.0])
-    begins = [int(np.linalg.norm(route - here[:2], axis=1).argmin()) for route in routes]
-    left = [point for route, begin in zip(routes, begins, strict=True) for point in route[begin:]]
-    return [_near(here, np.array([*point, 0.0])) for point in left]
+def _ahead(state: State, routes: Sequence[Array]) -> list[Point]:
+    """Return the points of ways that are still ahead of the robot, world frame [m]."""
+    here = state.base_position[:2]
+    begins = [int(np.linalg.norm(route - here, axis=1).argmin()) for route in routes]
+    left = [point for route, begin in zip(routes, begins, strict=True) for point in route[begin:].tolist()]
+    return [_near((*here.tolist(), 0.0), (x, y, 0.0)) for x, y in left]
 
 
-def _near(start: Array, point: Array) -> Array:
+def _near(start: Point, point: Point) -> Point:
     """Return the point, or the one on the way to it that is not too far."""
     distance = math.dist(start, point)
-    return point if distance <= _FARTHEST else start + (point - start) * (_FARTHEST / distance)
+    if distance <= _FARTHEST:
+        return point
+    share = _FARTHEST / distance
+    x, y, z = (begin + (end - begin) * share for begin, end in zip(start, point, strict=True))
+    return x, y, z

@@ -23,7 +23,7 @@ from humanoid_bt.core.messages import (
 )
 from humanoid_bt.core.palm import commanded
 from humanoid_bt.perception.track import Track
-from humanoid_bt.record.columns import Color, entity, send, send_sets
+from humanoid_bt.record.columns import Color, entity, send, send_sets, strips
 from humanoid_bt.record.scene_view import WORLD
 from humanoid_bt.robot.config import SoleConfig
 
@@ -138,8 +138,8 @@ class Overlays:
         columns = rr.Points3D.columns(positions=points.reshape(-1, 3))
         send_sets(stream, f"{WORLD}/balance/points", times, columns, [2] * len(times))
         polygons = [self._support(state) for state, _ in self._samples]
-        strips = rr.LineStrips3D.columns(strips=[polygon for polygon in polygons if len(polygon)])
-        send_sets(stream, f"{WORLD}/balance/support", times, strips, [min(len(polygon), 1) for polygon in polygons])
+        lines = rr.LineStrips3D.columns(strips=strips([polygon for polygon in polygons if polygon]))
+        send_sets(stream, f"{WORLD}/balance/support", times, lines, [int(bool(polygon)) for polygon in polygons])
 
     def _flush_hands(self, stream: Any, times: list[float]) -> None:
         goals = [
@@ -155,7 +155,7 @@ class Overlays:
         colors = [SIDE_COLORS[side] for side, _, _ in flat]
         points = rr.Points3D.columns(positions=_rows([position for _, position, _ in flat]), colors=colors)
         send_sets(stream, f"{WORLD}/targets/hands", times, points, counts)
-        lines = rr.LineStrips3D.columns(strips=[np.array([target, palm]) for _, target, palm in flat], colors=colors)
+        lines = rr.LineStrips3D.columns(strips=strips([(target, palm) for _, target, palm in flat]), colors=colors)
         send_sets(stream, f"{WORLD}/targets/errors", times, lines, counts)
         axes = [[axis for _, goal in row for axis in _axes(goal)] for row in goals]
         drawn = [axis for row in axes for axis in row]
@@ -178,8 +178,8 @@ class Overlays:
             ),
         )
         send_sets(stream, f"{WORLD}/targets/base", times, arrows, [int(isinstance(base, BaseTarget)) for base in bases])
-        rays = np.array([[state.gaze_position, _gaze_end(state)] for state, _ in self._samples])
-        send(stream, f"{WORLD}/gaze", times, rr.LineStrips3D.columns(strips=list(rays)))
+        rays = strips([(state.gaze_position, _gaze_end(state)) for state, _ in self._samples])
+        send(stream, f"{WORLD}/gaze", times, rr.LineStrips3D.columns(strips=rays))
 
     def _flush_contacts(self, stream: Any, times: list[float]) -> None:
         """Draw what pushes the robot as arrows that end where it does."""
@@ -226,17 +226,13 @@ class Overlays:
             columns = rr.Points3D.columns(positions=[point for _, point in points])
             send(stream, PATH, [time for time, _ in points], columns)
 
-    def _support(self, state: State) -> Array:
-        corners = [
-            corner
-            for side in SIDES
-            if state.foot_force[side] > _LOADED
-            for corner in _sole_corners(state.feet[side], self._sole)
-        ]
-        if not corners:
-            return np.empty((0, 3))
-        hull = _convex_hull(corners)
-        return np.array([(x, y, _LIFT) for x, y in (*hull, hull[0])])
+    def _support(self, state: State) -> list[tuple[float, float, float]]:
+        """Return the outline of what the robot stands on, closed; empty in the air."""
+        soles = [_sole_corners(state.feet[side], self._sole) for side in SIDES if state.foot_force[side] > _LOADED]
+        if not soles:
+            return []
+        outline = soles[0] if len(soles) == 1 else _convex_hull([*soles[0], *soles[1]])
+        return [(x, y, _LIFT) for x, y in (*outline, outline[0])]
 
 
 def _axes(target: HandTarget) -> list[tuple[Array, Array, Color]]:
@@ -280,12 +276,12 @@ def _confidence_color(track: Track) -> Color:
 
 
 def _sole_corners(foot: FootPose, sole: SoleConfig) -> list[tuple[float, float]]:
+    """Return them one after the other, all the way round."""
     cos, sin = math.cos(foot.yaw), math.sin(foot.yaw)
-    return [
-        (foot.x + cos * along - sin * across, foot.y + sin * along + cos * across)
-        for along in (-sole.half_length, sole.half_length)
-        for across in (-sole.half_width, sole.half_width)
-    ]
+    along_x, along_y = cos * sole.half_length, sin * sole.half_length
+    across_x, across_y = -sin * sole.half_width, cos * sole.half_width
+    signs = ((1, -1), (1, 1), (-1, 1), (-1, -1))
+    return [(foot.x + a * along_x + b * across_x, foot.y + a * along_y + b * across_y) for a, b in signs]
 
 
 def _convex_hull(points: list[tuple[float, float]]) -> list[tuple[float, float]]:

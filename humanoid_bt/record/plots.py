@@ -64,6 +64,7 @@ class Plots:
         self._lower, self._upper = ranges[:, 0], ranges[:, 1]
         self._samples: list[tuple[State, Mapping[str, Track]]] = []
         self._percepts: set[str] = set()
+        self._limits_drawn: dict[str, bool] = {}  # at the end of the last batch, by group
 
     def log_static(self, stream: Any) -> None:
         """Write names and looks of all series."""
@@ -116,7 +117,10 @@ class Plots:
             _scalars(stream, f"{path}/position", times, position[:, joints])
             _scalars(stream, f"{path}/setpoint", times, setpoint[:, joints])
             _scalars(stream, f"{path}/torque", times, torque[:, joints])
-            _scalars(stream, f"{path}/soft_limit", times, limit[:, joints])
+            near = ~np.isnan(limit[:, joints])
+            if near.any() or self._limits_drawn.get(group, True):  # else there is still none to draw
+                _scalars(stream, f"{path}/soft_limit", times, limit[:, joints])
+                self._limits_drawn[group] = bool(near[-1].any())
 
     def _flush_percepts(self, stream: Any) -> None:
         for name in sorted({name for _, tracks in self._samples for name in tracks}):

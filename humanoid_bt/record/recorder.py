@@ -40,7 +40,8 @@ from humanoid_bt.record.viewers import FLUSH_TIMEOUT
 from humanoid_bt.robot.config import RobotConfig
 
 _LIVE_BATCH = 0.5  # time covered by a batch while somebody watches [s]
-_FILE_BATCH = 2.0  # the same of a file alone: fewer and larger batches take less room [s]
+_FILE_BATCH = 2.0  # the same of a file alone: fewer and larger batches take less room and time [s]
+_LOCKSTEP_BATCH = 5.0  # the same of a run that another one repeats to the bit [s]
 _FRAME = 0.04  # time between poses of the 3D view [s]: 25 a second look fluent at half the cost of every tick
 _CONTROL_ENDS = 30.0  # s that control may take to bring the robot to a stand when decision is gone
 _SLACK = 1e-6  # times are sums of periods
@@ -106,7 +107,7 @@ class Recorder:
         self.written = -np.inf
         self._closed = False
         self._announce = announce
-        self._batch = _LIVE_BATCH if sinks.live else _FILE_BATCH
+        self._live = sinks.live
         self._outlet = Outlet(sinks, info.get("tree", tree.file) or "run", self._layout(), announce, tell)
         try:
             self._camera = HeadCamera(model, camera, pictures, busy_cores)
@@ -128,6 +129,13 @@ class Recorder:
     def follows(self) -> bool:
         """Whether it takes servo cycles by itself, from a control that goes on whatever the run does."""
         return self._flight.follows
+
+    @property
+    def _batch(self) -> float:
+        """Time that a batch covers [s]."""
+        if self._live:
+            return _LIVE_BATCH
+        return _FILE_BATCH if self.follows else _LOCKSTEP_BATCH
 
     @property
     def trouble(self) -> str:

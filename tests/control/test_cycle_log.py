@@ -125,11 +125,10 @@ def test_every_plan_is_there_whole_also_one_that_a_stop_cuts_short(logged: Logge
         controller.run_cycle()
         command = controller.servo.command
         if command is not before:
-            errors = kinematics.hand_errors.get("left", NONE)
+            error = kinematics.hand_error("left")
             stiff = float(command.stiffness.any())
-            expected.append(
-                (controller.cycle, stiff, errors, *command.position, *command.torque, *kinematics.com_error)
-            )
+            left = NONE if error is None else error
+            expected.append((controller.cycle, stiff, left, *command.position, *command.torque, *kinematics.com_error))
     plans, _ = logged.read()
     columns = plans["plan"][:, ::3], plans["hand_error"][:, :1], plans["setpoint"], plans["feedforward"]
     np.testing.assert_array_equal(np.hstack([*columns, plans["com_error"]])[first:], expected)

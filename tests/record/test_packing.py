@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import zlib
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from humanoid_bt.record.packing import BlockError, pack, unpack
+from humanoid_bt.record import packing
+from humanoid_bt.record.packing import BlockError, bundle, pack, unbundle, unpack
 
 RESOLUTION = np.array([1e-5, 1e-3, 1.0])
 NUMBERS = st.floats(-1e4, 1e4)
@@ -62,3 +65,13 @@ def test_every_damage_is_noticed() -> None:
 def test_a_block_of_other_columns_is_refused() -> None:
     with pytest.raises(BlockError, match="3 columns, not 2"):
         unpack(pack(smooth(5), RESOLUTION), RESOLUTION[:2])
+
+
+def test_what_older_versions_compressed_is_read(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(packing, "_compressed", zlib.compress)
+    block, messages = smooth(50), [b"one", b"", b"two" * 100]
+    old = pack(block, RESOLUTION), bundle(messages)
+    monkeypatch.undo()
+    assert (len(old[0]), len(old[1])) != (len(pack(block, RESOLUTION)), len(bundle(messages)))
+    np.testing.assert_array_equal(unpack(old[0], RESOLUTION), unpack(pack(block, RESOLUTION), RESOLUTION))
+    assert unbundle(old[1]) == messages

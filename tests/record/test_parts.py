@@ -32,7 +32,7 @@ def file(tmp_path: Path) -> Path:
 
 @pytest.fixture(autouse=True)
 def batches_of_a_second(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(recorder_module, "_FILE_BATCH", 1.0)
+    monkeypatch.setattr(recorder_module, "_LOCKSTEP_BATCH", 1.0)
 
 
 def tick(recorder: Recorder, number: int) -> None:

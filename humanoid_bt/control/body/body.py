@@ -90,11 +90,13 @@ class Body(Protocol):
 
     @property
     def com_error(self) -> Array:
-        """From where the centre of mass was planned to be to where it was to go, shape (3,) [m]; 0 without a plan."""
+        """From where the centre of mass was planned to be to where it was to go, shape (3,) [m]; 0 without a plan.
 
-    @property
-    def hand_errors(self) -> Mapping[Side, float]:
-        """How far planned palms are from where they are to go [m], of commanded hands."""
+        It is the same array for good.
+        """
+
+    def hand_error(self, side: Side) -> float | None:
+        """How far a planned palm is from where it is to go [m]; None if nothing commands it."""
 
     @property
     def hand_obstacles(self) -> Mapping[Side, str]:

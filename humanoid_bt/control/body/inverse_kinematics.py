@@ -162,16 +162,17 @@ class InverseKinematics:
         """From where the centre of mass was planned to be to where it was to go in the last step, shape (3,) [m]."""
         return self._body.com_error
 
-    @property
-    def hand_errors(self) -> dict[Side, float]:
-        """How far the planned palms are from where the last step was to bring them [m], of commanded hands."""
-        goals, palms = self._hand_goals, self._palm_positions
-        return {side: math.dist(goal.tolist(), palms[side].tolist()) for side, goal in goals.items()} if goals else {}
+    def hand_error(self, side: Side) -> float | None:
+        """How far a planned palm is from where the last step was to bring it [m]; None if nothing commands it."""
+        goal = self._hand_goals.get(side)
+        return None if goal is None else math.dist(goal.tolist(), self._palm_positions[side].tolist())
 
     @property
     def hand_obstacles(self) -> dict[Side, str]:
         """The body that keeps a commanded palm from its target, of those that one keeps."""
         found: dict[Side, str] = {}
+        if not self._hand_goals or not self._own_links.pressures.any():
+            return found
         for side, goal in self._hand_goals.items():
             jacobian = np.zeros((3, self._model.nv))
             mujoco.mj_jacSite(self._model, self.configuration.data, jacobian, None, self._palms[side])

@@ -146,10 +146,9 @@ class LearnedBody:
         """Zero, shape (3,): nobody plans the centre of mass."""
         return _NOTHING
 
-    @property
-    def hand_errors(self) -> Mapping[Side, float]:
-        """How far planned palms are from where they are to go [m], of commanded hands."""
-        return self.kinematics.hand_errors
+    def hand_error(self, side: Side) -> float | None:
+        """How far a planned palm is from where it is to go [m]; None if nothing commands it."""
+        return self.kinematics.hand_error(side)
 
     @property
     def hand_obstacles(self) -> Mapping[Side, str]:

@@ -115,10 +115,10 @@ class UpperBody:
         x, y, z = self._data.site_xmat[self._gaze.site][[0, 3, 6]].tolist()
         return math.atan2(y, x), -math.atan2(z, math.hypot(x, y))
 
-    @property
-    def hand_errors(self) -> dict[Side, float]:
-        """How far the planned palms are from where the last step was to bring them [m], of commanded hands."""
-        return {side: math.dist(goal, self._data.site_xpos[self._sites[side]]) for side, goal in self._goals.items()}
+    def hand_error(self, side: Side) -> float | None:
+        """How far a planned palm is from where the last step was to bring it [m]; None if nothing commands it."""
+        goal = self._goals.get(side)
+        return None if goal is None else math.dist(goal.tolist(), self._data.site_xpos[self._sites[side]].tolist())
 
     @property
     def hand_obstacles(self) -> dict[Side, str]:
