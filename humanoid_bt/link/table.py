@@ -88,11 +88,14 @@ class LocalTable:
         self.count += 1
 
     def take(self) -> Array:
-        """Return copies of the rows since the last time, oldest first, shape (n, width): all, if taken in time."""
-        first = max(self._taken, self.count - len(self.rows))
-        taken = self.rows[np.arange(first, self.count) % len(self.rows)]
+        """Return the rows since the last time, oldest first, shape (n, width): all, if taken in time.
+
+        They are as they are until others are written.
+        """
+        size, first = len(self.rows), max(self._taken, self.count - len(self.rows))
+        begin, end = first % size, first % size + self.count - first
         self._taken = self.count
-        return taken
+        return self.rows[begin:end] if end <= size else np.concatenate((self.rows[begin:], self.rows[: end - size]))
 
 
 class TableReader:

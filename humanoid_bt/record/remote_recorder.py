@@ -24,7 +24,7 @@ from humanoid_bt.decision.result import Reported
 from humanoid_bt.link.processes import how_ended
 from humanoid_bt.perception.track import Track
 from humanoid_bt.record.outbox import Outbox, Stuck
-from humanoid_bt.record.sample import encode_call, encode_sample
+from humanoid_bt.record.sample import encode_call, encode_cycles, encode_sample
 from humanoid_bt.record.subject import TreeView
 from humanoid_bt.record.tick import Tick
 
@@ -164,7 +164,7 @@ class RemoteRecorder:
 
     def cycles(self, plans: Array, cycles: Array) -> None:
         """Record servo cycles, as :meth:`~humanoid_bt.record.recorder.Recorder.cycles`."""
-        self._collected.append(encode_call("cycles", plans, cycles))
+        self._collected.append(encode_cycles(plans, cycles))
 
     def follow(self, plans: Path, cycles: Path) -> None:
         """Record the servo cycles that control keeps in these tables, whatever becomes of this process."""

@@ -166,7 +166,7 @@ class Lockstep:
         """None: :meth:`take_cycles` gives them."""
 
     def take_cycles(self) -> tuple[Array, Array] | None:
-        """Return the rows of plans and servo cycles since the last time; call it in every tick."""
+        """Return the rows of plans and servo cycles since the last time, until the next ones; call it in every tick."""
         if self._logged is None:
             return None
         plans, servo_cycles = self._logged
