@@ -1,1 +1,1 @@
-"""Packages of messages, services and actions, built as wheels for a ROS 2 that was itself installed from wheels."""
+"""Packages of ROS 2 messages, built as wheels for a ROS 2 that came from wheels itself."""
