@@ -74,6 +74,9 @@ $(VENV)-policy/.installed: pyproject.toml constraints.txt
 $(VENV)-ros/.installed: pyproject.toml constraints.txt
 	test -x $(VENV)-ros/bin/python || $(PYTHON) -m venv $(VENV)-ros
 	$(VENV)-ros/bin/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[test,ros]' ros-kilted-test-msgs
+	$(VENV)-ros/bin/humanoid-bt interfaces vision_msgs tf2_msgs -o $(VENV)-ros/wheels \
+		&& $(VENV)-ros/bin/python -m pip install --quiet --disable-pip-version-check --no-index --no-deps --force-reinstall $(VENV)-ros/wheels/*.whl \
+		|| echo "the gateway is not tried with vision_msgs and tf2_msgs"
 	touch $@
 
 $(VENV)/.installed-dev: pyproject.toml constraints.txt | $(VENV)/bin/python

@@ -99,6 +99,7 @@ class RemotePlant:
         self._trip = self._longest = 0.0
         self._came = self._longest_silence = 0
         self._truth: Truth | None = None
+        self._truth_of = -1  # sequence of the newest
         self._news: list[tuple[Level, str]] = []
         self.external_force_max = 0.0
         self.touches: list[Touch] = []
@@ -232,6 +233,9 @@ class RemotePlant:
             self._time_trip(sensors)
             self._sensors = sensors
         elif frame.kind is FrameKind.TRUTH:
+            if frame.sequence <= self._truth_of:
+                return  # a newer one has come
+            self._truth_of = frame.sequence
             known = unpack_simulated(frame.payload)
             time = max(0.0, self.time - self._trip / 2)  # in the engine's time
             self._truth, self.external_force_max = replace(known.truth, time=time), known.force

@@ -78,6 +78,7 @@ class _Driver:
     since: int
     heard: int = 0  # sequence of its newest command
     targets: Mapping[str, Target] = field(default_factory=dict)
+    targets_of: int = -1  # sequence of the newest of them
 
 
 class PlantServer:
@@ -155,7 +156,8 @@ class PlantServer:
             elif frame.kind is FrameKind.COMMAND:
                 self._take(driver, frame)
             elif frame.kind is FrameKind.TARGETS:
-                driver.targets = decode_command(frame.payload).targets
+                if frame.sequence > driver.targets_of:
+                    driver.targets, driver.targets_of = decode_command(frame.payload).targets, frame.sequence
             elif frame.kind is FrameKind.BYE:
                 self._let_go(_LEFT)
         except SealError as error:

@@ -84,6 +84,7 @@ _COMMANDS = {
     "reset": "remote",
     "status": "remote",
     "plant": "plant",
+    "interfaces": "interfaces",
     "recordings": "recordings",
     "keep": "recordings",
 }

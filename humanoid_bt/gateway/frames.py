@@ -4,18 +4,19 @@ from __future__ import annotations
 
 import math
 import threading
+from bisect import bisect_left
 from collections import deque
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
 
-from humanoid_bt.core.geometry import pose_inverse, pose_product, quaternion
+from humanoid_bt.core.geometry import pose_inverse, pose_product, quaternion, turn_between, turned
 from humanoid_bt.core.messages import Array
 from humanoid_bt.gateway.file import Frames
 from humanoid_bt.link.wire.picture import SeenPicture
 
-_PAST = 100  # base poses that are remembered: 2 s at 50 Hz
-
+_PAST = 200  # poses of a frame that are remembered: the base's of 4 s at 50 Hz
 _FRESH = 0.5  # s for which a transform of /tf counts
 _OPTICAL = np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
 """From a camera's optical frame (z ahead, x right, y down) to the eye's (x ahead, y left, z up)."""
@@ -56,21 +57,25 @@ class FrameTree:
     def __init__(self, config: Frames) -> None:
         self._base, self._odom = config.base, config.odom
         self._lock = threading.Lock()
-        self._past: deque[tuple[float, Array]] = deque(maxlen=_PAST)
+        self._past = _Past()
         self._known = {
-            name: Transform(frame.parent, np.array([*frame.position, *_unit(frame.orientation)]))
+            name: (frame.parent, _Past([(math.inf, np.array([*frame.position, *_unit(frame.orientation)]))]))
             for name, frame in config.fixed.items()
         }
 
     def base_at(self, time: float, position: Array, orientation: Array) -> None:
         """Take where the base is in the engine's world at an engine time [s]."""
         with self._lock:
-            self._past.append((time, np.array([*position, *orientation])))
+            self._past.add(time, np.array([*position, *orientation]))
 
     def learn(self, frame: str, transform: Transform) -> None:
-        """Take where a frame is; it is not asked for the base and the world, of which control knows better."""
+        """Take where a frame is; it is not asked for the base in the world, of which control knows better."""
         with self._lock:
-            self._known[frame] = transform
+            parent, past = self._known.get(frame, ("", _Past()))
+            if transform.stamp is None or parent != transform.parent or past.fixed:
+                past = _Past()
+            past.add(math.inf if transform.stamp is None else transform.stamp, transform.pose)
+            self._known[frame] = transform.parent, past
 
     def in_base(self, frame: str, time: float) -> Array:
         """Return a frame's pose in the robot's base frame at an engine time [s], shape (7,).
@@ -80,22 +85,73 @@ class FrameTree:
             NotYetKnown: it hangs on the engine's world, and the run has just begun.
         """
         with self._lock:
+            below = [self._base, self._odom]
+            while (known := self._known.get(below[-1])) and known[0] not in below:
+                below.append(known[0])  # what the engine's world itself hangs on: a map
             pose, name, way = _HERE, frame.lstrip("/"), set[str]()
-            while name not in (self._base, self._odom):
+            while name not in below:
                 known = self._known.get(name)
                 if known is None or name in way:
                     hung = f", on which {frame!r} hangs" if name != frame.lstrip("/") else ""
                     raise UnknownFrame(f"nobody says where the frame {name!r} is{hung}")
-                if known.stamp is not None and time - known.stamp > _FRESH:
-                    raise UnknownFrame(f"where the frame {name!r} is was last said {time - known.stamp:.1f} s before")
                 way.add(name)
-                pose, name = pose_product(known.pose, pose), known.parent.lstrip("/")
-            return pose if name == self._base else pose_product(pose_inverse(self._base_pose(time)), pose)
+                pose, name = pose_product(self._pose(name, time), pose), known[0]
+            base = _HERE
+            for child in below[: below.index(name)]:
+                base = pose_product(self._pose(child, time), base)
+            return pose_product(pose_inverse(base), pose)
 
-    def _base_pose(self, time: float) -> Array:
-        if not self._past:
-            raise NotYetKnown("the robot has not said yet where it is")
-        return min(self._past, key=lambda past: abs(past[0] - time))[1]
+    def _pose(self, frame: str, time: float) -> Array:
+        """Return where a frame is in its parent at an engine time [s]."""
+        if frame == self._base:
+            if not self._past:
+                raise NotYetKnown("the robot has not said yet where it is")
+            return self._past.at(time)
+        past = self._known[frame][1]
+        if (silent := time - past.latest) > _FRESH:
+            raise UnknownFrame(f"where the frame {frame!r} is was last said {silent:.1f} s before")
+        return past.at(time)
+
+
+class _Past:
+    """Where a frame has been in its parent lately.
+
+    Args:
+        poses: engine times [s], infinity for one that does not move, and poses, shape (7,).
+    """
+
+    def __init__(self, poses: Iterable[tuple[float, Array]] = ()) -> None:
+        self._poses = deque(poses, maxlen=_PAST)
+
+    def __bool__(self) -> bool:
+        return bool(self._poses)
+
+    @property
+    def latest(self) -> float:
+        """Time of the last pose [s]."""
+        return self._poses[-1][0]
+
+    @property
+    def fixed(self) -> bool:
+        """Whether it does not move."""
+        return bool(self._poses) and math.isinf(self.latest)
+
+    def add(self, time: float, pose: Array) -> None:
+        """Take a pose; those of later times were a mistake, of a clock that has been set since."""
+        while self._poses and self.latest >= time:
+            self._poses.pop()
+        self._poses.append((time, pose))
+
+    def at(self, time: float) -> Array:
+        """Return the pose at a time [s]: between two poses on the way from one to the other, else the nearest."""
+        times = [past for past, _ in self._poses]
+        after = bisect_left(times, time)
+        if after in (0, len(times)):
+            return self._poses[min(after, len(times) - 1)][1]
+        (begin, start), (end, goal) = self._poses[after - 1], self._poses[after]
+        share = (time - begin) / (end - begin)
+        turn = turned(start[3:], share * turn_between(start[3:], goal[3:]))
+        return np.array([*(start[:3] + share * (goal[:3] - start[:3])), *turn])
 
 
 def optical_in_base(picture: SeenPicture) -> tuple[Array, Array]:

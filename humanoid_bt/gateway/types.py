@@ -8,6 +8,7 @@ import importlib.util
 from typing import Any, Literal
 
 from humanoid_bt.core.errors import Place, UserError, nearest
+from humanoid_bt.gateway.interfaces.package import KNOWN
 
 Interface = Literal["msg", "srv", "action"]
 
@@ -44,7 +45,8 @@ def interface(name: str, kind: Interface = "msg", place: Place | None = None) ->
         wheel = package.replace("_", "-")
         hint = f"pip install ros-kilted-{wheel}, or apt install ros-$ROS_DISTRO-{wheel} and source its setup"
         if package not in _WHEELS:
-            hint = f"apt install ros-$ROS_DISTRO-{wheel} and source its setup; there may be no wheel of it"
+            build = package if (KNOWN / package).is_dir() else "FOLDER of its definitions"
+            hint = f"there may be no wheel of it: humanoid-bt interfaces {build} builds one; or source a ROS 2 with it"
         why = "is not installed" if isinstance(error, ModuleNotFoundError) else f"cannot be imported: {error}"
         raise UserError(f"the package {package!r} of ROS 2, of {name!r}, {why}", place, hint, "no-file") from None
     if (found := getattr(module, short, None)) is None:

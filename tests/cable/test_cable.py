@@ -10,12 +10,13 @@ import pytest
 
 from humanoid_bt.cable.frames import Frame, FrameKind, pack
 from humanoid_bt.cable.impairment import Impairment
-from humanoid_bt.cable.lockstep import PLANT, LockstepPlant
-from humanoid_bt.cable.payloads import Description, Hello, PlantState
+from humanoid_bt.cable.lockstep import DRIVER, PLANT, LockstepPlant
+from humanoid_bt.cable.payloads import Description, Hello, PlantState, pack_simulated
 from humanoid_bt.cable.remote_plant import RemotePlant
 from humanoid_bt.control.controller import Controller
 from humanoid_bt.core.errors import UserError
 from humanoid_bt.core.messages import BaseTarget, Command, HandTarget
+from humanoid_bt.link.wire import encode_command
 from humanoid_bt.plant.mujoco_plant import MujocoPlant
 from humanoid_bt.plant.touches import Touch
 from humanoid_bt.realtime.served_simulation import ServedSimulation
@@ -107,6 +108,26 @@ def test_a_simulated_plant_knows_what_the_robot_is_sent_to_touch(loaded: Loaded,
     cabled.remote.surround({})
     driven(cabled, 21)
     assert served.simulation.plant.touches.targets == {}
+
+
+def test_what_comes_after_something_newer_counts_no_more(loaded: Loaded, hello: Hello) -> None:
+    served = ServedSimulation(*loaded)
+    cabled = LockstepPlant(served, hello)
+    driven(cabled, 50)
+    remote, driver, far = cabled.remote, cabled.network.end(DRIVER), cabled.network.end(PLANT)
+    remote.surround({"left_hand": HandTarget(np.array([0.3, 0.2, 0.9]), press=5.0)})
+    driven(cabled, 1)
+    old = Command(49, 0.049, {})
+    driver.send(pack(Frame(FrameKind.TARGETS, remote.session, 49, 0.049, encode_command(old))), PLANT)
+    driven(cabled, 21)
+    assert served.simulation.plant.touches.targets["left_hand"].press == 5.0
+
+    cabled.measure()
+    truth, known = remote.take_truth(), served.truth()
+    assert truth is not None
+    far.send(pack(Frame(FrameKind.TRUTH, remote.session, 2, 0.002, pack_simulated(known))), DRIVER)
+    cabled.measure()
+    assert remote.take_truth() is None
 
 
 @pytest.mark.parametrize(

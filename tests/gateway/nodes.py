@@ -83,9 +83,9 @@ class Peer:
 
 
 @contextmanager
-def ball() -> Iterator[subprocess.Popen[bytes]]:
-    """A node in a process of its own that publishes where the ball is, 20 times a second."""
-    process = subprocess.Popen([sys.executable, "-m", "tests.gateway.ball", *map(str, BALL)], env=environment())
+def ball(detector: str = "tests.gateway.ball") -> Iterator[subprocess.Popen[bytes]]:
+    """A node in a process of its own that publishes where the ball is, 20 times a second or more."""
+    process = subprocess.Popen([sys.executable, "-m", detector, *map(str, BALL)], env=environment())
     try:
         yield process
     finally:

@@ -84,6 +84,44 @@ def test_a_frame_that_moves_counts_as_long_as_it_is_told_of(desk: Desk) -> None:
     assert "where the frame 'head' is was last said 1.0 s before" in desk.news[0][1]
 
 
+def test_a_frame_that_moves_counts_where_it_was_when_something_was_seen(desk: Desk) -> None:
+    told = [
+        messages.transform("base_link", "head", START - 1, (0, 0, 1)),
+        messages.transform("base_link", "head", START, (0, 0, 2)),
+    ]
+    told[1].transform.rotation = messages.turn(-HALF, 0, 0, -HALF)  # a quarter to the left
+    for frame, transform in transforms(SimpleNamespace(transforms=told), desk.clock, fixed=False):
+        desk.frames.learn(frame, transform)
+    halfway = desk.percept(messages.pose_stamped(START - 0.5, (HALF, -HALF, 0), "head"))
+    assert halfway is not None
+    assert halfway.position == pytest.approx([1, 0, 1.5])
+    percept = desk.percept(messages.pose_stamped(START, (1, 0, 0), "head"))
+    assert percept is not None
+    assert percept.position == pytest.approx([0, 1, 2])
+
+
+def test_transforms_of_a_clock_that_was_set_back_count(desk: Desk) -> None:
+    for stamp, height in ((START + 3600, 9.0), (START, 1.0)):
+        told = SimpleNamespace(transforms=[messages.transform("base_link", "head", stamp, (0, 0, height))])
+        for frame, transform in transforms(told, desk.clock, fixed=False):
+            desk.frames.learn(frame, transform)
+    percept = desk.percept(messages.pose_stamped(START, (1, 0, 0), "head"))
+    assert percept is not None
+    assert percept.position == pytest.approx([1, 0, 1])
+
+
+def test_a_map_in_which_the_odometry_hangs(desk: Desk) -> None:
+    desk.frames.base_at(5.0, np.array([2.0, 0, 0]), np.array([1.0, 0, 0, 0]))
+    assert desk.percept(messages.pose_stamped(START, (5, 0, 0), "map")) is None
+    assert "nobody says where the frame 'map' is" in desk.news[0][1]
+    told = SimpleNamespace(transforms=[messages.transform("map", "odom", START, (1, 0, 0))])
+    for frame, transform in transforms(told, desk.clock, fixed=False):
+        desk.frames.learn(frame, transform)
+    percept = desk.percept(messages.pose_stamped(START, (5, 0, 0), "map"))
+    assert percept is not None
+    assert percept.position == pytest.approx([2, 0, 0])
+
+
 def test_before_the_robot_says_where_it_is_no_message_is_a_mistake(desk: Desk) -> None:
     assert desk.percept(messages.pose_stamped(START, (1, 0, 0), "odom")) is None
     assert "cannot be used yet: the robot has not said yet where it is" in desk.inbox.unseen["ball"]

@@ -232,15 +232,15 @@ def test_types_that_are_not_installed_are_told_before_the_run(project: Path, tmp
     file = tmp_path / "gateway.yaml"
     file.write_text(
         "format: 1\npercepts:\n"
-        "  cup: {topic: /cups, type: vision_msgs/Detection3DArray}\n"
+        "  cup: {topic: /cups, type: lab_msgs/Cup, fields: {x: a, y: b, z: c}}\n"
         "  ball: {topic: /ball, type: geometry_msgs/PoseStampt, fields: {x: a, y: b, z: c}}\n"
     )
     with pytest.raises(hbt.UserError) as told:
         hbt.Session("fetch", mode="realtime", gateway=file)
     first, second = told.value.problems
-    assert "package 'vision_msgs' of ROS 2, of 'vision_msgs/Detection3DArray', is not installed" in first.message
+    assert "package 'lab_msgs' of ROS 2, of 'lab_msgs/Cup', is not installed" in first.message
     assert str(first.place).endswith("gateway.yaml:3:29")
-    assert "apt install ros-$ROS_DISTRO-vision-msgs" in first.hint
+    assert "humanoid-bt interfaces FOLDER of its definitions builds one" in first.hint
     assert "did you mean 'PoseStamped'?" in second.hint
 
 

@@ -14,6 +14,7 @@ from humanoid_bt.cli.arguments.explain import add_explain
 from humanoid_bt.cli.arguments.export import add_export
 from humanoid_bt.cli.arguments.fmt import add_fmt
 from humanoid_bt.cli.arguments.init import add_init
+from humanoid_bt.cli.arguments.interfaces import add_interfaces
 from humanoid_bt.cli.arguments.lists import add_lists, add_robots
 from humanoid_bt.cli.arguments.params import add_params
 from humanoid_bt.cli.arguments.parsing import EXIT_CODES, Commands, Parser
@@ -33,6 +34,7 @@ _COMMANDS = (
     *(add_explain, add_replay, add_diff, add_params, add_export),
     *(add_recordings, add_keep),
     *(add_plant, add_estop, add_reset, add_status),
+    add_interfaces,
     add_bench,
 )
 """What declares each command, in the order of the help."""
