@@ -29,6 +29,7 @@ class RobotDynamics:
         soles: poses (x, y, yaw) of the soles.
         footings: height of each sole and how its foot is turned from level about the world's x and y [m, rad].
         roll, pitch: tilt of the base [rad].
+        bias: Coriolis, centrifugal and gravity forces, shape (nv,).
         motions, origin: as :func:`~humanoid_bt.control.jacobians.point_moves` wants them.
     """
 
@@ -44,7 +45,9 @@ class RobotDynamics:
         self._palm_turns = {side: quaternion(axes) for side, axes in robot.palm_axes.items()}
         self._gaze = robot.model.site(GAZE_SITE).id
         self._feet_roll = robot.config.feet_roll
+        self.bias: Array = self.data.qfrc_bias  # a view, as the next ones are
         self.motions: Array = self.data.cdof
+        self._qpos, self._qvel = self.data.qpos, self.data.qvel
         self.origin: Array = self.data.subtree_com[self.model.body_rootid[self._base]]
         self.com: Array = np.zeros(3)
         self.com_velocity: Array = np.zeros(3)
@@ -57,13 +60,12 @@ class RobotDynamics:
     def update(self, estimate: Estimate) -> None:
         """Take over an estimate."""
         model, data = self.model, self.data
-        data.qpos[:] = estimate.qpos
-        data.qvel[:] = estimate.qvel
+        self._qpos[:], self._qvel[:] = estimate.qpos, estimate.qvel
         mujoco.mj_kinematics(model, data)
         mujoco.mj_comPos(model, data)
         mujoco.mj_makeM(model, data)
         mujoco.mj_comVel(model, data)
-        mujoco.mj_rne(model, data, 0, data.qfrc_bias)
+        mujoco.mj_rne(model, data, 0, self.bias)
         mujoco.mj_subtreeVel(model, data)
         self.com = data.subtree_com[self._base].copy()
         self.com_velocity = data.subtree_linvel[self._base].copy()
@@ -74,11 +76,6 @@ class RobotDynamics:
         w, x, y, z = data.qpos[3:7].tolist()
         self.roll = math.atan2(2 * (w * x + y * z), 1 - 2 * (x * x + y * y))
         self.pitch = math.asin(max(-1.0, min(1.0, 2 * (w * y - z * x))))
-
-    @property
-    def bias(self) -> Array:
-        """Coriolis, centrifugal and gravity forces, shape (nv,)."""
-        return np.asarray(self.data.qfrc_bias)
 
     @property
     def base_position(self) -> Array:

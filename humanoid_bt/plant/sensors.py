@@ -37,7 +37,7 @@ class Sensors:
     def __init__(
         self, config: SensorsConfig, data: mujoco.MjData, joints: int, feet: Sequence[Array], gravity: float
     ) -> None:
-        self._config, self._joints, self._feet, self._gravity = config, joints, feet, gravity
+        self._config, self._joints, self._feet = config, joints, feet
         self._velocity_now, self._pose = data.qvel[:3], data.qpos[3 : 7 + joints]
         self._rates, self._torques = data.qvel[3 : 6 + joints], data.actuator_force
         self._borne: Array = np.zeros(2)
@@ -60,6 +60,10 @@ class Sensors:
         self._count = 0
         self._failures: dict[str, tuple[slice | list[int], str]] = {}
         self._last: Array = self._rows[0].copy()
+        self._senses = (  # what :func:`_sense` is called with in each cycle
+            self._rows, self._borne, self._pose, self._velocity_now, self._rates, self._torques, self._velocity,
+            self._turned, gravity, self._errors, self._finest,
+        )  # fmt: skip
 
     def _described(self) -> tuple[Array, Array, Array]:
         """Return the standard deviations of noise and bias and the resolution of every number."""
@@ -98,21 +102,23 @@ class Sensors:
 
     def sense(self) -> None:
         """Measure what is true now; call it once a servo cycle."""
-        count = self._count
-        place = count % _BLOCK
+        place = self._count % _BLOCK
         if place == 0:
-            self._errors = self._random.standard_normal(self._errors.shape) * self._noise + self._offset
-            self._turned = _slightly(*self._tilt, self._drift * count * SERVO_PERIOD)
+            self._draw()
         if self._feels:
             self._borne[:] = [abs(force.item()) for force in self._feet]
-        row = self._rows[count % len(self._rows)]
-        _sense(
-            row, self._borne, self._pose, self._velocity_now, self._rates, self._torques, self._velocity,
-            self._turned, self._gravity, self._errors, place, self._finest,
-        )  # fmt: skip
+        row = self._count % len(self._rows)
         self._count += 1
+        _sense(row, place, *self._senses)
         if self._failures:
-            self._spoil(row)
+            self._spoil(self._rows[row])
+
+    def _draw(self) -> None:
+        """Draw what is off in the next servo cycles."""
+        errors = self._random.standard_normal(out=self._errors)
+        errors *= self._noise
+        errors += self._offset
+        self._turned[:] = _slightly(*self._tilt, self._drift * self._count * SERVO_PERIOD)
 
     def fail(self, sensor: str, how: str, joints: Sequence[str]) -> None:
         """Let a sensor fail until :meth:`reset`.
@@ -155,10 +161,13 @@ class Sensors:
 
 
 @compiled(
-    "void(f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[:, ::1], f8, f8[:, ::1], i8, f8[::1])"
+    "void(i8, i8, f8[:, ::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[:, ::1], f8, f8[:, ::1],"
+    " f8[::1])"
 )
 def _sense(
-    row: Array,
+    at: int,
+    place: int,
+    rows: Array,
     borne: Array,
     pose: Array,
     velocity: Array,
@@ -168,13 +177,14 @@ def _sense(
     turned: Array,
     gravity: float,
     errors: Array,
-    place: int,
     finest: Array,
 ) -> None:
     """Write what the sensors say in the order of :class:`~humanoid_bt.core.messages.Reading`; note the velocity.
 
     Args:
-        row: that is written.
+        at: the row that is written.
+        place: the row of the errors that counts.
+        rows: of what the sensors say.
         borne: what the feet bear, shape (2,) [N].
         pose: quaternion of the base, and the joints, shape (4 + nj,).
         velocity: of the base, world frame, shape (3,) [m/s].
@@ -184,10 +194,9 @@ def _sense(
         turned: turns a quaternion by what the IMU's own filter is off, shape (4, 4).
         gravity: upward [m/s^2].
         errors: rows of what is added.
-        place: the one of them that counts.
         finest: resolutions.
     """
-    joints = len(torques)
+    joints, row = len(torques), rows[at]
     row[:2] = borne
     for i in range(4):
         row[2 + i] = turned[i, 0] * pose[0] + turned[i, 1] * pose[1] + turned[i, 2] * pose[2] + turned[i, 3] * pose[3]

@@ -56,9 +56,9 @@ class ContactObserver:
         self._dofs = np.unique(links[links >= BASE_DOFS])
         groups = [f"{side}_arm" for side in self._palms] + [TORSO] * has_waist
         data = dynamics.data
-        self._places: list[Array] = [data.site_xpos[site] for site in self._palms.values()]  # views
-        self._places += [data.xipos[torso]] * has_waist
+        places = [data.site_xpos[site] for site in self._palms.values()] + [data.xipos[torso]] * has_waist  # views
         self._points: Array = np.zeros((len(groups), 3))
+        self._places = list(zip(self._points, places, strict=True))
         size = 3 * len(groups)
         self._jacobian, self._before = np.zeros((2, size, model.nv))
         self._pushed = np.zeros(model.nv)
@@ -68,6 +68,10 @@ class ContactObserver:
         self.residual: Array = np.zeros(model.nv)
         self.forces: dict[str, Array] = {group: self._force[3 * at : 3 * at + 3] for at, group in enumerate(groups)}
         self._learns: Array = np.ones(len(groups))
+        self._kept = (  # what :func:`_observe` is called with each time
+            self.residual, self._force, self._carried, self._learns, dynamics.bias, self._damping, data.qvel,
+            dynamics.motions, dynamics.origin, self._points, self._links, self._dofs, self._pushed, self._square,
+        )  # fmt: skip
 
     def reset(self) -> None:
         """Begin with a robot that nothing touches."""
@@ -93,16 +97,11 @@ class ContactObserver:
             torque: of the joints, on average, shape (nj,) [Nm].
             time: [s].
         """
-        dynamics = self._dynamics
         self._before, self._jacobian = self._jacobian, self._before
-        for point, place in zip(self._points, self._places, strict=True):
+        for point, place in self._places:
             point[:] = place
-        _observe(
-            self.residual, self._force, self._carried, self._learns,
-            dynamics.inertia_times(acceleration), dynamics.bias, self._damping, dynamics.data.qvel, acceleration,
-            torque, dynamics.motions, dynamics.origin, self._points, self._links, self._dofs, time,
-            self._jacobian, self._before, self._pushed, self._square,
-        )  # fmt: skip
+        driven = self._dynamics.inertia_times(acceleration)
+        _observe(acceleration, torque, time, driven, self._jacobian, self._before, *self._kept)
 
     def torques_of_carried(self, side: Side) -> Array:
         """Return the torques, shape (nj,), with which the joints hold what a hand carries [Nm]."""
@@ -111,7 +110,7 @@ class ContactObserver:
 
     def _look(self) -> None:
         """Find the Jacobians of palms and torso."""
-        for point, place in zip(self._points, self._places, strict=True):
+        for point, place in self._places:
             point[:] = place
         _look(self._dynamics.motions, self._dynamics.origin, self._points, self._links, self._jacobian)
 
@@ -131,43 +130,43 @@ def _look(motions: Array, origin: Array, points: Array, links: Indices, jacobian
 
 
 @compiled(
-    "void(f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1],"
-    " f8[:, ::1], f8[::1], f8[:, ::1], i8[:, ::1], i8[::1], f8,"
-    " f8[:, ::1], f8[:, ::1], f8[::1], f8[:, ::1])"
+    "void(f8[::1], f8[::1], f8, f8[::1], f8[:, ::1], f8[:, ::1],"
+    " f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1],"
+    " f8[:, ::1], f8[::1], f8[:, ::1], i8[:, ::1], i8[::1], f8[::1], f8[:, ::1])"
 )
 def _observe(
+    acceleration: Array,
+    torque: Array,
+    time: float,
+    driven: Array,
+    jacobian: Array,
+    before: Array,
     residual: Array,
     force: Array,
     carried: Array,
     learns: Array,
-    driven: Array,
     bias: Array,
     damping: Array,
     velocity: Array,
-    acceleration: Array,
-    torque: Array,
     motions: Array,
     origin: Array,
     points: Array,
     links: Indices,
     dofs: Indices,
-    time: float,
-    jacobian: Array,
-    before: Array,
     pushed: Array,
     square: Array,
 ) -> None:
     """See :meth:`ContactObserver.update`.
 
     Args:
+        acceleration, torque, time: as there.
+        driven: M qdd.
+        jacobian, before: of the points, now, which is written, and the time before.
         residual, force, carried: are brought up to date.
         learns: 1 for groups of which it is learnt what they carry, 0 for others.
-        driven: M qdd.
-        bias, damping, velocity, acceleration, torque: of the dynamics, and of the joints.
+        bias, damping, velocity: of the dynamics.
         motions, origin, points, links: as :func:`_look` wants them.
         dofs: the degrees of freedom that count.
-        time: [s].
-        jacobian, before: of the points, now, which is written, and the time before.
         pushed, square: are written.
     """
     _look(motions, origin, points, links, jacobian)

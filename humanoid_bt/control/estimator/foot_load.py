@@ -31,15 +31,15 @@ class FootLoad:
 
     def __init__(self, robot: RobotModel, dynamics: RobotDynamics) -> None:
         self._dynamics = dynamics
-        self._sites = np.array([robot.model.site(sole_site(side)).id for side in SIDES])
-        self._places: Array = dynamics.data.site_xpos
-        self._legs = _legs(robot)
-        self._damping = robot.model.dof_damping.copy()
         self._weight = robot.mass * GRAVITY
-        self._jacobian = np.zeros((3, robot.model.nv))
-        self._left = np.zeros(robot.model.nv)
         self.force: Array = np.zeros(2)
         self.standing = [True, True]
+        soles = np.array([robot.model.site(sole_site(side)).id for side in SIDES])
+        self._kept = (  # what :func:`_explain` is called with each time
+            self.force, dynamics.bias, robot.model.dof_damping.copy(), dynamics.motions, dynamics.origin,
+            dynamics.data.site_xpos, soles, _legs(robot),
+            np.zeros(robot.model.nv), np.zeros((3, robot.model.nv)),
+        )  # fmt: skip
 
     def reset(self) -> None:
         """Begin with a robot that stands on both feet."""
@@ -58,11 +58,7 @@ class FootLoad:
             velocity, acceleration: shape (nv,).
             torque: of the joints, shape (nj,) [Nm].
         """
-        dynamics = self._dynamics
-        _explain(
-            self.force, dynamics.inertia_times(acceleration), dynamics.bias, self._damping, velocity, torque,
-            dynamics.motions, dynamics.origin, self._places, self._sites, self._legs, self._left, self._jacobian,
-        )  # fmt: skip
+        _explain(velocity, torque, self._dynamics.inertia_times(acceleration), *self._kept)
         self._judge()
 
     def _judge(self) -> None:
@@ -75,12 +71,12 @@ class FootLoad:
     " f8[:, ::1], f8[::1], f8[:, ::1], i8[::1], i8[:, ::1], f8[::1], f8[:, ::1])"
 )
 def _explain(
-    force: Array,
-    driven: Array,
-    bias: Array,
-    damping: Array,
     velocity: Array,
     torque: Array,
+    driven: Array,
+    force: Array,
+    bias: Array,
+    damping: Array,
     motions: Array,
     origin: Array,
     places: Array,
@@ -92,10 +88,10 @@ def _explain(
     """Write the vertical part of the force f on each foot that minimises |J^T f - (M qdd + h + d qd - tau)|.
 
     Args:
-        force: is written, shape (2,) [N].
+        velocity, torque: qd, and of the joints tau.
         driven: M qdd.
-        bias, damping, velocity: h, d, qd.
-        torque: of the joints, tau.
+        force: is written, shape (2,) [N].
+        bias, damping: h, d.
         motions, origin: of the dynamics.
         places, sites: of all sites, and which of them are the soles.
         legs: the degrees of freedom of each leg.
