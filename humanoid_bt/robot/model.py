@@ -268,8 +268,8 @@ def _line(info: str, where: Place) -> Place:
 
 
 _FREE_JOINTS = (
-    "control takes every joint for one that moves and is driven by itself. Of a closed chain, as the rods of an ankle are,"
-    " keep the joints that tilt the foot and take the rods out; of coupled fingers drive each"
+    "control takes every joint for one that moves and is driven by itself. Of a closed chain, as the rods of an ankle"
+    " are, keep the joints that tilt the foot and take the rods out; of coupled fingers drive each"
 )
 _ROBOT_JOINTS = (mujoco.mjtJoint.mjJNT_FREE, mujoco.mjtJoint.mjJNT_HINGE)
 _Reference = tuple[tuple[str | int, ...], str]  # keys in robot.yaml, and the name written there

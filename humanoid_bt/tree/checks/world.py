@@ -79,7 +79,8 @@ def check_world(root: Draft, facts: Facts, world: World) -> Iterator[Problem]:
         for draft in root.iterate():
             commands = facts.commands(draft)
             missing = [resource for resource in commands if resource not in has]
-            if getattr(draft.type.cls, "either_hand", False) and _HANDS <= set(commands) and _HANDS & set(has):
+            one_will_do = getattr(draft.type.cls, "either_hand", False) and _HANDS.issubset(commands)
+            if one_will_do and not _HANDS.isdisjoint(has):
                 missing = [resource for resource in missing if resource not in _HANDS]
             if missing:
                 message = f"{draft.type.type_name!r} commands {', '.join(missing)}: the robot {name!r} has none"
