@@ -33,6 +33,7 @@ class Offer(Skill):
 
     resources = ("left_hand", "right_hand", "gaze")
     bounded = True  # by its patience
+    either_hand = True
 
     target: PerceptName = param(doc="Percept to hold the hand out to.")
     hand: Literal["left", "right", "nearest"] = param("nearest", doc="Which hand.")
@@ -96,9 +97,7 @@ class Offer(Skill):
         return self.running("holding it out" if there else f"{hand} hand {error * 100:.0f} cm away")
 
     def _choose(self, bearing: float) -> Side:
-        if self.hand != "nearest":
-            return self.hand
-        return "left" if bearing > 0 else "right"
+        return self.hand if self.hand != "nearest" else self.robot.nearest_hand(bearing)
 
     def _aim(self, track: Track) -> np.ndarray | None:
         """Return where the palm belongs, shape (3,), world frame [m], None if no place is left for it."""

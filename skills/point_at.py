@@ -23,6 +23,7 @@ class PointAt(Skill):
 
     resources = ("left_hand", "right_hand", "gaze")
     bounded = True  # by its patience
+    either_hand = True
 
     target: PerceptName = param(doc="Percept to point at.")
     hand: Literal["left", "right", "nearest"] = param("nearest", doc="Which hand.")
@@ -93,9 +94,7 @@ class PointAt(Skill):
         return self.running(f"{hand} hand points {math.degrees(angle):.0f} deg beside it")
 
     def _choose(self, bearing: float) -> Side:
-        if self.hand != "nearest":
-            return self.hand
-        return "left" if bearing > 0 else "right"
+        return self.hand if self.hand != "nearest" else self.robot.nearest_hand(bearing)
 
     def _from_stance(self, place: np.ndarray) -> np.ndarray:
         """Return a place, shape (3,), as seen from where the robot stands: a body that leans does not move it."""

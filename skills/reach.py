@@ -33,6 +33,7 @@ class Reach(Skill):
 
     resources = ("left_hand", "right_hand", "gaze")
     bounded = True  # by its patience
+    either_hand = True
 
     target: PerceptName = param(doc="Percept to reach for.")
     hand: Literal["left", "right", "nearest"] = param("nearest", doc="Which hand.")
@@ -120,6 +121,4 @@ class Reach(Skill):
         return direction / np.linalg.norm(direction)
 
     def _choose(self, bearing: float) -> Side:
-        if self.hand != "nearest":
-            return self.hand
-        return "left" if bearing > 0 else "right"
+        return self.hand if self.hand != "nearest" else self.robot.nearest_hand(bearing)

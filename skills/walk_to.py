@@ -8,6 +8,7 @@ from humanoid_bt import Gait, Improving, PerceptName, Route, Skill, Status, para
 
 _DETOURS = 20  # longer ways than the one before that it takes
 _LONGER = 2.0  # steps that such a way has more
+_NEARER = 0.2  # steps that count as nearer
 
 
 class WalkTo(Skill):
@@ -46,7 +47,7 @@ class WalkTo(Skill):
             self._heading = math.atan2(offset[1], offset[0])
         else:
             self._heading = float(stance[2])
-        self._steps = Improving(self.patience, step=0.2)
+        self._way, self._turns = (Improving(self.patience, step=_NEARER) for _ in range(2))
         self._route = Route(self.robot, self.clearance, self.obstacles, self.patience)
         self._left, self._detours = math.inf, 0
 
@@ -62,20 +63,25 @@ class WalkTo(Skill):
         if there and state.gait is Gait.STAND:
             return self.running("coming to rest")
         if not self._route.follow(self._goal, self._heading):
-            self._steps.restart()
+            self._restart()
             if self._route.hopeless:
                 return self.fail(f"no way to ({self.x:g}, {self.y:g}): {self._route.blocked}")
             return self.running(f"waiting: {self._route.blocked}")
-        before, self._left = self._left, self._steps_left
-        if self._left > before + _LONGER and self._detours < _DETOURS:
-            self._detours += 1
-            self._steps.restart()
-        if not self._steps.update(self._left, self.robot.clock.now()):
+        if not self._comes_nearer():
             return self.fail(f"comes no nearer: {to_go:.2f} m and {math.degrees(abs(turn)):.0f} deg to go")
         return self.running(f"{self._route.to_go:.2f} m and {math.degrees(abs(turn)):.0f} deg to go")
 
-    @property
-    def _steps_left(self) -> float:
-        """About how many steps are left: a robot that first turns round comes nearer, too."""
-        gait = self.robot.config.gait
-        return self._route.to_go / gait.step_forward + self._route.turns_to_go / gait.step_turn
+    def _comes_nearer(self) -> bool:
+        """Return whether it still walks on or turns: it may do either away from the goal, as one that goes backward."""
+        gait, now = self.robot.config.gait, self.robot.clock.now()
+        way, turns = self._route.to_go / gait.step_forward, self._route.turns_to_go / gait.step_turn
+        before, self._left = self._left, way + turns
+        if self._left > before + _LONGER and self._detours < _DETOURS:
+            self._detours += 1
+            self._restart()
+        walks, turns_on = self._way.update(way, now), self._turns.update(turns, now)
+        return walks or turns_on
+
+    def _restart(self) -> None:
+        self._way.restart()
+        self._turns.restart()

@@ -20,6 +20,7 @@ class Wave(Skill):
 
     resources = ("left_hand", "right_hand")
     bounded = True  # by its patience
+    either_hand = True
 
     target: PerceptName | None = param(None, doc="Percept on whose side the nearest hand is; default: the right hand.")
     hand: Literal["left", "right", "nearest"] = param("nearest", doc="Which hand.")
@@ -71,7 +72,7 @@ class Wave(Skill):
         if self.hand != "nearest":
             return self.hand
         track = self.robot.track(self.target) if self.target else None
-        return "left" if track and track.bearing > 0 else "right"
+        return self.robot.nearest_hand(track.bearing if track else 0.0)
 
     def _aim(self, hand: Side) -> np.ndarray:
         """Return the end of this stroke, shape (3,), world frame [m]: the outer one first."""

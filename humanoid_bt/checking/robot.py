@@ -15,6 +15,7 @@ from humanoid_bt.robot.capsules import capsules
 from humanoid_bt.robot.config import SiteConfig, load_robot_config
 from humanoid_bt.robot.footprint import footprint
 from humanoid_bt.robot.model import GAZE_SITE, RobotModel, carriers, palm_site, sole_site
+from humanoid_bt.robot.survey.limbs import NoHumanoidError, Surveyor
 
 _SOLE_OFF = 0.01  # m of height, ...
 _SOLE_ASIDE = 0.02  # ...or along the floor: nearer counts as right
@@ -53,6 +54,7 @@ def _implausible(robot: RobotModel) -> Iterator[Problem]:
     yield from _soles_off(robot)
     yield from _home_outside(robot)
     yield from _wrong_bodies(robot, data)
+    yield from _forgotten_hand(robot)
     if not roles:
         yield from _asymmetries(robot, data)
     yield from _odd_numbers(robot)
@@ -192,6 +194,22 @@ def _wrong_bodies(robot: RobotModel, data: mujoco.MjData) -> Iterator[Problem]:
     elif height < 0:
         message = f"the eyes are {-height * 100:.0f} cm below the base"
         yield Problem(message, config.place("gaze"), "the eyes are in the head", code="site-off")
+
+
+def _forgotten_hand(robot: RobotModel) -> Iterator[Problem]:
+    """Yield an arm of the model that has no hand, although the other one has."""
+    hands = robot.config.hands
+    if not hands or set(hands) == set(SIDES):
+        return
+    try:
+        arms = Surveyor(robot.model).limbs().arms
+    except NoHumanoidError:
+        return
+    for side in set(arms) - set(hands):
+        body = robot.model.body(arms[side].body).name
+        message = f"the model has a {side} arm, and 'hands' has no key {side!r}"
+        hint = f"{side}: {{body: {body}, position: [...]}}, or neither hand"
+        yield Problem(message, robot.config.place("hands"), hint, code="missing-key")
 
 
 def _asymmetries(robot: RobotModel, data: mujoco.MjData) -> Iterator[Problem]:

@@ -302,6 +302,13 @@ class RobotHandle:
         """Say why there is no track of this name: ``'cup' was never seen: hidden``."""
         return self._robot.why_unseen(name)
 
+    def nearest_hand(self, bearing: float) -> Side:
+        """Return the hand on the side of what is at a bearing [rad], or the only one that the robot has."""
+        hands = self.state.hands
+        side: Side = "left" if bearing > 0 else "right"
+        other: Side = "right" if bearing > 0 else "left"
+        return other if side not in hands and other in hands else side
+
     def why_no_nearer(self, side: Side, distance: float) -> str:
         """Say that a palm comes no nearer to its target than this [m], and which own link is in its way.
 

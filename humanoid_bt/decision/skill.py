@@ -67,6 +67,7 @@ class Skill(py_trees.behaviour.Behaviour):
         runs: whether it can be RUNNING; False if it answers in the tick in which it starts, as conditions do.
         bounded: whether it ends by itself in bounded time, whatever happens. Checks want a time limit above a skill
             that commands the robot and does not say so.
+        either_hand: whether one hand will do where it may command both, on a robot that has one.
         remembered: parameters that name percepts for which a look into the past will do, such as obstacles: checks want
             no watchdog on them.
         robot: how it reads the robot's state and percepts and sets targets.
@@ -78,6 +79,7 @@ class Skill(py_trees.behaviour.Behaviour):
     ends: ClassVar[bool] = True
     runs: ClassVar[bool] = True
     bounded: ClassVar[bool] = False
+    either_hand: ClassVar[bool] = False
     remembered: ClassVar[tuple[str, ...]] = ()
     robot: RobotHandle
 

@@ -266,7 +266,7 @@ class RobotConfig:
     torso: str = param(doc="Body that carries the arms.")
     legs: dict[str, LegConfig] = param(doc="The legs: left and right.")
     sole: SoleConfig = param(doc="Shape of both soles.")
-    hands: dict[str, HandConfig] = param({}, doc="Palms: left, right, or none.")
+    hands: dict[str, HandConfig] = param({}, doc="Palms: left and right, one of them, or none.")
     gaze: GazeConfig = param(doc="The eyes, x ahead.")
     neck: NeckConfig | None = param(None, doc="Neck joints, if it has any.")
     drives: list[DriveConfig] = param(doc="Drives of all joints; the first group that matches a joint counts.")
@@ -382,10 +382,11 @@ def _mistakes(item: Item, folder: Path) -> Iterator[Problem]:
         sides = parts.get(what)
         if sides is None or not isinstance(sides.value, dict) or (what == "hands" and not sides.value):
             continue
-        if set(sides.value) != set(SIDES):
-            missing = [side for side in SIDES if side not in sides.value]
+        missing = [side for side in SIDES if side not in sides.value] if what == "legs" else []
+        if missing or not set(sides.value) <= set(SIDES):
             hint = f"{', '.join(missing)} is missing" if missing else "left and right, and no other"
-            yield Problem(f"{what!r} must have the keys left and right", sides.place, hint, code="missing-key")
+            wanted = "the keys left and right" if what == "legs" else "the keys left and right, or one of them"
+            yield Problem(f"{what!r} must have {wanted}", sides.place, hint, code="missing-key")
     yield from _one_ankle_that_rolls(parts.get("legs"))
     model = parts.get("model")
     if model is None or not isinstance(model.value, str):

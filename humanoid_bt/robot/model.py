@@ -244,22 +244,33 @@ def model_problems(spec: mujoco.MjSpec, where: Place) -> Iterator[Problem]:
     """
     for geom in spec.worldbody.geoms:
         if geom.contype or geom.conaffinity:
-            line = re.search(r"line (\d+)", geom.info)
-            place = Place(where.file, int(line[1]), 1) if line else where
             hint = "name the robot's own model file, not one that shows it in surroundings"
             which = repr(geom.name) if geom.name else "without a name"
             message = f"the model brings surroundings of its own: the geom {which} of the world"
-            yield Problem(message, place, hint, code="own-floor")
+            yield Problem(message, _line(geom.info, where), hint, code="own-floor")
     sliding = [joint.name for joint in spec.joints if joint.type not in _ROBOT_JOINTS]
     if sliding:
         message = f"only hinges can be driven; these joints are none: {', '.join(sliding)}"
         yield Problem(message, where, code="model")
-    if list(spec.equalities):
-        yield Problem("the model has equality constraints; the robot must stand on its own", where, code="model")
+    for equality in spec.equalities:
+        which = f"{equality.name!r} " if equality.name else ""
+        kind = equality.type.name.removeprefix("mjEQ_").lower()
+        message = f"the model has the equality constraint {which}({kind}), and no robot here can have one"
+        yield Problem(message, _line(equality.info, where), _FREE_JOINTS, code="model")
     if any(body.gravcomp for body in spec.bodies):
         yield Problem("the model has bodies with gravcomp; the robot must carry its own weight", where, code="model")
 
 
+def _line(info: str, where: Place) -> Place:
+    """Return the place of an element of a model's file, of which MuJoCo says "line 12"."""
+    line = re.search(r"line (\d+)", info)
+    return Place(where.file, int(line[1]), 1) if line else where
+
+
+_FREE_JOINTS = (
+    "control takes every joint for one that moves and is driven by itself. Of a closed chain, as the rods of an ankle"
+    " are, keep the joints that tilt the foot and take the rods out; of coupled fingers drive each"
+)
 _ROBOT_JOINTS = (mujoco.mjtJoint.mjJNT_FREE, mujoco.mjtJoint.mjJNT_HINGE)
 _Reference = tuple[tuple[str | int, ...], str]  # keys in robot.yaml, and the name written there
 

@@ -84,7 +84,7 @@ BREAKS = {
     ),
     "hands swapped": Break(HANDS, SWAPPED_HANDS, "swapped-sides", "left and right are swapped", "{body: right_hand"),
     "a hand is missing": Break(
-        HANDS.splitlines()[0] + "\n", "", "missing-key", "'hands' must have", "{body: right_hand"
+        HANDS.splitlines()[0] + "\n", "", "missing-key", "a left arm, and 'hands' has no key", "{body: right_hand"
     ),
     "palm in centimetres": Break(
         "right_hand, position: [0, 0, -0.10]", "right_hand, position: [0, 0, -10]", "site-off", "right palm is 982"

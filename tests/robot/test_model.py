@@ -166,9 +166,9 @@ def test_a_missing_model_file_is_named_where_it_is_asked_for(tmp_path: Path, edi
     assert str(tmp_path / "human.xml") in problem.hint
 
 
-def test_a_missing_side_is_named(tmp_path: Path, edit: Edit) -> None:
-    edit("robot.yaml", "  right: {body: right_hand, position: [0, 0, -0.10]}\n", "")
-    with pytest.raises(UserError, match="'hands' must have the keys left and right"):
+def test_a_side_of_another_name_is_named(tmp_path: Path, edit: Edit) -> None:
+    edit("robot.yaml", "  right: {body: right_hand", "  rigth: {body: right_hand")
+    with pytest.raises(UserError, match="'hands' must have the keys left and right, or one of them"):
         load(tmp_path)
 
 
@@ -184,7 +184,6 @@ MISSING_MESH = (
         ("</mujoco>", "", "not a valid MJCF model"),
         ("<worldbody>", '<worldbody><geom typ="box"/>', "unrecognized attribute: 'typ'"),
         ("<worldbody>", f"{MISSING_MESH}<worldbody>", "gone.stl"),
-        ("</mujoco>", '<equality><weld body1="pelvis"/></equality></mujoco>', "equality constraints"),
         ('<body name="head"', '<body name="head" gravcomp="1"', "gravcomp"),
         ('<joint name="left_knee"', '<joint name="left_knee" type="slide"', "these joints are none: left_knee"),
     ],
@@ -199,6 +198,16 @@ def test_a_model_that_cannot_be_used_is_answered_with_the_models_name(
     assert message in problem.message
     assert "\n" not in problem.message
     assert str(problem.place) == str(tmp_path / "humanoid.xml")
+
+
+def test_an_equality_constraint_is_answered_with_its_line_and_what_to_do(tmp_path: Path, edit: Edit) -> None:
+    rod = '<connect name="rod" body1="left_shin" body2="left_foot" anchor="0 0 -0.3"/>'
+    edit("humanoid.xml", "</mujoco>", f"<equality>\n{rod}\n</equality></mujoco>")
+    with pytest.raises(UserError, match=r"the equality constraint 'rod' \(connect\)") as error:
+        load(tmp_path)
+    (problem,) = error.value.problems
+    assert str(problem.place) == place_of(tmp_path, "humanoid.xml", rod)
+    assert "take the rods out" in problem.hint
 
 
 def test_a_model_with_a_floor_of_its_own_is_answered_with_the_floors_line(tmp_path: Path, edit: Edit) -> None:

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from humanoid_bt import Rig, Workspace, run
+from humanoid_bt import Rig, Stage, UserError, Workspace, run
 
 BUILTIN = Path(__file__).resolve().parents[2] / "sim" / "humanoid"
 HANDS = """\
@@ -14,6 +14,7 @@ hands:
   left: {body: left_hand, position: [0, 0, -0.10]}
   right: {body: right_hand, position: [0, 0, -0.10]}
 """
+RIGHT_HAND = "  right: {body: right_hand, position: [0, 0, -0.10]}\n"
 NECK = "neck: {yaw: neck_yaw, pitch: neck_pitch}\n"
 
 
@@ -42,6 +43,11 @@ def handless(tmp_path_factory: pytest.TempPathFactory) -> Rig:
     return without(HANDS, tmp_path_factory.mktemp("handless"))
 
 
+@pytest.fixture(scope="module")
+def one_handed(tmp_path_factory: pytest.TempPathFactory) -> Rig:
+    return without(RIGHT_HAND, tmp_path_factory.mktemp("one_handed"))
+
+
 @pytest.mark.parametrize(
     ("skill", "hand"),
     [("wave", "right"), ("offer", "left"), ("retract", "left"), ("point_at", "right"), ("touch_with_both", "left")],
@@ -56,6 +62,26 @@ def test_a_robot_without_hands_is_told_so(handless: Rig, skill: str, hand: str) 
     result = handless.run(skill, **values)
     assert result.failed
     assert result.feedback == f"the robot has no {hand} hand"
+
+
+@pytest.mark.parametrize("skill", ["reach", "point_at", "offer", "wave"])
+def test_a_robot_with_one_hand_uses_it_for_what_is_on_the_other_side(one_handed: Rig, skill: str) -> None:
+    one_handed.reset()
+    one_handed.see("thing", (0.4, -0.1, 0.9))
+    result = one_handed.run(skill, target="thing", timeout=8)
+    assert result.succeeded, result.feedback
+    assert "left hand" in result.feedback
+
+
+def test_a_tree_runs_on_a_robot_with_one_hand_unless_it_names_the_other_one(tmp_path: Path) -> None:
+    workspace = without(RIGHT_HAND, tmp_path).workspace
+    stage = Stage(workspace, "lesser", "random_target", dry=True)
+    assert stage.run("fetch", seed=1).succeeded
+    (tmp_path / "trees").mkdir()
+    tree = tmp_path / "trees" / "other.yaml"
+    tree.write_text("format: 1\nname: other\nroot: {reach: {target: target, hand: right}}\n")
+    with pytest.raises(UserError, match=r"'reach' commands right_hand: the robot 'humanoid' has none"):
+        stage.run("other")
 
 
 def test_a_robot_without_a_neck_looks_with_its_torso(tmp_path: Path) -> None:

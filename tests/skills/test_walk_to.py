@@ -55,6 +55,12 @@ def test_gives_up_when_it_comes_no_nearer(rig: Rig) -> None:
     assert result.feedback == "comes no nearer: 1.00 m and 0 deg to go"
 
 
+def test_comes_nearer_although_it_turns_away_to_go_backward(rig: Rig) -> None:
+    result = rig.run("walk_to", x=-0.9, y=0.9, heading=math.radians(-45), patience=1.5, timeout=20)
+    assert result.succeeded, result.feedback
+    assert all(abs(state.stance[2]) < math.radians(60) for state in result.states), "it would not have gone backward"
+
+
 def test_stops_within_a_step_when_halted(rig: Rig) -> None:
     result = rig.run("walk_to", x=3.0, y=0.0, timeout=2.5)
     assert result.states[-1].gait is Gait.STEP

@@ -17,6 +17,7 @@ from humanoid_bt.control.body.body import Footstep
 from humanoid_bt.core.messages import Array
 from humanoid_bt.robot.config import GaitConfig
 
+_UNLOADED = 0.8  # of the way to the foot that is to swing: the other one stays on the ground
 _REST = 0.5  # s of rest at the end of a plan, so that its tail is flat
 
 
@@ -56,7 +57,15 @@ def plan_dcm(zmp: Array, omega: float, dt: float) -> Array:
 
 
 def plan_walk(
-    gait: GaitConfig, omega: float, dt: float, *, zmp: Array, support: Array, shift: float, steps: Sequence[Footstep]
+    gait: GaitConfig,
+    omega: float,
+    dt: float,
+    *,
+    zmp: Array,
+    support: Array,
+    shift: float,
+    steps: Sequence[Footstep],
+    begins: Array | None = None,
 ) -> DcmPlan:
     """Plan from a weight shift onto the support foot over the given footholds to rest.
 
@@ -68,9 +77,11 @@ def plan_walk(
         support: pose of the foot that stays, shape (3,).
         shift: duration of the weight shift [s].
         steps: footholds, the next first.
+        begins: DCM with which it begins, shape (2,) [m]: the weight first goes to the foot that is to swing, as far as
+            that takes, or nearly as far as that foot. The plan begins with a jump of the DCM if None.
     """
-    single = round(gait.single_support / dt)
-    parts = [_ramp(zmp, support[:2], round(shift / dt)), _hold(support[:2], single)]
+    single, shifting = round(gait.single_support / dt), round(shift / dt)
+    parts = [_ramp(zmp, support[:2], shifting), _hold(support[:2], single)]
     here = support
     for step in steps[:-1]:
         parts += [_ramp(here[:2], step.pose[:2], round(gait.double_support / dt)), _hold(step.pose[:2], single)]
@@ -78,7 +89,15 @@ def plan_walk(
     middle = 0.5 * (here[:2] + steps[-1].pose[:2])
     parts += [_ramp(here[:2], middle, round(gait.last_shift / dt)), _hold(middle, round(_REST / dt))]
     trajectory = np.vstack(parts)
-    return DcmPlan(trajectory, plan_dcm(trajectory, omega, dt))
+    dcm = plan_dcm(trajectory, omega, dt)
+    if begins is not None and shifting:
+        fades = 1.0 - (np.arange(len(trajectory)) / shifting).clip(0.0, 1.0)
+        gains = plan_dcm(np.column_stack([fades, fades]), omega, dt)
+        back = (zmp - support[:2]) * _UNLOADED
+        needed = float((begins - dcm[0]) @ back) / max(float(gains[0, 0] * (back @ back)), 1e-9)
+        first = min(max(needed, 0.0), 1.0) * back
+        trajectory, dcm = trajectory + fades[:, None] * first, dcm + gains * first
+    return DcmPlan(trajectory, dcm)
 
 
 def plan_settle(gait: GaitConfig, omega: float, dt: float, *, zmp: Array, middle: Array) -> DcmPlan:

@@ -131,7 +131,7 @@ class Walker:
             self.zmp_reference = self.dcm_reference = self.stance[:2]
             if goal is not None and self._planner.must_walk(self.stance, goal):
                 swing = self._planner.first_swing(self.stance, goal)
-                self._start_step(swing, goal, self.zmp_reference, self._numbers.first_shift)
+                self._start_step(swing, goal, self.zmp_reference, self._numbers.first_shift, begins=self.dcm_reference)
             elif not stays:
                 self._tidy(dcm)
         elif self.gait is Gait.SETTLE:
@@ -142,7 +142,16 @@ class Walker:
             self._step(goal, dcm, soles, foot_force)
         self._follow_ground(soles, footings, foot_force)
 
-    def _start_step(self, swing: Side, goal: Array | None, zmp: Array, shift: float, *, in_place: bool = False) -> None:
+    def _start_step(
+        self,
+        swing: Side,
+        goal: Array | None,
+        zmp: Array,
+        shift: float,
+        *,
+        in_place: bool = False,
+        begins: Array | None = None,
+    ) -> None:
         support = self.foot_reference[OTHER[swing]]
         if in_place:
             self.footsteps, done = self._planner.in_place(swing, support), False
@@ -151,7 +160,14 @@ class Walker:
         self._ends = done and len(self.footsteps) == 1
         self._double = round(shift / self._dt)
         self._plan = plan_walk(
-            self._numbers, self._omega, self._dt, zmp=zmp, support=support, shift=shift, steps=self.footsteps
+            self._numbers,
+            self._omega,
+            self._dt,
+            zmp=zmp,
+            support=support,
+            shift=shift,
+            steps=self.footsteps,
+            begins=begins,
         )
         self._elapsed, self._stepping, self.swing = 0.0, swing, None
         self._waited = 0.0
@@ -245,7 +261,7 @@ class Walker:
         foot, support = self.foot_reference[swing], self.foot_reference[OTHER[swing]]
         place = self._planner.foothold(swing, self._planner.stance_beside(OTHER[swing], support))
         if math.dist(foot[:2], place[:2]) > _ASTRAY or abs(wrap(foot[2] - place[2])) > _TURNED:
-            self._start_step(swing, None, self.zmp_reference, self._numbers.first_shift)
+            self._start_step(swing, None, self.zmp_reference, self._numbers.first_shift, begins=self.dcm_reference)
 
     def _follow_ground(
         self, soles: Mapping[Side, Array], footings: Mapping[Side, Array], foot_force: Mapping[Side, float]

@@ -149,10 +149,11 @@ class _Writer:
         yield f"sole: {{half_length: {length:.3f}, half_width: {width:.3f}, margin: {margin:.3f}}}"
 
     def _hands(self) -> Iterator[str]:
-        if set(self._limbs.arms) != set(SIDES):
-            sides = ", ".join(self._limbs.arms) or "no"
-            self._found.append(f"{sides} arm: skills that command a hand will fail")
-            yield "# hands: the model has no two arms"
+        for side in SIDES:
+            if side not in self._limbs.arms:
+                self._found.append(f"no {side} arm: skills that command this hand will fail")
+        if not self._limbs.arms:
+            yield "# hands: the model has no arms"
             return
         yield "hands:    # palms"
         for side, arm in self._limbs.arms.items():

@@ -11,6 +11,7 @@ from humanoid_bt.robot.survey.limbs import Limbs, Surveyor, roles
 
 _STIFFNESS, _DAMPING = 4.0, 0.04  # 1/rad, of the torque; s, of the stiffness: what arms that reach have
 _TORQUE = 20.0  # Nm, where nothing says it
+_USUAL_TORQUE = 0.2  # rad, times the stiffness: likewise of joints that carry the robot
 _GRAVITY = 9.81
 # of the weight times the height of the centre of mass, which is how stiff a support must be not to buckle
 _HIP_OR_KNEE, _ANKLE, _TRUNK = 2.4, 1.3, 1.5
@@ -66,7 +67,7 @@ def drive(model: mujoco.MjModel, joint: int, usual: float | None = None) -> Driv
     if model.jnt_actfrclimited[joint]:
         torque = min(torque, float(model.jnt_actfrcrange[joint, 1]))
     if not math.isfinite(torque) or torque <= 0:
-        torque = _TORQUE
+        torque = _TORQUE if usual is None else _rounded(_USUAL_TORQUE * usual)
         guessed.append("torque")
     stiffness = max((-float(model.actuator_biasprm[a, 1]) for a in actuators), default=0.0)
     damping = max((-float(model.actuator_biasprm[a, 2]) for a in actuators), default=0.0)

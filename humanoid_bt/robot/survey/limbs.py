@@ -144,7 +144,7 @@ class Surveyor:
         return float(min([*low, self.place(body)[2]]))
 
     def _arms(self, legs: set[int]) -> tuple[int, dict[Side, Limb]]:
-        """Return the first body from the base on that carries an arm on each side, and these; else the highest one."""
+        """Return the first body from the base on that carries an arm, and the arms; without any, the heaviest one."""
         trunk = self._trunk(legs)
         for body in trunk:
             arms: dict[Side, Limb] = {}
@@ -156,7 +156,12 @@ class Surveyor:
                         arms[side] = limb
             if arms:
                 return body, arms
-        return trunk[-1], {}
+        return max(trunk, key=self._weight), {}
+
+    def _weight(self, body: int) -> float:
+        """Return the mass of a body and of those fixed to it [kg]."""
+        owners = self.model.body_weldid
+        return float(self.model.body_mass[owners == owners[body]].sum())
 
     def _trunk(self, legs: set[int]) -> list[int]:
         """Return the bodies in the middle from the base up, none of a leg; the head may be among them."""

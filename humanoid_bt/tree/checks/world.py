@@ -65,6 +65,9 @@ class World:
         return cls(body, around, [name for one in chosen for name in one.names] if known else None)
 
 
+_HANDS = {"left_hand", "right_hand"}
+
+
 def check_world(root: Draft, facts: Facts, world: World) -> Iterator[Problem]:
     """Return what the tree asks of its robot and its scene that they do not have.
 
@@ -74,7 +77,11 @@ def check_world(root: Draft, facts: Facts, world: World) -> Iterator[Problem]:
     if world.robot is not None:
         has, name = world.robot.resources, world.robot.name
         for draft in root.iterate():
-            missing = [resource for resource in facts.commands(draft) if resource not in has]
+            commands = facts.commands(draft)
+            missing = [resource for resource in commands if resource not in has]
+            one_will_do = getattr(draft.type.cls, "either_hand", False) and _HANDS.issubset(commands)
+            if one_will_do and not _HANDS.isdisjoint(has):
+                missing = [resource for resource in missing if resource not in _HANDS]
             if missing:
                 message = f"{draft.type.type_name!r} commands {', '.join(missing)}: the robot {name!r} has none"
                 yield Problem(message, draft.place, f"it has: {', '.join(has)}", "robot-cannot")

@@ -59,6 +59,23 @@ def test_the_zmp_never_jumps(start: np.ndarray) -> None:
     assert moves.max() < 0.3 / GAIT.double_support * DT
 
 
+@pytest.mark.parametrize("begins", [np.zeros(2), np.array([0.0, -0.005])])
+def test_the_first_step_begins_with_the_dcm_where_it_is(begins: np.ndarray) -> None:
+    jumps = plan_walk(GAIT, OMEGA, DT, zmp=begins, support=RIGHT, shift=0.55, steps=STEPS)
+    plan = plan_walk(GAIT, OMEGA, DT, zmp=begins, support=RIGHT, shift=0.55, steps=STEPS, begins=begins)
+    assert jumps.dcm[0, 1] < begins[1] - 0.02
+    assert plan.dcm[0, 1] == pytest.approx(begins[1], abs=1e-9)
+    exact = plan.zmp[:-1] + (plan.dcm[:-1] - plan.zmp[:-1]) * math.exp(OMEGA * DT)
+    np.testing.assert_allclose(plan.dcm[1:], exact, atol=1e-9)
+    shifted = round(0.55 / DT)
+    np.testing.assert_allclose(plan.zmp[shifted:], jumps.zmp[shifted:], atol=1e-12)
+
+
+def test_a_quick_weight_shift_leaves_both_feet_on_the_ground() -> None:
+    plan = plan_walk(GAIT, OMEGA, DT, zmp=np.zeros(2), support=RIGHT, shift=0.2, steps=STEPS, begins=np.zeros(2))
+    assert 0.05 < plan.zmp[0, 1] < 0.09, "most of the weight on the left foot, not all of it"
+
+
 def test_settling_ends_at_rest_over_the_middle() -> None:
     plan = plan_settle(GAIT, OMEGA, DT, zmp=np.array([0.1, -0.09]), middle=np.array([0.15, 0.0]))
     assert len(plan) == len(plan.zmp) == len(plan.dcm)

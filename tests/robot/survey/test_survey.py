@@ -126,6 +126,40 @@ def test_the_posture_bends_the_knees_and_lets_the_arms_hang_clear(spec: mujoco.M
         assert abs(sole[0] - data.body("pelvis").xpos[0]) < 0.1
 
 
+def test_a_robot_with_one_arm_has_one_hand(spec: mujoco.MjSpec, adopt: Adopt) -> None:
+    spec.delete(spec.body("right_shoulder_pitch_link"))
+    description, found = adopt(spec)
+    assert set(found.hands) == {"left"}
+    assert found.torso == "torso"
+    assert "no right arm: skills that command this hand will fail" in description.found
+    assert "right_hand" not in found.resources
+
+
+def test_a_robot_without_arms_has_a_torso_and_a_head(spec: mujoco.MjSpec, adopt: Adopt) -> None:
+    for side in SIDES:
+        spec.delete(spec.body(f"{side}_shoulder_pitch_link"))
+    _, found = adopt(spec)
+    assert not found.hands
+    assert (found.torso, found.gaze.body, found.neck is None) == ("torso", "head", False)
+
+
+def test_drives_that_the_model_says_nothing_of_are_as_strong_as_the_robot_is_heavy(
+    spec: mujoco.MjSpec, adopt: Adopt
+) -> None:
+    _, light = adopt(spec)
+    for body in spec.bodies:
+        for geom in body.geoms:
+            geom.mass *= 2
+    description, heavy = adopt(spec)
+    assert "stiffness, damping and torque of the drives" in description.guessed
+    for joint, least in (("left_knee", 80), ("left_ankle_pitch", 40), ("left_hip_roll", 80)):
+        drives = light.drive(joint), heavy.drive(joint)
+        assert drives[0] is not None
+        assert drives[1] is not None
+        assert drives[0].torque > least
+        assert drives[1].torque == pytest.approx(2 * drives[0].torque, rel=0.1)
+
+
 def test_drives_are_those_of_the_models_actuators(spec: mujoco.MjSpec, adopt: Adopt) -> None:
     for joint in spec.joints[1:]:
         drive = spec.add_actuator(name=joint.name, target=joint.name, trntype=mujoco.mjtTrn.mjTRN_JOINT)
@@ -152,13 +186,6 @@ def test_fingers_are_told_from_arms(spec: mujoco.MjSpec, adopt: Adopt) -> None:
     assert {side: found.hands[side].body for side in SIDES} == {side: f"{side}_hand" for side in SIDES}
     assert found.groups["left_fingers"] == ["left_finger_0", "left_finger_1"]
     assert "left arm: 7 joints, 2 of fingers, hand left_hand" in description.found
-
-
-def test_a_robot_with_one_arm_has_no_hands(spec: mujoco.MjSpec, adopt: Adopt) -> None:
-    spec.delete(spec.body("right_shoulder_pitch_link"))
-    description, found = adopt(spec)
-    assert found.hands == {}
-    assert any("skills that command a hand will fail" in line for line in description.found)
 
 
 def test_an_ankle_without_roll_is_told_and_does_not_matter(spec: mujoco.MjSpec, adopt: Adopt) -> None:
