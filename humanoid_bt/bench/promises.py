@@ -42,9 +42,9 @@ def verdict(kept: bool) -> Verdict:
     return "ok" if kept else "missed"
 
 
-STACK = Promise("the whole stack, recording on, beside `mj_step` of the same motion", 6.0, "x")
-SPEED = Promise("simulated time of a run, recording on, beside the CPU time it takes", 4.0, "x", at_least=True)
-ESTIMATE = Promise("estimating the robot, beside `mj_step` for as long", 1.0, "x")
+STACK = Promise("the whole stack, recording on, beside `mj_step` of the same motion", 5.0, "x")
+SPEED = Promise("simulated time of a run, recording on, beside the CPU time it takes", 6.0, "x", at_least=True)
+ESTIMATE = Promise("estimating the robot, beside `mj_step` for as long", 0.8, "x")
 OWN_LINKS = Promise("keeping own links apart that are near each other, beside `mj_step` for as long", 0.25, "x")
 LOG_USUAL = Promise("keeping a servo cycle for the recording, p50, beside the CPU time of a cycle", 0.02, "x")
 LOG = Promise("keeping a servo cycle for the recording, p99, beside the CPU time of a cycle", 0.05, "x")
