@@ -26,6 +26,7 @@ _ACCELERATION_LIMIT, _ARM_ACCELERATION = 300.0, 100.0
 _ARM_SPEED = 2.5  # rad/s of its joints
 _RISE_SPEED = 0.2  # m/s of the base, up and down
 _TURN_SPEED = 1.5  # rad/s of the base, and of the waist's joints
+_BRAKE_TIME = 0.05  # s in which a joint comes to rest at its limit: a knee that is stretched at once chatters there
 _PARTING = 50.0  # cost per metre of links that do not part, where not all can: that of a foot
 _SMOOTH_TIME, _ARM_SMOOTH_TIME = 0.02, 0.03  # s, low-pass of planned acceleration and momentum rate
 
@@ -206,8 +207,9 @@ class InverseKinematics:
         program, joints, robot = self._program, self._joints, self._robot
         program.aim(self.configuration, self.tasks)
         program.limit(self.configuration, self.limits, self._dt)
-        np.maximum(robot.lower - joints, -self._farthest, out=program.low[BASE_DOFS:])
-        np.minimum(robot.upper - joints, self._farthest, out=program.high[BASE_DOFS:])
+        braked = min(1.0, self._dt / _BRAKE_TIME)
+        np.maximum(braked * (robot.lower - joints), -self._farthest, out=program.low[BASE_DOFS:])
+        np.minimum(braked * (robot.upper - joints), self._farthest, out=program.high[BASE_DOFS:])
         if self.still:
             dofs = np.add(self.still, BASE_DOFS)
             program.low[dofs] = program.high[dofs] = 0.0

@@ -100,6 +100,23 @@ def test_soft_limits_hold_whatever_is_asked(
         assert (kinematics.joints <= robot.upper + 1e-6).all()
 
 
+def test_a_joint_comes_to_rest_at_its_limit(robot: RobotModel, standing: Array, kinematics: InverseKinematics) -> None:
+    """A knee that is stretched all at once is bent by the next plan, and stretched again: the robot shakes."""
+    wanted = targets(robot, standing, com=Pose(robot, standing).com + np.array([0.0, 0.0, 0.2]))
+    knees = [robot.joint(f"{side}_knee") for side in SIDES]
+
+    def room() -> Array:
+        return np.minimum(kinematics.joints - robot.lower, robot.upper - kinematics.joints)[knees]
+
+    rooms = [room()]
+    for _ in range(200):
+        kinematics.step(wanted)
+        rooms.append(room())
+    before, after = np.array(rooms[:-1]), np.array(rooms[1:])
+    assert before.max() > 0.3 and after[-1].max() < 0.1  # they were bent, and are stretched
+    assert (after >= (1 - DT / 0.05) * before - 1e-6).all()
+
+
 def test_the_base_goes_no_lower_than_its_limit_whatever_a_hand_asks(
     robot: RobotModel, standing: Array, kinematics: InverseKinematics
 ) -> None:
