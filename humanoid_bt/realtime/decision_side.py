@@ -52,7 +52,7 @@ from humanoid_bt.realtime.timing import StopRecord, Timing
 from humanoid_bt.robot.model import RobotModel
 from humanoid_bt.tree.tree import Tree
 
-_START_TIMEOUT = 30.0  # s until the first state must be there
+_START_TIMEOUT = 120.0  # s until the first state must be there: control may have to be compiled first
 _SILENCE = 1.0  # s without a new state after which control counts as lost
 _POLL = 0.005  # s between two looks at processes that start or end
 _READ = ("state", "stop", "notice", "refusal", "percept", "source", "truth", "timing")
