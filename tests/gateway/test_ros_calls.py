@@ -216,7 +216,7 @@ def test_a_goal_that_is_not_wanted_any_more_is_canceled(
     ("call", "column", "told"),
     [
         ("service: /x, type: std_srvs/SetBol", 8, ("'std_srvs' has no srv 'SetBol'", "did you mean 'SetBool'?")),
-        ("service: /x, type: nothing/SetBool", 8, ("package 'nothing' of ROS 2", "apt install")),
+        ("service: /x, type: nothing/SetBool", 8, ("package 'nothing' of ROS 2", "humanoid-bt interfaces")),
         ("service: /x, type: std_srvs/SetBool, request: {dat: true}", 69, ("no field 'dat'", "did you mean 'data'?")),
         (
             'service: /x, type: std_srvs/SetBool, request: {data: "{1 m}"}',

@@ -62,7 +62,7 @@ def test_fetch_is_driven_by_detections_in_a_camera_s_frame(
 
     own = [one for message in peer.heard["/tf"] for one in message.transforms if one.child_frame_id == "base_link"]
     assert {one.header.frame_id for one in own} == {"odom"}
-    assert own[-1].transform.translation.x - own[0].transform.translation.x > 1.0  # it walked there
+    assert own[-1].transform.translation.x > 1.0  # it walked there, from the origin
 
 
 def test_what_hangs_on_a_frame_that_falls_silent_is_refused(
