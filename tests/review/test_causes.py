@@ -142,6 +142,12 @@ CASES: dict[str, tuple[str, str, dict[str, Any], str]] = {
         r"the robot fell at \d\.\d\d\d s: it was pushed to the right with 110 N at 1\.000 s "
         r"while 'walk' commanded the base",
     ),
+    "push by something in the scene, and fall": (
+        "bumped",
+        "push",
+        {"duration": 6.0},
+        r"the robot fell at \d\.\d+ s: something pushed it forward at 4\.[34]\d s",
+    ),
     "fall in an emergency stop": (
         "walk",
         "push",
