@@ -95,6 +95,8 @@ class RrdFile:
                     yield file.read(length)
                 else:
                     file.seek(length, os.SEEK_CUR)
+            if head:
+                self.cut = f"it ends within the head of a message, at byte {file.tell()}"
 
 
 def _next(file: BinaryIO, begin: int, size: int) -> int | None:

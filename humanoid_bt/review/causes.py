@@ -87,7 +87,8 @@ def first_stop(history: History, time: float) -> Stopped | None:
     chain: Stopped | None = None
     until = time
     now = history.modes(time - 0.05, time)
-    if now and now[-1].mode == "run":
+    ended_by_it = history.end.get("outcome") == "stopped"  # perhaps in the very servo cycle that the last tick saw
+    if now and now[-1].mode == "run" and not ended_by_it:
         return None
     for stop in reversed(history.stops):
         if stop.time > time + AT:

@@ -17,7 +17,8 @@ _FLAPPING = 5.0  # s in which they count
 _STRUGGLE = 1.0  # s before a failure in which a joint at its torque limit explains it
 _STRUGGLED = 0.2  # s that it must have been there
 _WARNINGS = 3  # that are told
-_SCENE = 1.0  # s around the last sight in which the scene's script explains that nothing followed
+_SCENE = 1.0  # s around the last sight in which perception or the scene's script explains that nothing followed
+_BLIND = ("the perception process ended", "the percept source")  # what is told when perception fails
 
 
 def failed(history: History, time: float) -> Cause:
@@ -51,7 +52,8 @@ def _skill_failed(history: History, change: Change) -> Cause:
     text = f"'{last(change.path)}' failed at {when(change.time)}: {cut(change.said.split(';')[0])}"
     rows: list[Row] = [(name.replace("_", " "), readable(*of)) for name, of in results.items()]
     if struggling:
-        most = max(struggling, key=lambda joint: joint.duration)
+        before = _at_limit_before(history, change)
+        most = max(struggling, key=lambda joint: (joint.joint not in before, joint.duration))
         rows.insert(0, ("shown by", f"{most}, in the {_STRUGGLE:g} s before"))
         return Cause(
             "torque_limit",
@@ -72,6 +74,15 @@ def _skill_failed(history: History, change: Change) -> Cause:
             rows.append(("shown by", f"the hand was {nearest} to {farthest} away in the last second"))
         return Cause("out_of_reach", text, change.time, change.path, rows)
     return Cause("failed", text, change.time, change.path, rows)
+
+
+def _at_limit_before(history: History, change: Change) -> set[str]:
+    """Return the joints that were at their torque limits when the node began that changed: not for its sake."""
+    began = history.running(change.time - DECISION_PERIOD).get(change.path)
+    if began is None:
+        return set()
+    motion = Motion(history.log, began.time - _STRUGGLE, began.time)
+    return {joint.joint for joint in motion.limited() if joint.what == "torque"}
 
 
 def _timed_out(history: History, change: Change) -> Cause:
@@ -103,10 +114,24 @@ def _lost(history: History, change: Change) -> Cause:
         return Cause("percept_lost", text, time, change.path, scene_rows(history, 0.0, time))
     since = _last_seen(history, name, time)
     seen = f"was last seen at {since:.2f} s" if since is not None else "was lost"
-    scene = scene_rows(history, time if since is None else since, time)
-    why = f", {scene[-1][1]}" if scene else ""
+    why, rows = _unseen(history, time if since is None else since, time)
     text = f"'{name}' {seen}{why}: '{last(change.path)}' failed at {when(time)}"
-    return Cause("percept_lost", text, time, change.path, [("shown by", cut(change.said)), *scene], since)
+    return Cause("percept_lost", text, time, change.path, [("shown by", cut(change.said)), *rows], since)
+
+
+def _unseen(history: History, begin: float, end: float) -> tuple[str, list[Row]]:
+    """Return why nothing was seen between two times [s], as it follows a text, and what shows it.
+
+    Perception that failed explains it; if it did not, the scene's script may.
+    """
+    rows = [
+        ("perception", f"{cut(event.text)} at {event.time:.2f} s")
+        for event in history.events
+        if begin - _SCENE <= event.time <= end + AT and event.text.startswith(_BLIND)
+    ]
+    scene = scene_rows(history, begin, end)
+    why = rows[0] if rows else scene[-1] if scene else None
+    return f", {why[1]}" if why else "", [*rows, *scene]
 
 
 def _last_seen(history: History, name: str, time: float) -> float | None:
@@ -147,7 +172,7 @@ def stale_rows(history: History, time: float) -> list[Row]:
     for path in _stale(history, time):
         began = history.running(time)[path]
         rows.append(("lost", f"'{last(path)}' of {line_of(history.place(path, time))} ran from {when(began.time)} on"))
-        rows += scene_rows(history, began.time, began.time)
+        rows += _unseen(history, began.time, began.time)[1]
     return rows
 
 
@@ -159,8 +184,7 @@ def _stale_since(history: History, time: float) -> tuple[float, str]:
     name = str(history.value(watchdog["values"].get("percept", "the percept"), time))
     since = _last_seen(history, name, began.time)
     seen = f"was last seen at {since:.2f} s" if since is not None else "was not seen"
-    scene = scene_rows(history, began.time if since is None else since, began.time)
-    why = f", {scene[-1][1]}" if scene else ""
+    why, _ = _unseen(history, began.time if since is None else since, began.time)
     return began.time, f"'{name}' {seen}{why}: '{last(path)}' ran instead from {when(began.time)} on"
 
 

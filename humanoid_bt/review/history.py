@@ -103,6 +103,7 @@ class History:
         self._trees = [(-math.inf, self.setup["tree"])]
         self._trees += [(time, value) for time, kind, value in news if kind == "tree"]
         self._nodes = [(since, {node["path"]: node for node in tree["nodes"]}) for since, tree in self._trees]
+        self._sights: dict[float, list[Sight]] = {}
         self.begin, self.until = log.span
         self.ticked_from = self.changes[0].time if self.changes else self.begin
 
@@ -180,6 +181,11 @@ class History:
 
     def sights(self, time: float) -> list[Sight]:
         """Return what was known of each percept at a time [s], the freshest first."""
+        if time not in self._sights:  # of a percept that was lost long ago the whole recording is read
+            self._sights[time] = self._seen(time)
+        return self._sights[time]
+
+    def _seen(self, time: float) -> list[Sight]:
         found: dict[str, Percept] = {}
         names = self._percepts(time)
         for percept in self.log.seen_before(time):

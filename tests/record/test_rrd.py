@@ -90,6 +90,14 @@ def test_where_a_cut_file_ends_is_told(file: Path, tmp_path: Path) -> None:
     reader = RrdFile(path)
     list(reader.batches("/flight"))
     assert reader.cut == f"it ends within a message, at byte {begin + 16} of {begin + 20}"
+    path.write_bytes(data[: begin + 9])
+    reader = RrdFile(path)
+    list(reader.batches("/flight"))
+    assert reader.cut == f"it ends within the head of a message, at byte {begin + 9}"
+    path.write_bytes(data[:begin])
+    reader = RrdFile(path)
+    list(reader.batches("/flight"))
+    assert reader.cut == ""
 
 
 def test_a_pipe_is_not_waited_for(tmp_path: Path) -> None:

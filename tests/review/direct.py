@@ -39,6 +39,10 @@ class DirectRecorder:
         if tick.state.cycle % _SAVED == 0:
             self._recorder.save()
 
+    def cycles(self, plans: Array, cycles: Array) -> None:
+        assert self._recorder is not None
+        self._recorder.cycles(plans.copy(), cycles.copy())  # as the way to another process does: they are a table's own
+
     def __getattr__(self, name: str) -> Callable[..., Any]:
         """Return what takes the other calls."""
         return getattr(self._recorder, name)  # type: ignore[no-any-return]  # as the recorder has it

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import shutil
 from pathlib import Path
 
@@ -93,6 +94,20 @@ FLICKER = (
     + "events:\n"
     + "".join(f"  - {{at: {0.3 * number:.1f} s, {'hide' if number % 2 else 'show'}: ball}}\n" for number in range(1, 9))
 )
+_LATE = {
+    "late_hidden": (HIDDEN, 4.0),
+    "late_flicker": (FLICKER, 3.6),
+}  # a realtime run begins with the robot standing up
+BUMPED = """
+format: 1
+name: bumped
+description: Something comes from behind, and through where the robot stands.
+robot: {position: [0, 0], heading: 0 deg}
+objects:
+  ram: {shape: box, size: [30 cm, 20 cm, 20 cm], position: [-3, 0, 1], solid: true}
+events:
+  - {at: 3 s, move: ram, to: [3, 0, 1], over: 3 s}
+"""
 
 WATCHED = "{watchdog: {percept: target, max_age: 0.3 s, "
 SURE = "{confident: {percept: target, above: 0.6, hysteresis: 0.1}}"
@@ -121,9 +136,24 @@ TREES = {
         "hidden",
         WATCHED + f"reactive_selector: [{{reactive_sequence: [{{inverter: {SURE}}}, {{wait: 60 s}}]}}, walk]}}}}",
     ),
+    "late_doubtful": (
+        "late_hidden",
+        WATCHED + f"reactive_sequence: [{SURE}, {{approach: {{target: target}}}}]}}}}",
+    ),
+    "late_flapping": (
+        "late_flicker",
+        WATCHED + f"reactive_selector: [{{reactive_sequence: [{SURE}, idle]}}, {{wait: 60 s}}]}}}}",
+    ),
+    "bumped": ("bumped", "{wait: 60 s}"),
     "far": ("ball_on_stand", WATCHED + "reach: {target: target, hand: left, patience: 0.2 s}}}"),
 }
 """Tree -> its scene, and what stands below its emergency stop."""
+
+
+def _later(name: str, scene: str, by: float) -> str:
+    """Return a scene in which everything happens later [s]."""
+    renamed = re.sub(r"name: \w+", f"name: {name}", scene, count=1)
+    return re.sub(r"at: ([\d.]+) s", lambda at: f"at: {float(at[1]) + by:.1f} s", renamed)
 
 
 def make_stage(folder: Path) -> Path:
@@ -132,7 +162,8 @@ def make_stage(folder: Path) -> Path:
     (folder / "skills" / "staged.py").write_text(SKILLS, encoding="utf-8")
     scenes = folder / "sim" / "scenes"
     scenes.mkdir(parents=True)
-    for name, text in {"hidden": HIDDEN, "never": NEVER, "flicker": FLICKER}.items():
+    made = {name: _later(name, *of) for name, of in _LATE.items()}
+    for name, text in {"hidden": HIDDEN, "never": NEVER, "flicker": FLICKER, "bumped": BUMPED, **made}.items():
         (scenes / f"{name}.yaml").write_text(text, encoding="utf-8")
     for name, (scene, root) in TREES.items():
         text = f"format: 1\nscene: {scene}\nroot:\n  emergency_stop: {root}\n"

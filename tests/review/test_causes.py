@@ -19,9 +19,9 @@ import pytest
 from humanoid_bt.core.errors import ControlLost
 from humanoid_bt.core.messages import Command, Estimate
 from humanoid_bt.review.cause import Cause
-from humanoid_bt.review.causes import _and_raised
+from humanoid_bt.review.causes import _and_raised, first_stop
 from humanoid_bt.review.explain import explain
-from humanoid_bt.review.history import Stopped
+from humanoid_bt.review.history import Span, Stopped
 from humanoid_bt.session.session import Session
 from humanoid_bt.testing.scripted_perception import ScriptedPerception
 from tests.safety.rows import Contradiction
@@ -141,6 +141,12 @@ CASES: dict[str, tuple[str, str, dict[str, Any], str]] = {
         {"at": 1.0, "do": leant_on, "duration": 4.0},
         r"the robot fell at \d\.\d\d\d s: it was pushed to the right with 110 N at 1\.000 s "
         r"while 'walk' commanded the base",
+    ),
+    "push by something in the scene, and fall": (
+        "bumped",
+        "push",
+        {"duration": 6.0},
+        r"the robot fell at \d\.\d+ s: something pushed it forward at 4\.[34]\d s",
     ),
     "fall in an emergency stop": (
         "walk",
@@ -429,3 +435,18 @@ def test_an_estop_outlasts_the_protective_stop_in_which_it_was_raised(
         assert why.headline.endswith("'a button': too near, in the protective stop since 1.000 s")
     else:
         assert why is cause
+
+
+def test_a_fall_in_the_servo_cycle_that_the_last_tick_saw_is_what_ended_the_run() -> None:
+    silent, fall = (
+        Stopped(time, mode, "why", "supervisor", {}) for time, mode in ((1.0, "protective_stop"), (2.0, "damp"))
+    )
+    spans = [Span(1.0, 1.5, "protective_stop"), Span(1.5, 2.0, "run"), Span(2.0, 9.0, "damp")]
+    history: Any = SimpleNamespace(
+        stops=[silent, fall],
+        end={"outcome": "stopped"},
+        modes=lambda begin, end: [span for span in spans if span.begin < end and span.until > begin],
+    )
+    assert first_stop(history, 2.0) is fall
+    history.end = {"outcome": "unfinished"}
+    assert first_stop(history, 2.0) is None
