@@ -169,6 +169,7 @@ _ROBOT = filled(
         file=text,
         joints=every(text),
         limits=parts(_LIMITS),
+        arms=named(every(text)),
         mass=optional(number),
         fall=optional(parts({"tilt": number, "height": number})),
     ),
@@ -176,6 +177,7 @@ _ROBOT = filled(
     file="",
     joints=[],
     limits={},
+    arms={},
     mass=None,
     fall=None,
 )

@@ -52,8 +52,8 @@ def _skill_failed(history: History, change: Change) -> Cause:
     text = f"'{last(change.path)}' failed at {when(change.time)}: {cut(change.said.split(';')[0])}"
     rows: list[Row] = [(name.replace("_", " "), readable(*of)) for name, of in results.items()]
     if struggling:
-        before = _at_limit_before(history, change)
-        most = max(struggling, key=lambda joint: (joint.joint not in before, joint.duration))
+        moved, before = _moved(history, change), _at_limit_before(history, change)
+        most = max(struggling, key=lambda of: (of.joint in moved, of.joint not in before, of.duration))
         rows.insert(0, ("shown by", f"{most}, in the {_STRUGGLE:g} s before"))
         return Cause(
             "torque_limit",
@@ -74,6 +74,14 @@ def _skill_failed(history: History, change: Change) -> Cause:
             rows.append(("shown by", f"the hand was {nearest} to {farthest} away in the last second"))
         return Cause("out_of_reach", text, change.time, change.path, rows)
     return Cause("failed", text, change.time, change.path, rows)
+
+
+def _moved(history: History, change: Change) -> set[str]:
+    """Return the joints of the arms that a node commanded when it failed."""
+    tick = history.tick(change.time - DECISION_PERIOD)
+    sources = tick.command.sources if tick and tick.command else {}
+    arms: dict[str, list[str]] = history.setup["robot"]["arms"]
+    return {joint for resource, path in sources.items() if path == change.path for joint in arms.get(resource, [])}
 
 
 def _at_limit_before(history: History, change: Change) -> set[str]:

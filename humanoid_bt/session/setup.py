@@ -17,6 +17,7 @@ import mujoco
 
 from humanoid_bt.core.errors import UserError, relative, resolved
 from humanoid_bt.core.items import Item
+from humanoid_bt.core.messages import SIDES
 from humanoid_bt.core.plain import plain
 from humanoid_bt.core.sources import Sources
 from humanoid_bt.files import document
@@ -66,12 +67,13 @@ def run_setup(tree: Tree, engine: Engine, options: RunOptions, robot: Path, scen
 
 
 def _body(robot: RobotModel) -> dict[str, Any]:
-    """Return the joints of a robot and what limits each (soft limits, torque, speed), its mass, when it falls; SI."""
+    """Return a robot's joints and what limits each (soft limits, torque, speed), arms, mass, when it falls; SI."""
     limits = {"lower": robot.lower, "upper": robot.upper, "torque": robot.torque_limit, "speed": robot.speed_limit}
     # JSON has no infinity: a joint that turns without end has no limit
     finite = {name: [value if math.isfinite(value) else None for value in of.tolist()] for name, of in limits.items()}
     fall = {"tilt": robot.config.fall.tilt, "height": robot.config.fall.height}
-    return {"joints": list(robot.joint_names), "limits": finite, "mass": robot.mass, "fall": fall}
+    arms = {f"{side}_hand": [robot.joint_names[number] for number in robot.arm_joints(side)] for side in SIDES}
+    return {"joints": list(robot.joint_names), "limits": finite, "arms": arms, "mass": robot.mass, "fall": fall}
 
 
 def tree_setup(tree: Tree, given: Mapping[str, Any]) -> dict[str, Any]:
