@@ -104,12 +104,14 @@ class ControlProcess:
         self._publish()
         schedule = Schedule(SERVO_PERIOD, spin=privileges.fifo)
         controller = self._controller
-        while not self._ended():
+        while True:
             late, skipped = schedule.wait()
             began = time.monotonic_ns()
             if skipped >= _STALL:
                 controller.supervisor.forgive_silence()
                 self._tell("warning", f"control stalled for {skipped} ms")
+            if self._ended():  # asked after a stall is told: it may be what ended the run
+                break
             self._listen()
             if controller.cycle % self._object_phase == 0:
                 self._plant.surround(controller.supervisor.targets)

@@ -114,19 +114,23 @@ class Schedule:
         """
         clock = self._now
         now = clock()
-        skipped = 0
-        if now > self._next + self._period:
-            skipped = (now - self._next) // self._period
-            self._next += skipped * self._period
-            self.missed += skipped
+        skipped = self._skip(now)
         due = self._next
-        while due - self._spin > now:  # again if a signal ended the sleep early
+        while now < due - self._spin:  # again if a signal ended the sleep early
             self._sleep_until(due - self._spin)
             now = clock()
         while now < due:
             now = clock()
-        self._next = due + self._period
+        skipped += self._skip(now)  # it may have overslept
+        self._next += self._period
         return now - due, skipped
+
+    def _skip(self, now: int) -> int:
+        """Skip the wake-ups that are over at a time [ns] but the last of them; return how many."""
+        skipped = max((now - self._next) // self._period, 0)
+        self._next += skipped * self._period
+        self.missed += skipped
+        return skipped
 
 
 def _absolute_sleep() -> Callable[[int], None]:

@@ -82,3 +82,14 @@ def test_a_sleep_that_a_signal_cut_short_is_made_up_for() -> None:
     assert clock.time >= MS
     assert late <= US
     assert skipped == 0
+
+
+def test_wake_ups_that_were_slept_through_are_told_at_once() -> None:
+    clock = Clock(oversleep=5 * MS)
+    times = schedule(clock)
+    late, skipped = times.wait()
+    assert skipped == 5 == times.missed
+    assert 5 * MS <= late < 6 * MS
+    clock.oversleep = 0
+    assert times.wait() == (US, 0)
+    assert clock.sleeps[-1] == 7 * MS + US

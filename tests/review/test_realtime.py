@@ -206,5 +206,5 @@ def test_control_that_stalls_for_long_ends_the_run_and_is_named(play: Play) -> N
 @pytest.mark.trials
 def test_control_that_stalls_for_a_moment_is_told_beside(play: Play) -> None:
     found = explain(play("walk", duration=3.0, mode="realtime", at=1.5, do=stalled(0.2, [])))
-    assert found.kind == "unfinished"
+    assert found.kind == "unfinished", found
     assert any(name == "warned" and re.search(r"control stalled for [1-9]\d\d ms", text) for name, text in found.rows)
