@@ -6,9 +6,11 @@ import numpy as np
 
 from humanoid_bt import Skill, Status, param
 
+_FAR, _NEAR = 0.2, 0.5  # rad below the eyes' height that it looks
+
 
 class Idle(Skill):
-    """Stand, breathe, and look around ever wider; is RUNNING until it is halted."""
+    """Stand, breathe, and look around ever wider, far and near; is RUNNING until it is halted."""
 
     resources = ("gaze", "posture")
     ends = False
@@ -32,7 +34,9 @@ class Idle(Skill):
         amplitude = min(widest, 0.4 + 0.25 * elapsed)
         yaw = amplitude * math.sin(2 * math.pi * elapsed / self.sweep_period)
         x, y, heading = self.robot.state.stance
+        # down as it comes back to the middle, where something near would stand below the view
+        down = _FAR + (_NEAR - _FAR) * (1 - math.cos(2 * math.pi * elapsed / self.sweep_period)) / 2
         eyes = self.robot.state.gaze_position[2]
         ahead = np.array([math.cos(heading + yaw), math.sin(heading + yaw)])
-        self.robot.look_at([x + 2 * ahead[0], y + 2 * ahead[1], eyes - 0.4])
+        self.robot.look_at([x + 2 * ahead[0], y + 2 * ahead[1], eyes - 2 * math.tan(down)])
         return self.running("looking around")

@@ -152,3 +152,10 @@ def test_fetch_by_sight_is_deterministic() -> None:
     reports = [hbt.run("fetch", scene="random_target", seed=4, perception="color_blob") for _ in range(2)]
     assert [report.outcome for report in reports] == ["success", "success"]
     assert reports[0].trace_hash == reports[1].trace_hash
+
+
+@pytest.mark.trials
+@pytest.mark.usefixtures("opengl")
+def test_a_ball_that_was_hidden_until_the_robot_stood_before_it_is_found_again() -> None:
+    report = hbt.run("fetch", seed=1, perception="color_blob", duration=20)
+    assert report.outcome == "success", report.reason

@@ -19,6 +19,10 @@ def test_stands_where_it_is_and_looks_to_both_sides_ever_wider(rig: Rig) -> None
     yaw = [math.atan2(state.gaze_direction[1], state.gaze_direction[0]) for state in result.states]
     first, second = max(yaw[:225]), -min(yaw[225:])
     assert 0.3 < first < second
+    down = [-math.asin(state.gaze_direction[2]) for state in result.states]
+    assert max(down) == pytest.approx(0.5, abs=0.05)
+    assert 200 < down.index(max(down)) < 250  # ahead, when it looks near
+    assert down[-1] < 0.25
 
 
 def test_breathes(rig: Rig) -> None:
