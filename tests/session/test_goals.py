@@ -101,7 +101,7 @@ def test_a_goal_with_a_parameter_that_cannot_be_is_an_error_and_told(desk: Desk,
         assert session.outcome == ""
     assert desk.ended == [("wrong", "error")]
     assert desk.why == "'duration' must be >= 0, not -1.0"  # and not of what the tree's warnings say
-    assert f"a goal has come that cannot be: {desk.why}" in [event.text for event in session.report.events]
+    assert f"a goal has come that cannot be: {desk.why}" in [event["text"] for event in session.report.events]
 
 
 @pytest.mark.usefixtures("desk")
