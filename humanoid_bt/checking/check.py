@@ -48,6 +48,7 @@ def load_checked(
     robot: str | None = None,
     scene: str | None = None,
     perception: Sources | None = None,
+    others: Collection[str] = (),
     arguments: Collection[str] = (),
 ) -> Tree:
     """Load a tree, with the warnings that its files do not allow; arguments as of ``load_tree``.
@@ -55,7 +56,16 @@ def load_checked(
     Raises:
         UserError: it has mistakes, or a comment in its file allows what it cannot allow or gives no reason.
     """
-    tree = load_tree(path, workspace, parameters, robot=robot, scene=scene, perception=perception, arguments=arguments)
+    tree = load_tree(
+        path,
+        workspace,
+        parameters,
+        robot=robot,
+        scene=scene,
+        perception=perception,
+        others=others,
+        arguments=arguments,
+    )
     problems = settled({tree.path: tree.warnings})
     if errors := [problem for problem in problems if problem.severity == "error"]:
         raise UserError(errors)

@@ -31,14 +31,16 @@ def plant(arguments: argparse.Namespace) -> int:
     """Serve a simulated robot until Ctrl-C; return the exit code."""
     address = read_address(arguments.listen)
     key = read_key(address, arguments.key)
+    cable: Cable = UdpCable(address)  # before what takes a while: another plant there is told at once
     workspace = Workspace(arguments.workspace)
     robot, start = load_robot(workspace.find_robot(arguments.robot))
     scene = Scene(load_scene(workspace.find_scene(arguments.scene)), seed=0)
     served = ServedSimulation(robot, start, scene, arguments.watchdog, arguments.safe)
-    cable: Cable = UdpCable(address)
     impairment = Impairment(arguments.latency, arguments.jitter, arguments.loss / 100)
     if impairment != Impairment():
         cable = ImpairedCable(cable, impairment, time.monotonic_ns, _GRAIN, np.random.default_rng(arguments.seed))
+    while cable.receive():  # whoever called meanwhile has given up, or calls again
+        pass
     server = PlantServer(served, cable, PlantWatchdog(arguments.watchdog, arguments.safe), key, _tell)
     over = False
 

@@ -43,7 +43,7 @@ class Caller:
         self._dropped: list[Asked] = []  # of which it is not known yet whether a goal is at work
         self._clients: dict[tuple[str, str, str], Any] = {}
         self._cancels = Cancels(ears.node, news)
-        self._over = False
+        self._over = self._ended = False
         ears.every(DECISION_PERIOD, self._turn)
 
     def end(self) -> None:
@@ -52,15 +52,16 @@ class Caller:
 
     @property
     def idle(self) -> bool:
-        """Whether nothing is at work."""
-        return not self._asked and not self._dropped and not self._cancels.waiting
+        """Whether nothing is at work any more, and all that decision wrote before the end was read."""
+        return self._ended and not self._asked and not self._dropped and not self._cancels.waiting
 
     def _turn(self) -> None:
+        over = self._over  # before it reads: decision writes nothing after the end
         entries, _ = self._orders.since(self._read)
         for sequence, payload in entries:
             self._read = sequence
             self._order(json.loads(payload))
-        for number in list(self._asked) if self._over else ():
+        for number in list(self._asked) if over else ():
             self._drop(number)
         for asked in list(self._asked.values()):
             asked.look()
@@ -68,6 +69,7 @@ class Caller:
         for asked in dropped:
             self._leave(asked)
         self._cancels.look()
+        self._ended = over
 
     def _order(self, order: Mapping[str, Any]) -> None:
         number = order["number"]

@@ -45,7 +45,7 @@ class Inbox:
         self._latest: dict[str, Percept] = {}
         self._stamps: dict[str, float] = {}
         self._refused: set[str] = set()
-        self._heard: dict[str, float] = {}  # when the last message came, engine time [s]
+        self._heard: dict[str, float] = {}  # topic -> when its last message came, engine time [s]
         self._silent: set[str] = set()
         self.unseen: dict[str, str] = {
             name: f"no message on {topic.topic} yet, of type {topic.type}" for name, topic in topics.items()
@@ -54,7 +54,7 @@ class Inbox:
     def take(self, name: str, message: Any) -> None:
         """Take a message for a percept."""
         topic = self._topics[name]
-        self._heard[name] = self._clock.now()
+        self._heard[self._topics[name].topic] = self._clock.now()
         try:
             if (seen := sighting(message, topic.type, topic.class_, topic.fields)) is None:
                 self._why(name, f"the messages on {topic.topic} have no {topic.class_ or 'detection'}")
@@ -86,13 +86,13 @@ class Inbox:
 
     def _tell_silence(self) -> None:
         """Tell which topics have fallen silent, or are not any more: ROS 2 itself takes 20 s to miss a node."""
-        for name, heard in list(self._heard.items()):
-            topic, silent = self._topics[name].topic, self._clock.now() - heard > _SILENCE
-            if silent and name not in self._silent:
-                self._silent.add(name)
+        for topic, heard in list(self._heard.items()):
+            silent = self._clock.now() - heard > _SILENCE
+            if silent and topic not in self._silent:
+                self._silent.add(topic)
                 self._news("warning", f"no message on {topic} for {_SILENCE:g} s")
-            elif not silent and name in self._silent:
-                self._silent.discard(name)
+            elif not silent and topic in self._silent:
+                self._silent.discard(topic)
                 self._news("info", f"messages on {topic} come again")
 
     def forget_stamps(self) -> None:

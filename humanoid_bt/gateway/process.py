@@ -28,10 +28,8 @@ from humanoid_bt.link.run_folder import RunFolder
 from humanoid_bt.link.wire import Event, Sight, encode_event, encode_percepts
 from humanoid_bt.realtime import channels
 from humanoid_bt.realtime.channels import RunSpec
+from humanoid_bt.realtime.children import GATEWAY_PARTING
 from humanoid_bt.realtime.side_process import take_part, turns
-
-_PARTING = 2.5  # s that nodes get, when the run ends, to be found and to take note that a goal is not wanted any more
-_LAST_ORDERS = 3 * DECISION_PERIOD  # s in which what decision wrote last has been read
 
 
 class Gateway:
@@ -123,8 +121,7 @@ class Gateway:
     def _cancel_goals(self) -> None:
         """Let no goal of others go on that the tree has asked for: the run is over, or decision is gone."""
         self._caller.end()
-        deadline = time.monotonic() + _PARTING
-        time.sleep(_LAST_ORDERS)
+        deadline = time.monotonic() + GATEWAY_PARTING
         while not self._caller.idle and time.monotonic() < deadline:
             time.sleep(DECISION_PERIOD)
 

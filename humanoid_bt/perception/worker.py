@@ -174,7 +174,8 @@ def _checked(percept: Percept, time: float) -> Percept:
         except (TypeError, ValueError):
             array = np.full(0, np.nan)
         if array.shape != shape or not np.isfinite(array).all():
-            raise PerceptError(f"{what} has the {field} {shortened(repr(value), 80)}: no {shape} finite numbers")
+            given = shortened(" ".join(repr(value).split()), 80)  # an array is written in lines
+            raise PerceptError(f"{what} has the {field} {given}: no {shape} finite numbers")
         array.setflags(write=False)
         return array
 

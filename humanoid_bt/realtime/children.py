@@ -12,6 +12,11 @@ from humanoid_bt.core.errors import HumanoidBtError
 from humanoid_bt.link.processes import how_ended
 from humanoid_bt.link.run_folder import RunFolder
 
+GATEWAY_PARTING = 12.0
+"""How long a gateway may stay when the run ends [s]: to find nodes whose goals are not wanted any more, and be heard.
+
+It takes that long only if such a node is busy or gone.
+"""
 _END_TIMEOUT = 3.0  # s that the processes get to end by themselves
 
 
@@ -58,8 +63,9 @@ class Children:
 
     def end(self) -> None:
         """Wait until all have ended, kill those that do not; leave no zombie. Who interrupts this leaves them alone."""
-        deadline = time.monotonic() + _END_TIMEOUT
-        for process in self._processes.values():
+        began = time.monotonic()
+        for role, process in self._processes.items():
+            deadline = began + _END_TIMEOUT + (GATEWAY_PARTING if role == "gateway" else 0.0)
             with contextlib.suppress(subprocess.TimeoutExpired):
                 process.wait(max(0.0, deadline - time.monotonic()))
         for process in self._processes.values():

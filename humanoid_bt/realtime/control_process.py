@@ -243,8 +243,10 @@ class ControlProcess:
             self._folder.path("result.json").write_text(json.dumps(self._plant.result()), encoding="utf-8")
         self._plant.close()
         if self._plant.lost:
-            self._tell("error", f"the plant is lost: {self._plant.fault}")
-            raise ControlLost(f"the plant is lost: {self._plant.fault}")
+            why = f"the plant is lost: {self._plant.fault}"
+            if self._quit.count:  # else decision tells why control has ended
+                self._tell("error", why)
+            raise ControlLost(why)
         if self._orphaned_at is not None:
             self._log("end", "control ended: decision died before")
         elif self._quit.count >= ABANDONED:

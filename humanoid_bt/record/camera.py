@@ -27,7 +27,9 @@ _PLANE = f"{CAMERA}_image"
 _WHY = f"{CAMERA}/why"
 _PERIOD = 0.2  # s
 _SLACK = 1e-6  # times are sums of periods
-_SLOWEST = 0.05  # s that a picture may take unless it is insisted on: a quarter of one core, at the pace of the clock
+_SLOWEST = (
+    0.05  # s of CPU time that a picture may take unless insisted on: a quarter of a core, at the pace of the clock
+)
 
 
 class HeadCamera:

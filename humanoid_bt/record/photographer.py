@@ -21,7 +21,8 @@ class Photographer:
 
     Args:
         setup: of the camera.
-        slowest: what a picture may take [s]; inf for any time, and for every picture: none is left out then.
+        slowest: what a picture may take of the processor [s]; inf for any time, and
+            for every picture: none is left out then.
 
     Attributes:
         why: why there are no pictures, "" as long as there may be some.

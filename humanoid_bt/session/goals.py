@@ -95,7 +95,9 @@ class Goals:
 
     def _start(self, ready: GoalTree) -> None:
         if ready.executor is None:
-            self._ended(End("error", "; ".join(problem.message for problem in ready.problems)))
+            why = "; ".join(problem.message for problem in ready.problems if problem.severity == "error")
+            self._teller.event("error", f"a goal has come that cannot be: {why}")
+            self._ended(End("error", why))
             return
         self._runner.replace(ready.executor)
         self._teller.event("info", "a goal has come: the tree starts")

@@ -16,6 +16,7 @@ from humanoid_bt.core.errors import Place, Problem, UserError, relative, resolve
 from humanoid_bt.files import document
 from humanoid_bt.files.class_files import class_file
 from humanoid_bt.files.workspace import Workspace
+from humanoid_bt.gateway.file import load_gateway
 from humanoid_bt.session.options import RunOptions
 from humanoid_bt.tree.tree import Tree
 
@@ -41,6 +42,8 @@ class TreeLoader:
 
     def __init__(self, options: RunOptions, workspace: Workspace) -> None:
         self._options, self._workspace = options, workspace
+        gateway = options.gateway
+        self._others = tuple(load_gateway(workspace.find_gateway(gateway)).percepts) if gateway else ()
         self._path = None if isinstance(options.tree, Tree) else workspace.find_tree(options.tree)
         self.first = self._load()
         self.robot, self.scene = self._robot(self.first), self._scene(self.first)
@@ -89,6 +92,7 @@ class TreeLoader:
             robot=options.robot,
             scene=options.scene,
             perception=options.perception,
+            others=self._others,
             arguments=options.arguments,
         )
         if tree.is_subtree:

@@ -226,3 +226,12 @@ def test_a_topic_that_falls_silent_is_told_once(desk: Desk) -> None:
     assert desk.percept(messages.pose_stamped(desk.ros, (1, 0, 0))) is not None
     desk.inbox.flush()
     assert desk.news[1:] == [("info", "messages on /ball come again")]
+
+
+def test_a_topic_of_two_percepts_falls_silent_once() -> None:
+    desk = Desk(ball=PerceptTopic(topic="/seen"), cup=PerceptTopic(topic="/seen"))
+    for name in ("ball", "cup"):
+        assert desk.percept(messages.pose_stamped(desk.ros, (1, 0, 0)), name) is not None
+    desk.passes(1.5)
+    desk.inbox.flush()
+    assert desk.news == [("warning", "no message on /seen for 1 s")]

@@ -51,3 +51,13 @@ def test_the_tracker_leaves_percepts_to_the_gateway_and_a_source_does_not(gatewa
 def test_a_percept_that_only_the_gateway_has_is_published(gateway: Path) -> None:
     gateway.write_text(FILE.replace("target", "door"))
     assert set(session(gateway).engine.publishes) == {"door", "target"}
+
+
+@pytest.mark.usefixtures("installed")
+def test_what_the_gateway_publishes_is_missed_by_no_check(gateway: Path, tmp_path: Path) -> None:
+    tree = tmp_path / "look.yaml"
+    watch = "watchdog: {percept: %s, max_age: 1 s, timeout: {duration: 9 s, emergency_stop: idle}}"
+    tree.write_text(f"format: 1\nroot: {{sequence: [{{{watch % 'target'}}}, {{{watch % 'nobody'}}}]}}\n")
+    run = hbt.Session(tree, mode="realtime", gateway=gateway, perception={"color_blob": {"target": "seen"}})
+    missed = [one for one in run.tree.warnings if one.code == "unknown-percept"]
+    assert ["'nobody'" in one.message for one in missed] == [True]

@@ -150,6 +150,7 @@ GOOD = Percept("cup", 1.0, np.array([1.0, 0, 0]), 0.5)
         ([Percept("cup", 1.0, GOOD.position, 0.5, size=np.array([1, 0, 1]))], "lengths are above 0"),
         ([Percept("cup", 1.0, GOOD.position, 0.5, orientation=np.ones(4))], "a unit quaternion"),
         ([Percept("cup", 1.0, GOOD.position, 0.5, covariance=-np.eye(3))], "not symmetric and positive"),
+        ([Percept("cup", 1.0, GOOD.position, 0.5, covariance=np.full((2, 2), np.nan))], r"\[nan, nan\], \[nan, nan\]"),
         ([Percept("cup", 1.0, GOOD.position, 0.5, class_name=3)], "no text"),  # type: ignore[arg-type]  # the mistake that is tried
     ],
 )

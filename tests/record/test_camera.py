@@ -130,7 +130,7 @@ def test_pictures_that_take_too_long_are_left_to_who_insists(
     recorder._camera._photographer.wait_until_ready()
     with recorder:
         sample(recorder, 0.0)
-    assert "ms here, more than 0 ms" in why(file)[0]
+    assert "ms of the processor here, more than 0 ms" in why(file)[0]
 
 
 def test_its_process_ends_with_the_recording(recorded: Maker) -> None:

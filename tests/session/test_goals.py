@@ -29,6 +29,7 @@ class Desk:
     def __init__(self) -> None:
         self.orders: deque[dict[str, Any]] = deque()
         self.ended: list[tuple[str, str]] = []
+        self.why = ""
 
     def start(self, goal: str, duration: float) -> None:
         self.orders.append({"order": "start", "goal": goal, "parameters": {"duration": duration}})
@@ -47,6 +48,7 @@ def desk(monkeypatch: pytest.MonkeyPatch) -> Desk:
     def announce(_engine: Lockstep, kind: str, values: Mapping[str, Any]) -> None:
         if kind == "goal":
             desk.ended.append((values["goal"], values["outcome"]))
+            desk.why = values["reason"]
 
     monkeypatch.setattr(Lockstep, "takes_orders", True)
     monkeypatch.setattr(Lockstep, "take_orders", taken)
@@ -91,12 +93,15 @@ def test_a_goal_that_is_canceled_ends_and_another_can_come(desk: Desk, tree: Pat
     assert desk.ended[1:] == [("late", "interrupted"), ("next", "success")]
 
 
-def test_a_goal_with_a_parameter_that_cannot_be_is_an_error(desk: Desk, tree: Path) -> None:
+def test_a_goal_with_a_parameter_that_cannot_be_is_an_error_and_told(desk: Desk, tree: Path) -> None:
+    tree.write_text(REST.replace("{wait: $duration}", "{sequence: [{wait: $duration}, idle]}"))
     with hbt.Session(tree) as session:
         desk.start("wrong", -1)
         session.run_until(0.5)
         assert session.outcome == ""
     assert desk.ended == [("wrong", "error")]
+    assert desk.why == "'duration' must be >= 0, not -1.0"  # and not of what the tree's warnings say
+    assert f"a goal has come that cannot be: {desk.why}" in [event["text"] for event in session.report.events]
 
 
 @pytest.mark.usefixtures("desk")

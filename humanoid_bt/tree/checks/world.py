@@ -39,6 +39,7 @@ class World:
         scene: str | None = None,
         *,
         perception: Sources | None = None,
+        others: Collection[str] = (),
     ) -> World:
         """Return the robot and the scene of a tree.
 
@@ -48,6 +49,7 @@ class World:
             problems: takes what is wrong with the names, and with the files behind them.
             robot, scene: names that count instead of the file's.
             perception: sources that count instead of the file's.
+            others: percepts that come from elsewhere, as through a gateway.
         """
 
         def named(key: str, instead: str | None) -> Item | None:
@@ -62,7 +64,7 @@ class World:
             problems += error.problems
             return cls(body, around)
         known = sources is not None or around is not None
-        return cls(body, around, [name for one in chosen for name in one.names] if known else None)
+        return cls(body, around, [*others, *(name for one in chosen for name in one.names)] if known else None)
 
 
 _HANDS = {"left_hand", "right_hand"}

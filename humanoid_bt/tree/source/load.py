@@ -41,6 +41,7 @@ def load_tree(
     robot: str | None = None,
     scene: str | None = None,
     perception: Sources | None = None,
+    others: Collection[str] = (),
     arguments: Collection[str] = (),
 ) -> Tree:
     """Read, check and build a tree.
@@ -51,6 +52,7 @@ def load_tree(
         parameters: values for its parameters, or text as after ``--set``, by name.
         robot, scene: check it for these, instead of those that its header names.
         perception: check it with these percept sources, instead of those that its header or its scene names.
+        others: percepts that come from elsewhere, as through a gateway.
         arguments: what else can be given beside the parameters, for hints.
 
     Raises:
@@ -58,7 +60,7 @@ def load_tree(
     """
     found: list[Problem] = []
     tree = Loader(workspace, found).load(
-        path, parameters or {}, robot, scene, perception=perception, arguments=arguments
+        path, parameters or {}, robot, scene, perception=perception, others=others, arguments=arguments
     )
     problems = _in_file_order(found, relative(path))
     if tree is None or any(problem.severity == "error" for problem in problems):
@@ -104,6 +106,7 @@ class Loader:
         scene: str | None,
         *,
         perception: Sources | None,
+        others: Collection[str],
         arguments: Collection[str],
     ) -> Tree | None:
         """Return the tree, None if mistakes keep it from being made."""
@@ -115,7 +118,7 @@ class Loader:
         root = None
         if registry is not None:
             root = self._read(file, Reader(registry, (file,), scope, self, self.problems))
-        world = World.of(self._workspace, file.item, self.problems, robot, scene, perception=perception)
+        world = World.of(self._workspace, file.item, self.problems, robot, scene, perception=perception, others=others)
         made: tuple[Node, ...] = ()
         if root is not None:
             self.problems += check(root, world, alone=bool(file.header.get("subtree")))
