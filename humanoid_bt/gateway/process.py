@@ -29,6 +29,7 @@ from humanoid_bt.link.wire import Event, Sight, encode_event, encode_percepts
 from humanoid_bt.realtime import channels
 from humanoid_bt.realtime.channels import RunSpec
 from humanoid_bt.realtime.side_process import take_part, turns
+from humanoid_bt.robot.model_file import model_file
 
 _PARTING = 2.5  # s that nodes get, when the run ends, to be found and to take note that a goal is not wanted any more
 _LAST_ORDERS = 3 * DECISION_PERIOD  # s in which what decision wrote last has been read
@@ -135,7 +136,7 @@ class Gateway:
 def _description(robot: Path) -> str:
     """Return the text of a robot's model."""
     model: str = document.load(robot).value["model"].value
-    return (robot.parent / model).read_text(encoding="utf-8", errors="replace")
+    return model_file(model, robot.parent).read_text(encoding="utf-8", errors="replace")
 
 
 def run(folder: RunFolder) -> None:
