@@ -243,7 +243,7 @@ class CollisionConfig:
     )
 
 
-Walk = Literal["dcm", "policy"]
+Walk = Literal["dcm", "policy", "own"]
 """What can walk and balance."""
 
 
@@ -251,8 +251,12 @@ Walk = Literal["dcm", "policy"]
 class BodyConfig:
     """What walks and balances."""
 
-    walk: Walk = param("dcm", doc="dcm: footsteps and whole-body control from the model; policy: a learned walker.")
+    walk: Walk = param(
+        "dcm",
+        doc="dcm: footsteps and whole-body control from the model; policy: a learned walker; own: your own class.",
+    )
     policy: str | None = param(None, doc="Of a learned walker: its description, relative to this file.")
+    own: str | None = param(None, doc="Of a body of your own: the Python file of its class, relative to this file.")
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -143,6 +143,7 @@ def _files(
         "gateway": [(tree.workspace or Workspace()).find_gateway(gateway)] if gateway else [],
         "robot": [robot],
         "policy": list(_policy_files(robot)),
+        "body": list(_own_body(robot)),
         "model": [model, *(model.parent / name for name in mujoco.mju_getXMLDependencies(str(model)))],
     }
     seen = set[Path]()
@@ -161,6 +162,13 @@ def _policy_files(robot: Path) -> Iterator[Path]:
         yield description
         if description.is_file() and (model := document.load(description).plain().get("model")):
             yield description.parent / model
+
+
+def _own_body(robot: Path) -> Iterator[Path]:
+    """Yield the file of a body that is the user's own."""
+    body = document.load(robot).plain().get("body") or {}
+    if named := body.get("own"):
+        yield robot.parent / named
 
 
 def _content(file: Path) -> dict[str, str]:
