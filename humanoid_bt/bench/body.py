@@ -107,9 +107,9 @@ def chosen(patterns: Sequence[str]) -> list[Row]:
 
 def bodies_of(config: RobotConfig) -> list[Walk]:
     """Return the bodies that a robot can have, the one that ``robot.yaml`` names first."""
-    if config.body.policy is None:
-        return [config.body.walk]
-    return sorted(get_args(Walk), key=lambda body: body != config.body.walk)
+    brought = {"dcm": True, "policy": config.body.policy is not None, "own": config.body.own is not None}
+    bodies: list[Walk] = [body for body in get_args(Walk) if brought[body]]
+    return sorted(bodies, key=lambda body: body != config.body.walk)
 
 
 def measure_body(

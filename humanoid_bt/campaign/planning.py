@@ -124,7 +124,7 @@ def _found(find: Callable[[str], Path], item: Item) -> Path:
 
 def _of_robot(path: Path) -> tuple[Path, Path]:
     """Return the files of a robot, but for what its model includes."""
-    return path, path.parent / load_robot_config(path).model
+    return path, load_robot_config(path).model_file
 
 
 def _called(file: Path, workspace: Workspace) -> str:

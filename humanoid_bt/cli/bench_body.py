@@ -74,10 +74,9 @@ def bench_body(arguments: argparse.Namespace) -> int:
 
 
 def _bodies(config: RobotConfig, walk: Walk | None) -> list[Walk | None]:
-    """Return what is tried: both bodies of a robot that has two, the one that its file names first."""
-    if walk is not None or config.body.policy is None:
-        return [walk]
-    return list(bodies_of(config))
+    """Return what is tried: all bodies of a robot that has several, the one that its file names first."""
+    bodies: list[Walk | None] = [*bodies_of(config)]
+    return [walk] if walk is not None or len(bodies) == 1 else bodies
 
 
 def _gait(console: SafeConsole, found: Sequence[Withstood], body: Walk | None) -> list[GaitFigure]:

@@ -10,11 +10,12 @@ from humanoid_bt.core.errors import Place, UserError, relative
 from humanoid_bt.files.whole import write_whole
 from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.robot.model import model_problems, read_model
+from humanoid_bt.robot.model_file import PREFIX, described_file, described_name
 from humanoid_bt.robot.survey.description import Description, describe
 from humanoid_bt.robot.survey.limbs import NoHumanoidError
 from humanoid_bt.session.report import ExitCode
 
-_USAGE = "humanoid-bt robots init MODEL.xml [--name NAME]"
+_USAGE = "humanoid-bt robots init MODEL.xml|robot_descriptions:NAME [--name NAME]"
 _NO_NAMES = ("model", "scene", "robot")  # what files are called whose folder says what is in them
 
 
@@ -22,7 +23,7 @@ def robots_init(arguments: list[str], name: str | None, workspace: Workspace) ->
     """Write ``sim/NAME/robot.yaml`` for a model.
 
     Args:
-        arguments: what stood behind ``init``: the model's file.
+        arguments: what stood behind ``init``: the model's file, or its description.
         name: the robot's; by default the model's.
         workspace: where it is written.
 
@@ -31,25 +32,27 @@ def robots_init(arguments: list[str], name: str | None, workspace: Workspace) ->
     """
     if len(arguments) != 1:
         raise UserError(f"robots init takes one model, not {len(arguments)}", hint=_USAGE)
-    model = Path(arguments[0])
+    given = arguments[0]
+    described = given.startswith(PREFIX)
+    model = described_file(given) if described else Path(given)
     if not model.is_file():
-        raise UserError(
-            f"there is no file {str(model)!r}", hint="an MJCF model, as robots/my_robot.xml", code="no-file"
-        )
-    name = name or _name_of(model)
+        hint = f"an MJCF model, as robots/my_robot.xml, or {PREFIX}NAME"
+        raise UserError(f"there is no file {str(model)!r}", hint=hint, code="no-file")
+    name = name or (described_name(given) if described else _name_of(model))
     if not re.fullmatch(r"[\w-]+", name):
         raise UserError(f"{name!r} is no name for a robot", hint="letters, digits, _ and -, as in --name my_robot")
     path = workspace.root / "sim" / name / "robot.yaml"
     if os.path.lexists(path):
         raise UserError(f"{relative(path)!r} is there already", hint="another name: --name NAME")
-    description = _described(model, name, path)
+    description = _described(model, name, given if described else _seen_from(path.parent, model))
     path.parent.mkdir(parents=True, exist_ok=True)
     write_whole(path, description.text.encode())
     _tell(description, path)
     return ExitCode.SUCCESS
 
 
-def _described(model: Path, name: str, path: Path) -> Description:
+def _described(model: Path, name: str, written: str) -> Description:
+    """Return what is found in a model that robot.yaml is to name like this."""
     spec = read_model(model)
     if problems := list(model_problems(spec, Place(relative(model)))):
         raise UserError(problems)
@@ -58,11 +61,16 @@ def _described(model: Path, name: str, path: Path) -> Description:
     except ValueError as error:
         message = f"the model does not compile: {' '.join(str(error).split())}"
         raise UserError(message, Place(relative(model)), code="model") from error
-    file = os.path.relpath(model.resolve(), path.parent.resolve())
     try:
-        return describe(compiled, name, str(model.resolve()) if file.count("..") > 3 else file)
+        return describe(compiled, name, written)
     except NoHumanoidError as error:
         raise UserError(str(error), Place(relative(model)), code="model") from error
+
+
+def _seen_from(folder: Path, model: Path) -> str:
+    """Return the path of a model from a folder, or its whole path if it is far from there."""
+    file = os.path.relpath(model.resolve(), folder.resolve())
+    return str(model.resolve()) if file.count("..") > 3 else file
 
 
 def _name_of(model: Path) -> str:

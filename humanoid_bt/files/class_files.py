@@ -1,4 +1,4 @@
-"""Loading classes from a workspace's Python files: skills and percept sources, the built-in ones and the user's alike.
+"""Loading classes from Python files: skills, percept sources and bodies, the built-in ones and the user's alike.
 
 A file is run under a private module name made from its path, so that no such file ever stands in for another module,
 whatever it is called.
@@ -20,10 +20,10 @@ from humanoid_bt.core.ctrl_c import is_ctrl_c
 from humanoid_bt.core.errors import Place, UserError, nearest, relative, resolved
 from humanoid_bt.files.reading import read_text
 
-What = Literal["skill", "source"]
+What = Literal["skill", "source", "body"]
 
 _SOURCE = "__humanoid_bt_source__"
-_NOUNS: dict[What, str] = {"skill": "skill file", "source": "file of percept sources"}
+_NOUNS: dict[What, str] = {"skill": "skill file", "source": "file of percept sources", "body": "file of a body"}
 
 _IMPORTED_FROM = re.compile(r" \([^()]*\)$")
 """Where a module that lacks a name is, in the message of an ImportError."""

@@ -30,6 +30,7 @@ from humanoid_bt.realtime import channels
 from humanoid_bt.realtime.channels import RunSpec
 from humanoid_bt.realtime.children import GATEWAY_PARTING
 from humanoid_bt.realtime.side_process import take_part, turns
+from humanoid_bt.robot.model_file import model_file
 
 
 class Gateway:
@@ -132,7 +133,7 @@ class Gateway:
 def _description(robot: Path) -> str:
     """Return the text of a robot's model."""
     model: str = document.load(robot).value["model"].value
-    return (robot.parent / model).read_text(encoding="utf-8", errors="replace")
+    return model_file(model, robot.parent).read_text(encoding="utf-8", errors="replace")
 
 
 def run(folder: RunFolder) -> None:

@@ -15,7 +15,8 @@ from humanoid_bt.core.messages import RESOURCES, SIDES
 from humanoid_bt.core.params import param
 from humanoid_bt.core.reading import read
 from humanoid_bt.files import document
-from humanoid_bt.files.reading import is_file, read_bytes
+from humanoid_bt.files.reading import read_bytes
+from humanoid_bt.robot.model_file import model_file
 from humanoid_bt.robot.sensor_config import SensorsConfig
 
 _MAX_MODEL = 20_000_000  # bytes of an MJCF file, without its meshes
@@ -242,7 +243,7 @@ class CollisionConfig:
     )
 
 
-Walk = Literal["dcm", "policy"]
+Walk = Literal["dcm", "policy", "own"]
 """What can walk and balance."""
 
 
@@ -250,8 +251,12 @@ Walk = Literal["dcm", "policy"]
 class BodyConfig:
     """What walks and balances."""
 
-    walk: Walk = param("dcm", doc="dcm: footsteps and whole-body control from the model; policy: a learned walker.")
+    walk: Walk = param(
+        "dcm",
+        doc="dcm: footsteps and whole-body control from the model; policy: a learned walker; own: your own class.",
+    )
     policy: str | None = param(None, doc="Of a learned walker: its description, relative to this file.")
+    own: str | None = param(None, doc="Of a body of your own: the Python file of its class, relative to this file.")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -261,7 +266,7 @@ class RobotConfig:
     format: int = param(doc="Version of this file's form: 1.", minimum=1, maximum=1)
     name: str = param(doc="The robot's name.")
     description: str = param("", doc="One line for people.")
-    model: str = param(doc="MJCF file, relative to this one.")
+    model: str = param(doc="MJCF file, relative to this one; or robot_descriptions:NAME, of the package of this name.")
     base: str = param(doc="Body with the free joint.")
     torso: str = param(doc="Body that carries the arms.")
     legs: dict[str, LegConfig] = param(doc="The legs: left and right.")
@@ -290,6 +295,15 @@ class RobotConfig:
     collision: CollisionConfig = param(CollisionConfig(), doc="How it keeps its own links apart.")
     path: Path = field(default=Path(), compare=False)
     written: Item | None = field(default=None, compare=False, repr=False)
+
+    @property
+    def model_file(self) -> Path:
+        """The MJCF file of its model.
+
+        Raises:
+            UserError: there is none.
+        """
+        return model_file(self.model, self.path.parent, self.place("model"))
 
     @property
     def resources(self) -> tuple[str, ...]:
@@ -391,12 +405,8 @@ def _mistakes(item: Item, folder: Path) -> Iterator[Problem]:
     model = parts.get("model")
     if model is None or not isinstance(model.value, str):
         return
-    file = folder / model.value
-    if not is_file(file):
-        hint = f"looked for {relative(file)}"
-        yield Problem(f"the model file {model.value!r} is missing", model.place, hint, code="no-file")
-        return
     try:
-        read_bytes(file, _MAX_MODEL)  # MuJoCo would wait for a pipe, or read for ever
+        # MuJoCo would wait for a pipe, or read for ever
+        read_bytes(model_file(model.value, folder, model.place), _MAX_MODEL)
     except UserError as error:
         yield from error.problems

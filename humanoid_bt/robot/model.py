@@ -125,7 +125,7 @@ class RobotModel:
     def spec(self) -> mujoco.MjSpec:
         """Return a new editable model of the robot with its drives, sites and foot sensors."""
         config = self.config
-        spec = read_model(config.path.parent / config.model)
+        spec = read_model(config.model_file)
         _check_names(spec, config)
         # keyframes no longer fit once a scene is added; sensors may read actuators that are replaced
         for element in [*spec.keys, *spec.sensors]:
@@ -196,7 +196,7 @@ def _compile(spec: mujoco.MjSpec, config: RobotConfig) -> mujoco.MjModel:
 
 
 def _model(config: RobotConfig) -> Place:
-    return Place(relative(config.path.parent / config.model))
+    return Place(relative(config.model_file))
 
 
 def _one_line(error: ValueError) -> str:

@@ -45,7 +45,8 @@ class Session(Debugging):
         tree: name or file of a tree, or a tree that was loaded or made in Python and was in no session before.
         workspace: folder in which names are looked up; else a tree file's own, or the working directory.
         robot, scene: names or paths; else what the tree says.
-        body: what walks and balances: "dcm", or "policy" for the robot's learned walker; else what robot.yaml says.
+        body: what walks and balances: "dcm", or "policy" or "own" for the learned walker or the class that
+            robot.yaml names; else what it says.
         perception: the percept sources: a name, a mapping of names to parameters, or a list of these; else what the
             tree says, or the scene.
         seed: of everything random.

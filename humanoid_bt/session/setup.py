@@ -26,6 +26,7 @@ from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.perception.choice import sources_of
 from humanoid_bt.perception.source_files import files_of
 from humanoid_bt.robot.model import RobotModel
+from humanoid_bt.robot.model_file import model_file
 from humanoid_bt.session.engine import Engine
 from humanoid_bt.session.options import RunOptions
 from humanoid_bt.session.report import versions
@@ -133,7 +134,7 @@ def _files(
 ) -> Iterator[dict[str, Any]]:
     """Yield every file that the run is made of: its name in its workspace, what it is, its hash, and its text."""
     skills = (class_file(node.type.cls) for node in tree.nodes if node.kind == "skill")
-    model = robot.parent / document.load(robot).value["model"].value
+    model = model_file(document.load(robot).value["model"].value, robot.parent)
     roles = {
         "tree": tree.files,
         "skill": [file for file in skills if file is not None],
@@ -142,6 +143,7 @@ def _files(
         "gateway": [(tree.workspace or Workspace()).find_gateway(gateway)] if gateway else [],
         "robot": [robot],
         "policy": list(_policy_files(robot)),
+        "body": list(_own_body(robot)),
         "model": [model, *(model.parent / name for name in mujoco.mju_getXMLDependencies(str(model)))],
     }
     seen = set[Path]()
@@ -160,6 +162,13 @@ def _policy_files(robot: Path) -> Iterator[Path]:
         yield description
         if description.is_file() and (model := document.load(description).plain().get("model")):
             yield description.parent / model
+
+
+def _own_body(robot: Path) -> Iterator[Path]:
+    """Yield the file of a body that is the user's own."""
+    body = document.load(robot).plain().get("body") or {}
+    if named := body.get("own"):
+        yield robot.parent / named
 
 
 def _content(file: Path) -> dict[str, str]:

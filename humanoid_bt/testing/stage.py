@@ -52,7 +52,7 @@ class Stage:
         robot, scene: names or paths; what each tree says if None.
         dry: without physics: the robot is at once where it is told to be. For the logic of trees only.
         perception: the percept sources, as in a scene file; what each tree or its scene says if None.
-        body: what walks and balances, "dcm" or "policy"; what ``robot.yaml`` says if None.
+        body: what walks and balances, "dcm", "policy" or "own"; what ``robot.yaml`` says if None.
 
     Raises:
         UserError: the workspace is no folder, or the perception names no sources.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -13,8 +14,9 @@ import numpy as np
 
 from humanoid_bt.control.body.planar import ahead
 from humanoid_bt.control.body.policy import inference
+from humanoid_bt.control.body.policy.upper_body import UpperBody
 from humanoid_bt.core.clock import cycles
-from humanoid_bt.core.messages import BaseTarget, Command, HandTarget, Mode, Pause
+from humanoid_bt.core.messages import SIDES, BaseTarget, Command, HandTarget, Mode, Pause
 from humanoid_bt.plant.sensor_failures import FAILURES
 from humanoid_bt.robot.policy.network import Network, Tensor
 from tests.safety.machine import Machine, Scripted, intact, resent, seconds
@@ -170,7 +172,15 @@ class Contradiction(mink.Limit):  # type: ignore[misc]  # mink has no types
 
 def unsolvable(duration: float) -> Fault:
     def fault(machine: Machine, _: np.random.Generator) -> None:
-        limits = machine.controller.body.kinematics.limits
+        kinematics = machine.controller.body.kinematics
+        if isinstance(kinematics, UpperBody):  # of a learned walker: what it lends has no solution
+            way = kinematics._way
+            kinematics._way = lambda *_: None  # type: ignore[method-assign]  # of this one alone
+            again = functools.partial(setattr, kinematics, "_way", way)
+            machine.after(duration, again)
+            machine.undo.append(again)
+            return
+        limits = kinematics.limits
         limits.append(Contradiction())
         machine.after(duration, lambda: limits.__delitem__(-1))
         machine.undo.append(lambda: limits.__delitem__(slice(1, None)))
@@ -182,12 +192,15 @@ def unsolvable(duration: float) -> Fault:
 
 
 def knocked_over(machine: Machine, rng: np.random.Generator) -> None:
-    machine.plant.push("torso", 600 * _direction(rng), 0.2)
+    machine.plant.push(machine.robot.config.torso, 600 * _direction(rng), 0.2)
 
 
 def pushed_while_stopped(machine: Machine, rng: np.random.Generator) -> None:
     machine.line = nothing
-    machine.after(seconds(int(rng.integers(150, 1200))), lambda: machine.plant.push("torso", 60 * _direction(rng), 0.1))
+    machine.after(
+        seconds(int(rng.integers(150, 1200))),
+        lambda: machine.plant.push(machine.robot.config.torso, 60 * _direction(rng), 0.1),
+    )
 
 
 def _direction(rng: np.random.Generator) -> np.ndarray:
@@ -197,7 +210,7 @@ def _direction(rng: np.random.Generator) -> np.ndarray:
 
 def arm_pushed(machine: Machine, rng: np.random.Generator) -> None:
     """Push a hand harder than an arm stands."""
-    machine.plant.push(str(rng.choice(["left_hand", "right_hand"])), 60 * _direction(rng), 0.2)
+    machine.plant.push(machine.robot.config.hands[SIDES[rng.integers(2)]].body, 60 * _direction(rng), 0.2)
 
 
 def in_the_way(times: int) -> Fault:
@@ -211,7 +224,7 @@ def in_the_way(times: int) -> Fault:
         back = np.array([*(ahead(stance, -1.0, 0.0) - stance)[:2], 0.0])
 
         def push(force: float, duration: float) -> Callable[[], None]:
-            return lambda: machine.plant.push("left_hand", force * back, duration)
+            return lambda: machine.plant.push(machine.robot.config.hands["left"].body, force * back, duration)
 
         for time in range(times):
             machine.after(_MEETS_FROM + _MEETS_EVERY * time, push(*_BLOW))

@@ -76,7 +76,7 @@ def add_bench(commands: Commands) -> None:
     )
     robot = bench.add_argument_group("with --body or --speed")
     robot.add_argument("--robot", metavar="R", help="name, folder or robot.yaml; default: humanoid")
-    robot.add_argument("--walk", choices=("policy", "dcm"), help="of a robot with two bodies, only this one")
+    robot.add_argument("--walk", choices=("policy", "own", "dcm"), help="of a robot with several bodies, only this one")
     robot.add_argument("--workspace", type=Path, metavar="DIR", help="where robots are looked up; default: here")
     body = bench.add_argument_group("with --body")
     body.add_argument("--only", nargs="+", metavar="ROW", help="rows, by name or pattern ('push-*'); default: all")

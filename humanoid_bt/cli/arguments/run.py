@@ -38,10 +38,10 @@ def add_run(commands: Commands) -> None:
     run.add_argument("--scene", metavar="S", help="name or file of a scene; default: what the tree says")
     run.add_argument(
         "--body",
-        choices=["dcm", "policy"],
+        choices=["dcm", "policy", "own"],
         metavar="B",
-        help="what walks and balances: dcm (footsteps from the model) or policy (the learned walker that robot.yaml "
-        "names); default: what robot.yaml says",
+        help="what walks and balances: dcm (footsteps from the model), or policy or own (the learned walker, or the "
+        "Python file, that robot.yaml names); default: what robot.yaml says",
     )
     add_perception(run)
     run.add_argument(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from humanoid_bt.control.body.body import Body
+from humanoid_bt.control.body.own import own_body
 from humanoid_bt.control.body.policy.learned_body import LearnedBody
 from humanoid_bt.control.body.whole_body import WholeBody
 from humanoid_bt.control.body.yielding import Felt
@@ -20,6 +21,8 @@ def bodies(robot: RobotModel, dynamics: RobotDynamics, contact: Felt, *, waits: 
         waits: whether time stands still while a body computes.
     """
     model_based = WholeBody(robot, dynamics, contact)
+    if robot.config.body.walk == "own":
+        return [own_body(robot, dynamics, contact), model_based]
     if robot.policy is None:
         return [model_based]
     return [LearnedBody(robot, robot.policy, dynamics, contact, waits=waits), model_based]

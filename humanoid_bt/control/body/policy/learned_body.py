@@ -14,7 +14,7 @@ import numpy as np
 from humanoid_bt.control.body.body import Footstep, Setpoint
 from humanoid_bt.control.body.hand_goals import HandGoals
 from humanoid_bt.control.body.planar import middle, wrap
-from humanoid_bt.control.body.policy.lending import WAIST, Lending
+from humanoid_bt.control.body.policy.lending import VIEW, WAIST, Lending
 from humanoid_bt.control.body.policy.upper_body import UpperBody
 from humanoid_bt.control.body.policy.velocity import VelocityReference
 from humanoid_bt.control.body.policy.walker import LearnedWalker
@@ -222,7 +222,7 @@ class LearnedBody:
         if hands:
             wanted[WAIST] = self.gait is Gait.STAND and self.velocity.stands and not walks
         else:
-            wanted[WAIST] = wanted["gaze"] and not self._robot.config.neck
+            wanted[VIEW] = wanted["gaze"] and not self._robot.config.neck
         planned = self.kinematics.joints
         for joint in lending.update(wanted, planned - self._home):
             planned[joint] = estimate.qpos[BASE_COORDINATES + joint]  # it begins where it is: no jump
@@ -257,7 +257,8 @@ class LearnedBody:
             pitch = max(config.gaze.down, pitch - below, now_pitch if hands else 0.0)
             if hands:
                 yaw += min(max(wrap(now_yaw - yaw), -below), below)
-        if not self.lending.lends("gaze" if config.neck else WAIST) or ("gaze" not in targets and not hold):
+        turned_by = ("gaze",) if config.neck else (WAIST, VIEW)
+        if not any(map(self.lending.lends, turned_by)) or ("gaze" not in targets and not hold):
             return None
         return yaw, pitch
 

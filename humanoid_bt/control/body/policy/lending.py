@@ -5,6 +5,7 @@ from __future__ import annotations
 import fnmatch
 from collections.abc import Iterable, Mapping
 
+import mujoco
 import numpy as np
 
 from humanoid_bt.control.body.references import approach
@@ -15,12 +16,16 @@ from humanoid_bt.robot.policy.policy import Indices, Policy
 WAIST = "waist"
 """The joints that carry the trunk, on which the walker balances."""
 
+VIEW = "view"
+"""Those of the waist that turn and nod, for the view of a robot without a neck: a walker needs the roll to walk."""
+
 _BACK_TIME, _WAIST_BACK_TIME = 0.5, 0.5  # s in which joints are given back to the walker
+_ROLLS = 0.7  # of the part ahead of a joint's axis that leans the trunk aside
 _AT_HOME = 0.05  # rad from the default pose within which they are given back
 
 
 class Lending:
-    """Groups of joints, each lent or not: ``left_hand``, ``right_hand``, ``gaze`` and ``waist``.
+    """Groups of joints, each lent or not: ``left_hand``, ``right_hand``, ``gaze``, ``waist`` and ``view``.
 
     A group that is wanted is lent at once. When nobody wants it any more it first goes home, and is given back little
     by little there; the waist at once. Joints of the robot that the walker does
@@ -52,6 +57,8 @@ class Lending:
             for group, of in parts.items()
         }
         self.groups[WAIST] = [index for index, name in enumerate(names) if _matches(name, lend.waist)]
+        ahead = joint_axes(robot)[:, 0]
+        self.groups[VIEW] = [joint for joint in self.groups[WAIST] if abs(ahead[joint]) < _ROLLS]
         self._always = np.array([float(name not in moved) for name in names])
         self._dt = dt
         self.reset()
@@ -81,8 +88,8 @@ class Lending:
             if wanted.get(group) and joints:
                 fresh += [joint for joint in joints if self.share[joint] == 0]
                 self._shares[group] = 1.0
-            elif before and (group == WAIST or before < 1 or np.abs(away[joints]).max() < _AT_HOME):
-                time = _WAIST_BACK_TIME if group == WAIST else _BACK_TIME
+            elif before and (group in (WAIST, VIEW) or before < 1 or np.abs(away[joints]).max() < _AT_HOME):
+                time = _WAIST_BACK_TIME if group in (WAIST, VIEW) else _BACK_TIME
                 self._shares[group] = approach(before, 0.0, self._dt / time)
             share[joints] = np.maximum(share[joints], self._shares[group])
         self._take(share)
@@ -96,6 +103,14 @@ class Lending:
     def busy(self) -> bool:
         """Whether anything is lent that the walker could move itself."""
         return any(self._shares.values())
+
+
+def joint_axes(robot: RobotModel) -> Array:
+    """Return the axes of the joints in the home posture, x ahead and z up, shape (nj, 3)."""
+    data = mujoco.MjData(robot.model)
+    data.qpos[:] = robot.home_qpos
+    mujoco.mj_kinematics(robot.model, data)
+    return np.array(data.xaxis[1:])
 
 
 def _matches(name: str, patterns: Iterable[str]) -> bool:

@@ -11,6 +11,7 @@ import numpy as np
 
 from humanoid_bt.control.body.mink_terms import frame_task
 from humanoid_bt.control.body.palm_task import PalmTask
+from humanoid_bt.control.body.policy.lending import joint_axes
 from humanoid_bt.control.body.quadratic_program import QuadraticProgram
 from humanoid_bt.control.body.self_collision import SelfCollisionLimit
 from humanoid_bt.core.geometry import clamp, view_along
@@ -65,7 +66,7 @@ class UpperBody:
         }
         self._damping = weights.damping
         self._farthest = np.minimum(robot.speed_limit, _FASTEST) * dt
-        turns = np.abs(_axes(model, robot.home_qpos)[waist, 2]) > _UPRIGHT
+        turns = np.abs(joint_axes(robot)[waist, 2]) > _UPRIGHT
         self._farthest[waist] = np.where(turns, _YAW_SPEED, _WAIST_SPEED) * dt
         ranges = np.where(turns, _YAW_RANGE, _WAIST_RANGE)
         self._lower, self._upper = robot.lower.copy(), robot.upper.copy()
@@ -194,14 +195,6 @@ class UpperBody:
         if way is not None:
             limit.note(program.pressures)
         return way
-
-
-def _axes(model: mujoco.MjModel, qpos: Array) -> Array:
-    """Return the axes of the joints in a posture, world frame, shape (nj, 3)."""
-    data = mujoco.MjData(model)
-    data.qpos[:] = qpos
-    mujoco.mj_kinematics(model, data)
-    return np.array(data.xaxis[1:])
 
 
 class _Columns:

@@ -6,6 +6,8 @@ around it. Published policies walk in tests/policies.
 
 from __future__ import annotations
 
+import copy
+from dataclasses import replace
 from threading import Event
 
 import numpy as np
@@ -13,6 +15,7 @@ import pytest
 
 from humanoid_bt.control.body.policy import inference
 from humanoid_bt.control.body.policy.learned_body import LearnedBody
+from humanoid_bt.control.body.policy.lending import VIEW, WAIST, Lending
 from humanoid_bt.control.body.standing import load_robot, standing_posture
 from humanoid_bt.control.body.whole_body import WholeBody
 from humanoid_bt.core.messages import ArmTarget, Array, BaseTarget, Gait, GazeTarget, HandTarget, Mode
@@ -211,3 +214,16 @@ def test_which_body_can_be_said_for_a_run(rig: ControlRig) -> None:
     assert robot.policy is None
     assert isinstance(ControlRig(robot, rig.standing).controller.body, WholeBody)
     assert standing_posture(robot) == pytest.approx(rig.standing, abs=0.02)
+
+
+def test_the_view_of_a_robot_without_a_neck_takes_no_roll_from_the_walker(rig: ControlRig) -> None:
+    policy = rig.robot.policy
+    assert policy is not None
+    lends = copy.copy(policy)
+    lends.config = replace(policy.config, lend=replace(policy.config.lend, waist=["waist_*"]))
+    lending = Lending(rig.robot, lends, 0.005)
+    names = rig.robot.joint_names
+    lending.update({VIEW: True}, np.zeros(len(names)))
+    assert {names[joint] for joint in lending.joints} == {"waist_yaw", "waist_pitch"}
+    lending.update({WAIST: True}, np.zeros(len(names)))
+    assert {names[joint] for joint in lending.joints} == {"waist_yaw", "waist_roll", "waist_pitch"}
