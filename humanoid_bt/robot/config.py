@@ -153,6 +153,12 @@ class WholeBodyConfig:
     base_orientation: float = param(5.0, above=0, doc="Cost of the pelvis' orientation.")
     torso_orientation: float = param(5.0, above=0, doc="Cost of the torso's orientation.")
     posture: float = param(0.3, above=0, doc="Cost of the home posture.")
+    spin: float = param(
+        0.0,
+        minimum=0,
+        doc="Cost of the angular momentum about the vertical: arms and trunk turn against legs that swing, and the foot"
+        " on the ground need not hold them.",
+    )
     hand: float = param(8.0, above=0, doc="Cost of a commanded hand's position.")
     hand_damping: float = param(
         20.0,
