@@ -31,7 +31,6 @@ _DEFAULT_MARGIN = 0.012  # m
 _GRIP = 0.3  # share of the half length from toe and heel: a sole that bears at its end grips there only, and pivots
 _SPIN = 50.0  # cost of spinning, of a robot of 1 kg whose centre of mass is 1 m high
 _SEPARATION = 0.05  # m that feet may come nearer than they stand
-_BETWEEN = 0.15  # m between soles, enough to pass each other: wider feet only sway, and swing about the one that stands
 _WEIGHT_SHARE, _GRAVITY = 0.12, 9.81  # of the weight, that tells that a foot has landed
 _ZERO = 5e-4  # m
 _SWAY = 0.08  # m that a walking robot reaches farther than a standing one
@@ -150,7 +149,7 @@ class _Writer:
             self._found.append(f"{side} leg: {len(leg.joints)} joints, foot {self._body(leg.body)}{tilts}")
         length, width = np.min(halves, axis=0).tolist() if halves else (0.1, 0.04)
         margin = min(_DEFAULT_MARGIN, _MARGIN * width)
-        self._half_width, self._bears = width, width - margin
+        self._bears = width - margin
         sole = f"half_length: {length:.3f}, half_width: {width:.3f}"
         if self._rolls:
             yield f"sole: {{{sole}, margin: {max(margin, _GRIP * length):.3f}, side_margin: {margin:.3f}}}"
@@ -226,12 +225,11 @@ class _Writer:
 
     def _gait(self) -> Iterator[str]:
         left, right = (self._standing.xpos[leg.body] for leg in self._limbs.legs.values())
-        hips, mass = float(np.linalg.norm(left - right)), float(self._model.body_subtreemass[self._limbs.base])
-        apart = min(hips, round(2 * self._half_width + _BETWEEN, 2)) if self._rolls else hips
+        apart, mass = float(np.linalg.norm(left - right)), float(self._model.body_subtreemass[self._limbs.base])
         yield f"gait:    # {self._guess('the gait')}; the defaults fit 40 kg and 1.3 m"
         yield f"  stance_width: {apart:.2f}"
         yield f"  separation_min: {max(apart - _SEPARATION, apart / 2):.2f}"
-        yield f"  separation_max: {hips + 0.24:.2f}"
+        yield f"  separation_max: {apart + 0.24:.2f}"
         yield f"  touchdown_force: {_WEIGHT_SHARE * mass * _GRAVITY:.0f}"
         if (shift := self._first_shift(apart)) > GaitConfig.first_shift:
             yield f"  first_shift: {shift:.2f}"
