@@ -82,8 +82,13 @@ class SoleConfig:
     @property
     def bears(self) -> tuple[float, float]:
         """Half length and half width of the part that may bear the centre of pressure [m]."""
-        aside = self.margin if self.side_margin is None else self.side_margin
-        return self.half_length - self.margin, max(self.half_width - aside, 0.0)
+        along, aside = self.margins
+        return self.half_length - along, max(self.half_width - aside, 0.0)
+
+    @property
+    def margins(self) -> tuple[float, float]:
+        """How far inside toe and heel, and inside the sides, the centre of pressure is kept [m]."""
+        return self.margin, self.margin if self.side_margin is None else self.side_margin
 
 
 @dataclass(frozen=True, kw_only=True)
