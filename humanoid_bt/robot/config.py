@@ -83,8 +83,13 @@ class SoleConfig:
     @property
     def bears(self) -> tuple[float, float]:
         """Half length and half width of the part that may bear the centre of pressure [m]."""
-        aside = self.margin if self.side_margin is None else self.side_margin
-        return self.half_length - self.margin, max(self.half_width - aside, 0.0)
+        along, aside = self.margins
+        return self.half_length - along, max(self.half_width - aside, 0.0)
+
+    @property
+    def margins(self) -> tuple[float, float]:
+        """How far inside toe and heel, and inside the sides, the centre of pressure is kept [m]."""
+        return self.margin, self.margin if self.side_margin is None else self.side_margin
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -154,6 +159,12 @@ class WholeBodyConfig:
     base_orientation: float = param(5.0, above=0, doc="Cost of the pelvis' orientation.")
     torso_orientation: float = param(5.0, above=0, doc="Cost of the torso's orientation.")
     posture: float = param(0.3, above=0, doc="Cost of the home posture.")
+    spin: float = param(
+        0.0,
+        minimum=0,
+        doc="Cost of the angular momentum about the vertical: arms and trunk turn against legs that swing, and the foot"
+        " on the ground need not hold them.",
+    )
     hand: float = param(8.0, above=0, doc="Cost of a commanded hand's position.")
     hand_damping: float = param(
         20.0,

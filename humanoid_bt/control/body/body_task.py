@@ -74,12 +74,14 @@ class BodyTargets:
 
 
 class BodyTask(BaseTask):  # type: ignore[misc]  # mink has no types
-    """Centre of mass, soles, pelvis, torso, view and posture.
+    """Centre of mass, soles, pelvis, torso, view and posture, and how much the body spins.
 
     They are followed in every control period. A task of mink's for each of them costs as much as the whole rest of a
     period: here all of them fill one matrix in place. The errors are those of resolved-rate control: of positions the
     difference, of orientations the rotation vector from where it is to its target, both in the world frame, with the
-    geometric Jacobian (Siciliano, Sciavicco, Villani, Oriolo, "Robotics", 2009, section 3.7.3).
+    geometric Jacobian (Siciliano, Sciavicco, Villani, Oriolo, "Robotics", 2009, section 3.7.3). The last row is the
+    angular momentum about the vertical, which is to be none (Kajita et al., "Resolved momentum control", 2003): what
+    legs have of it that swing, the ground must give through a sole that can turn on it, if not arms and trunk do.
 
     Args:
         robot: the robot.
@@ -95,7 +97,8 @@ class BodyTask(BaseTask):  # type: ignore[misc]  # mink has no types
         config, weights = robot.config, robot.config.whole_body
         self._weights, self._model = weights, model
         joints = model.nv - BASE_DOFS
-        count = 3 * (3 + 2 * len(SIDES) + bool(config.neck)) + joints
+        self._spins = weights.spin > 0
+        count = 3 * (3 + 2 * len(SIDES) + bool(config.neck)) + joints + self._spins
         self.jacobian, self.error, self.cost = np.zeros((count, model.nv)), np.zeros(count), np.zeros(count)
         self._column, self._weighted = self.cost[:, None], np.zeros_like(self.jacobian)
         self._com_jacobian, self._com_error = self.jacobian[:3], self.error[:3]
@@ -107,10 +110,13 @@ class BodyTask(BaseTask):  # type: ignore[misc]  # mink has no types
                 self.cost[sole + 3] = 0.0
         if config.neck:
             self.cost[_GAZE : _GAZE + 3] = weights.gaze
-        posture = count - joints
-        self.jacobian[posture:, BASE_DOFS:] = np.eye(joints)
-        self.cost[posture:] = weights.posture
-        self._posture_error, self._posture_cost = self.error[posture:], self.cost[posture:]
+        posture = slice(count - self._spins - joints, count - self._spins)
+        self.jacobian[posture, BASE_DOFS:] = np.eye(joints)
+        self.cost[posture] = weights.posture
+        self._posture_error, self._posture_cost = self.error[posture], self.cost[posture]
+        self._momentum = np.zeros((3, model.nv))
+        if self._spins:
+            self.cost[-1] = weights.spin
         self._root = model.body(config.base).id
         sites = [model.site(sole_site(side)).id for side in SIDES] + [model.site(GAZE_SITE).id] * bool(config.neck)
         self._sites, self._links = np.array(sites), np.array([self._root, model.body(config.torso).id])
@@ -129,6 +135,9 @@ class BodyTask(BaseTask):  # type: ignore[misc]  # mink has no types
         goals[_TURNS:] = targets.heading, base_lean, torso_lean, targets.torso_yaw, targets.heading + yaw, pitch
         mujoco.mj_jacSubtreeCom(self._model, data, self._com_jacobian, self._root)
         np.subtract(targets.com, data.subtree_com[self._root], out=self._com_error)
+        if self._spins:
+            mujoco.mj_angmomMat(self._model, data, self._momentum, self._root)
+            self.jacobian[-1] = self._momentum[2]
         np.subtract(targets.posture, data.qpos[BASE_COORDINATES:], out=self._posture_error)
         _aim(
             self.jacobian, self.error, goals, self._feet_roll, data.cdof, data.subtree_com[self._root],

@@ -43,7 +43,8 @@ class Feedforward:
             side: np.array([robot.joint(pitch), -1 if roll is None else robot.joint(roll)])
             for side, pitch, roll in legs
         }
-        self._halves = np.array([config.sole.half_length, config.sole.half_width]) - 0.5 * config.sole.margin
+        sole = config.sole
+        self._halves = np.array([sole.half_length, sole.half_width]) - 0.5 * np.array(sole.margins)
         self._jacobian = np.zeros((3, robot.model.nv))
 
     def torques(self, load: Load, acceleration: Array, position: Array, velocity: Array, lean: float = 0.0) -> Array:

@@ -28,6 +28,8 @@ _ROLES = ("hip_roll", "hip_pitch", "ankle_pitch")
 _ROLL = "ankle_roll"  # which a leg may lack
 _MARGIN = 0.4  # share of the sole's half width inside which the centre of pressure may be, at most the default
 _DEFAULT_MARGIN = 0.012  # m
+_GRIP = 0.2  # share of the half length from toe and heel: a sole that bears at its end grips there only, and pivots
+_SPIN = 50.0  # cost of spinning, of a robot of 1 kg whose centre of mass is 1 m high
 _SEPARATION = 0.05  # m that feet may come nearer than they stand
 _WEIGHT_SHARE, _GRAVITY = 0.12, 9.81  # of the weight, that tells that a foot has landed
 _ZERO = 5e-4  # m
@@ -90,7 +92,7 @@ class _Writer:
             self._drives(),
             self._posture(),
         ]
-        parts += [self._groups(), self._gait(), self._room()]
+        parts += [self._groups(), self._gait(), self._whole_body(), self._room()]
         text = "\n".join("\n".join(lines) + "\n" for lines in map(list, parts) if lines)
         return Description(
             formatted(text, "robot.yaml"), tuple(self._found), tuple(self._guessed), tuple(self._missing)
@@ -121,8 +123,10 @@ class _Writer:
     def _legs(self) -> Iterator[str]:
         yield "legs:"
         halves: list[Array] = []
+        by_role = {side: dict(roles(self._surveyor, leg)) for side, leg in self._limbs.legs.items()}
+        self._rolls = all(_ROLL in found for found in by_role.values())
         for side, leg in self._limbs.legs.items():
-            found = {role: _quoted(self._joint(joint)) for role, joint in roles(self._surveyor, leg)}
+            found = {role: _quoted(self._joint(joint)) for role, joint in by_role[side].items()}
             yield f"  {side}:"
             for role in _ROLES:
                 if role in found:
@@ -146,7 +150,11 @@ class _Writer:
         length, width = np.min(halves, axis=0).tolist() if halves else (0.1, 0.04)
         margin = min(_DEFAULT_MARGIN, _MARGIN * width)
         self._bears = width - margin
-        yield f"sole: {{half_length: {length:.3f}, half_width: {width:.3f}, margin: {margin:.3f}}}"
+        sole = f"half_length: {length:.3f}, half_width: {width:.3f}"
+        if self._rolls:
+            yield f"sole: {{{sole}, margin: {max(margin, _GRIP * length):.3f}, side_margin: {margin:.3f}}}"
+        else:
+            yield f"sole: {{{sole}, margin: {margin:.3f}}}"
 
     def _hands(self) -> Iterator[str]:
         for side in SIDES:
@@ -228,6 +236,12 @@ class _Writer:
 
         if (turn := self._step_turn()) < GaitConfig.step_turn:
             yield f"  step_turn: {turn:.2f}"
+
+    def _whole_body(self) -> Iterator[str]:
+        if self._rolls:
+            inertia = float(self._model.body_subtreemass[self._limbs.base]) * self._height() ** 2
+            yield f"whole_body:    # {self._guess('how firmly it keeps from spinning')}"
+            yield f"  spin: {_SPIN / inertia:.1f}    # arms and trunk turn against legs that swing"
 
     def _step_turn(self) -> float:
         """Return by how much a step may turn: each hip by half of what it can, the rest is for pushes [rad]."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from copy import copy
 from dataclasses import replace
 
 import mink
@@ -67,6 +68,26 @@ def test_its_residual_and_its_objective_are_one_problem(
     objective = task.compute_qp_objective(configuration)
     np.testing.assert_allclose(objective.H, jacobian.T @ jacobian, atol=1e-9)
     np.testing.assert_allclose(objective.c, -jacobian.T @ error, atol=1e-9)
+
+
+def test_it_keeps_from_spinning_if_that_costs_something(
+    robot: RobotModel, standing: Array, targets: BodyTargets
+) -> None:
+    """The last row gives the angular momentum about the vertical, as physics has it."""
+    weights = replace(robot.config.whole_body, spin=4.0)
+    spinning = copy(robot)
+    spinning.config = replace(robot.config, whole_body=weights)
+    task, plain = BodyTask(spinning, robot.model), BodyTask(robot, robot.model)
+    data = data_at(robot, standing)
+    task.aim(data, targets)
+    plain.aim(data, targets)
+    np.testing.assert_array_equal(task.jacobian[:-1], plain.jacobian)
+    np.testing.assert_array_equal(task.cost, [*plain.cost, 4.0])
+    assert task.error[-1] == 0.0
+    data.qvel[:] = np.linspace(-1, 1, robot.model.nv)
+    mujoco.mj_comVel(robot.model, data)
+    mujoco.mj_subtreeVel(robot.model, data)
+    assert task.jacobian[-1] @ data.qvel == pytest.approx(data.subtree_angmom[1][2])
 
 
 def test_it_turns_the_short_way(robot: RobotModel, standing: Array, targets: BodyTargets) -> None:

@@ -67,6 +67,22 @@ def test_the_first_shift_is_longer_on_narrow_soles(spec: mujoco.MjSpec, adopt: A
     assert 0.45 < narrow.gait.first_shift < 0.65
 
 
+def test_a_sole_is_not_to_bear_near_toe_and_heel_where_it_would_pivot(spec: mujoco.MjSpec, adopt: Adopt) -> None:
+    sole = adopt(spec)[1].sole
+    assert sole.bears[0] == pytest.approx(0.8 * sole.half_length, abs=1e-3)
+    assert sole.bears[1] == pytest.approx(sole.half_width - 0.012, abs=1e-3)
+
+
+def test_a_light_robot_is_kept_from_spinning_as_firmly_as_a_heavy_one(spec: mujoco.MjSpec, adopt: Adopt) -> None:
+    heavy = adopt(spec)[1].whole_body.spin
+    for body in spec.bodies:
+        for geom in body.geoms:
+            geom.mass = 0.5 * geom.mass if geom.mass > 0 else geom.mass
+            geom.density = 0.5 * geom.density
+    light = adopt(spec)[1].whole_body.spin
+    assert light == pytest.approx(2 * heavy, rel=0.05)
+
+
 def test_steps_turn_less_on_hips_that_turn_little(spec: mujoco.MjSpec, adopt: Adopt) -> None:
     assert adopt(spec)[1].gait.step_turn == GaitConfig.step_turn
     spec.joint("right_hip_yaw").range = [-0.4, 0.6]
