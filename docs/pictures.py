@@ -1,8 +1,8 @@
-"""Takes the pictures of the docs from runs of the demo: ``python docs/pictures.py [view] [demo] [reach] [coverage]``.
+"""Takes the pictures of the docs from runs of the robot: ``python docs/pictures.py [PICTURE ...]``.
 
-Without arguments it takes all of them. It needs a software renderer where there is no graphics card (Debian:
-mesa-vulkan-drivers, libegl1, libgl1-mesa-dri), for the last one chromium, and some minutes. Not part of ``make docs``:
-pictures differ a little from one machine to the next.
+They are view, demo, reach, walk and coverage; without arguments it takes all of them. It needs a software renderer
+where there is no graphics card (Debian: mesa-vulkan-drivers, libegl1, libgl1-mesa-dri), for the last one chromium, and
+some minutes. Not part of ``make docs``: pictures differ a little from one machine to the next.
 """
 
 from __future__ import annotations
@@ -60,6 +60,8 @@ STATUS_COLORS = {"running": (92, 176, 255), "success": (92, 206, 120)}
 
 BALL = (0.40, -0.16, 0.95)  # m
 REACH_SIZE = (1000, 750)
+WALK_SIZE = (196, 400)  # of each of its pictures
+WALK_FROM, WALK_EVERY, WALK_COUNT = 151, 5, 9  # ticks, at full speed: two steps and a little
 COVERAGE_SIZE = (1180, 1130)
 
 
@@ -211,6 +213,25 @@ def reach(path: Path) -> None:
         _render(renderer, plant, result.states[-1], camera).save(path, optimize=True)
 
 
+def walk(path: Path) -> None:
+    """Take a series of pictures of two steps, a tenth of a second apart, from the right, rendered by MuJoCo."""
+    workspace = Workspace(builtin_root())
+    result = Rig(workspace).run("walk_to", x=3.0, y=0.0, heading=0.0)
+    if not result.succeeded:
+        raise RuntimeError(result.feedback)
+    scene = Scene(SceneConfig(format=1, name="walk"), seed=0)
+    plant = MujocoPlant(RobotModel(load_robot_config(workspace.find_robot("humanoid"))), scene)
+    _furnish(plant.model)
+    width, height = WALK_SIZE
+    series = Image.new("RGB", (width * WALK_COUNT, height))
+    with mujoco.Renderer(plant.model, height, width) as renderer:
+        for number in range(WALK_COUNT):
+            state = result.states[WALK_FROM + number * WALK_EVERY]
+            camera = _camera(np.array([state.base_position[0], 0.0, 0.64]), 2.15, azimuth=90, elevation=-3)
+            series.paste(_render(renderer, plant, state, camera), (width * number, 0))
+    series.quantize(256).save(path, optimize=True)
+
+
 def _furnish(model: mujoco.MjModel) -> None:
     """Give the scene a floor without end, a soft horizon, and a light that pictures well."""
     quality, visual = model.vis.quality, model.vis
@@ -261,6 +282,7 @@ PICTURES = {
     "view": (view, "view.png"),
     "demo": (demo, "demo.webp"),
     "reach": (reach, "reach.png"),
+    "walk": (walk, "walk.png"),
     "coverage": (coverage, "coverage.png"),
 }
 

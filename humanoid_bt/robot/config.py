@@ -145,6 +145,12 @@ class GaitConfig:
     arm_swing: float = param(
         1.5, minimum=0, doc="How far the arms swing with the legs, by the distance between the feet ahead [rad/m]."
     )
+    toe_off: float = param(
+        0.0, minimum=0, maximum=0.6, unit="rad", doc="Pitch of a foot that leaves by its toe, in the longest step."
+    )
+    heel_strike: float = param(
+        0.0, minimum=0, maximum=0.4, unit="rad", doc="Pitch of a foot that lands by its heel, in the longest step."
+    )
     tilt_stiffness: float = param(300.0, minimum=0, doc="Stance hips against tilt of the base [Nm/rad].")
     tilt_damping: float = param(25.0, minimum=0, doc="Stance hips against tilt rate of the base [Nm s/rad].")
 

@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 
+from humanoid_bt.control.body.foot_roll import FootRoll
 from humanoid_bt.control.body.footsteps import SIGN
 from humanoid_bt.control.body.planar import ahead, seen_from, wrap
 from humanoid_bt.control.body.step_timing import Axis, best_time
@@ -45,6 +46,7 @@ class Swing:
     Attributes:
         pose: reference of the sole, shape (3,), world frame.
         footing: reference of its height and of its tilt about the world's x and y, shape (3,) [m, rad].
+        rolled: how much of ``footing`` is the roll from heel to toe, shape (3,) [m, rad].
         target: the foothold as adjusted, shape (3,).
         progress: share of the swing that is over, in [0, 1].
         rate: how fast the swing runs; above 1 when the DCM runs away and the foot must hurry.
@@ -76,6 +78,8 @@ class Swing:
         self.pose: Array = start.copy()
         self._footings = footings
         self.footing: Array = footings[0].copy()
+        self._roll = FootRoll(gait, sole, start, foothold)
+        self.rolled: Array = np.zeros(3)
         self.target: Array = foothold.copy()
         self.progress = 0.0
         self.rate = 1.0
@@ -154,6 +158,9 @@ class Swing:
             self.footing[0] -= _LAND_DEPTH * (self.progress - _LAND_FROM) / (1 - _LAND_FROM)
         yaw = self._start[2] + wrap(self.target[2] - self._start[2]) * turn
         self.pose = np.array([self._motion[0][0], self._motion[1][0], yaw])
+        moved = math.dist(self._place, self._planned.tolist())
+        self.rolled = self._roll.footing(self.progress, yaw, moved)
+        self.footing += self.rolled
 
     def _rise(self) -> float:
         """Return how much higher the ground is at the foothold, if it is as steep as under the other foot."""

@@ -19,6 +19,7 @@ from humanoid_bt.robot.config import GaitConfig, SoleConfig
 
 _FOLLOW_TIME = 0.08  # s, a standing foot's reference follows the measured foot
 _LEVEL_TIME = 0.3  # s, its tilt does so: a slope stays, a foot that tips over its edge does not
+_ROLL_TIME = 0.05  # s in which a foot that has landed on its heel lies flat
 _GROUND_TIME = 0.15  # s in which the body follows the ground
 _STEEPEST = 0.2  # rad
 _SINK_SPEED = 0.4  # m/s at which a foot is lowered that has not found the ground where it was to be
@@ -72,6 +73,9 @@ class Walker:
         self._waited = 0.0  # s for the weight to leave the foot that is to swing
         self._ends = False  # whether the walk ends with this step
         self._stood_at = 0.0  # rad, heading of the foot that carries the robot, when the other one was lifted
+        self._rolled: dict[Side, Array] = {
+            side: np.zeros(3) for side in SIDES
+        }  # of a foot's footing: what is left of its roll
         self._found = dict.fromkeys(SIDES, True)  # whether each foot has been loaded since it landed
 
     def reset(self, soles: Mapping[Side, Array], footings: Mapping[Side, Array], omega: float) -> None:
@@ -80,6 +84,7 @@ class Walker:
         self._planner.reset()
         self.foot_reference = {side: soles[side].copy() for side in SIDES}
         self.foot_footing = {side: footings[side].copy() for side in SIDES}
+        self._rolled = {side: np.zeros(3) for side in SIDES}
         self.contact = dict.fromkeys(SIDES, True)
         self.ground = self._carrying_height()
         self.gait, self.swing, self.footsteps, self._plan = Gait.STAND, None, [], None
@@ -227,6 +232,7 @@ class Walker:
         assert self.swing is not None
         elsewhere = math.dist(self.swing.target[:2], self.footsteps[0].pose[:2]) > _ELSEWHERE
         self.foot_reference[side] = np.array([*self.swing.pose[:2], self.swing.target[2]])
+        self._rolled[side] = self.swing.rolled
         self.swing, self._found[side] = None, False
         if elsewhere or not self._ends:
             early = max(0.0, self._double + self._single - self._elapsed) * self._dt  # the DCM is where it is
@@ -274,6 +280,9 @@ class Walker:
             error = soles[side] - self.foot_reference[side]
             error[2] = wrap(error[2])
             self.foot_reference[side] = self.foot_reference[side] + follow * error
+            flatter = min(1.0, self._dt / _ROLL_TIME) * self._rolled[side]
+            self._rolled[side] = self._rolled[side] - flatter
+            self.foot_footing[side] = self.foot_footing[side] - flatter
             loaded = foot_force[side] > self._numbers.touchdown_force
             if loaded:
                 self._found[side] = True

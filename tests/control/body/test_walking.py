@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -305,3 +306,24 @@ def test_a_step_that_something_else_began_is_finished_where_the_robot_goes(ideal
     assert walker.foot_footing["right"][0] == pytest.approx(0.0, abs=0.01)
     ideal.go(4.0)
     assert walker.gait is Gait.STAND
+
+
+def test_a_foot_that_lands_early_on_its_heel_lies_flat_soon_and_without_a_jump() -> None:
+    walker = Walker(replace(GAIT, toe_off=0.4, heel_strike=0.2), SOLE, DT)
+    soles = {side: ahead(np.zeros(3), 0, sign * 0.09) for side, sign in zip(SIDES, (1, -1), strict=True)}
+    walker.reset(soles, LEVEL, OMEGA)
+    landed: Side | None = None
+    pitches: list[float] = []
+    while len(pitches) < 60:
+        early = walker.swing is not None and walker.swing.progress > 0.85 and walker.swing.rolled[2] < -0.05
+        if early and landed is None:
+            landed = walker.swing.side if walker.swing else None
+        soles = {side: walker.foot_reference[side].copy() for side in SIDES}
+        force = {side: 200.0 * (walker.contact[side] or side == landed) for side in SIDES}
+        footings = {side: walker.foot_footing[side].copy() for side in SIDES}
+        walker.update(AHEAD, walker.dcm_reference, walker.zmp_reference, soles, footings=footings, foot_force=force)
+        if landed:
+            pitches.append(float(walker.foot_footing[landed][2]))
+    assert pitches[0] < -0.04
+    assert np.abs(np.diff(pitches)).max() < 0.03
+    assert abs(pitches[-1]) < 0.005

@@ -1,0 +1,60 @@
+"""How a foot rolls over the ground: it leaves by its toe, and lands by its heel, as a person's does."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from humanoid_bt.control.body.planar import seen_from, wrap
+from humanoid_bt.core.messages import Array
+from humanoid_bt.robot.config import GaitConfig, SoleConfig
+
+_TOE_OFF, _HEEL_FIRST, _FLAT = 0.22, 0.80, 1.0  # shares of the swing at which it is pitched most, and not any more
+_AS_PLANNED, _ASTRAY = 0.03, 0.10  # m from the planned foothold up to which a foot rolls, and from which it lands flat
+
+
+class FootRoll:
+    """The pitch of one swinging foot.
+
+    It is the whole of ``toe_off`` and ``heel_strike`` in the longest step straight ahead, and less in a shorter one
+    and in one that turns; a foot that goes back or aside stays flat.
+
+    Args:
+        gait, sole: the robot's numbers.
+        start, foothold: planned poses of the sole, shape (3,).
+    """
+
+    def __init__(self, gait: GaitConfig, sole: SoleConfig, start: Array, foothold: Array) -> None:
+        self._half_length = sole.half_length
+        long = min(max(seen_from(start, foothold).item(0) / (2 * gait.step_forward), 0.0), 1.0)
+        straight = max(0.0, 1.0 - abs(wrap(float(foothold[2] - start[2]))) / gait.step_turn)
+        self._toe_off, self._heel_strike = (long * straight * most for most in (gait.toe_off, gait.heel_strike))
+
+    def footing(self, share: float, yaw: float, moved: float) -> Array:
+        """Return by how much the sole's centre is higher, and its tilt about the world's x and y: shape (3,) [m, rad].
+
+        The lowest edge of the sole stays where the centre of a flat one would be.
+
+        Args:
+            share: of the swing that is over.
+            yaw: of the sole [rad].
+            moved: how far the foothold is from where it was planned [m].
+        """
+        planned = 1.0 - min(max((moved - _AS_PLANNED) / (_ASTRAY - _AS_PLANNED), 0.0), 1.0)
+        pitch = planned * self._pitch(share)
+        return np.array([self._half_length * math.sin(abs(pitch)), -pitch * math.sin(yaw), pitch * math.cos(yaw)])
+
+    def _pitch(self, share: float) -> float:
+        """Return the pitch [rad], positive with the heel up."""
+        if share < _TOE_OFF:
+            return self._toe_off * _eased(share / _TOE_OFF)
+        if share < _HEEL_FIRST:
+            between = _eased((share - _TOE_OFF) / (_HEEL_FIRST - _TOE_OFF))
+            return self._toe_off - between * (self._toe_off + self._heel_strike)
+        return -self._heel_strike * (1.0 - _eased(min(1.0, (share - _HEEL_FIRST) / (_FLAT - _HEEL_FIRST))))
+
+
+def _eased(share: float) -> float:
+    """Return a share that begins and ends at rest."""
+    return share * share * (3.0 - 2.0 * share)
