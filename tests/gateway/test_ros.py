@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import signal
 import time
@@ -127,7 +128,10 @@ def test_an_estop_topic_that_is_silent_stops_the_robot(live: Callable[..., Live]
 def listening(process: int) -> set[str]:
     """Return the addresses on which a process has UDP sockets at the ports of DDS."""
     files = [Path(f"/proc/{process}/fd/{name.name}") for name in Path(f"/proc/{process}/fd").iterdir()]
-    own = {str(file.readlink()) for file in files if file.exists() or file.is_symlink()}
+    own = set[str]()
+    for file in files:
+        with contextlib.suppress(FileNotFoundError):  # it was closed meanwhile
+            own.add(str(file.readlink()))
     found = set()
     for line in Path(f"/proc/{process}/net/udp").read_text().splitlines()[1:]:
         parts = line.split()
