@@ -30,6 +30,7 @@ from humanoid_bt.core.messages import (
     State,
 )
 from humanoid_bt.core.palm import in_world, other_side, turn_left
+from humanoid_bt.files.class_files import why_raised
 from humanoid_bt.plant.interface import SILENT_AFTER, Plant
 from humanoid_bt.robot.arms import arms_of
 from humanoid_bt.robot.model import BASE_COORDINATES, BASE_DOFS, RobotModel
@@ -135,18 +136,25 @@ class Controller:
         supervisor, body = self.supervisor, self.body
         self._end_logged_plan()
         body.arms.sides = supervisor.touch.yielding
-        setpoint = body.update(estimate, supervisor.targets, supervisor.hold)
+        try:
+            setpoint = body.update(estimate, supervisor.targets, supervisor.hold)
+        except Exception as error:  # a body may be the user's code
+            if body is self._bodies[-1]:
+                raise
+            self._give_up(body, estimate, why_raised(error, type(body)))
+            self._plan(estimate)
+            return
         supervisor.touch.homeward = body.arms.homeward
         refused = self.servo.follow(setpoint, body.period)
         self._setpoint_fault = refused or body.fault
         still = body.gait is Gait.STAND and body.still_for >= _SETTLED_AFTER
         self._at_rest = still and body.com_speed < (_STIRRED_SPEED if self._at_rest else _SETTLED_SPEED)
         if body.failure:
-            self._give_up(body, estimate)
+            self._give_up(body, estimate, body.failure)
 
-    def _give_up(self, body: Body, estimate: Estimate) -> None:
+    def _give_up(self, body: Body, estimate: Estimate, why: str) -> None:
         """Let the next body take the place of one that failed, for the rest of the run; the last one goes on."""
-        self.supervisor.request_stop("body", body.failure)
+        self.supervisor.request_stop("body", why)
         place = self._bodies.index(body) + 1
         if place < len(self._bodies):
             self._take(self._bodies[place])

@@ -110,6 +110,13 @@ def place_in_file(error: BaseException, file: Path) -> Place | None:
     return None
 
 
+def why_raised(error: BaseException, cls: type) -> str:
+    """Return what a class's code raised, and at which of its own lines if it was there."""
+    file = class_file(cls)
+    place = place_in_file(error, file) if file else None
+    return f"{type(error).__name__}: {error}" + (f", raised at {place}" if place else "")
+
+
 def _is_base(cls: type) -> bool:
     """Return whether a class is there for others to build on: it is abstract, and some do."""
     return inspect.isabstract(cls) and bool(cls.__subclasses__())

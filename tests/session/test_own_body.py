@@ -65,6 +65,21 @@ def test_it_walks_in_place_of_the_others(robot: Path) -> None:
         assert type(engine.controller.body) is WholeBody
 
 
+def test_where_it_raises_the_robot_is_held_and_the_model_based_body_takes_over(robot: Path) -> None:
+    raising = "        if estimate.time > 0.3:\n            raise RuntimeError('no more')\n        base = "
+    robot.with_name("mine.py").write_text(UNHURRIED.replace("        base = ", raising, 1))
+    line = raising.count("\n") + UNHURRIED[: UNHURRIED.index("        base = ")].count("\n")
+    with Session("stand", robot=robot, duration=2.0) as session:
+        engine = session._drive.engine
+        assert isinstance(engine, Lockstep)
+        report = session.run()
+        assert type(engine.controller.body) is WholeBody
+    (stop,) = report.stops
+    assert stop["reason"] == f"RuntimeError: no more, raised at sim/mine/mine.py:{line}:13"
+    assert stop["mode"] == "protective_stop"
+    assert report.outcome == "unfinished"  # it stands, and did not fall
+
+
 @pytest.mark.trials
 def test_it_keeps_every_rule_of_a_body(robot: Path) -> None:
     check_body(robot).assert_passed()
