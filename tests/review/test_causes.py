@@ -370,6 +370,17 @@ def test_a_recording_that_is_still_written_is_explained(stage: Path, tmp_path: P
     )
 
 
+def test_the_joint_at_its_limit_is_of_the_arm_that_was_to_reach(play: Play) -> None:
+    def lifted(session: Session) -> None:
+        """Relieve the left arm a little: the right one, which nobody asks for anything, is at its limit longer."""
+        session.push([0.0, 0.0, 6.0], 4.0, "left_hand")
+
+    found = explain(play("far", duration=6.0, robot="weak", at=0.3, do=lifted))
+    assert found.kind == "torque_limit"
+    assert "left hand comes no nearer" in found.headline
+    assert re.search(r"left_shoulder_\w+ was at its torque limit", found.headline), found.headline
+
+
 _KILLED = """
 import os, signal, sys
 from humanoid_bt import Session
