@@ -73,9 +73,7 @@ class Walker:
         self._waited = 0.0  # s for the weight to leave the foot that is to swing
         self._ends = False  # whether the walk ends with this step
         self._stood_at = 0.0  # rad, heading of the foot that carries the robot, when the other one was lifted
-        self._rolled: dict[Side, Array] = {
-            side: np.zeros(3) for side in SIDES
-        }  # of a foot's footing: what is left of its roll
+        self._rolled = _flat()  # of each foot's footing, what is left of its roll
         self._found = dict.fromkeys(SIDES, True)  # whether each foot has been loaded since it landed
 
     def reset(self, soles: Mapping[Side, Array], footings: Mapping[Side, Array], omega: float) -> None:
@@ -84,7 +82,7 @@ class Walker:
         self._planner.reset()
         self.foot_reference = {side: soles[side].copy() for side in SIDES}
         self.foot_footing = {side: footings[side].copy() for side in SIDES}
-        self._rolled = {side: np.zeros(3) for side in SIDES}
+        self._rolled = _flat()
         self.contact = dict.fromkeys(SIDES, True)
         self.ground = self._carrying_height()
         self.gait, self.swing, self.footsteps, self._plan = Gait.STAND, None, [], None
@@ -301,3 +299,8 @@ class Walker:
     def _carrying_height(self) -> float:
         heights = [self.foot_footing[side].item(0) for side in SIDES if self.contact[side]]
         return sum(heights) / len(heights)
+
+
+def _flat() -> dict[Side, Array]:
+    """Return the roll of feet that lie flat: shape (3,) each, as in ``Swing.rolled``."""
+    return {side: np.zeros(3) for side in SIDES}
