@@ -142,7 +142,6 @@ class Controller:
             if body is self._bodies[-1]:
                 raise
             self._give_up(body, estimate, why_raised(error, type(body)))
-            self._plan(estimate)
             return
         supervisor.touch.homeward = body.arms.homeward
         refused = self.servo.follow(setpoint, body.period)
