@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+from copy import copy
 from dataclasses import replace
 
 import mujoco
@@ -118,6 +119,20 @@ def test_the_ankle_never_turns_the_foot_over_its_edge(robot: RobotModel, dynamic
         whole = torques(robot, dynamics, load, far)[ankle] + robot.stiffness[ankle] * sign
         height = 0.06 * weight * 0.5  # the ankle is not over the sole's centre
         assert abs(whole) <= weight * half + height
+
+
+def test_the_sides_of_a_sole_have_a_margin_of_their_own(robot: RobotModel, dynamics: RobotDynamics) -> None:
+    sole = robot.config.sole
+    shorter = copy(robot)
+    shorter.config = replace(robot.config, sole=replace(sole, margin=sole.margin + 0.04, side_margin=sole.margin))
+    load = standing_load(robot, dynamics)
+    weight = load.force[2] / 2
+    for name, less in (("left_ankle_pitch", 0.02 * weight), ("right_ankle_roll", 0.0)):
+        ankle = robot.joint(name)
+        far = dynamics.data.qpos[BASE_COORDINATES:].copy()
+        far[ankle] += 1.0
+        torque = torques(robot, dynamics, load, far)[ankle] - torques(shorter, dynamics, load, far)[ankle]
+        assert torque == pytest.approx(less, abs=0.05)
 
 
 def test_an_unloaded_foot_has_no_ankle_limit(robot: RobotModel, dynamics: RobotDynamics) -> None:
