@@ -29,7 +29,7 @@ from humanoid_bt.core.messages import Array, Mode
 from humanoid_bt.files.workspace import Workspace, builtin_root
 from humanoid_bt.perception.interface import Perception
 from humanoid_bt.plant.scene import Scene, load_scene
-from humanoid_bt.session import wiring
+from humanoid_bt.session import lockstep
 from humanoid_bt.session.report import Report
 from humanoid_bt.session.run import run
 from humanoid_bt.testing.scripted_perception import ScriptedPerception
@@ -145,17 +145,17 @@ def pull(safe: SafeState, activity: str, seed: int, plugged_after: float | None 
 def behind_a_cable(impairment: Impairment, seed: int) -> Iterator[list[CabledLockstep]]:
     """Let every run in lockstep have its robot behind a cable; give the runs."""
     made: list[CabledLockstep] = []
-    before = wiring.Lockstep
+    before = lockstep.Lockstep
 
     def cabled(robot: Any, start: Any, scene: Scene, perception: Perception) -> CabledLockstep:
         made.append(CabledLockstep(robot, start, scene, perception, impairment=impairment, seed=seed))
         return made[-1]
 
-    wiring.Lockstep = cabled  # type: ignore[assignment, misc]  # for these runs
+    lockstep.Lockstep = cabled  # type: ignore[assignment, misc]  # for these runs
     try:
         yield made
     finally:
-        wiring.Lockstep = before  # type: ignore[misc]  # as it was
+        lockstep.Lockstep = before  # type: ignore[misc]  # as it was
 
 
 def fetch(seed: int, impairment: Impairment) -> tuple[Report, CabledLockstep]:

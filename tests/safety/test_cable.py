@@ -1,4 +1,4 @@
-"""The cable to the robot is pulled while it walks. 100 times: ``tests.cable.trials``."""
+"""The robot at the end of a cable that is bad, or is pulled while it walks. Many times: ``tests.cable.trials``."""
 
 from __future__ import annotations
 
@@ -7,8 +7,16 @@ import pytest
 from humanoid_bt.cable.safe_state import SafeState
 from humanoid_bt.cable.watchdog import PlantWatchdog
 from humanoid_bt.core.messages import Mode
-from tests.cable.trials import pull
+from tests.cable.cabled import LOSSY
+from tests.cable.trials import fetch, pull
 from tests.safety.rows import SETTLE
+from tests.trees.fetch_trials import fault
+
+
+def test_a_ball_is_touched_over_a_cable_that_is_late_and_loses_frames() -> None:
+    report, engine = fetch(0, LOSSY)
+    assert fault(report) == ""
+    assert engine.cabled.remote.figures.round_trip > 0.002
 
 
 @pytest.mark.parametrize(("safe", "activity"), [("hold", "walking straight"), ("damp", "turning")])
