@@ -14,7 +14,7 @@ from tests.trees.fetch_trials import fault
 
 
 def test_a_ball_is_touched_over_a_cable_that_is_late_and_loses_frames() -> None:
-    report, engine = fetch(23, LOSSY)  # a gait that landed by the heel fell here: late sensors, early contact
+    report, engine = fetch(23, LOSSY)  # where a gait that lands by the heel falls
     assert fault(report) == ""
     assert engine.cabled.remote.figures.round_trip > 0.002
 
