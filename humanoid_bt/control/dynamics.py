@@ -11,6 +11,7 @@ from humanoid_bt.core.compiled import compiled
 from humanoid_bt.core.geometry import quaternion
 from humanoid_bt.core.messages import SIDES, Array, Estimate, FootPose, Side
 from humanoid_bt.robot.model import GAZE_SITE, RobotModel, palm_site, sole_site
+from humanoid_bt.robot.mujoco_functions import com_pos, com_vel, kinematics, make_m, rne, subtree_vel
 
 GRAVITY = 9.81
 """[m/s^2]"""
@@ -24,6 +25,7 @@ class RobotDynamics:
 
     Attributes:
         model, data: MuJoCo's, of the robot alone.
+        addresses: of these two.
         com, com_velocity: shape (3,) [m], [m/s].
         sole_positions: of the (left, right) sole, shape (2, 3) [m].
         soles: poses (x, y, yaw) of the soles.
@@ -38,16 +40,14 @@ class RobotDynamics:
         self.data = mujoco.MjData(robot.model)
         self._base = robot.model.body(robot.config.base).id
         self._sole = {side: robot.model.site(sole_site(side)).id for side in SIDES}
-        self._soles = np.array(list(self._sole.values()))
-        self._places, self._turns = self.data.site_xpos, self.data.site_xmat  # views, of all sites
         self._palm = {side: robot.model.site(palm_site(side)).id for side in robot.config.hands if side in SIDES}
         self._palm_axes = robot.palm_axes
         self._palm_turns = {side: quaternion(axes) for side, axes in robot.palm_axes.items()}
         self._gaze = robot.model.site(GAZE_SITE).id
-        self._feet_roll = robot.config.feet_roll
-        self.bias: Array = self.data.qfrc_bias  # a view, as the next ones are
-        self.motions: Array = self.data.cdof
-        self._qpos, self._qvel = self.data.qpos, self.data.qvel
+        data = self.data
+        self.addresses: tuple[int, int] = self.model._address, data._address
+        self.bias: Array = data.qfrc_bias  # a view, as the next ones are
+        self.motions: Array = data.cdof
         self.origin: Array = self.data.subtree_com[self.model.body_rootid[self._base]]
         self.com: Array = np.zeros(3)
         self.com_velocity: Array = np.zeros(3)
@@ -55,27 +55,23 @@ class RobotDynamics:
         self.soles: dict[Side, Array] = {}
         self.footings: dict[Side, Array] = {}
         self.roll = self.pitch = 0.0
+        self._tilt: Array = np.zeros(2)
         self._product = np.zeros(robot.model.nv)
+        self._kept = (  # what :func:`_update` is called with each time
+            *self.addresses, data.qpos, data.qvel, self.bias, data.subtree_com[self._base],
+            data.subtree_linvel[self._base], data.site_xpos, data.site_xmat, np.array(list(self._sole.values())),
+            robot.config.feet_roll,
+        )  # fmt: skip
 
     def update(self, estimate: Estimate) -> None:
         """Take over an estimate."""
-        model, data = self.model, self.data
-        self._qpos[:], self._qvel[:] = estimate.qpos, estimate.qvel
-        mujoco.mj_kinematics(model, data)
-        mujoco.mj_comPos(model, data)
-        mujoco.mj_makeM(model, data)
-        mujoco.mj_comVel(model, data)
-        mujoco.mj_rne(model, data, 0, self.bias)
-        mujoco.mj_subtreeVel(model, data)
-        self.com = data.subtree_com[self._base].copy()
-        self.com_velocity = data.subtree_linvel[self._base].copy()
-        self.sole_positions, poses, footings = np.empty((3, 2, 3))
-        _look_at_soles(self._places, self._turns, self._soles, self._feet_roll, self.sole_positions, poses, footings)
-        self.soles = dict(zip(SIDES, poses, strict=True))
-        self.footings = dict(zip(SIDES, footings, strict=True))
-        w, x, y, z = data.qpos[3:7].tolist()
-        self.roll = math.atan2(2 * (w * x + y * z), 1 - 2 * (x * x + y * y))
-        self.pitch = math.asin(max(-1.0, min(1.0, 2 * (w * y - z * x))))
+        rows = np.empty((8, 3))
+        _update(estimate.qpos, estimate.qvel, rows, self._tilt, *self._kept)
+        self.com, self.com_velocity, *soles = rows
+        self.sole_positions = rows[2:4]
+        self.soles = {"left": soles[2], "right": soles[3]}
+        self.footings = {"left": soles[4], "right": soles[5]}
+        self.roll, self.pitch = self._tilt.tolist()
 
     @property
     def base_position(self) -> Array:
@@ -136,32 +132,62 @@ class RobotDynamics:
         return np.array(self.data.site_xmat[self._gaze][[0, 3, 6]])
 
 
-@compiled("void(f8[:, ::1], f8[:, ::1], i8[::1], b1, f8[:, ::1], f8[:, ::1], f8[:, ::1])")
-def _look_at_soles(
-    places: Array, turns: Array, soles: Array, feet_roll: bool, positions: Array, poses: Array, footings: Array
+@compiled(
+    "void(f8[::1], f8[::1], f8[:, ::1], f8[::1], i8, i8, f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[:, ::1],"
+    " f8[:, ::1], i8[::1], b1)"
+)
+def _update(
+    believed: Array,
+    moves: Array,
+    rows: Array,
+    tilt: Array,
+    model: int,
+    data: int,
+    qpos: Array,
+    qvel: Array,
+    bias: Array,
+    com: Array,
+    com_velocity: Array,
+    places: Array,
+    turns: Array,
+    soles: Array,
+    feet_roll: bool,
 ) -> None:
-    """Write where soles are, and what each says of how the ground is turned from level.
+    """See :meth:`RobotDynamics.update`.
 
-    A foot that no joint rolls leans sideways with its leg, on any ground: only its pitch counts.
+    A foot that no joint rolls leans sideways with its leg, on any ground: only its pitch counts for how the ground is
+    turned from level.
 
     Args:
-        places, turns: positions and rotation matrices of all sites, shapes (n, 3) and (n, 9).
+        believed, moves: qpos and qvel of the estimate.
+        rows: are written: centre of mass, its velocity, and of both soles positions, then poses, then footings.
+        tilt: is written: roll and pitch of the base [rad].
+        model, data: addresses of MuJoCo's.
+        qpos, qvel, bias, com, com_velocity: views of data; are written.
+        places, turns: positions and rotation matrices of all sites, likewise, shapes (n, 3) and (n, 9).
         soles: which of these are soles.
-        feet_roll: whether a joint rolls them.
-        positions: shape (2, 3) [m].
-        poses: x, y, yaw, shape (2, 3) [m, rad].
-        footings: height, and rotation vector from level about the world's x and y, shape (2, 3) [m, rad].
+        feet_roll: whether a joint rolls the feet.
     """
-    for foot in range(len(soles)):
-        site = soles[foot]
-        for axis in range(3):
-            positions[foot, axis] = places[site, axis]
+    qpos[:], qvel[:] = believed, moves
+    kinematics(model, data)
+    com_pos(model, data)
+    make_m(model, data)
+    com_vel(model, data)
+    rne(model, data, 0, bias.ctypes)
+    subtree_vel(model, data)
+    rows[0], rows[1] = com, com_velocity
+    for foot in range(2):
+        site, pose, footing = soles[foot], rows[4 + foot], rows[6 + foot]
+        rows[2 + foot] = places[site]
         ahead, left, up_x, up_y = turns[site, 0], turns[site, 3], turns[site, 2], turns[site, 5]
-        poses[foot, 0], poses[foot, 1], poses[foot, 2] = places[site, 0], places[site, 1], math.atan2(left, ahead)
+        pose[0], pose[1], pose[2] = places[site, 0], places[site, 1], math.atan2(left, ahead)
         roll, pitch = -up_y, up_x
         if not feet_roll:
             length = math.hypot(ahead, left)
             across_x, across_y = -left / length, ahead / length
             about = across_y * up_x - across_x * up_y
             roll, pitch = about * across_x, about * across_y
-        footings[foot, 0], footings[foot, 1], footings[foot, 2] = places[site, 2], roll, pitch
+        footing[0], footing[1], footing[2] = places[site, 2], roll, pitch
+    w, x, y, z = qpos[3], qpos[4], qpos[5], qpos[6]
+    tilt[0] = math.atan2(2 * (w * x + y * z), 1 - 2 * (x * x + y * y))
+    tilt[1] = math.asin(max(-1.0, min(1.0, 2 * (w * y - z * x))))

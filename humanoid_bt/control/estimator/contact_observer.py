@@ -13,6 +13,7 @@ from humanoid_bt.control.jacobians import Indices, chains, point_moves
 from humanoid_bt.core.compiled import compiled
 from humanoid_bt.core.messages import SIDES, TORSO, Array, Side
 from humanoid_bt.robot.model import BASE_DOFS, RobotModel, palm_site
+from humanoid_bt.robot.mujoco_functions import mul_m
 
 _GAIN = 50.0  # 1/s, of the observer: three quarters of a force that begins are seen after 28 ms
 _SINGULAR = 1e-3  # m^2, of a stretched arm, whose joints say little of forces along it
@@ -69,8 +70,9 @@ class ContactObserver:
         self.forces: dict[str, Array] = {group: self._force[3 * at : 3 * at + 3] for at, group in enumerate(groups)}
         self._learns: Array = np.ones(len(groups))
         self._kept = (  # what :func:`_observe` is called with each time
-            self.residual, self._force, self._carried, self._learns, dynamics.bias, self._damping, data.qvel,
-            dynamics.motions, dynamics.origin, self._points, self._links, self._dofs, self._pushed, self._square,
+            *dynamics.addresses, self.residual, self._force, self._carried, self._learns, dynamics.bias,
+            self._damping, data.qvel, dynamics.motions, dynamics.origin, self._points, self._links, self._dofs,
+            self._pushed, self._square,
         )  # fmt: skip
 
     def reset(self) -> None:
@@ -100,8 +102,7 @@ class ContactObserver:
         self._before, self._jacobian = self._jacobian, self._before
         for point, place in self._places:
             point[:] = place
-        driven = self._dynamics.inertia_times(acceleration)
-        _observe(acceleration, torque, time, driven, self._jacobian, self._before, *self._kept)
+        _observe(acceleration, torque, time, self._jacobian, self._before, *self._kept)
 
     def torques_of_carried(self, side: Side) -> Array:
         """Return the torques, shape (nj,), with which the joints hold what a hand carries [Nm]."""
@@ -130,7 +131,7 @@ def _look(motions: Array, origin: Array, points: Array, links: Indices, jacobian
 
 
 @compiled(
-    "void(f8[::1], f8[::1], f8, f8[::1], f8[:, ::1], f8[:, ::1],"
+    "void(f8[::1], f8[::1], f8, f8[:, ::1], f8[:, ::1], i8, i8,"
     " f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1],"
     " f8[:, ::1], f8[::1], f8[:, ::1], i8[:, ::1], i8[::1], f8[::1], f8[:, ::1])"
 )
@@ -138,9 +139,10 @@ def _observe(
     acceleration: Array,
     torque: Array,
     time: float,
-    driven: Array,
     jacobian: Array,
     before: Array,
+    model: int,
+    data: int,
     residual: Array,
     force: Array,
     carried: Array,
@@ -160,8 +162,8 @@ def _observe(
 
     Args:
         acceleration, torque, time: as there.
-        driven: M qdd.
         jacobian, before: of the points, now, which is written, and the time before.
+        model, data: addresses of MuJoCo's.
         residual, force, carried: are brought up to date.
         learns: 1 for groups of which it is learnt what they carry, 0 for others.
         bias, damping, velocity: of the dynamics.
@@ -171,8 +173,9 @@ def _observe(
     """
     _look(motions, origin, points, links, jacobian)
     size, base = len(force), len(residual) - len(torque)
+    mul_m(model, data, pushed.ctypes, acceleration.ctypes)
     for dof in range(len(residual)):
-        pushed[dof] = driven[dof] + bias[dof] + damping[dof] * velocity[dof] - residual[dof]
+        pushed[dof] = pushed[dof] + bias[dof] + damping[dof] * velocity[dof] - residual[dof]
     for joint in range(len(torque)):
         pushed[base + joint] -= torque[joint]
     for row in range(size):  # what it takes to hold and to move what is carried

@@ -9,6 +9,7 @@ from humanoid_bt.control.jacobians import Indices, chains, point_moves
 from humanoid_bt.core.compiled import compiled
 from humanoid_bt.core.messages import SIDES, Array
 from humanoid_bt.robot.model import BASE_DOFS, RobotModel, sole_site
+from humanoid_bt.robot.mujoco_functions import mul_m
 
 _LOADED, _UNLOADED = 0.15, 0.08  # share of the weight from and up to which a foot stands (hysteresis)
 _SINGULAR = 1e-4  # m^2, of a stretched leg, which says little of forces along it
@@ -36,8 +37,8 @@ class FootLoad:
         self.standing = [True, True]
         soles = np.array([robot.model.site(sole_site(side)).id for side in SIDES])
         self._kept = (  # what :func:`_explain` is called with each time
-            self.force, dynamics.bias, robot.model.dof_damping.copy(), dynamics.motions, dynamics.origin,
-            dynamics.data.site_xpos, soles, _legs(robot),
+            *dynamics.addresses, self.force, dynamics.bias, robot.model.dof_damping.copy(), dynamics.motions,
+            dynamics.origin, dynamics.data.site_xpos, soles, _legs(robot),
             np.zeros(robot.model.nv), np.zeros((3, robot.model.nv)),
         )  # fmt: skip
 
@@ -58,7 +59,7 @@ class FootLoad:
             velocity, acceleration: shape (nv,).
             torque: of the joints, shape (nj,) [Nm].
         """
-        _explain(velocity, torque, self._dynamics.inertia_times(acceleration), *self._kept)
+        _explain(velocity, acceleration, torque, *self._kept)
         self._judge()
 
     def _judge(self) -> None:
@@ -67,13 +68,15 @@ class FootLoad:
 
 
 @compiled(
-    "void(f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1],"
+    "void(f8[::1], f8[::1], f8[::1], i8, i8, f8[::1], f8[::1], f8[::1],"
     " f8[:, ::1], f8[::1], f8[:, ::1], i8[::1], i8[:, ::1], f8[::1], f8[:, ::1])"
 )
 def _explain(
     velocity: Array,
+    acceleration: Array,
     torque: Array,
-    driven: Array,
+    model: int,
+    data: int,
     force: Array,
     bias: Array,
     damping: Array,
@@ -88,8 +91,8 @@ def _explain(
     """Write the vertical part of the force f on each foot that minimises |J^T f - (M qdd + h + d qd - tau)|.
 
     Args:
-        velocity, torque: qd, and of the joints tau.
-        driven: M qdd.
+        velocity, acceleration, torque: qd, qdd, and of the joints tau.
+        model, data: addresses of MuJoCo's.
         force: is written, shape (2,) [N].
         bias, damping: h, d.
         motions, origin: of the dynamics.
@@ -98,8 +101,9 @@ def _explain(
         left, jacobian: are written.
     """
     base = len(left) - len(torque)
+    mul_m(model, data, left.ctypes, acceleration.ctypes)
     for dof in range(len(left)):
-        left[dof] = driven[dof] + bias[dof] + damping[dof] * velocity[dof]
+        left[dof] = left[dof] + bias[dof] + damping[dof] * velocity[dof]
     for joint in range(len(torque)):
         left[base + joint] -= torque[joint]
     for foot in range(2):
