@@ -13,6 +13,7 @@ from humanoid_bt.core.messages import Array, HandTarget
 from humanoid_bt.robot.config import RobotConfig
 from humanoid_bt.robot.model import carriers
 
+_LOOK_AGAIN = 4  # moments in which as many contacts as before are taken for the same ones
 _SENT = 0.15  # m from a palm's target within which the hand touches what it was sent to; fingers are as long
 
 
@@ -59,24 +60,28 @@ class Touches:
         self.all: list[Touch] = []
         self._known: set[tuple[str, str, bool]] = set()
         self.targets: Mapping[str, Any] = {}
-        self._harmless = b""  # pairs of geoms, none of which is a thing's, that touched when it was last looked
+        self._harmless = -1  # contacts when it was last looked, if none of them was with a thing
+        self._passed = 0  # moments since then
 
     def clear(self) -> None:
         """Forget all of them."""
         self.all.clear()
         self._known.clear()
+        self._harmless = -1
         self.targets = {}
 
     def note(self, data: mujoco.MjData, time: float) -> None:
         """Take those of a moment, engine time [s]."""
-        geoms = data.contact.geom
-        pairs = geoms.tobytes()
-        if pairs == self._harmless:  # as in most moments
+        if data.ncon == self._harmless and self._passed < _LOOK_AGAIN:  # as in most moments
+            self._passed += 1
             return
+        self._passed = 0
+        geoms = data.contact.geom
         things = self._things[geoms]
         if not len(things) or things.max() < 0:
-            self._harmless = pairs
+            self._harmless = len(things)
             return
+        self._harmless = -1
         model = self._model
         for number in np.flatnonzero(things.max(axis=1) >= 0).tolist():
             first, second = things[number].tolist()
