@@ -23,6 +23,9 @@ class FootRoll:
     Args:
         gait, sole: the robot's numbers.
         start, foothold: planned poses of the sole, shape (3,).
+
+    Attributes:
+        rolls: whether it does not stay flat.
     """
 
     def __init__(self, gait: GaitConfig, sole: SoleConfig, start: Array, foothold: Array) -> None:
@@ -30,6 +33,7 @@ class FootRoll:
         long = min(max(seen_from(start, foothold).item(0) / (2 * gait.step_forward), 0.0), 1.0)
         straight = max(0.0, 1.0 - abs(wrap(float(foothold[2] - start[2]))) / gait.step_turn)
         self._toe_off, self._heel_strike = (long * straight * most for most in (gait.toe_off, gait.heel_strike))
+        self.rolls = bool(self._toe_off or self._heel_strike)
 
     def footing(self, share: float, yaw: float, moved: float) -> Array:
         """Return by how much the sole's centre is higher, and its tilt about the world's x and y: shape (3,) [m, rad].

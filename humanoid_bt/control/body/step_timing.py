@@ -13,8 +13,9 @@ For a given tau the best u is known, which leaves one function of tau.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
+from typing import NamedTuple
+
+from humanoid_bt.core.compiled import inlined
 
 _TIMING_COST = 0.01  # a [m^2]
 _OFFSET_COST = 100.0  # b: a wrong offset is what makes a robot fall
@@ -22,8 +23,7 @@ _GOLDEN = 0.618
 _ROUNDS = 7  # that narrow the time down to a thirtieth
 
 
-@dataclass(slots=True)
-class Axis:
+class Axis(NamedTuple):
     """One of the two directions of the ground, seen from the support foot.
 
     Attributes:
@@ -43,47 +43,67 @@ class Axis:
     most: float
     foot: float
 
-    def place(self, tau: float, reach: float) -> float:
-        """Return the best foothold [m] for a time, in which the foot gets so far [m]."""
-        wanted = self.pressure + self.dcm * tau - self.offset
-        best = (self.planned + _OFFSET_COST * wanted) / (1 + _OFFSET_COST)
-        near = min(max(best, self.foot - reach), self.foot + reach)
-        return min(max(near, self.least), self.most)
 
-    def cost(self, tau: float, reach: float) -> float:
-        """Return what the best foothold for a time costs."""
-        place = self.place(tau, reach)
-        missed = self.pressure + self.dcm * tau - self.offset - place
-        return (place - self.planned) ** 2 + _OFFSET_COST * missed * missed
+class Pace(NamedTuple):
+    """What is known of the time.
 
-
-def best_time(axes: Sequence[Axis], planned: float, least: float, most: float, *, omega: float, speed: float) -> float:
-    """Return the best tau in its bounds.
-
-    Args:
-        axes: both directions.
+    Attributes:
         planned: tau of the plan.
-        least, most: bounds of tau.
         omega: of the DCM [1/s].
         speed: of the foot on its way, on average [m/s].
     """
 
-    def cost(tau: float) -> float:
-        reach = speed * math.log(tau) / omega
-        return _TIMING_COST * (tau - planned) ** 2 + sum(axis.cost(tau, reach) for axis in axes)
+    planned: float
+    omega: float
+    speed: float
 
-    if most - least < 1e-6 or cost(most) <= cost(most - 1e-3 * (most - least)):  # as planned
-        return most
+
+@inlined
+def best_place(axis: Axis, tau: float, pace: Pace) -> float:
+    """Return the best foothold [m] for a time."""
+    reach = pace.speed * math.log(tau) / pace.omega
+    wanted = axis.pressure + axis.dcm * tau - axis.offset
+    best = (axis.planned + _OFFSET_COST * wanted) / (1 + _OFFSET_COST)
+    near = min(max(best, axis.foot - reach), axis.foot + reach)
+    return min(max(near, axis.least), axis.most)
+
+
+@inlined
+def _cost(axes: tuple[Axis, Axis], tau: float, pace: Pace) -> float:
+    """Return what a time costs, with the best foothold for it."""
+    total = 0.0
+    for axis in axes:
+        place = best_place(axis, tau, pace)
+        missed = axis.pressure + axis.dcm * tau - axis.offset - place
+        total += (place - axis.planned) ** 2 + _OFFSET_COST * missed * missed
+    return _TIMING_COST * (tau - pace.planned) ** 2 + total
+
+
+@inlined
+def best_time(axes: tuple[Axis, Axis], least: float, most: float, pace: Pace) -> float:
+    """Return the best tau in its bounds.
+
+    Args:
+        axes: both directions.
+        least, most: bounds of tau.
+        pace: the rest.
+    """
+    if most - least < 1e-6 or _cost(axes, most, pace) <= _cost(axes, most - 1e-3 * (most - least), pace):
+        return most  # as planned
     low, high = least, most
     inner, outer = high - _GOLDEN * (high - low), low + _GOLDEN * (high - low)
-    inner_cost, outer_cost = cost(inner), cost(outer)
+    inner_cost, outer_cost = _cost(axes, inner, pace), _cost(axes, outer, pace)
     for _ in range(_ROUNDS):
         if inner_cost < outer_cost:
             high, outer, outer_cost = outer, inner, inner_cost
             inner = high - _GOLDEN * (high - low)
-            inner_cost = cost(inner)
+            inner_cost = _cost(axes, inner, pace)
         else:
             low, inner, inner_cost = inner, outer, outer_cost
             outer = low + _GOLDEN * (high - low)
-            outer_cost = cost(outer)
-    return min((least, inner, outer), key=cost)
+            outer_cost = _cost(axes, outer, pace)
+    best, least_cost = least, _cost(axes, least, pace)
+    for tau, cost in ((inner, inner_cost), (outer, outer_cost)):
+        if cost < least_cost:
+            best, least_cost = tau, cost
+    return best

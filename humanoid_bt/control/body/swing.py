@@ -8,9 +8,9 @@ import numpy as np
 
 from humanoid_bt.control.body.foot_roll import FootRoll
 from humanoid_bt.control.body.footsteps import SIGN
-from humanoid_bt.control.body.planar import ahead, seen_from, wrap
-from humanoid_bt.control.body.step_timing import Axis, best_time
-from humanoid_bt.core.compiled import compiled
+from humanoid_bt.control.body.planar import seen_from
+from humanoid_bt.control.body.step_timing import Axis, Pace, best_place, best_time
+from humanoid_bt.core.compiled import compiled, inlined
 from humanoid_bt.core.messages import SIDES, Array, Side
 from humanoid_bt.core.turns import logarithm, product, turned
 from humanoid_bt.robot.config import GaitConfig, SoleConfig
@@ -67,14 +67,15 @@ class Swing:
         dcm_end: Array,
     ) -> None:
         self._gait, self._omega, self._dt, self.side = gait, omega, dt, side
-        self._ankle = [_ANKLE_SHARE * half for half in sole.bears]
+        self._ankle = np.array([_ANKLE_SHARE * half for half in sole.bears])
         self._steps = round(gait.single_support / dt)
         self._start, self._support = start, support
         self._planned, self._dcm_end = seen_from(support, foothold), seen_from(support, dcm_end)
         self._bounds = self._reach(gait)
         self._flown = 0.0  # s
-        self._place = self._planned.tolist()
-        self._motion = [[float(start[0]), 0.0, 0.0], [float(start[1]), 0.0, 0.0]]  # position, velocity, acceleration
+        self._place = self._planned.copy()
+        self._motion = np.zeros((2, 3))  # position, velocity, acceleration along each axis
+        self._motion[:, 0] = start[:2]
         self.pose: Array = start.copy()
         self._footings = footings
         self.footing: Array = footings[0].copy()
@@ -92,98 +93,177 @@ class Swing:
             dcm: measured DCM, shape (2,), world frame [m].
             zmp: reference of the ZMP, shape (2,), world frame [m].
         """
+        gait, dt = self._gait, self._dt
         self.progress = (elapsed + 1) / self._steps
-        if self.progress < self._gait.adjust_until:
-            self._adjust(max((self._steps - elapsed) * self._dt, self._dt), dcm, zmp)
-        self._flown += self._dt
-        self._move()
+        if self.progress < gait.adjust_until:
+            remaining = max((self._steps - elapsed) * dt, dt)
+            soonest = min(max(gait.quickest_step - self._flown, remaining / _HURRY_MAX), remaining)
+            self.rate = _adjust(
+                self._place, self.target, dcm, zmp, self.pose, self._support, self._planned, self._dcm_end,
+                self._bounds, self._ankle, self._omega, remaining, soonest, dt,
+            )  # fmt: skip
+        self._flown += dt
+        self.pose, self.footing = np.empty(3), np.empty(3)
+        _move(
+            self.pose, self.footing, self._motion, self.target, self._start, self._support, *self._footings,
+            self.progress, (1.0 - self.progress) * gait.single_support / self.rate, gait.lift, dt,
+        )  # fmt: skip
+        if self._roll.rolls:
+            moved = math.dist(self._place.tolist(), self._planned.tolist())
+            self.rolled = self._roll.footing(self.progress, self.pose.item(2), moved)
+            self.footing += self.rolled
 
-    def _adjust(self, remaining: float, dcm: Array, zmp: Array) -> None:
-        """Move the foothold, and hurry, by where the DCM would be at touchdown."""
-        planned_tau = math.exp(self._omega * remaining)
-        axes = self._axes(planned_tau, seen_from(self._support, dcm), seen_from(self._support, zmp))
-        soonest = min(max(self._gait.quickest_step - self._flown, remaining / _HURRY_MAX), remaining)
-        tau = best_time(
-            axes, planned_tau, math.exp(self._omega * soonest), planned_tau, omega=self._omega, speed=_HURRY_SPEED
-        )
-        self.rate = remaining * self._omega / max(math.log(tau), 1e-6)
-        follow, reach = min(1.0, self._dt / _ADJUST_TIME), _HURRY_SPEED * math.log(tau) / self._omega
-        for i, axis in enumerate(axes):
-            self._place[i] += follow * (axis.place(tau, reach) - self._place[i])
-        self.target[:2] = ahead(self._support, *self._place)[:2]
-
-    def _axes(self, tau: float, dcm: Array, zmp: Array) -> list[Axis]:
-        """Return what decides about the foothold, with all of the DCM's error that the ankle can take out taken out."""
-        axes: list[Axis] = []
-        foot = seen_from(self._support, self.pose)
-        for i, (least, most) in enumerate(self._bounds):
-            here, stands_on, end = dcm.item(i), zmp.item(i), self._dcm_end.item(i)
-            error = (here - stands_on) * tau + stands_on - end
-            ankle = min(max(error / max(tau - 1, 1e-6), -self._ankle[i]), self._ankle[i])
-            pressure = stands_on + ankle
-            planned = self._planned.item(i)
-            axes.append(Axis(pressure, here - pressure, planned, end - planned, least, most, foot.item(i)))
-        return axes
-
-    def _reach(self, gait: GaitConfig) -> list[tuple[float, float]]:
-        """Return least and most of each coordinate of the foothold, seen from the other foot [m]."""
+    def _reach(self, gait: GaitConfig) -> Array:
+        """Return least and most of each coordinate of the foothold, seen from the other foot, shape (2, 2) [m]."""
         x, y = self._planned.tolist()
         sign = SIGN[self.side]
         along = max(x - gait.adjust_forward, REACH_FORWARD[0]), min(x + gait.adjust_forward, REACH_FORWARD[1])
         near = max(sign * y - gait.adjust_sideways, gait.separation_min)
         far = min(sign * y + gait.adjust_sideways, gait.separation_max)
-        return [along, (near, far) if sign > 0 else (-far, -near)]
-
-    def _move(self) -> None:
-        dt = self._dt
-        remaining = max((1.0 - self.progress) * self._gait.single_support / self.rate - _ARRIVE_EARLY, 0.0)
-        for axis, motion in enumerate(self._motion):
-            error = float(self.target[axis]) - motion[0]
-            if remaining > dt:
-                after = _minimum_jerk(motion, error, remaining, dt)
-            else:
-                after = [motion[0] + _LATE_SHARE * error, 0.0, 0.0]
-            if abs(after[0] - motion[0]) > _SPEED_MAX * dt:
-                speed = math.copysign(_SPEED_MAX, after[0] - motion[0])
-                after = [motion[0] + speed * dt, speed, 0.0]
-            motion[:] = after
-        share = min(1.0, self.progress / _LAND_FROM)
-        turn = share**3 * (10 - 15 * share + 6 * share**2)
-        before, support = self._footings
-        after = support + np.array([self._rise(), 0.0, 0.0])
-        self.footing = before + turn * (after - before)
-        if share < 1.0:
-            self.footing[0] += self._gait.lift * 0.5 * (1 - math.cos(2 * math.pi * share**_LIFT_EARLY))
-        else:
-            self.footing[0] -= _LAND_DEPTH * (self.progress - _LAND_FROM) / (1 - _LAND_FROM)
-        yaw = self._start[2] + wrap(self.target[2] - self._start[2]) * turn
-        self.pose = np.array([self._motion[0][0], self._motion[1][0], yaw])
-        moved = math.dist(self._place, self._planned.tolist())
-        self.rolled = self._roll.footing(self.progress, yaw, moved)
-        self.footing += self.rolled
-
-    def _rise(self) -> float:
-        """Return how much higher the ground is at the foothold, if it is as steep as under the other foot."""
-        x, y = self.target[:2] - self._support[:2]
-        _, roll, pitch = self._footings[1]
-        return float(roll * y - pitch * x)
+        return np.array([along, (near, far) if sign > 0 else (-far, -near)])
 
 
-def _minimum_jerk(motion: list[float], error: float, remaining: float, dt: float) -> list[float]:
+@inlined
+def _seen_from(pose: Array, x: float, y: float) -> tuple[float, float]:
+    """Return a point's plane coordinates as seen from a pose: ``planar.seen_from``."""
+    x, y = x - pose[0], y - pose[1]
+    cos, sin = math.cos(-pose[2]), math.sin(-pose[2])
+    return cos * x - sin * y, sin * x + cos * y
+
+
+@inlined
+def _axis(
+    i: int,
+    tau: float,
+    here: float,
+    stands_on: float,
+    foot: float,
+    planned: Array,
+    dcm_end: Array,
+    bounds: Array,
+    ankle: Array,
+) -> Axis:
+    """Return what decides about a coordinate of the foothold."""
+    error = (here - stands_on) * tau + stands_on - dcm_end[i]
+    taken = min(max(error / max(tau - 1, 1e-6), -ankle[i]), ankle[i])
+    pressure = stands_on + taken
+    return Axis(pressure, here - pressure, planned[i], dcm_end[i] - planned[i], bounds[i, 0], bounds[i, 1], foot)
+
+
+@compiled(
+    "f8(f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[:, ::1], f8[::1], f8, f8, f8, f8)"
+)
+def _adjust(
+    place: Array,
+    target: Array,
+    dcm: Array,
+    zmp: Array,
+    pose: Array,
+    support: Array,
+    planned: Array,
+    dcm_end: Array,
+    bounds: Array,
+    ankle: Array,
+    omega: float,
+    remaining: float,
+    soonest: float,
+    dt: float,
+) -> float:
+    """Move the foothold by where the DCM would be at touchdown; return how fast the swing is to run.
+
+    All of the DCM's error that the ankle can take out counts as taken out.
+
+    Args:
+        place, target: the foothold, seen from the support foot, shape (2,), and in the world, shape (3,); are moved.
+        dcm, zmp: as in :meth:`Swing.update`.
+        pose, support: of the swinging and of the other foot, shape (3,), world frame.
+        planned, dcm_end: foothold and DCM at touchdown as planned, seen from the support foot, shape (2,).
+        bounds: of the foothold, likewise, shape (2, 2).
+        ankle: how far it moves the pressure along and across the foot, shape (2,) [m].
+        omega: [1/s].
+        remaining, soonest: time until touchdown, as planned and at least [s].
+        dt: control period [s].
+    """
+    tau = math.exp(omega * remaining)
+    here, pressure = _seen_from(support, dcm[0], dcm[1]), _seen_from(support, zmp[0], zmp[1])
+    foot = _seen_from(support, pose[0], pose[1])
+    ahead = _axis(0, tau, here[0], pressure[0], foot[0], planned, dcm_end, bounds, ankle)
+    aside = _axis(1, tau, here[1], pressure[1], foot[1], planned, dcm_end, bounds, ankle)
+    pace = Pace(tau, omega, _HURRY_SPEED)
+    best = best_time((ahead, aside), math.exp(omega * soonest), tau, pace)
+    follow = min(1.0, dt / _ADJUST_TIME)
+    place[0] += follow * (best_place(ahead, best, pace) - place[0])
+    place[1] += follow * (best_place(aside, best, pace) - place[1])
+    cos, sin = math.cos(support[2]), math.sin(support[2])
+    target[0] = support[0] + cos * place[0] - sin * place[1]
+    target[1] = support[1] + sin * place[0] + cos * place[1]
+    return remaining * omega / max(math.log(best), 1e-6)
+
+
+@inlined
+def _go_on(motion: Array, error: float, remaining: float, dt: float) -> None:
     """Go on for ``dt`` on the minimum-jerk path that ends at rest after ``remaining`` (Hoff and Arbib 1993).
 
     Evaluated exactly: near the end an explicit step of the jerk overshoots without bound.
     """
-    position, velocity, acceleration = motion
-    h, v, a = remaining, velocity, acceleration
-    cubic = (20 * error - 12 * v * h - 3 * a * h**2) / (2 * h**3)
-    quartic = (-30 * error + 16 * v * h + 3 * a * h**2) / (2 * h**4)
-    quintic = (12 * error - 6 * v * h - a * h**2) / (2 * h**5)
-    return [
-        position + dt * (v + dt * (a / 2 + dt * (cubic + dt * (quartic + dt * quintic)))),
-        v + dt * (a + dt * (3 * cubic + dt * (4 * quartic + dt * 5 * quintic))),
-        a + dt * (6 * cubic + dt * (12 * quartic + dt * 20 * quintic)),
-    ]
+    x, v, a = motion[0], motion[1], motion[2]
+    if remaining > dt:
+        h = remaining
+        cubic = (20 * error - 12 * v * h - 3 * a * h**2) / (2 * math.pow(h, 3.0))
+        quartic = (-30 * error + 16 * v * h + 3 * a * h**2) / (2 * math.pow(h, 4.0))
+        quintic = (12 * error - 6 * v * h - a * h**2) / (2 * math.pow(h, 5.0))
+        motion[0] = x + dt * (v + dt * (a / 2 + dt * (cubic + dt * (quartic + dt * quintic))))
+        motion[1] = v + dt * (a + dt * (3 * cubic + dt * (4 * quartic + dt * 5 * quintic)))
+        motion[2] = a + dt * (6 * cubic + dt * (12 * quartic + dt * 20 * quintic))
+    else:
+        motion[0], motion[1], motion[2] = x + _LATE_SHARE * error, 0.0, 0.0
+    if abs(motion[0] - x) > _SPEED_MAX * dt:
+        speed = math.copysign(_SPEED_MAX, motion[0] - x)
+        motion[0], motion[1], motion[2] = x + speed * dt, speed, 0.0
+
+
+@compiled("void(f8[::1], f8[::1], f8[:, ::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8, f8, f8, f8)")
+def _move(
+    pose: Array,
+    footing: Array,
+    motion: Array,
+    target: Array,
+    start: Array,
+    support: Array,
+    before: Array,
+    ground: Array,
+    progress: float,
+    left: float,
+    lift: float,
+    dt: float,
+) -> None:
+    """Move the foot for one control period.
+
+    Args:
+        pose, footing: are written, as in :class:`Swing`.
+        motion: is moved: position, velocity, acceleration along each axis, shape (2, 3).
+        target, start, support: the foothold, where the foot was lifted, and the other foot: poses, shape (3,).
+        before, ground: height and tilt of the foot when it was lifted, and of the other one, shape (3,) [m, rad].
+        progress: share of the swing that is over.
+        left: time until touchdown [s].
+        lift: [m].
+        dt: [s].
+    """
+    remaining = max(left - _ARRIVE_EARLY, 0.0)
+    for axis in range(2):
+        _go_on(motion[axis], target[axis] - motion[axis, 0], remaining, dt)
+    share = min(1.0, progress / _LAND_FROM)
+    turn = math.pow(share, 3.0) * (10 - 15 * share + 6 * share**2)
+    rise = ground[1] * (target[1] - support[1]) - ground[2] * (target[0] - support[0])  # if it is as steep there
+    for i in range(3):
+        after = ground[i] + (rise if i == 0 else 0.0)
+        footing[i] = before[i] + turn * (after - before[i])
+    if share < 1.0:
+        footing[0] += lift * 0.5 * (1 - math.cos(2 * math.pi * math.pow(share, _LIFT_EARLY)))
+    else:
+        footing[0] -= _LAND_DEPTH * (progress - _LAND_FROM) / (1 - _LAND_FROM)
+    off = (target[2] - start[2] + math.pi) % (2 * math.pi) - math.pi
+    pose[0], pose[1], pose[2] = motion[0, 0], motion[1, 0], start[2] + off * turn
 
 
 class TiltCompensation:
