@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection, Mapping
 
 import numpy as np
 
-from humanoid_bt.control.body.planar import seen_from
 from humanoid_bt.core.messages import SIDES, Array, Side
 from humanoid_bt.robot.model import RobotModel
 
@@ -43,7 +43,11 @@ class ArmSwing:
             stance, feet: poses of the middle between the feet and of the feet, shape (3,), world frame.
             busy: sides whose hands are commanded.
         """
+        at_x, at_y, heading = stance.tolist()
+        cos, sin = math.cos(heading), math.sin(heading)
         for side, (joint, sign) in self._shoulders.items():
-            ahead = 2 * seen_from(stance, feet[side])[0]  # of the other foot [m]
+            x, y, _ = feet[side].tolist()
+            ahead = 2 * (cos * (x - at_x) + sin * (y - at_y))  # of the other foot [m]
             wanted = 0.0 if side in busy else sign * min(max(self._gain * ahead, -_FARTHEST), _FARTHEST)
-            self.joints[joint] += self._share * (wanted - self.joints[joint])
+            now = self.joints.item(joint)
+            self.joints[joint] = now + self._share * (wanted - now)

@@ -79,6 +79,9 @@ class HandGoals:
                 continue
             target = targets.get(f"{side}_hand") or (None if hold else self._arms.away(side))
             hand = target if isinstance(target, HandTarget) else None
+            if hand is None and reference.free:
+                self._presses[side].reset()
+                continue
             if reference.relative if hold else hand is not None and hand.relative:
                 followers[side] = hand
                 continue

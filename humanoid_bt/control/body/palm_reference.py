@@ -100,6 +100,11 @@ class PalmReference:
         orientation = self._orientation(target, hold, position is None, lambda: (frames[0], frames[1]), 0.0)
         return None if position is None else HandTarget(position, orientation, relative=True)
 
+    @property
+    def free(self) -> bool:
+        """Whether nothing holds the palm."""
+        return self._place.free and not self._turns and not self.relative
+
     def release(self) -> None:
         """Let the palm go."""
         self._place = HandReference(self._weights, self._dt)

@@ -96,6 +96,11 @@ class HandReference:
         self._sent = _toward(self._sent, self._position + self._correction, step)
         return _toward(reference, self._sent, lead)
 
+    @property
+    def free(self) -> bool:
+        """Whether nothing holds the hand, and nothing did that it was let go of meanwhile."""
+        return self._position is None and not self._let_go
+
     def let_go(self) -> None:
         """Let the hand go, whatever held it."""
         self._position = None

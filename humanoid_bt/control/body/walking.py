@@ -13,7 +13,7 @@ from humanoid_bt.control.body.dcm import DcmPlan, plan_settle, plan_walk
 from humanoid_bt.control.body.footsteps import OTHER, FootstepPlanner
 from humanoid_bt.control.body.planar import middle, seen_from, wrap
 from humanoid_bt.control.body.swing import Swing
-from humanoid_bt.core.geometry import clamp
+from humanoid_bt.core.compiled import compiled
 from humanoid_bt.core.messages import SIDES, Array, Gait, Side
 from humanoid_bt.robot.config import GaitConfig, SoleConfig
 
@@ -271,34 +271,56 @@ class Walker:
         self, soles: Mapping[Side, Array], footings: Mapping[Side, Array], foot_force: Mapping[Side, float]
     ) -> None:
         """Let references of standing feet follow the measured feet: a jump in contact would be an impact."""
-        follow = min(1.0, self._dt / _FOLLOW_TIME)
         for side in SIDES:
             if not self.contact[side]:
                 continue
-            error = soles[side] - self.foot_reference[side]
-            error[2] = wrap(error[2])
-            self.foot_reference[side] = self.foot_reference[side] + follow * error
-            flatter = min(1.0, self._dt / _ROLL_TIME) * self._rolled[side]
-            self._rolled[side] = self._rolled[side] - flatter
-            self.foot_footing[side] = self.foot_footing[side] - flatter
             loaded = foot_force[side] > self._numbers.touchdown_force
-            if loaded:
-                self._found[side] = True
-                self._follow_footing(side, footings[side], follow)
-            elif not self._found[side]:  # one that bounces has: sunk and lifted by turns it would shake the robot
-                self.foot_footing[side] = self.foot_footing[side] - np.array([_SINK_SPEED * self._dt, 0.0, 0.0])
+            self._found[side] = self._found[side] or loaded
+            pose, footing = self.foot_reference[side].copy(), self.foot_footing[side].copy()
+            _follow(pose, footing, self._rolled[side], soles[side], footings[side], loaded, self._found[side], self._dt)
+            self.foot_reference[side], self.foot_footing[side] = pose, footing
         self.ground += min(1.0, self._dt / _GROUND_TIME) * (self._carrying_height() - self.ground)
-
-    def _follow_footing(self, side: Side, measured: Array, follow: float) -> None:
-        slowly = self._dt / _LEVEL_TIME
-        before = self.foot_footing[side]
-        after = before + np.array([follow, slowly, slowly]) * (measured - before)
-        after[1:] = clamp(after[1:], -_STEEPEST, _STEEPEST)
-        self.foot_footing[side] = after
 
     def _carrying_height(self) -> float:
         heights = [self.foot_footing[side].item(0) for side in SIDES if self.contact[side]]
         return sum(heights) / len(heights)
+
+
+@compiled("void(f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], b1, b1, f8)")
+def _follow(
+    pose: Array,
+    footing: Array,
+    rolled: Array,
+    sole: Array,
+    measured: Array,
+    loaded: bool,
+    found: bool,
+    dt: float,
+) -> None:
+    """Let the references of a foot on the ground follow the foot.
+
+    Args:
+        pose, footing: the references, shape (3,); are moved.
+        rolled: what is left of the roll in ``footing``, shape (3,); becomes less.
+        sole, measured: pose and footing of the foot, shape (3,).
+        loaded: whether it carries something.
+        found: whether it has since it landed; one that bounces has: sunk and lifted by turns it would shake the robot.
+        dt: [s].
+    """
+    follow, flatten, level = min(1.0, dt / _FOLLOW_TIME), min(1.0, dt / _ROLL_TIME), dt / _LEVEL_TIME
+    pose[0] += follow * (sole[0] - pose[0])
+    pose[1] += follow * (sole[1] - pose[1])
+    pose[2] += follow * ((sole[2] - pose[2] + math.pi) % (2 * math.pi) - math.pi)
+    for i in range(3):
+        flatter = flatten * rolled[i]
+        rolled[i] -= flatter
+        footing[i] -= flatter
+    if loaded:
+        footing[0] += follow * (measured[0] - footing[0])
+        for i in range(1, 3):
+            footing[i] = min(max(footing[i] + level * (measured[i] - footing[i]), -_STEEPEST), _STEEPEST)
+    elif not found:
+        footing[0] -= _SINK_SPEED * dt
 
 
 def _flat() -> dict[Side, Array]:
