@@ -48,6 +48,7 @@ class RobotDynamics:
         self.addresses: tuple[int, int] = self.model._address, data._address
         self.bias: Array = data.qfrc_bias  # a view, as the next ones are
         self.motions: Array = data.cdof
+        self._qpos, self._qvel = data.qpos, data.qvel
         self.origin: Array = self.data.subtree_com[self.model.body_rootid[self._base]]
         self.com: Array = np.zeros(3)
         self.com_velocity: Array = np.zeros(3)
@@ -58,7 +59,7 @@ class RobotDynamics:
         self._tilt: Array = np.zeros(2)
         self._product = np.zeros(robot.model.nv)
         self._kept = (  # what :func:`_update` is called with each time
-            *self.addresses, data.qpos, data.qvel, self.bias, data.subtree_com[self._base],
+            *self.addresses, data.qpos, self.bias, data.subtree_com[self._base],
             data.subtree_linvel[self._base], data.site_xpos, data.site_xmat, np.array(list(self._sole.values())),
             robot.config.feet_roll,
         )  # fmt: skip
@@ -66,7 +67,8 @@ class RobotDynamics:
     def update(self, estimate: Estimate) -> None:
         """Take over an estimate."""
         rows = np.empty((8, 3))
-        _update(estimate.qpos, estimate.qvel, rows, self._tilt, *self._kept)
+        self._qpos[:], self._qvel[:] = estimate.qpos, estimate.qvel
+        _update(rows, self._tilt, *self._kept)
         self.com, self.com_velocity, *soles = rows
         self.sole_positions = rows[2:4]
         self.soles = {"left": soles[2], "right": soles[3]}
@@ -132,19 +134,13 @@ class RobotDynamics:
         return np.array(self.data.site_xmat[self._gaze][[0, 3, 6]])
 
 
-@compiled(
-    "void(f8[::1], f8[::1], f8[:, ::1], f8[::1], i8, i8, f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[:, ::1],"
-    " f8[:, ::1], i8[::1], b1)"
-)
+@compiled("void(f8[:, ::1], f8[::1], i8, i8, f8[::1], f8[::1], f8[::1], f8[::1], f8[:, ::1], f8[:, ::1], i8[::1], b1)")
 def _update(
-    believed: Array,
-    moves: Array,
     rows: Array,
     tilt: Array,
     model: int,
     data: int,
     qpos: Array,
-    qvel: Array,
     bias: Array,
     com: Array,
     com_velocity: Array,
@@ -159,16 +155,14 @@ def _update(
     turned from level.
 
     Args:
-        believed, moves: qpos and qvel of the estimate.
         rows: are written: centre of mass, its velocity, and of both soles positions, then poses, then footings.
         tilt: is written: roll and pitch of the base [rad].
         model, data: addresses of MuJoCo's.
-        qpos, qvel, bias, com, com_velocity: views of data; are written.
+        qpos, bias, com, com_velocity: views of data; all but the first are written.
         places, turns: positions and rotation matrices of all sites, likewise, shapes (n, 3) and (n, 9).
         soles: which of these are soles.
         feet_roll: whether a joint rolls the feet.
     """
-    qpos[:], qvel[:] = believed, moves
     kinematics(model, data)
     com_pos(model, data)
     make_m(model, data)

@@ -32,7 +32,6 @@ from humanoid_bt.core.messages import (
 from humanoid_bt.core.texts import shortened
 from humanoid_bt.robot.arms import Arms, joints_fault, speed_fault
 from humanoid_bt.robot.config import ContactConfig, FallConfig
-from humanoid_bt.robot.model import BASE_COORDINATES
 
 DECISION_TIMEOUT = 0.100
 """Silence of decision [s] after which the robot goes to a protective stop."""
@@ -45,6 +44,7 @@ SENSOR_FAILED = "a sensor failed: "
 
 _MOST = 1000  # stops, and refusals, that are kept
 _COMMANDED = (Mode.RUN, Mode.PAUSED)  # decision is heard, and nothing stops the robot
+_BY_ITSELF = (*_COMMANDED, Mode.PROTECTIVE_STOP)  # what goes over into the other ones without a reset
 
 _WORKSPACE = 1000.0  # m from the world's origin beyond which a target is malformed
 _HEIGHT_OFFSET = 0.5  # m
@@ -230,7 +230,7 @@ class Supervisor:
             self._stop(Mode.DAMP, self._falling, "supervisor")
         elif self._estop is not None:
             self._stop(Mode.EMERGENCY_STOP, self._estop[1], self._estop[0])
-        elif self.mode in (*_COMMANDED, Mode.PROTECTIVE_STOP):
+        elif self.mode in _BY_ITSELF:
             plant = (plant_fault, "supervisor") if plant_fault else None
             cause = plant or self._protective_cause(setpoint_fault, sensor_fault)
             if cause:
@@ -264,9 +264,10 @@ class Supervisor:
 
     def _why_falling(self, estimate: Estimate) -> str:
         """Return why the robot cannot be kept on its feet, "" when it can."""
-        if not math.isfinite(estimate.qpos.dot(estimate.qpos) + estimate.qvel.dot(estimate.qvel)):
+        qpos, qvel = estimate.qpos, estimate.qvel
+        if not math.isfinite(qpos.dot(qpos) + qvel.dot(qvel)):
             return "the estimated state is not finite"
-        _, _, height, _, x, y, _ = estimate.qpos[:BASE_COORDINATES].tolist()
+        height, x, y = qpos.item(2), qpos.item(4), qpos.item(5)
         if height < self._fall.height * self._home_height:
             return "the robot is falling: its base is low"
         upright = 1 - 2 * (x * x + y * y)  # cosine of the base's tilt

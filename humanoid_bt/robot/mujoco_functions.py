@@ -14,7 +14,7 @@ import mujoco
 from llvmlite import binding
 from numba import config, types
 
-_ADDRESS, _NUMBERS, _INTEGER = types.intp, types.CPointer(types.float64), types.int32
+_ADDRESS, _NUMBERS, _INTEGER = types.intp, types.CPointer(types.float64), types.int32  # type: ignore[no-untyped-call]
 _IN_PYTHON = {_ADDRESS: ctypes.c_void_p, _NUMBERS: ctypes.c_void_p, _INTEGER: ctypes.c_int}
 _LIBRARY = next(str(file) for file in sorted(Path(mujoco.__file__).parent.glob("*mujoco*.*")))
 
@@ -22,7 +22,7 @@ _LIBRARY = next(str(file) for file in sorted(Path(mujoco.__file__).parent.glob("
 def _function(name: str, *more: types.Type) -> Any:
     """Return one that takes model, data, and more, and returns nothing."""
     arguments = (_ADDRESS, _ADDRESS, *more)
-    if config.DISABLE_JIT:
+    if config.DISABLE_JIT:  # type: ignore[attr-defined]  # numba finds it at run time
         function = getattr(ctypes.CDLL(_LIBRARY), name)
         function.restype, function.argtypes = None, [_IN_PYTHON[kind] for kind in arguments]
         return function
@@ -33,6 +33,10 @@ binding.load_library_permanently(_LIBRARY)
 kinematics, com_pos, com_vel, subtree_vel, make_m = map(
     _function, ("mj_kinematics", "mj_comPos", "mj_comVel", "mj_subtreeVel", "mj_makeM")
 )
+jac_subtree_com = _function("mj_jacSubtreeCom", _NUMBERS, _INTEGER)
+"""(model, data, jacobian, body)"""
+angmom_mat = _function("mj_angmomMat", _NUMBERS, _INTEGER)
+"""(model, data, matrix, body)"""
 rne = _function("mj_rne", _INTEGER, _NUMBERS)
 """(model, data, whether with acceleration, forces)"""
 mul_m = _function("mj_mulM", _NUMBERS, _NUMBERS)

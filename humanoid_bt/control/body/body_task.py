@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 import mink
 import mujoco
@@ -27,11 +28,13 @@ from humanoid_bt.core.turns import (
     view_along,
 )
 from humanoid_bt.robot.model import BASE_COORDINATES, BASE_DOFS, GAZE_SITE, RobotModel, sole_site
+from humanoid_bt.robot.mujoco_functions import angmom_mat, jac_subtree_com
 
 _SOLES, _BASE, _TORSO, _GAZE = (3, 9), 15, 18, 21  # first rows, after those of the centre of mass; then the posture
 _SOLE_GOAL = 12  # numbers of a sole's goal: x, y, yaw, height, tilt, twist
 _TURNS = 2 * _SOLE_GOAL  # heading, leans of base and torso, yaw of the torso, yaw and pitch of the view
-_GOALS = _TURNS + 6
+_GOALS = _TURNS + 6  # centre of mass, and then the posture
+_POSTURE = _GOALS + 3
 _NO_TWIST = 1e-14  # square of a twist too small to matter
 _LEANS = 0.3  # rad of lean for the gaze at which a reaching hand does not move the torso any more
 
@@ -101,7 +104,7 @@ class BodyTask(BaseTask):  # type: ignore[misc]  # mink has no types
         count = 3 * (3 + 2 * len(SIDES) + bool(config.neck)) + joints + self._spins
         self.jacobian, self.error, self.cost = np.zeros((count, model.nv)), np.zeros(count), np.zeros(count)
         self._column, self._weighted = self.cost[:, None], np.zeros_like(self.jacobian)
-        self._com_jacobian, self._com_error = self.jacobian[:3], self.error[:3]
+        self._com_error = self.error[:3]
         self._com_cost, self._base_cost, self._torso_cost = (self.cost[rows : rows + 3] for rows in (0, _BASE, _TORSO))
         self._feet_roll = config.feet_roll
         for sole in _SOLES:
@@ -113,15 +116,16 @@ class BodyTask(BaseTask):  # type: ignore[misc]  # mink has no types
         posture = slice(count - self._spins - joints, count - self._spins)
         self.jacobian[posture, BASE_DOFS:] = np.eye(joints)
         self.cost[posture] = weights.posture
-        self._posture_error, self._posture_cost = self.error[posture], self.cost[posture]
-        self._momentum = np.zeros((3, model.nv))
+        self._posture_cost = self.cost[posture]
+        self._momentum = np.zeros((3 * self._spins, model.nv))
         if self._spins:
             self.cost[-1] = weights.spin
         self._root = model.body(config.base).id
         sites = [model.site(sole_site(side)).id for side in SIDES] + [model.site(GAZE_SITE).id] * bool(config.neck)
         self._sites, self._links = np.array(sites), np.array([self._root, model.body(config.torso).id])
         self._chains = chains(model, [*model.site_bodyid[self._sites], *self._links])
-        self._goals: Array = np.zeros(_GOALS)
+        self._goals: Array = np.zeros(_POSTURE + joints)
+        self._data: mujoco.MjData | None = None  # of which the views are
         self._arms: Sequence[int] = ()
         self._given = (-1.0, -1.0, 1.0)  # to the hands, how far it leans for the eyes, and its firmness
 
@@ -132,23 +136,25 @@ class BodyTask(BaseTask):  # type: ignore[misc]  # mink has no types
             sole[:3], sole[3:6] = targets.soles[side], targets.sole_footings[side]
             sole[6:_SOLE_GOAL] = targets.sole_twists[side]
         yaw, pitch = targets.gaze
-        goals[_TURNS:] = targets.heading, base_lean, torso_lean, targets.torso_yaw, targets.heading + yaw, pitch
-        mujoco.mj_jacSubtreeCom(self._model, data, self._com_jacobian, self._root)
-        np.subtract(targets.com, data.subtree_com[self._root], out=self._com_error)
-        if self._spins:
-            mujoco.mj_angmomMat(self._model, data, self._momentum, self._root)
-            self.jacobian[-1] = self._momentum[2]
-        np.subtract(targets.posture, data.qpos[BASE_COORDINATES:], out=self._posture_error)
-        _aim(
-            self.jacobian, self.error, goals, self._feet_roll, data.cdof, data.subtree_com[self._root],
-            data.site_xpos, data.site_xmat, data.xquat, self._sites, self._links, self._chains,
-        )  # fmt: skip
+        goals[_TURNS:_GOALS] = targets.heading, base_lean, torso_lean, targets.torso_yaw, targets.heading + yaw, pitch
+        if data is not self._data:
+            self._data, self._kept = data, self._views(data)
+        goals[_GOALS:_POSTURE], goals[_POSTURE:] = targets.com, targets.posture
+        _aim(self.jacobian, self.error, goals, *self._kept)
         if targets.arms != self._arms:
             self._arms = targets.arms
             self._posture_cost[:] = self._weights.posture
             self._posture_cost[list(self._arms)] = self._weights.arm
         if (targets.reaching, torso_lean, targets.firmness) != self._given:
             self._give_body_to_hands(targets.reaching, torso_lean, targets.firmness)
+
+    def _views(self, data: mujoco.MjData) -> tuple[Any, ...]:
+        """Return what :func:`_aim` is called with each time for a configuration."""
+        return (
+            self._feet_roll, self._model._address, data._address, self._root, self._momentum, data.qpos,
+            data.cdof, data.subtree_com[self._root], data.site_xpos, data.site_xmat, data.xquat,
+            self._sites, self._links, self._chains,
+        )  # fmt: skip
 
     @property
     def com_error(self) -> Array:
@@ -201,14 +207,19 @@ def _in_frame(axes: Array, vector: Array) -> None:
 
 
 @compiled(
-    "void(f8[:, ::1], f8[::1], f8[::1], b1, f8[:, ::1], f8[::1], f8[:, ::1], f8[:, ::1], f8[:, ::1],"
-    " i8[::1], i8[::1], i8[:, ::1])"
+    "void(f8[:, ::1], f8[::1], f8[::1], b1, i8, i8, i8, f8[:, ::1], f8[::1], f8[:, ::1], f8[::1],"
+    " f8[:, ::1], f8[:, ::1], f8[:, ::1], i8[::1], i8[::1], i8[:, ::1])"
 )
 def _aim(
     jacobian: Array,
     error: Array,
     goals: Array,
     feet_roll: bool,
+    model: int,
+    data: int,
+    root: int,
+    momentum: Array,
+    qpos: Array,
     motions: Array,
     origin: Array,
     places: Array,
@@ -218,12 +229,16 @@ def _aim(
     links: Indices,
     moved_by: Indices,
 ) -> None:
-    """Write the rows of soles, base, torso and view.
+    """Write the rows of everything.
 
     Args:
         jacobian, error: are written.
         goals: as :meth:`BodyTask.aim` puts them together.
         feet_roll: whether a joint rolls the feet; otherwise their turn counts in their own frame.
+        model, data: addresses of MuJoCo's.
+        root: the base.
+        momentum: is written if the robot's spin counts, and has no rows if not.
+        qpos: as it is.
         motions, origin: as :func:`~humanoid_bt.control.jacobians.point_moves` wants them.
         places, turns: positions and rotation matrices of all sites.
         link_quaternions: of all bodies.
@@ -231,6 +246,16 @@ def _aim(
         links: base and torso.
         moved_by: the degrees of freedom of all of these.
     """
+    jac_subtree_com(model, data, jacobian.ctypes, root)  # into the first rows
+    for axis in range(3):
+        error[axis] = goals[_GOALS + axis] - origin[axis]
+    if len(momentum):
+        angmom_mat(model, data, momentum.ctypes, root)
+        jacobian[-1] = momentum[2]
+    joints = len(goals) - _POSTURE
+    first = len(error) - joints - (len(momentum) > 0)
+    for joint in range(joints):
+        error[first + joint] = goals[_POSTURE + joint] - qpos[BASE_COORDINATES + joint]
     for foot in range(2):
         site, row, chain = sites[foot], _SOLES[foot], moved_by[foot]
         place, turn = _sole_goal(goals[_SOLE_GOAL * foot : _SOLE_GOAL * (foot + 1)])

@@ -16,9 +16,11 @@ from humanoid_bt.control.body.mink_terms import frame_task
 from humanoid_bt.control.body.palm_task import PalmTask
 from humanoid_bt.control.body.quadratic_program import QuadraticProgram
 from humanoid_bt.control.body.self_collision import SelfCollisionLimit
+from humanoid_bt.core.compiled import compiled
 from humanoid_bt.core.geometry import clamp
 from humanoid_bt.core.messages import SIDES, Array, Side
 from humanoid_bt.robot.model import BASE_COORDINATES, BASE_DOFS, RobotModel, carriers, palm_site
+from humanoid_bt.robot.mujoco_functions import com_vel, subtree_vel
 
 # rad/s^2, of the planned motion, as it goes into the feedforward: legs catch a push, an arm that starts is no blow
 _ACCELERATION_LIMIT, _ARM_ACCELERATION = 300.0, 100.0
@@ -237,15 +239,51 @@ class InverseKinematics:
         return np.asarray(way / self._dt)
 
     def _follow_motion(self, velocity: Array) -> None:
-        data, smooth = self.configuration.data, min(1.0, self._dt / _SMOOTH_TIME)
-        rate = clamp((velocity - self.velocity) / self._dt, -self._quickest, self._quickest)
-        self.acceleration += self._smooth * (rate - self.acceleration)
+        _follow_motion(
+            velocity, self.velocity, self.acceleration, self.momentum_rate, self._momentum, self._quickest,
+            self._smooth, min(1.0, self._dt / _SMOOTH_TIME), self._dt,
+            self._model._address, self.configuration.data._address, self._speed, self._spin,
+        )  # fmt: skip
         self.velocity = velocity
-        self._speed[:] = velocity
-        mujoco.mj_comVel(self._model, data)
-        mujoco.mj_subtreeVel(self._model, data)
-        self.momentum_rate += smooth * ((self._spin - self._momentum) / self._dt - self.momentum_rate)
-        self._momentum[:] = self._spin
+
+
+@compiled("void(f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8, f8, i8, i8, f8[::1], f8[::1])")
+def _follow_motion(
+    velocity: Array,
+    before: Array,
+    acceleration: Array,
+    momentum_rate: Array,
+    momentum: Array,
+    quickest: Array,
+    smooth: Array,
+    smooth_momentum: float,
+    dt: float,
+    model: int,
+    data: int,
+    speed: Array,
+    spin: Array,
+) -> None:
+    """Bring acceleration and momentum of the planned motion up to date.
+
+    Args:
+        velocity, before: of the motion, now and a control period ago, shape (nv,).
+        acceleration, momentum_rate: smoothed, shapes (nv,) and (3,); are changed.
+        momentum: a control period ago, shape (3,); becomes what it is now.
+        quickest: limits of the acceleration, shape (nv,).
+        smooth, smooth_momentum: shares by which both follow, shape (nv,), and one.
+        dt: [s].
+        model, data: addresses of MuJoCo's.
+        speed, spin: of data: qvel, and the angular momentum that comes of it.
+    """
+    for dof in range(len(velocity)):
+        rate = min(max((velocity[dof] - before[dof]) / dt, -quickest[dof]), quickest[dof])
+        acceleration[dof] += smooth[dof] * (rate - acceleration[dof])
+    speed[:] = velocity
+    com_vel(model, data)
+    subtree_vel(model, data)
+    for axis in range(3):
+        momentum_rate[axis] += smooth_momentum * ((spin[axis] - momentum[axis]) / dt - momentum_rate[axis])
+        momentum[axis] = spin[axis]
 
 
 def _asks_to_part(program: QuadraticProgram, pairs: int) -> bool:
