@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -242,12 +243,15 @@ class Route:
 
     def _measure(self, points: Array, heading: float) -> None:
         """Note how far it is along points, from where the robot stands and faces to where it is to face."""
-        ways = np.diff(points, axis=0)
-        lengths = np.linalg.norm(ways, axis=1)
-        directions = np.arctan2(ways[:, 1], ways[:, 0])[lengths > self._robot.config.gait.near]
-        faces = np.concatenate([[self._robot.state.stance[2]], directions, [heading]])
-        self.to_go = float(lengths.sum())
-        self.turns_to_go = sum(abs(math.remainder(turn, math.tau)) for turn in np.diff(faces).tolist())
+        near, faces = self._robot.config.gait.near, [self._robot.state.stance.item(2)]
+        self.to_go = 0.0
+        for (x, y), (next_x, next_y) in pairwise(points.tolist()):
+            length = math.hypot(next_x - x, next_y - y)
+            self.to_go += length
+            if length > near:
+                faces.append(math.atan2(next_y - y, next_x - x))
+        faces.append(heading)
+        self.turns_to_go = sum(abs(math.remainder(after - before, math.tau)) for before, after in pairwise(faces))
 
     def _ahead(self, around: Obstacles, here: Array, points: Array, begin: float) -> Array:
         """Return the farthest point of the way to which nothing is between, from a length of it on [m]."""

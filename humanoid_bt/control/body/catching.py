@@ -11,6 +11,8 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+import numpy as np
+
 from humanoid_bt.control.body.footsteps import OTHER, SIGN
 from humanoid_bt.control.body.planar import seen_from
 from humanoid_bt.control.body.support import beyond
@@ -38,7 +40,7 @@ class Catching:
 
     def __init__(self, gait: GaitConfig, sole: SoleConfig) -> None:
         self._gait = gait
-        self._half = sole.bears
+        self._half = np.array(sole.bears)
 
     def step(
         self, dcm: Array, soles: Mapping[Side, Array], foot_force: Mapping[Side, float], omega: float
@@ -78,7 +80,7 @@ class Catching:
         x, y = seen_from(support, dcm).tolist()
         growth = math.exp(omega * (load * gait.quick_shift + gait.quickest_step))
         again = math.exp(-omega * gait.quickest_step)
-        half_x, half_y = self._half
+        half_x, half_y = self._half.tolist()
         at_x, at_y = min(max(x, -half_x), half_x), min(max(sign * y, -half_y), half_y)
         x, y = at_x + (x - at_x) * growth, at_y + (sign * y - at_y) * growth
         back, ahead = (reach * (1 + again) for reach in REACH_FORWARD)

@@ -9,6 +9,7 @@ import numpy as np
 
 from humanoid_bt.control.body.support import shared
 from humanoid_bt.control.dynamics import GRAVITY
+from humanoid_bt.core.compiled import compiled
 from humanoid_bt.core.messages import Array, Side
 from humanoid_bt.robot.config import GaitConfig, SoleConfig
 
@@ -45,7 +46,7 @@ class Stabilizer:
 
     def __init__(self, gait: GaitConfig, sole: SoleConfig, mass: float, dt: float) -> None:
         self._gait, self._mass, self._dt = gait, mass, dt
-        self._half = sole.bears
+        self._half = np.array(sole.bears)
         self.com_reference: Array = np.zeros(2)
         self.omega = 1.0
 
@@ -78,17 +79,67 @@ class Stabilizer:
             soles: measured poses, shape (3,).
             contact: whether each foot is on the ground.
         """
-        gait, dt = self._gait, self._dt
-        roll, pitch, _ = momentum_rate.tolist()
-        most, weight = gait.momentum_limit, self._mass * GRAVITY
-        shift = [min(max(-pitch / weight, -most), most), min(max(roll / weight, -most), most)]
-        now, planned, stands_on = dcm.tolist(), dcm_reference.tolist(), zmp_reference.tolist()
-        wanted = np.array([stands_on[i] + gait.dcm_gain * (now[i] - planned[i]) + shift[i] for i in (0, 1)])
-        share, cop = shared(wanted, soles, contact, self._half)
-        zmp = share["left"] * cop["left"] + share["right"] * cop["right"]
-        stiffness = self._mass * self.omega**2
-        x, y = (stiffness * (com.item(i) - (zmp.item(i) - shift[i])) for i in (0, 1))
-        force = np.array([x, y, weight])
-        reference = self.com_reference
-        reference += dt * (self.omega * (dcm_reference - reference) + gait.com_slide * (com[:2] - reference))
-        return Load(share, cop, zmp, force)
+        gait = self._gait
+        share, cop, zmp, force = np.empty(2), np.empty((2, 2)), np.empty(2), np.empty(3)
+        _balance(
+            share, cop, zmp, force, self.com_reference, com, dcm, dcm_reference, zmp_reference, momentum_rate,
+            soles["left"], soles["right"], contact["left"], contact["right"], self._half,
+            gait.momentum_limit, gait.dcm_gain, gait.com_slide, self._mass, self.omega, self._dt,
+        )  # fmt: skip
+        left, right = share.tolist()
+        return Load({"left": left, "right": right}, {"left": cop[0], "right": cop[1]}, zmp, force)
+
+
+@compiled(
+    "void(f8[::1], f8[:, ::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1],"
+    " f8[::1], f8[::1], b1, b1, f8[::1], f8, f8, f8, f8, f8, f8)"
+)
+def _balance(
+    share: Array,
+    cop: Array,
+    zmp: Array,
+    force: Array,
+    reference: Array,
+    com: Array,
+    dcm: Array,
+    dcm_reference: Array,
+    zmp_reference: Array,
+    momentum_rate: Array,
+    left: Array,
+    right: Array,
+    left_stands: bool,
+    right_stands: bool,
+    half: Array,
+    most: float,
+    gain: float,
+    slide: float,
+    mass: float,
+    omega: float,
+    dt: float,
+) -> None:
+    """See :meth:`Stabilizer.update`.
+
+    Args:
+        share, cop, zmp, force: are written, as in :class:`Load`, shapes (2,), (2, 2), (2,), (3,).
+        reference: of the centre of mass, shape (2,); is moved.
+        com, dcm, dcm_reference, zmp_reference, momentum_rate: as there.
+        left, right, left_stands, right_stands: the soles, and whether they are on the ground.
+        half: of the part of a sole that may bear pressure, shape (2,) [m].
+        most, gain, slide: of the robot's gait.
+        mass, omega, dt: [kg], [1/s], [s].
+    """
+    weight = mass * GRAVITY
+    shift_x = min(max(-momentum_rate[1] / weight, -most), most)
+    shift_y = min(max(momentum_rate[0] / weight, -most), most)
+    x = zmp_reference[0] + gain * (dcm[0] - dcm_reference[0]) + shift_x
+    y = zmp_reference[1] + gain * (dcm[1] - dcm_reference[1]) + shift_y
+    on_right = shared(x, y, left, right, left_stands, right_stands, half, cop)
+    share[0], share[1] = 1.0 - on_right, on_right
+    for axis in range(2):
+        zmp[axis] = share[0] * cop[0, axis] + share[1] * cop[1, axis]
+        shift = shift_x if axis == 0 else shift_y
+        force[axis] = mass * omega**2 * (com[axis] - (zmp[axis] - shift))
+        reference[axis] += dt * (
+            omega * (dcm_reference[axis] - reference[axis]) + slide * (com[axis] - reference[axis])
+        )
+    force[2] = weight

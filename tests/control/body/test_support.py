@@ -6,11 +6,9 @@ import numpy as np
 import pytest
 
 from humanoid_bt.control.body.support import beyond, shared
-from humanoid_bt.core.messages import SIDES, Array, Side
+from humanoid_bt.core.messages import Array, Side
 
-HALF = (0.1, 0.04)
-BOTH = dict.fromkeys(SIDES, True)
-ON_LEFT = {"left": True, "right": False}
+HALF = np.array([0.1, 0.04])
 TURNED: dict[Side, Array] = {  # long side along the world's y
     "left": np.array([1.0, 0.0, math.pi / 2]),
     "right": np.array([1.2, 0.0, math.pi / 2]),
@@ -19,9 +17,9 @@ TURNED: dict[Side, Array] = {  # long side along the world's y
 
 @pytest.mark.parametrize(("wanted", "borne"), [([1.01, 0.05], [1.01, 0.05]), ([2.0, -3.0], [1.04, -0.1])])
 def test_a_foot_alone_bears_what_is_inside_of_its_sole(wanted: list[float], borne: list[float]) -> None:
-    share, cop = shared(np.array(wanted), TURNED, ON_LEFT, HALF)
-    assert share == {"left": 1.0, "right": 0.0}
-    np.testing.assert_allclose(cop["left"], borne, atol=1e-12)
+    cop = np.empty((2, 2))
+    assert shared(*wanted, TURNED["left"], TURNED["right"], True, False, HALF, cop) == 0.0
+    np.testing.assert_allclose(cop[0], borne, atol=1e-12)
 
 
 @pytest.mark.parametrize(
@@ -34,7 +32,7 @@ def test_a_foot_alone_bears_what_is_inside_of_its_sole(wanted: list[float], born
     ],
 )
 def test_two_feet_share_what_lies_between_them(wanted: list[float], borne: list[float]) -> None:
-    share, cop = shared(np.array(wanted), TURNED, BOTH, HALF)
-    assert sum(share.values()) == pytest.approx(1)
-    np.testing.assert_allclose(share["left"] * cop["left"] + share["right"] * cop["right"], borne, atol=1e-12)
+    cop = np.empty((2, 2))
+    on_right = shared(*wanted, TURNED["left"], TURNED["right"], True, True, HALF, cop)
+    np.testing.assert_allclose((1 - on_right) * cop[0] + on_right * cop[1], borne, atol=1e-12)
     assert beyond(np.array(wanted), TURNED, HALF) == pytest.approx(math.dist(wanted, borne))
