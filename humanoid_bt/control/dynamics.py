@@ -57,7 +57,6 @@ class RobotDynamics:
         self.footings: dict[Side, Array] = {}
         self.roll = self.pitch = 0.0
         self._tilt: Array = np.zeros(2)
-        self._product = np.zeros(robot.model.nv)
         self._kept = (  # what :func:`_update` is called with each time
             *self.addresses, data.qpos, self.bias, data.subtree_com[self._base],
             data.subtree_linvel[self._base], data.site_xpos, data.site_xmat, np.array(list(self._sole.values())),
@@ -89,11 +88,6 @@ class RobotDynamics:
         """Return how the (0: left, 1: right) sole is turned from level, rotation vector, world frame, shape (3,)."""
         _, roll, pitch = self.footings[SIDES[foot]].tolist()
         return np.array((roll, pitch, 0.0))
-
-    def inertia_times(self, acceleration: Array) -> Array:
-        """Return M(q) acceleration, shape (nv,); valid until the next call."""
-        mujoco.mj_mulM(self.model, self.data, self._product, acceleration)
-        return self._product
 
     def palm(self, side: Side) -> Array:
         """Return a palm's position, shape (3,)."""

@@ -9,9 +9,10 @@ import numpy as np
 from humanoid_bt.control.body.stabilizer import Load
 from humanoid_bt.control.dynamics import RobotDynamics
 from humanoid_bt.control.jacobians import Indices, chains, point_moves
-from humanoid_bt.core.compiled import compiled
-from humanoid_bt.core.messages import SIDES, Array, Side
+from humanoid_bt.core.compiled import compiled, inlined
+from humanoid_bt.core.messages import SIDES, Array
 from humanoid_bt.robot.model import BASE_DOFS, RobotModel
+from humanoid_bt.robot.mujoco_functions import mul_m
 
 _UNLOADED = 1e-4  # share of the weight below which a foot counts as free
 _ANKLE_LOADED = 0.02
@@ -28,24 +29,27 @@ class Feedforward:
     """
 
     def __init__(self, robot: RobotModel, dynamics: RobotDynamics) -> None:
-        self._robot, self._dynamics = robot, dynamics
+        self._dynamics = dynamics
         config = robot.config
         self._gait = config.gait
-        self._hips = {
-            side: (robot.joint(config.legs[side].hip_roll), robot.joint(config.legs[side].hip_pitch)) for side in SIDES
-        }
-        feet = chains(robot.model, [robot.model.body(config.legs[side].sole.body).id for side in SIDES])
-        self._feet: dict[Side, Indices] = dict(zip(SIDES, feet, strict=True))
+        legs = [config.legs[side] for side in SIDES]
+        hips = np.array([[robot.joint(leg.hip_roll), robot.joint(leg.hip_pitch)] for leg in legs])
         # pitch and roll of the ankles, -1 where there is none, and how far each may move the pressure along the sole:
         # half the margin more than is planned, which leaves the joint feedback some room
-        legs = [(side, config.legs[side].ankle_pitch, config.legs[side].ankle_roll) for side in SIDES]
-        self._ankles: dict[Side, Indices] = {
-            side: np.array([robot.joint(pitch), -1 if roll is None else robot.joint(roll)])
-            for side, pitch, roll in legs
-        }
-        sole = config.sole
-        self._halves = np.array([sole.half_length, sole.half_width]) - 0.5 * np.array(sole.margins)
-        self._jacobian = np.zeros((3, robot.model.nv))
+        ankles = np.array(
+            [
+                [robot.joint(leg.ankle_pitch), -1 if leg.ankle_roll is None else robot.joint(leg.ankle_roll)]
+                for leg in legs
+            ]
+        )
+        sole, data = config.sole, dynamics.data
+        self._kept = (  # what :func:`_torques` is called with each time
+            *dynamics.addresses, dynamics.bias, data.qpos, data.qvel, dynamics.motions, dynamics.origin,
+            chains(robot.model, [robot.model.body(leg.sole.body).id for leg in legs]), hips, ankles,
+            np.array([sole.half_length, sole.half_width]) - 0.5 * np.array(sole.margins),
+            robot.stiffness, robot.damping, np.zeros((3, robot.model.nv)),
+        )  # fmt: skip
+        self._size = robot.model.nv
 
     def torques(self, load: Load, acceleration: Array, position: Array, velocity: Array, lean: float = 0.0) -> Array:
         """Return feedforward torques, shape (nj,) [Nm].
@@ -56,38 +60,24 @@ class Feedforward:
             position, velocity: setpoint that the drives will get, shape (nj,).
             lean: of the pelvis ahead, as it is meant to be [rad].
         """
-        dynamics, robot = self._dynamics, self._robot
-        forces = dynamics.bias + dynamics.inertia_times(acceleration)
-        carried = {side: load.share[side] * load.force for side in SIDES}
-        for side in SIDES:
-            if load.share[side] > _UNLOADED:
-                _carry(
-                    forces, carried[side], load.cop[side],
-                    dynamics.motions, dynamics.origin, self._feet[side], self._jacobian,
-                )  # fmt: skip
-        torque: Array = forces[BASE_DOFS:]
-        self._resist_tilt(torque, load, lean)
-        for side in SIDES:
-            if load.share[side] >= _ANKLE_LOADED:
-                _limit_ankles(
-                    torque, carried[side], dynamics.soles[side], self._ankles[side], self._halves,
-                    position, velocity, robot.stiffness, robot.damping, dynamics.data.qpos, dynamics.data.qvel,
-                    dynamics.motions, dynamics.origin, self._feet[side], self._jacobian,
-                )  # fmt: skip
-        return torque
+        dynamics, forces = self._dynamics, np.empty(self._size)
+        roll, pitch = self._against_tilt(lean)
+        _torques(
+            forces, acceleration, position, velocity, load.force, load.share["left"], load.share["right"],
+            load.cop["left"], load.cop["right"], dynamics.soles["left"], dynamics.soles["right"], roll, pitch,
+            *self._kept,
+        )  # fmt: skip
+        return forces[BASE_DOFS:]
 
-    def _resist_tilt(self, torque: Array, load: Load, lean: float) -> None:
+    def _against_tilt(self, lean: float) -> tuple[float, float]:
+        """Return the torques with which both hips together resist roll and pitch of the base [Nm]."""
         gait, dynamics = self._gait, self._dynamics
         roll_rate, pitch_rate, _ = dynamics.gyro.tolist()
         roll = gait.tilt_stiffness * dynamics.roll + gait.tilt_damping * roll_rate
-        pitch = gait.tilt_stiffness * (dynamics.pitch - lean) + gait.tilt_damping * pitch_rate
-        for side in SIDES:
-            hip_roll, hip_pitch = self._hips[side]
-            torque[hip_roll] += load.share[side] * roll
-            torque[hip_pitch] += load.share[side] * pitch
+        return roll, gait.tilt_stiffness * (dynamics.pitch - lean) + gait.tilt_damping * pitch_rate
 
 
-@compiled("void(f8[::1], f8[::1], f8[::1], f8[:, ::1], f8[::1], i8[::1], f8[:, ::1])")
+@inlined
 def _carry(
     forces: Array, force: Array, place: Array, motions: Array, origin: Array, chain: Indices, jacobian: Array
 ) -> None:
@@ -108,10 +98,7 @@ def _carry(
         forces[dof] -= force[0] * jacobian[0, dof] + force[1] * jacobian[1, dof] + force[2] * jacobian[2, dof]
 
 
-@compiled(
-    "void(f8[::1], f8[::1], f8[::1], i8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1],"
-    " f8[:, ::1], f8[::1], i8[::1], f8[:, ::1])"
-)
+@inlined
 def _limit_ankles(
     torque: Array,
     force: Array,
@@ -159,3 +146,72 @@ def _limit_ankles(
         feedback = stiffness[joint] * (position[joint] - qpos[base + 1 + joint])
         feedback += damping[joint] * (velocity[joint] - qvel[dof])
         torque[joint] = min(max(feedback + torque[joint], centred - reach), centred + reach) - feedback
+
+
+@compiled(
+    "void(f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8, f8, f8[::1], f8[::1], f8[::1], f8[::1], f8, f8, i8, i8,"
+    " f8[::1], f8[::1], f8[::1], f8[:, ::1], f8[::1], i8[:, ::1], i8[:, ::1], i8[:, ::1], f8[::1], f8[::1], f8[::1],"
+    " f8[:, ::1])"
+)
+def _torques(
+    forces: Array,
+    acceleration: Array,
+    position: Array,
+    velocity: Array,
+    force: Array,
+    left_share: float,
+    right_share: float,
+    left_cop: Array,
+    right_cop: Array,
+    left_sole: Array,
+    right_sole: Array,
+    roll: float,
+    pitch: float,
+    model: int,
+    data: int,
+    bias: Array,
+    qpos: Array,
+    qvel: Array,
+    motions: Array,
+    origin: Array,
+    chains: Indices,
+    hips: Indices,
+    ankles: Indices,
+    halves: Array,
+    stiffness: Array,
+    damping: Array,
+    jacobian: Array,
+) -> None:
+    """See :meth:`Feedforward.torques`.
+
+    Args:
+        forces: are written: those on the base, which nothing drives, and the torques of the joints, shape (nv,).
+        acceleration, position, velocity: as there.
+        force, left_share, right_share, left_cop, right_cop: of the load.
+        left_sole, right_sole: poses, shape (3,).
+        roll, pitch: torques with which the hips resist [Nm].
+        model, data: addresses of MuJoCo's.
+        bias, qpos, qvel, motions, origin: of the dynamics.
+        chains: the degrees of freedom that move each foot.
+        hips, ankles: roll and pitch of each hip, pitch and roll of each ankle: joints, shape (2, 2).
+        halves, stiffness, damping, jacobian: as :func:`_limit_ankles` wants them.
+    """
+    mul_m(model, data, forces.ctypes, acceleration.ctypes)
+    for dof in range(len(forces)):
+        forces[dof] += bias[dof]
+    torque = forces[len(forces) - len(position) :]
+    for foot in range(2):
+        share, cop = (left_share, left_cop) if foot == 0 else (right_share, right_cop)
+        if share > _UNLOADED:
+            _carry(forces, share * force, cop, motions, origin, chains[foot], jacobian)
+    for foot in range(2):
+        share = left_share if foot == 0 else right_share
+        torque[hips[foot, 0]] += share * roll
+        torque[hips[foot, 1]] += share * pitch
+    for foot in range(2):
+        share, sole = (left_share, left_sole) if foot == 0 else (right_share, right_sole)
+        if share >= _ANKLE_LOADED:
+            _limit_ankles(
+                torque, share * force, sole, ankles[foot], halves, position, velocity, stiffness, damping,
+                qpos, qvel, motions, origin, chains[foot], jacobian,
+            )  # fmt: skip

@@ -26,17 +26,17 @@ def catching() -> Catching:
     return Catching(GAIT, SOLE)
 
 
-@pytest.mark.parametrize("dcm", [[0, 0], [0.09, 0.05], [-0.09, -0.05], [0, 0.12], [0, -0.12]])
+@pytest.mark.parametrize("dcm", [[0.0, 0.0], [0.09, 0.05], [-0.09, -0.05], [0.0, 0.12], [0.0, -0.12]])
 def test_a_dcm_over_the_feet_needs_no_step(catching: Catching, dcm: list[float]) -> None:
-    assert catching.step(np.array(dcm, dtype=float), feet(), BOTH, OMEGA) is None
+    assert catching.step(np.array(dcm), feet(), BOTH, OMEGA) is None
 
 
-@pytest.mark.parametrize("dcm", [[0.10, 0], [-0.10, 0], [0, 0.13], [0, -0.13]])
+@pytest.mark.parametrize("dcm", [[0.10, 0.0], [-0.10, 0.0], [0.0, 0.13], [0.0, -0.13]])
 def test_a_dcm_beyond_the_feet_needs_one_wherever_they_stand(catching: Catching, dcm: list[float]) -> None:
     at = np.array([2.0, -1.0, 2.5])
-    beyond = at[:2] + rotate(np.array(dcm, dtype=float), at[2])
-    assert catching.step(np.array(dcm, dtype=float), feet(), BOTH, OMEGA) is not None
-    assert catching.step(beyond, feet(at=at), BOTH, OMEGA) == catching.step(np.array(dcm, dtype=float), feet(), BOTH, OMEGA)
+    beyond = at[:2] + rotate(np.array(dcm), at[2])
+    assert catching.step(np.array(dcm), feet(), BOTH, OMEGA) is not None
+    assert catching.step(beyond, feet(at=at), BOTH, OMEGA) == catching.step(np.array(dcm), feet(), BOTH, OMEGA)
 
 
 def test_feet_that_stand_one_ahead_of_the_other_hold_more(catching: Catching) -> None:
