@@ -13,7 +13,7 @@ from humanoid_bt.core.messages import Array, HandTarget
 from humanoid_bt.robot.config import RobotConfig
 from humanoid_bt.robot.model import carriers
 
-_LOOK_AGAIN = 4  # moments in which as many contacts as before are taken for the same ones
+_LOOK_AGAIN = 9  # moments in which as many contacts as before are taken for the same ones
 _SENT = 0.15  # m from a palm's target within which the hand touches what it was sent to; fingers are as long
 
 

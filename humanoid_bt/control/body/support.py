@@ -45,7 +45,7 @@ def shared(
         return 1.0
     line_x, line_y = right[0] - left[0], right[1] - left[1]
     along = (x - left[0]) * line_x + (y - left[1]) * line_y
-    on_right = min(max(along / (line_x**2 + line_y**2), 0.0), 1.0)
+    on_right: float = min(max(along / (line_x**2 + line_y**2), 0.0), 1.0)
     aside_x, aside_y = x - (left[0] + on_right * line_x), y - (left[1] + on_right * line_y)
     cop[0, 0], cop[0, 1] = _inside(left, left[0] + aside_x, left[1] + aside_y, half)
     cop[1, 0], cop[1, 1] = _inside(right, right[0] + aside_x, right[1] + aside_y, half)
