@@ -13,6 +13,7 @@ from humanoid_bt.core.compiled import compiled
 from humanoid_bt.core.messages import SIDES, Array, Side
 from humanoid_bt.robot.model import BASE_DOFS, RobotModel
 
+_DRAGS = 0.5  # share of the damping of a drive from which that of its joint counts
 _UNLOADED = 1e-4  # share of the weight below which a foot counts as free
 _ANKLE_LOADED = 0.02
 
@@ -31,9 +32,9 @@ class Feedforward:
         self._robot, self._dynamics = robot, dynamics
         config = robot.config
         self._gait = config.gait
-        self._hips = {
-            side: (robot.joint(config.legs[side].hip_roll), robot.joint(config.legs[side].hip_pitch)) for side in SIDES
-        }
+        hips = [(side, config.legs[side].hip_roll, config.legs[side].hip_pitch) for side in SIDES]
+        self._hips = {side: (robot.joint(roll), robot.joint(pitch)) for side, roll, pitch in hips}
+        self._hip_turns = {side: (robot.direction(roll, 0), robot.direction(pitch, 1)) for side, roll, pitch in hips}
         feet = chains(robot.model, [robot.model.body(config.legs[side].sole.body).id for side in SIDES])
         self._feet: dict[Side, Indices] = dict(zip(SIDES, feet, strict=True))
         # pitch and roll of the ankles, -1 where there is none, and how far each may move the pressure along the sole:
@@ -45,6 +46,7 @@ class Feedforward:
         }
         sole = config.sole
         self._halves = np.array([sole.half_length, sole.half_width]) - 0.5 * np.array(sole.margins)
+        self._drag = _drag(robot)
         self._jacobian = np.zeros((3, robot.model.nv))
 
     def torques(self, load: Load, acceleration: Array, position: Array, velocity: Array, lean: float = 0.0) -> Array:
@@ -66,6 +68,7 @@ class Feedforward:
                     dynamics.motions, dynamics.origin, self._feet[side], self._jacobian,
                 )  # fmt: skip
         torque: Array = forces[BASE_DOFS:]
+        torque += self._drag * velocity
         self._resist_tilt(torque, load, lean)
         for side in SIDES:
             if load.share[side] >= _ANKLE_LOADED:
@@ -83,8 +86,18 @@ class Feedforward:
         pitch = gait.tilt_stiffness * (dynamics.pitch - lean) + gait.tilt_damping * pitch_rate
         for side in SIDES:
             hip_roll, hip_pitch = self._hips[side]
-            torque[hip_roll] += load.share[side] * roll
-            torque[hip_pitch] += load.share[side] * pitch
+            roll_turns, pitch_turns = self._hip_turns[side]
+            torque[hip_roll] += roll_turns * load.share[side] * roll
+            torque[hip_pitch] += pitch_turns * load.share[side] * pitch
+
+
+def _drag(robot: RobotModel) -> Array:
+    """Return the damping of joints that their drives must overcome to follow, shape (nj,) [Nm s/rad].
+
+    Drives leave at what their own damping makes small; of some published models the gears hold back as much as that.
+    """
+    damping: Array = robot.model.dof_damping[BASE_DOFS:].copy()
+    return np.where(damping > _DRAGS * robot.damping, damping, 0.0)
 
 
 @compiled("void(f8[::1], f8[::1], f8[::1], f8[:, ::1], f8[::1], i8[::1], f8[:, ::1])")
