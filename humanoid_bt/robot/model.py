@@ -52,6 +52,8 @@ def foot_sensor(side: str) -> str:
 
 _FORCE = 1 << int(mujoco.mjtConDataField.mjCONDATA_FORCE)
 _LEAST = 1e-6  # m, length of a direction
+_DRIVES_OWN = 0.5  # of the damping of a drive, from which that of its joint counts as one of a drive, ...
+LEAST_DAMPING = 1.0  # Nm s/rad, ...if it is more than a finger's
 _ALIKE = 0.9  # cosine of two directions of which one does not say how a body is turned about the other
 _NET = 3  # what a contact sensor makes of several contacts: their sum, in the world frame
 
@@ -340,13 +342,19 @@ def _joint_patterns(config: RobotConfig) -> Iterator[_Reference]:
 
 
 def _add_drives(spec: mujoco.MjSpec, config: RobotConfig) -> None:
-    """Give every joint a torque drive: force = ctrl - stiffness q - damping qd, within its limit."""
+    """Give every joint a torque drive: force = ctrl - stiffness q - damping qd, within its limit.
+
+    Damping that the model gives a joint, and that is as large as a drive's, stands for that of the actuator which is
+    dropped: position actuators of MJCF have none unless it is said. As friction it would eat up the drive's torque.
+    """
     for actuator in list(spec.actuators):
         spec.delete(actuator)
     for joint in spec.joints:
         drive = config.drive(joint.name)
         if joint.type == mujoco.mjtJoint.mjJNT_FREE or drive is None:
             continue
+        if float(joint.damping[0]) > max(_DRIVES_OWN * drive.damping, LEAST_DAMPING):
+            joint.damping = np.zeros(3)
         spec.add_actuator(
             name=joint.name,
             target=joint.name,

@@ -238,6 +238,15 @@ def test_a_foot_that_a_pair_lets_touch_a_floor_touches_any(tmp_path: Path, edit:
     assert model.npair == 0
 
 
+@pytest.mark.parametrize(("damping", "left"), [(0.7, 0.7), (30.0, 0.0)])
+def test_damping_as_large_as_a_drives_is_that_of_the_dropped_actuator(
+    tmp_path: Path, edit: Edit, damping: float, left: float
+) -> None:
+    edit("humanoid.xml", '<joint name="left_knee"', f'<joint damping="{damping}" name="left_knee"')
+    model = load(tmp_path).model
+    assert float(model.joint("left_knee").damping[0]) == left
+
+
 def test_a_root_that_nothing_frees_gets_a_free_joint(tmp_path: Path, edit: Edit) -> None:
     edit("humanoid.xml", '<freejoint name="root"/>', "")
     model = load(tmp_path).model

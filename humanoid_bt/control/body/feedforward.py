@@ -13,7 +13,6 @@ from humanoid_bt.core.compiled import compiled
 from humanoid_bt.core.messages import SIDES, Array, Side
 from humanoid_bt.robot.model import BASE_DOFS, RobotModel
 
-_DRAGS = 0.5  # share of the damping of a drive from which that of its joint counts
 _UNLOADED = 1e-4  # share of the weight below which a foot counts as free
 _ANKLE_LOADED = 0.02
 
@@ -46,7 +45,6 @@ class Feedforward:
         }
         sole = config.sole
         self._halves = np.array([sole.half_length, sole.half_width]) - 0.5 * np.array(sole.margins)
-        self._drag = _drag(robot)
         self._jacobian = np.zeros((3, robot.model.nv))
 
     def torques(self, load: Load, acceleration: Array, position: Array, velocity: Array, lean: float = 0.0) -> Array:
@@ -68,7 +66,6 @@ class Feedforward:
                     dynamics.motions, dynamics.origin, self._feet[side], self._jacobian,
                 )  # fmt: skip
         torque: Array = forces[BASE_DOFS:]
-        torque += self._drag * velocity
         self._resist_tilt(torque, load, lean)
         for side in SIDES:
             if load.share[side] >= _ANKLE_LOADED:
@@ -89,15 +86,6 @@ class Feedforward:
             roll_turns, pitch_turns = self._hip_turns[side]
             torque[hip_roll] += roll_turns * load.share[side] * roll
             torque[hip_pitch] += pitch_turns * load.share[side] * pitch
-
-
-def _drag(robot: RobotModel) -> Array:
-    """Return the damping of joints that their drives must overcome to follow, shape (nj,) [Nm s/rad].
-
-    Drives leave at what their own damping makes small; of some published models the gears hold back as much as that.
-    """
-    damping: Array = robot.model.dof_damping[BASE_DOFS:].copy()
-    return np.where(damping > _DRAGS * robot.damping, damping, 0.0)
 
 
 @compiled("void(f8[::1], f8[::1], f8[::1], f8[:, ::1], f8[::1], i8[::1], f8[:, ::1])")

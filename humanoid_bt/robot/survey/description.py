@@ -16,7 +16,7 @@ import yaml
 from humanoid_bt.core.messages import SIDES, Array, Side
 from humanoid_bt.core.texts import listed
 from humanoid_bt.files.formatting import formatted
-from humanoid_bt.robot.config import GaitConfig, RobotConfig
+from humanoid_bt.robot.config import ContactConfig, GaitConfig, RobotConfig
 from humanoid_bt.robot.footprint import footprint_in
 from humanoid_bt.robot.survey.drives import drive, usual_stiffness
 from humanoid_bt.robot.survey.limbs import Limb, Surveyor, roles
@@ -34,7 +34,9 @@ _SPIN = 50.0  # cost of spinning, of a robot of 1 kg whose centre of mass is 1 m
 _SEPARATION = 0.05  # m that feet may come nearer than they stand
 _WEIGHT_SHARE, _GRAVITY = 0.12, 9.81  # of the weight, that tells that a foot has landed
 _ZERO = 5e-4  # m
+_GAP = 0.01  # m between feet side by side
 _POINT = 0.005  # m, half of a sole's length or width, up to which nothing can stand on it
+_HEAVY = 1.5  # times the usual mass, from which what counts as a contact goes with it
 _USUAL_HEIGHT, _USUAL_MASS = 0.62, 40.0  # m of the centre of mass, kg: what the default gait is for
 _SMALL = 0.75  # of that height, up to which a robot's gait is scaled
 _QUICKEST, _LOWEST = 0.3, 0.02  # s of a step and m of its lift: no small robot's drives are so much quicker
@@ -103,7 +105,7 @@ class _Writer:
             self._drives(),
             self._posture(),
         ]
-        parts += [self._groups(), self._gait(), self._whole_body(), self._room()]
+        parts += [self._groups(), self._gait(), self._whole_body(), self._contact(), self._room()]
         text = "\n".join("\n".join(lines) + "\n" for lines in map(list, parts) if lines)
         return Description(
             formatted(text, "robot.yaml"), tuple(self._found), tuple(self._guessed), tuple(self._missing)
@@ -298,6 +300,15 @@ class _Writer:
             yield f"whole_body:    # {self._guess('how firmly it keeps from spinning')}"
             yield f"  spin: {_SPIN / inertia:.1f}    # arms and trunk turn against legs that swing"
 
+    def _contact(self) -> Iterator[str]:
+        """Yield how hard a heavy robot must be pushed: what a model errs by goes with its weight."""
+        share = float(self._model.body_subtreemass[self._limbs.base]) / _USUAL_MASS
+        if share > _HEAVY:
+            default = ContactConfig()
+            note = f"{self._guess('how hard a push must be to count')}; the defaults fit {_USUAL_MASS:g} kg"
+            yield f"contact:    # {note}"
+            yield from (f"  {key}: {share * getattr(default, key):.0f}" for key in ("notice", "limit", "torso"))
+
     def _step_turn(self) -> float:
         """Return by how much a step may turn: each hip by half of what it can, the rest is for pushes [rad]."""
         model, surveyor = self._model, self._surveyor
@@ -307,7 +318,7 @@ class _Writer:
 
     def _side_by_side(self) -> float:
         """Return how near the soles' centres may come before the feet touch [m]."""
-        return 2 * max((float(foot.half[1]) for foot in self._feet.values() if foot), default=0.0)
+        return 2 * max((float(foot.half[1]) for foot in self._feet.values() if foot), default=0.0) + _GAP
 
     def _first_shift(self, apart: float) -> float:
         """Return how long the weight shifts before the first step [s].

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import mujoco
 
+from humanoid_bt.robot.model import LEAST_DAMPING
 from humanoid_bt.robot.survey.limbs import Limbs, Surveyor, roles
 
 _STIFFNESS, _DAMPING = 4.0, 0.04  # 1/rad, of the torque; s, of the stiffness: what arms that reach have
@@ -72,6 +73,9 @@ def drive(model: mujoco.MjModel, joint: int, usual: float | None = None) -> Driv
         guessed.append("torque")
     stiffness = max((-float(model.actuator_biasprm[a, 1]) for a in actuators), default=0.0)
     damping = max((-float(model.actuator_biasprm[a, 2]) for a in actuators), default=0.0)
+    own = float(model.dof_damping[model.jnt_dofadr[joint]].max())
+    if stiffness > 0 and damping <= 0 and own > LEAST_DAMPING:
+        damping = own  # which stands for the actuator's
     if stiffness <= 0 or (usual is not None and stiffness < _LIMP * usual):
         damping = 0.0  # as those of models whose learned walker brings its own gains
         stiffness = _rounded(_STIFFNESS * torque if usual is None else usual)

@@ -14,7 +14,7 @@ import pytest
 from humanoid_bt.core.messages import SIDES
 from humanoid_bt.files.formatting import formatted
 from humanoid_bt.files.workspace import builtin_root
-from humanoid_bt.robot.config import GaitConfig, RobotConfig, load_robot_config
+from humanoid_bt.robot.config import ContactConfig, GaitConfig, RobotConfig, load_robot_config
 from humanoid_bt.robot.footprint import footprint
 from humanoid_bt.robot.model import GAZE_SITE, RobotModel, palm_site, read_model, sole_site
 from humanoid_bt.robot.survey.description import Description, describe
@@ -302,6 +302,17 @@ def test_the_gait_of_a_small_robot_is_smaller_and_quicker(spec: mujoco.MjSpec, a
     assert small.double_support == pytest.approx(usual.double_support / 2**0.5, rel=0.1)
     assert small.tilt_stiffness == pytest.approx(usual.tilt_stiffness / 16, rel=0.1)
     assert small.separation_min >= 2 * 0.0225 - 0.005
+
+
+def test_what_counts_as_a_contact_goes_with_the_weight_of_a_heavy_robot(spec: mujoco.MjSpec, adopt: Adopt) -> None:
+    usual = adopt(spec)[1].contact
+    assert usual == ContactConfig()
+    for body in spec.bodies:
+        for geom in body.geoms:
+            geom.mass *= 2
+    heavy = adopt(spec)[1].contact
+    assert heavy.torso == pytest.approx(2 * usual.torso, rel=0.05)
+    assert heavy.limit == pytest.approx(2 * usual.limit, rel=0.05)
 
 
 def test_gains_with_which_nothing_stands_are_not_taken_for_the_robots(spec: mujoco.MjSpec, adopt: Adopt) -> None:
