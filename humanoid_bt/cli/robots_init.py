@@ -9,8 +9,8 @@ from pathlib import Path
 from humanoid_bt.core.errors import Place, UserError, relative
 from humanoid_bt.files.whole import write_whole
 from humanoid_bt.files.workspace import Workspace
-from humanoid_bt.robot.model import model_problems, read_model
 from humanoid_bt.robot.model_file import PREFIX, described_file, described_name
+from humanoid_bt.robot.published import model_problems, read_model
 from humanoid_bt.robot.survey.description import Description, describe
 from humanoid_bt.robot.survey.limbs import NoHumanoidError
 from humanoid_bt.session.report import ExitCode

@@ -12,7 +12,7 @@ import pytest
 from humanoid_bt.checking.check import checked
 from humanoid_bt.core.errors import Problem
 from humanoid_bt.files.workspace import Workspace, builtin_root
-from humanoid_bt.robot.model import read_model
+from humanoid_bt.robot.published import read_model
 from humanoid_bt.robot.survey.description import describe
 from tests.line_feet import write_line_feet
 

@@ -19,9 +19,9 @@ from humanoid_bt.robot.model import (
     RobotModel,
     foot_sensor,
     palm_site,
-    read_model,
     sole_site,
 )
+from humanoid_bt.robot.published import read_model
 
 FOLDER = Path(__file__).resolve().parents[2] / "sim" / "humanoid"
 

@@ -16,12 +16,13 @@ import yaml
 from humanoid_bt.core.messages import SIDES, Array, Side
 from humanoid_bt.core.texts import listed
 from humanoid_bt.files.formatting import formatted
-from humanoid_bt.robot.config import ContactConfig, GaitConfig, RobotConfig
+from humanoid_bt.robot.config import GaitConfig, RobotConfig
 from humanoid_bt.robot.footprint import footprint_in
 from humanoid_bt.robot.survey.drives import drive, usual_stiffness
 from humanoid_bt.robot.survey.limbs import Limb, Surveyor, roles
 from humanoid_bt.robot.survey.places import eyes, looks_down, palm
 from humanoid_bt.robot.survey.posture import home
+from humanoid_bt.robot.survey.size import USUAL_MASS, first_shift, scaled_contact, scaled_gait, spin
 from humanoid_bt.robot.survey.soles import ALIGNED, angle_of, sole_axes
 
 _SIDE = re.compile(r"left|right|(?<![a-z])[lr](?=_)|(?<=_)[lr](?![a-z])", re.I)
@@ -30,16 +31,11 @@ _ROLL = "ankle_roll"  # which a leg may lack
 _MARGIN = 0.4  # share of the sole's half width inside which the centre of pressure may be, at most the default
 _DEFAULT_MARGIN = 0.012  # m
 _GRIP = 0.2  # share of the half length from toe and heel: a sole that bears at its end grips there only, and pivots
-_SPIN = 50.0  # cost of spinning, of a robot of 1 kg whose centre of mass is 1 m high
 _SEPARATION = 0.05  # m that feet may come nearer than they stand
 _WEIGHT_SHARE, _GRAVITY = 0.12, 9.81  # of the weight, that tells that a foot has landed
 _ZERO = 5e-4  # m
 _GAP = 0.01  # m between feet side by side
 _POINT = 0.005  # m, half of a sole's length or width, up to which nothing can stand on it
-_HEAVY = 1.5  # times the usual mass, from which what counts as a contact goes with it
-_USUAL_HEIGHT, _USUAL_MASS = 0.62, 40.0  # m of the centre of mass, kg: what the default gait is for
-_SMALL = 0.75  # of that height, up to which a robot's gait is scaled
-_QUICKEST, _LOWEST = 0.3, 0.02  # s of a step and m of its lift: no small robot's drives are so much quicker
 _SWAY = 0.08  # m that a walking robot reaches farther than a standing one
 
 
@@ -79,6 +75,7 @@ class _Writer:
         self._model, self._name, self._file = model, name, file
         self._surveyor = Surveyor(model)
         self._limbs = self._surveyor.limbs()
+        self._mass = float(model.body_subtreemass[self._limbs.base])
         self._hinges = [model.joint(j).name for j in range(model.njnt) if j != int(model.body_jntadr[self._limbs.base])]
         self._found, self._guessed, self._missing = list[str](), list[str](), list[str]()
         self._palms = {side: palm(self._surveyor, arm) for side, arm in self._limbs.arms.items()}
@@ -118,7 +115,7 @@ class _Writer:
         return str(self._model.joint(joint).name)
 
     def _head(self) -> Iterator[str]:
-        mass, joints = float(self._model.body_subtreemass[self._limbs.base]), len(self._hinges)
+        mass, joints = self._mass, len(self._hinges)
         yield "# A first description, found in the model. Look at what is marked 'guessed', then try the robot:"
         yield f"#   humanoid-bt check sim/{self._name}/robot.yaml"
         yield "# Lengths in metres, angles in radians. What else can stand here: docs/robots.md."
@@ -258,14 +255,14 @@ class _Writer:
 
     def _gait(self) -> Iterator[str]:
         left, right = (self._sole(side) for side in SIDES)
-        apart, mass = float(np.linalg.norm(left - right)), float(self._model.body_subtreemass[self._limbs.base])
+        apart, mass = float(np.linalg.norm(left - right)), self._mass
         yield f"gait:    # {self._guess('the gait')}; the defaults fit 40 kg and 1.3 m"
         yield f"  stance_width: {apart:.2f}"
         yield f"  separation_min: {max(apart - _SEPARATION, apart / 2, min(apart, self._side_by_side())):.2f}"
         yield f"  separation_max: {apart + 0.24:.2f}"
         yield f"  touchdown_force: {_WEIGHT_SHARE * mass * _GRAVITY:.0f}"
-        small = self._scaled_gait(mass)
-        shift = self._first_shift(apart)
+        small = scaled_gait(self._height(), mass)
+        shift = first_shift(apart, self._bears, self._height())
         usual = small.pop("first_shift", GaitConfig.first_shift)
         if shift > usual or usual < GaitConfig.first_shift:
             yield f"  first_shift: {max(shift, usual):.2f}"
@@ -274,40 +271,16 @@ class _Writer:
         if (turn := self._step_turn()) < GaitConfig.step_turn:
             yield f"  step_turn: {turn:.2f}"
 
-    def _scaled_gait(self, mass: float) -> dict[str, float]:
-        """Return numbers of the gait of a small robot, as those of the default one are for its size.
-
-        Lengths go with the size, and times with its root: so does a pendulum (Froude). Drives set an end to it.
-        """
-        size = self._height() / _USUAL_HEIGHT
-        if size > _SMALL:
-            return {}
-        time, weight = math.sqrt(size), size * mass / _USUAL_MASS
-        lengths = ("step_forward", "step_back", "step_sideways", "adjust_forward", "adjust_sideways", "momentum_limit")
-        times = ("single_support", "quickest_step", "double_support", "first_shift", "last_shift", "quick_shift")
-        found = {key: time * getattr(GaitConfig, key) for key in times}
-        found["single_support"] = max(found["single_support"], _QUICKEST)
-        found |= {key: size * getattr(GaitConfig, key) for key in lengths}
-        found["lift"] = max(size * GaitConfig.lift, _LOWEST)
-        return found | {
-            "tilt_stiffness": weight * GaitConfig.tilt_stiffness,
-            "tilt_damping": weight * time * GaitConfig.tilt_damping,
-        }
-
     def _whole_body(self) -> Iterator[str]:
         if self._rolls:
-            inertia = float(self._model.body_subtreemass[self._limbs.base]) * self._height() ** 2
             yield f"whole_body:    # {self._guess('how firmly it keeps from spinning')}"
-            yield f"  spin: {_SPIN / inertia:.1f}    # arms and trunk turn against legs that swing"
+            yield f"  spin: {spin(self._height(), self._mass):.1f}    # arms and trunk turn against legs that swing"
 
     def _contact(self) -> Iterator[str]:
-        """Yield how hard a heavy robot must be pushed: what a model errs by goes with its weight."""
-        share = float(self._model.body_subtreemass[self._limbs.base]) / _USUAL_MASS
-        if share > _HEAVY:
-            default = ContactConfig()
-            note = f"{self._guess('how hard a push must be to count')}; the defaults fit {_USUAL_MASS:g} kg"
-            yield f"contact:    # {note}"
-            yield from (f"  {key}: {share * getattr(default, key):.0f}" for key in ("notice", "limit", "torso"))
+        if scaled := scaled_contact(self._mass):
+            note = self._guess("how hard a push must be to count")
+            yield f"contact:    # {note}; the defaults fit {USUAL_MASS:g} kg"
+            yield from (f"  {key}: {force:.0f}" for key, force in scaled.items())
 
     def _step_turn(self) -> float:
         """Return by how much a step may turn: each hip by half of what it can, the rest is for pushes [rad]."""
@@ -319,15 +292,6 @@ class _Writer:
     def _side_by_side(self) -> float:
         """Return how near the soles' centres may come before the feet touch [m]."""
         return 2 * max((float(foot.half[1]) for foot in self._feet.values() if foot), default=0.0) + _GAP
-
-    def _first_shift(self, apart: float) -> float:
-        """Return how long the weight shifts before the first step [s].
-
-        A plan that ends at rest begins with the DCM off the middle by d exp(-omega T), for feet at d from it. A robot
-        that stands there lags behind by as much: no more than what a sole can bear on one side.
-        """
-        omega = math.sqrt(_GRAVITY / self._height())
-        return math.log(apart / 2 / max(self._bears, _ZERO)) / omega
 
     def _height(self) -> float:
         """Return how high the centre of mass is above the feet [m]."""

@@ -16,7 +16,8 @@ from humanoid_bt.files.formatting import formatted
 from humanoid_bt.files.workspace import builtin_root
 from humanoid_bt.robot.config import ContactConfig, GaitConfig, RobotConfig, load_robot_config
 from humanoid_bt.robot.footprint import footprint
-from humanoid_bt.robot.model import GAZE_SITE, RobotModel, palm_site, read_model, sole_site
+from humanoid_bt.robot.model import GAZE_SITE, RobotModel, palm_site, sole_site
+from humanoid_bt.robot.published import read_model
 from humanoid_bt.robot.survey.description import Description, describe
 from humanoid_bt.robot.survey.limbs import NoHumanoidError, Surveyor
 
