@@ -6,7 +6,7 @@ from pathlib import Path
 
 from humanoid_bt.core.messages import SIDES
 from humanoid_bt.files.workspace import builtin_root
-from humanoid_bt.robot.model import read_model
+from humanoid_bt.robot.published import read_model
 
 _BUILTIN = builtin_root() / "sim" / "humanoid"
 _HALF_WIDTH = 0.02  # m

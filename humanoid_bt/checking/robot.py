@@ -14,7 +14,7 @@ from humanoid_bt.core.messages import SIDES, Array, Side
 from humanoid_bt.robot.capsules import capsules
 from humanoid_bt.robot.config import SiteConfig, load_robot_config
 from humanoid_bt.robot.footprint import footprint
-from humanoid_bt.robot.model import GAZE_SITE, RobotModel, carriers, palm_site, sole_site
+from humanoid_bt.robot.model import GAZE_SITE, RobotModel, axes_of, carriers, palm_site, sole_site
 from humanoid_bt.robot.survey.limbs import NoHumanoidError, Surveyor
 
 _SOLE_OFF = 0.01  # m of height, ...
@@ -23,7 +23,7 @@ _SOLE_LARGER, _SOLE_OVER = 1.1, 0.002  # than the foot, as a factor and in m: a 
 _ALONG = 0.7  # cosine between a joint's axis and that of its role; hips are often a little oblique
 _MIRRORED = 0.01  # m between a point and its mirror image on the other side
 _NEAR_BODY = 0.15  # m of a palm or of eyes from what carries them
-_MASS = (5.0, 200.0)  # kg
+_MASS = (1.0, 200.0)  # kg
 _AXES = {"hip_roll": 0, "hip_pitch": 1, "ankle_pitch": 1, "ankle_roll": 0}
 _SWAY = 0.08  # m that a walking robot reaches farther than a standing one
 _FALL_TILT, _FALL_HEIGHT = (0.3, 1.3), (0.3, 0.9)  # rad; share of the height
@@ -79,8 +79,8 @@ def _wrong_joints(robot: RobotModel, data: mujoco.MjData) -> Iterator[Problem]:
             if joint not in chain:
                 hint = f"the joints of this leg: {', '.join(chain)}"
                 yield Problem(f"{joint!r} does not move the {side} sole", place, hint, code="joint-role")
-            elif turns[axis] < _ALONG:
-                fits = [name for name in chain if (upright.T @ data.joint(name).xaxis)[axis] >= _ALONG]
+            elif abs(turns[axis]) < _ALONG:
+                fits = [name for name in chain if abs((upright.T @ data.joint(name).xaxis)[axis]) >= _ALONG]
                 hint = f"of this leg these turn about {'xyz'[axis]}: {', '.join(fits)}" if fits else "turn its axis"
                 message = f"{joint!r} turns about {_axis(turns)}, a {role} joint about {'xyz'[axis]}"
                 yield Problem(message, place, hint, code="joint-role")
@@ -121,7 +121,7 @@ def _wrong_neck(robot: RobotModel, data: mujoco.MjData) -> Iterator[Problem]:
         if joint not in above:
             hint = f"these do: {', '.join(above)}"
             yield Problem(f"{joint!r} does not move the eyes", place, hint, code="joint-role")
-        elif turns[axis] < _ALONG:
+        elif abs(turns[axis]) < _ALONG:
             message = f"{joint!r} turns about {_axis(turns)}, the neck's {role} about {'xyz'[axis]}"
             yield Problem(message, place, "x is ahead, y left, z up", code="joint-role")
 
@@ -132,13 +132,13 @@ def _soles_off(robot: RobotModel) -> Iterator[Problem]:
     for side in SIDES:
         sole = config.legs[side].sole
         place = config.place("legs", side, "sole", "position")
-        foot = footprint(robot, sole.body)
+        foot = footprint(robot, side)
         if foot is None:
             message = f"nothing of the body {sole.body!r} can touch the floor"
             hint = "the sole's body must have collision geoms"
             yield Problem(message, config.place("legs", side, "sole", "body"), hint, code="sole-off")
             continue
-        off = np.array(sole.position) - foot.centre
+        off = (np.array(sole.position) - foot.centre) @ axes_of(config, sole, "legs", side, "sole")
         height, aside = abs(off[2]), float(np.linalg.norm(off[:2]))
         hint = f"the foot touches the floor around position: {_numbers(foot.centre)}"
         if height > _SOLE_OFF:
@@ -186,11 +186,12 @@ def _wrong_bodies(robot: RobotModel, data: mujoco.MjData) -> Iterator[Problem]:
         if away > _NEAR_BODY:
             message = f"{title} {away * 100:.0f} cm away from the body {site.body!r}"
             yield Problem(message, config.place(*keys, "position"), "a position in the body's frame", code="site-off")
-    ahead = data.body(config.gaze.body).xmat[[0, 3, 6]]
+    ahead = data.body(config.gaze.body).xmat.reshape(3, 3) @ axes_of(config, config.gaze, "gaze")[:, 0]
     height = data.site(GAZE_SITE).xpos[2] - data.body(config.base).xpos[2]
     if ahead @ data.body(config.base).xmat[[0, 3, 6]] < _ALONG:
-        message = f"the eyes do not look ahead: x of {config.gaze.body!r} points along {_axis(ahead)}"
-        yield Problem(message, config.place("gaze", "body"), "x must point ahead, z up", code="site-off")
+        message = f"the eyes do not look ahead: what is ahead of {config.gaze.body!r} points along {_axis(ahead)}"
+        hint = "ahead and up say which directions of the body's frame these are; x and z if they are left out"
+        yield Problem(message, config.place("gaze", "body"), hint, code="site-off")
     elif height < 0:
         message = f"the eyes are {-height * 100:.0f} cm below the base"
         yield Problem(message, config.place("gaze"), "the eyes are in the head", code="site-off")

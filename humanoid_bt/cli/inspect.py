@@ -88,7 +88,7 @@ def robots(arguments: argparse.Namespace) -> int:
     """List robots, explain some, describe a new one, or measure some side by side."""
     if arguments.names[:1] == ["table"]:
         return robots_table(arguments.names[1:], arguments)
-    if given := [name for name in ("out", "trials", "only", "workers") if getattr(arguments, name)]:
+    if given := [name for name in ("out", "trials", "seed", "only", "workers") if getattr(arguments, name) is not None]:
         raise UserError(f"--{given[0]} is for robots table", hint="humanoid-bt robots table ROBOT...")
     if arguments.names[:1] == ["init"]:
         return robots_init(arguments.names[1:], arguments.name, Workspace(arguments.workspace))

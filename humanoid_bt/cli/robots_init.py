@@ -9,8 +9,8 @@ from pathlib import Path
 from humanoid_bt.core.errors import Place, UserError, relative
 from humanoid_bt.files.whole import write_whole
 from humanoid_bt.files.workspace import Workspace
-from humanoid_bt.robot.model import model_problems, read_model
 from humanoid_bt.robot.model_file import PREFIX, described_file, described_name
+from humanoid_bt.robot.published import model_problems, read_model
 from humanoid_bt.robot.survey.description import Description, describe
 from humanoid_bt.robot.survey.limbs import NoHumanoidError
 from humanoid_bt.session.report import ExitCode
@@ -36,7 +36,11 @@ def robots_init(arguments: list[str], name: str | None, workspace: Workspace) ->
     described = given.startswith(PREFIX)
     model = described_file(given) if described else Path(given)
     if not model.is_file():
-        hint = f"an MJCF model, as robots/my_robot.xml, or {PREFIX}NAME"
+        hint = f"a model in MJCF or URDF, as robots/my_robot.xml, or {PREFIX}NAME"
+        if model.is_dir():
+            inside = sorted(file.name for kind in ("*.xml", "*.urdf") for file in model.glob(kind))
+            hint = f"it has: {', '.join(inside)}" if inside else hint
+            raise UserError(f"{str(model)!r} is a folder, not a model's file", hint=hint, code="no-file")
         raise UserError(f"there is no file {str(model)!r}", hint=hint, code="no-file")
     name = name or (described_name(given) if described else _name_of(model))
     if not re.fullmatch(r"[\w-]+", name):

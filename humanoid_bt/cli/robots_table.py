@@ -44,11 +44,13 @@ def robots_table(names: Sequence[str], arguments: argparse.Namespace) -> int:
         raise UserError(
             f"two of the robots are called {twice!r}", hint="give one of them another name in its robot.yaml"
         )
-    rows, seeds = chosen(arguments.only or ROWS), range(arguments.trials or _TRIALS)
+    rows, first = chosen(arguments.only or ROWS), arguments.seed or 0
+    seeds = range(first, first + (arguments.trials or _TRIALS))
     folder = arguments.out or _OUT
     _make(folder)
     options = [
         *(["--trials", str(arguments.trials)] if arguments.trials else []),
+        *(["--seed", str(first)] if first else []),
         *(["--only", *arguments.only] if arguments.only else []),
     ]
     command = shlex.join(["humanoid-bt", "robots", "table", *called, *options])

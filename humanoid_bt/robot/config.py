@@ -31,6 +31,16 @@ class SiteConfig:
 
 
 @dataclass(frozen=True, kw_only=True)
+class FrameConfig(SiteConfig):
+    """A point on the robot and how it is turned there."""
+
+    ahead: tuple[float, float, float] = param(
+        (1.0, 0.0, 0.0), doc="What is ahead as it stands, as a direction in the body's frame."
+    )
+    up: tuple[float, float, float] = param((0.0, 0.0, 1.0), doc="What is up then, likewise.")
+
+
+@dataclass(frozen=True, kw_only=True)
 class HandConfig(SiteConfig):
     """A palm: a point on the hand, and two of the hand's axes, in the frame of the body that carries it."""
 
@@ -43,8 +53,8 @@ class HandConfig(SiteConfig):
 
 
 @dataclass(frozen=True, kw_only=True)
-class GazeConfig(SiteConfig):
-    """The eyes: a point on the body that carries them."""
+class GazeConfig(FrameConfig):
+    """The eyes: a point on the body that carries them, and where that looks."""
 
     down: float = param(
         0.0,
@@ -63,7 +73,7 @@ class LegConfig:
     hip_pitch: str = param(doc="Joint that swings the leg forward.")
     ankle_pitch: str = param(doc="Joint that tilts the foot forward.")
     ankle_roll: str | None = param(None, doc="Joint that tilts the foot sideways, if it has one: both legs or none.")
-    sole: SiteConfig = param(doc="Centre of the sole, x forward, z up when standing.")
+    sole: FrameConfig = param(doc="Centre of the sole, and how it is turned in its body.")
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 
-from humanoid_bt.core.messages import Array
-from humanoid_bt.robot.model import RobotModel
+from humanoid_bt.core.messages import Array, Side
+from humanoid_bt.robot.model import RobotModel, axes_of
 
 _FLAT = 0.005  # m above its lowest point up to which a foot counts as its sole
 _AROUND = np.linspace(0, 2 * np.pi, 16, endpoint=False)
@@ -20,29 +20,31 @@ class Footprint:
 
     Attributes:
         centre: in the foot's frame, shape (3,) [m].
-        half: half length and half width, shape (2,) [m].
+        half: half length and half width, along the axes of the sole, shape (2,) [m].
     """
 
     centre: Array
     half: Array
 
 
-def footprint(robot: RobotModel, body: str) -> Footprint | None:
-    """Return what of a body touches the floor in the home posture, as :func:`footprint_in` does."""
+def footprint(robot: RobotModel, side: Side) -> Footprint | None:
+    """Return what of a foot touches the floor in the home posture, as :func:`footprint_in` does."""
     model = robot.model
     data = mujoco.MjData(model)
     data.qpos[:] = robot.home_qpos
     mujoco.mj_kinematics(model, data)
-    return footprint_in(model, data, model.body(body).id)
+    sole = robot.config.legs[side].sole
+    return footprint_in(model, data, model.body(sole.body).id, axes_of(robot.config, sole, "legs", side, "sole"))
 
 
-def footprint_in(model: mujoco.MjModel, data: mujoco.MjData, foot: int) -> Footprint | None:
+def footprint_in(model: mujoco.MjModel, data: mujoco.MjData, foot: int, axes: Array) -> Footprint | None:
     """Return what of a body, and of those fixed to it, touches a flat floor; None if nothing of it can touch.
 
     Args:
         model: of the robot.
         data: in the posture in which the foot is flat.
         foot: the body.
+        axes: of the sole: ahead, left and up in the foot's frame, shape (3, 3).
     """
     parts = [
         _points(model, data, geom)
@@ -52,11 +54,11 @@ def footprint_in(model: mujoco.MjModel, data: mujoco.MjData, foot: int) -> Footp
     ]
     if not parts:
         return None
-    points = (np.concatenate(parts) - data.xpos[foot]) @ data.xmat[foot].reshape(3, 3)
+    points = (np.concatenate(parts) - data.xpos[foot]) @ data.xmat[foot].reshape(3, 3) @ axes
     down = points[:, 2].min()
     touching = points[points[:, 2] < down + _FLAT, :2]
     low, high = touching.min(axis=0), touching.max(axis=0)
-    return Footprint(np.array([*(low + high) / 2, down]), (high - low) / 2)
+    return Footprint(axes @ [*(low + high) / 2, down], (high - low) / 2)
 
 
 def _points(model: mujoco.MjModel, data: mujoco.MjData, geom: int) -> Array:

@@ -5,9 +5,7 @@ from __future__ import annotations
 import dataclasses
 import fnmatch
 import math
-import re
 from collections.abc import Iterator
-from pathlib import Path
 
 import mujoco
 import numpy as np
@@ -16,9 +14,10 @@ from humanoid_bt.core.errors import Place, Problem, UserError, nearest, relative
 from humanoid_bt.core.messages import SIDES, Array, Side
 from humanoid_bt.files.reading import is_file
 from humanoid_bt.robot import mujoco_warnings
-from humanoid_bt.robot.config import RobotConfig, SiteConfig
+from humanoid_bt.robot.config import FrameConfig, RobotConfig, SiteConfig
 from humanoid_bt.robot.palm import palm_axes
 from humanoid_bt.robot.policy.policy import Policy, load_policy
+from humanoid_bt.robot.published import model_problems, read_model
 
 BASE_DOFS = 6
 BASE_COORDINATES = 7
@@ -51,6 +50,10 @@ def foot_sensor(side: str) -> str:
 
 
 _FORCE = 1 << int(mujoco.mjtConDataField.mjCONDATA_FORCE)
+_LEAST = 1e-6  # m, length of a direction
+_DRIVES_OWN = 0.5  # of the damping of a drive, from which that of its joint counts as one of a drive, ...
+LEAST_DAMPING = 1.0  # Nm s/rad, ...if it is more than a finger's
+_ALIKE = 0.9  # cosine of two directions of which one does not say how a body is turned about the other
 _NET = 3  # what a contact sensor makes of several contacts: their sum, in the world frame
 
 
@@ -106,6 +109,14 @@ class RobotModel:
         """Return a joint's index in the arrays over joints."""
         return self.joint_names.index(name)
 
+    def direction(self, name: str, axis: int) -> float:
+        """Return which way round a joint turns about an axis (0: x, 1: y, 2: z) of the base as it stands: 1 or -1."""
+        data = mujoco.MjData(self.model)
+        data.qpos[:] = self.home_qpos
+        mujoco.mj_kinematics(self.model, data)
+        upright = data.body(self.config.base).xmat.reshape(3, 3)
+        return -1.0 if float(upright[:, axis] @ data.joint(name).xaxis) < 0 else 1.0
+
     def arm_joints(self, side: Side) -> list[int]:
         """Return the joints between the torso and a hand, as indices of the arrays over joints; none without hands."""
         model, config = self.model, self.config
@@ -132,9 +143,9 @@ class RobotModel:
             spec.delete(element)
         _add_drives(spec, config)
         for side in SIDES:
-            _add_site(spec, sole_site(side), config.legs[side].sole)
+            _add_frame(spec, sole_site(side), config, config.legs[side].sole, "legs", side, "sole")
             if side in config.hands:
-                _add_site(spec, palm_site(side), config.hands[side])
+                _add_site(spec, palm_site(side), config.hands[side], np.array([1.0, 0.0, 0.0, 0.0]))
             spec.add_sensor(
                 name=foot_sensor(side),
                 type=mujoco.mjtSensor.mjSENS_CONTACT,
@@ -142,25 +153,8 @@ class RobotModel:
                 objname=config.legs[side].sole.body,
                 intprm=[_FORCE, _NET, 1],
             )
-        _add_site(spec, GAZE_SITE, config.gaze, config.gaze.down)
+        _add_gaze(spec, config)
         return spec
-
-
-def read_model(path: Path) -> mujoco.MjSpec:
-    """Return a published model as it can be edited, without contact pairs with a floor that it does not bring.
-
-    Raises:
-        UserError: it is no valid MJCF.
-    """
-    try:
-        spec = mujoco.MjSpec.from_file(str(path))
-    except ValueError as error:
-        raise UserError(f"not a valid MJCF model: {_one_line(error)}", Place(relative(path)), code="model") from error
-    geoms = {geom.name for geom in spec.geoms}
-    for pair in list(spec.pairs):
-        if not {pair.geomname1, pair.geomname2} <= geoms:
-            spec.delete(pair)
-    return spec
 
 
 def _policy(config: RobotConfig) -> Policy | None:
@@ -235,43 +229,6 @@ def _check_names(spec: mujoco.MjSpec, config: RobotConfig) -> None:
         raise UserError(problems)
 
 
-def model_problems(spec: mujoco.MjSpec, where: Place) -> Iterator[Problem]:
-    """Yield what a model has that no robot here can have.
-
-    Args:
-        spec: the model.
-        where: its file.
-    """
-    for geom in spec.worldbody.geoms:
-        if geom.contype or geom.conaffinity:
-            hint = "name the robot's own model file, not one that shows it in surroundings"
-            which = repr(geom.name) if geom.name else "without a name"
-            message = f"the model brings surroundings of its own: the geom {which} of the world"
-            yield Problem(message, _line(geom.info, where), hint, code="own-floor")
-    sliding = [joint.name for joint in spec.joints if joint.type not in _ROBOT_JOINTS]
-    if sliding:
-        message = f"only hinges can be driven; these joints are none: {', '.join(sliding)}"
-        yield Problem(message, where, code="model")
-    for equality in spec.equalities:
-        which = f"{equality.name!r} " if equality.name else ""
-        kind = equality.type.name.removeprefix("mjEQ_").lower()
-        message = f"the model has the equality constraint {which}({kind}), and no robot here can have one"
-        yield Problem(message, _line(equality.info, where), _FREE_JOINTS, code="model")
-    if any(body.gravcomp for body in spec.bodies):
-        yield Problem("the model has bodies with gravcomp; the robot must carry its own weight", where, code="model")
-
-
-def _line(info: str, where: Place) -> Place:
-    """Return the place of an element of a model's file, of which MuJoCo says "line 12"."""
-    line = re.search(r"line (\d+)", info)
-    return Place(where.file, int(line[1]), 1) if line else where
-
-
-_FREE_JOINTS = (
-    "control takes every joint for one that moves and is driven by itself. Of a closed chain, as the rods of an ankle"
-    " are, keep the joints that tilt the foot and take the rods out; of coupled fingers drive each"
-)
-_ROBOT_JOINTS = (mujoco.mjtJoint.mjJNT_FREE, mujoco.mjtJoint.mjJNT_HINGE)
 _Reference = tuple[tuple[str | int, ...], str]  # keys in robot.yaml, and the name written there
 
 
@@ -309,13 +266,19 @@ def _joint_patterns(config: RobotConfig) -> Iterator[_Reference]:
 
 
 def _add_drives(spec: mujoco.MjSpec, config: RobotConfig) -> None:
-    """Give every joint a torque drive: force = ctrl - stiffness q - damping qd, within its limit."""
+    """Give every joint a torque drive: force = ctrl - stiffness q - damping qd, within its limit.
+
+    Damping that the model gives a joint, and that is as large as a drive's, stands for that of the actuator which is
+    dropped: position actuators of MJCF have none unless it is said. As friction it would eat up the drive's torque.
+    """
     for actuator in list(spec.actuators):
         spec.delete(actuator)
     for joint in spec.joints:
         drive = config.drive(joint.name)
         if joint.type == mujoco.mjtJoint.mjJNT_FREE or drive is None:
             continue
+        if float(joint.damping[0]) > max(_DRIVES_OWN * drive.damping, LEAST_DAMPING):
+            joint.damping = np.zeros(3)
         spec.add_actuator(
             name=joint.name,
             target=joint.name,
@@ -330,7 +293,45 @@ def _add_drives(spec: mujoco.MjSpec, config: RobotConfig) -> None:
         )
 
 
-def _add_site(spec: mujoco.MjSpec, name: str, site: SiteConfig, down: float = 0.0) -> None:
-    """Add a site whose x axis is turned down [rad]."""
-    turn = [math.cos(down / 2), 0.0, math.sin(down / 2), 0.0]
+def axes_of(config: RobotConfig, frame: FrameConfig, *keys: str) -> Array:
+    """Return the rotation from the frame of a sole or of the eyes to that of its body, shape (3, 3).
+
+    Args:
+        config: what ``robot.yaml`` says.
+        frame: of it.
+        keys: of the frame, for the place of a mistake.
+
+    Raises:
+        UserError: a direction is zero, or what is ahead is up.
+    """
+    up, ahead = np.array(frame.up), np.array(frame.ahead)
+    for name, given in (("up", up), ("ahead", ahead)):
+        if float(np.linalg.norm(given)) < _LEAST:
+            raise UserError(f"{name!r} is no direction", config.place(*keys, name), "as [0, 0, 1]", "out-of-range")
+    up, ahead = up / np.linalg.norm(up), ahead / np.linalg.norm(ahead)
+    if abs(float(up @ ahead)) > _ALIKE:
+        hint = "two directions across each other"
+        raise UserError("what is ahead is up", config.place(*keys, "ahead"), hint, "site-off")
+    ahead = ahead - (ahead @ up) * up
+    ahead = ahead / np.linalg.norm(ahead)
+    return np.column_stack([ahead, np.cross(up, ahead), up])
+
+
+def _add_frame(spec: mujoco.MjSpec, name: str, config: RobotConfig, frame: FrameConfig, *keys: str) -> None:
+    """Add a site that is turned as a frame is."""
+    turn = np.zeros(4)
+    mujoco.mju_mat2Quat(turn, axes_of(config, frame, *keys).flatten())
+    _add_site(spec, name, frame, turn)
+
+
+def _add_gaze(spec: mujoco.MjSpec, config: RobotConfig) -> None:
+    """Add the site of the eyes, whose x axis is turned down."""
+    gaze, turn = config.gaze, np.zeros(4)
+    axes, down = axes_of(config, gaze, "gaze"), gaze.down
+    cos, sin = math.cos(down), math.sin(down)
+    mujoco.mju_mat2Quat(turn, (axes @ [[cos, 0.0, sin], [0.0, 1.0, 0.0], [-sin, 0.0, cos]]).flatten())
+    _add_site(spec, GAZE_SITE, gaze, turn)
+
+
+def _add_site(spec: mujoco.MjSpec, name: str, site: SiteConfig, turn: Array) -> None:
     spec.body(site.body).add_site(name=name, pos=list(site.position), quat=turn, size=[0.005] * 3, group=4)

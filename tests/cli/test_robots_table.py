@@ -77,6 +77,15 @@ def test_a_table_has_what_was_measured_of_each_robot_and_its_picture(
     assert "written: found/robots.md" in out
 
 
+def test_seeds_can_be_those_that_nothing_was_tuned_on(asked: dict[str, Any]) -> None:
+    assert main(["robots", "table", "humanoid", "--seed", "16000", "--trials", "3"]) == 0
+    assert asked["seeds"] == [16000, 16001, 16002]
+    table = Path("robots/robots.md").read_text()
+    assert (
+        "Made by `humanoid-bt robots table humanoid --trials 3 --seed 16000`: 3 trials, seeds 16000 to 16002" in table
+    )
+
+
 def test_without_pictures_there_is_a_table_all_the_same(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -106,6 +115,7 @@ def test_ctrl_c_leaves_the_robots_that_are_done(
         (["table", "humanoid", "--only", "goal"], "did you mean 'goals'"),
         (["table", "humanoid", "--out", "a_file/below"], "the folder 'a_file/below' cannot be made"),
         (["humanoid", "--trials", "3"], "--trials is for robots table"),
+        (["humanoid", "--seed", "0"], "--seed is for robots table"),
     ],
 )
 def test_a_mistake_is_told_with_what_is_valid(

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from humanoid_bt.robot.model import read_model
+from humanoid_bt.robot.published import read_model
 from humanoid_bt.robot.survey.description import describe
 
 BESIDE = Path(__file__).resolve().parents[3] / "shared"  # beside the checkout

@@ -38,7 +38,7 @@ def test_the_lowest_points_of_a_foot_are_its_sole(
     text = text.replace(own[0], f'<geom mass="1" contype="1" conaffinity="1" {geom}/>')
     (tmp_path / "humanoid.xml").write_text(text.replace("<worldbody>", f"{WEDGE}<worldbody>"))
     (tmp_path / "robot.yaml").write_text((BUILTIN / "robot.yaml").read_text())
-    found = footprint(RobotModel(load_robot_config(tmp_path / "robot.yaml")), "left_foot")
+    found = footprint(RobotModel(load_robot_config(tmp_path / "robot.yaml")), "left")
     assert found is not None
     np.testing.assert_allclose(found.centre, centre, atol=2e-3)
     np.testing.assert_allclose(found.half, half, atol=2e-3)
@@ -46,6 +46,6 @@ def test_the_lowest_points_of_a_foot_are_its_sole(
 
 def test_a_foot_that_nothing_can_touch_has_none() -> None:
     robot = RobotModel(load_robot_config(BUILTIN / "robot.yaml"))
-    assert footprint(robot, "left_foot") is not None
+    assert footprint(robot, "left") is not None
     robot.model.geom_contype[:] = robot.model.geom_conaffinity[:] = 0
-    assert footprint(robot, "left_foot") is None
+    assert footprint(robot, "left") is None

@@ -21,6 +21,7 @@ from humanoid_bt.robot.model import (
     palm_site,
     sole_site,
 )
+from humanoid_bt.robot.published import read_model
 
 FOLDER = Path(__file__).resolve().parents[2] / "sim" / "humanoid"
 
@@ -210,18 +211,64 @@ def test_an_equality_constraint_is_answered_with_its_line_and_what_to_do(tmp_pat
     assert "take the rods out" in problem.hint
 
 
-def test_a_model_with_a_floor_of_its_own_is_answered_with_the_floors_line(tmp_path: Path, edit: Edit) -> None:
-    edit("humanoid.xml", "<worldbody>", '<worldbody>\n<geom name="ground" type="plane" size="1 1 1"/>')
-    with pytest.raises(UserError, match="surroundings of its own: the geom 'ground'") as error:
+def test_many_equality_constraints_are_one_mistake(tmp_path: Path, edit: Edit) -> None:
+    knees = '<joint joint1="left_knee"/><joint joint1="right_knee"/>'
+    edit("humanoid.xml", "</mujoco>", f"<equality>{knees}</equality></mujoco>")
+    with pytest.raises(
+        UserError, match=r"2 equality constraints 'left_knee' \(joint\), 'right_knee' \(joint\)"
+    ) as error:
         load(tmp_path)
-    (problem,) = error.value.problems
-    assert str(problem.place) == place_of(tmp_path, "humanoid.xml", '<geom name="ground"')
+    assert len(error.value.problems) == 1
+
+
+def test_what_stands_in_the_world_beside_a_robot_is_left_out(tmp_path: Path, edit: Edit) -> None:
+    edit("humanoid.xml", "<worldbody>", '<worldbody>\n<geom name="ground" type="plane" size="1 1 1"/>')
+    robot = load(tmp_path)
+    assert not any(robot.model.geom_bodyid[geom] == 0 for geom in range(robot.model.ngeom))
+
+
+@pytest.mark.parametrize("floor", ["", '<geom name="ground" type="plane" size="1 1 1"/>'])
+def test_a_foot_that_a_pair_lets_touch_a_floor_touches_any(tmp_path: Path, edit: Edit, floor: str) -> None:
+    edit("humanoid.xml", '<geom name="left_foot"', '<geom contype="0" conaffinity="0" name="left_foot"')
+    edit("humanoid.xml", "<worldbody>", f"<worldbody>{floor}")
+    pair = '<pair geom1="left_foot" geom2="ground"/>'
+    edit("humanoid.xml", "<contact>", f"<contact>{pair}")
+    model = load(tmp_path).model
+    assert model.geom("left_foot").contype == 1
+    assert model.npair == 0
+
+
+@pytest.mark.parametrize(("damping", "left"), [(0.7, 0.7), (30.0, 0.0)])
+def test_damping_as_large_as_a_drives_is_that_of_the_dropped_actuator(
+    tmp_path: Path, edit: Edit, damping: float, left: float
+) -> None:
+    edit("humanoid.xml", '<joint name="left_knee"', f'<joint damping="{damping}" name="left_knee"')
+    model = load(tmp_path).model
+    assert float(model.joint("left_knee").damping[0]) == left
+
+
+def test_a_root_that_nothing_frees_gets_a_free_joint(tmp_path: Path, edit: Edit) -> None:
+    edit("humanoid.xml", '<freejoint name="root"/>', "")
+    model = load(tmp_path).model
+    assert model.jnt_type[0] == mujoco.mjtJoint.mjJNT_FREE
+    assert model.body(model.jnt_bodyid[0]).name == "pelvis"
+
+
+def test_a_urdf_keeps_its_root_and_is_free(tmp_path: Path) -> None:
+    inertial = '<inertial><mass value="{}"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
+    (tmp_path / "robot.urdf").write_text(
+        f'<robot name="r"><link name="base">{inertial.format(5)}</link><link name="leg">{inertial.format(2)}</link>'
+        '<joint name="hip" type="revolute"><parent link="base"/><child link="leg"/><axis xyz="0 1 0"/>'
+        '<limit lower="-1" upper="1" effort="30" velocity="1"/></joint></robot>'
+    )
+    model = read_model(tmp_path / "robot.urdf").compile()
+    assert [int(kind) for kind in model.jnt_type] == [mujoco.mjtJoint.mjJNT_FREE, mujoco.mjtJoint.mjJNT_HINGE]
+    assert float(model.body("base").subtreemass[0]) == 7
 
 
 @pytest.mark.parametrize(
     ("old", "new"),
     [
-        ('<freejoint name="root"/>', ""),
         ("<worldbody>", '<worldbody><body><joint name="left_knee_stand"/><geom size="0.1"/></body>'),
         ("<worldbody>", '<worldbody><body><freejoint name="other"/><geom size="0.1"/></body>'),
     ],

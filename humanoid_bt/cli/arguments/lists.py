@@ -6,6 +6,7 @@ from pathlib import Path
 
 from humanoid_bt.cli.arguments.numbers import COUNT, number
 from humanoid_bt.cli.arguments.parsing import Commands, add_workspace
+from humanoid_bt.session.limits import SEED
 
 _LISTS = {
     "trees": ("list trees and their parameters", "List trees, or explain some."),
@@ -53,7 +54,7 @@ def add_robots(commands: Commands) -> None:
         "humanoid-bt robots [-h] [--workspace DIR] [NAME ...]\n"
         "       humanoid-bt robots [-h] [--workspace DIR] init MODEL [--name NAME]\n"
         "       humanoid-bt robots [-h] [--workspace DIR] table ROBOT ... [--out DIR] [--trials N]\n"
-        "                                                [--only ROW ...] [-j N]"
+        "                                                [--seed FIRST] [--only ROW ...] [-j N]"
     )
     robots.add_argument("names", nargs="*", metavar="NAME", help="explain only these")
     robots.add_argument("--name", metavar="NAME", help="with init: the robot's name; default: the model's")
@@ -61,6 +62,7 @@ def add_robots(commands: Commands) -> None:
     table = robots.add_argument_group("with table")
     table.add_argument("--out", type=Path, metavar="DIR", help="folder that it is written to; default: robots")
     table.add_argument("--trials", type=number(COUNT), metavar="N", help="of each row; default 4")
+    table.add_argument("--seed", type=number(SEED), metavar="FIRST", help="of the first trial; default 0")
     table.add_argument(
         "--only",
         nargs="+",

@@ -34,6 +34,7 @@ class Feedforward:
         self._gait = config.gait
         legs = [config.legs[side] for side in SIDES]
         hips = np.array([[robot.joint(leg.hip_roll), robot.joint(leg.hip_pitch)] for leg in legs])
+        turns = np.array([[robot.direction(leg.hip_roll, 0), robot.direction(leg.hip_pitch, 1)] for leg in legs], float)
         # pitch and roll of the ankles, -1 where there is none, and how far each may move the pressure along the sole:
         # half the margin more than is planned, which leaves the joint feedback some room
         ankles = np.array(
@@ -45,7 +46,7 @@ class Feedforward:
         sole, data = config.sole, dynamics.data
         self._kept = (  # what :func:`_torques` is called with each time
             *dynamics.addresses, dynamics.bias, data.qpos, data.qvel, dynamics.motions, dynamics.origin,
-            chains(robot.model, [robot.model.body(leg.sole.body).id for leg in legs]), hips, ankles,
+            chains(robot.model, [robot.model.body(leg.sole.body).id for leg in legs]), hips, turns, ankles,
             np.array([sole.half_length, sole.half_width]) - 0.5 * np.array(sole.margins),
             robot.stiffness, robot.damping, np.zeros((3, robot.model.nv)),
         )  # fmt: skip
@@ -150,8 +151,8 @@ def _limit_ankles(
 
 @compiled(
     "void(f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8, f8, f8[::1], f8[::1], f8[::1], f8[::1], f8, f8, i8, i8,"
-    " f8[::1], f8[::1], f8[::1], f8[:, ::1], f8[::1], i8[:, ::1], i8[:, ::1], i8[:, ::1], f8[::1], f8[::1], f8[::1],"
-    " f8[:, ::1])"
+    " f8[::1], f8[::1], f8[::1], f8[:, ::1], f8[::1], i8[:, ::1], i8[:, ::1], f8[:, ::1], i8[:, ::1], f8[::1],"
+    " f8[::1], f8[::1], f8[:, ::1])"
 )
 def _torques(
     forces: Array,
@@ -176,6 +177,7 @@ def _torques(
     origin: Array,
     chains: Indices,
     hips: Indices,
+    turns: Array,
     ankles: Indices,
     halves: Array,
     stiffness: Array,
@@ -193,7 +195,8 @@ def _torques(
         model, data: addresses of MuJoCo's.
         bias, qpos, qvel, motions, origin: of the dynamics.
         chains: the degrees of freedom that move each foot.
-        hips, ankles: roll and pitch of each hip, pitch and roll of each ankle: joints, shape (2, 2).
+        hips, turns: roll and pitch of each hip: joints, and 1, or -1 if it turns the other way round, shape (2, 2).
+        ankles: pitch and roll of each ankle, shape (2, 2).
         halves, stiffness, damping, jacobian: as :func:`_limit_ankles` wants them.
     """
     mul_m(model, data, forces.ctypes, acceleration.ctypes)
@@ -206,8 +209,8 @@ def _torques(
             _carry(forces, share * force, cop, motions, origin, chains[foot], jacobian)
     for foot in range(2):
         share = left_share if foot == 0 else right_share
-        torque[hips[foot, 0]] += share * roll
-        torque[hips[foot, 1]] += share * pitch
+        torque[hips[foot, 0]] += turns[foot, 0] * share * roll
+        torque[hips[foot, 1]] += turns[foot, 1] * share * pitch
     for foot in range(2):
         share, sole = (left_share, left_sole) if foot == 0 else (right_share, right_sole)
         if share >= _ANKLE_LOADED:

@@ -33,7 +33,7 @@ class LeanReference:
 
     def __init__(self, robot: RobotModel, dt: float) -> None:
         config = robot.config
-        neck = float(robot.upper[robot.joint(config.neck.pitch)]) if config.neck else 0.0
+        neck = _nods(robot, config.neck.pitch) if config.neck else 0.0
         self._unaided = config.gaze.down + neck + config.whole_body.gaze_below
         self._waist, self._dt = _waist_range(robot), dt
         self._farthest = min(config.whole_body.gaze_lean, self._waist + max(0.0, config.fall.tilt - _UPRIGHT))
@@ -69,6 +69,12 @@ class LeanReference:
     def base(self) -> float:
         """Lean of the pelvis [rad]."""
         return max(0.0, self.torso - self._waist)
+
+
+def _nods(robot: RobotModel, pitch: str) -> float:
+    """Return how far the neck turns the head down [rad]."""
+    joint = robot.joint(pitch)
+    return float(robot.upper[joint] if robot.direction(pitch, 1) > 0 else -robot.lower[joint])
 
 
 def _waist_range(robot: RobotModel) -> float:

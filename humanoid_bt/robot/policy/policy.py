@@ -163,8 +163,9 @@ class Policy:
         found = next((name for name in _KEYS[key] if name in self.network.metadata), None)
         if found is None:
             message = f"there is no {'.'.join((*within, key))!r}, and the model's metadata has none"
-            has = f"it has {', '.join(sorted(self.network.metadata)) or 'no keys'}"
-            raise UserError(message, place, f"{has}; or write it here", code="missing-key")
+            keys = ", ".join(sorted(self.network.metadata))
+            hint = f"it has {keys}; or write it here" if keys else f"it has no keys: write {key!r} here"
+            raise UserError(message, place, hint, code="missing-key")
         item = Item({}, place)
         # every kind of value can be read from metadata, which their common type does not say
         return kind(FromModel(found, item), from_model(found, item))  # type: ignore[call-arg]

@@ -13,15 +13,17 @@ import mujoco
 import numpy as np
 import yaml
 
-from humanoid_bt.core.messages import SIDES, Array
+from humanoid_bt.core.messages import SIDES, Array, Side
 from humanoid_bt.core.texts import listed
 from humanoid_bt.files.formatting import formatted
 from humanoid_bt.robot.config import GaitConfig, RobotConfig
 from humanoid_bt.robot.footprint import footprint_in
 from humanoid_bt.robot.survey.drives import drive, usual_stiffness
-from humanoid_bt.robot.survey.limbs import Surveyor, roles
+from humanoid_bt.robot.survey.limbs import Limb, Surveyor, roles
 from humanoid_bt.robot.survey.places import eyes, looks_down, palm
 from humanoid_bt.robot.survey.posture import home
+from humanoid_bt.robot.survey.size import USUAL_MASS, first_shift, scaled_contact, scaled_gait, spin
+from humanoid_bt.robot.survey.soles import ALIGNED, angle_of, sole_axes
 
 _SIDE = re.compile(r"left|right|(?<![a-z])[lr](?=_)|(?<=_)[lr](?![a-z])", re.I)
 _ROLES = ("hip_roll", "hip_pitch", "ankle_pitch")
@@ -29,10 +31,11 @@ _ROLL = "ankle_roll"  # which a leg may lack
 _MARGIN = 0.4  # share of the sole's half width inside which the centre of pressure may be, at most the default
 _DEFAULT_MARGIN = 0.012  # m
 _GRIP = 0.2  # share of the half length from toe and heel: a sole that bears at its end grips there only, and pivots
-_SPIN = 50.0  # cost of spinning, of a robot of 1 kg whose centre of mass is 1 m high
 _SEPARATION = 0.05  # m that feet may come nearer than they stand
 _WEIGHT_SHARE, _GRAVITY = 0.12, 9.81  # of the weight, that tells that a foot has landed
 _ZERO = 5e-4  # m
+_GAP = 0.01  # m between feet side by side
+_POINT = 0.005  # m, half of a sole's length or width, up to which nothing can stand on it
 _SWAY = 0.08  # m that a walking robot reaches farther than a standing one
 
 
@@ -72,15 +75,22 @@ class _Writer:
         self._model, self._name, self._file = model, name, file
         self._surveyor = Surveyor(model)
         self._limbs = self._surveyor.limbs()
+        self._mass = float(model.body_subtreemass[self._limbs.base])
         self._hinges = [model.joint(j).name for j in range(model.njnt) if j != int(model.body_jntadr[self._limbs.base])]
         self._found, self._guessed, self._missing = list[str](), list[str](), list[str]()
         self._palms = {side: palm(self._surveyor, arm) for side, arm in self._limbs.arms.items()}
-        self._home = home(self._surveyor, self._limbs, {side: place for side, (place, _) in self._palms.items()})
+        self._soles = {side: sole_axes(self._surveyor, leg.body) for side, leg in self._limbs.legs.items()}
+        palms = {side: place for side, (place, _) in self._palms.items()}
+        self._home = home(self._surveyor, self._limbs, palms, self._soles)
         self._standing = mujoco.MjData(model)
         for joint, angle in self._home.items():
             self._standing.qpos[model.jnt_qposadr[joint]] = angle
         mujoco.mj_kinematics(model, self._standing)
         mujoco.mj_comPos(model, self._standing)
+        self._feet = {
+            side: footprint_in(model, self._standing, leg.body, self._soles[side])
+            for side, leg in self._limbs.legs.items()
+        }
 
     def description(self) -> Description:
         parts = [
@@ -92,7 +102,7 @@ class _Writer:
             self._drives(),
             self._posture(),
         ]
-        parts += [self._groups(), self._gait(), self._whole_body(), self._room()]
+        parts += [self._groups(), self._gait(), self._whole_body(), self._contact(), self._room()]
         text = "\n".join("\n".join(lines) + "\n" for lines in map(list, parts) if lines)
         return Description(
             formatted(text, "robot.yaml"), tuple(self._found), tuple(self._guessed), tuple(self._missing)
@@ -105,7 +115,7 @@ class _Writer:
         return str(self._model.joint(joint).name)
 
     def _head(self) -> Iterator[str]:
-        mass, joints = float(self._model.body_subtreemass[self._limbs.base]), len(self._hinges)
+        mass, joints = self._mass, len(self._hinges)
         yield "# A first description, found in the model. Look at what is marked 'guessed', then try the robot:"
         yield f"#   humanoid-bt check sim/{self._name}/robot.yaml"
         yield "# Lengths in metres, angles in radians. What else can stand here: docs/robots.md."
@@ -138,13 +148,20 @@ class _Writer:
                 yield f"    {_ROLL}: {found[_ROLL]}"
             else:
                 yield f"    # {_ROLL}: no joint of this leg tilts the foot sideways; it balances sideways by its steps"
-            foot = footprint_in(self._model, self._standing, leg.body)
+            foot = self._feet[side]
             centre = np.zeros(3) if foot is None else foot.centre
             if foot is None:
-                self._missing.append(f"collision geoms of the {side} foot {self._body(leg.body)}")
+                self._missing.append(
+                    f"collision geoms of the {side} foot {self._body(leg.body)}{self._untouchable(leg)}"
+                )
+            elif foot.half.min() < _POINT:
+                what = "a point" if foot.half.max() < _POINT else "a line"
+                body = self._body(leg.body)
+                self._missing.append(f"a flat {side} foot: {body} touches a floor at {what}, on which nothing balances")
             else:
                 halves.append(foot.half)
-            yield f"    sole: {{body: {_quoted(self._body(leg.body))}, position: {_vector(centre)}}}"
+            place = f"position: {_vector(centre)}{_turned(self._soles[side])}"
+            yield f"    sole: {{body: {_quoted(self._body(leg.body))}, {place}}}"
             tilts = "" if _ROLL in found else ", none of them tilts it sideways"
             self._found.append(f"{side} leg: {len(leg.joints)} joints, foot {self._body(leg.body)}{tilts}")
         length, width = np.min(halves, axis=0).tolist() if halves else (0.1, 0.04)
@@ -155,6 +172,12 @@ class _Writer:
             yield f"sole: {{{sole}, margin: {max(margin, _GRIP * length):.3f}, side_margin: {margin:.3f}}}"
         else:
             yield f"sole: {{{sole}, margin: {margin:.3f}}}"
+
+    def _untouchable(self, leg: Limb) -> str:
+        """Return why a foot that has geoms can touch nothing."""
+        if not self._surveyor.geoms(leg.body):
+            return ""
+        return ": contype and conaffinity of its geoms are 0; if a scene file lets them touch a floor, name that file"
 
     def _hands(self) -> Iterator[str]:
         for side in SIDES:
@@ -178,13 +201,20 @@ class _Writer:
         note, angle = f"from {source}" if source else self._guess("the eyes' position"), ""
         if (down := looks_down(surveyor, self._limbs, body, place)) > 0:
             note, angle = f"{note}; down: {self._guess('how far the eyes look down')}", f", down: {down:.2f}"
-        yield f"gaze: {{body: {_quoted(self._body(body))}, position: {_vector(place)}{angle}}}    # {note}"
+        turned = _turned(self._upright(body))
+        yield f"gaze: {{body: {_quoted(self._body(body))}, position: {_vector(place)}{turned}{angle}}}    # {note}"
         if set(turns) == {1, 2}:
             yaw, pitch = (_quoted(self._joint(turns[axis])) for axis in (2, 1))
             yield f"neck: {{yaw: {yaw}, pitch: {pitch}}}"
             self._found.append("neck with yaw and pitch")
         else:
             self._found.append("no neck: the torso turns the view")
+
+    def _upright(self, body: int) -> Array:
+        """Return what is ahead, left and up of a body as the robot stands, in its frame, shape (3, 3)."""
+        data = self._standing
+        axes: Array = data.xmat[body].reshape(3, 3).T @ data.xmat[self._limbs.base].reshape(3, 3)
+        return np.eye(3) if angle_of(axes) < ALIGNED else axes
 
     def _drives(self) -> Iterator[str]:
         groups: dict[tuple[float, float, float], list[str]] = {}
@@ -224,24 +254,33 @@ class _Writer:
                 yield f"  {name}: [{', '.join(_quoted(self._joint(joint)) for joint in joints)}]"
 
     def _gait(self) -> Iterator[str]:
-        left, right = (self._standing.xpos[leg.body] for leg in self._limbs.legs.values())
-        apart, mass = float(np.linalg.norm(left - right)), float(self._model.body_subtreemass[self._limbs.base])
+        left, right = (self._sole(side) for side in SIDES)
+        apart, mass = float(np.linalg.norm(left - right)), self._mass
         yield f"gait:    # {self._guess('the gait')}; the defaults fit 40 kg and 1.3 m"
         yield f"  stance_width: {apart:.2f}"
-        yield f"  separation_min: {max(apart - _SEPARATION, apart / 2):.2f}"
+        yield f"  separation_min: {max(apart - _SEPARATION, apart / 2, min(apart, self._side_by_side())):.2f}"
         yield f"  separation_max: {apart + 0.24:.2f}"
         yield f"  touchdown_force: {_WEIGHT_SHARE * mass * _GRAVITY:.0f}"
-        if (shift := self._first_shift(apart)) > GaitConfig.first_shift:
-            yield f"  first_shift: {shift:.2f}"
-
+        small = scaled_gait(self._height(), mass)
+        shift = first_shift(apart, self._bears, self._height())
+        usual = small.pop("first_shift", GaitConfig.first_shift)
+        if shift > usual or usual < GaitConfig.first_shift:
+            yield f"  first_shift: {max(shift, usual):.2f}"
+        for key, value in small.items():
+            yield f"  {key}: {value:.3g}"
         if (turn := self._step_turn()) < GaitConfig.step_turn:
             yield f"  step_turn: {turn:.2f}"
 
     def _whole_body(self) -> Iterator[str]:
         if self._rolls:
-            inertia = float(self._model.body_subtreemass[self._limbs.base]) * self._height() ** 2
             yield f"whole_body:    # {self._guess('how firmly it keeps from spinning')}"
-            yield f"  spin: {_SPIN / inertia:.1f}    # arms and trunk turn against legs that swing"
+            yield f"  spin: {spin(self._height(), self._mass):.1f}    # arms and trunk turn against legs that swing"
+
+    def _contact(self) -> Iterator[str]:
+        if scaled := scaled_contact(self._mass):
+            note = self._guess("how hard a push must be to count")
+            yield f"contact:    # {note}; the defaults fit {USUAL_MASS:g} kg"
+            yield from (f"  {key}: {force:.0f}" for key, force in scaled.items())
 
     def _step_turn(self) -> float:
         """Return by how much a step may turn: each hip by half of what it can, the rest is for pushes [rad]."""
@@ -250,19 +289,20 @@ class _Writer:
         limits = [float(np.abs(model.jnt_range[joint]).min()) for joint in turning if model.jnt_limited[joint]]
         return min(limits, default=math.inf)
 
-    def _first_shift(self, apart: float) -> float:
-        """Return how long the weight shifts before the first step [s].
-
-        A plan that ends at rest begins with the DCM off the middle by d exp(-omega T), for feet at d from it. A robot
-        that stands there lags behind by as much: no more than what a sole can bear on one side.
-        """
-        omega = math.sqrt(_GRAVITY / self._height())
-        return math.log(apart / 2 / self._bears) / omega
+    def _side_by_side(self) -> float:
+        """Return how near the soles' centres may come before the feet touch [m]."""
+        return 2 * max((float(foot.half[1]) for foot in self._feet.values() if foot), default=0.0) + _GAP
 
     def _height(self) -> float:
         """Return how high the centre of mass is above the feet [m]."""
         feet = [self._standing.xpos[leg.body][2] for leg in self._limbs.legs.values()]
         return float(self._standing.subtree_com[self._limbs.base][2] - min(feet))
+
+    def _sole(self, side: Side) -> Array:
+        """Return where the centre of a sole is as the robot stands, world frame, shape (3,) [m]."""
+        body, foot = self._limbs.legs[side].body, self._feet[side]
+        centre = np.zeros(3) if foot is None else foot.centre
+        return np.asarray(self._standing.xpos[body] + self._standing.xmat[body].reshape(3, 3) @ centre)
 
     def _room(self) -> Iterator[str]:
         """Yield the circle within which it walks, if the default is too small."""
@@ -298,6 +338,11 @@ def _patterns(names: Sequence[str], known: Sequence[str]) -> list[str]:
 def _quoted(name: str) -> str:
     """Return a name as YAML reads it as that text, also ``no``, ``12`` and what has blanks and colons."""
     return name if re.fullmatch(r"[\w./-]+", name) and yaml.safe_load(name) == name else json.dumps(name)
+
+
+def _turned(axes: Array) -> str:
+    """Return how axes that are not those of their body are written."""
+    return "" if np.array_equal(axes, np.eye(3)) else f", ahead: {_vector(axes[:, 0])}, up: {_vector(axes[:, 2])}"
 
 
 def _vector(values: Array) -> str:

@@ -7,10 +7,12 @@ from dataclasses import dataclass
 
 import mujoco
 
+from humanoid_bt.robot.model import LEAST_DAMPING
 from humanoid_bt.robot.survey.limbs import Limbs, Surveyor, roles
 
 _STIFFNESS, _DAMPING = 4.0, 0.04  # 1/rad, of the torque; s, of the stiffness: what arms that reach have
 _TORQUE = 20.0  # Nm, where nothing says it
+_LIMP = 0.15  # of what a joint has that carries a robot: with less nothing stands
 _USUAL_TORQUE = 0.2  # rad, times the stiffness: likewise of joints that carry the robot
 _GRAVITY = 9.81
 # of the weight times the height of the centre of mass, which is how stiff a support must be not to buckle
@@ -71,7 +73,11 @@ def drive(model: mujoco.MjModel, joint: int, usual: float | None = None) -> Driv
         guessed.append("torque")
     stiffness = max((-float(model.actuator_biasprm[a, 1]) for a in actuators), default=0.0)
     damping = max((-float(model.actuator_biasprm[a, 2]) for a in actuators), default=0.0)
-    if stiffness <= 0:
+    own = float(model.dof_damping[model.jnt_dofadr[joint]].max())
+    if stiffness > 0 and damping <= 0 and own > LEAST_DAMPING:
+        damping = own  # which stands for the actuator's
+    if stiffness <= 0 or (usual is not None and stiffness < _LIMP * usual):
+        damping = 0.0  # as those of models whose learned walker brings its own gains
         stiffness = _rounded(_STIFFNESS * torque if usual is None else usual)
         guessed.append("stiffness")
     if damping <= 0:

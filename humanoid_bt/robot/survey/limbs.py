@@ -14,6 +14,8 @@ from humanoid_bt.robot.model import carriers
 
 _ALONG = 0.7  # cosine between a joint's axis and x, y or z of the base: hips are often a little oblique
 _ASIDE = 0.02  # m from the middle from which something is on a side
+_UNEVEN = 0.2  # m that one foot may be from the mirror image of the other
+_TOES = 0.02  # m that a foot may end above its toes
 _ARM_JOINTS = 3  # that an arm has at least
 _OUTWARD: dict[Side, float] = {"left": 1.0, "right": -1.0}
 
@@ -135,8 +137,22 @@ class Surveyor:
                 base = self.model.body(self.base).name
                 message = f"no leg is on the {side} side of {base!r}: x must point ahead, y to the left, z up"
                 raise NoHumanoidError(message)
-            found[side] = min(beside, key=self._lowest)
+            found[side] = self._above_toes(min(beside, key=self._lowest))
+        left, right = (self.place(foot) for foot in found.values())
+        if max(left[2], right[2]) > 0 or float(np.linalg.norm(left * [1, -1, 1] - right)) > _UNEVEN:
+            names = " and ".join(repr(self.model.body(foot).name) for foot in found.values())
+            base = self.model.body(self.base).name
+            message = f"the lowest ends on either side of {base!r}, {names}, are no pair of feet below it"
+            raise NoHumanoidError(f"{message}: in its frame x must point ahead, y to the left, z up")
         return found
+
+    def _above_toes(self, end: int) -> int:
+        """Return the body at the end of a leg, or the foot that it is the toes of: one that is as low as they are."""
+        foot = int(self.model.body_weldid[self.model.body_parentid[end]])
+        touches = [g for g in self.geoms(foot) if self.model.geom_contype[g] or self.model.geom_conaffinity[g]]
+        if foot != self.base and touches and self._lowest(foot) < self._lowest(end) + _TOES:
+            return foot
+        return end
 
     def _lowest(self, body: int) -> float:
         """Return how high the lowest geom of a body is, roughly, or its origin if it has none."""

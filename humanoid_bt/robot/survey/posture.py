@@ -9,7 +9,7 @@ import numpy as np
 
 from humanoid_bt.core.messages import Array, Side
 from humanoid_bt.robot.model import carriers
-from humanoid_bt.robot.survey.limbs import Limb, Limbs, Surveyor
+from humanoid_bt.robot.survey.limbs import Limb, Limbs, Surveyor, roles
 
 _BEND = 0.35  # rad, of hips and ankles; knees twice as much
 _INSIDE = 0.05  # rad that a home angle stays inside its limits
@@ -20,19 +20,24 @@ _SPREADS = (0.0, 0.08, 0.16, 0.24, 0.32)  # rad farther outward, until nothing i
 _CLEAR = 0.03  # ...by so much, m: they sway
 _ELBOW_COUNTS, _REST_COUNTS = 0.5, 0.02  # beside the hand
 _STEPS = 200
+_TURNS = 10  # of an ankle, until...
+_LEVEL = 0.05  # rad, ...a sole is flat: inverse kinematics does the rest
 
 
-def home(surveyor: Surveyor, limbs: Limbs, palms: Mapping[Side, Array]) -> dict[int, float]:
+def home(
+    surveyor: Surveyor, limbs: Limbs, palms: Mapping[Side, Array], soles: Mapping[Side, Array]
+) -> dict[int, float]:
     """Return the angles of a posture to stand in, joint -> rad; those of 0 are left out.
 
     Args:
         surveyor: of the model.
         limbs: the robot's.
         palms: where they are in the frames of the hands, shape (3,) [m].
+        soles: their axes in the frames of the feet, shape (3, 3).
     """
     legs: dict[int, float] = {}
-    for leg in limbs.legs.values():
-        legs |= _bent(surveyor, leg)
+    for side, leg in limbs.legs.items():
+        legs |= _flat(surveyor, leg, soles[side][:, 2], _bent(surveyor, leg))
     angles = legs
     for spread in _SPREADS:
         angles = dict(legs)
@@ -70,6 +75,31 @@ def _bent(surveyor: Surveyor, leg: Limb) -> dict[int, float]:
     wanted = {joint: bend * float(np.sign(surveyor.axis(joint)[1])) for joint, bend in bends}
     share = min(_share(surveyor.model, joint, angle) for joint, angle in wanted.items())
     return {joint: angle * share for joint, angle in wanted.items()}
+
+
+def _flat(surveyor: Surveyor, leg: Limb, up: Array, angles: dict[int, float]) -> dict[int, float]:
+    """Turn the ankle of a bent leg until its sole is flat, if it is not: feet of some models tilt at all zeros.
+
+    Args:
+        surveyor: of the model.
+        leg: of it.
+        up: what is up of its sole, in the frame of the foot, shape (3,).
+        angles: joint -> rad.
+    """
+    model, data, angles = surveyor.model, mujoco.MjData(surveyor.model), dict(angles)
+    ankles = [joint for role, joint in roles(surveyor, leg) if role.startswith("ankle")]
+    for _ in range(_TURNS):
+        for joint, angle in angles.items():
+            data.qpos[model.jnt_qposadr[joint]] = angle
+        mujoco.mj_kinematics(model, data)
+        upright, tilted = data.xmat[surveyor.base].reshape(3, 3)[:, 2], data.xmat[leg.body].reshape(3, 3) @ up
+        tilt = np.cross(tilted, upright)  # what it must turn about
+        if np.linalg.norm(tilt) < _LEVEL or not ankles:
+            break
+        for joint, angle in zip(ankles, np.linalg.lstsq(data.xaxis[ankles].T, tilt)[0].tolist(), strict=True):
+            low, high = _limits(model, joint)
+            angles[joint] = min(max(angles.get(joint, 0.0) + angle, low), high)
+    return angles
 
 
 def _share(model: mujoco.MjModel, joint: int, angle: float) -> float:

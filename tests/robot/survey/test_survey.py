@@ -14,9 +14,10 @@ import pytest
 from humanoid_bt.core.messages import SIDES
 from humanoid_bt.files.formatting import formatted
 from humanoid_bt.files.workspace import builtin_root
-from humanoid_bt.robot.config import GaitConfig, RobotConfig, load_robot_config
+from humanoid_bt.robot.config import ContactConfig, GaitConfig, RobotConfig, load_robot_config
 from humanoid_bt.robot.footprint import footprint
-from humanoid_bt.robot.model import GAZE_SITE, RobotModel, palm_site, read_model, sole_site
+from humanoid_bt.robot.model import GAZE_SITE, RobotModel, palm_site, sole_site
+from humanoid_bt.robot.published import read_model
 from humanoid_bt.robot.survey.description import Description, describe
 from humanoid_bt.robot.survey.limbs import NoHumanoidError, Surveyor
 
@@ -100,7 +101,7 @@ def test_names_do_not_matter(spec: mujoco.MjSpec, adopt: Adopt) -> None:
     assert len(limbs.head.joints) == 2
     _, found = adopt(spec)
     robot = RobotModel(found)
-    feet = [footprint(robot, found.legs[side].sole.body) for side in SIDES]
+    feet = [footprint(robot, side) for side in SIDES]
     for side, foot in zip(SIDES, feet, strict=True):
         assert foot is not None
         np.testing.assert_allclose(found.legs[side].sole.position, foot.centre, atol=1e-3)
@@ -237,6 +238,134 @@ def test_eyes_that_nothing_turns_down_look_down(spec: mujoco.MjSpec, adopt: Adop
     mujoco.mj_kinematics(robot.model, data)
     ahead = data.site(GAZE_SITE).xmat.reshape(3, 3)[:, 0]
     np.testing.assert_allclose(ahead, [np.cos(stiff.gaze.down), 0.0, -np.sin(stiff.gaze.down)], atol=1e-6)
+
+
+def turn(spec: mujoco.MjSpec, name: str, axis: list[float], angle: float) -> None:
+    """Turn the frame of a body [rad] and leave all that is in it where it is, as a CAD might have it."""
+    turned, back, body = np.zeros(4), np.zeros(4), spec.body(name)
+    mujoco.mju_axisAngle2Quat(turned, np.array(axis) / np.linalg.norm(axis), angle)
+    mujoco.mju_negQuat(back, turned)
+    quat = np.zeros(4)
+    mujoco.mju_mulQuat(quat, body.quat, turned)
+    body.quat = quat
+    for thing in (*body.geoms, *body.sites, *body.cameras, *body.bodies, *body.joints):
+        place, own = np.zeros(3), np.zeros(3 if isinstance(thing, mujoco.MjsJoint) else 4)
+        mujoco.mju_rotVecQuat(place, thing.pos, back)
+        if isinstance(thing, mujoco.MjsJoint):
+            mujoco.mju_rotVecQuat(own, thing.axis, back)
+            thing.axis = own
+        else:
+            mujoco.mju_mulQuat(own, back, thing.quat)
+            thing.quat = own
+        thing.pos = place
+
+
+def poses(robot: RobotModel) -> list[np.ndarray]:
+    """Return how soles and eyes stand in the home posture."""
+    data = mujoco.MjData(robot.model)
+    data.qpos[:] = robot.home_qpos
+    mujoco.mj_kinematics(robot.model, data)
+    sites = [data.site(name) for name in (GAZE_SITE, *map(sole_site, SIDES))]
+    return [np.concatenate([site.xpos, site.xmat]) for site in sites]
+
+
+def test_frames_of_feet_and_head_may_be_turned_as_cad_does(spec: mujoco.MjSpec, adopt: Adopt) -> None:
+    straight = adopt(spec)[1]
+    wanted = poses(RobotModel(straight))
+    for side in SIDES:
+        turn(spec, f"{side}_foot", [0.3, 1.0, 0.2], 1.9)
+    turn(spec, "head", [0.0, 1.0, 0.0], -0.7)
+    description, turned = adopt(spec)
+    assert description.missing == ()
+    assert (turned.sole, turned.gait) == (straight.sole, straight.gait)
+    for found, pose in zip(poses(RobotModel(turned)), wanted, strict=True):
+        np.testing.assert_allclose(found, pose, atol=3e-3)
+
+
+def test_a_foot_that_tilts_where_all_joints_are_zero_is_flat_at_home(spec: mujoco.MjSpec, adopt: Adopt) -> None:
+    for side in SIDES:
+        foot = spec.body(f"{side}_foot")
+        foot.quat = [np.cos(0.15), 0.0, np.sin(0.15), 0.0]
+    for pose in poses(RobotModel(adopt(spec)[1]))[1:]:
+        assert pose[-1] > np.cos(0.06)
+
+
+def test_the_gait_of_a_small_robot_is_smaller_and_quicker(spec: mujoco.MjSpec, adopt: Adopt) -> None:
+    usual = adopt(spec)[1].gait
+    assert (usual.step_forward, usual.single_support) == (GaitConfig.step_forward, GaitConfig.single_support)
+    for body in spec.bodies[1:]:
+        body.pos = 0.5 * body.pos
+        for geom in body.geoms:
+            geom.pos, geom.size, geom.mass = 0.5 * geom.pos, 0.5 * geom.size, geom.mass / 8
+            geom.fromto = 0.5 * geom.fromto
+    small = adopt(spec)[1].gait
+    assert small.step_forward == pytest.approx(usual.step_forward / 2, rel=0.1)
+    assert small.double_support == pytest.approx(usual.double_support / 2**0.5, rel=0.1)
+    assert small.tilt_stiffness == pytest.approx(usual.tilt_stiffness / 16, rel=0.1)
+    assert small.separation_min >= 2 * 0.0225 - 0.005
+
+
+def test_what_counts_as_a_contact_goes_with_the_weight_of_a_heavy_robot(spec: mujoco.MjSpec, adopt: Adopt) -> None:
+    usual = adopt(spec)[1].contact
+    assert usual == ContactConfig()
+    for body in spec.bodies:
+        for geom in body.geoms:
+            geom.mass *= 2
+    heavy = adopt(spec)[1].contact
+    assert heavy.torso == pytest.approx(2 * usual.torso, rel=0.05)
+    assert heavy.limit == pytest.approx(2 * usual.limit, rel=0.05)
+
+
+def test_gains_with_which_nothing_stands_are_not_taken_for_the_robots(spec: mujoco.MjSpec, adopt: Adopt) -> None:
+    _, usual = adopt(spec)
+    for joint in spec.joints[1:]:
+        drive = spec.add_actuator(name=joint.name, target=joint.name, trntype=mujoco.mjtTrn.mjTRN_JOINT)
+        drive.set_to_position(kp=1, kv=0.1)
+        drive.ctrllimited = False
+    description, found = adopt(spec)
+    assert any("stiffness" in line for line in description.guessed)
+    knee, arm, wanted = found.drive("left_knee"), found.drive("left_elbow"), usual.drive("left_knee")
+    assert knee is not None
+    assert arm is not None
+    assert wanted is not None
+    assert (knee.stiffness, knee.damping) == (wanted.stiffness, wanted.damping)
+    assert arm.stiffness == 1
+
+
+def test_toes_belong_to_the_foot(spec: mujoco.MjSpec, adopt: Adopt) -> None:
+    for side in SIDES:
+        toes = spec.body(f"{side}_foot").add_body(name=f"{side}_toes", pos=[0.15, 0, -0.045])
+        toes.add_joint(name=f"{side}_toes", axis=[0, 1, 0], range=[-1, 1])
+        toes.add_geom(type=mujoco.mjtGeom.mjGEOM_BOX, size=[0.03, 0.04, 0.015], pos=[0.03, 0, 0], mass=0.05)
+    _, found = adopt(spec)
+    assert {leg.sole.body for leg in found.legs.values()} == {"left_foot", "right_foot"}
+    assert {leg.ankle_pitch for leg in found.legs.values()} == {"left_ankle_pitch", "right_ankle_pitch"}
+
+
+@pytest.mark.parametrize(("size", "says"), [([0.03, 0, 0], "at a point"), ([0.02, 0.08, 0], "at a line")])
+def test_a_foot_that_is_not_flat_is_told(spec: mujoco.MjSpec, size: list[float], says: str) -> None:
+    for side in SIDES:
+        (foot,) = (geom for geom in spec.body(f"{side}_foot").geoms if geom.name)
+        foot.type = mujoco.mjtGeom.mjGEOM_CAPSULE if size[1] else mujoco.mjtGeom.mjGEOM_SPHERE
+        foot.size, foot.quat = size, [np.cos(np.pi / 4), 0, np.sin(np.pi / 4), 0]
+    missing = describe(spec.compile(), "found", "model.xml").missing
+    assert [says in line for line in missing] == [True, True]
+
+
+def test_a_foot_that_only_pairs_let_touch_says_where_to_look(spec: mujoco.MjSpec) -> None:
+    for side in SIDES:
+        for geom in spec.body(f"{side}_foot").geoms:
+            geom.contype = geom.conaffinity = 0
+    missing = describe(spec.compile(), "found", "model.xml").missing
+    assert all("if a scene file lets them touch a floor, name that file" in line for line in missing)
+
+
+def test_a_robot_that_lies_in_its_frame_is_refused(spec: mujoco.MjSpec) -> None:
+    pelvis = spec.body("pelvis")
+    turn(spec, "pelvis", [1.0, 0.0, 0.0], np.pi / 2)
+    assert pelvis.name == "pelvis"
+    with pytest.raises(NoHumanoidError, match=r"no pair of feet below it|no leg is on the"):
+        describe(spec.compile(), "found", "model.xml")
 
 
 @pytest.mark.parametrize(("change", "says"), [("no base", "one free joint"), ("no legs", "no leg is on the left")])

@@ -1,0 +1,90 @@
+"""A published model as it is read: the robot alone, on a free base, or what of it no robot here can have."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+import mujoco
+
+from humanoid_bt.core.errors import Place, Problem, UserError, relative
+
+
+def read_model(path: Path) -> mujoco.MjSpec:
+    """Return a published model, MJCF or URDF, as it can be edited: the robot alone, on a free base.
+
+    What stands in the world beside it is left out. Geoms that a pair lets touch a floor can touch any, then. A model
+    without a free joint, as those that a simulator adds one to, gets it at its root.
+
+    Raises:
+        UserError: it is no valid MJCF.
+    """
+    try:
+        spec = mujoco.MjSpec.from_file(str(path))
+    except ValueError as error:
+        raise UserError(
+            f"not a valid MJCF model: {' '.join(str(error).split())}", Place(relative(path)), code="model"
+        ) from error
+    spec.compiler.fusestatic = False  # of a URDF, whose root would become part of the world
+    for geom in list(spec.worldbody.geoms):
+        spec.delete(geom)
+    _touch_any_floor(spec)
+    _free_base(spec)
+    return spec
+
+
+def _touch_any_floor(spec: mujoco.MjSpec) -> None:
+    """Make of pairs with what is not there, as a floor, geoms that can touch."""
+    geoms = {geom.name: geom for geom in spec.geoms if geom.name}
+    for pair in list(spec.pairs):
+        there = [geoms[name] for name in (pair.geomname1, pair.geomname2) if name in geoms]
+        if len(there) < 2:
+            spec.delete(pair)
+            for geom in there:
+                if not (geom.contype or geom.conaffinity):
+                    geom.contype = geom.conaffinity = 1
+
+
+def _free_base(spec: mujoco.MjSpec) -> None:
+    """Add a free joint to the only body that stands in the world and carries joints, if there is none."""
+    if any(joint.type == mujoco.mjtJoint.mjJNT_FREE for joint in spec.joints):
+        return
+    roots = [body for body in spec.worldbody.bodies if body.find_all(mujoco.mjtObj.mjOBJ_JOINT)]
+    if len(roots) == 1 and not roots[0].joints:
+        roots[0].add_freejoint()
+
+
+def model_problems(spec: mujoco.MjSpec, where: Place) -> Iterator[Problem]:
+    """Yield what a model has that no robot here can have.
+
+    Args:
+        spec: the model.
+        where: its file.
+    """
+    sliding = [joint.name for joint in spec.joints if joint.type not in _ROBOT_JOINTS]
+    if sliding:
+        message = f"only hinges can be driven; these joints are none: {', '.join(sliding)}"
+        yield Problem(message, where, code="model")
+    if equalities := list(spec.equalities):
+        listing = ", ".join(
+            f"{(one.name or one.name1)!r} ({one.type.name.removeprefix('mjEQ_').lower()})" for one in equalities
+        )
+        number = f"{len(equalities)} equality constraints" if len(equalities) > 1 else "the equality constraint"
+        message = f"the model has {number} {listing}, and no robot here can have any"
+        yield Problem(message, _line(equalities[0].info, where), _FREE_JOINTS, code="model")
+    if any(body.gravcomp for body in spec.bodies):
+        yield Problem("the model has bodies with gravcomp; the robot must carry its own weight", where, code="model")
+
+
+def _line(info: str, where: Place) -> Place:
+    """Return the place of an element of a model's file, of which MuJoCo says "line 12"."""
+    line = re.search(r"line (\d+)", info)
+    return Place(where.file, int(line[1]), 1) if line else where
+
+
+_FREE_JOINTS = (
+    "control takes every joint for one that moves and is driven by itself. Of a closed chain, as the rods of an ankle"
+    " are, keep the joints that tilt the foot and take the rods out; of coupled fingers drive each"
+)
+_ROBOT_JOINTS = (mujoco.mjtJoint.mjJNT_FREE, mujoco.mjtJoint.mjJNT_HINGE)
