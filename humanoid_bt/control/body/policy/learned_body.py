@@ -30,6 +30,7 @@ from humanoid_bt.core.messages import (
     Estimate,
     Gait,
     GazeTarget,
+    HandTarget,
     Side,
     Target,
 )
@@ -218,8 +219,8 @@ class LearnedBody:
             for side in self._held
         }
         wanted["gaze"] = "gaze" in targets or (hold and lending.lends("gaze"))
-        hands = any(wanted[f"{side}_hand"] for side in self._held)
-        if hands:
+        reaches = any(isinstance(targets.get(f"{side}_hand"), HandTarget) for side in self._held)
+        if reaches or (hold and lending.lends(WAIST)):
             wanted[WAIST] = self.gait is Gait.STAND and self.velocity.stands and not walks
         else:
             wanted[VIEW] = wanted["gaze"] and not self._robot.config.neck
