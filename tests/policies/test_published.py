@@ -75,3 +75,13 @@ def test_its_waist_is_for_hands_that_reach_not_for_arms_that_yield(tmp_path: Pat
     assert not any(lent)
     rig.run(0.1, {"right_hand": HandTarget(np.array([0.4, -0.1, 0.85]))})
     assert body.lending.lends(WAIST)
+
+
+@pytest.mark.parametrize(("aside", "turned"), [(0.5, 0.0), (1.3, 0.7)])
+def test_its_trunk_turns_no_farther_than_a_view_needs(tmp_path: Path, aside: float, turned: float) -> None:
+    rig = ControlRig(*load_robot(write_robot(tmp_path, "g1", "fastsac")))
+    rig.run(1, {})
+    yaw = float(rig.state.stance[2]) + aside
+    rig.run(3, {"gaze": GazeTarget(np.array([2 * np.cos(yaw), 2 * np.sin(yaw), 1.0]))})
+    waist = rig.robot.joint("waist_yaw_joint")
+    assert rig.state.joint_positions[waist] == pytest.approx(turned, abs=0.12)

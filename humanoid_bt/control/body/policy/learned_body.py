@@ -38,6 +38,7 @@ from humanoid_bt.robot.model import BASE_COORDINATES, BASE_DOFS, RobotModel
 from humanoid_bt.robot.policy.policy import Indices, Policy
 
 _SWAY_TIME = 0.3  # s over which the motion of the centre of mass is averaged: balancing sways and goes nowhere
+_ASIDE = 0.6  # rad beside the view up to which no trunk turns for what is to be looked at
 _NOTHING: Array = np.zeros(3)
 
 
@@ -253,11 +254,10 @@ class LearnedBody:
         axis = eyes if self._robot.config.neck else self.dynamics.base_position
         self._gaze.update(point, hold, eyes, heading, axis=axis)
         config, yaw, pitch = self._robot.config, wrap(heading + self._gaze.yaw), self._gaze.pitch
-        if not config.neck:  # the trunk bends no farther than it must for the point to be in view: hands bend it, too
-            below, (now_yaw, now_pitch) = config.whole_body.gaze_below, self.kinematics.view
-            pitch = max(config.gaze.down, pitch - below, now_pitch if hands else 0.0)
-            if hands:
-                yaw += min(max(wrap(now_yaw - yaw), -below), below)
+        if not config.neck:  # the trunk turns and bends no farther than it must for the point to be in view
+            now_yaw, now_pitch = self.kinematics.view if hands else (heading, 0.0)  # hands turn and bend it, too
+            yaw += min(max(wrap(now_yaw - yaw), -_ASIDE), _ASIDE)
+            pitch = max(config.gaze.down, pitch - config.whole_body.gaze_below, now_pitch)
         turned_by = ("gaze",) if config.neck else (WAIST, VIEW)
         if not any(map(self.lending.lends, turned_by)) or ("gaze" not in targets and not hold):
             return None
