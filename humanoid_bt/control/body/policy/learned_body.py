@@ -13,7 +13,7 @@ import numpy as np
 
 from humanoid_bt.control.body.body import Footstep, Setpoint
 from humanoid_bt.control.body.hand_goals import HandGoals
-from humanoid_bt.control.body.planar import middle, wrap
+from humanoid_bt.control.body.planar import middle, rotate, wrap
 from humanoid_bt.control.body.policy.lending import VIEW, WAIST, Lending
 from humanoid_bt.control.body.policy.upper_body import UpperBody
 from humanoid_bt.control.body.policy.velocity import VelocityReference
@@ -198,7 +198,8 @@ class LearnedBody:
 
     def _ask(self, estimate: Estimate, goal: Array | None) -> None:
         velocity, lend = self.velocity, self._policy.config.lend
-        command = velocity.update(goal, self._stance)
+        sways = rotate(self.dynamics.com_velocity[:2], -self._stance.item(2)).item(1)
+        command = velocity.update(goal, self._stance, sways)
         share = self.lending.share.copy()
         share[self.lending.groups[WAIST]] = 0.0
         share = share[self._known]
