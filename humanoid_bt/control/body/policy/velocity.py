@@ -37,6 +37,7 @@ _FAR_SPEED = 0.8  # m/s at most
 _SLEW = 2.0  # m/s^2, rad/s^2
 _THERE = 0.7  # of the arrival's bounds, within which that part of the error is left alone
 _STILL_AFTER = 0.25  # s at rest after which it stands
+_QUIET = 0.02  # m/s of it below which a stop is over: else a last step may come yet
 _RESTS, _MOVES = 0.06, 0.12  # m/s of the centre of mass below which it rests, beyond which it does not (hysteresis)
 
 
@@ -71,13 +72,13 @@ class VelocityReference:
         self.command: Array = np.zeros(3)
         self.gait = Gait.STAND
         self.still_for = 0.0
-        self._goes = self._moves = False
+        self._goes = self._moves = self._quiet = False
         self._stopped_for = _COMES_TO_REST  # s
         self._insists: Array = np.zeros(2)  # m/s ahead and to the left
         self._slides: Array = np.zeros(3)  # farther than expected, as it stops: m ahead, m aside, rad
         self._will_slide = self._expected = self._slides  # if it stops now; when it stopped last
         self._stopped_at: Array | None = None  # while it comes to rest
-        self._once_more = False  # it may go there again when it rests
+        self._may_once_more = self._goes_once_more = False  # when it rests; now
 
     @property
     def stands(self) -> bool:
@@ -119,19 +120,22 @@ class VelocityReference:
             self.still_for += dt
             if self.still_for > _STILL_AFTER and self._stopped_at is None:
                 self.gait = Gait.STAND
+        self._quiet = com_speed < _QUIET and self.still_for > _STILL_AFTER
 
     def goes(self, goal: Array, stance: Array) -> bool:
         """Return whether it goes to a place now, and is not there: farther than where it stays once it has arrived."""
         if self._goes:
             return _is_beyond(ARRIVED, goal, stance)
-        if self._stopped_for < _COMES_TO_REST and self.still_for <= _STILL_AFTER:
+        if self._stopped_for < _COMES_TO_REST and not self._quiet:
             return math.dist(goal[:2], stance[:2]) > _FAR_OFF
-        return _is_beyond(_CLOSE if self._once_more else LEAVES, goal, stance)
+        return _is_beyond(_CLOSE if self._goes_once_more else LEAVES, goal, stance)
 
     def _learn(self, stance: Array) -> None:
-        """Learn from a stop how far it slides, once it rests."""
-        if self._stopped_at is None or self.still_for <= _STILL_AFTER:
+        """Learn from a stop how far it slides, once it is over."""
+        self._goes_once_more = False
+        if self._stopped_at is None or (self._stopped_for < _COMES_TO_REST and not self._quiet):
             return
+        self._goes_once_more = self._may_once_more
         slid = np.array([*seen_from(self._stopped_at, stance), wrap(stance.item(2) - self._stopped_at.item(2))])
         self._stopped_at = None
         if np.abs(slid).max() < _SLIDES_MOST:
@@ -144,7 +148,7 @@ class VelocityReference:
             stance = ahead(stance, *self._will_slide.tolist())
         self._goes = self.goes(goal, stance)
         if self._goes and not before:
-            self._once_more, self._stopped_at = _is_beyond(LEAVES, goal, stance), None
+            self._may_once_more, self._stopped_at = _is_beyond(LEAVES, goal, stance), None
         if before and not self._goes:
             self._stopped_at, self._expected = at, self._will_slide
         if not self._goes:
