@@ -9,6 +9,7 @@ from humanoid_bt import Gait, Improving, PerceptName, Route, Skill, Status, para
 _DETOURS = 20  # longer ways than the one before that it takes
 _LONGER = 2.0  # steps that such a way has more
 _NEARER = 0.2  # steps that count as nearer
+_COMES_TO_REST = 3.0  # times the patience that it has to come to rest from when it is there first: it may step on
 
 
 class WalkTo(Skill):
@@ -50,6 +51,7 @@ class WalkTo(Skill):
         self._way, self._turns = (Improving(self.patience, step=_NEARER) for _ in range(2))
         self._route = Route(self.robot, self.clearance, self.obstacles, self.patience)
         self._left, self._detours = math.inf, 0
+        self._came = math.inf  # when it was there first [s]
 
     def update(self) -> Status:
         """Walk toward the place."""
@@ -58,6 +60,10 @@ class WalkTo(Skill):
         self.position_error = to_go = float(np.linalg.norm(offset))
         self.heading_error = turn = math.remainder(self._heading - state.stance[2], math.tau)
         there = to_go < self.tolerance and abs(turn) < self.angle_tolerance
+        if there:
+            self._came = min(self._came, now := self.robot.clock.now())
+            if now - self._came < _COMES_TO_REST * self.patience:
+                self._restart()
         if there and state.base_settled:
             return self.succeed(f"{to_go * 100:.0f} cm from ({self.x:g}, {self.y:g})")
         if there and state.gait is Gait.STAND:

@@ -164,3 +164,24 @@ def test_a_robot_that_lies_limp_feels_nothing(rig: ControlRig) -> None:
     rig.run(1.0, {})
     assert not rig.state.contacts
     assert not rig.controller.supervisor.touch.yielding
+
+
+def test_an_arm_that_is_pushed_to_its_stops_is_stopped_by_its_drives(rig: ControlRig) -> None:
+    """Of what a mechanical stop bears nothing is felt, and what rebounds from it is felt as a push the other way."""
+    pushes, nearest = [], []
+    own = rig.robot.arm_joints("left")
+    low, high = rig.robot.model.jnt_range[1:][own].T
+
+    def look() -> None:
+        pushes.append(rig.controller.estimator.contact.forces["left_arm"][0])
+        angles = rig.plant.data.qpos[7:][own]
+        nearest.append(np.minimum(angles - low, high - angles).min())
+
+    rig.run(0.5, {})
+    rig.plant.push("left_hand", np.array([-40.0, 0.0, 0.0]), 0.1)
+    rig.run(0.1, {}, cycle=look)
+    rig.plant.push("left_hand", np.array([-30.0, 0.0, 0.0]), 0.9)
+    rig.run(0.9, {}, cycle=look)
+    assert rig.state.contacts["left_arm"].yields
+    assert min(nearest) > 0.02
+    assert max(pushes[100:]) < -20.0

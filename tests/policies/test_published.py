@@ -7,11 +7,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from humanoid_bt.control.body.policy.learned_body import LearnedBody
+from humanoid_bt.control.body.policy.lending import WAIST
 from humanoid_bt.control.body.standing import load_robot
 from humanoid_bt.core.messages import BaseTarget, GazeTarget, HandTarget, Mode
 from humanoid_bt.testing.check_body import check_body
 from tests.control.control_rig import ControlRig
 from tests.policies.published import write_robot
+from tests.safety.trials import trial
 
 pytest.importorskip("onnxruntime", reason="learned walkers need onnxruntime: pip install 'humanoid-bt[policy]'")
 pytestmark = pytest.mark.policy
@@ -51,3 +54,34 @@ def test_knows_how_far_it_has_walked(tmp_path: Path, robot: str) -> None:
     way = rig.plant.data.qpos[:2]
     assert np.linalg.norm(way) > 1.5
     assert np.linalg.norm(rig.state.base_position[:2] - way) < 0.015 * np.linalg.norm(way)
+
+
+@pytest.mark.parametrize("robot", ["g1", "t1"])
+def test_what_stays_in_its_way_stops_it_each_time(tmp_path: Path, robot: str) -> None:
+    """An arm that was pushed to its stops once was felt to swing to and fro there, and the robot walked on."""
+    outcome = trial("... and again, and again", "standing still", 1, str(write_robot(tmp_path, robot, "fastsac")))
+    assert outcome.as_told, outcome
+
+
+def test_its_waist_is_for_hands_that_reach_not_for_arms_that_yield(tmp_path: Path) -> None:
+    rig = ControlRig(*load_robot(write_robot(tmp_path, "g1", "fastsac")))
+    body = rig.controller.body
+    assert isinstance(body, LearnedBody)
+    rig.run(1, {})
+    rig.plant.push(rig.robot.config.hands["left"].body, np.array([-40.0, 0.0, 0.0]), 0.2)
+    lent: list[bool] = []
+    rig.run(2.0, {}, cycle=lambda: lent.append(body.lending.lends(WAIST)))
+    assert body.lending.lends("left_hand")
+    assert not any(lent)
+    rig.run(0.1, {"right_hand": HandTarget(np.array([0.4, -0.1, 0.85]))})
+    assert body.lending.lends(WAIST)
+
+
+@pytest.mark.parametrize(("aside", "turned"), [(0.5, 0.0), (1.3, 0.7)])
+def test_its_trunk_turns_no_farther_than_a_view_needs(tmp_path: Path, aside: float, turned: float) -> None:
+    rig = ControlRig(*load_robot(write_robot(tmp_path, "g1", "fastsac")))
+    rig.run(1, {})
+    yaw = float(rig.state.stance[2]) + aside
+    rig.run(3, {"gaze": GazeTarget(np.array([2 * np.cos(yaw), 2 * np.sin(yaw), 1.0]))})
+    waist = rig.robot.joint("waist_yaw_joint")
+    assert rig.state.joint_positions[waist] == pytest.approx(turned, abs=0.12)

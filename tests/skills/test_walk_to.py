@@ -55,6 +55,11 @@ def test_gives_up_when_it_comes_no_nearer(rig: Rig) -> None:
     assert result.feedback == "comes no nearer: 1.00 m and 0 deg to go"
 
 
+def test_has_new_patience_to_come_to_rest_where_it_is_to_stand(rig: Rig) -> None:
+    result = rig.run("walk_to", x=0.5, y=0.0, patience=0.7)
+    assert result.succeeded, result.feedback
+
+
 def test_comes_nearer_although_it_turns_away_to_go_backward(rig: Rig) -> None:
     result = rig.run("walk_to", x=-0.9, y=0.9, heading=math.radians(-45), patience=1.5, timeout=20)
     assert result.succeeded, result.feedback

@@ -17,6 +17,8 @@ from humanoid_bt.robot.model import BASE_COORDINATES, RobotModel
 _FOLLOW_TIME = 0.2  # s in which the plan of an arm that yields comes to where the arm is
 _TAKE_UP_TIME, _TAKES_UP_FOR = 0.1, 0.3  # s, likewise of one that has yielded, and for how long: a jump moves the body
 _STIFFEN_TIME = 2.0  # s in which an arm that is soft becomes as stiff as it can be
+_STOP = 0.15  # rad before a joint's limit over which it becomes as stiff as it can be, where it is pushed there
+_STOP_LEAST = 0.02  # rad, likewise of one that was nearer when it began to yield
 _HOMEWARD = 0.2  # share of its stiffness that an arm has at most that goes home from what it touched
 _AWAY, _AWAY_TIME, _AWAY_SPEED = 0.10, 1.2, 0.1  # m, s and m/s: that far and long it first moves away from there
 _HOME_SPEED = 0.3  # rad/s of its joints afterwards
@@ -58,6 +60,9 @@ class YieldingArms:
     drives. Where it was left it stays. Gravity, also of what the hand carries, is held by feedforward. When it yields
     no more its plan is brought to where it is, before it moves again: nothing jumps.
 
+    It yields as far as its joints go, and there its drives stop it, not their mechanical stops: of what those bear
+    nothing is felt, and what rebounds from them is felt as a push the other way.
+
     An arm that nobody wants anywhere then goes home, and what touched it may be in the way: its palm first moves a
     little to where it was pushed, then the arm goes home, slowly and soft all the way.
 
@@ -76,6 +81,9 @@ class YieldingArms:
     def __init__(self, robot: RobotModel, dynamics: RobotDynamics, kinematics: PlannedJoints, dt: float) -> None:
         self._joints = {side: robot.arm_joints(side) for side in SIDES if side in robot.config.hands}
         self._least, self._notice = robot.config.contact.stiffness, robot.config.contact.notice
+        stop = np.minimum(_STOP, (robot.upper - robot.lower) / 4)
+        self._lowest, self._highest = robot.lower + stop, robot.upper - stop  # where the plan of one that yields ends
+        self._lower, self._upper = robot.lower, robot.upper
         self._dynamics, self._kinematics, self._dt = dynamics, kinematics, dt
         self._count = len(robot.joint_names)
         self.reset()
@@ -122,7 +130,7 @@ class YieldingArms:
             if side not in sides:
                 most = _HOMEWARD if side in self.homeward else 1.0
                 self._shares[side] = approach(self._shares[side], most, self._dt / _STIFFEN_TIME)
-            stiffness[joints] = self._shares[side]
+            stiffness[joints] = np.maximum(self._shares[side], self._stopped(joints, qpos[BASE_COORDINATES:][joints]))
             if self._shares[side] == 1.0:
                 del self._shares[side]
         self.stiffness = stiffness if self._shares else None
@@ -131,16 +139,15 @@ class YieldingArms:
         self._shares[side] = self._least
         strength = force @ force
         if strength > self._notice**2:
-            own = self._joints[side]
-            self._kinematics.follow(own, joints[own], self._dt / _FOLLOW_TIME)
+            self._bring(side, joints, self._dt / _FOLLOW_TIME)
             before = self._pushed.get(side)
             if before is None or strength > before @ before:
                 self._pushed[side] = force.copy()
 
     def _take_up(self, side: Side, joints: Array) -> None:
         """Bring the plan of an arm to where it is, and then let it go."""
-        own, left = self._joints[side], self._taken_up.pop(side) - self._dt
-        self._kinematics.follow(own, joints[own], self._dt / _TAKE_UP_TIME)
+        left = self._taken_up.pop(side) - self._dt
+        self._bring(side, joints, self._dt / _TAKE_UP_TIME)
         if left > 0:
             self._taken_up[side] = left
             return
@@ -148,6 +155,24 @@ class YieldingArms:
         if push is not None:
             away = push * (_AWAY / math.sqrt(push @ push))
             self._away[side] = self._dynamics.palm(side) + away, _AWAY_TIME
+
+    def _bring(self, side: Side, joints: Array, share: float) -> None:
+        """Move the plan of an arm a share of the way to where it is, but no joint farther to its stop."""
+        own = self._joints[side]
+        low, high = self._ends(own)
+        self._kinematics.follow(own, clamp(joints[own], low, high), share)
+
+    def _ends(self, own: list[int]) -> tuple[Array, Array]:
+        """Return between which angles the plan of joints is that yield, shape (len(own),) each [rad]."""
+        planned = self._kinematics.joints[own]
+        return np.minimum(self._lowest[own], planned), np.maximum(self._highest[own], planned)
+
+    def _stopped(self, own: list[int], measured: Array) -> Array:
+        """Return how near to their stops joints were pushed, shape (len(own),): 0 where their plan may be, 1 there."""
+        low, high = self._ends(own)
+        below = (low - measured) / np.maximum(low - self._lower[own], _STOP_LEAST)
+        above = (measured - high) / np.maximum(self._upper[own] - high, _STOP_LEAST)
+        return clamp(np.maximum(below, above), 0.0, 1.0)
 
     def away(self, side: Side) -> HandTarget | None:
         """Return where a palm is to move to, away from what pushed it, None if nowhere; ask once a period."""

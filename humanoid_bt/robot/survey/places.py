@@ -52,10 +52,10 @@ def eyes(surveyor: Surveyor, limbs: Limbs) -> tuple[int, Array, str]:
 
 
 def looks_down(surveyor: Surveyor, limbs: Limbs, body: int, place: Array) -> float:
-    """Return how far eyes that no joint turns down must look down to see what the hands reach [rad].
+    """Return how far eyes that no neck turns down must look down to see what the hands reach [rad].
 
     That is a thing at the height of the hips, as far ahead as it stands to reach. It may be as low in the picture as
-    what no trunk would lean for yet.
+    what no trunk would lean for yet: a trunk that leans is of little help, for a learned walker leans back meanwhile.
 
     Args:
         surveyor: of the model.
@@ -63,8 +63,7 @@ def looks_down(surveyor: Surveyor, limbs: Limbs, body: int, place: Array) -> flo
         body: which carries the eyes.
         place: where they are in its frame, shape (3,) [m].
     """
-    nods = (*limbs.trunk, *(limbs.head.joints if limbs.head else ()))
-    if any(surveyor.turns_about(joint, 1) for joint in nods):
+    if limbs.head and any(surveyor.turns_about(joint, 1) for joint in limbs.head.joints):
         return 0.0
     data = surveyor.data
     ahead, _, above = surveyor.seen(data.xpos[body] + data.xmat[body].reshape(3, 3) @ place).tolist()

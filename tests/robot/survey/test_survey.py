@@ -224,13 +224,11 @@ def test_a_leg_without_another_joint_is_told(spec: mujoco.MjSpec) -> None:
     assert description.missing == ("hip_roll of the left leg", "hip_roll of the right leg")
 
 
-def test_eyes_that_nothing_turns_down_look_down(spec: mujoco.MjSpec, adopt: Adopt) -> None:
+def test_eyes_that_no_neck_turns_down_look_down(spec: mujoco.MjSpec, adopt: Adopt) -> None:
     assert adopt(spec)[1].gaze.down == 0.0
     for name in ("neck_yaw", "neck_pitch"):
         spec.delete(spec.joint(name))
-    assert adopt(spec)[1].gaze.down == 0.0  # the waist leans
-    spec.delete(spec.joint("waist_pitch"))
-    stiff = adopt(spec)[1]
+    stiff = adopt(spec)[1]  # its waist leans, but little for a learned walker
     assert 0.3 < stiff.gaze.down < 0.7
     robot = RobotModel(stiff)
     data = mujoco.MjData(robot.model)

@@ -13,7 +13,7 @@ import numpy as np
 
 from humanoid_bt.control.body.body import Footstep, Setpoint
 from humanoid_bt.control.body.hand_goals import HandGoals
-from humanoid_bt.control.body.planar import middle, wrap
+from humanoid_bt.control.body.planar import middle, rotate, wrap
 from humanoid_bt.control.body.policy.lending import VIEW, WAIST, Lending
 from humanoid_bt.control.body.policy.upper_body import UpperBody
 from humanoid_bt.control.body.policy.velocity import VelocityReference
@@ -30,6 +30,7 @@ from humanoid_bt.core.messages import (
     Estimate,
     Gait,
     GazeTarget,
+    HandTarget,
     Side,
     Target,
 )
@@ -37,6 +38,7 @@ from humanoid_bt.robot.model import BASE_COORDINATES, BASE_DOFS, RobotModel
 from humanoid_bt.robot.policy.policy import Indices, Policy
 
 _SWAY_TIME = 0.3  # s over which the motion of the centre of mass is averaged: balancing sways and goes nowhere
+_ASIDE = 0.6  # rad beside the view up to which no trunk turns for what is to be looked at
 _NOTHING: Array = np.zeros(3)
 
 
@@ -196,7 +198,8 @@ class LearnedBody:
 
     def _ask(self, estimate: Estimate, goal: Array | None) -> None:
         velocity, lend = self.velocity, self._policy.config.lend
-        command = velocity.update(goal, self._stance)
+        sways = rotate(self.dynamics.com_velocity[:2], -self._stance.item(2)).item(1)
+        command = velocity.update(goal, self._stance, sways)
         share = self.lending.share.copy()
         share[self.lending.groups[WAIST]] = 0.0
         share = share[self._known]
@@ -218,8 +221,8 @@ class LearnedBody:
             for side in self._held
         }
         wanted["gaze"] = "gaze" in targets or (hold and lending.lends("gaze"))
-        hands = any(wanted[f"{side}_hand"] for side in self._held)
-        if hands:
+        reaches = any(isinstance(targets.get(f"{side}_hand"), HandTarget) for side in self._held)
+        if reaches or (hold and lending.lends(WAIST)):
             wanted[WAIST] = self.gait is Gait.STAND and self.velocity.stands and not walks
         else:
             wanted[VIEW] = wanted["gaze"] and not self._robot.config.neck
@@ -252,11 +255,10 @@ class LearnedBody:
         axis = eyes if self._robot.config.neck else self.dynamics.base_position
         self._gaze.update(point, hold, eyes, heading, axis=axis)
         config, yaw, pitch = self._robot.config, wrap(heading + self._gaze.yaw), self._gaze.pitch
-        if not config.neck:  # the trunk bends no farther than it must for the point to be in view: hands bend it, too
-            below, (now_yaw, now_pitch) = config.whole_body.gaze_below, self.kinematics.view
-            pitch = max(config.gaze.down, pitch - below, now_pitch if hands else 0.0)
-            if hands:
-                yaw += min(max(wrap(now_yaw - yaw), -below), below)
+        if not config.neck:  # the trunk turns and bends no farther than it must for the point to be in view
+            now_yaw, now_pitch = self.kinematics.view if hands else (heading, 0.0)  # hands turn and bend it, too
+            yaw += min(max(wrap(now_yaw - yaw), -_ASIDE), _ASIDE)
+            pitch = max(config.gaze.down, pitch - config.whole_body.gaze_below, now_pitch)
         turned_by = ("gaze",) if config.neck else (WAIST, VIEW)
         if not any(map(self.lending.lends, turned_by)) or ("gaze" not in targets and not hold):
             return None

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from humanoid_bt.control.body.planar import seen_from, wrap
+from humanoid_bt.control.body.planar import ahead, seen_from, wrap
 from humanoid_bt.core.geometry import clamp
 from humanoid_bt.core.messages import Array, Gait
 from humanoid_bt.robot.policy.policy import Policy
@@ -16,6 +16,14 @@ ARRIVED, LEAVES = (0.02, 0.035), (0.04, 0.055)
 
 Wider than those of planned footsteps: a walker that stops takes a last step of its own."""
 
+_CLOSE = (0.025, 0.035)
+"""How near [m] and how little turned [rad] one that came to rest stays; else it goes there once more.
+
+It does so once: a walker that cannot stop nearer would never stop."""
+
+_SWAYS_ON = 0.1  # s that a walker that stops goes on to the side to which it sways
+_SLIDE_SHARE = 0.4  # of what a stop ends farther than was expected that is expected of the next one
+_SLIDES_MOST = 0.08  # m, rad: more is a push
 _COMES_TO_REST, _FAR_OFF = 0.8, 0.15  # s in which it only starts again if it is farther off than this [m]
 _NEAR = 0.5  # m within which it walks sideways and back instead of turning to where it goes
 _APPROACH = 1.5  # 1/s: speed per distance
@@ -29,6 +37,7 @@ _FAR_SPEED = 0.8  # m/s at most
 _SLEW = 2.0  # m/s^2, rad/s^2
 _THERE = 0.7  # of the arrival's bounds, within which that part of the error is left alone
 _STILL_AFTER = 0.25  # s at rest after which it stands
+_QUIET = 0.02  # m/s of it below which a stop is over: else a last step may come yet
 _RESTS, _MOVES = 0.06, 0.12  # m/s of the centre of mass below which it rests, beyond which it does not (hysteresis)
 
 
@@ -38,6 +47,10 @@ class VelocityReference:
     It turns to a far place and walks ahead; near it, it walks in any direction and turns as it is to face. Within the
     bounds of arrival the command is zero; what the robot drifts then, as learned walkers do, is corrected beyond those
     at which it starts again.
+
+    A walker that stops comes to rest somewhere else than it was told to stop, each of them in its own way: its feet
+    slide back by 3 cm, or it turns by 2 degrees. That is learnt from every stop, so that it stops before or beyond the
+    place; one that came to rest too far off goes once more.
 
     Args:
         policy: whose commands.
@@ -59,9 +72,13 @@ class VelocityReference:
         self.command: Array = np.zeros(3)
         self.gait = Gait.STAND
         self.still_for = 0.0
-        self._goes = self._moves = False
+        self._goes = self._moves = self._quiet = False
         self._stopped_for = _COMES_TO_REST  # s
         self._insists: Array = np.zeros(2)  # m/s ahead and to the left
+        self._slides: Array = np.zeros(3)  # farther than expected, as it stops: m ahead, m aside, rad
+        self._will_slide = self._expected = self._slides  # if it stops now; when it stopped last
+        self._stopped_at: Array | None = None  # while it comes to rest
+        self._may_once_more = self._goes_once_more = False  # when it rests; now
 
     @property
     def stands(self) -> bool:
@@ -70,16 +87,21 @@ class VelocityReference:
         vx, vy, wz = self.command.tolist()
         return math.hypot(vx, vy) < below and abs(wz) < below
 
-    def update(self, goal: Array | None, stance: Array) -> Array:
+    def update(self, goal: Array | None, stance: Array, sways: float = 0.0) -> Array:
         """Return the velocity of this moment, shape (3,).
 
         Args:
             goal: where to stand: x, y [m], heading [rad], world frame; None to stand where it is.
             stance: where it is, likewise.
+            sways: how fast its centre of mass moves to the left [m/s].
         """
-        wanted = np.zeros(3) if goal is None else self._toward(goal, stance)
+        self._learn(stance)
+        self._will_slide = self._slides + np.array([0.0, _SWAYS_ON * sways, 0.0])
+        wanted = np.zeros(3)
         if goal is None:
-            self._goes = False
+            self._goes, self._stopped_at = False, None
+        else:
+            wanted = self._toward(goal, stance)
         step = _SLEW * self._dt
         self.command = self.command + clamp(wanted - self.command, -step, step)
         self._stopped_for = 0.0 if wanted.any() else self._stopped_for + self._dt
@@ -96,20 +118,39 @@ class VelocityReference:
             self.gait, self.still_for = Gait.SETTLE, 0.0
         else:
             self.still_for += dt
-            if self.still_for > _STILL_AFTER:
+            if self.still_for > _STILL_AFTER and self._stopped_at is None:
                 self.gait = Gait.STAND
+        self._quiet = com_speed < _QUIET and self.still_for > _STILL_AFTER
 
     def goes(self, goal: Array, stance: Array) -> bool:
         """Return whether it goes to a place now, and is not there: farther than where it stays once it has arrived."""
-        distance, turn = math.dist(goal[:2], stance[:2]), abs(wrap(goal.item(2) - stance.item(2)))
-        near, little = ARRIVED if self._goes else LEAVES
-        if not self._goes and self._stopped_for < _COMES_TO_REST:
-            return distance > _FAR_OFF
-        return distance > near or turn > little
+        if self._goes:
+            return _is_beyond(ARRIVED, goal, stance)
+        if self._stopped_for < _COMES_TO_REST and not self._quiet:
+            return math.dist(goal[:2], stance[:2]) > _FAR_OFF
+        return _is_beyond(_CLOSE if self._goes_once_more else LEAVES, goal, stance)
+
+    def _learn(self, stance: Array) -> None:
+        """Learn from a stop how far it slides, once it is over."""
+        self._goes_once_more = False
+        if self._stopped_at is None or (self._stopped_for < _COMES_TO_REST and not self._quiet):
+            return
+        self._goes_once_more = self._may_once_more
+        slid = np.array([*seen_from(self._stopped_at, stance), wrap(stance.item(2) - self._stopped_at.item(2))])
+        self._stopped_at = None
+        if np.abs(slid).max() < _SLIDES_MOST:
+            self._slides = self._slides + _SLIDE_SHARE * (slid - self._expected)
 
     def _toward(self, goal: Array, stance: Array) -> Array:
         limits = self._limits
+        before, at = self._goes, stance
+        if before:
+            stance = ahead(stance, *self._will_slide.tolist())
         self._goes = self.goes(goal, stance)
+        if self._goes and not before:
+            self._may_once_more, self._stopped_at = _is_beyond(LEAVES, goal, stance), None
+        if before and not self._goes:
+            self._stopped_at, self._expected = at, self._will_slide
         if not self._goes:
             self._insists[:] = 0.0
             return np.zeros(3)
@@ -131,6 +172,12 @@ class VelocityReference:
             share = speed / distance if distance else 0.0
             self._insists += (_INSIST * self._dt) * np.array([x, y])  # a walker that leans lags behind its command
             self._insists = clamp(self._insists, -_INSIST_MOST, _INSIST_MOST)
-            ahead, aside = self._insists.tolist()
-            wanted = np.array([share * x + ahead, min(max(share * y, -_NEAR_SIDE), _NEAR_SIDE) + aside, rate])
+            more_x, more_y = self._insists.tolist()
+            wanted = np.array([share * x + more_x, min(max(share * y, -_NEAR_SIDE), _NEAR_SIDE) + more_y, rate])
         return clamp(wanted, self._low, self._high)
+
+
+def _is_beyond(bounds: tuple[float, float], goal: Array, stance: Array) -> bool:
+    """Return whether a place is farther away, or turned more, than bounds [m, rad]."""
+    near, little = bounds
+    return math.dist(goal[:2], stance[:2]) > near or abs(wrap(goal.item(2) - stance.item(2))) > little

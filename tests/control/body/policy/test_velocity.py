@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from humanoid_bt.control.body.planar import ahead, wrap
+from humanoid_bt.control.body.planar import ahead, seen_from, wrap
 from humanoid_bt.control.body.policy.velocity import ARRIVED, LEAVES, VelocityReference
 from humanoid_bt.core.messages import Array, Gait
 from humanoid_bt.robot.policy.policy import load_policy
@@ -80,3 +80,46 @@ def test_gait_tells_what_the_legs_do(velocity: VelocityReference) -> None:
     assert velocity.gait is Gait.STAND
     velocity.note(0.3, 0.005)
     assert velocity.gait is Gait.SETTLE, "it was pushed"
+
+
+def stop(velocity: VelocityReference, goal: Array, stance: Array, slides: Array) -> tuple[Array, int]:
+    """Return where a point is at rest that slides whenever it stops, and how often it stopped."""
+    stops = 0
+    for _ in range(round(20 / DT)):
+        stood = velocity.stands
+        vx, vy, wz = velocity.update(goal, stance).tolist()
+        stance = ahead(stance, DT * vx, DT * vy, DT * wz)
+        if velocity.stands and not stood:
+            stops, stance = stops + 1, ahead(stance, *slides.tolist())
+        for _ in range(4):
+            velocity.note(0.0 if velocity.stands else 0.3, DT / 4)
+    assert velocity.gait is Gait.STAND
+    return stance, stops
+
+
+def test_one_that_slides_as_it_stops_goes_there_once_more_and_learns(velocity: VelocityReference) -> None:
+    slides = np.array([-0.035, 0.0, 0.02])
+    stance, counts, off = np.zeros(3), [], []
+    for _ in range(6):
+        goal = ahead(stance, 1.0, 0.0, 0.0)
+        stance, stops = stop(velocity, goal, stance, slides)
+        counts.append(stops)
+        off.append(np.abs(seen_from(goal, stance)).max())
+    assert 1 < counts[0] <= 4
+    assert counts[3:] == [1, 1, 1]
+    assert off[0] < LEAVES[0]
+    assert max(off[3:]) < ARRIVED[0] + 0.005
+
+
+def test_one_that_cannot_stop_nearer_goes_there_once_more_only(velocity: VelocityReference) -> None:
+    goal, stance = np.array([1.0, 0.0, 0.0]), np.zeros(3)
+    stops = 0
+    for _ in range(round(20 / DT)):
+        stood = velocity.stands
+        vx, vy, wz = velocity.update(goal, stance).tolist()
+        stance = ahead(stance, DT * vx, DT * vy, DT * wz)
+        if velocity.stands and not stood:
+            stops, stance = stops + 1, ahead(goal, 0.032, 0.0, 0.0)
+        for _ in range(4):
+            velocity.note(0.0 if velocity.stands else 0.3, DT / 4)
+    assert (stops, velocity.gait) == (2, Gait.STAND)
