@@ -30,7 +30,9 @@ _MARGIN = 0.4  # share of the sole's half width inside which the centre of press
 _DEFAULT_MARGIN = 0.012  # m
 _GRIP = 0.2  # share of the half length from toe and heel: a sole that bears at its end grips there only, and pivots
 _SPIN = 50.0  # cost of spinning, of a robot of 1 kg whose centre of mass is 1 m high
-_SEPARATION = 0.05  # m that feet may come nearer than they stand
+_NARROWER = 0.85  # of the distance of the hips: feet that stand so turn less under a leg that swings
+_NEARER = 0.05  # m that feet may come nearer than they stand
+_BETWEEN = 0.06  # m between narrow soles, which may come nearer still: a step across catches pushes to the other side
 _WEIGHT_SHARE, _GRAVITY = 0.12, 9.81  # of the weight, that tells that a foot has landed
 _ZERO = 5e-4  # m
 _SWAY = 0.08  # m that a walking robot reaches farther than a standing one
@@ -149,7 +151,7 @@ class _Writer:
             self._found.append(f"{side} leg: {len(leg.joints)} joints, foot {self._body(leg.body)}{tilts}")
         length, width = np.min(halves, axis=0).tolist() if halves else (0.1, 0.04)
         margin = min(_DEFAULT_MARGIN, _MARGIN * width)
-        self._bears = width - margin
+        self._width, self._bears = 2 * width, width - margin
         sole = f"half_length: {length:.3f}, half_width: {width:.3f}"
         if self._rolls:
             yield f"sole: {{{sole}, margin: {max(margin, _GRIP * length):.3f}, side_margin: {margin:.3f}}}"
@@ -227,13 +229,13 @@ class _Writer:
         left, right = (self._standing.xpos[leg.body] for leg in self._limbs.legs.values())
         apart, mass = float(np.linalg.norm(left - right)), float(self._model.body_subtreemass[self._limbs.base])
         yield f"gait:    # {self._guess('the gait')}; the defaults fit 40 kg and 1.3 m"
-        yield f"  stance_width: {apart:.2f}"
-        yield f"  separation_min: {max(apart - _SEPARATION, apart / 2):.2f}"
+        stands = min(apart, max(_NARROWER * apart, self._width + _BETWEEN + _NEARER)) if self._rolls else apart
+        yield f"  stance_width: {stands:.2f}"
+        yield f"  separation_min: {self._separation(stands):.2f}"
         yield f"  separation_max: {apart + 0.24:.2f}"
         yield f"  touchdown_force: {_WEIGHT_SHARE * mass * _GRAVITY:.0f}"
-        if (shift := self._first_shift(apart)) > GaitConfig.first_shift:
+        if (shift := self._first_shift(stands)) > GaitConfig.first_shift:
             yield f"  first_shift: {shift:.2f}"
-
         if (turn := self._step_turn()) < GaitConfig.step_turn:
             yield f"  step_turn: {turn:.2f}"
 
@@ -249,6 +251,11 @@ class _Writer:
         turning = [j for leg in self._limbs.legs.values() for j in leg.joints if surveyor.turns_about(j, 2)]
         limits = [float(np.abs(model.jnt_range[joint]).min()) for joint in turning if model.jnt_limited[joint]]
         return min(limits, default=math.inf)
+
+    def _separation(self, stands: float) -> float:
+        """Return how near feet may come that stand so far from each other [m]."""
+        nearest = self._width + _BETWEEN if self._rolls else math.inf
+        return max(stands / 2, min(stands - _NEARER, nearest))
 
     def _first_shift(self, apart: float) -> float:
         """Return how long the weight shifts before the first step [s].
