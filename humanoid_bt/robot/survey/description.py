@@ -31,7 +31,9 @@ _ROLL = "ankle_roll"  # which a leg may lack
 _MARGIN = 0.4  # share of the sole's half width inside which the centre of pressure may be, at most the default
 _DEFAULT_MARGIN = 0.012  # m
 _GRIP = 0.2  # share of the half length from toe and heel: a sole that bears at its end grips there only, and pivots
-_SEPARATION = 0.05  # m that feet may come nearer than they stand
+_NARROWER = 0.85  # of the distance of the hips: feet that stand so turn less under a leg that swings
+_NEARER = 0.05  # m that feet may come nearer than they stand
+_BETWEEN = 0.06  # m between narrow soles, which may come nearer still: a step across catches pushes to the other side
 _WEIGHT_SHARE, _GRAVITY = 0.12, 9.81  # of the weight, that tells that a foot has landed
 _ZERO = 5e-4  # m
 _GAP = 0.01  # m between feet side by side
@@ -166,7 +168,7 @@ class _Writer:
             self._found.append(f"{side} leg: {len(leg.joints)} joints, foot {self._body(leg.body)}{tilts}")
         length, width = np.min(halves, axis=0).tolist() if halves else (0.1, 0.04)
         margin = min(_DEFAULT_MARGIN, _MARGIN * width)
-        self._bears = width - margin
+        self._width, self._bears = 2 * width, width - margin
         sole = f"half_length: {length:.3f}, half_width: {width:.3f}"
         if self._rolls:
             yield f"sole: {{{sole}, margin: {max(margin, _GRIP * length):.3f}, side_margin: {margin:.3f}}}"
@@ -257,12 +259,13 @@ class _Writer:
         left, right = (self._sole(side) for side in SIDES)
         apart, mass = float(np.linalg.norm(left - right)), self._mass
         yield f"gait:    # {self._guess('the gait')}; the defaults fit 40 kg and 1.3 m"
-        yield f"  stance_width: {apart:.2f}"
-        yield f"  separation_min: {max(apart - _SEPARATION, apart / 2, min(apart, self._side_by_side())):.2f}"
+        stands = min(apart, max(_NARROWER * apart, self._width + _BETWEEN + _NEARER)) if self._rolls else apart
+        yield f"  stance_width: {stands:.2f}"
+        yield f"  separation_min: {self._separation(stands):.2f}"
         yield f"  separation_max: {apart + 0.24:.2f}"
         yield f"  touchdown_force: {_WEIGHT_SHARE * mass * _GRAVITY:.0f}"
         small = scaled_gait(self._height(), mass)
-        shift = first_shift(apart, self._bears, self._height())
+        shift = first_shift(stands, self._bears, self._height())
         usual = small.pop("first_shift", GaitConfig.first_shift)
         if shift > usual or usual < GaitConfig.first_shift:
             yield f"  first_shift: {max(shift, usual):.2f}"
@@ -289,9 +292,10 @@ class _Writer:
         limits = [float(np.abs(model.jnt_range[joint]).min()) for joint in turning if model.jnt_limited[joint]]
         return min(limits, default=math.inf)
 
-    def _side_by_side(self) -> float:
-        """Return how near the soles' centres may come before the feet touch [m]."""
-        return 2 * max((float(foot.half[1]) for foot in self._feet.values() if foot), default=0.0) + _GAP
+    def _separation(self, stands: float) -> float:
+        """Return how near feet may come that stand so far from each other [m], and do not touch then."""
+        nearest = self._width + _BETWEEN if self._rolls else math.inf
+        return max(stands / 2, min(stands - _NEARER, nearest), min(stands, self._width + _GAP))
 
     def _height(self) -> float:
         """Return how high the centre of mass is above the feet [m]."""

@@ -68,6 +68,27 @@ def test_the_first_shift_is_longer_on_narrow_soles(spec: mujoco.MjSpec, adopt: A
     assert 0.45 < narrow.gait.first_shift < 0.65
 
 
+def test_feet_on_narrow_soles_stand_and_come_nearer_to_each_other(spec: mujoco.MjSpec, adopt: Adopt) -> None:
+    for side, sign in zip(SIDES, (1, -1), strict=True):
+        spec.body(f"{side}_hip_yaw_link").pos[1] = sign * 0.12
+    gait = adopt(spec)[1].gait
+    assert (gait.stance_width, gait.separation_min) == (0.20, 0.15)  # soles of 9 cm
+    for side in SIDES:
+        for geom in spec.body(f"{side}_foot").geoms:
+            geom.size[1] = 0.025
+    gait = adopt(spec)[1].gait
+    assert (gait.stance_width, gait.separation_min) == (0.20, 0.11)
+    for side in SIDES:
+        spec.delete(spec.joint(f"{side}_ankle_roll"))
+    gait = adopt(spec)[1].gait
+    assert (gait.stance_width, gait.separation_min) == (0.24, 0.19)  # its legs must be upright
+
+
+def test_feet_do_not_stand_nearer_than_hips_that_are_near(spec: mujoco.MjSpec, adopt: Adopt) -> None:
+    gait = adopt(spec)[1].gait
+    assert (gait.stance_width, gait.separation_min) == (0.17, 0.12)
+
+
 def test_a_sole_is_not_to_bear_near_toe_and_heel_where_it_would_pivot(spec: mujoco.MjSpec, adopt: Adopt) -> None:
     sole = adopt(spec)[1].sole
     assert sole.bears[0] == pytest.approx(0.8 * sole.half_length, abs=1e-3)
