@@ -89,6 +89,12 @@ class RobotDynamics:
         _, roll, pitch = self.footings[SIDES[foot]].tolist()
         return np.array((roll, pitch, 0.0))
 
+    def sole_velocity(self, foot: int) -> Array:
+        """Return the velocity of the (0: left, 1: right) sole, world frame, shape (3,) [m/s]."""
+        velocity, site = np.empty(6), self._sole[SIDES[foot]]
+        mujoco.mj_objectVelocity(self.model, self.data, mujoco.mjtObj.mjOBJ_SITE, site, velocity, 0)
+        return np.asarray(velocity[3:])
+
     def palm(self, side: Side) -> Array:
         """Return a palm's position, shape (3,)."""
         return np.array(self.data.site_xpos[self._palm[side]])

@@ -31,6 +31,8 @@ _LANDS = 0.015  # s in which a sole that has met the ground may slide on it
 _LEVEL_SHARE = 1.0  # of what the legs say of the base's tilt that is believed in a period
 _SAID_SHARE = 0.5  # of what the orientation says of the base's turning that is believed in a period
 _RATE_SHARE = 0.2  # of what the legs say of the base's turning that is believed in a period
+_LEGS_SHARE = 0.3  # of what the legs say of its velocity that is believed in a period, without an accelerometer
+_LEGS_MOST = 0.15  # m/s of it at most: a sole that hits the ground, or slides, says less
 _STEADY = 0.5  # s upright after which nothing throws the robot about any more
 _SURELY_UPRIGHT = 0.95  # cosine of the base's tilt, 18 degrees
 _LOST_AFTER = 0.3  # s without a foot on the ground after which the robot hangs or lies: IMU alone would drift away
@@ -81,6 +83,7 @@ class Estimator:
         self._sums: Array = np.zeros(len(Reading(joints).rates))  # of what was heard since the last update
         self._means: Array = np.zeros_like(self._sums)
         self._imu, self._torque = self._means[:6], self._means[-joints:]
+        self._force: Array = np.zeros(3)  # what the accelerometer said last when it was not doubted [m/s^2]
         self.heard = self._since = self._turn = 0
         self._missed = False  # readings were, since the last update
         self._rate: Array = np.zeros(3)  # of the base, where the gyroscope does not say it
@@ -116,6 +119,7 @@ class Estimator:
         self._ground.reset(dynamics.sole_positions[:, 2])
         self._filter.reset(estimate.qpos[3:BASE_COORDINATES], estimate.qpos[:3])
         self.watch.reset(reading)
+        self._force[:] = reading.accelerometer
         self._clear()
         self._velocity_before[:] = 0.0
         self._rate[:] = 0.0
@@ -156,6 +160,10 @@ class Estimator:
             self._missed = False
         else:
             watch.look(reading, imu, self._upright >= _STEADY)
+        if watch.accelerometer_doubtful:
+            imu[:3] = self._force
+        else:
+            self._force[:] = imu[:3]
         doubtful = bool(watch.failed) or not math.isfinite(sum(imu.tolist()))
         if doubtful:
             self._without_imu(reading, imu, time)
@@ -181,6 +189,8 @@ class Estimator:
         else:
             acceleration[:3] = belief.acceleration(imu[:3])
             self.contact.update(acceleration, self._torque, time)
+        if "accelerometer" in watch.failed and "gyro" not in watch.failed:  # which says how the legs are turned
+            self._move_by_legs()
         self._since += heard
         self._clear()
         self._note_contact(time)
@@ -192,6 +202,12 @@ class Estimator:
         if sinks := self._ground.sink(time):
             belief.sink(sinks)
         return self._dated(reading.time)
+
+    def _move_by_legs(self) -> None:
+        """Take the velocity with which a sole on the ground seems to move for an error of the base's velocity."""
+        if any(self.load.standing):
+            moves = self._dynamics.sole_velocity(int(np.argmax(self.load.force)))
+            self._filter.slow(moves * (_LEGS_SHARE * min(1.0, _LEGS_MOST / max(math.hypot(*moves.tolist()), 1e-9))))
 
     def _stand_in(self, setpoint: Array) -> None:
         """Believe of joints whose sensors failed that they are where the servo has them."""

@@ -205,6 +205,10 @@ class InvariantFilter:
         growth[_VELOCITY] = noise.accelerometer**2 * time
         growth[_GYRO], growth[_ACCELEROMETER] = noise.gyro_drift**2 * time, noise.accelerometer_drift**2 * time
 
+    def slow(self, velocity: Array) -> None:
+        """Take a velocity, world frame, shape (3,) [m/s], off the base's."""
+        self.velocity -= velocity
+
     def sink(self, way: float) -> None:
         """Count heights from a ground that is higher by so much [m]."""
         self._state[5:12:3] -= way

@@ -37,6 +37,7 @@ class SensorWatch:
         bad_joints: whether each joint's sensors failed, or are doubted now, shape (nj,).
         any_bad: whether those of any did.
         suspicious: whether something was seen lately of any sensor that may be a failure.
+        accelerometer_doubtful: whether that was a jump of the accelerometer.
     """
 
     def __init__(self, robot: RobotModel) -> None:
@@ -60,7 +61,7 @@ class SensorWatch:
         self._counts: dict[tuple[str, str], float] = {}  # looks in which something was seen of a sensor
         self._silent, self._frozen = np.zeros(joints, dtype=int), np.zeros(joints, dtype=int)
         self._dead = np.zeros(joints, dtype=bool)
-        self.suspicious = False
+        self.suspicious = self.accelerometer_doubtful = False
         self._turned: Array = np.zeros(3)  # by what the gyro says, since the orientation was compared with it
         self._turned_looks = 0
         self._compared = self._before.orientation.tolist()
@@ -75,7 +76,7 @@ class SensorWatch:
         self._counts.clear()
         for joints in (self._silent, self._frozen, self._dead, self.bad_joints):
             joints[:] = 0
-        self.suspicious = self.any_bad = False
+        self.suspicious = self.accelerometer_doubtful = self.any_bad = False
         self._compare_from(reading)
         self.failed.clear()
         self.fault = ""
@@ -110,6 +111,7 @@ class SensorWatch:
             jumps = bool((moved > most).any()) and upright and not (shaken and name == "accelerometer")
             self._count(name, "jumps", jumps, _JUMPS_AFTER[name])
         self._look_at_joints(reading, upright)
+        self.accelerometer_doubtful = ("accelerometer", "jumps") in self._counts
         self.suspicious = bool(self._counts) or bool(self._silent.any() or self._frozen.any() or self.any_bad)
 
     def _compare(self, reading: Reading, upright: bool) -> None:

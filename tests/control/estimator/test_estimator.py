@@ -183,3 +183,17 @@ def test_a_robot_whose_feet_slide_knows_where_it_is(robot: RobotModel, standing:
     off = rig.controller.estimator.estimate.qpos[:2] - rig.plant.data.qpos[:2]
     assert slid.min() > 0.03
     assert np.hypot(*off) < 0.01
+
+
+@pytest.mark.parametrize("moment", [1.2, 1.3, 1.4])
+def test_an_accelerometer_that_jumps_moves_the_estimate_hardly(rig: ControlRig, moment: float) -> None:
+    """Not before it is known to fail, nor afterwards, when the legs say how fast the base is."""
+    rig.run(moment, WALK)
+    log = Log(rig)
+    log(None)
+    rig.plant.fail_sensor("accelerometer", "jumping")
+    rig.run(0.5, WALK, until=log)
+    assert rig.controller.estimator.watch.failed == {"accelerometer"}
+    position, velocity = np.array(log.position), np.array(log.velocity)
+    assert np.abs(position - position[0]).max() < 0.01
+    assert np.abs(velocity - velocity[0]).max() < 0.35
