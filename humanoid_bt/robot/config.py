@@ -147,7 +147,7 @@ class GaitConfig:
     com_slide: float = param(1.0, minimum=0, doc="Leak of the reference to the measured centre of mass [1/s].")
     adjust_forward: float = param(0.25, minimum=0, unit="m", doc="Largest step adjustment forward.")
     adjust_sideways: float = param(0.30, minimum=0, unit="m", doc="Largest step adjustment sideways.")
-    adjust_until: float = param(0.85, above=0, maximum=1, doc="Share of the swing after which the foothold stays.")
+    adjust_until: float = param(0.97, above=0, maximum=1, doc="Share of the swing after which the foothold stays.")
     separation_min: float = param(0.13, above=0, unit="m", doc="Least sideways distance of the feet.")
     separation_max: float = param(0.48, above=0, unit="m", doc="Largest sideways distance of the feet.")
     touchdown_force: float = param(50.0, above=0, unit="N", doc="Force on the swing foot that counts as contact.")
