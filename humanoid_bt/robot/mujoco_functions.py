@@ -14,7 +14,7 @@ import mujoco
 from llvmlite import binding
 from numba import config, types
 
-_ADDRESS, _NUMBERS, _INTEGER = types.intp, types.CPointer(types.float64), types.int32  # type: ignore[no-untyped-call]
+_ADDRESS, _NUMBERS, _INTEGER = types.intp, types.CPointer(types.float64), types.int32  # type: ignore[no-untyped-call]  # numba has no types
 _IN_PYTHON = {_ADDRESS: ctypes.c_void_p, _NUMBERS: ctypes.c_void_p, _INTEGER: ctypes.c_int}
 _LIBRARY = next(str(file) for file in sorted(Path(mujoco.__file__).parent.glob("*mujoco*.*")))
 
