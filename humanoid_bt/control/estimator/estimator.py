@@ -155,15 +155,7 @@ class Estimator:
         heard, qvel, imu, acceleration = self.heard, estimate.qvel, self._imu, self._acceleration
         time = heard * SERVO_PERIOD
         np.divide(self._sums, heard, out=self._means)
-        if self._missed:
-            watch.resume(reading)  # nothing jumped: much may have happened meanwhile
-            self._missed = False
-        else:
-            watch.look(reading, imu, self._upright >= _STEADY)
-        if watch.accelerometer_doubtful:
-            imu[:3] = self._force
-        else:
-            self._force[:] = imu[:3]
+        self._watch(reading, imu)
         doubtful = bool(watch.failed) or not math.isfinite(sum(imu.tolist()))
         if doubtful:
             self._without_imu(reading, imu, time)
@@ -202,6 +194,18 @@ class Estimator:
         if sinks := self._ground.sink(time):
             belief.sink(sinks)
         return self._dated(reading.time)
+
+    def _watch(self, reading: Reading, imu: Array) -> None:
+        """Look for sensors that fail; let what the accelerometer said before stand in for one that is doubted."""
+        if self._missed:
+            self.watch.resume(reading)  # nothing jumped: much may have happened meanwhile
+            self._missed = False
+        else:
+            self.watch.look(reading, imu, self._upright >= _STEADY)
+        if self.watch.accelerometer_doubtful:
+            imu[:3] = self._force
+        else:
+            self._force[:] = imu[:3]
 
     def _move_by_legs(self) -> None:
         """Take the velocity with which a sole on the ground seems to move for an error of the base's velocity."""

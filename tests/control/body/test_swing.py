@@ -105,7 +105,7 @@ def test_the_foothold_moves_the_way_the_dcm_runs_off(axis: int, sign: int) -> No
 def test_an_error_that_the_ankle_has_time_to_take_out_leaves_the_foothold() -> None:
     swing = swing_of()
     for elapsed in range(round(0.85 * PERIODS)):
-        swing.update(elapsed, planned_dcm(elapsed) + [0.008, -0.002], SUPPORT[:2])
+        swing.update(elapsed, planned_dcm(elapsed) + np.array([0.008, -0.002]), SUPPORT[:2])
     np.testing.assert_allclose(swing.target, FOOTHOLD, atol=1e-9)
 
 
