@@ -175,7 +175,7 @@ class Estimator:
         if self._feels:
             self.load.sensed(reading.foot_force)
         else:
-            self.load.explain(qvel, acceleration, self._torque)
+            self.load.explain(qvel, acceleration, self._torque, belief.acceleration(imu[:3]).item(2))
         if doubtful or watch.any_bad:
             self.contact.forget()
         else:

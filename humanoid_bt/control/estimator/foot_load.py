@@ -13,13 +13,19 @@ from humanoid_bt.robot.mujoco_functions import mul_m
 
 _LOADED, _UNLOADED = 0.15, 0.08  # share of the weight from and up to which a foot stands (hysteresis)
 _SINGULAR = 1e-4  # m^2, of a stretched leg, which says little of forces along it
+_PULLS = 0.1  # share of the weight with which a leg must seem to pull for that
+_CARRIED = 0.5  # share of the weight from which something must carry it
+_JOINTS_OFF, _WHOLE_OFF = 3.0, 40.0  # Nm and N, by how much torques of joints and the whole load are off, usually
 
 
 class FootLoad:
     """The normal forces on the feet.
 
     Without sensors in the feet, the force f at each sole is the one that explains best, in the sense of least squares,
-    what the joints of its leg do: J^T f = M qdd + h + d qd - tau.
+    what the joints of its leg do: J^T f = M qdd + h + d qd - tau. A stretched leg says little of the force along it.
+    What carries the robot altogether is known as well, by how the base accelerates. Where that is its weight, and no
+    leg says that it carries any but one that it pulls at the ground, which no foot can, what is missing is given to
+    each in proportion to how uncertain its force is. Where none pulls, people may hold the robot.
 
     Args:
         robot: the robot.
@@ -37,8 +43,8 @@ class FootLoad:
         self.standing = [True, True]
         soles = np.array([robot.model.site(sole_site(side)).id for side in SIDES])
         self._kept = (  # what :func:`_explain` is called with each time
-            *dynamics.addresses, self.force, dynamics.bias, robot.model.dof_damping.copy(), dynamics.motions,
-            dynamics.origin, dynamics.data.site_xpos, soles, _legs(robot),
+            robot.mass, *dynamics.addresses, self.force, dynamics.bias, robot.model.dof_damping.copy(),
+            dynamics.motions, dynamics.origin, dynamics.data.site_xpos, soles, _legs(robot),
             np.zeros(robot.model.nv), np.zeros((3, robot.model.nv)),
         )  # fmt: skip
 
@@ -52,14 +58,15 @@ class FootLoad:
         self.force[:] = force
         self._judge()
 
-    def explain(self, velocity: Array, acceleration: Array, torque: Array) -> None:
+    def explain(self, velocity: Array, acceleration: Array, torque: Array, rises: float) -> None:
         """Find the forces that explain a motion.
 
         Args:
             velocity, acceleration: shape (nv,).
             torque: of the joints, shape (nj,) [Nm].
+            rises: how the base accelerates upward by its accelerometer [m/s^2].
         """
-        _explain(velocity, acceleration, torque, *self._kept)
+        _explain(velocity, acceleration, torque, rises, *self._kept)
         self._judge()
 
     def _judge(self) -> None:
@@ -68,13 +75,15 @@ class FootLoad:
 
 
 @compiled(
-    "void(f8[::1], f8[::1], f8[::1], i8, i8, f8[::1], f8[::1], f8[::1],"
+    "void(f8[::1], f8[::1], f8[::1], f8, f8, i8, i8, f8[::1], f8[::1], f8[::1],"
     " f8[:, ::1], f8[::1], f8[:, ::1], i8[::1], i8[:, ::1], f8[::1], f8[:, ::1])"
 )
 def _explain(
     velocity: Array,
     acceleration: Array,
     torque: Array,
+    rises: float,
+    mass: float,
     model: int,
     data: int,
     force: Array,
@@ -92,6 +101,8 @@ def _explain(
 
     Args:
         velocity, acceleration, torque: qd, qdd, and of the joints tau.
+        rises: acceleration of the base upward.
+        mass: of the robot.
         model, data: addresses of MuJoCo's.
         force: is written, shape (2,) [N].
         bias, damping: h, d.
@@ -106,6 +117,9 @@ def _explain(
         left[dof] = left[dof] + bias[dof] + damping[dof] * velocity[dof]
     for joint in range(len(torque)):
         left[base + joint] -= torque[joint]
+    whole = left[2] + mass * (rises - acceleration[2])
+    doubts = _WHOLE_OFF**2
+    doubt = (0.0, 0.0)
     for foot in range(2):
         point_moves(motions, origin, places[sites[foot]], legs[foot], jacobian)
         a = d = f = _SINGULAR  # of A = J J^T, made regular
@@ -118,7 +132,17 @@ def _explain(
             a, b, c, d, e, f = a + u * u, b + u * v, c + u * w, d + v * v, e + v * w, f + w * w
             x, y, z = x + u * left[dof], y + v * left[dof], z + w * left[dof]
         minor, first, second = a * d - b * b, b * e - c * d, b * c - a * e  # by Cramer's rule
-        force[foot] = (minor * z + second * y + first * x) / (minor * f + second * e + first * c)
+        determinant = minor * f + second * e + first * c
+        force[foot] = (minor * z + second * y + first * x) / determinant
+        one = _JOINTS_OFF**2 * minor / determinant  # variance of this force
+        doubt = (one, 0.0) if foot == 0 else (doubt[0], one)
+        doubts += one
+    weight = mass * GRAVITY
+    pulls = min(force[0], force[1]) < -_PULLS * weight
+    if pulls and max(force[0], force[1]) < _LOADED * weight and whole > _CARRIED * weight:
+        missing = (whole - force[0] - force[1]) / doubts
+        force[0] += doubt[0] * missing
+        force[1] += doubt[1] * missing
 
 
 def _legs(robot: RobotModel) -> Indices:

@@ -1,0 +1,36 @@
+"""What the feet carry, from the torques of the legs."""
+
+from __future__ import annotations
+
+import mujoco
+import numpy as np
+import pytest
+
+from humanoid_bt.control.dynamics import GRAVITY, RobotDynamics
+from humanoid_bt.control.estimator.foot_load import FootLoad
+from humanoid_bt.core.messages import SIDES, Estimate
+from humanoid_bt.robot.model import BASE_COORDINATES, BASE_DOFS, RobotModel, sole_site
+
+_OFF = 10.0  # Nm, of a joint's torque
+
+
+@pytest.mark.parametrize("bent", [0.5, 0.02], ids=["bent", "stretched"])
+def test_no_leg_pulls_while_nothing_carries_the_robot(robot: RobotModel, bent: float) -> None:
+    """A stretched leg says little of forces along it: torques that are off may say that it pulls."""
+    dynamics = RobotDynamics(robot)
+    qpos = robot.home_qpos.copy()
+    for side in SIDES:
+        for name, angle in (("hip_pitch", -bent / 2), ("knee", bent), ("ankle_pitch", -bent / 2)):
+            qpos[BASE_COORDINATES + robot.joint(f"{side}_{name}")] = angle
+    joints = len(robot.joint_names)
+    at_rest = np.zeros(BASE_DOFS + joints)
+    dynamics.update(Estimate(0.0, qpos, at_rest, np.zeros(joints), np.zeros(2)))
+    weight, torque = robot.mass * GRAVITY, dynamics.bias.copy()
+    jacobian = np.zeros((3, len(torque)))
+    mujoco.mj_jacSite(dynamics.model, dynamics.data, jacobian, None, robot.model.site(sole_site("left")).id)
+    torque -= weight * jacobian[2]
+    for seed in range(100):
+        load = FootLoad(robot, dynamics)
+        off = np.random.default_rng(seed).uniform(-_OFF, _OFF, joints)
+        load.explain(at_rest, at_rest, torque[BASE_DOFS:] + off, 0.0)
+        assert load.standing[0] or load.standing[1] or load.force.min() > -0.1 * weight
