@@ -16,7 +16,7 @@ from humanoid_bt.control.estimator.invariant_filter import FREE, FilterNoise, In
 from humanoid_bt.control.estimator.sensor_watch import SensorWatch
 from humanoid_bt.core.clock import SERVO_PERIOD
 from humanoid_bt.core.compiled import compiled
-from humanoid_bt.core.geometry import yaw_of
+from humanoid_bt.core.geometry import clamp, yaw_of
 from humanoid_bt.core.messages import SIDES, Array, Estimate, Reading
 from humanoid_bt.robot.model import BASE_COORDINATES, BASE_DOFS, RobotModel
 
@@ -31,6 +31,7 @@ _LANDS = 0.015  # s in which a sole that has met the ground may slide on it
 _LEVEL_SHARE = 1.0  # of what the legs say of the base's tilt that is believed in a period
 _SAID_SHARE = 0.5  # of what the orientation says of the base's turning that is believed in a period
 _RATE_SHARE = 0.2  # of what the legs say of the base's turning that is believed in a period
+_DOUBTED_MOST = 10.0  # m/s^2 that an accelerometer may say more or less than before, while it is doubted
 _LEGS_SHARE = 0.3  # of what the legs say of its velocity that is believed in a period, without an accelerometer
 _LEGS_MOST = 0.15  # m/s of it at most: a sole that hits the ground, or slides, says less
 _STEADY = 0.5  # s upright after which nothing throws the robot about any more
@@ -196,14 +197,17 @@ class Estimator:
         return self._dated(reading.time)
 
     def _watch(self, reading: Reading, imu: Array) -> None:
-        """Look for sensors that fail; let what the accelerometer said before stand in for one that is doubted."""
+        """Look for sensors that fail; believe one that is doubted no more than a part of what it says.
+
+        A foot that lands hard makes an accelerometer jump as well, and then it is right.
+        """
         if self._missed:
             self.watch.resume(reading)  # nothing jumped: much may have happened meanwhile
             self._missed = False
         else:
             self.watch.look(reading, imu, self._upright >= _STEADY)
         if self.watch.accelerometer_doubtful:
-            imu[:3] = self._force
+            imu[:3] = clamp(imu[:3], self._force - _DOUBTED_MOST, self._force + _DOUBTED_MOST)
         else:
             self._force[:] = imu[:3]
 

@@ -16,6 +16,7 @@ _SILENT_AFTER, _FROZEN_AFTER = 3, 5  # looks: 15 and 25 ms; half of what is prom
 _JUMPS_AFTER = {"gyro": 2, "accelerometer": 4, "orientation": 2}  # looks in which it jumps: a blow rings for two
 _SHAKEN = 1.2  # rad/s from look to look, of two joints: a blow, which an accelerometer feels; walking 0.5
 _GYRO_JUMP, _ACCELEROMETER_JUMP, _ORIENTATION_JUMP = 4.0, 25.0, 0.1  # from look to look; walking: 0.5, 4 and 0.01
+_WILD = 50.0  # m/s^2 from look to look, more than of feet that land hard: the accelerometer is doubted at once
 _DRIFT, _DRIFTS_AFTER = 0.03, 2  # rad that gyro and orientation disagree in two looks, and how often
 _COMPARED_EVERY = 2  # looks
 _FORGET = 0.5  # looks that another one in which nothing is seen takes off
@@ -37,7 +38,7 @@ class SensorWatch:
         bad_joints: whether each joint's sensors failed, or are doubted now, shape (nj,).
         any_bad: whether those of any did.
         suspicious: whether something was seen lately of any sensor that may be a failure.
-        accelerometer_doubtful: whether that was a jump of the accelerometer.
+        accelerometer_doubtful: whether that was a wild jump of the accelerometer.
     """
 
     def __init__(self, robot: RobotModel) -> None:
@@ -111,7 +112,10 @@ class SensorWatch:
             jumps = bool((moved > most).any()) and upright and not (shaken and name == "accelerometer")
             self._count(name, "jumps", jumps, _JUMPS_AFTER[name])
         self._look_at_joints(reading, upright)
-        self.accelerometer_doubtful = ("accelerometer", "jumps") in self._counts
+        wild = bool(self._moved.accelerometer.max() > _WILD)
+        self.accelerometer_doubtful = ("accelerometer", "jumps") in self._counts and (
+            wild or self.accelerometer_doubtful
+        )
         self.suspicious = bool(self._counts) or bool(self._silent.any() or self._frozen.any() or self.any_bad)
 
     def _compare(self, reading: Reading, upright: bool) -> None:
