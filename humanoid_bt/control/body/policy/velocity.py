@@ -22,6 +22,7 @@ _CLOSE = (0.025, 0.035)
 It does so once: a walker that cannot stop nearer would never stop."""
 
 _SWAYS_ON = 0.1  # s that a walker that stops goes on to the side to which it sways
+_SWAYS_MOST = 0.02  # m of it: one that sways far is never where it is expected
 _SLIDE_SHARE = 0.4  # of what a stop ends farther than was expected that is expected of the next one
 _SLIDES_MOST = 0.08  # m, rad: more is a push
 _COMES_TO_REST, _FAR_OFF = 0.8, 0.15  # s in which it only starts again if it is farther off than this [m]
@@ -96,7 +97,8 @@ class VelocityReference:
             sways: how fast its centre of mass moves to the left [m/s].
         """
         self._learn(stance)
-        self._will_slide = self._slides + np.array([0.0, _SWAYS_ON * sways, 0.0])
+        aside = min(max(_SWAYS_ON * sways, -_SWAYS_MOST), _SWAYS_MOST)
+        self._will_slide = self._slides + np.array([0.0, aside, 0.0])
         wanted = np.zeros(3)
         if goal is None:
             self._goes, self._stopped_at = False, None
