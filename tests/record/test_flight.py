@@ -109,6 +109,15 @@ def stood(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return file
 
 
+@pytest.fixture(scope="module")
+def longer(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The recording of a run long enough for the last fifth of the file to begin among its servo cycles."""
+    file = tmp_path_factory.mktemp("longer") / "run.rrd"
+    with Session("stand", duration=4.0, record=file, camera=False) as session:
+        session.run()
+    return file
+
+
 @pytest.mark.trials
 def test_a_part_of_the_cycles_is_as_in_all_of_them(stood: Path) -> None:
     log = read_flight(stood)
@@ -130,11 +139,11 @@ def test_a_part_of_the_ticks_is_as_in_all_of_them(stood: Path) -> None:
     assert log.span == pytest.approx((0.001, 1.0), abs=0.03)
 
 
-@pytest.mark.parametrize("share", [0.5, 0.9, 0.999])
-def test_a_file_that_was_cut_is_read_as_far_as_it_goes(stood: Path, tmp_path: Path, share: float) -> None:
+@pytest.mark.parametrize("share", [0.8, 0.9, 0.999])
+def test_a_file_that_was_cut_is_read_as_far_as_it_goes(longer: Path, tmp_path: Path, share: float) -> None:
     cut = tmp_path / "cut.rrd"
-    cut.write_bytes(stood.read_bytes()[: int(share * stood.stat().st_size)])
-    whole, part = read_flight(stood), read_flight(cut)
+    cut.write_bytes(longer.read_bytes()[: int(share * longer.stat().st_size)])
+    whole, part = read_flight(longer), read_flight(cut)
     assert part.setup == whole.setup
     assert 0 < len(part.blocks["cycles"]) <= len(whole.blocks["cycles"])
     assert part.blocks["cycles"] == whole.blocks["cycles"][: len(part.blocks["cycles"])]
