@@ -173,14 +173,15 @@ class Estimator:
         dynamics.update(estimate)
         np.subtract(qvel, self._velocity_before, out=acceleration)
         acceleration /= time
+        felt = belief.acceleration(imu[:3])
         if self._feels:
             self.load.sensed(reading.foot_force)
         else:
-            self.load.explain(qvel, acceleration, self._torque, belief.acceleration(imu[:3]).item(2))
+            self.load.explain(qvel, acceleration, self._torque, felt.item(2))
         if doubtful or watch.any_bad:
             self.contact.forget()
         else:
-            acceleration[:3] = belief.acceleration(imu[:3])
+            acceleration[:3] = felt
             self.contact.update(acceleration, self._torque, time)
         if "accelerometer" in watch.failed and "gyro" not in watch.failed:  # which says how the legs are turned
             self._move_by_legs()

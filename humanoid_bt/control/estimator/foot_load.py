@@ -45,7 +45,7 @@ class FootLoad:
         self._kept = (  # what :func:`_explain` is called with each time
             robot.mass, *dynamics.addresses, self.force, dynamics.bias, robot.model.dof_damping.copy(),
             dynamics.motions, dynamics.origin, dynamics.data.site_xpos, soles, _legs(robot),
-            np.zeros(robot.model.nv), np.zeros((3, robot.model.nv)),
+            np.zeros(robot.model.nv), np.zeros((3, robot.model.nv)), np.zeros(2),
         )  # fmt: skip
 
     def reset(self) -> None:
@@ -76,7 +76,7 @@ class FootLoad:
 
 @compiled(
     "void(f8[::1], f8[::1], f8[::1], f8, f8, i8, i8, f8[::1], f8[::1], f8[::1],"
-    " f8[:, ::1], f8[::1], f8[:, ::1], i8[::1], i8[:, ::1], f8[::1], f8[:, ::1])"
+    " f8[:, ::1], f8[::1], f8[:, ::1], i8[::1], i8[:, ::1], f8[::1], f8[:, ::1], f8[::1])"
 )
 def _explain(
     velocity: Array,
@@ -96,6 +96,7 @@ def _explain(
     legs: Indices,
     left: Array,
     jacobian: Array,
+    doubts: Array,
 ) -> None:
     """Write the vertical part of the force f on each foot that minimises |J^T f - (M qdd + h + d qd - tau)|.
 
@@ -109,7 +110,7 @@ def _explain(
         motions, origin: of the dynamics.
         places, sites: of all sites, and which of them are the soles.
         legs: the degrees of freedom of each leg.
-        left, jacobian: are written.
+        left, jacobian, doubts: are written; the last are the variances of both forces.
     """
     base = len(left) - len(torque)
     mul_m(model, data, left.ctypes, acceleration.ctypes)
@@ -118,8 +119,6 @@ def _explain(
     for joint in range(len(torque)):
         left[base + joint] -= torque[joint]
     whole = left[2] + mass * (rises - acceleration[2])
-    doubts = _WHOLE_OFF**2
-    doubt = (0.0, 0.0)
     for foot in range(2):
         point_moves(motions, origin, places[sites[foot]], legs[foot], jacobian)
         a = d = f = _SINGULAR  # of A = J J^T, made regular
@@ -134,15 +133,13 @@ def _explain(
         minor, first, second = a * d - b * b, b * e - c * d, b * c - a * e  # by Cramer's rule
         determinant = minor * f + second * e + first * c
         force[foot] = (minor * z + second * y + first * x) / determinant
-        one = _JOINTS_OFF**2 * minor / determinant  # variance of this force
-        doubt = (one, 0.0) if foot == 0 else (doubt[0], one)
-        doubts += one
+        doubts[foot] = _JOINTS_OFF**2 * minor / determinant
     weight = mass * GRAVITY
     pulls = min(force[0], force[1]) < -_PULLS * weight
     if pulls and max(force[0], force[1]) < _LOADED * weight and whole > _CARRIED * weight:
-        missing = (whole - force[0] - force[1]) / doubts
-        force[0] += doubt[0] * missing
-        force[1] += doubt[1] * missing
+        missing = (whole - force[0] - force[1]) / (_WHOLE_OFF**2 + doubts[0] + doubts[1])
+        force[0] += doubts[0] * missing
+        force[1] += doubts[1] * missing
 
 
 def _legs(robot: RobotModel) -> Indices:
