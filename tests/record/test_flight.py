@@ -100,22 +100,24 @@ def test_a_file_without_them_is_answered(tmp_path: Path) -> None:
             read_cycles(path)
 
 
+def recorded(folder: Path, duration: float) -> Path:
+    """Let the robot stand for a while [s], and return the recording of it."""
+    file = folder / "run.rrd"
+    with Session("stand", duration=duration, record=file, camera=False) as session:
+        session.run()
+    return file
+
+
 @pytest.fixture(scope="module")
 def stood(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The recording of a short run."""
-    file = tmp_path_factory.mktemp("stood") / "run.rrd"
-    with Session("stand", duration=1.0, record=file, camera=False) as session:
-        session.run()
-    return file
+    return recorded(tmp_path_factory.mktemp("stood"), 1.0)
 
 
 @pytest.fixture(scope="module")
 def longer(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The recording of a run long enough for the last fifth of the file to begin among its servo cycles."""
-    file = tmp_path_factory.mktemp("longer") / "run.rrd"
-    with Session("stand", duration=4.0, record=file, camera=False) as session:
-        session.run()
-    return file
+    return recorded(tmp_path_factory.mktemp("longer"), 4.0)
 
 
 @pytest.mark.trials

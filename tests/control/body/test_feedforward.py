@@ -2,6 +2,8 @@ from __future__ import annotations
 
 from copy import copy
 from dataclasses import replace
+from pathlib import Path
+from shutil import copytree
 
 import mujoco
 import numpy as np
@@ -12,7 +14,9 @@ from humanoid_bt.control.body.stabilizer import Load
 from humanoid_bt.control.body.standing import standing_posture
 from humanoid_bt.control.dynamics import GRAVITY, RobotDynamics
 from humanoid_bt.core.messages import SIDES, Array, Estimate, JointCommand
+from humanoid_bt.robot.config import load_robot_config
 from humanoid_bt.robot.model import BASE_COORDINATES, BASE_DOFS, RobotModel
+from tests.control.conftest import ROBOT
 from tests.control.control_rig import ControlRig
 
 
@@ -106,6 +110,30 @@ def test_stance_hips_resist_a_tilt_by_their_share(robot: RobotModel, estimate: E
     assert more[robot.joint("left_hip_pitch")] == pytest.approx(0.75 * tilt)
     assert more[robot.joint("right_hip_pitch")] == pytest.approx(0.25 * tilt)
     assert more[robot.joint("left_knee")] == pytest.approx(0)
+
+
+def test_a_hip_that_turns_the_other_way_round_resists_a_tilt_the_same(tmp_path: Path) -> None:
+    """Its torque has the other sign."""
+    resists = []
+    for axis in ("1 0 0", "-1 0 0"):
+        folder = copytree(ROBOT.parent, tmp_path / axis)
+        model = folder / "humanoid.xml"
+        text = model.read_text()
+        joint = 'name="left_hip_roll" axis="{}"'
+        assert joint.format("1 0 0") in text
+        model.write_text(text.replace(joint.format("1 0 0"), joint.format(axis)))
+        robot = RobotModel(load_robot_config(folder / "robot.yaml"))
+        upright, leaning = RobotDynamics(robot), RobotDynamics(robot)
+        joints = np.zeros(len(robot.joint_names))
+        for dynamics in (upright, leaning):
+            at_rest = np.zeros(BASE_DOFS + len(joints))
+            dynamics.update(Estimate(0.0, robot.home_qpos, at_rest, joints, np.zeros(2)))
+        leaning.roll += 0.1
+        load = standing_load(robot, upright)
+        more = torques(robot, leaning, load) - torques(robot, upright, load)
+        resists.append(more[robot.joint("left_hip_roll")])
+    assert resists[0] > 0
+    assert resists[1] == pytest.approx(-resists[0])
 
 
 @pytest.mark.parametrize("sign", [1, -1])

@@ -10,6 +10,7 @@ import pytest
 
 from humanoid_bt.control.controller import Controller
 from humanoid_bt.control.dynamics import GRAVITY
+from humanoid_bt.control.estimator.invariant_filter import InvariantFilter
 from humanoid_bt.core.clock import ESTIMATE_PERIOD, cycles
 from humanoid_bt.core.messages import SIDES, BaseTarget, JointCommand, Mode, Reading
 from humanoid_bt.robot.config import load_robot_config
@@ -197,3 +198,25 @@ def test_an_accelerometer_that_jumps_moves_the_estimate_hardly(rig: ControlRig, 
     position, velocity = np.array(log.position), np.array(log.velocity)
     assert np.abs(position - position[0]).max() < 0.01
     assert np.abs(velocity - velocity[0]).max() < 0.35
+
+
+def test_legs_say_how_fast_the_base_is_without_an_accelerometer(rig: ControlRig) -> None:
+    """The robot brakes for the stop that follows: taken to move on as before it would be 0.05 m/s off."""
+    rig.run(1.2, WALK)
+    log = Log(rig)
+    rig.plant.fail_sensor("accelerometer", "silent")
+    rig.run(0.6, WALK, until=log)
+    assert np.sqrt((np.array(log.velocity) ** 2).mean()) < 0.035
+
+
+def test_legs_say_nothing_of_the_velocity_where_no_gyroscope_says_how_they_are_turned(
+    rig: ControlRig, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """With it four times as many robots fell that lost the whole IMU as they walked."""
+    asked: list[np.ndarray] = []
+    monkeypatch.setattr(InvariantFilter, "slow", lambda _, velocity: asked.append(velocity))
+    rig.run(1.2, WALK)
+    rig.plant.fail_sensor("imu", "silent")
+    rig.run(0.2, WALK)
+    assert rig.controller.estimator.watch.failed == {"gyro", "accelerometer", "orientation"}
+    assert not asked

@@ -84,3 +84,19 @@ def test_what_happened_while_a_plant_was_silent_is_no_failed_sensor(
     offset = 1.0
     rig.run(0.2, {})
     assert "jumped" in rig.controller.estimator.watch.fault
+
+
+@pytest.mark.parametrize(("jump", "doubted"), [(35.0, False), (70.0, True)], ids=["as of a landing foot", "wild"])
+def test_an_accelerometer_is_doubted_where_it_jumps_wildly(rig: ControlRig, jump: float, doubted: bool) -> None:
+    """Feet that land hard make it jump, too, and then it is right."""
+    rig.run(0.5, {})
+    watch, reading = rig.controller.estimator.watch, Reading(len(rig.robot.joint_names))
+    reading.values[:] = rig.plant.measure().values
+    reading.accelerometer[2] += jump
+    watch.look(reading, np.zeros(6), upright=True)
+    assert watch.suspicious
+    assert watch.accelerometer_doubtful == doubted
+    for _ in range(4):
+        reading.values[:] += 1e-9  # nothing is frozen
+        watch.look(reading, np.zeros(6), upright=True)
+    assert not watch.accelerometer_doubtful

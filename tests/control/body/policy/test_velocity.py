@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -82,15 +83,17 @@ def test_gait_tells_what_the_legs_do(velocity: VelocityReference) -> None:
     assert velocity.gait is Gait.SETTLE, "it was pushed"
 
 
-def stop(velocity: VelocityReference, goal: Array, stance: Array, slides: Array) -> tuple[Array, int]:
-    """Return where a point is at rest that slides whenever it stops, and how often it stopped."""
+def stop(
+    velocity: VelocityReference, goal: Array, stance: Array, rests: Callable[[Array], Array], sways: float = 0.0
+) -> tuple[Array, int]:
+    """Return where a point is at rest, and how often it stopped; ``rests`` is where it ends that stops somewhere."""
     stops = 0
     for _ in range(round(20 / DT)):
         stood = velocity.stands
-        vx, vy, wz = velocity.update(goal, stance).tolist()
+        vx, vy, wz = velocity.update(goal, stance, 0.0 if velocity.stands else sways).tolist()
         stance = ahead(stance, DT * vx, DT * vy, DT * wz)
         if velocity.stands and not stood:
-            stops, stance = stops + 1, ahead(stance, *slides.tolist())
+            stops, stance = stops + 1, rests(stance)
         for _ in range(4):
             velocity.note(0.0 if velocity.stands else 0.3, DT / 4)
     assert velocity.gait is Gait.STAND
@@ -102,7 +105,7 @@ def test_one_that_slides_as_it_stops_goes_there_once_more_and_learns(velocity: V
     stance, counts, off = np.zeros(3), [], []
     for _ in range(6):
         goal = ahead(stance, 1.0, 0.0, 0.0)
-        stance, stops = stop(velocity, goal, stance, slides)
+        stance, stops = stop(velocity, goal, stance, lambda there: ahead(there, *slides.tolist()))
         counts.append(stops)
         off.append(np.abs(seen_from(goal, stance)).max())
     assert 1 < counts[0] <= 4
@@ -112,14 +115,13 @@ def test_one_that_slides_as_it_stops_goes_there_once_more_and_learns(velocity: V
 
 
 def test_one_that_cannot_stop_nearer_goes_there_once_more_only(velocity: VelocityReference) -> None:
-    goal, stance = np.array([1.0, 0.0, 0.0]), np.zeros(3)
-    stops = 0
-    for _ in range(round(20 / DT)):
-        stood = velocity.stands
-        vx, vy, wz = velocity.update(goal, stance).tolist()
-        stance = ahead(stance, DT * vx, DT * vy, DT * wz)
-        if velocity.stands and not stood:
-            stops, stance = stops + 1, ahead(goal, 0.032, 0.0, 0.0)
-        for _ in range(4):
-            velocity.note(0.0 if velocity.stands else 0.3, DT / 4)
-    assert (stops, velocity.gait) == (2, Gait.STAND)
+    goal = np.array([1.0, 0.0, 0.0])
+    _, stops = stop(velocity, goal, np.zeros(3), lambda _: ahead(goal, 0.032, 0.0, 0.0))
+    assert stops == 2
+
+
+def test_one_that_sways_far_stops_where_it_is_sent_all_the_same(velocity: VelocityReference) -> None:
+    goal = np.array([1.0, 0.0, 0.0])
+    stance, stops = stop(velocity, goal, np.zeros(3), lambda there: there, sways=1.0)
+    assert abs(seen_from(goal, stance)).max() < LEAVES[0]
+    assert stops <= 2

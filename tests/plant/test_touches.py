@@ -1,0 +1,67 @@
+"""What of the scene the robot touches, as contacts come and go."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from humanoid_bt.plant.mujoco_plant import MujocoPlant
+from humanoid_bt.plant.scene import Scene
+from humanoid_bt.plant.scene_config import load_scene
+from humanoid_bt.plant.touches import Touches
+from humanoid_bt.robot.config import load_robot_config
+from humanoid_bt.robot.model import RobotModel
+
+SIM = Path(__file__).resolve().parents[2] / "sim"
+SCENE = """\
+format: 1
+name: wall
+objects:
+  wall: {shape: box, size: [0.2, 1.0, 1.0], position: [1.0, 0.0, 0.5], solid: true}
+"""
+MOMENTS = 10  # in which a touch must be noticed that comes just as another contact ends
+
+
+@pytest.fixture(scope="module")
+def plant(tmp_path_factory: pytest.TempPathFactory) -> MujocoPlant:
+    file = tmp_path_factory.mktemp("scenes") / "wall.yaml"
+    file.write_text(SCENE)
+    return MujocoPlant(RobotModel(load_robot_config(SIM / "humanoid" / "robot.yaml")), Scene(load_scene(file), 0))
+
+
+@pytest.fixture
+def touches(plant: MujocoPlant) -> Touches:
+    touches = Touches(plant.model, plant.robot.config)
+    assert touches.possible
+    touches.note(contacts(plant, "world"), 0.0)
+    assert not touches.all
+    return touches
+
+
+def contacts(plant: MujocoPlant, *bodies: str) -> Any:
+    """Return what physics says when a hand touches these."""
+    geom = {plant.model.body(int(body)).name: number for number, body in enumerate(plant.model.geom_bodyid)}
+    hand = geom[plant.robot.config.hands["left"].body]
+    pairs = np.array([[geom[body], hand] for body in bodies], dtype=np.int32).reshape(-1, 2)
+    return SimpleNamespace(ncon=len(pairs), contact=SimpleNamespace(geom=pairs, pos=np.zeros((len(pairs), 3))))
+
+
+def test_a_touch_besides_the_other_contacts_is_noticed_at_once(plant: MujocoPlant, touches: Touches) -> None:
+    touches.note(contacts(plant, "world", "object_wall"), 0.001)
+    assert [touch.text for touch in touches.all] == ["left hand touches wall"]
+
+
+def test_a_touch_in_the_place_of_another_contact_is_noticed_soon(plant: MujocoPlant, touches: Touches) -> None:
+    for moment in range(MOMENTS):
+        touches.note(contacts(plant, "object_wall"), 0.001 * moment)
+    assert [touch.thing for touch in touches.all] == ["wall"]
+
+
+def test_after_it_was_placed_anew_a_touch_is_noticed_at_once(plant: MujocoPlant, touches: Touches) -> None:
+    touches.clear()
+    touches.note(contacts(plant, "object_wall"), 0.0)
+    assert [touch.thing for touch in touches.all] == ["wall"]
