@@ -196,7 +196,10 @@ def _body_problems(trial: _Trial) -> Iterator[Problem]:
         legs = {one, other} <= _legs(robot)
         hint = "a larger gait.stance_width or separation_min" if legs else "another home posture"
         place = robot.config.place("gait", "stance_width") if legs else robot.config.place("home")
-        message, hint = f"{one!r} and {other!r} touch each other", f"{hint}, or exclude the contact in the model"
+        message, hint = (
+            f"{one!r} and {other!r} touch each other",
+            f"{hint}; or, if they only overlap: collision.overlap",
+        )
         yield Problem(message, place, hint, code="self-contact", severity="warning")
 
 
