@@ -269,7 +269,7 @@ class CollisionConfig:
         [], doc="Shapes of the links they name, instead of the model's; other links keep the model's collision shapes."
     )
     overlap: dict[str, list[str]] = param(
-        {}, doc="Links whose shapes are in each other, and so do not touch: a body to others, as <exclude> in MJCF."
+        {}, doc="Links whose shapes are in each other, and so do not touch: a body to others, as `exclude` in MJCF."
     )
 
 
