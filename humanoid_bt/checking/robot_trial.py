@@ -28,7 +28,7 @@ _LAGS = 0.15  # rad of a standing joint from its setpoint
 _SAGS = 0.25  # rad that the load of standing would bend a joint whose feedforward does not know the load
 _STRAINED = 0.5  # share of the time in which a drive may give all it has, even if the robot does not fall
 _LEARNED = (
-    "is all as in training: the terms' order, scales and history, default_pose, action.scale, "
+    "is all as in training: the order of joints and terms, scales, history, default_pose, action.scale, "
     "stiffness, damping, phase?"
 )
 _SATURATED = 0.1  # share of the time at its torque limit from which a drive counts as too weak
@@ -196,7 +196,10 @@ def _body_problems(trial: _Trial) -> Iterator[Problem]:
         legs = {one, other} <= _legs(robot)
         hint = "a larger gait.stance_width or separation_min" if legs else "another home posture"
         place = robot.config.place("gait", "stance_width") if legs else robot.config.place("home")
-        message, hint = f"{one!r} and {other!r} touch each other", f"{hint}, or exclude the contact in the model"
+        message, hint = (
+            f"{one!r} and {other!r} touch each other",
+            f"{hint}; or, if they only overlap: collision.overlap",
+        )
         yield Problem(message, place, hint, code="self-contact", severity="warning")
 
 

@@ -49,13 +49,17 @@ def run(folder: RunFolder) -> None:
     states, news = channels.reader(folder, "state"), channels.writer(folder, "source")
     real = channels.is_real(folder)
     past: deque[State] = deque(maxlen=_STATES)
-    read = 0
+    read, told = 0, False
     try:
         for _ in turns(folder, spec, perception.period):
             latest = (states if real else truths).latest()
             if latest is None:
                 continue
             if real and spec.perception is None:
+                if perception.names and not told:
+                    names = ", ".join(map(repr, perception.names))
+                    news.write(encode_event(Event(decode_state(latest[1]).time, "warning", f"no {names}: {_UNSEEN}")))
+                    told = True
                 percepts.write(encode_percepts(Sight([], dict.fromkeys(perception.names, _UNSEEN))))
                 continue
             truth = truth_of(decode_state(latest[1])) if real else decode_truth(latest[1])

@@ -268,6 +268,9 @@ class CollisionConfig:
     capsules: list[CapsuleConfig] = param(
         [], doc="Shapes of the links they name, instead of the model's; other links keep the model's collision shapes."
     )
+    overlap: dict[str, list[str]] = param(
+        {}, doc="Links whose shapes are in each other, and so do not touch: a body to others, as `exclude` in MJCF."
+    )
 
 
 Walk = Literal["dcm", "policy", "own"]

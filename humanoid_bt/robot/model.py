@@ -142,6 +142,9 @@ class RobotModel:
         for element in [*spec.keys, *spec.sensors]:
             spec.delete(element)
         _add_drives(spec, config)
+        for body, others in config.collision.overlap.items():
+            for other in others:
+                spec.add_exclude(bodyname1=body, bodyname2=other)
         for side in SIDES:
             _add_frame(spec, sole_site(side), config, config.legs[side].sole, "legs", side, "sole")
             if side in config.hands:
@@ -242,6 +245,9 @@ def _named_bodies(config: RobotConfig) -> Iterator[_Reference]:
     yield ("gaze", "body"), config.gaze.body
     for i, capsule in enumerate(config.collision.capsules):
         yield ("collision", "capsules", i, "body"), capsule.body
+    for body, others in config.collision.overlap.items():
+        yield ("collision", "overlap", body), body
+        yield from ((("collision", "overlap", body, i), other) for i, other in enumerate(others))
 
 
 def _named_joints(config: RobotConfig) -> Iterator[_Reference]:

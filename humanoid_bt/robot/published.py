@@ -17,8 +17,11 @@ def read_model(path: Path) -> mujoco.MjSpec:
     What stands in the world beside it is left out. Geoms that a pair lets touch a floor can touch any, then. A model
     without a free joint, as those that a simulator adds one to, gets it at its root.
 
+    Meshes of a ROS package, as `package://my_robot/meshes/foot.stl`, are looked for in the folder of that name that the
+    model is in, or that lies beside one of those.
+
     Raises:
-        UserError: it is no valid MJCF.
+        UserError: it is no valid MJCF or URDF, or its meshes are not there, or of another kind than MuJoCo reads.
     """
     try:
         spec = mujoco.MjSpec.from_file(str(path))
@@ -26,12 +29,38 @@ def read_model(path: Path) -> mujoco.MjSpec:
         raise UserError(
             f"not a valid MJCF model: {' '.join(str(error).split())}", Place(relative(path)), code="model"
         ) from error
+    _find_meshes(spec, path)
     spec.compiler.fusestatic = False  # of a URDF, whose root would become part of the world
     for geom in list(spec.worldbody.geoms):
         spec.delete(geom)
     _touch_any_floor(spec)
     _free_base(spec)
     return spec
+
+
+def _find_meshes(spec: mujoco.MjSpec, path: Path) -> None:
+    """Name the files of meshes that a URDF names by a ROS package, and refuse what MuJoCo cannot read."""
+    kinds = [kind for mesh in spec.meshes if (kind := Path(mesh.file).suffix.lower()) in _OTHER_MESHES]
+    if kinds:
+        which = " and ".join(sorted(set(kinds)))
+        count = f"{len(kinds)} meshes are {which} files" if len(kinds) > 1 else f"1 mesh is a {which} file"
+        message = f"{count}, which MuJoCo does not read"
+        hint = (
+            "make .stl or .obj files of them, and name those in a copy of the model; in Python, trimesh does it,"
+            " in metres: trimesh.load('foot.dae', force='mesh').export('foot.stl')"
+        )
+        raise UserError(message, Place(relative(path)), hint, code="model")
+    for mesh in spec.meshes:
+        if not mesh.file.startswith(_PACKAGE):
+            continue
+        package, _, rest = mesh.file.removeprefix(_PACKAGE).partition("/")
+        roots = [root for folder in path.resolve().parents for root in (folder, folder / package)]
+        there = [root / rest for root in roots if root.name == package and (root / rest).is_file()]
+        if not there:
+            message = f"there is no {mesh.file!r}"
+            hint = f"looked for {rest} in folders named {package!r} that the model is in, or that are beside those"
+            raise UserError(message, Place(relative(path)), hint, code="model")
+        mesh.file = str(there[0])
 
 
 def _touch_any_floor(spec: mujoco.MjSpec) -> None:
@@ -83,8 +112,11 @@ def _line(info: str, where: Place) -> Place:
     return Place(where.file, int(line[1]), 1) if line else where
 
 
+_PACKAGE = "package://"
+_OTHER_MESHES = (".dae", ".wrl", ".fbx", ".ply", ".step", ".3ds")
 _FREE_JOINTS = (
     "control takes every joint for one that moves and is driven by itself. Of a closed chain, as the rods of an ankle"
-    " are, keep the joints that tilt the foot and take the rods out; of coupled fingers drive each"
+    " are, keep the joints that tilt the foot and take the rods out; of coupled fingers drive each (in a URDF,"
+    " take their <mimic> out)"
 )
 _ROBOT_JOINTS = (mujoco.mjtJoint.mjJNT_FREE, mujoco.mjtJoint.mjJNT_HINGE)

@@ -26,7 +26,7 @@ class RealRobot(ServedSimulation):
 
     def begin(self, hello: Hello) -> str:
         self.description = replace(self.description, simulated=False)
-        return super().begin(replace(hello, scene=""))
+        return super().begin(replace(hello, scene="", digest=""))
 
     def truth(self) -> None:  # type: ignore[override]  # no truth of a real one
         return None

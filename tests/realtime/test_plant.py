@@ -149,10 +149,11 @@ def test_a_robot_of_which_nobody_knows_the_truth_is_driven_too(
     serve: Callable[..., Served], live: Callable[..., Live], port: int
 ) -> None:
     serve(str(port), program=(sys.executable, "-m", "tests.cable.real_robot"))
-    run = live("stand", "--plant", f"udp://127.0.0.1:{port}", "--duration", "1")
+    run = live("stand", "--plant", f"udp://127.0.0.1:{port}", "--scene", "ball_on_stand", "--duration", "1")
     run.process.wait(30)
     assert run.state.mode is Mode.RUN
     assert run.report["odometry"] is None
+    assert "no 'target': the simulated tracker sees no real robot's surroundings" in run.output
 
 
 @pytest.mark.trials

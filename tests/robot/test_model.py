@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shutil
+import struct
 from collections.abc import Callable
 from pathlib import Path
 
@@ -23,6 +24,7 @@ from humanoid_bt.robot.model import (
 )
 from humanoid_bt.robot.published import read_model
 
+FACES = ((0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3))  # of a tetrahedron
 FOLDER = Path(__file__).resolve().parents[2] / "sim" / "humanoid"
 
 
@@ -252,6 +254,48 @@ def test_a_root_that_nothing_frees_gets_a_free_joint(tmp_path: Path, edit: Edit)
     model = load(tmp_path).model
     assert model.jnt_type[0] == mujoco.mjtJoint.mjJNT_FREE
     assert model.body(model.jnt_bodyid[0]).name == "pelvis"
+
+
+BLOCK = """<robot name="one"><link name="base"><inertial><mass value="1"/>
+<inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>
+<collision><geometry><mesh filename="package://one/meshes/block.stl"/></geometry></collision></link></robot>"""
+
+
+@pytest.mark.parametrize("urdf", ["one/urdf/one.urdf", "described/urdf/one.urdf"])
+def test_meshes_of_a_package_are_found_above_and_beside_a_urdf(tmp_path: Path, urdf: str) -> None:
+    corners = ((0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1))
+    faces = [struct.pack("<12fH", *np.ravel([(0, 0, 0), *(corners[i] for i in face)]), 0) for face in FACES]
+    (tmp_path / "one" / "meshes").mkdir(parents=True)
+    (tmp_path / "one" / "meshes" / "block.stl").write_bytes(bytes(80) + struct.pack("<I", 4) + b"".join(faces))
+    file = tmp_path / urdf
+    file.parent.mkdir(parents=True)
+    file.write_text(BLOCK)
+    assert read_model(file).compile().nmesh == 1
+
+
+def test_meshes_of_a_package_that_is_elsewhere_are_missed_by_name(tmp_path: Path) -> None:
+    (tmp_path / "one.urdf").write_text(BLOCK)
+    with pytest.raises(UserError, match=r"there is no 'package://one/meshes/block\.stl'") as error:
+        read_model(tmp_path / "one.urdf")
+    assert "folders named 'one'" in error.value.problems[0].hint
+
+
+def test_meshes_that_mujoco_does_not_read_are_told_with_what_to_make_of_them(tmp_path: Path) -> None:
+    (tmp_path / "one.urdf").write_text(BLOCK.replace(".stl", ".DAE"))
+    with pytest.raises(UserError, match=r"1 mesh is a \.dae file, which MuJoCo does not read") as error:
+        read_model(tmp_path / "one.urdf")
+    assert ".stl or .obj" in error.value.problems[0].hint
+
+
+def test_links_that_overlap_do_not_touch(tmp_path: Path, edit: Edit) -> None:
+    edit("humanoid.xml", '<exclude body1="pelvis" body2="torso"/>', "")
+    count = load(tmp_path).model.nexclude
+    edit("robot.yaml", "gait:", "collision: {overlap: {pelvis: [torso]}}\ngait:")
+    assert load(tmp_path).model.nexclude == count + 1
+    edit("robot.yaml", "pelvis: [torso]", "pelvis: [torse]")
+    with pytest.raises(UserError, match="the model has no body 'torse'") as error:
+        load(tmp_path)
+    assert str(error.value.problems[0].place) == place_of(tmp_path, "robot.yaml", "torse]")
 
 
 def test_a_urdf_keeps_its_root_and_is_free(tmp_path: Path) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -14,8 +15,11 @@ from humanoid_bt.cable.impairment import Impairment
 from humanoid_bt.cable.lockstep import PLANT, LockstepPlant
 from humanoid_bt.cable.order import Order
 from humanoid_bt.cable.payloads import Description, Hello
+from humanoid_bt.cable.server import Served
 from humanoid_bt.control.body.standing import load_robot
-from humanoid_bt.core.messages import JointCommand
+from humanoid_bt.control.controller import Controller
+from humanoid_bt.core.clock import DECISION_PERIOD, SERVO_PERIOD, cycles
+from humanoid_bt.core.messages import BaseTarget, Command, JointCommand
 from humanoid_bt.files.workspace import Workspace, builtin_root
 from humanoid_bt.plant.mujoco_plant import MujocoPlant
 from humanoid_bt.plant.scene import Scene, load_scene
@@ -29,10 +33,15 @@ ROBOT = Path(WORKSPACE.find_robot("humanoid"))
 
 
 @pytest.fixture
-def checked() -> Callable[..., Conformance]:
-    def check(impairment: Impairment = PERFECT, key: bytes | None = None) -> Conformance:
-        robot, start = load_robot(ROBOT)
-        served = ServedSimulation(robot, start, Scene(load_scene(WORKSPACE.find_scene("empty")), 0))
+def simulation() -> ServedSimulation:
+    robot, start = load_robot(ROBOT)
+    return ServedSimulation(robot, start, Scene(load_scene(WORKSPACE.find_scene("empty")), 0))
+
+
+@pytest.fixture
+def checked(simulation: ServedSimulation) -> Callable[..., Conformance]:
+    def check(impairment: Impairment = PERFECT, key: bytes | None = None, served: Served = simulation) -> Conformance:
+        robot, _ = load_robot(ROBOT)
         cabled = LockstepPlant(served, Hello("humanoid", tuple(robot.joint_names)), impairment, key=key)
         cabled.remote.close()
         ports = iter(range(1, 100))
@@ -56,6 +65,39 @@ def test_the_served_simulation_keeps_every_rule(
     check = checked(impairment, key)
     check.assert_passed()
     assert len(check.rules) == 11
+
+
+@pytest.fixture
+def documented() -> Callable[[float], Served]:
+    """Make the plant of the docs' driver: how high it hangs [m] -> it."""
+    page = (Path(__file__).resolve().parents[2] / "docs" / "your-robot.md").read_text(encoding="utf-8")
+    source = page.partition("<!-- file: driver.py -->\n```python\n")[2].partition("```")[0]
+    names: dict[str, Any] = {"__name__": "driver"}
+    exec(compile(source, "driver.py", "exec"), names)
+    made: Callable[[float], Served] = names["MyRobot"]
+    return made
+
+
+def test_the_driver_of_the_docs_keeps_every_rule(
+    checked: Callable[..., Conformance], documented: Callable[[float], Served]
+) -> None:
+    checked(served=documented(1.0)).assert_passed()
+
+
+def test_the_driver_of_the_docs_walks_run_after_run(documented: Callable[[float], Served]) -> None:
+    robot, _ = load_robot(ROBOT)
+    hello = Hello("humanoid", tuple(robot.joint_names))
+    cabled = LockstepPlant(documented(0.0), hello, PERFECT)
+    for _ in range(2):
+        controller = Controller(robot, cabled)
+        for _ in range(round(4.0 / DECISION_PERIOD)):
+            now = controller.cycle * SERVO_PERIOD
+            controller.submit(Command(controller.cycle, now, {"base": BaseTarget(np.array([0.5, 0.0]), 0.0)}))
+            for _ in range(cycles(DECISION_PERIOD)):
+                controller.run_cycle()
+        assert not controller.supervisor.stops
+        assert controller.state().stance == pytest.approx((0.5, 0.0, 0.0), abs=0.05)
+        cabled.restart()
 
 
 def never(*_: object) -> str:

@@ -277,7 +277,10 @@ class Policy:
             self._wrong(f"nothing is said of the model's other inputs: {others}", "observation", hint="as 'state'?")
         if given and size(network.inputs[given]) != self.width:
             parts = ", ".join(f"{term.config.term} {term.length * term.history}" for term in self.terms)
-            message = f"the terms have {self.width} numbers, the model's input {given!r} {size(network.inputs[given])}"
+            wanted = size(network.inputs[given])
+            message = f"the terms have {self.width} numbers, the model's input {given!r} {wanted}"
+            if wanted > self.width > 0 == wanted % self.width and all(term.history == 1 for term in self.terms):
+                parts = f"{parts}; is there a history: {wanted // self.width} of them?"
             self._wrong(message, "observation", "terms", hint=parts)
         if answer and size(network.outputs[answer]) != len(self.moves):
             numbers = size(network.outputs[answer])

@@ -21,7 +21,7 @@ from humanoid_bt.robot.footprint import footprint_in
 from humanoid_bt.robot.survey.drives import drive, usual_stiffness
 from humanoid_bt.robot.survey.limbs import Limb, Surveyor, roles
 from humanoid_bt.robot.survey.places import eyes, looks_down, palm
-from humanoid_bt.robot.survey.posture import home
+from humanoid_bt.robot.survey.posture import home, overlapping
 from humanoid_bt.robot.survey.size import USUAL_MASS, first_shift, scaled_contact, scaled_gait, spin
 from humanoid_bt.robot.survey.soles import ALIGNED, angle_of, sole_axes
 
@@ -104,7 +104,7 @@ class _Writer:
             self._drives(),
             self._posture(),
         ]
-        parts += [self._groups(), self._gait(), self._whole_body(), self._contact(), self._room()]
+        parts += [self._groups(), self._gait(), self._whole_body(), self._contact(), self._overlap(), self._room()]
         text = "\n".join("\n".join(lines) + "\n" for lines in map(list, parts) if lines)
         return Description(
             formatted(text, "robot.yaml"), tuple(self._found), tuple(self._guessed), tuple(self._missing)
@@ -307,6 +307,15 @@ class _Writer:
         body, foot = self._limbs.legs[side].body, self._feet[side]
         centre = np.zeros(3) if foot is None else foot.centre
         return np.asarray(self._standing.xpos[body] + self._standing.xmat[body].reshape(3, 3) @ centre)
+
+    def _overlap(self) -> Iterator[str]:
+        """Yield the links that are in what carries them, as it stands: shapes of many models do not end at a joint."""
+        pairs = overlapping(self._model, self._standing.qpos)
+        if pairs:
+            yield "collision:"
+            yield f"  overlap:    # {self._guess('links whose shapes are in each other, which do not touch')}"
+            for body, others in pairs.items():
+                yield f"    {_quoted(self._body(body))}: [{', '.join(_quoted(self._body(other)) for other in others)}]"
 
     def _room(self) -> Iterator[str]:
         """Yield the circle within which it walks, if the default is too small."""

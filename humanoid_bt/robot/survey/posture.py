@@ -49,6 +49,24 @@ def home(
     return {joint: angle for joint, angle in angles.items() if angle}
 
 
+def overlapping(model: mujoco.MjModel, qpos: Array) -> dict[int, list[int]]:
+    """Return the bodies that touch one that carries them, by that one.
+
+    Args:
+        model: of the robot alone.
+        qpos: its posture, shape (nq,).
+    """
+    data = mujoco.MjData(model)
+    data.qpos[:] = qpos
+    mujoco.mj_forward(model, data)
+    found: dict[int, list[int]] = {}
+    bodies = np.sort(model.geom_bodyid[data.contact.geom[data.contact.dist < 0]], axis=1)
+    for upper, lower in np.unique(bodies, axis=0).tolist():
+        if upper in carriers(model, lower):
+            found.setdefault(upper, []).append(lower)
+    return found
+
+
 def _touches(surveyor: Surveyor, limbs: Limbs, angles: Mapping[int, float]) -> bool:
     """Return whether an arm is near something else of the robot."""
     model, data = surveyor.model, mujoco.MjData(surveyor.model)

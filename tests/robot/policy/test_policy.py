@@ -74,6 +74,12 @@ def test_a_wrong_number_of_terms_is_refused_with_the_size_of_each(tmp_path: Path
     assert "walk.policy.yaml:7:5: error" in message
     assert "the terms have 11 numbers, the model's input 'obs' 12" in message
     assert "base_ang_vel 3, command 2, joint_pos_rel 3, last_action 3" in message
+    assert "history" not in message
+
+
+def test_a_multiple_of_the_terms_is_taken_for_a_history(tmp_path: Path) -> None:
+    [message] = refused(write_walker(tmp_path, numbers=55))
+    assert "is there a history: 5 of them?" in message
 
 
 @pytest.mark.parametrize(

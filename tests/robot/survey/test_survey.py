@@ -59,6 +59,13 @@ def test_what_is_found_is_what_the_robots_own_description_says(spec: mujoco.MjSp
     assert description.missing == ()
 
 
+def test_links_that_are_in_what_carries_them_do_not_touch(spec: mujoco.MjSpec, adopt: Adopt) -> None:
+    description, found = adopt(spec)
+    assert found.collision.overlap["pelvis"] == ["left_thigh", "right_thigh"]
+    assert "links whose shapes are in each other, which do not touch" in description.guessed
+    assert adopt(read_model(BUILTIN / "humanoid.xml"))[1].collision.overlap == {}
+
+
 def test_the_first_shift_is_longer_on_narrow_soles(spec: mujoco.MjSpec, adopt: Adopt) -> None:
     assert adopt(spec)[1].gait.first_shift == GaitConfig.first_shift
     for side in SIDES:
