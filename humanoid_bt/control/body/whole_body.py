@@ -254,7 +254,7 @@ class WholeBody:
             com=np.array([x, y, walker.ground + self._home_height + self._height - self._lean.crouch]),
             soles=walker.foot_reference,
             sole_footings=walker.foot_footing,
-            sole_twists=self._tilt.twist,
+            sole_corrections=self._tilt.correction,
             heading=heading,
             torso_yaw=self._gaze.torso_yaw,
             lean=(self._lean.base, self._lean.torso),
