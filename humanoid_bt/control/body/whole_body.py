@@ -264,7 +264,7 @@ class WholeBody:
             com=np.array([x, y, height]),
             soles=walker.foot_reference,
             sole_footings=walker.foot_footing,
-            sole_twists=self._tilt.twist,
+            sole_corrections=self._tilt.correction,
             heading=heading,
             torso_yaw=self._gaze.torso_yaw,
             lean=(self._lean.base, self._lean.torso),
