@@ -1,4 +1,4 @@
-"""Rotations and rigid motions as tuples of floats, for functions that are machine code: quaternions (w, x, y, z)."""
+"""Rotations as tuples of floats, for functions that are machine code: quaternions (w, x, y, z)."""
 
 from __future__ import annotations
 
@@ -11,7 +11,6 @@ Vector = tuple[float, float, float]
 Quaternion = tuple[float, float, float, float]
 
 _NO_TURN = 1e-15  # rad; less turns nothing
-_SMALL = 1e-6  # rad; below it the series' first terms are exact to the last bit
 
 
 @inlined
@@ -109,29 +108,3 @@ def of_matrix(m: Array) -> Quaternion:
     if y == largest:
         return b * scale, d * scale, y * scale, e * scale
     return c * scale, f * scale, e * scale, z * scale
-
-
-@inlined
-def exponential(way: Vector, turn: Vector) -> tuple[Vector, Quaternion]:
-    """Return the pose that a twist leads to; of unit time; see :mod:`~humanoid_bt.core.geometry`."""
-    angle = math.sqrt(turn[0] ** 2 + turn[1] ** 2 + turn[2] ** 2)
-    b, c = 0.5, 1 / 6
-    if angle >= _SMALL:
-        b, c = (1 - math.cos(angle)) / angle**2, (angle - math.sin(angle)) / angle**3
-    d, e, f = cross(turn, way)
-    g, h, i = cross(turn, (d, e, f))
-    place = way[0] + b * d + c * g, way[1] + b * e + c * h, way[2] + b * f + c * i
-    return place, of_vector(turn[0], turn[1], turn[2])
-
-
-@inlined
-def logarithm(place: Vector, quaternion: Quaternion) -> tuple[Vector, Vector]:
-    """Return the twist, way and turn, that leads to a pose; as :func:`~humanoid_bt.core.geometry.log`."""
-    turn = to_vector(quaternion)
-    angle = math.sqrt(turn[0] ** 2 + turn[1] ** 2 + turn[2] ** 2)
-    d = 1 / 12
-    if angle >= _SMALL:
-        d = (1 - angle * math.sin(angle) / (2 * (1 - math.cos(angle)))) / angle**2
-    a, b, c = cross(turn, place)
-    e, f, g = cross(turn, (a, b, c))
-    return (place[0] - 0.5 * a + d * e, place[1] - 0.5 * b + d * f, place[2] - 0.5 * c + d * g), turn

@@ -19,23 +19,22 @@ from humanoid_bt.core.turns import (
     Quaternion,
     Vector,
     between,
-    exponential,
     leaning,
     of_matrix,
+    of_vector,
     product,
     tilted,
-    turned,
     view_along,
 )
 from humanoid_bt.robot.model import BASE_COORDINATES, BASE_DOFS, GAZE_SITE, RobotModel, sole_site
 from humanoid_bt.robot.mujoco_functions import angmom_mat, jac_subtree_com
 
 _SOLES, _BASE, _TORSO, _GAZE = (3, 9), 15, 18, 21  # first rows, after those of the centre of mass; then the posture
-_SOLE_GOAL = 12  # numbers of a sole's goal: x, y, yaw, height, tilt, twist
+_SOLE_GOAL = 12  # numbers of a sole's goal: x, y, yaw, height, tilt, correction
 _TURNS = 2 * _SOLE_GOAL  # heading, leans of base and torso, yaw of the torso, yaw and pitch of the view
 _GOALS = _TURNS + 6  # centre of mass, and then the posture
 _POSTURE = _GOALS + 3
-_NO_TWIST = 1e-14  # square of a twist too small to matter
+_NO_TURN = 1e-14  # square of a turn too small to matter [rad^2]
 _LEANS = 0.3  # rad of lean for the gaze at which a reaching hand does not move the torso any more
 
 
@@ -47,7 +46,7 @@ class BodyTargets:
         com: centre of mass, shape (3,) [m].
         soles: pose (x, y, yaw) of each sole.
         sole_footings: height of each sole, and its tilt about the world's x and y [m, rad].
-        sole_twists: correction of each sole's pose, shape (6,).
+        sole_corrections: shift of each sole [m], and turn about its place [rad], shape (6,).
         heading: of the pelvis [rad].
         torso_yaw: of the torso relative to the heading [rad].
         lean: of the pelvis and of the torso ahead [rad].
@@ -63,7 +62,7 @@ class BodyTargets:
     com: Array
     soles: Mapping[Side, Array]
     sole_footings: Mapping[Side, Array]
-    sole_twists: Mapping[Side, Array]
+    sole_corrections: Mapping[Side, Array]
     heading: float
     torso_yaw: float
     lean: tuple[float, float]
@@ -134,7 +133,7 @@ class BodyTask(BaseTask):  # type: ignore[misc]  # mink has no types
         goals, base_lean, torso_lean = self._goals, *targets.lean
         for side, sole in zip(SIDES, (goals[:_SOLE_GOAL], goals[_SOLE_GOAL:]), strict=True):
             sole[:3], sole[3:6] = targets.soles[side], targets.sole_footings[side]
-            sole[6:_SOLE_GOAL] = targets.sole_twists[side]
+            sole[6:_SOLE_GOAL] = targets.sole_corrections[side]
         yaw, pitch = targets.gaze
         goals[_TURNS:_GOALS] = targets.heading, base_lean, torso_lean, targets.torso_yaw, targets.heading + yaw, pitch
         if data is not self._data:
@@ -190,12 +189,9 @@ def _blend(free: float, reaching: float, share: float) -> float:
 def _sole_goal(goal: Array) -> tuple[Vector, Quaternion]:
     """Return where a sole is to be, and how it is to be turned."""
     turn = tilted((math.cos(goal[2] / 2), 0.0, 0.0, math.sin(goal[2] / 2)), goal[4], goal[5])
-    x, y, z = goal[0], goal[1], goal[3]
-    if (goal[6:] ** 2).sum() > _NO_TWIST:
-        (a, b, c), twist = exponential((goal[6], goal[7], goal[8]), (goal[9], goal[10], goal[11]))
-        x, y, z = turned(twist, (x, y, z))
-        x, y, z, turn = a + x, b + y, c + z, product(twist, turn)
-    return (x, y, z), turn
+    if (goal[9:] ** 2).sum() > _NO_TURN:
+        turn = product(of_vector(goal[9], goal[10], goal[11]), turn)
+    return (goal[0] + goal[6], goal[1] + goal[7], goal[3] + goal[8]), turn
 
 
 @inlined

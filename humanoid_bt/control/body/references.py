@@ -1,4 +1,4 @@
-"""References of hands, arms, gaze and posture.
+"""References of hands, arms, gaze, posture and of the height of the centre of mass.
 
 They follow targets at limited speed, and come to rest when released.
 """
@@ -20,6 +20,8 @@ _CORRECT_MAX = 0.05  # m
 _REGAIN = 0.05  # m within reach again, before a hand that was let go follows (hysteresis)
 _PITCH_RANGE = (-0.5, 0.8)  # rad, up and down
 _NECK_SHARE = 0.9  # of the neck's range that is used before the torso helps
+_SUNK = 0.01  # m that a robot that steps may be lower than the reference of its height, which then sinks with it
+_SINK_SPEED, _RISE_SPEED = 1.0, 0.6  # m/s of this reference
 _RELAX_SPEED = 1.0  # rad/s at which released joints go back to the home posture
 
 
@@ -239,6 +241,36 @@ def _toward(point: Array, goal: Array, step: float) -> Array:
     way = goal - point
     distance = math.sqrt(way @ way)
     return goal.copy() if distance <= step else np.asarray(point + way * (step / distance))
+
+
+class ComHeightReference:
+    """The reference of the height of the centre of mass: rises slowly where a push has made a robot sink that steps.
+
+    The leg that lands next would push the robot up at once, and off the ground.
+
+    Args:
+        dt: control period [s].
+
+    Attributes:
+        height: of the centre of mass [m].
+    """
+
+    def __init__(self, dt: float) -> None:
+        self._dt = dt
+        self.height = 0.0
+
+    def update(self, wanted: float, measured: float, steps: bool) -> float:
+        """Return the reference [m].
+
+        Args:
+            wanted, measured: the height [m].
+            steps: whether a step is going on.
+        """
+        after = wanted
+        if steps:
+            after = max(min(wanted, measured + _SUNK), min(wanted, self.height - _SINK_SPEED * self._dt))
+        self.height = min(after, self.height + _RISE_SPEED * self._dt)
+        return self.height
 
 
 def approach(value: float, goal: float, step: float) -> float:

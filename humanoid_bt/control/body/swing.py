@@ -12,7 +12,7 @@ from humanoid_bt.control.body.planar import seen_from
 from humanoid_bt.control.body.step_timing import Axis, Pace, best_place, best_time
 from humanoid_bt.core.compiled import compiled, inlined
 from humanoid_bt.core.messages import SIDES, Array, Side
-from humanoid_bt.core.turns import logarithm, product, turned
+from humanoid_bt.core.turns import product, to_vector, turned
 from humanoid_bt.robot.config import GaitConfig, SoleConfig
 
 _ARRIVE_EARLY = 0.02  # s before touchdown at which the foot is over its foothold
@@ -273,16 +273,16 @@ class TiltCompensation:
     because a jump of a target in contact is an impact.
 
     Attributes:
-        twist: correction of each foot, as a twist in world coordinates, shape (6,).
+        correction: how each sole is shifted [m], and turned about its place [rad], world frame, shape (6,).
     """
 
     _RISE, _DECAY = 0.02, 0.12  # s
     _FADE_IN = 0.3  # share of the swing
-    _LIMIT = 0.3  # m and rad, of each coordinate of the twist
+    _LIMIT = 0.3  # m and rad, of each coordinate of the correction
 
     def __init__(self, dt: float) -> None:
         self._dt = dt
-        self.twist: dict[Side, Array] = {side: np.zeros(6) for side in SIDES}
+        self.correction: dict[Side, Array] = {side: np.zeros(6) for side in SIDES}
 
     def update(self, swing: Swing | None, base_measured: Array, base_reference: Array) -> None:
         """Follow the base's error; ``base_*`` are poses (x, y, z, qw, qx, qy, qz), world frame."""
@@ -290,18 +290,22 @@ class TiltCompensation:
             if swing is not None and swing.side == side:
                 weight = min(1.0, max(0.0, swing.progress) / self._FADE_IN)
                 share = min(1.0, self._dt / self._RISE)
-                _follow_error(self.twist[side], base_measured, base_reference, weight, share, self._LIMIT)
+                sole = np.array([*swing.pose[:2], swing.footing.item(0)])
+                _follow_error(self.correction[side], sole, base_measured, base_reference, weight, share, self._LIMIT)
             else:
-                self.twist[side] *= math.exp(-self._dt / self._DECAY)
+                self.correction[side] *= math.exp(-self._dt / self._DECAY)
 
 
-@compiled("void(f8[::1], f8[::1], f8[::1], f8, f8, f8)")
-def _follow_error(twist: Array, measured: Array, reference: Array, weight: float, share: float, limit: float) -> None:
-    """Bring a twist nearer to the one that leads from one pose to another.
+@compiled("void(f8[::1], f8[::1], f8[::1], f8[::1], f8, f8, f8)")
+def _follow_error(
+    correction: Array, sole: Array, measured: Array, reference: Array, weight: float, share: float, limit: float
+) -> None:
+    """Bring a sole's correction nearer to what leads the base, and the sole with it, from one pose to another.
 
     Args:
-        twist: shape (6,).
-        measured, reference: poses, shape (7,).
+        correction: shape (6,).
+        sole: where it is to be, shape (3,): far from the world's origin a turn about that would be a long way.
+        measured, reference: poses of the base, shape (7,).
         weight: of what leads from the first to the second.
         share: of the difference by which it comes nearer.
         limit: of each coordinate of what it is to follow.
@@ -310,10 +314,10 @@ def _follow_error(twist: Array, measured: Array, reference: Array, weight: float
         (reference[3], reference[4], reference[5], reference[6]),
         (measured[3], -measured[4], -measured[5], -measured[6]),
     )
-    x, y, z = turned(turn, (measured[0], measured[1], measured[2]))
-    way, about = logarithm((reference[0] - x, reference[1] - y, reference[2] - z), turn)
+    place = turned(turn, (sole[0] - measured[0], sole[1] - measured[1], sole[2] - measured[2]))
+    about = to_vector(turn)
     for axis in range(3):
-        goal = weight * min(max(way[axis], -limit), limit)
-        twist[axis] += share * (goal - twist[axis])
+        goal = weight * min(max(reference[axis] + place[axis] - sole[axis], -limit), limit)
+        correction[axis] += share * (goal - correction[axis])
         goal = weight * min(max(about[axis], -limit), limit)
-        twist[3 + axis] += share * (goal - twist[3 + axis])
+        correction[3 + axis] += share * (goal - correction[3 + axis])

@@ -19,7 +19,13 @@ from humanoid_bt.control.body.inverse_kinematics import InverseKinematics
 from humanoid_bt.control.body.lean import LeanReference
 from humanoid_bt.control.body.planar import ahead, seen_from
 from humanoid_bt.control.body.rearranging import Rearranging
-from humanoid_bt.control.body.references import ArmReference, GazeReference, PostureReference, approach
+from humanoid_bt.control.body.references import (
+    ArmReference,
+    ComHeightReference,
+    GazeReference,
+    PostureReference,
+    approach,
+)
 from humanoid_bt.control.body.stabilizer import Stabilizer
 from humanoid_bt.control.body.swing import TiltCompensation
 from humanoid_bt.control.body.walking import Walker
@@ -93,6 +99,7 @@ class WholeBody:
         self._home_joints: Array = robot.home_qpos[BASE_COORDINATES:]
         self._posture = PostureReference(self._home_joints, dt)
         self._height = self._home_height = 0.0
+        self._com_height = ComHeightReference(dt)
         self._home_base: Array = np.zeros(3)  # as seen from the stance
         self._asked: dict[Side, ArmTarget | None] = {}  # of arms that are rearranged
         self._eased = 1.0
@@ -138,7 +145,8 @@ class WholeBody:
         self._asked.clear()
         self._eased = 1.0
         self.kinematics.ease(1.0)
-        self._height = float(self.dynamics.com[2]) - self._home_height
+        self._com_height.height = float(self.dynamics.com[2])
+        self._height = self._com_height.height - self._home_height
         self._reaching = 0.0
         self._commanded = frozenset()
         self._zmp = self.walker.zmp_reference.copy()
@@ -250,11 +258,13 @@ class WholeBody:
         busy = {*hands, *held, *self.arms.sides, *self.arms.homeward}
         self._arm_swing.update(walker.stance, walker.foot_reference, busy)
         x, y = self._stabilizer.com_reference
+        wanted = walker.ground + self._home_height + self._height - self._lean.crouch
+        height = self._com_height.update(wanted, float(self.dynamics.com[2]), steps=walker.gait is Gait.STEP)
         return BodyTargets(
-            com=np.array([x, y, walker.ground + self._home_height + self._height - self._lean.crouch]),
+            com=np.array([x, y, height]),
             soles=walker.foot_reference,
             sole_footings=walker.foot_footing,
-            sole_twists=self._tilt.twist,
+            sole_corrections=self._tilt.correction,
             heading=heading,
             torso_yaw=self._gaze.torso_yaw,
             lean=(self._lean.base, self._lean.torso),

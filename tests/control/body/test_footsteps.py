@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -9,7 +10,7 @@ import pytest
 from humanoid_bt.control.body.body import Footstep
 from humanoid_bt.control.body.footsteps import OTHER, SIGN, FootstepPlanner
 from humanoid_bt.control.body.planar import ahead, seen_from, wrap
-from humanoid_bt.core.messages import Array
+from humanoid_bt.core.messages import Array, Side
 from humanoid_bt.robot.config import GaitConfig, SoleConfig
 
 GAIT = GaitConfig()
@@ -94,30 +95,61 @@ def test_arriving_and_leaving_have_a_hysteresis(
     assert planner.must_walk(ORIGIN, np.array(goal)) is must_walk
 
 
+def first_step(planner: FootstepPlanner, goal: Array, swing: Side = "left") -> Array:
+    """Return the stance after the first step from the origin: forward, sideways [m], turn [rad]."""
+    steps, _ = planner.plan(swing, planner.foothold(OTHER[swing], ORIGIN), goal)
+    return planner.stance_beside(swing, steps[0].pose)
+
+
 def test_it_turns_to_a_goal_far_away_while_it_walks(planner: FootstepPlanner) -> None:
-    forward, sideways, turn = planner.next_stance(ORIGIN, np.array([2.0, 2.0, math.pi / 4]), "left")
-    assert turn == GAIT.step_turn
+    forward, sideways, turn = first_step(planner, np.array([2.0, 2.0, math.pi / 4]))
+    assert turn == pytest.approx(GAIT.step_turn)
     assert forward > 0.3 * GAIT.step_forward
     assert sideways > 0
 
 
 def test_a_foot_turns_farther_outward_than_inward(planner: FootstepPlanner) -> None:
-    goal = np.array([0.0, 0.0, 2.0])
-    outward, inward = (planner.next_stance(ORIGIN, goal, side)[2] for side in ("left", "right"))
-    assert outward == GAIT.step_turn
+    goal = np.array([0.0, 0.0, 3.0])
+    outward, inward = (first_step(planner, goal, side)[2] for side in ("left", "right"))
+    assert outward == pytest.approx(GAIT.step_turn)
     assert 0 < inward < outward
 
 
 def test_a_goal_behind_is_walked_to_backward_if_it_is_near(planner: FootstepPlanner) -> None:
     near, far = np.array([-0.5, 0.0, 0.0]), np.array([-6.0, 0.1, 0.0])
-    np.testing.assert_allclose(planner.next_stance(ORIGIN, near, "left"), [-GAIT.step_back, 0, 0], atol=1e-12)
-    assert planner.next_stance(ORIGIN, far, "left")[2] == GAIT.step_turn
+    np.testing.assert_allclose(first_step(planner, near), [-GAIT.step_back, 0, 0], atol=1e-12)
+    assert abs(first_step(planner, far)[2]) > 0.4 * GAIT.step_turn
 
 
 def test_a_goal_beside_makes_it_sidestep_without_turning(planner: FootstepPlanner) -> None:
-    _, sideways, turn = planner.next_stance(ORIGIN, np.array([-0.05, 0.3, 0]), "left")
+    _, sideways, turn = first_step(planner, np.array([-0.05, 0.15, 0]))
     assert turn == 0
-    assert 0.8 * GAIT.step_sideways < sideways <= GAIT.step_sideways
+    assert 0.6 * GAIT.step_sideways < sideways <= GAIT.step_sideways
+
+
+def test_it_turns_to_its_end_as_it_comes_there_and_not_after(planner: FootstepPlanner) -> None:
+    goal = np.array([1.0, 0.0, 1.2])
+    turns = len(walk(planner, goal)) - len(walk(planner, np.array([1.0, 0.0, 0.0])))
+    in_place = len(walk(planner, np.array([0.0, 0.0, 1.2]))) - 2  # without the first foot, and that which follows
+    assert turns <= in_place - 1
+
+
+@pytest.mark.parametrize("turn", [0.003, 0.05])
+def test_a_robot_that_hardly_turns_walks_all_the_same(turn: float) -> None:
+    planner = FootstepPlanner(replace(GAIT, step_turn=turn), SOLE)
+    steps, done = planner.plan("left", planner.foothold("right", ORIGIN), np.array([0.5, 0.2, 3.0]))
+    assert len(steps) == 4
+    assert not done
+
+
+@pytest.mark.parametrize("swing", ["left", "right"])
+def test_no_walk_has_fewer_steps_the_farther_it_leads(planner: FootstepPlanner, swing: Side) -> None:
+    support = planner.foothold(OTHER[swing], ORIGIN)
+    counts = []
+    for way in np.arange(0.05, 0.8, 0.05):
+        steps, done = planner.plan(swing, support, np.array([way, 0.0, 0.0]))
+        counts.append(len(steps) if done else 4)
+    assert counts == sorted(counts)
 
 
 @pytest.mark.parametrize(
@@ -128,10 +160,10 @@ def test_the_foot_inside_the_turn_steps_first(planner: FootstepPlanner, goal: li
 
 
 def test_steps_are_shorter_where_feet_slip_and_grow_again_where_they_do_not(planner: FootstepPlanner) -> None:
-    turn, far = np.array([0.0, 0.0, 2.0]), np.array([3.0, 0.0, 0.0])
+    turn, far = np.array([0.0, 0.0, 3.0]), np.array([3.0, 0.0, 0.0])
     planner.stood(0.3)
-    assert planner.next_stance(ORIGIN, turn, "left")[2] == pytest.approx(0.6 * GAIT.step_turn)
-    assert planner.next_stance(ORIGIN, far, "left")[0] == pytest.approx(0.6 * GAIT.step_forward)
+    assert first_step(planner, turn)[2] == pytest.approx(0.6 * GAIT.step_turn)
+    assert first_step(planner, far)[0] == pytest.approx(0.6 * GAIT.step_forward)
     for _ in range(5):
         planner.stood(-0.3)
     shortest = planner.stride
@@ -140,8 +172,8 @@ def test_steps_are_shorter_where_feet_slip_and_grow_again_where_they_do_not(plan
     assert shortest < planner.stride < 0.6
     for _ in range(20):
         planner.stood(0.01)
-    assert planner.next_stance(ORIGIN, turn, "left")[2] == GAIT.step_turn
+    assert first_step(planner, turn)[2] == pytest.approx(GAIT.step_turn)
     planner.stood(0.3)
     planner.reset()
     assert planner.stride == 1.0
-    assert planner.next_stance(ORIGIN, turn, "left")[2] == GAIT.step_turn
+    assert first_step(planner, turn)[2] == pytest.approx(GAIT.step_turn)

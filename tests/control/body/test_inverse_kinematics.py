@@ -33,7 +33,7 @@ def targets(robot: RobotModel, standing: Array, **given: Any) -> BodyTargets:
         "com": Pose(robot, standing).com,
         "soles": {"left": np.array([0, half, 0]), "right": np.array([0, -half, 0])},
         "sole_footings": dict.fromkeys(SIDES, np.zeros(3)),
-        "sole_twists": {side: np.zeros(6) for side in SIDES},
+        "sole_corrections": {side: np.zeros(6) for side in SIDES},
         "heading": 0.0,
         "torso_yaw": 0.0,
         "lean": (0.0, 0.0),

@@ -5,7 +5,13 @@ import math
 import numpy as np
 import pytest
 
-from humanoid_bt.control.body.references import GazeReference, HandReference, PostureReference, approach
+from humanoid_bt.control.body.references import (
+    ComHeightReference,
+    GazeReference,
+    HandReference,
+    PostureReference,
+    approach,
+)
 from humanoid_bt.core.messages import Array
 from humanoid_bt.robot.config import WholeBodyConfig
 
@@ -217,6 +223,26 @@ def test_released_joints_go_home_at_limited_speed() -> None:
     for _ in range(60):
         posture.update()
     np.testing.assert_allclose(posture.joints, home, atol=1e-12)
+
+
+def test_the_height_of_a_robot_that_a_push_made_sink_as_it_steps_follows_it_down_and_rises_slowly() -> None:
+    com = ComHeightReference(DT)
+    com.height = 0.7
+    assert com.update(0.7, 0.695, steps=True) == 0.7  # as every step sways
+    falls = [com.update(0.7, 0.6, steps=True) for _ in range(40)]
+    assert falls[0] == pytest.approx(0.7 - 1.0 * DT)
+    assert falls[-1] == pytest.approx(0.61)
+    rises = [com.update(0.7, 0.75, steps=True) for _ in range(40)]
+    assert rises[0] == pytest.approx(0.61 + 0.6 * DT)
+    assert rises[-1] == 0.7
+
+
+def test_the_height_of_a_robot_that_stands_does_not_sink_with_it() -> None:
+    com = ComHeightReference(DT)
+    com.height = 0.7
+    assert com.update(0.7, 0.6, steps=False) == 0.7
+    assert com.update(0.65, 0.6, steps=False) == 0.65  # what is asked for, at once: it is slow itself
+    assert com.update(0.7, 0.6, steps=False) == pytest.approx(0.65 + 0.6 * DT)
 
 
 @pytest.mark.parametrize(("value", "goal", "after"), [(0, 1, 0.1), (0, -1, -0.1), (0.95, 1, 1), (1, 1, 1)])
