@@ -17,9 +17,9 @@ ARRIVED, LEAVES = (0.02, 0.035), (0.04, 0.055)
 Wider than those of planned footsteps: a walker that stops takes a last step of its own."""
 
 _CLOSE = (0.025, 0.035)
-"""How near [m] and how little turned [rad] one that came to rest stays; else it goes there once more.
+"""How near [m] and how little turned [rad] one that came to rest stays; else it goes there once more."""
 
-It does so once: a walker that cannot stop nearer would never stop."""
+_MORE = 2  # times that it does so: a walker that cannot stop nearer would never stop
 
 _SWAYS_ON = 0.1  # s that a walker that stops goes on to the side to which it sways
 _SWAYS_MOST = 0.02  # m of it: one that sways far is never where it is expected
@@ -51,7 +51,7 @@ class VelocityReference:
 
     A walker that stops comes to rest somewhere else than it was told to stop, each of them in its own way: its feet
     slide back by 3 cm, or it turns by 2 degrees. That is learnt from every stop, so that it stops before or beyond the
-    place; one that came to rest too far off goes once more.
+    place; one that came to rest too far off goes once more, twice at most.
 
     Args:
         policy: whose commands.
@@ -79,7 +79,8 @@ class VelocityReference:
         self._slides: Array = np.zeros(3)  # farther than expected, as it stops: m ahead, m aside, rad
         self._will_slide = self._expected = self._slides  # if it stops now; when it stopped last
         self._stopped_at: Array | None = None  # while it comes to rest
-        self._may_once_more = self._goes_once_more = False  # when it rests; now
+        self._more = 0  # times that it may yet go once more when it rests
+        self._goes_once_more = False  # now
 
     @property
     def stands(self) -> bool:
@@ -137,7 +138,7 @@ class VelocityReference:
         self._goes_once_more = False
         if self._stopped_at is None or (self._stopped_for < _COMES_TO_REST and not self._quiet):
             return
-        self._goes_once_more = self._may_once_more
+        self._goes_once_more = self._more > 0
         slid = np.array([*seen_from(self._stopped_at, stance), wrap(stance.item(2) - self._stopped_at.item(2))])
         self._stopped_at = None
         if np.abs(slid).max() < _SLIDES_MOST:
@@ -150,7 +151,7 @@ class VelocityReference:
             stance = ahead(stance, *self._will_slide.tolist())
         self._goes = self.goes(goal, stance)
         if self._goes and not before:
-            self._may_once_more, self._stopped_at = _is_beyond(LEAVES, goal, stance), None
+            self._more, self._stopped_at = _MORE if _is_beyond(LEAVES, goal, stance) else self._more - 1, None
         if before and not self._goes:
             self._stopped_at, self._expected = at, self._will_slide
         if not self._goes:
