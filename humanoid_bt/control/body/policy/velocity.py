@@ -28,7 +28,10 @@ _SLIDES_MOST = 0.08  # m, rad: more is a push
 _COMES_TO_REST, _FAR_OFF = 0.8, 0.15  # s in which it only starts again if it is farther off than this [m]
 _NEAR = 0.5  # m within which it walks sideways and back instead of turning to where it goes
 _APPROACH = 1.5  # 1/s: speed per distance
-_INSIST, _INSIST_MOST = 0.6, 0.25  # 1/s^2, m/s: speed by the integral of the distance, near
+_INSIST, _INSIST_MOST = np.array([0.6, 0.6, 0.2]), np.array([0.25, 0.25, 0.12])
+"""1/s^2, and m/s and rad/s: speed ahead, aside and of the turn by the integral of what is left of each, near."""
+
+_INSISTS_WITHIN = 0.15  # rad: a larger turn is no slow one
 _TURN = 1.5  # 1/s: turn per angle, near
 _TURN_FAR = 2.2  # 1/s: likewise while it walks ahead to a far place
 _TURNS_ONLY = 1.2  # rad of bearing beyond which it turns on the spot
@@ -75,7 +78,7 @@ class VelocityReference:
         self.still_for = 0.0
         self._goes = self._moves = self._quiet = False
         self._stopped_for = _COMES_TO_REST  # s
-        self._insists: Array = np.zeros(2)  # m/s ahead and to the left
+        self._insists: Array = np.zeros(3)  # m/s ahead and to the left, rad/s
         self._slides: Array = np.zeros(3)  # farther than expected, as it stops: m ahead, m aside, rad
         self._will_slide = self._expected = self._slides  # if it stops now; when it stopped last
         self._stopped_at: Array | None = None  # while it comes to rest
@@ -173,10 +176,12 @@ class VelocityReference:
             if abs(turn) > _THERE * ARRIVED[1]:
                 rate = math.copysign(max(abs(rate), limits.slowest_turn), turn)
             share = speed / distance if distance else 0.0
-            self._insists += (_INSIST * self._dt) * np.array([x, y])  # a walker that leans lags behind its command
+            # A walker that leans lags behind its command, and one that is to turn slowly may not turn at all:
+            left = np.array([x, y, turn if abs(turn) < _INSISTS_WITHIN else 0.0])
+            self._insists = self._insists + (_INSIST * self._dt) * left
             self._insists = clamp(self._insists, -_INSIST_MOST, _INSIST_MOST)
-            more_x, more_y = self._insists.tolist()
-            wanted = np.array([share * x + more_x, min(max(share * y, -_NEAR_SIDE), _NEAR_SIDE) + more_y, rate])
+            aside = min(max(share * y, -_NEAR_SIDE), _NEAR_SIDE)
+            wanted = np.array([share * x, aside, rate]) + self._insists
         return clamp(wanted, self._low, self._high)
 
 

@@ -125,3 +125,12 @@ def test_one_that_sways_far_stops_where_it_is_sent_all_the_same(velocity: Veloci
     stance, stops = stop(velocity, goal, np.zeros(3), lambda there: there, sways=1.0)
     assert abs(seen_from(goal, stance)).max() < LEAVES[0]
     assert stops <= 3
+
+
+def test_one_that_does_not_turn_slowly_turns_all_the_same(velocity: VelocityReference) -> None:
+    goal, stance = np.array([0.0, 0.0, 0.1]), np.zeros(3)
+    for _ in range(round(6 / DT)):
+        wz = velocity.update(goal, stance).item(2)
+        if abs(wz) > 0.2:  # rad/s
+            stance = ahead(stance, 0.0, 0.0, DT * wz)
+    assert abs(goal[2] - stance[2]) < ARRIVED[1]
