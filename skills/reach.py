@@ -125,7 +125,7 @@ class Reach(Skill):
         return self.running(f"{hand} hand {error * 100:.0f} cm away")
 
     def _may_try(self, other: Side, hand: Side, bearing: float) -> bool:
-        if self.hand != "nearest" or abs(bearing) > _AHEAD or self.robot.touched(hand):
+        if self.hand != "nearest" or abs(bearing) > _AHEAD or self._route.blocked or self.robot.touched(hand):
             return False
         return other in self.robot.state.hands
 

@@ -98,7 +98,7 @@ def test_says_that_something_touched_its_arm(rig: Rig, skill: str) -> None:
 
 
 def test_says_how_near_it_came_when_the_target_is_out_of_reach(rig: Rig) -> None:
-    result = rig.run("reach", target=(0.9, 0.2, 0.9), timeout=12)
+    result = rig.run("reach", target=(0.9, 0.2, 0.9), hand="left", timeout=12)
     assert result.failed
     assert "comes no nearer than" in result.feedback
     assert not result.fell
