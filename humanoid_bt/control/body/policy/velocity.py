@@ -28,7 +28,7 @@ _SLIDES_MOST = 0.08  # m, rad: more is a push
 _COMES_TO_REST, _FAR_OFF = 0.8, 0.15  # s in which it only starts again if it is farther off than this [m]
 _NEAR = 0.5  # m within which it walks sideways and back instead of turning to where it goes
 _APPROACH = 1.5  # 1/s: speed per distance
-_INSIST, _INSIST_MOST = np.array([0.6, 0.6, 0.2]), np.array([0.25, 0.25, 0.12])
+_INSIST, _INSIST_MOST = np.array([0.6, 0.6, 0.4]), np.array([0.25, 0.25, 0.2])
 """1/s^2, and m/s and rad/s: speed ahead, aside and of the turn by the integral of what is left of each, near."""
 
 _INSISTS_WITHIN = 0.15  # rad: a larger turn is no slow one
