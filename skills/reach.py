@@ -21,14 +21,17 @@ from humanoid_bt import (
     result,
 )
 
+_AHEAD = math.radians(20)  # bearing of what the other hand may get to, too
+
 
 class Reach(Skill):
     """Stand and bring a palm to the target, balanced, and keep it there for a moment.
 
     With a direction it turns the hand, too: its fingers point there, or the palm faces there. Waits for a steady base
-    before it moves a hand, which goes over what is solid and was seen, such as the table below a cup. Fails if the
-    target was never seen, or if the palm comes no nearer: it does not walk. Then it says which own link or which thing
-    is in the way, if one is, or what touched the arm.
+    before it moves a hand, which goes over what is solid and was seen, such as the table below a cup. Where the nearest
+    hand comes no nearer to what is ahead, the other one tries. Fails if the target was never seen, or if the palm comes
+    no nearer: it does not walk. Then it says which own link or which thing is in the way, if one is, or what touched
+    the arm.
     """
 
     resources = ("left_hand", "right_hand", "gaze")
@@ -36,7 +39,9 @@ class Reach(Skill):
     either_hand = True
 
     target: PerceptName = param(doc="Percept to reach for.")
-    hand: Literal["left", "right", "nearest"] = param("nearest", doc="Which hand.")
+    hand: Literal["left", "right", "nearest"] = param(
+        "nearest", doc="Which hand; nearest: the other one, too, where that one does not get to what is ahead."
+    )
     tolerance: float = param(0.015, unit="m", above=0, doc="Reached when the palm is this close.")
     hold: float = param(0.3, unit="s", minimum=0, doc="How long it must stay there.")
     patience: float = param(2.0, unit="s", above=0, doc="Fails when the palm comes no nearer for this long.")
@@ -60,7 +65,12 @@ class Reach(Skill):
     def initialise(self) -> None:
         """Choose nothing yet: the hand is chosen once the robot stands."""
         self._hand: Side | None = None
+        self._short = ""  # why the hand that was chosen first did not get there
         self._place = Steady(self.smoothing)
+        self._begin()
+
+    def _begin(self) -> None:
+        """Begin with a hand that has not moved."""
         self._held = Lasting(self.hold)
         self._route = HandRoute(self.robot)
         self._error = Improving(self.patience, step=0.005)
@@ -82,9 +92,10 @@ class Reach(Skill):
         aim = self._place.update(track.position_world, track.stamp)
         if self.direction is not None and not any(self.direction):
             return self.fail("the direction is zero: it points nowhere")
-        return self._bring(self._hand, aim, self._direction())
+        return self._bring(self._hand, aim, track.bearing)
 
-    def _bring(self, hand: Side, aim: np.ndarray, direction: np.ndarray | None) -> Status:
+    def _bring(self, hand: Side, aim: np.ndarray, bearing: float) -> Status:
+        direction = self._direction()
         place = self._route.next(hand, aim, ignore=[self.target])
         self.robot.move_hand(hand, place, direction=direction, axis=self.axis, speed=self.speed)
         now, turn_error = self.robot.clock.now(), 0.0
@@ -100,11 +111,23 @@ class Reach(Skill):
             self._turn_error.restart()
         elif self.robot.touched(hand) or not self._improves(error, turn_error, now):
             if there:
-                return self.fail(self.robot.why_not_turned(hand, self._turn_error.best))
-            return self.fail(self._route.why_no_nearer(hand, self._error.best))
+                why = self.robot.why_not_turned(hand, self._turn_error.best)
+            else:
+                why = self._route.why_no_nearer(hand, self._error.best)
+            other: Side = "right" if hand == "left" else "left"
+            if self._short or not self._may_try(other, hand, bearing):
+                return self.fail("; ".join(filter(None, (self._short, why))))
+            self._short, self._hand = why, other
+            self._begin()
+            return self.running(why)
         if there and not turned:
             return self.running(f"{hand} hand turned {math.degrees(turn_error):.0f} deg away")
         return self.running(f"{hand} hand {error * 100:.0f} cm away")
+
+    def _may_try(self, other: Side, hand: Side, bearing: float) -> bool:
+        if self.hand != "nearest" or abs(bearing) > _AHEAD or self._route.blocked or self.robot.touched(hand):
+            return False
+        return other in self.robot.state.hands
 
     def _improves(self, error: float, turn_error: float, now: float) -> bool:
         nearer, turns = self._error.update(error, now), self._turn_error.update(turn_error, now)

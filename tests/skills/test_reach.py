@@ -98,7 +98,7 @@ def test_says_that_something_touched_its_arm(rig: Rig, skill: str) -> None:
 
 
 def test_says_how_near_it_came_when_the_target_is_out_of_reach(rig: Rig) -> None:
-    result = rig.run("reach", target=(0.9, 0.2, 0.9), timeout=12)
+    result = rig.run("reach", target=(0.9, 0.2, 0.9), hand="left", timeout=12)
     assert result.failed
     assert "comes no nearer than" in result.feedback
     assert not result.fell
@@ -197,3 +197,20 @@ def test_says_what_it_cannot_reach_over(rig: Rig) -> None:
     assert result.feedback.startswith("left hand comes no nearer than ")
     assert result.feedback.endswith(": wall is in the way")
     assert max(state.hands["left"][0] for state in result.states) < 0.35
+
+
+def test_the_other_hand_tries_where_the_nearest_one_does_not_get_there(rig: Rig) -> None:
+    result = rig.run("reach", target=(0.40, 0.04, 0.95), direction=(0, 1, -1), timeout=20)
+    assert result.succeeded, result.feedback
+    assert result.feedback.startswith("right hand ")
+    hands = [name for command in result.commands for name in command.targets if name.endswith("hand")]
+    assert list(dict.fromkeys(hands)) == ["left_hand", "right_hand"]
+
+
+@pytest.mark.parametrize(("aside", "tried"), [(0.1, ["left", "right"]), (0.6, ["left"])])
+def test_says_of_every_hand_that_tried_how_near_it_came(rig: Rig, aside: float, tried: list[str]) -> None:
+    result = rig.run("reach", target=(0.9, aside, 0.9), timeout=25)
+    assert result.failed
+    told = result.feedback.split("; ")
+    assert [line.split()[0] for line in told] == tried
+    assert all("comes no nearer than" in line for line in told)

@@ -36,7 +36,7 @@ def test_a_type_means_every_node_of_it_and_a_composite_goes_with_all_below_it(dr
     assert changes(run, "get near") == [(0, "RUNNING"), (0.1, "INVALID")]
     assert not changes(run, "approach")
     assert [node.type_name for node in run.tree.nodes if node.type_name in ("approach", "turn", "idle")] == []
-    assert len([node for node in run.tree.nodes if node.type_name == "selector"]) == 2
+    assert len([node for node in run.tree.nodes if node.type_name == "selector"]) == 3
 
 
 def test_answers_come_one_after_the_other_and_the_last_again_and_again(tmp_path):

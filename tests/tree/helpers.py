@@ -38,6 +38,7 @@ class Approach(Skill):
     resources = ("base", "gaze")
     target: PerceptName = param(doc="Whom to approach.")
     distance: float = param(0.5, above=0, unit="m", doc="How near.")
+    tolerance: float = param(0.06, above=0, unit="m", doc="Arrived when this close; it is there or not.")
 
     def update(self):
         track = self.robot.track(self.target)

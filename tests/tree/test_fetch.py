@@ -47,10 +47,10 @@ def test_the_demo_goes_as_told(tree: Tree) -> None:
     fetch.tick(seen(fetch.time, 0.45, 0.55))
     assert running(fetch) == f"{above}/act on target/get near/approach"  # it walks all the way, and hysteresis holds
     fetch.tick(seen(fetch.time, 0.39, 0.9))
-    assert running(fetch) == f"{above}/act on target/reach"
+    assert running(fetch) == f"{above}/act on target/touch/reach"
     fetch.tick(seen(fetch.time, 0.45, 0.9))
     fetch.tick(seen(fetch.time, 0.52, 0.9))
-    assert running(fetch) == f"{above}/act on target/reach"  # hysteresis again
+    assert running(fetch) == f"{above}/act on target/touch/reach"  # hysteresis again
     fetch.ticks(6)
     assert running(fetch) == LOOKING  # lost
     fetch.tick(seen(fetch.time, 0.52, 0.9))

@@ -17,9 +17,9 @@ ARRIVED, LEAVES = (0.02, 0.035), (0.04, 0.055)
 Wider than those of planned footsteps: a walker that stops takes a last step of its own."""
 
 _CLOSE = (0.025, 0.035)
-"""How near [m] and how little turned [rad] one that came to rest stays; else it goes there once more.
+"""How near [m] and how little turned [rad] one that came to rest stays; else it goes there once more."""
 
-It does so once: a walker that cannot stop nearer would never stop."""
+_MORE = 2  # times that it does so: a walker that cannot stop nearer would never stop
 
 _SWAYS_ON = 0.1  # s that a walker that stops goes on to the side to which it sways
 _SWAYS_MOST = 0.02  # m of it: one that sways far is never where it is expected
@@ -28,7 +28,10 @@ _SLIDES_MOST = 0.08  # m, rad: more is a push
 _COMES_TO_REST, _FAR_OFF = 0.8, 0.15  # s in which it only starts again if it is farther off than this [m]
 _NEAR = 0.5  # m within which it walks sideways and back instead of turning to where it goes
 _APPROACH = 1.5  # 1/s: speed per distance
-_INSIST, _INSIST_MOST = 0.6, 0.25  # 1/s^2, m/s: speed by the integral of the distance, near
+_INSIST, _INSIST_MOST = np.array([0.6, 0.6, 0.4]), np.array([0.25, 0.25, 0.2])
+"""1/s^2, and m/s and rad/s: speed ahead, aside and of the turn by the integral of what is left of each, near."""
+
+_INSISTS_WITHIN = 0.15  # rad: a larger turn is no slow one
 _TURN = 1.5  # 1/s: turn per angle, near
 _TURN_FAR = 2.2  # 1/s: likewise while it walks ahead to a far place
 _TURNS_ONLY = 1.2  # rad of bearing beyond which it turns on the spot
@@ -51,7 +54,7 @@ class VelocityReference:
 
     A walker that stops comes to rest somewhere else than it was told to stop, each of them in its own way: its feet
     slide back by 3 cm, or it turns by 2 degrees. That is learnt from every stop, so that it stops before or beyond the
-    place; one that came to rest too far off goes once more.
+    place; one that came to rest too far off goes once more, twice at most.
 
     Args:
         policy: whose commands.
@@ -75,11 +78,12 @@ class VelocityReference:
         self.still_for = 0.0
         self._goes = self._moves = self._quiet = False
         self._stopped_for = _COMES_TO_REST  # s
-        self._insists: Array = np.zeros(2)  # m/s ahead and to the left
+        self._insists: Array = np.zeros(3)  # m/s ahead and to the left, rad/s
         self._slides: Array = np.zeros(3)  # farther than expected, as it stops: m ahead, m aside, rad
         self._will_slide = self._expected = self._slides  # if it stops now; when it stopped last
         self._stopped_at: Array | None = None  # while it comes to rest
-        self._may_once_more = self._goes_once_more = False  # when it rests; now
+        self._more = 0  # times that it may yet go once more when it rests
+        self._goes_once_more = False  # now
 
     @property
     def stands(self) -> bool:
@@ -137,7 +141,7 @@ class VelocityReference:
         self._goes_once_more = False
         if self._stopped_at is None or (self._stopped_for < _COMES_TO_REST and not self._quiet):
             return
-        self._goes_once_more = self._may_once_more
+        self._goes_once_more = self._more > 0
         slid = np.array([*seen_from(self._stopped_at, stance), wrap(stance.item(2) - self._stopped_at.item(2))])
         self._stopped_at = None
         if np.abs(slid).max() < _SLIDES_MOST:
@@ -150,7 +154,7 @@ class VelocityReference:
             stance = ahead(stance, *self._will_slide.tolist())
         self._goes = self.goes(goal, stance)
         if self._goes and not before:
-            self._may_once_more, self._stopped_at = _is_beyond(LEAVES, goal, stance), None
+            self._more, self._stopped_at = _MORE if _is_beyond(LEAVES, goal, stance) else self._more - 1, None
         if before and not self._goes:
             self._stopped_at, self._expected = at, self._will_slide
         if not self._goes:
@@ -172,10 +176,12 @@ class VelocityReference:
             if abs(turn) > _THERE * ARRIVED[1]:
                 rate = math.copysign(max(abs(rate), limits.slowest_turn), turn)
             share = speed / distance if distance else 0.0
-            self._insists += (_INSIST * self._dt) * np.array([x, y])  # a walker that leans lags behind its command
+            # A walker that leans lags behind its command, and one that is to turn slowly may not turn at all:
+            left = np.array([x, y, turn if abs(turn) < _INSISTS_WITHIN else 0.0])
+            self._insists = self._insists + (_INSIST * self._dt) * left
             self._insists = clamp(self._insists, -_INSIST_MOST, _INSIST_MOST)
-            more_x, more_y = self._insists.tolist()
-            wanted = np.array([share * x + more_x, min(max(share * y, -_NEAR_SIDE), _NEAR_SIDE) + more_y, rate])
+            aside = min(max(share * y, -_NEAR_SIDE), _NEAR_SIDE)
+            wanted = np.array([share * x, aside, rate]) + self._insists
         return clamp(wanted, self._low, self._high)
 
 

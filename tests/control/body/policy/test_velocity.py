@@ -108,20 +108,29 @@ def test_one_that_slides_as_it_stops_goes_there_once_more_and_learns(velocity: V
         stance, stops = stop(velocity, goal, stance, lambda there: ahead(there, *slides.tolist()))
         counts.append(stops)
         off.append(np.abs(seen_from(goal, stance)).max())
-    assert 1 < counts[0] <= 4
+    assert 1 < counts[0] <= 5
     assert counts[3:] == [1, 1, 1]
     assert off[0] < LEAVES[0]
     assert max(off[3:]) < ARRIVED[0] + 0.005
 
 
-def test_one_that_cannot_stop_nearer_goes_there_once_more_only(velocity: VelocityReference) -> None:
+def test_one_that_cannot_stop_nearer_goes_there_twice_more_only(velocity: VelocityReference) -> None:
     goal = np.array([1.0, 0.0, 0.0])
     _, stops = stop(velocity, goal, np.zeros(3), lambda _: ahead(goal, 0.032, 0.0, 0.0))
-    assert stops == 2
+    assert stops == 3
 
 
 def test_one_that_sways_far_stops_where_it_is_sent_all_the_same(velocity: VelocityReference) -> None:
     goal = np.array([1.0, 0.0, 0.0])
     stance, stops = stop(velocity, goal, np.zeros(3), lambda there: there, sways=1.0)
     assert abs(seen_from(goal, stance)).max() < LEAVES[0]
-    assert stops <= 2
+    assert stops <= 3
+
+
+def test_one_that_does_not_turn_slowly_turns_all_the_same(velocity: VelocityReference) -> None:
+    goal, stance = np.array([0.0, 0.0, 0.1]), np.zeros(3)
+    for _ in range(round(6 / DT)):
+        wz = velocity.update(goal, stance).item(2)
+        if abs(wz) > 0.2:  # rad/s
+            stance = ahead(stance, 0.0, 0.0, DT * wz)
+    assert abs(goal[2] - stance[2]) < ARRIVED[1]
