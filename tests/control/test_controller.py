@@ -42,10 +42,10 @@ def walking(state: State) -> bool:
 
 
 def drift(rig: ControlRig, seconds: float) -> float:
-    """Return how far the base moves in that time [m]."""
-    before = rig.state.base_position
+    """Return how far the centre of mass moves in that time [m]."""
+    before = rig.state.com
     rig.run(seconds)
-    return float(np.linalg.norm(rig.state.base_position - before))
+    return float(np.linalg.norm(rig.state.com - before))
 
 
 def test_it_stands_still(rig: ControlRig, standing: Array) -> None:
@@ -67,7 +67,7 @@ def test_it_walks_a_meter_and_stands_there(rig: ControlRig) -> None:
     assert np.linalg.norm(state.stance - [1, 0, 0]) < 0.03
     assert rig.controller.supervisor.stops == []
     assert rig.plant.external_force_max == 0
-    assert drift(rig, 0.1) < 2e-3
+    assert drift(rig, 0.1) < 1.8e-3  # as slow as one that has settled is
 
 
 def test_a_released_walk_ends_in_a_stand_before_the_goal(rig: ControlRig) -> None:
