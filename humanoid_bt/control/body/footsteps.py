@@ -18,7 +18,7 @@ SIGN: dict[Side, float] = {"left": 1.0, "right": -1.0}
 
 STEPS_AHEAD = 4
 
-_FAR = 2.0  # m of the way that are planned
+_FAR = 2.0  # m of the way that are planned, if steps are not shorter than they may be
 _GRIPS = 0.1  # rad by which a foot that carries the robot may turn: on dry floors hardly ever
 _SHORTER, _LONGER, _SHORTEST = 0.6, 0.05, 0.4  # times, plus, and least share of the longest step
 
@@ -85,7 +85,7 @@ class FootstepPlanner:
     def _search(self, swing: Side, stance: Array, goal: Array) -> tuple[float, float]:
         """Write into ``_found`` the stances of the shortest walk; return how many steps it has, and what they cost."""
         x, y = (goal - stance)[:2].tolist()
-        far = math.hypot(x, y) / _FAR
+        far = math.hypot(x, y) / (_FAR * self.stride)
         if far > 1:
             goal = np.array([stance.item(0) + x / far, stance.item(1) + y / far, math.atan2(y, x)])
         gait, sole = self._gait, self._sole
