@@ -54,7 +54,7 @@ def test_a_walker_that_does_not_walk_is_refused_in_its_own_file(
     assert main(["check", str(robot)]) == 2
     told = capsys.readouterr().out
     assert "stand.policy.yaml:7:22: error: it does not walk straight ahead" in told
-    assert "the terms' order, scales and history" in told
+    assert "the order of joints and terms, scales, history" in told
 
 
 def test_the_tree_runs_on_a_learned_walker(robot: Path) -> None:
