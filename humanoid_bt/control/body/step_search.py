@@ -125,7 +125,7 @@ def _best(
     about = (goal[2] - faces + math.pi) % (2 * math.pi) - math.pi
     bearing = (math.atan2(goal[1] - stance[1], goal[0] - stance[0]) - faces + math.pi) % (2 * math.pi) - math.pi
     for end in (about, about - math.copysign(2 * math.pi, about)):
-        for number in range(_HEADINGS + 4):
+        for number in range(_HEADINGS + 3):
             heading = (number - _HEADINGS // 2) * 2 * math.pi / _HEADINGS
             if number == _HEADINGS:
                 heading = end
@@ -133,8 +133,6 @@ def _best(
                 heading = bearing
             elif number == _HEADINGS + 2:
                 heading = bearing - math.copysign(math.pi, bearing)
-            elif number == _HEADINGS + 3:
-                heading = 0.5 * end
             cost = _walk(reach, steps, outward, stance, goal, faces + end, faces + heading, tried)
             if cost < least:
                 least = cost
