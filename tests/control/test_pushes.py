@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from humanoid_bt.core.messages import Gait, Mode, State
+from humanoid_bt.core.messages import BaseTarget, Gait, Mode, State
 from tests.control.control_rig import ControlRig
 
 
@@ -24,3 +24,15 @@ def test_a_robot_that_is_pushed_hard_steps_and_stands_again(rig: ControlRig, deg
     assert rig.state.mode is Mode.RUN
     assert rig.plant.truth().base_position[2] > 0.9 * rig.standing[2]
     assert np.abs(rig.state.stance[:2]).max() > 0.05
+
+
+def test_the_height_that_is_planned_comes_down_with_a_robot_that_a_push_makes_sink(rig: ControlRig) -> None:
+    far = {"base": BaseTarget(np.array([3.0, 0.0]), 0.0)}
+    assert rig.run(5.0, far, until=lambda state: state.gait is Gait.STEP and state.base_position[0] > 0.36)
+    rig.plant.push("torso", np.array([0.0, 200.0, 0.0]), 0.1)
+    body, above = rig.controller.body, []
+    for _ in range(75):
+        rig.run(0.02, far)
+        above.append(body.kinematics.com_height - body.dynamics.com[2])
+    assert rig.state.mode is Mode.RUN
+    assert 0.02 < max(above) < 0.1  # m; 0.16 if the plan stayed where it was

@@ -214,3 +214,11 @@ def test_says_of_every_hand_that_tried_how_near_it_came(rig: Rig, aside: float, 
     told = result.feedback.split("; ")
     assert [line.split()[0] for line in told] == tried
     assert all("comes no nearer than" in line for line in told)
+
+
+def test_the_other_hand_stays_where_it_is_when_something_touches_the_arm(rig: Rig) -> None:
+    rig.at(1.0, lambda: rig.push((-60.0, 0.0, 0.0), 0.2, "right_hand"))
+    result = rig.run("reach", target=(0.40, -0.1, 0.95))
+    assert result.failed
+    assert result.feedback.startswith("right arm touched something: ")
+    assert {name for command in result.commands for name in command.targets if "hand" in name} == {"right_hand"}

@@ -56,6 +56,22 @@ def test_a_walk_reaches_its_goal_in_steps_that_the_robot_can_make(planner: Foots
         assert SIGN[step.side] * seen_from(before.pose, step.pose)[1] > NO_CONTACT
 
 
+def test_it_turns_the_longer_way_round_where_that_saves_steps(planner: FootstepPlanner) -> None:
+    made = walk(planner, np.array([0.7, -0.7, 3.1]))
+    turns = [wrap(after.pose.item(2) - before.pose.item(2)) for before, after in pairwise(made)]
+    assert sum(turns) == pytest.approx(3.1 - 2 * math.pi, abs=0.03)
+
+
+def test_steps_are_no_longer_than_their_number_asks_for(planner: FootstepPlanner) -> None:
+    made = walk(planner, np.array([1.5 * GAIT.step_forward, 0.0, 0.0]))
+    stances = [planner.stance_beside(step.side, step.pose) for step in made]
+    assert max(np.diff([stance.item(0) for stance in stances])) < 0.86 * GAIT.step_forward
+
+
+def test_the_right_foot_starts_where_either_could(planner: FootstepPlanner) -> None:
+    assert planner.first_swing(ORIGIN, np.array([1.0, 0.0, 0.0])) == "right"
+
+
 def test_it_plans_a_few_steps_ahead_and_says_that_more_will_follow(planner: FootstepPlanner) -> None:
     steps, done = planner.plan("left", planner.foothold("right", ORIGIN), np.array([3.0, 0, 0]))
     assert [step.side for step in steps] == ["left", "right", "left", "right"]

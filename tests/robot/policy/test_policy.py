@@ -82,6 +82,14 @@ def test_a_multiple_of_the_terms_is_taken_for_a_history(tmp_path: Path) -> None:
     assert "is there a history: 5 of them?" in message
 
 
+def test_terms_that_have_a_history_are_not_asked_for_one(tmp_path: Path) -> None:
+    text = DESCRIPTION.replace("term: command", "term: command, history: 2")
+    assert text != DESCRIPTION
+    [message] = refused(write_walker(tmp_path, text, numbers=26))
+    assert "the terms have 13 numbers, the model's input 'obs' 26" in message
+    assert "is there a history" not in message
+
+
 @pytest.mark.parametrize(
     ("old", "new", "line", "told"),
     [

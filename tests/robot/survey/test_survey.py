@@ -20,6 +20,7 @@ from humanoid_bt.robot.model import GAZE_SITE, RobotModel, palm_site, sole_site
 from humanoid_bt.robot.published import read_model
 from humanoid_bt.robot.survey.description import Description, describe
 from humanoid_bt.robot.survey.limbs import NoHumanoidError, Surveyor
+from humanoid_bt.robot.survey.posture import overlapping
 
 BUILTIN = builtin_root() / "sim" / "humanoid"
 
@@ -64,6 +65,18 @@ def test_links_that_are_in_what_carries_them_do_not_touch(spec: mujoco.MjSpec, a
     assert found.collision.overlap["pelvis"] == ["left_thigh", "right_thigh"]
     assert "links whose shapes are in each other, which do not touch" in description.guessed
     assert adopt(read_model(BUILTIN / "humanoid.xml"))[1].collision.overlap == {}
+
+
+def test_links_that_touch_by_their_posture_do_touch() -> None:
+    ball = "<joint/><geom size='.1'/>"
+    limb = f"<body pos='.15 0 0'>{ball}<body pos='.3 0 0'>{ball}</body></body><body pos='.15 .1 0'>{ball}</body>"
+    model = mujoco.MjModel.from_xml_string(
+        f"<mujoco><worldbody><body><freejoint/><geom size='.1'/>{limb}</body></worldbody></mujoco>"
+    )
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    assert {tuple(sorted(model.geom_bodyid[pair])) for pair in data.contact.geom} == {(2, 4)}
+    assert overlapping(model, model.qpos0) == {}  # a joint joins the others; these are two branches
 
 
 def test_the_first_shift_is_longer_on_narrow_soles(spec: mujoco.MjSpec, adopt: Adopt) -> None:

@@ -134,3 +134,10 @@ def test_one_that_does_not_turn_slowly_turns_all_the_same(velocity: VelocityRefe
         if abs(wz) > 0.2:  # rad/s
             stance = ahead(stance, 0.0, 0.0, DT * wz)
     assert abs(goal[2] - stance[2]) < ARRIVED[1]
+
+
+def test_it_does_not_insist_on_a_turn_that_has_only_begun(velocity: VelocityReference) -> None:
+    goal = np.array([0.0, 0.0, 0.3])
+    rates = [velocity.update(goal, np.zeros(3)).item(2) for _ in range(round(2 / DT))]
+    assert 0.1 < rates[-1] < 0.9
+    assert rates[len(rates) // 2] == rates[-1]
