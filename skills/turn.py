@@ -41,11 +41,12 @@ class Turn(Skill):
         there = abs(self._to_go) < self.tolerance
         if there and state.base_settled:
             return self.succeed(f"turned {math.degrees(self.turned):z.0f} deg")
-        if there and state.gait is Gait.STAND:
+        turns = self._left.update(abs(self._to_go), self.robot.clock.now())
+        if there and (state.gait is Gait.STAND or not turns):  # it may step about its spot: it is let go there
             return self.running("coming to rest")
         if near := self._route.beside():
             return self.fail(f"no room to turn: {near} would be knocked against")
         self.robot.walk_to(self._spot, facing + min(max(self._to_go, -_LEAD), _LEAD))
-        if not self._left.update(abs(self._to_go), self.robot.clock.now()):
+        if not turns:
             return self.fail(f"turns no farther: {math.degrees(self._to_go):z.0f} deg to go")
         return self.running(f"{math.degrees(self._to_go):z.0f} deg to go")

@@ -47,6 +47,13 @@ def test_gives_up_when_it_turns_no_farther(rig: Rig) -> None:
     assert result.feedback == "turns no farther: 57 deg to go"
 
 
+def test_a_robot_that_has_turned_far_enough_but_steps_on_comes_to_rest_there(rig: Rig) -> None:
+    rig.at(1.0, lambda: rig.push((0.0, 180.0, 0.0), 0.1, "torso"))
+    result = rig.run("turn", angle=0.6, patience=0.6, timeout=15)
+    assert result.succeeded, result.feedback
+    assert result.time > 2.0  # it steps for longer than its patience
+
+
 def test_stops_when_halted(rig: Rig) -> None:
     result = rig.run("turn", angle=3.0, timeout=1.5)
     assert result.states[-1].gait is Gait.STEP
