@@ -73,7 +73,7 @@ def test_a_file_gets_the_format_of_its_suffix(tmp_path: Path, capsys: pytest.Cap
         file = tmp_path / f"fetch.{suffix}"
         assert main(["show", "fetch", "-o", str(file)]) == 0
         assert file.read_text(encoding="utf-8").startswith(begin)
-        assert capsys.readouterr().out == f"{file}: 17 nodes of fetch\n"
+        assert capsys.readouterr().out == f"{file}: 18 nodes of fetch\n"
     file = tmp_path / "any.name"
     assert main(["show", "fetch", "--output", str(file), "--format", "svg"]) == 0
     assert ElementTree.fromstring(file.read_text(encoding="utf-8")).tag.endswith("svg")
@@ -164,7 +164,7 @@ def test_what_is_idle_is_folded_where_a_tree_is_too_tall(played: Played) -> None
     assert moment is not None
     short = Console(force_terminal=True, width=80, height=9)
     text = show_module._colored(moment, moment.outline, short).plain
-    assert "act on target (reactive_sequence)  8 below" in text
+    assert "act on target (reactive_sequence)  9 below" in text
     assert "approach" not in text
     tall = Console(force_terminal=True, width=80, height=40)
     assert "approach" in show_module._colored(moment, moment.outline, tall).plain
