@@ -37,6 +37,17 @@ def test_a_hand_reaches_as_the_policy_stands(tmp_path: Path, robot: str, place: 
     assert rig.state.hand_errors["right"] < 0.01
 
 
+def test_bends_aside_for_what_is_low(tmp_path: Path) -> None:
+    """A view that was kept level held the trunk back, and the hand 2 cm from a ball."""
+    rig = ControlRig(*load_robot(write_robot(tmp_path, "g1", "fastsac")))
+    rig.run(1, {})
+    place = np.array([0.4, 0.0, 0.64])
+    targets = {"right_hand": HandTarget(place), "gaze": GazeTarget(place)}
+    rig.run(12, targets)
+    assert rig.state.hand_errors["right"] < 0.012
+    assert rig.state.mode is Mode.RUN
+
+
 def test_withstands_a_push_that_knocks_a_stiff_robot_over(tmp_path: Path) -> None:
     rig = ControlRig(*load_robot(write_robot(tmp_path, "g1", "fastsac")))
     rig.run(1, {})

@@ -25,6 +25,7 @@ _WAIST_SPEED, _WAIST_RANGE = 0.3, 0.5  # rad/s; rad from home
 _YAW_SPEED, _YAW_RANGE = 0.6, 1.2  # likewise where it only turns
 _UPRIGHT = 0.7  # of the vertical part of a joint's axis that only turns
 _WAIST_COST = 5.0  # times that of other joints
+_ROLL_FREE = 0.7  # how much less a level view is worth: hands reach low by leaning, but from more a walker steps back
 
 
 class UpperBody:
@@ -247,7 +248,7 @@ class _PostureTask:
 
 
 class _GazeTask:
-    """Where the view goes."""
+    """Where the view goes; how it is turned about itself matters less, for the hands' sake."""
 
     def __init__(self, model: mujoco.MjModel, cost: float) -> None:
         self._model, self._cost, self.site = model, cost, model.site(GAZE_SITE).id
@@ -260,6 +261,9 @@ class _GazeTask:
         mujoco.mju_mat2Quat(self._now, data.site_xmat[self.site])
         mujoco.mju_subQuat(self._turn, view_along(yaw, pitch), self._now)
         mujoco.mju_rotVecQuat(self._error, self._turn, self._now)
+        along = data.site_xmat[self.site].reshape(3, 3)[:, 0]
+        self._jacobian -= _ROLL_FREE * np.outer(along, along @ self._jacobian)
+        self._error -= _ROLL_FREE * along * (along @ self._error)
 
     def compute_qp_residual(self, _configuration: mink.Configuration) -> tuple[Array, Array, float]:
         """Return the weighted Jacobian, the weighted error, and no damping."""
