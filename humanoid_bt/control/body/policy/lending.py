@@ -7,6 +7,7 @@ from collections.abc import Iterable, Mapping
 
 import mujoco
 import numpy as np
+from numpy.typing import NDArray
 
 from humanoid_bt.control.body.references import approach
 from humanoid_bt.core.messages import SIDES, Array
@@ -57,8 +58,8 @@ class Lending:
             for group, of in parts.items()
         }
         self.groups[WAIST] = [index for index, name in enumerate(names) if _matches(name, lend.waist)]
-        ahead = joint_axes(robot)[:, 0]
-        self.groups[VIEW] = [joint for joint in self.groups[WAIST] if abs(ahead[joint]) < _ROLLS]
+        aside = rolls(joint_axes(robot))
+        self.groups[VIEW] = [joint for joint in self.groups[WAIST] if not aside[joint]]
         self._always = np.array([float(name not in moved) for name in names])
         self._dt = dt
         self.reset()
@@ -111,6 +112,11 @@ def joint_axes(robot: RobotModel) -> Array:
     data.qpos[:] = robot.home_qpos
     mujoco.mj_kinematics(robot.model, data)
     return np.array(data.xaxis[1:])
+
+
+def rolls(axes: Array) -> NDArray[np.bool_]:
+    """Return which joints lean the trunk aside, of their axes, shape (n, 3): shape (n,)."""
+    return np.abs(axes[:, 0]) >= _ROLLS
 
 
 def _matches(name: str, patterns: Iterable[str]) -> bool:

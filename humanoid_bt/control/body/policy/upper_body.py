@@ -11,7 +11,7 @@ import numpy as np
 
 from humanoid_bt.control.body.mink_terms import frame_task
 from humanoid_bt.control.body.palm_task import PalmTask
-from humanoid_bt.control.body.policy.lending import joint_axes
+from humanoid_bt.control.body.policy.lending import joint_axes, rolls
 from humanoid_bt.control.body.quadratic_program import QuadraticProgram
 from humanoid_bt.control.body.self_collision import SelfCollisionLimit
 from humanoid_bt.core.geometry import clamp, view_along
@@ -23,9 +23,9 @@ _FASTEST = 2.5  # rad/s of a lent joint
 # The walker balances on what the waist does, so that it must be slow:
 _WAIST_SPEED, _WAIST_RANGE = 0.3, 0.5  # rad/s; rad from home
 _YAW_SPEED, _YAW_RANGE = 0.6, 1.2  # likewise where it only turns
+_ROLL_SPEED = 0.05  # rad/s where it leans aside: walkers step back from faster ones, away from what is reached for
 _UPRIGHT = 0.7  # of the vertical part of a joint's axis that only turns
 _WAIST_COST = 5.0  # times that of other joints
-_ROLL_FREE = 0.7  # how much less a level view is worth: hands reach low by leaning, but from more a walker steps back
 
 
 class UpperBody:
@@ -67,8 +67,10 @@ class UpperBody:
         }
         self._damping = weights.damping
         self._farthest = np.minimum(robot.speed_limit, _FASTEST) * dt
-        turns = np.abs(joint_axes(robot)[waist, 2]) > _UPRIGHT
-        self._farthest[waist] = np.where(turns, _YAW_SPEED, _WAIST_SPEED) * dt
+        axes = joint_axes(robot)[waist]
+        turns = np.abs(axes[:, 2]) > _UPRIGHT
+        speeds = np.where(turns, _YAW_SPEED, np.where(rolls(axes), _ROLL_SPEED, _WAIST_SPEED))
+        self._farthest[waist] = speeds * dt
         ranges = np.where(turns, _YAW_RANGE, _WAIST_RANGE)
         self._lower, self._upper = robot.lower.copy(), robot.upper.copy()
         home = robot.home_qpos[BASE_COORDINATES:]
@@ -248,7 +250,7 @@ class _PostureTask:
 
 
 class _GazeTask:
-    """Where the view goes; how it is turned about itself matters less, for the hands' sake."""
+    """Where the view goes; it need not be level, so that the trunk may lean aside for a hand."""
 
     def __init__(self, model: mujoco.MjModel, cost: float) -> None:
         self._model, self._cost, self.site = model, cost, model.site(GAZE_SITE).id
@@ -262,8 +264,8 @@ class _GazeTask:
         mujoco.mju_subQuat(self._turn, view_along(yaw, pitch), self._now)
         mujoco.mju_rotVecQuat(self._error, self._turn, self._now)
         along = data.site_xmat[self.site].reshape(3, 3)[:, 0]
-        self._jacobian -= _ROLL_FREE * np.outer(along, along @ self._jacobian)
-        self._error -= _ROLL_FREE * along * (along @ self._error)
+        self._jacobian -= np.outer(along, along @ self._jacobian)
+        self._error -= along * (along @ self._error)
 
     def compute_qp_residual(self, _configuration: mink.Configuration) -> tuple[Array, Array, float]:
         """Return the weighted Jacobian, the weighted error, and no damping."""
