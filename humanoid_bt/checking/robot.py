@@ -102,7 +102,7 @@ def _unnamed_roll(robot: RobotModel, data: mujoco.MjData, side: Side, chain: lis
     leg, upright = robot.config.legs[side], data.body(robot.config.base).xmat.reshape(3, 3)
     below = chain[chain.index(leg.hip_pitch) + 1 :] if leg.hip_pitch in chain else []
     for joint in below:
-        if abs((upright.T @ data.joint(joint).xaxis)[0]) >= _ALONG:
+        if joint != leg.hip_roll and abs((upright.T @ data.joint(joint).xaxis)[0]) >= _ALONG:
             place = robot.config.place("legs", side)
             message = f"{joint!r} tilts the {side} foot sideways, and no ankle_roll is named"
             yield Problem(message, place, f"ankle_roll: {joint}", code="joint-role")

@@ -239,6 +239,19 @@ def test_a_robot_whose_ankles_only_pitch_stands_and_walks(tmp_path: Path) -> Non
     assert found(tmp_path) == []
 
 
+def test_a_hip_may_roll_below_where_it_pitches(tmp_path: Path) -> None:
+    write_line_feet(tmp_path)
+    model = read_model(tmp_path / "humanoid.xml")
+    for side in ("left", "right"):
+        roll, pitch = model.joint(f"{side}_hip_roll"), model.joint(f"{side}_hip_pitch")
+        roll.axis, pitch.axis = pitch.axis.copy(), roll.axis.copy()
+        roll.range, pitch.range = pitch.range.copy(), roll.range.copy()
+        roll.name = "other"
+        pitch.name, roll.name = f"{side}_hip_roll", f"{side}_hip_pitch"
+    (tmp_path / "humanoid.xml").write_text(model.to_xml())
+    assert found(tmp_path) == []
+
+
 def test_a_published_robot_has_no_findings(published: Path) -> None:
     assert found(published) == []
 
