@@ -18,7 +18,7 @@ from humanoid_bt.core.texts import listed
 from humanoid_bt.files.formatting import formatted
 from humanoid_bt.robot.config import GaitConfig, RobotConfig
 from humanoid_bt.robot.footprint import footprint_in
-from humanoid_bt.robot.survey.drives import drive, usual_stiffness
+from humanoid_bt.robot.survey.drives import drive, falling, usual_stiffness
 from humanoid_bt.robot.survey.limbs import Limb, Surveyor, roles
 from humanoid_bt.robot.survey.places import eyes, looks_down, palm
 from humanoid_bt.robot.survey.posture import home, overlapping
@@ -221,10 +221,11 @@ class _Writer:
     def _drives(self) -> Iterator[str]:
         groups: dict[tuple[float, float, float], list[str]] = {}
         guessed: set[str] = set()
-        usual = usual_stiffness(self._surveyor, self._limbs, self._height())
+        falls = falling(self._surveyor, self._limbs, self._height())
+        usual = usual_stiffness(self._surveyor, self._limbs, falls)
         for joint in range(self._model.njnt):
             if self._joint(joint) in self._hinges:
-                found = drive(self._model, joint, usual.get(joint))
+                found = drive(self._model, joint, usual.get(joint), falls)
                 groups.setdefault((found.stiffness, found.damping, found.torque), []).append(self._joint(joint))
                 guessed |= set(found.guessed)
         note = ""
@@ -310,7 +311,7 @@ class _Writer:
 
     def _overlap(self) -> Iterator[str]:
         """Yield the links that are in what carries them, as it stands: shapes of many models do not end at a joint."""
-        pairs = overlapping(self._model, self._standing.qpos)
+        pairs = overlapping(self._model, self._standing.qpos, self._limbs.head)
         if pairs:
             yield "collision:"
             yield f"  overlap:    # {self._guess('links whose shapes are in each other, which do not touch')}"

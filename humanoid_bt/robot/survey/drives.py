@@ -15,6 +15,7 @@ _TORQUE = 20.0  # Nm, where nothing says it
 _LIMP = 0.15  # of what a joint has that carries a robot: with less nothing stands
 _USUAL_TORQUE = 0.2  # rad, times the stiffness: likewise of joints that carry the robot
 _GRAVITY = 9.81
+_ABSURD = 20.0  # of the same: no joint has so much torque, and a model that says so means that it does not know
 # of the weight times the height of the centre of mass, which is how stiff a support must be not to buckle
 _HIP_OR_KNEE, _ANKLE, _TRUNK = 2.4, 1.3, 1.5
 
@@ -35,15 +36,19 @@ class Drive:
     guessed: tuple[str, ...] = ()
 
 
-def usual_stiffness(surveyor: Surveyor, limbs: Limbs, height: float) -> dict[int, float]:
+def falling(surveyor: Surveyor, limbs: Limbs, height: float) -> float:
+    """Return the weight of a robot times the height of its centre of mass as it stands [Nm]."""
+    return float(surveyor.model.body_subtreemass[limbs.base]) * _GRAVITY * height
+
+
+def usual_stiffness(surveyor: Surveyor, limbs: Limbs, falls: float) -> dict[int, float]:
     """Return how stiff the joints that carry the robot are in robots that walk, joint -> [Nm/rad].
 
     Args:
         surveyor: of the model.
         limbs: the robot's.
-        height: of the centre of mass above the ground as it stands [m].
+        falls: as :func:`falling` says [Nm].
     """
-    falls = float(surveyor.model.body_subtreemass[limbs.base]) * _GRAVITY * height
     found = dict.fromkeys(limbs.trunk, _TRUNK * falls)
     for leg in limbs.legs.values():
         ankles = [joint for role, joint in roles(surveyor, leg) if role.startswith("ankle")]
@@ -51,13 +56,14 @@ def usual_stiffness(surveyor: Surveyor, limbs: Limbs, height: float) -> dict[int
     return found
 
 
-def drive(model: mujoco.MjModel, joint: int, usual: float | None = None) -> Drive:
+def drive(model: mujoco.MjModel, joint: int, usual: float | None = None, falls: float = math.inf) -> Drive:
     """Return what the model says of a joint's drive, and guesses for what it does not.
 
     Args:
         model: of the robot.
         joint: of it.
         usual: how stiff such a joint is, if it carries the robot [Nm/rad].
+        falls: as :func:`falling` says [Nm]: of this depends what torque nobody means.
     """
     actuators = [
         a
@@ -68,7 +74,7 @@ def drive(model: mujoco.MjModel, joint: int, usual: float | None = None) -> Driv
     torque = min([_torque(model, a) for a in actuators] or [math.inf])
     if model.jnt_actfrclimited[joint]:
         torque = min(torque, float(model.jnt_actfrcrange[joint, 1]))
-    if not math.isfinite(torque) or torque <= 0:
+    if not 0 < torque < _ABSURD * falls:
         torque = _TORQUE if usual is None else _rounded(_USUAL_TORQUE * usual)
         guessed.append("torque")
     stiffness = max((-float(model.actuator_biasprm[a, 1]) for a in actuators), default=0.0)

@@ -76,7 +76,16 @@ def test_links_that_touch_by_their_posture_do_touch() -> None:
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
     assert {tuple(sorted(model.geom_bodyid[pair])) for pair in data.contact.geom} == {(2, 4)}
-    assert overlapping(model, model.qpos0) == {}  # a joint joins the others; these are two branches
+    assert overlapping(model, model.qpos0, None) == {}  # a joint joins the others; these are two branches
+
+
+def test_a_head_that_is_near_the_trunk_may_nod(spec: mujoco.MjSpec, adopt: Adopt) -> None:
+    assert "head" not in adopt(spec)[1].collision.overlap.get("torso", [])  # 7 cm
+    collar = spec.body("torso").add_geom(type=mujoco.mjtGeom.mjGEOM_BOX, size=[0.04, 0.04, 0.005], pos=[0, 0, 0.37])
+    collar.contype = collar.conaffinity = 1
+    assert "head" in adopt(spec)[1].collision.overlap["torso"]  # 2 cm
+    collar.contype = collar.conaffinity = 0
+    assert "head" not in adopt(spec)[1].collision.overlap.get("torso", [])
 
 
 def test_the_first_shift_is_longer_on_narrow_soles(spec: mujoco.MjSpec, adopt: Adopt) -> None:
@@ -216,6 +225,15 @@ def test_drives_that_the_model_says_nothing_of_are_as_strong_as_the_robot_is_hea
         assert drives[1] is not None
         assert drives[0].torque > least
         assert drives[1].torque == pytest.approx(2 * drives[0].torque, rel=0.1)
+
+
+def test_torques_that_no_drive_has_are_as_if_the_model_said_nothing(spec: mujoco.MjSpec, adopt: Adopt) -> None:
+    _, unsaid = adopt(spec)
+    for joint in spec.joints[1:]:
+        joint.actfrclimited, joint.actfrcrange = mujoco.mjtLimited.mjLIMITED_TRUE, [-1e9, 1e9]
+    description, found = adopt(spec)
+    assert found.drives == unsaid.drives
+    assert "stiffness, damping and torque of the drives" in description.guessed
 
 
 def test_drives_are_those_of_the_models_actuators(spec: mujoco.MjSpec, adopt: Adopt) -> None:
