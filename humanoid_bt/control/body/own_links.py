@@ -27,8 +27,9 @@ class OwnLinks:
     Left out are shapes of one link and of two that a joint joins, those that the model excludes, and those that are in
     each other in the home posture, as neighbours may be. Two that are near there may come half as near, or they could
     not move at all. Legs among themselves are left to the gait: a step that catches a push must not be held up. A trunk
-    and a hip that are within the margin there are neighbours whichever of their shapes meet: a trunk that is held up as
-    it turns on a hip would lift the whole robot, or turn its feet on the ground.
+    and a hip, or a trunk and a head, that are within the margin there are neighbours whichever of their shapes meet: a
+    trunk that is held up as it turns on a hip would lift the whole robot, or turn its feet on the ground, and a head
+    that is held up as it nods would not see what is near and low.
 
     Args:
         robot: the robot.
@@ -95,7 +96,7 @@ def _add(body: mujoco.MjsBody, name: str, points: Array, radius: float, kind: in
 
 
 def _neighbours(robot: RobotModel, legs: Sequence[str], home: mujoco.MjData) -> set[tuple[int, int]]:
-    """Return the bodies of the trunk and of the legs that are within the margin in the home posture.
+    """Return the bodies of the trunk, and of the legs and the neck, that are within the margin in the home posture.
 
     Args:
         robot: the robot.
@@ -106,8 +107,10 @@ def _neighbours(robot: RobotModel, legs: Sequence[str], home: mujoco.MjData) -> 
     trunk = set(carriers(model, model.body(robot.config.torso).id)) - {0}
     near = home.contact.dist < robot.config.collision.margin
     touching = {tuple(pair) for pair in model.geom_bodyid[home.contact.geom[near]].tolist()}
-    below = {model.body(name).id for name in legs} - trunk
-    return {(one, other) for a, b in touching for one, other in ((a, b), (b, a)) if one in trunk and other in below}
+    limbs = {model.body(name).id for name in legs} - trunk
+    if robot.config.neck:
+        limbs |= set(carriers(model, model.body(robot.config.gaze.body).id)) - trunk - {0}
+    return {(one, other) for a, b in touching for one, other in ((a, b), (b, a)) if one in trunk and other in limbs}
 
 
 def _leg_bodies(robot: RobotModel) -> list[str]:

@@ -311,7 +311,7 @@ class _Writer:
 
     def _overlap(self) -> Iterator[str]:
         """Yield the links that are in what carries them, as it stands: shapes of many models do not end at a joint."""
-        pairs = overlapping(self._model, self._standing.qpos, self._limbs.head)
+        pairs = overlapping(self._model, self._standing.qpos)
         if pairs:
             yield "collision:"
             yield f"  overlap:    # {self._guess('links whose shapes are in each other, which do not touch')}"

@@ -8,7 +8,6 @@ import mujoco
 import numpy as np
 
 from humanoid_bt.core.messages import Array, Side
-from humanoid_bt.robot.config import CollisionConfig
 from humanoid_bt.robot.model import carriers
 from humanoid_bt.robot.survey.limbs import Limb, Limbs, Surveyor, roles
 
@@ -50,29 +49,20 @@ def home(
     return {joint: angle for joint, angle in angles.items() if angle}
 
 
-def overlapping(model: mujoco.MjModel, qpos: Array, head: Limb | None) -> dict[int, list[int]]:
+def overlapping(model: mujoco.MjModel, qpos: Array) -> dict[int, list[int]]:
     """Return the bodies that touch one that carries them, by that one.
-
-    What is on a neck counts as if it did where it is only near: kept apart from the trunk, it could not look down.
 
     Args:
         model: of the robot alone.
         qpos: its posture, shape (nq,).
-        head: its neck and what is on it, if it has one.
     """
     data = mujoco.MjData(model)
     data.qpos[:] = qpos
-    before = model.geom_margin.copy(), model.body_margin.copy()  # of bodies, by which it looks for pairs
-    model.geom_margin[:] = model.body_margin[:] = CollisionConfig.margin
     mujoco.mj_forward(model, data)
-    model.geom_margin[:], model.body_margin[:] = before
-    nods = {int(model.jnt_bodyid[joint]) for joint in head.joints} if head else set()
     found: dict[int, list[int]] = {}
-    bodies = np.sort(model.geom_bodyid[data.contact.geom], axis=1)
-    touching = {tuple(pair) for pair in bodies[data.contact.dist < 0].tolist()}
+    bodies = np.sort(model.geom_bodyid[data.contact.geom[data.contact.dist < 0]], axis=1)
     for upper, lower in np.unique(bodies, axis=0).tolist():
-        above = carriers(model, lower)
-        if upper in above and ((upper, lower) in touching or nods.intersection(above[: above.index(upper)])):
+        if upper in carriers(model, lower):
             found.setdefault(upper, []).append(lower)
     return found
 

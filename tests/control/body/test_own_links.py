@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -16,7 +17,22 @@ from humanoid_bt.robot.model import RobotModel
 CONFIG = load_robot_config(Workspace(builtin_root()).find_robot("humanoid"))
 
 
-def margins(low: float) -> tuple[Array, Array]:
+def between(body: str, others: Sequence[str], shapes: list[CapsuleConfig]) -> list[Array]:
+    """Return how far the shapes of a body are kept from those of each of the others [m].
+
+    Args:
+        body, others: their names.
+        shapes: given in place of the model's.
+    """
+    collision = replace(CONFIG.collision, capsules=shapes)
+    links = OwnLinks(RobotModel(replace(CONFIG, collision=collision)), near=0.02)
+    model = links.model
+    bodies = np.array([model.body(one).name for one in model.geom_bodyid.tolist()])
+    ours = np.array([model.geom(geom).name.startswith("hbt_") for geom in range(model.ngeom)])
+    return [links.margins[np.ix_(ours & (bodies == body), ours & (bodies == other))] for other in others]
+
+
+def margins(low: float) -> list[Array]:
     """Return how far the torso is kept from the left and the right thigh, as it reaches down on the left to a height.
 
     Args:
@@ -24,14 +40,7 @@ def margins(low: float) -> tuple[Array, Array]:
     """
     left = CapsuleConfig(body="torso", start=(0, 0.085, 0.1), end=(0, 0.085, low), radius=0.03)
     right = CapsuleConfig(body="torso", start=(0, -0.085, 0.1), end=(0, -0.085, 0.05), radius=0.03)
-    collision = replace(CONFIG.collision, capsules=[left, right])
-    links = OwnLinks(RobotModel(replace(CONFIG, collision=collision)), near=0.02)
-    model = links.model
-    bodies = [model.body(body).name for body in model.geom_bodyid.tolist()]
-    ours = np.array([model.geom(geom).name.startswith("hbt_") for geom in range(model.ngeom)])
-    trunk = ours & (np.array(bodies) == "torso")
-    thighs = [ours & (np.array(bodies) == f"{side}_thigh") for side in ("left", "right")]
-    return links.margins[np.ix_(trunk, thighs[0])], links.margins[np.ix_(trunk, thighs[1])]
+    return between("torso", ("left_thigh", "right_thigh"), [left, right])
 
 
 @pytest.mark.parametrize("low", [-0.35, -0.06], ids=["in each other", "nearer than the margin"])
@@ -44,3 +53,12 @@ def test_a_trunk_and_a_hip_that_meet_at_home_are_left_alone_whichever_shapes_mee
 def test_a_trunk_is_kept_from_legs_that_it_does_not_meet_at_home() -> None:
     left, right = margins(low=0.05)
     assert (left > 0).all() and (right > 0).all()
+
+
+def test_a_head_that_is_near_the_trunk_at_home_may_nod() -> None:
+    under = CapsuleConfig(body="waist_yaw_link", start=(0.01, 0, 0.35), end=(0.01, 0, 0.35), radius=0.02)  # 2 cm
+    before = CapsuleConfig(body="waist_yaw_link", start=(0.15, 0, 0.40), end=(0.15, 0, 0.40), radius=0.02)  # 5 cm
+    (near,), (far,) = (between("waist_yaw_link", ["head"], shapes) for shapes in ([under, before], [before]))
+    assert near.size > far.size > 0
+    assert (near < 0).all()
+    assert (far > 0).all()
