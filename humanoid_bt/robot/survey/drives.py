@@ -15,9 +15,9 @@ _TORQUE = 20.0  # Nm, where nothing says it
 _LIMP = 0.15  # of what a joint has that carries a robot: with less nothing stands
 _USUAL_TORQUE = 0.2  # rad, times the stiffness: likewise of joints that carry the robot
 _GRAVITY = 9.81
-_ABSURD = 20.0  # of the same: no joint has so much torque, and a model that says so means that it does not know
 # of the weight times the height of the centre of mass, which is how stiff a support must be not to buckle
 _HIP_OR_KNEE, _ANKLE, _TRUNK = 2.4, 1.3, 1.5
+_PLACEHOLDER = 20.0  # of the same, as a torque: no joint has so much, and a model that says it does not know
 
 
 @dataclass(frozen=True)
@@ -56,14 +56,14 @@ def usual_stiffness(surveyor: Surveyor, limbs: Limbs, falls: float) -> dict[int,
     return found
 
 
-def drive(model: mujoco.MjModel, joint: int, usual: float | None = None, falls: float = math.inf) -> Drive:
+def drive(model: mujoco.MjModel, joint: int, usual: float | None, falls: float) -> Drive:
     """Return what the model says of a joint's drive, and guesses for what it does not.
 
     Args:
         model: of the robot.
         joint: of it.
-        usual: how stiff such a joint is, if it carries the robot [Nm/rad].
-        falls: as :func:`falling` says [Nm]: of this depends what torque nobody means.
+        usual: how stiff such a joint is if it carries the robot, None if it does not [Nm/rad].
+        falls: as :func:`falling` says [Nm].
     """
     actuators = [
         a
@@ -74,7 +74,7 @@ def drive(model: mujoco.MjModel, joint: int, usual: float | None = None, falls: 
     torque = min([_torque(model, a) for a in actuators] or [math.inf])
     if model.jnt_actfrclimited[joint]:
         torque = min(torque, float(model.jnt_actfrcrange[joint, 1]))
-    if not 0 < torque < _ABSURD * falls:
+    if not 0 < torque < _PLACEHOLDER * falls:
         torque = _TORQUE if usual is None else _rounded(_USUAL_TORQUE * usual)
         guessed.append("torque")
     stiffness = max((-float(model.actuator_biasprm[a, 1]) for a in actuators), default=0.0)
