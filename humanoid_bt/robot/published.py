@@ -91,10 +91,11 @@ def model_problems(spec: mujoco.MjSpec, where: Place) -> Iterator[Problem]:
         spec: the model.
         where: its file.
     """
-    sliding = [joint.name for joint in spec.joints if joint.type not in _ROBOT_JOINTS]
+    sliding = [joint for joint in spec.joints if joint.type not in _ROBOT_JOINTS]
     if sliding:
-        message = f"only hinges can be driven; these joints are none: {', '.join(sliding)}"
-        yield Problem(message, where, code="model")
+        message = f"only hinges can be driven; these joints are none: {', '.join(joint.name for joint in sliding)}"
+        of_base = any(joint.parent in spec.worldbody.bodies for joint in sliding)
+        yield Problem(message, where, _FREE_BASE if of_base else "", code="model")
     if equalities := list(spec.equalities):
         listing = ", ".join(
             f"{(one.name or one.name1)!r} ({one.type.name.removeprefix('mjEQ_').lower()})" for one in equalities
@@ -114,6 +115,7 @@ def _line(info: str, where: Place) -> Place:
 
 _PACKAGE = "package://"
 _OTHER_MESHES = (".dae", ".wrl", ".fbx", ".ply", ".step", ".3ds")
+_FREE_BASE = "a base that slides and turns by joints of its own: put one <freejoint/> in the place of all of them"
 _FREE_JOINTS = (
     "control takes every joint for one that moves and is driven by itself. Of a closed chain, as the rods of an ankle"
     " are, keep the joints that tilt the foot and take the rods out; of coupled fingers drive each (in a URDF,"

@@ -203,6 +203,16 @@ def test_a_model_that_cannot_be_used_is_answered_with_the_models_name(
     assert str(problem.place) == str(tmp_path / "humanoid.xml")
 
 
+def test_a_base_on_joints_of_its_own_is_answered_with_what_to_do(tmp_path: Path, edit: Edit) -> None:
+    slides = "".join(f'<joint name="base_{axis}" type="slide"/>' for axis in "xyz")
+    edit("humanoid.xml", "<freejoint", f"{slides}<joint")
+    with pytest.raises(UserError) as error:
+        load(tmp_path)
+    (problem,) = (problem for problem in error.value.problems if "can be driven" in problem.message)
+    assert problem.message.endswith("these joints are none: base_x, base_y, base_z")
+    assert "one <freejoint/> in the place of all of them" in problem.hint
+
+
 def test_an_equality_constraint_is_answered_with_its_line_and_what_to_do(tmp_path: Path, edit: Edit) -> None:
     rod = '<connect name="rod" body1="left_shin" body2="left_foot" anchor="0 0 -0.3"/>'
     edit("humanoid.xml", "</mujoco>", f"<equality>\n{rod}\n</equality></mujoco>")
