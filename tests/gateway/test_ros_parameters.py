@@ -66,7 +66,7 @@ class Remote:
 
 def test_parameters_are_shown_and_set_while_the_tree_runs(live: Callable[..., Live], peer: Peer, patient: str) -> None:
     run, remote = live(patient, gateway="set"), Remote(peer)
-    until("they are shown", lambda: remote.get("tree.patience") == [60.0])
+    until("they are shown", lambda: remote.shows("tree.patience", 60.0))
     names = ["tree.patience", "tree.level"]
     first, second = remote.call("DescribeParameters", "describe_parameters", names=names).descriptors
     assert first.description == "How long it is patient. [s]"
@@ -91,6 +91,6 @@ def test_parameters_are_shown_and_set_while_the_tree_runs(live: Callable[..., Li
 def test_parameters_that_are_only_shown_are_not_set(live: Callable[..., Live], peer: Peer, patient: str) -> None:
     live(patient, gateway="read")
     remote = Remote(peer)
-    until("they are shown", lambda: remote.get("tree.patience") == [60.0])
+    until("they are shown", lambda: remote.shows("tree.patience", 60.0))
     assert remote.set("tree.patience", 1.0) == "patience is not set: the gateway's file says 'parameters: read'"
     assert remote.get("tree.patience") == [60.0]
