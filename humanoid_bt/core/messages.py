@@ -182,7 +182,7 @@ class Percept:
         name: the percept's name, as trees refer to it.
         stamp: engine time at which it was seen [s].
         position: shape (3,), in the robot's base frame at ``stamp`` [m].
-        confidence: in [0, 1].
+        confidence: in [0, 1]; 0 of what is known to be there no longer.
         size: of the upright box around a solid thing, with ``position`` in its middle, shape (3,): length, width,
             height [m]; None if it is not known, or if nothing can bump into the thing.
         heading: of the box's length, in the base frame [rad].

@@ -147,9 +147,9 @@ class Robot:
 
     @property
     def obstacles(self) -> Sequence[Track]:
-        """Everything seen so far that is solid, as it was at the start of the tick."""
+        """Everything seen so far that is solid, as it was at the start of the tick, but what is known to be gone."""
         solid = (self._track(name) for name, (percept, *_) in self._percepts.items() if percept.size is not None)
-        return [track for track in solid if track is not None]
+        return [track for track in solid if track is not None and not track.gone]
 
     @property
     def routes(self) -> Sequence[Array]:
@@ -295,7 +295,7 @@ class RobotHandle:
 
     @property
     def obstacles(self) -> Sequence[Track]:
-        """Everything seen so far that is solid: the tracks that have a size."""
+        """Everything seen so far that is solid: the tracks that have a size and are not gone."""
         return self._robot.obstacles
 
     def why_unseen(self, name: str) -> str:

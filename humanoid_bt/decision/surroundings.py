@@ -62,7 +62,7 @@ class Surroundings:
     Attributes:
         obstacles: what stands around, as of the last :meth:`look`.
         velocities: of each, shape (n, 2), world frame [m/s]; 0 of what is at rest.
-        changes: how often something has come, or moved.
+        changes: how often something has come, moved or gone.
         movers: names of what has ever moved.
     """
 
@@ -85,6 +85,9 @@ class Surroundings:
         if not tracks and not len(self.obstacles):
             return self.obstacles
         now = self._robot.clock.now()
+        for name in self._things.keys() - {track.name for track in tracks}:
+            del self._things[name]
+            self.changes += 1
         for track in tracks:
             seen = track.position_world[:2]
             thing = self._things.get(track.name)
@@ -110,7 +113,7 @@ class Surroundings:
         solid = [track for track in self._robot.obstacles if not _is_overhead(track, eyes)]
         known = {track.name for track in solid}
         named = [self._robot.track(name) for name in self._named if name not in known]
-        return solid + [track for track in named if track is not None]
+        return solid + [track for track in named if track is not None and not track.gone]
 
 
 def _is_overhead(track: Track, eyes: float) -> bool:

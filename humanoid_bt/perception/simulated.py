@@ -16,6 +16,7 @@ _NEAR_CONFIDENCE = 0.95  # of a thing right before the eyes
 _FAR_CONFIDENCE = 0.60  # of a thing at the end of the range
 _FALL_EXPONENT = 3  # confidence hardly falls in the near half of the range
 _LOST_CONFIDENCE = 0.08  # of a thing that is remembered, not seen
+_PLAINLY, _DEVIATIONS = 0.1, 4.0  # m, standard deviations: so far inside of the view a place is plainly empty
 _CONFIDENCE_NOISE = 0.01  # standard deviation
 _CONFIDENCE_NOISE_LIMIT = 0.02  # bounded, so that a threshold's distance from the confidence means something
 
@@ -24,8 +25,8 @@ class SimulatedPerception(Perception):
     """Sees the scene's objects from where the robot's eyes are, as a tracker does.
 
     A thing is published from the moment it was first seen. While it is hidden, or out of view or range, it is
-    published where it was last seen, with low confidence. Nothing but where it is and the scene's script is read,
-    so perception can run in a process of its own.
+    published where it was last seen, with low confidence; once that place was plainly in view, and the thing not, with
+    none. Nothing but where it is and the scene's script is read, so perception can run in a process of its own.
 
     Of a solid thing it tells the size too, and sees it when any corner of it is in sight.
 
@@ -38,6 +39,7 @@ class SimulatedPerception(Perception):
         self._scene = scene
         self._numbers = {name: random_stream(seed, "percept", name) for name in scene.config.percepts}
         self._last_seen: dict[str, Array] = {}
+        self._gone: set[str] = set()  # from where it was last seen
         self.names = list(scene.config.percepts)
         self._unseen: dict[str, str] = dict.fromkeys(scene.config.percepts, "perception has not looked yet")
 
@@ -70,6 +72,7 @@ class SimulatedPerception(Perception):
                 why_not = ""
             if not why_not:
                 self._unseen.pop(name, None)
+                self._gone.discard(name)
                 self._last_seen[name] = position + position_noise * (config.noise + config.noise_per_meter * distance)
                 fall = min(distance / config.range, 1.0) ** _FALL_EXPONENT
                 confidence = _NEAR_CONFIDENCE - (_NEAR_CONFIDENCE - _FAR_CONFIDENCE) * fall
@@ -78,8 +81,12 @@ class SimulatedPerception(Perception):
             if name not in self._last_seen:
                 self._unseen[name] = why_not
                 continue
+            if why_not and not hidden and _plainly_in_sight(self._last_seen[name] - robot.gaze_position, robot, config):
+                self._gone.add(name)
             noise = _CONFIDENCE_NOISE * float(confidence_noise)
             confidence += min(max(noise, -_CONFIDENCE_NOISE_LIMIT), _CONFIDENCE_NOISE_LIMIT)
+            if name in self._gone:
+                confidence = 0.0
             in_base = turn.T @ (self._last_seen[name] - robot.base_position)
             size, heading = (box.size, box.heading - heading_of(turn)) if box else (None, 0.0)
             percepts.append(Percept(name, robot.time, in_base, confidence, size, heading))
@@ -92,8 +99,18 @@ def _corner_in_sight(box: Box, offset: Array, robot: Truth, config: PerceptConfi
     return any(not _out_of_sight(corner, math.sqrt(corner @ corner), robot, config) for corner in corners)
 
 
-def _out_of_sight(offset: Array, distance: float, robot: Truth, config: PerceptConfig) -> str:
-    """Return why a position, seen from the eyes (world frame [m]), is beyond the range or the angles of view, or ""."""
+def _plainly_in_sight(offset: Array, robot: Truth, config: PerceptConfig) -> bool:
+    """Return whether a place at an offset from the eyes (world frame [m]) is farther inside of the view than noise."""
+    distance = math.sqrt(offset @ offset)
+    room = _PLAINLY + _DEVIATIONS * (config.noise + config.noise_per_meter * distance)
+    return distance > room and not _out_of_sight(offset, distance + room, robot, config, math.asin(room / distance))
+
+
+def _out_of_sight(offset: Array, distance: float, robot: Truth, config: PerceptConfig, inside: float = 0.0) -> str:
+    """Return why a position, seen from the eyes (world frame [m]), is beyond the range or the angles of view, or "".
+
+    The angles count so much inside of the view [rad].
+    """
     if distance > config.range:
         return f"out of range: {readable(distance, 'm')} away, seen up to {readable(config.range, 'm')}"
     fx, fy, fz = robot.gaze_direction.tolist()
@@ -106,9 +123,9 @@ def _out_of_sight(offset: Array, distance: float, robot: Truth, config: PerceptC
     ahead, aside = x * fx + y * fy + z * fz, x * lx + y * ly + z * lz
     above = x * (fy * lz - fz * ly) + y * (fz * lx - fx * lz) + z * (fx * ly - fy * lx)
     horizontal, vertical = math.atan2(aside, ahead), math.atan2(above, math.hypot(ahead, aside))
-    if abs(horizontal) > config.field_of_view / 2:
+    if abs(horizontal) > config.field_of_view / 2 - inside:
         return _out_of_view(horizontal, "left of", "right of", config.field_of_view)
-    if abs(vertical) > config.vertical_field_of_view / 2:
+    if abs(vertical) > config.vertical_field_of_view / 2 - inside:
         return _out_of_view(vertical, "above", "below", config.vertical_field_of_view)
     return ""
 

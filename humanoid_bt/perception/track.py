@@ -24,6 +24,7 @@ class Track:
         distance: horizontal distance from the robot's stance (middle between the feet) [m].
         bearing: direction of it from the stance's heading, left positive [rad].
         confidence: in [0, 1].
+        gone: whether it is known to be there no longer: its confidence is 0.
         size: of a solid thing, shape (3,): length, width, height of the upright box around it [m]; None of any other.
         heading_world: where the length of that box points to [rad].
         orientation_world: of the thing's own frame, wxyz, shape (4,), in the world; None if it is not known.
@@ -67,6 +68,10 @@ class Track:
     @property
     def confidence(self) -> float:  # noqa: D102 (as name)
         return self._percept.confidence
+
+    @property
+    def gone(self) -> bool:  # noqa: D102 (as name)
+        return self.confidence <= 0.0
 
     @property
     def size(self) -> Array | None:  # noqa: D102 (as name)

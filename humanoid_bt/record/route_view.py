@@ -47,7 +47,7 @@ class RouteView:
 
     def add(self, state: State, tracks: Mapping[str, Track]) -> None:
         """Take the percepts as they are known with a state."""
-        solid = [track for track in tracks.values() if track.size is not None]
+        solid = [track for track in tracks.values() if track.size is not None and not track.gone]
         boxes = [(*track.position_world.tolist(), track.heading_world) for track in solid]
         if boxes != self._boxes:
             self._boxes = boxes

@@ -122,6 +122,20 @@ def test_what_has_a_size_is_an_obstacle_that_stays_turned_as_it_was_seen(robot: 
     assert obstacle.heading_world == pytest.approx(math.pi / 2 + 0.2)
 
 
+def test_what_is_known_to_be_gone_is_no_obstacle_until_it_is_seen_again(robot: Robot) -> None:
+    cart = Percept("cart", 0.0, np.array([1.0, 0.0, -0.3]), 0.08, np.array([0.4, 0.4, 0.8]))
+    robot.begin_tick(standing(0.0, 0.0, 0.0), {"cart": cart})
+    assert [track.name for track in robot.obstacles] == ["cart"]
+    robot.begin_tick(
+        standing(0.0, 0.0, 0.0, time=0.02), {"cart": dataclasses.replace(cart, stamp=0.02, confidence=0.0)}
+    )
+    track = robot.track("cart")
+    assert track is not None and track.gone
+    assert robot.obstacles == []
+    robot.begin_tick(standing(0.0, 0.0, 0.0, time=0.04), {"cart": dataclasses.replace(cart, stamp=0.04)})
+    assert [track.name for track in robot.obstacles] == ["cart"]
+
+
 def test_a_way_is_shown_as_long_as_its_node_commands(robot: Robot) -> None:
     robot.begin_tick(standing(0.0, 0.0, 0.0), {})
     handle = robot.handle("walk", ("base",))

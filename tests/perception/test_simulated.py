@@ -79,6 +79,35 @@ def test_what_is_hidden_stays_where_it_was_last_seen(tmp_path: Path) -> None:
     np.testing.assert_allclose(percepts[10].position, [1, 1, 0.3], atol=1e-12)
 
 
+LEAVES = "[{at: 0.2, move: ball, to: [-1, 0, 0.9]}, {at: 0.8, move: ball, to: [1, 0.2, 0.9]}]"
+
+
+def test_what_left_unseen_is_not_believed_where_the_eyes_see_that_it_is_not(tmp_path: Path) -> None:
+    perception = SimulatedPerception(scene(tmp_path, "[1, 0, 0.9]", events=LEAVES), 0)
+    perception.observe(robot(0.0))
+    (remembered,) = perception.observe(robot(0.3, yaw=math.pi / 2))  # nobody looks there
+    assert remembered.confidence > 0
+    (gone,) = perception.observe(robot(0.4))
+    assert gone.confidence == 0
+    np.testing.assert_allclose(gone.position, [1, 0, 0.2], atol=1e-12)
+    (gone,) = perception.observe(robot(0.5, yaw=math.pi / 2))
+    assert gone.confidence == 0
+    (found,) = perception.observe(robot(0.9))
+    assert found.confidence > 0.9
+    (remembered,) = perception.observe(robot(1.0, yaw=math.pi))
+    assert 0 < remembered.confidence < 0.15
+
+
+@pytest.mark.parametrize("side", [-1, 1])
+def test_at_the_edge_of_the_view_nothing_is_taken_for_gone(tmp_path: Path, side: int) -> None:
+    for seed in range(50):
+        perception = SimulatedPerception(scene(tmp_path, "[2.1, 0, 1.2]", "noise: 0.02"), seed)
+        perception.observe(robot(0.0))
+        for step in range(1, 40):
+            for seen in perception.observe(robot(step / 10, gaze=side * (0.77 + 0.005 * step))):
+                assert seen.confidence > 0
+
+
 @pytest.mark.parametrize(
     ("position", "gaze", "visible"),
     [

@@ -112,8 +112,9 @@ def test_waits_for_what_has_closed_the_only_way_and_names_it(rig: Rig, tmp_path:
 
 
 @pytest.mark.trials
-def test_goes_on_when_the_way_is_free_again(rig: Rig, tmp_path: Path) -> None:
-    leaves = "\n  - {at: 6 s, move: cart, to: [4.0, 1.2, 0.4], over: 3 s}"  # it sees 4 m far
+@pytest.mark.parametrize("to", ["[4.0, 1.2, 0.4]", "[4.5, 2.5, 0.4]"], ids=["in sight", "out of sight"])
+def test_goes_on_when_the_way_is_free_again(rig: Rig, tmp_path: Path, to: str) -> None:
+    leaves = f"\n  - {{at: 6 s, move: cart, to: {to}, over: 3 s}}"
     comes = "events:\n  - {at: 1 s, move: cart, to: [2.2, 0, 0.4], over: 3 s}" + leaves
     run = rig.run_tree("go", scene=scene(tmp_path, CORRIDOR, comes), x=4.5, y=0)
     run.expect("outcome == success", *SAFE)
