@@ -30,7 +30,7 @@ _FALL_TILT, _FALL_HEIGHT = (0.3, 1.3), (0.3, 0.9)  # rad; share of the height
 
 
 def robot_problems(path: Path) -> list[Problem]:
-    """Return what is wrong with a robot, in its file or as it stands and walks.
+    """Return what is wrong with a robot, in its file or as it stands, reaches and walks.
 
     Raises:
         UserError: it cannot be loaded.

@@ -296,7 +296,7 @@ class RobotConfig:
     format: int = param(doc="Version of this file's form: 1.", minimum=1, maximum=1)
     name: str = param(doc="The robot's name.")
     description: str = param("", doc="One line for people.")
-    model: str = param(doc="MJCF file, relative to this one; or robot_descriptions:NAME, of the package of this name.")
+    model: str = param(doc="MJCF or URDF file, relative to this one; or robot_descriptions:NAME, of that package.")
     base: str = param(doc="Body with the free joint.")
     torso: str = param(doc="Body that carries the arms.")
     legs: dict[str, LegConfig] = param(doc="The legs: left and right.")

@@ -28,6 +28,12 @@ SWAPPED_HANDS = """\
 """
 LEFT_KNEE = '{joints: ["*_knee"], stiffness: 500, damping: 20, torque: 150}'
 GAZE = "gaze: {body: head, position: [0.09, 0, 0.08]}"
+SHOULDERS = '{joints: ["*_shoulder_pitch", "*_shoulder_roll"], stiffness: 120, damping: 6, torque: 40}'
+SHELF = """\
+collision:
+  capsules:
+    - {body: torso, start: [0.44, -0.3, -0.02], end: [0.44, 0.3, -0.02], radius: 0.17}"""
+NECK_PITCH = '<joint name="neck_pitch" axis="0 1 0" range="-0.6 0.8"/>'
 
 
 @dataclass(frozen=True)
@@ -124,6 +130,13 @@ BREAKS = {
         "gait:", "walking_radius: 0.2\ngait:", "walking-radius", "'left_hand' is 0.28 m from", "walking_radius:"
     ),
     "never falls": Break("gait:", "fall: {height: 0.05}\ngait:", "fall-limits", "not noticed", "fall:"),
+    "shoulders that lift nothing": Break(
+        SHOULDERS, SHOULDERS.replace("torque: 40", "torque: 3"), "does-not-reach", "'left_shoulder_pitch' is 0.2"
+    ),
+    "a shelf in the way": Break(GAZE, f"{SHELF}\n{GAZE}", "does-not-reach", "the torso is in the way", "capsules:"),
+    "a neck that looks up": Break(
+        NECK_PITCH, NECK_PITCH.replace("-0.6 0.8", "-0.5 -0.1"), "does-not-look", "model: 'neck_pitch'", "gaze:"
+    ),
 }
 
 
@@ -219,6 +232,16 @@ def published(tmp_path: Path) -> Path:
 
 def test_the_built_in_robot_has_no_findings(robot: Path) -> None:
     assert found(robot) == []
+
+
+def test_a_link_that_keeps_the_head_from_looking_down_is_named(robot: Path) -> None:
+    model, file = robot / "humanoid.xml", robot / "robot.yaml"
+    model.write_text(model.read_text().replace('<exclude body1="torso" body2="head"/>', ""))
+    chin = "- {body: head, start: [0.16, 0, -0.1], end: [0.16, 0, -0.1], radius: 0.025}"
+    file.write_text(f"{file.read_text()}\ncollision:\n  capsules:\n    {chin}\n")
+    (problem,) = found(robot)
+    assert problem.code == "does-not-look"
+    assert problem.message.endswith("'head' is kept 35 mm from 'torso'")
 
 
 def test_an_ankle_that_rolls_must_be_named(robot: Path) -> None:

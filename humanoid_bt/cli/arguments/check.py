@@ -8,7 +8,7 @@ _EXAMPLES = """\
 examples:
   humanoid-bt check                       all of this folder
   humanoid-bt check fetch trees/mine.yaml skills/
-  humanoid-bt check sim/mine/robot.yaml   also lets it stand and walk
+  humanoid-bt check sim/mine/robot.yaml   also lets it stand, reach and walk
   humanoid-bt check --strict --format sarif > check.sarif
   humanoid-bt check --explain outside-watchdog
 
@@ -24,7 +24,7 @@ def add_check(commands: Commands) -> None:
     check = commands.add(
         "check",
         "find mistakes in files",
-        "Find mistakes without running a tree. A robot is tried: it stands and walks, in simulation.",
+        "Find mistakes without running a tree. A robot is tried: it stands, reaches and walks, in simulation.",
         _EXAMPLES,
     )
     check.add_argument(

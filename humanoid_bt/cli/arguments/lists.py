@@ -32,7 +32,7 @@ _ROBOTS_EXAMPLES = """\
 examples:
   humanoid-bt robots
   humanoid-bt robots init models/my_robot.xml
-  humanoid-bt check sim/my_robot/robot.yaml         does it stand and walk?
+  humanoid-bt check sim/my_robot/robot.yaml         does it stand, reach and walk?
   humanoid-bt robots table humanoid my_robot --trials 10 --out robots
 """
 
