@@ -22,7 +22,7 @@ from humanoid_bt.plant.scene import Scene
 from humanoid_bt.plant.scene_config import SceneConfig
 from humanoid_bt.robot.model import RobotModel, carriers
 
-_STAND, _REACH, _WALK = 1.0, 2.5, 2.0  # s
+_STAND, _REACH, _WALK = 1.0, 2.0, 2.0  # s
 _ARRIVE = 6.0  # s more for a learned walker that wanders
 _GOAL = 2.0  # m ahead, farther than it gets in the first of these
 _LEAST_WAY = 0.1  # m that it must have walked then

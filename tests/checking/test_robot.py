@@ -241,7 +241,7 @@ def test_a_link_that_keeps_the_head_from_looking_down_is_named(robot: Path) -> N
     file.write_text(f"{file.read_text()}\ncollision:\n  capsules:\n    {chin}\n")
     (problem,) = found(robot)
     assert problem.code == "does-not-look"
-    assert problem.message.endswith("'head' is kept 35 mm from 'torso'")
+    assert problem.message.endswith("'head' is kept 5 mm from 'torso'")
 
 
 def test_an_ankle_that_rolls_must_be_named(robot: Path) -> None:

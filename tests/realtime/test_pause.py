@@ -63,6 +63,7 @@ def test_decision_that_is_killed_while_paused_is_noticed(project: Path) -> None:
     try:
         until("the run's start", lambda: any(info.processes["owner"] == decision.pid for _, info in live_runs()))
         folder = next(folder for folder, info in live_runs() if info.processes["owner"] == decision.pid)
+        until("its states", lambda: folder.path("state").exists())
         states = channels.reader(folder, "state")
 
         def state() -> State | None:

@@ -15,6 +15,7 @@ from humanoid_bt.robot.model import RobotModel, carriers
 _CAPSULE, _END = 1, 2  # kinds of shapes, as bits of MuJoCo's: capsules meet capsules and ends, ends meet no ends
 _OURS = (["hbt", "capsule"], ["hbt", "end"])
 _AT_HOME = 0.9  # of their distance in the home posture; nearer than this two are near: at home none are
+_NOD = 0.005  # m at most that a head is kept from the trunk: it is to see what is near and low
 _NEVER = -1.0  # m that two are kept apart that need not be: they may be in each other
 
 
@@ -29,7 +30,8 @@ class OwnLinks:
     not move at all. Legs among themselves are left to the gait: a step that catches a push must not be held up. A trunk
     and a hip, or a trunk and a head, that are within the margin there are neighbours whichever of their shapes meet: a
     trunk that is held up as it turns on a hip would lift the whole robot, or turn its feet on the ground, and a head
-    that is held up as it nods would not see what is near and low.
+    that is held up as it nods would not see what is near and low. Other heads come as near to the trunk as their shapes
+    let them.
 
     Args:
         robot: the robot.
@@ -66,6 +68,10 @@ class OwnLinks:
         names = [model.geom(geom).name.split("_") for geom in range(model.ngeom)]
         number_of = np.array([int(name[2]) if name[:2] in _OURS else -1 for name in names])
         kept: Array = np.full((len(shapes), len(shapes)), margin)
+        bodies = [shape.body for shape in shapes]
+        of_trunk, of_head = (np.isin(bodies, [*part]) for part in (_trunk(robot), _head(robot)))
+        nods = np.logical_and.outer(of_trunk, of_head)
+        kept[nods | nods.T] = min(margin, _NOD)
         begins = kept + near
         home = mujoco.MjData(model)
         home.qpos[:] = robot.home_qpos
@@ -79,7 +85,7 @@ class OwnLinks:
             kept[pairs] = min(distance / 2, kept[one, other]) if distance > 0 else _NEVER
             begins[pairs] = min(_AT_HOME * distance, begins[one, other]) if distance > 0 else _NEVER
         for pair in _neighbours(robot, legs, home):
-            ours = (np.isin([shape.body for shape in shapes], body) for body in pair)
+            ours = (np.isin(bodies, body) for body in pair)
             met = np.logical_and.outer(*ours)
             kept[met | met.T] = begins[met | met.T] = _NEVER
         self.margins, self.begins = (table[number_of[:, None], number_of] for table in (kept, begins))
@@ -103,14 +109,23 @@ def _neighbours(robot: RobotModel, legs: Sequence[str], home: mujoco.MjData) -> 
         legs: names of the base and of the legs' bodies.
         home: the shapes, with the contacts of that posture.
     """
-    model = home.model
-    trunk = set(carriers(model, model.body(robot.config.torso).id)) - {0}
+    model, trunk = home.model, _trunk(robot)
     near = home.contact.dist < robot.config.collision.margin
     touching = {tuple(pair) for pair in model.geom_bodyid[home.contact.geom[near]].tolist()}
-    limbs = {model.body(name).id for name in legs} - trunk
-    if robot.config.neck:
-        limbs |= set(carriers(model, model.body(robot.config.gaze.body).id)) - trunk - {0}
+    limbs = {model.body(name).id for name in legs} - trunk | _head(robot)
     return {(one, other) for a, b in touching for one, other in ((a, b), (b, a)) if one in trunk and other in limbs}
+
+
+def _trunk(robot: RobotModel) -> set[int]:
+    """Return the bodies from the torso to the base."""
+    return set(carriers(robot.model, robot.model.body(robot.config.torso).id)) - {0}
+
+
+def _head(robot: RobotModel) -> set[int]:
+    """Return the bodies between the trunk and the eyes, if there is a neck."""
+    model, config = robot.model, robot.config
+    above = set(carriers(model, model.body(config.gaze.body).id)) - _trunk(robot) - {0}
+    return above if config.neck else set()
 
 
 def _leg_bodies(robot: RobotModel) -> list[str]:

@@ -62,3 +62,4 @@ def test_a_head_that_is_near_the_trunk_at_home_may_nod() -> None:
     assert near.size > far.size > 0
     assert (near < 0).all()
     assert (far > 0).all()
+    assert (far < 0.01).all()
