@@ -1,4 +1,4 @@
-"""Palms and eyes: named sites and cameras of the model where it has some, else the middle of what is there."""
+"""Palms and eyes: named sites, cameras and links of the model where it has some, else the middle of what is there."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ from humanoid_bt.robot.model import carriers
 from humanoid_bt.robot.survey.limbs import Limb, Limbs, Surveyor
 
 _PALM, _EYES = re.compile("palm|grip|hand|wrist|tcp", re.I), re.compile("eye|head|cam|gaze|vision|lidar|mid360", re.I)
+_CAMERA = re.compile("eye|camera|d4[0-9]5|realsense|zed", re.I)  # links, of which a head has others as well
 _PALM_SHARE = 0.6  # of the way from the wrist to the finger tips
 
 
@@ -43,6 +44,9 @@ def eyes(surveyor: Surveyor, limbs: Limbs) -> tuple[int, Array, str]:
     body = limbs.head.body if limbs.head else limbs.torso
     if found := _named(surveyor, _EYES, lambda other: model.body_weldid[other] == body):
         return body, _inside(data, body, found[0]), found[1]
+    for link in range(body + 1, model.nbody):
+        if model.body_weldid[link] == body and _CAMERA.search(model.body(link).name):
+            return body, _inside(data, body, data.xpos[link]), f"the model's body {model.body(link).name!r}"
     tops = [(surveyor.seen(data.geom_xpos[g]), float(model.geom_rbound[g])) for g in surveyor.geoms(body)]
     if not tops:
         return body, np.zeros(3), ""

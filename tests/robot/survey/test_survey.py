@@ -288,6 +288,19 @@ def test_eyes_that_no_neck_turns_down_look_down(spec: mujoco.MjSpec, adopt: Adop
     np.testing.assert_allclose(ahead, [np.cos(stiff.gaze.down), 0.0, -np.sin(stiff.gaze.down)], atol=1e-6)
 
 
+def test_a_camera_that_is_a_link_of_its_own_on_the_head_is_where_the_eyes_are(
+    spec: mujoco.MjSpec, adopt: Adopt
+) -> None:
+    spec.delete(spec.site("gaze"))
+    spec.body("torso").add_body(name="chest_camera_link", pos=[0.1, 0, 0.2])
+    assert "chest_camera_link" not in adopt(spec)[0].text
+    spec.body("head").add_body(name="d435_link", pos=[0.07, 0.01, 0.11])
+    description, found = adopt(spec)
+    assert found.gaze.body == "head"
+    assert found.gaze.position == pytest.approx((0.07, 0.01, 0.11))
+    assert "# from the model's body 'd435_link'" in description.text
+
+
 def turn(spec: mujoco.MjSpec, name: str, axis: list[float], angle: float) -> None:
     """Turn the frame of a body [rad] and leave all that is in it where it is, as a CAD might have it."""
     turned, back, body = np.zeros(4), np.zeros(4), spec.body(name)
