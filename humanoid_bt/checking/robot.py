@@ -39,7 +39,7 @@ def robot_problems(path: Path) -> list[Problem]:
     found = list(_implausible(robot))
     if any(problem.severity == "error" for problem in found):
         return found  # it would only fall over them
-    from humanoid_bt.checking.robot_trial import tried  # noqa: PLC0415 (control, which takes a while)
+    from humanoid_bt.checking.robot_motion import tried  # noqa: PLC0415 (control, which takes a while)
 
     return [*found, *tried(robot)]
 
