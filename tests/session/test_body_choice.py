@@ -53,7 +53,7 @@ def test_a_walker_that_does_not_walk_is_refused_in_its_own_file(
 ) -> None:
     assert main(["check", str(robot)]) == 2
     told = capsys.readouterr().out
-    assert "stand.policy.yaml:7:22: error: it does not walk straight ahead" in told
+    assert "stand.policy.yaml:7:22: error: it does not walk 1 m straight ahead" in told
     assert "the order of joints and terms, scales, history" in told
 
 
