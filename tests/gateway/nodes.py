@@ -75,6 +75,26 @@ class Peer:
         until(f"the service {service}", client.service_is_ready)
         return client
 
+    def action_client(self, kind: Any, action: str) -> Any:
+        """Return a client of an action once its server has found it: what it answers before is lost."""
+        from action_msgs.srv import CancelGoal
+        from rclpy.action import ActionClient
+
+        client = ActionClient(self.node, kind, action)
+        until(f"the action {action}", client.server_is_ready)
+        later = self.client(CancelGoal, f"{action}/_action/cancel_goal")  # and so found later, by the same server
+        nothing = CancelGoal.Request()
+        nothing.goal_info.goal_id.uuid[:] = 1  # of no goal
+        asked: list[Any] = []
+
+        def answers() -> bool:
+            asked.append(later.call_async(nothing))
+            return any(future.done() for future in asked)
+
+        until(f"an answer of the action {action}", answers)
+        self.node.destroy_client(later)
+        return client
+
     def close(self) -> None:
         self._over = True
         self._thread.join()

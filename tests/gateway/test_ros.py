@@ -198,12 +198,10 @@ def test_messages_that_cannot_be_used_are_told_and_move_nothing(live: Callable[.
 
 def test_the_tree_runs_for_every_goal_of_an_action(live: Callable[..., Live], peer: Peer) -> None:
     from action_msgs.msg import GoalStatus
-    from rclpy.action import ActionClient
     from test_msgs.action import Fibonacci
 
     run = live("rest", gateway="action")
-    client, heard = ActionClient(peer.node, Fibonacci, "/rest"), []
-    until("the action", client.server_is_ready)
+    client, heard = peer.action_client(Fibonacci, "/rest"), []
 
     def send(duration: int) -> Any:
         return done(client.send_goal_async(Fibonacci.Goal(order=duration), feedback_callback=heard.append))
