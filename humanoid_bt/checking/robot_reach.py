@@ -9,12 +9,11 @@ import mujoco
 import numpy as np
 
 from humanoid_bt.checking.robot_trial import LAGS, SATURATED, Trial, drive_place
-from humanoid_bt.control.body.own_links import OwnLinks
-from humanoid_bt.core.errors import Problem
+from humanoid_bt.control.body.own_links import OwnLinks, head_bodies
+from humanoid_bt.core.errors import Place, Problem
 from humanoid_bt.core.messages import SIDES, Mode, Side
 from humanoid_bt.core.texts import listed
 from humanoid_bt.decision.robot import RobotHandle
-from humanoid_bt.robot.model import carriers
 
 _REACH = 2.0  # s
 _AHEAD = np.array([0.6, 0.0, -0.3])  # where its hands reach, from the shoulders, in lengths of the stretched arm
@@ -48,7 +47,7 @@ def reached(trial: Trial) -> Iterator[Problem]:
     if state.mode is not Mode.RUN:
         message = f"it stops as its hands reach ahead: {state.stop_reason}"
         hint = "look at the drives and the links of its arms"
-        yield Problem(message, robot.config.place("hands"), hint, code="does-not-reach", severity="warning")
+        yield _warning(message, robot.config.place("hands"), hint, "does-not-reach")
         return
     for side in places:
         if (off := state.hand_errors.get(side, math.inf)) > _OFF:  # without one an arm yields
@@ -56,7 +55,11 @@ def reached(trial: Trial) -> Iterator[Problem]:
     way = middle - state.gaze_position
     off = math.acos(min(1.0, float(way @ state.gaze_direction) / float(np.linalg.norm(way))))
     if sees and off > _HELD:
-        yield from _not_seen(trial, off)
+        yield from _not_looked(trial, off)
+
+
+def _warning(message: str, place: Place, hint: str, code: str) -> Problem:
+    return Problem(message, place, hint, code=code, severity="warning")
 
 
 def _not_reached(trial: Trial, side: Side, off: float) -> Problem:
@@ -67,21 +70,21 @@ def _not_reached(trial: Trial, side: Side, off: float) -> Problem:
     names = [*skill.arm_joints(side)]
     if side in skill.state.hand_obstacles:
         hint = "where shapes of links only seem to be so near: collision.capsules or collision.overlap"
-        return Problem(message, robot.config.place("collision"), hint, code="does-not-reach", severity="warning")
+        return _warning(message, robot.config.place("collision"), hint, "does-not-reach")
     lags = {name: _lag(trial, name) for name in names}
     worst = max(names, key=lags.__getitem__)
     if lags[worst] > LAGS:
         weak = trial.seen.saturated[robot.joint(worst)] > SATURATED * trial.seen.ticks
         key = "torque" if weak else "stiffness"
         hint = f"{worst!r} is {lags[worst]:.2f} rad from its setpoint: raise its {key}"
-        return Problem(message, drive_place(robot, worst, key), hint, code="does-not-reach", severity="warning")
+        return _warning(message, drive_place(robot, worst, key), hint, "does-not-reach")
     limited = listed([repr(name) for name in names if _is_at_limit(trial, name)])
     hint = f"at a limit of the model: {limited}; " if limited else ""
     hint += f"look at the body, the position and the drives of the {side} hand"
-    return Problem(message, robot.config.place("hands", side), hint, code="does-not-reach", severity="warning")
+    return _warning(message, robot.config.place("hands", side), hint, "does-not-reach")
 
 
-def _not_seen(trial: Trial, off: float) -> Iterator[Problem]:
+def _not_looked(trial: Trial, off: float) -> Iterator[Problem]:
     """Yield that the eyes point so far off what they are to look at [rad], at what is the most likely cause."""
     robot, neck = trial.robot, trial.robot.config.neck
     message = f"its eyes point {math.degrees(off):.0f} deg off where its hands reach"
@@ -89,25 +92,24 @@ def _not_seen(trial: Trial, off: float) -> Iterator[Problem]:
         head, other, distance = near
         message += f": {head!r} is kept {distance * 1000:.0f} mm from {other!r}"
         hint = "where their shapes only seem to be so near: collision.capsules or collision.overlap"
-        yield Problem(message, robot.config.place("collision"), hint, code="does-not-look", severity="warning")
+        yield _warning(message, robot.config.place("collision"), hint, "does-not-look")
     elif off > _OUT_OF_VIEW:
         limited = [repr(name) for name in (neck.yaw, neck.pitch) if _is_at_limit(trial, name)] if neck else []
         hint = f"at a limit of the model: {listed(limited)}; " if limited else ""
         hint += "look at the body of gaze, and at where it looks: ahead, down"
-        yield Problem(message, robot.config.place("gaze"), hint, code="does-not-look", severity="warning")
+        yield _warning(message, robot.config.place("gaze"), hint, "does-not-look")
 
 
 def _nearest_of_head(trial: Trial) -> tuple[str, str, float] | None:
     """Return a link of the head, another one that it may come no nearer to, and how far they are apart [m]."""
-    robot, state, links = trial.robot, trial.skill.state, OwnLinks(trial.robot, _BESIDE)
-    if robot.config.neck is None:
+    head = head_bodies(trial.robot)
+    if not head:
         return None
+    state, links = trial.skill.state, OwnLinks(trial.robot, _BESIDE)
     model, data = links.model, mujoco.MjData(links.model)
     data.qpos[:] = np.concatenate([state.base_position, state.base_quaternion, state.joint_positions])
     mujoco.mj_kinematics(model, data)
     mujoco.mj_collision(model, data)
-    trunk = carriers(model, model.body(robot.config.torso).id)
-    head = set(carriers(model, model.body(robot.config.gaze.body).id)).difference(trunk)
     for (one, other), distance in zip(data.contact.geom.tolist(), data.contact.dist.tolist(), strict=True):
         bodies = sorted((int(model.geom_bodyid[geom]) for geom in (one, other)), key=lambda body: body not in head)
         if distance < links.margins[one, other] + _BESIDE and bodies[0] in head and bodies[1] not in head:

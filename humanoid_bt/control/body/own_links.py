@@ -69,7 +69,7 @@ class OwnLinks:
         number_of = np.array([int(name[2]) if name[:2] in _OURS else -1 for name in names])
         kept: Array = np.full((len(shapes), len(shapes)), margin)
         bodies = [shape.body for shape in shapes]
-        of_trunk, of_head = (np.isin(bodies, [*part]) for part in (_trunk(robot), _head(robot)))
+        of_trunk, of_head = (np.isin(bodies, [*part]) for part in (trunk_bodies(robot), head_bodies(robot)))
         nods = np.logical_and.outer(of_trunk, of_head)
         kept[nods | nods.T] = min(margin, _NOD)
         begins = kept + near
@@ -109,22 +109,22 @@ def _neighbours(robot: RobotModel, legs: Sequence[str], home: mujoco.MjData) -> 
         legs: names of the base and of the legs' bodies.
         home: the shapes, with the contacts of that posture.
     """
-    model, trunk = home.model, _trunk(robot)
+    model, trunk = home.model, trunk_bodies(robot)
     near = home.contact.dist < robot.config.collision.margin
     touching = {tuple(pair) for pair in model.geom_bodyid[home.contact.geom[near]].tolist()}
-    limbs = {model.body(name).id for name in legs} - trunk | _head(robot)
+    limbs = {model.body(name).id for name in legs} - trunk | head_bodies(robot)
     return {(one, other) for a, b in touching for one, other in ((a, b), (b, a)) if one in trunk and other in limbs}
 
 
-def _trunk(robot: RobotModel) -> set[int]:
+def trunk_bodies(robot: RobotModel) -> set[int]:
     """Return the bodies from the torso to the base."""
     return set(carriers(robot.model, robot.model.body(robot.config.torso).id)) - {0}
 
 
-def _head(robot: RobotModel) -> set[int]:
+def head_bodies(robot: RobotModel) -> set[int]:
     """Return the bodies between the trunk and the eyes, if there is a neck."""
     model, config = robot.model, robot.config
-    above = set(carriers(model, model.body(config.gaze.body).id)) - _trunk(robot) - {0}
+    above = set(carriers(model, model.body(config.gaze.body).id)) - trunk_bodies(robot) - {0}
     return above if config.neck else set()
 
 
