@@ -15,7 +15,7 @@ from humanoid_bt.robot.model import carriers
 from humanoid_bt.robot.survey.limbs import Limb, Limbs, Surveyor
 
 _PALM, _EYES = re.compile("palm|grip|hand|wrist|tcp", re.I), re.compile("eye|head|cam|gaze|vision|lidar|mid360", re.I)
-_CAMERA = re.compile("eye|camera|d4[0-9]5|realsense|zed", re.I)  # links, of which a head has others as well
+_CAMERA = re.compile("(^|_)(eye|camera|d4[0-9]5|realsense|zed)", re.I)  # links, of which a head has others as well
 _PALM_SHARE = 0.6  # of the way from the wrist to the finger tips
 
 
