@@ -10,8 +10,12 @@ from pathlib import Path
 import pytest
 
 from humanoid_bt.checking.check import checked
+from humanoid_bt.checking.robot_reach import reached
+from humanoid_bt.checking.robot_trial import Trial
 from humanoid_bt.core.errors import Problem
 from humanoid_bt.files.workspace import Workspace, builtin_root
+from humanoid_bt.robot.config import load_robot_config
+from humanoid_bt.robot.model import RobotModel
 from humanoid_bt.robot.published import read_model
 from humanoid_bt.robot.survey.description import describe
 from tests.line_feet import write_line_feet
@@ -242,6 +246,14 @@ def test_a_link_that_keeps_the_head_from_looking_down_is_named(robot: Path) -> N
     (problem,) = found(robot)
     assert problem.code == "does-not-look"
     assert problem.message.endswith("'head' is kept 5 mm from 'torso'")
+
+
+def test_a_stop_while_the_hands_reach_is_told_with_its_reason(robot: Path) -> None:
+    trial = Trial(RobotModel(load_robot_config(robot / "robot.yaml")))
+    trial.run(0.5)
+    trial.plant.fail_sensor("left_elbow", "silent")
+    (problem,) = reached(trial)
+    assert "it stops as its hands reach ahead: a sensor failed" in problem.message
 
 
 def test_an_ankle_that_rolls_must_be_named(robot: Path) -> None:

@@ -157,9 +157,11 @@ def test_obstacles_and_the_way_round_them_are_drawn(record: Maker, file: Path) -
         for time, routes in ((0.0, []), (0.04, [[[0.0, 0.0], [1.0, 1.0], [2.0, 0.0]]]), (0.08, [])):
             state = facing(time, 0.0)
             recorder.routes(time, routes)
-            recorder.sample(state, {"table": Track(table, np.array([1.0, 0.0, 0.35]), 0.1, state)}, {})
-    ((_, sizes),) = rows(file, f"/{OBSTACLES}", "Boxes3D:half_sizes")
+            seen = replace(table, confidence=0.0) if time > 0.05 else table
+            recorder.sample(state, {"table": Track(seen, np.array([1.0, 0.0, 0.35]), 0.1, state)}, {})
+    (_, sizes), (_, gone) = rows(file, f"/{OBSTACLES}", "Boxes3D:half_sizes")
     assert sizes[0] == pytest.approx([0.3, 0.6, 0.35])
+    assert len(gone) == 0
     ways = [way for _, way in rows(file, f"/{ROUTE}", "LineStrips3D:strips")]
     assert [len(way) for way in ways] == [0, 1, 0]
     assert np.array(ways[1][0])[:, :2].tolist() == [[0.0, 0.0], [1.0, 1.0], [2.0, 0.0]]
