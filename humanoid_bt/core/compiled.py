@@ -10,18 +10,26 @@ numba itself takes 0.3 s to load, so only what simulates a robot or controls one
 
 from __future__ import annotations
 
+import hashlib
 import sys
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from functools import cache
+from glob import escape
+from pathlib import Path
 from typing import ParamSpec, TypeVar
 
 from numba import njit
+from numba.core.dispatcher import Dispatcher
 
 _P = ParamSpec("_P")
 _R = TypeVar("_R")
 
 _NOTICED = 0.5  # s that nobody waits for a function that is loaded
+
+_STAMPS: dict[int, str] = {}
+"""Of the inlined functions: what changes with them."""
 
 
 def compiled(signature: str) -> Callable[[Callable[_P, _R]], Callable[_P, _R]]:
@@ -46,16 +54,50 @@ def compiled(signature: str) -> Callable[[Callable[_P, _R]], Callable[_P, _R]]:
 
 def inlined(function: Callable[_P, _R]) -> Callable[_P, _R]:
     """Compile a function as a part of compiled ones that call it, for whatever types they call it with."""
-    return _jit(function)
+    done = _jit(function)
+    _STAMPS[id(done)] = _hash(Path(function.__code__.co_filename).read_text(encoding="utf-8"), _taken(function))
+    return done
 
 
 def _jit(function: Callable[_P, _R], signature: str | None = None) -> Callable[_P, _R]:
     try:
-        return njit(signature, cache=True, error_model="numpy")(function)
+        done = njit(cache=True, error_model="numpy")(function)
     except RuntimeError as error:  # nowhere to keep it: neither beside the file nor in a cache of the user's
         if "cannot cache" not in str(error):
             raise
         return njit(signature, error_model="numpy")(function)
+    if isinstance(done, Dispatcher):
+        _forget_outdated(done, function)
+        if signature:
+            done.compile(signature)
+            done.disable_compile()
+    return done
+
+
+def _forget_outdated(done: Dispatcher, function: Callable[..., object]) -> None:
+    """Forget code that holds what has changed elsewhere: numba sees only that the function's own file has."""
+    folder, stamp = Path(done.stats.cache_path), _taken(function)
+    stem = f"{Path(function.__code__.co_filename).stem}.{function.__qualname__}-{function.__code__.co_firstlineno}"
+    kept = folder / f"{stem}.taken"
+    with suppress(OSError):
+        if kept.exists() and kept.read_text(encoding="utf-8") == stamp:
+            return
+    with suppress(OSError):
+        for index in folder.glob(f"{escape(stem)}.*.nbi"):
+            index.unlink(missing_ok=True)
+        folder.mkdir(parents=True, exist_ok=True)
+        kept.write_text(stamp, encoding="utf-8")
+
+
+def _taken(function: Callable[..., object]) -> str:
+    """Return what is another one once a number or a compiled function changes that a function takes from elsewhere."""
+    values = {name: function.__globals__.get(name) for name in sorted(set(function.__code__.co_names))}
+    numbers = (f"{name}={value}" for name, value in values.items() if isinstance(value, (int, float, str, tuple)))
+    return _hash(*numbers, *(_STAMPS[id(value)] for value in values.values() if id(value) in _STAMPS))
+
+
+def _hash(*texts: str) -> str:
+    return hashlib.sha256("\n".join(texts).encode()).hexdigest()
 
 
 @cache

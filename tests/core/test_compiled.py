@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import importlib
 import math
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
+import pytest
 
 from humanoid_bt.core.compiled import compiled
 
@@ -41,6 +44,34 @@ def test_a_function_that_cannot_be_kept_is_compiled_all_the_same() -> None:
     found: dict = {}
     exec("def double(value): return 2 * value", found)
     assert compiled("f8(f8)")(found["double"])(1.5) == 3.0
+
+
+@pytest.mark.parametrize(("before", "after"), [("2 * value", "3 * value"), ("2 * value", "FACTOR * value")])
+def test_code_is_made_anew_where_something_that_it_takes_from_elsewhere_has_changed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, before: str, after: str
+) -> None:
+    """numba looks only at the file of the function itself."""
+    part, whole = tmp_path / "part_of_it.py", tmp_path / "whole_of_it.py"
+    text = "from humanoid_bt.core.compiled import {0}\n{1}\n@{2}\ndef {3}(value):\n    return {4}\n"
+    whole.write_text(
+        text.format(
+            "compiled", "from part_of_it import FACTOR, more", 'compiled("f8(f8)")', "it", "more(value) + FACTOR"
+        )
+    )
+    monkeypatch.syspath_prepend(tmp_path)
+
+    def made() -> float:
+        for name in ("part_of_it", "whole_of_it"):
+            monkeypatch.delitem(sys.modules, name, raising=False)
+        importlib.invalidate_caches()
+        return float(importlib.import_module("whole_of_it").it(1.0))
+
+    part.write_text(text.format("inlined", "FACTOR = 5", "inlined", "more", before))
+    assert made() == made() == 7
+    part.write_text(text.format("inlined", "FACTOR = 5.0", "inlined", "more", after))
+    assert made() == {"3 * value": 8, "FACTOR * value": 10}[after]
+    part.write_text(text.format("inlined", "FACTOR = 6.0", "inlined", "more", before))
+    assert made() == 8
 
 
 def test_what_simulates_nothing_does_not_load_the_compiler() -> None:
