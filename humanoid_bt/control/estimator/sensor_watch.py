@@ -19,6 +19,7 @@ _GYRO_JUMP, _ACCELEROMETER_JUMP, _ORIENTATION_JUMP = 4.0, 25.0, 0.1  # from look
 _WILD = 50.0  # m/s^2 from look to look, more than of feet that land hard: the accelerometer is doubted at once
 _DRIFT, _DRIFTS_AFTER = 0.03, 2  # rad that gyro and orientation disagree in two looks, and how often
 _COMPARED_EVERY = 2  # looks
+_SAME = 0.006  # rad that they may disagree in one look in which a blow makes the gyro jump
 _FORGET = 0.5  # looks that another one in which nothing is seen takes off
 _SPEEDS, _SLACK = 2.0, 0.03  # times its limit that a joint may be fast, and rad beside that
 _IMU = ("gyro", "accelerometer", "orientation")
@@ -98,18 +99,19 @@ class SensorWatch:
         values, before = reading.values, self._before.values
         usual = _usual(values, before, self._most.values, self._least, self._moved.values, imu, self._turned)
         if self.suspicious or not usual:
-            self._look_closer(reading, upright)
+            self._look_closer(reading, imu, upright)
         before[:] = values
         self._compare(reading, upright)
 
-    def _look_closer(self, reading: Reading, upright: bool) -> None:
+    def _look_closer(self, reading: Reading, imu: Array, upright: bool) -> None:
         shaken = np.partition(self._moved.joint_velocity, -2)[-2] > _SHAKEN
+        felt = {"accelerometer": shaken, "gyro": shaken and self._turned_so(reading, imu)}  # a blow, not a failure
         for name in _IMU:
             moved, most = getattr(self._moved, name), getattr(self._most, name)
             silent = not math.isfinite(getattr(reading, name).sum())
             self._count(name, "is silent", silent, _SILENT_AFTER)
             self._count(name, "is frozen", self._imu_flickers[name] and not moved.any(), _FROZEN_AFTER)
-            jumps = bool((moved > most).any()) and upright and not (shaken and name == "accelerometer")
+            jumps = bool((moved > most).any()) and upright and not felt.get(name)
             self._count(name, "jumps", jumps, _JUMPS_AFTER[name])
         self._look_at_joints(reading, upright)
         wild = bool(self._moved.accelerometer.max() > _WILD)
@@ -117,6 +119,12 @@ class SensorWatch:
             wild or self.accelerometer_doubtful
         )
         self.suspicious = bool(self._counts) or bool(self._silent.any() or self._frozen.any() or self.any_bad)
+
+    def _turned_so(self, reading: Reading, imu: Array) -> bool:
+        """Return whether the orientation has turned since the last look as the gyro says."""
+        turned = _turn(self._before.orientation.tolist(), reading.orientation.tolist())
+        rates = imu[3:].tolist()
+        return all(abs(way - rate * ESTIMATE_PERIOD) < _SAME for way, rate in zip(turned, rates, strict=True))
 
     def _compare(self, reading: Reading, upright: bool) -> None:
         """Compare now and then how the orientation has turned with what the gyro says."""

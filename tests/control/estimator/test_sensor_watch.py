@@ -86,6 +86,27 @@ def test_what_happened_while_a_plant_was_silent_is_no_failed_sensor(
     assert "jumped" in rig.controller.estimator.watch.fault
 
 
+@pytest.mark.parametrize(
+    ("joints", "turned", "fault"),
+    [(5.0, True, ""), (5.0, False, "the gyro jumps"), (0.0, True, "the gyro jumps")],
+    ids=["joints and orientation say so, too", "orientation does not", "joints do not"],
+)
+def test_a_gyro_that_jumps_is_believed_in_a_blow(rig: ControlRig, joints: float, turned: bool, fault: str) -> None:
+    rig.run(0.5, {})
+    watch, reading = rig.controller.estimator.watch, Reading(len(rig.robot.joint_names))
+    reading.values[:] = rig.plant.measure().values
+    w, x, y, z = reading.orientation
+    for rate in (6.0, -6.0, 6.0):
+        reading.values[:] += 1e-9  # nothing is frozen
+        reading.gyro[:] = 0.0, rate, 0.0
+        reading.joint_velocity[:] += np.sign(rate) * joints
+        half = rate * 0.005 / 2 if turned else 0.0
+        w, x, y, z = w - y * half, x - z * half, y + w * half, z + x * half  # turned about its own y
+        reading.orientation[:] = w, x, y, z
+        watch.look(reading, np.array([0.0, 0.0, 9.8, 0.0, rate, 0.0]), upright=True)
+    assert watch.fault == fault
+
+
 @pytest.mark.parametrize(("jump", "doubted"), [(35.0, False), (70.0, True)], ids=["as of a landing foot", "wild"])
 def test_an_accelerometer_is_doubted_where_it_jumps_wildly(rig: ControlRig, jump: float, doubted: bool) -> None:
     """Feet that land hard make it jump, too, and then it is right."""
