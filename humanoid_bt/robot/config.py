@@ -161,6 +161,9 @@ class GaitConfig:
     heel_strike: float = param(
         0.0, minimum=0, maximum=0.4, unit="rad", doc="Pitch of a foot that lands by its heel, in the longest step."
     )
+    lunge: float = param(
+        0.6, minimum=0, maximum=0.8, unit="rad", doc="Farthest lean of the trunk after a push that no step catches."
+    )
     tilt_stiffness: float = param(300.0, minimum=0, doc="Stance hips against tilt of the base [Nm/rad].")
     tilt_damping: float = param(25.0, minimum=0, doc="Stance hips against tilt rate of the base [Nm s/rad].")
 

@@ -31,8 +31,8 @@ from humanoid_bt.robot.mujoco_functions import angmom_mat, jac_subtree_com
 
 _SOLES, _BASE, _TORSO, _GAZE = (3, 9), 15, 18, 21  # first rows, after those of the centre of mass; then the posture
 _SOLE_GOAL = 12  # numbers of a sole's goal: x, y, yaw, height, tilt, correction
-_TURNS = 2 * _SOLE_GOAL  # heading, leans of base and torso, yaw of the torso, yaw and pitch of the view
-_GOALS = _TURNS + 6  # centre of mass, and then the posture
+_TURNS = 2 * _SOLE_GOAL  # heading, yaw of the torso, leans of base and torso, yaw and pitch of the view, tilts
+_GOALS = _TURNS + 10  # centre of mass, and then the posture
 _POSTURE = _GOALS + 3
 _NO_TURN = 1e-14  # square of a turn too small to matter [rad^2]
 _LEANS = 0.3  # rad of lean for the gaze at which a reaching hand does not move the torso any more
@@ -50,6 +50,7 @@ class BodyTargets:
         heading: of the pelvis [rad].
         torso_yaw: of the torso relative to the heading [rad].
         lean: of the pelvis and of the torso ahead [rad].
+        tilt: of the pelvis and of the torso, besides, each about the x and y of the heading, which are level [rad].
         gaze: (yaw relative to the heading, pitch) of the view [rad].
         hands: palm positions, shape (3,) [m], of the hands that are commanded.
         reaching: how far the body is given to the hands, in [0, 1].
@@ -73,6 +74,7 @@ class BodyTargets:
     palms: Mapping[Side, HandTarget] = field(default_factory=dict)
     arms: Sequence[int] = ()
     firmness: float = 1.0
+    tilt: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
 
 
 class BodyTask(BaseTask):  # type: ignore[misc]  # mink has no types
@@ -135,7 +137,8 @@ class BodyTask(BaseTask):  # type: ignore[misc]  # mink has no types
             sole[:3], sole[3:6] = targets.soles[side], targets.sole_footings[side]
             sole[6:_SOLE_GOAL] = targets.sole_corrections[side]
         yaw, pitch = targets.gaze
-        goals[_TURNS:_GOALS] = targets.heading, base_lean, torso_lean, targets.torso_yaw, targets.heading + yaw, pitch
+        turns = targets.heading, targets.torso_yaw, base_lean, torso_lean, targets.heading + yaw, pitch
+        goals[_TURNS:_GOALS] = *turns, *targets.tilt
         if data is not self._data:
             self._data, self._kept = data, self._views(data)
         goals[_GOALS:_POSTURE], goals[_POSTURE:] = targets.com, targets.posture
@@ -267,10 +270,11 @@ def _aim(
                     break
                 _in_frame(turns[site], jacobian[row + 3 : row + 6, dof])
             _in_frame(turns[site], error[row + 3 : row + 6])
-    heading, base_lean, torso_lean = goals[_TURNS], goals[_TURNS + 1], goals[_TURNS + 2]
-    torso_yaw, yaw, pitch = goals[_TURNS + 3], goals[_TURNS + 4], goals[_TURNS + 5]
-    torso = leaning(heading, torso_lean, torso_yaw)
-    for link, (row, goal) in enumerate(((_BASE, view_along(heading, base_lean)), (_TORSO, torso))):
+    heading, yaw, pitch = goals[_TURNS], goals[_TURNS + 4], goals[_TURNS + 5]
+    for link, (row, turn) in enumerate(((_BASE, 0.0), (_TORSO, goals[_TURNS + 1]))):
+        about_x, about_y = goals[_TURNS + 6 + 2 * link], goals[_TURNS + 7 + 2 * link]
+        goal = tilted(leaning(0.0, goals[_TURNS + 2 + link], turn), about_x, about_y)
+        goal = product((math.cos(heading / 2), 0.0, 0.0, math.sin(heading / 2)), goal)
         link_turns(motions, moved_by[len(sites) + link], jacobian[row : row + 3])
         now = link_quaternions[links[link]]
         off = between((now[0], now[1], now[2], now[3]), goal)

@@ -52,17 +52,24 @@ class Feedforward:
         )  # fmt: skip
         self._size = robot.model.nv
 
-    def torques(self, load: Load, acceleration: Array, position: Array, velocity: Array, lean: float = 0.0) -> Array:
+    def torques(
+        self,
+        load: Load,
+        acceleration: Array,
+        position: Array,
+        velocity: Array,
+        tilt: tuple[float, float] = (0.0, 0.0),
+    ) -> Array:
         """Return feedforward torques, shape (nj,) [Nm].
 
         Args:
             load: how the feet shall carry the robot.
             acceleration: planned, shape (nv,).
             position, velocity: setpoint that the drives will get, shape (nj,).
-            lean: of the pelvis ahead, as it is meant to be [rad].
+            tilt: roll and pitch of the pelvis as they are meant to be [rad].
         """
         dynamics, forces = self._dynamics, np.empty(self._size)
-        roll, pitch = self._against_tilt(lean)
+        roll, pitch = self._against_tilt(*tilt)
         _torques(
             forces, acceleration, position, velocity, load.force, load.share["left"], load.share["right"],
             load.cop["left"], load.cop["right"], dynamics.soles["left"], dynamics.soles["right"], roll, pitch,
@@ -70,12 +77,14 @@ class Feedforward:
         )  # fmt: skip
         return forces[BASE_DOFS:]
 
-    def _against_tilt(self, lean: float) -> tuple[float, float]:
-        """Return the torques with which both hips together resist roll and pitch of the base [Nm]."""
+    def _against_tilt(self, roll: float, pitch: float) -> tuple[float, float]:
+        """Return the torques with which both hips together resist other roll and pitch of the base [Nm]."""
         gait, dynamics = self._gait, self._dynamics
         roll_rate, pitch_rate, _ = dynamics.gyro.tolist()
-        roll = gait.tilt_stiffness * dynamics.roll + gait.tilt_damping * roll_rate
-        return roll, gait.tilt_stiffness * (dynamics.pitch - lean) + gait.tilt_damping * pitch_rate
+        return (
+            gait.tilt_stiffness * (dynamics.roll - roll) + gait.tilt_damping * roll_rate,
+            gait.tilt_stiffness * (dynamics.pitch - pitch) + gait.tilt_damping * pitch_rate,
+        )
 
 
 @inlined

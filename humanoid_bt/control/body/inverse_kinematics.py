@@ -27,7 +27,7 @@ _ACCELERATION_LIMIT, _ARM_ACCELERATION = 300.0, 100.0
 # What was held back and comes free must not catch up so fast that it throws the robot:
 _ARM_SPEED = 2.5  # rad/s of its joints
 _RISE_SPEED = 0.2  # m/s of the base, up and down
-_TURN_SPEED = 1.5  # rad/s of the base, and of the waist's joints
+_TURN_SPEED, _LUNGE_SPEED = 1.5, 4.0  # rad/s of the base, and of the waist's joints
 _BRAKE_TIME = 0.05  # s in which a joint comes to rest at its limit: a knee that is stretched at once chatters there
 _PARTING = 50.0  # cost per metre of links that do not part, where not all can: that of a foot
 _SMOOTH_TIME, _ARM_SMOOTH_TIME = 0.02, 0.03  # s, low-pass of planned acceleration and momentum rate
@@ -89,8 +89,7 @@ class InverseKinematics:
         self._quickest[BASE_DOFS:][of_arms] = _ARM_ACCELERATION
         self._smooth: Array = np.full(self._model.nv, min(1.0, dt / _SMOOTH_TIME))
         self._smooth[BASE_DOFS:][of_arms] = min(1.0, dt / _ARM_SMOOTH_TIME)
-        of_waist = np.isin(robot.model.jnt_bodyid[1:], list(trunk))
-        np.minimum(self._farthest, _TURN_SPEED * dt, out=self._farthest, where=of_waist)
+        self._of_waist = np.isin(robot.model.jnt_bodyid[1:], list(trunk))
         self._eased = ~of_arms
         self._freely = self._farthest.copy()
         self.ease(1.0)
@@ -130,11 +129,17 @@ class InverseKinematics:
         """Return what searches angles of an arm, its own links apart."""
         return ArmSearch(self._robot, self._own_links, side)
 
-    def ease(self, share: float) -> None:
-        """Let all but the arms turn no faster than a share of what it may, in (0, 1], until the next time."""
-        way = share * _TURN_SPEED * self._dt
+    def ease(self, share: float, *, lunges: bool = False) -> None:
+        """Say until the next time how fast all but the arms may turn.
+
+        Args:
+            share: of what is usual, in (0, 1].
+            lunges: whether pelvis and waist may turn faster than usual.
+        """
+        way = share * (_LUNGE_SPEED if lunges else _TURN_SPEED) * self._dt
         self._program.low[3:BASE_DOFS], self._program.high[3:BASE_DOFS] = -way, way
         self._farthest[self._eased] = share * self._freely[self._eased]
+        np.minimum(self._farthest, way, out=self._farthest, where=self._of_waist)
 
     @property
     def base_pose(self) -> Array:

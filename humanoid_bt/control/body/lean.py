@@ -14,7 +14,7 @@ _SPEED = 0.4  # rad/s
 _SINK_SPEED = 0.05  # m/s
 _SINK = 0.6  # m for a radian that leaning lacks
 _UPRIGHT = 0.3  # rad that the pelvis' lean stays away from what counts as a fall
-_ALONG = 0.9  # of a joint's axis along y, for the joint to lean the trunk
+_ALONG = 0.9  # of a joint's axis along the robot's, for the joint to turn the trunk about that
 
 
 class LeanReference:
@@ -35,7 +35,7 @@ class LeanReference:
         config = robot.config
         neck = _nods(robot, config.neck.pitch) if config.neck else 0.0
         self._unaided = config.gaze.down + neck + config.whole_body.gaze_below
-        self._waist, self._dt = _waist_range(robot), dt
+        self._waist, self._dt = waist_range(robot, 1)[1], dt
         self._farthest = min(config.whole_body.gaze_lean, self._waist + max(0.0, config.fall.tilt - _UPRIGHT))
         self._deepest = config.whole_body.gaze_crouch
         self.reset()
@@ -77,15 +77,21 @@ def _nods(robot: RobotModel, pitch: str) -> float:
     return float(robot.upper[joint] if robot.direction(pitch, 1) > 0 else -robot.lower[joint])
 
 
-def _waist_range(robot: RobotModel) -> float:
-    """Return how far the joints between the base and the torso lean the torso ahead [rad]."""
+def waist_range(robot: RobotModel, axis: int) -> tuple[float, float]:
+    """Return how far the joints between the base and the torso turn it about an axis, both ways [rad].
+
+    Args:
+        robot: the robot.
+        axis: 0 to roll it, 1 to pitch it.
+    """
     model, config = robot.model, robot.config
     base, body = model.body(config.base).id, model.body(config.torso).id
-    most = 0.0
+    least = most = 0.0
     while body not in (base, 0):
         first = int(model.body_jntadr[body])
         for joint in range(first, first + int(model.body_jntnum[body])):
-            if model.jnt_axis[joint][1] > _ALONG:
+            if model.jnt_axis[joint][axis] > _ALONG:
+                least += float(np.clip(robot.lower[joint - 1], -math.pi, 0.0))
                 most += float(np.clip(robot.upper[joint - 1], 0.0, math.pi))
         body = int(model.body_parentid[body])
-    return most
+    return least, most

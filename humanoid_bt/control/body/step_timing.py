@@ -69,13 +69,18 @@ def best_place(axis: Axis, tau: float, pace: Pace) -> float:
 
 
 @inlined
+def miss(axis: Axis, tau: float, pace: Pace) -> float:
+    """Return how far beyond its place seen from the best foothold the DCM will be [m]."""
+    return axis.pressure + axis.dcm * tau - axis.offset - best_place(axis, tau, pace)
+
+
+@inlined
 def _cost(axes: tuple[Axis, Axis], tau: float, pace: Pace) -> float:
     """Return what a time costs, with the best foothold for it."""
     total = 0.0
     for axis in axes:
-        place = best_place(axis, tau, pace)
-        missed = axis.pressure + axis.dcm * tau - axis.offset - place
-        total += (place - axis.planned) ** 2 + _OFFSET_COST * missed * missed
+        missed = miss(axis, tau, pace)
+        total += (best_place(axis, tau, pace) - axis.planned) ** 2 + _OFFSET_COST * missed * missed
     return _TIMING_COST * (tau - pace.planned) ** 2 + total
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from humanoid_bt.control.body.foot_roll import FootRoll
 from humanoid_bt.control.body.footsteps import SIGN
 from humanoid_bt.control.body.planar import seen_from
-from humanoid_bt.control.body.step_timing import Axis, Pace, best_place, best_time
+from humanoid_bt.control.body.step_timing import Axis, Pace, best_place, best_time, miss
 from humanoid_bt.core.compiled import compiled, inlined
 from humanoid_bt.core.messages import SIDES, Array, Side
 from humanoid_bt.core.turns import product, to_vector, turned
@@ -50,6 +50,8 @@ class Swing:
         target: the foothold as adjusted, shape (3,).
         progress: share of the swing that is over, in [0, 1].
         rate: how fast the swing runs; above 1 when the DCM runs away and the foot must hurry.
+        missed: from where the DCM should be when the foot lands to where it will be, wherever in its reach that is,
+            shape (2,), world frame [m].
     """
 
     def __init__(
@@ -84,6 +86,7 @@ class Swing:
         self.target: Array = foothold.copy()
         self.progress = 0.0
         self.rate = 1.0
+        self.missed: Array = np.zeros(2)
 
     def update(self, elapsed: float, dcm: Array, zmp: Array) -> None:
         """Move the foot for one control period.
@@ -99,7 +102,7 @@ class Swing:
             remaining = max((self._steps - elapsed) * dt, dt)
             soonest = min(max(gait.quickest_step - self._flown, remaining / _HURRY_MAX), remaining)
             self.rate = _adjust(
-                self._place, self.target, dcm, zmp, self.pose, self._support, self._planned, self._dcm_end,
+                self._place, self.target, self.missed, dcm, zmp, self.pose, self._support, self._planned, self._dcm_end,
                 self._bounds, self._ankle, self._omega, remaining, soonest, dt,
             )  # fmt: skip
         self._flown += dt
@@ -151,11 +154,13 @@ def _axis(
 
 
 @compiled(
-    "f8(f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[:, ::1], f8[::1], f8, f8, f8, f8)"
+    "f8(f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[:, ::1], f8[::1],"
+    " f8, f8, f8, f8)"
 )
 def _adjust(
     place: Array,
     target: Array,
+    missed: Array,
     dcm: Array,
     zmp: Array,
     pose: Array,
@@ -175,6 +180,7 @@ def _adjust(
 
     Args:
         place, target: the foothold, seen from the support foot, shape (2,), and in the world, shape (3,); are moved.
+        missed: is written: by what the foot will miss where it should land for the DCM, shape (2,), world frame [m].
         dcm, zmp: as in :meth:`Swing.update`.
         pose, support: of the swinging and of the other foot, shape (3,), world frame.
         planned, dcm_end: foothold and DCM at touchdown as planned, seen from the support foot, shape (2,).
@@ -195,6 +201,8 @@ def _adjust(
     place[0] += follow * (best_place(ahead, best, pace) - place[0])
     place[1] += follow * (best_place(aside, best, pace) - place[1])
     cos, sin = math.cos(support[2]), math.sin(support[2])
+    off_x, off_y = miss(ahead, best, pace), miss(aside, best, pace)
+    missed[0], missed[1] = cos * off_x - sin * off_y, sin * off_x + cos * off_y
     target[0] = support[0] + cos * place[0] - sin * place[1]
     target[1] = support[1] + sin * place[0] + cos * place[1]
     return remaining * omega / max(math.log(best), 1e-6)

@@ -28,6 +28,7 @@ _CAUGHT_SHIFT = 0.03  # s of weight shift after it: the DCM runs on
 _WAIT_FROM = 0.02  # m that the DCM is too near to the foot that is to swing
 _WAIT_MOST = 0.3  # s
 _ASTRAY, _TURNED = 0.05, 0.3  # m and rad that a foot may have slipped from its place beside the other one
+_NOTHING: Array = np.zeros(2)
 _CALM, _CALM_FOR = 0.02, 1.0  # m of the DCM from the middle, and s of standing, before it is put there again
 
 
@@ -100,6 +101,11 @@ class Walker:
         goal = np.array([*dcm, self._planner.stance_beside(OTHER[lifted], support).item(2)])
         self._start_step(lifted, goal, support[:2], 0.0)
         self.swing, self._stood_at = self._lift_off(lifted), support.item(2)
+
+    @property
+    def missed(self) -> Array:
+        """From where the DCM should be when the foot lands that swings to where it will be, shape (2,), world [m]."""
+        return _NOTHING if self.swing is None else self.swing.missed
 
     @property
     def stance(self) -> Array:

@@ -17,6 +17,7 @@ from humanoid_bt.control.body.feedforward import Feedforward
 from humanoid_bt.control.body.hand_goals import HandGoals
 from humanoid_bt.control.body.inverse_kinematics import InverseKinematics
 from humanoid_bt.control.body.lean import LeanReference
+from humanoid_bt.control.body.lunge import Lunge
 from humanoid_bt.control.body.planar import ahead, seen_from
 from humanoid_bt.control.body.rearranging import Rearranging
 from humanoid_bt.control.body.references import (
@@ -81,6 +82,7 @@ class WholeBody:
         self.walker = Walker(config.gait, config.sole, dt)
         self._stabilizer = Stabilizer(config.gait, config.sole, robot.mass, dt)
         self._tilt = TiltCompensation(dt)
+        self._lunge = Lunge(robot, dt)
         self.kinematics = InverseKinematics(robot, dt)
         self._contact = contact
         self.arms = YieldingArms(robot, dynamics, self.kinematics, dt)
@@ -102,7 +104,7 @@ class WholeBody:
         self._com_height = ComHeightReference(dt)
         self._home_base: Array = np.zeros(3)  # as seen from the stance
         self._asked: dict[Side, ArmTarget | None] = {}  # of arms that are rearranged
-        self._eased = 1.0
+        self._eased, self._lunged = 1.0, False
         self._reaching = 0.0
         self._commanded: frozenset[Side] = frozenset()
         self._held_joints: tuple[int, ...] = ()
@@ -132,6 +134,7 @@ class WholeBody:
         self._tilt = TiltCompensation(dt)
         self._gaze.yaw = self._gaze.pitch = 0.0
         self._lean.reset()
+        self._lunge.reset()
         sides, names = tuple(self.dynamics.hands), self._robot.joint_names
         self._arm_swing.joints[:] = 0.0
         self._palms.reset()
@@ -143,7 +146,7 @@ class WholeBody:
         for rearranging in self._rearranging.values():
             rearranging.reset()
         self._asked.clear()
-        self._eased = 1.0
+        self._eased, self._lunged = 1.0, False
         self.kinematics.ease(1.0)
         self._com_height.height = float(self.dynamics.com[2])
         self._height = self._com_height.height - self._home_height
@@ -223,21 +226,26 @@ class WholeBody:
             contact=walker.contact,
         )
         self._zmp = load.zmp
+        self._lunge.update(walker.missed, walker.gait is Gait.STEP)
         self._tilt.update(walker.swing, estimate.qpos[:BASE_COORDINATES], self.kinematics.base_pose)
         self.arms.update(estimate.qpos, self._contact, targets)
         hold = hold or not self.kinematics.solved
         if not hold:
             targets = self._rearranged(targets)
         self._ease()
-        self.kinematics.step(self._body_targets(targets, hold))
+        tilt = self._lunge.tilts(float(walker.stance[2]))
+        self.kinematics.step(self._body_targets(targets, hold, tilt))
         position = self.kinematics.joints.copy()
         velocity = self.kinematics.velocity[BASE_DOFS:]
-        torque = self._feedforward.torques(load, self.kinematics.acceleration, position, velocity, self._lean.base)
+        upright = tilt[0], tilt[1] + self._lean.base
+        torque = self._feedforward.torques(load, self.kinematics.acceleration, position, velocity, upright)
         self.arms.carry(torque)
         share = self.arms.stiffness
         return Setpoint(position, velocity, torque, None if share is None else self._robot.stiffness * share)
 
-    def _body_targets(self, targets: Mapping[str, Target], hold: bool) -> BodyTargets:
+    def _body_targets(
+        self, targets: Mapping[str, Target], hold: bool, tilt: tuple[float, float, float, float]
+    ) -> BodyTargets:
         walker = self.walker
         heading = float(walker.stance[2])
         hands, palms = self._hand_goals(targets, hold)
@@ -275,6 +283,7 @@ class WholeBody:
             palms=palms,
             arms=self._held_joints,
             firmness=self._robot.config.whole_body.walk_firmness if hands and not standing else 1.0,
+            tilt=tilt,
         )
 
     def _rearranged(self, targets: Mapping[str, Target]) -> Mapping[str, Target]:
@@ -291,11 +300,12 @@ class WholeBody:
         return found
 
     def _ease(self) -> None:
-        """Let the body come back to its speed, at once if it steps."""
-        if self._eased < 1.0:
+        """Let the body come back to its speed, at once if it steps, and be quicker than that while it lunges."""
+        if self._eased < 1.0 or self._lunged != self._lunge.active:
             standing = self.walker.gait is Gait.STAND
             self._eased = min(1.0, self._eased + self._dt / _EASE_TIME) if standing else 1.0
-            self.kinematics.ease(self._eased)
+            self._lunged = self._lunge.active
+            self.kinematics.ease(self._eased, lunges=self._lunged)
 
     def _upright(self) -> Array:
         """Return the planned configuration with all but the arms as if no hand bent the body: shape (7 + nj,)."""

@@ -58,6 +58,22 @@ def test_the_jacobian_is_the_errors_derivative(robot: RobotModel, standing: Arra
         np.testing.assert_allclose((error - task.error) / SMALL, jacobian[:, dof], atol=0.05)
 
 
+def test_it_tilts_pelvis_and_torso_about_the_axes_of_the_heading(
+    robot: RobotModel, standing: Array, targets: BodyTargets
+) -> None:
+    task, tilt = BodyTask(robot, robot.model), np.array([0.10, -0.05, 0.20, 0.15])
+    for heading, about in ((0.0, tilt), (np.pi / 2, tilt[[1, 0, 3, 2]] * [-1, 1, -1, 1])):  # seen from the world
+        turned = standing.copy()
+        turned[3:7] = np.cos(heading / 2), 0.0, 0.0, np.sin(heading / 2)
+        data, upright = data_at(robot, turned), replace(targets, heading=heading, torso_yaw=0.0, lean=(0.0, 0.0))
+        task.aim(data, upright)
+        before = task.error[15:21].copy()
+        task.aim(data, replace(upright, tilt=tuple(tilt.tolist())))
+        pelvis, torso = (task.error[15:21] - before).reshape(2, 3)
+        np.testing.assert_allclose(pelvis, [*about[:2], 0.0], atol=1e-3)
+        np.testing.assert_allclose(torso, [*about[2:], 0.0], atol=5e-3)
+
+
 def test_its_residual_and_its_objective_are_one_problem(
     robot: RobotModel, standing: Array, targets: BodyTargets
 ) -> None:

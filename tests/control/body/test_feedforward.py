@@ -40,12 +40,13 @@ def torques(
     load: Load,
     position: Array | None = None,
     acceleration: Array | None = None,
+    tilt: tuple[float, float] = (0.0, 0.0),
 ) -> Array:
     joints = dynamics.data.qpos[BASE_COORDINATES:].copy()
     still = np.zeros(robot.model.nv)
     feedforward = Feedforward(robot, dynamics)
     wanted = joints if position is None else position
-    return feedforward.torques(load, still if acceleration is None else acceleration, wanted, still[BASE_DOFS:])
+    return feedforward.torques(load, still if acceleration is None else acceleration, wanted, still[BASE_DOFS:], tilt)
 
 
 def test_the_robot_stands_almost_still_on_feedforward_alone(
@@ -110,6 +111,17 @@ def test_stance_hips_resist_a_tilt_by_their_share(robot: RobotModel, estimate: E
     assert more[robot.joint("left_hip_pitch")] == pytest.approx(0.75 * tilt)
     assert more[robot.joint("right_hip_pitch")] == pytest.approx(0.25 * tilt)
     assert more[robot.joint("left_knee")] == pytest.approx(0)
+
+
+def test_stance_hips_do_not_resist_a_tilt_that_is_meant(robot: RobotModel, estimate: Estimate) -> None:
+    upright, leaning = RobotDynamics(robot), RobotDynamics(robot)
+    upright.update(estimate)
+    leaning.update(estimate)
+    leaning.roll, leaning.pitch = leaning.roll - 0.05, leaning.pitch + 0.1
+    load = standing_load(robot, upright, left=0.75)
+    meant, off = torques(robot, leaning, load, tilt=(-0.05, 0.1)), torques(robot, leaning, load)
+    np.testing.assert_allclose(meant, torques(robot, upright, load), atol=1e-9)
+    assert np.abs(off - meant).max() > 10
 
 
 def test_a_hip_that_turns_the_other_way_round_resists_a_tilt_the_same(tmp_path: Path) -> None:

@@ -90,6 +90,17 @@ def test_it_is_over_its_foothold_before_it_lands() -> None:
     assert heights[early] < 0.01
 
 
+def test_it_tells_by_how_much_a_step_misses_where_the_dcm_runs_off() -> None:
+    planned, aside, across = swing_of(), swing_of(), swing_of()
+    fly(planned)
+    assert not planned.missed.any()
+    fly(aside, np.array([0.0, 0.05]))
+    assert math.hypot(*aside.missed) < 0.01
+    fly(across, np.array([0.0, -0.15]))  # beyond the foot that stands, where this one cannot land
+    assert across.missed[1] < -0.1
+    assert abs(across.missed[0]) < 0.02
+
+
 @pytest.mark.parametrize("axis", [0, 1])
 @pytest.mark.parametrize("sign", [1, -1])
 def test_the_foothold_moves_the_way_the_dcm_runs_off(axis: int, sign: int) -> None:
