@@ -36,3 +36,26 @@ def test_the_height_that_is_planned_comes_down_with_a_robot_that_a_push_makes_si
         above.append(body.kinematics.com_height - body.dynamics.com[2])
     assert rig.state.mode is Mode.RUN
     assert 0.02 < max(above) < 0.1  # m; 0.16 if the plan stayed where it was
+
+
+def test_a_robot_that_walks_lunges_only_after_a_push_that_no_step_catches(rig: ControlRig) -> None:
+    """Toward the foot that carries it: the other one would have to land beyond that."""
+    far, leans = {"base": BaseTarget(np.array([4.0, 0.0]), 0.0)}, []
+    lunge, walker = rig.controller.body._lunge, rig.controller.body.walker
+
+    def goes_on(time: float) -> None:
+        for _ in range(round(time / 0.02)):
+            rig.run(0.02, far)
+            leans.append(lunge.lean.copy())
+
+    goes_on(2.0)
+    while walker.swing is None or walker.swing.side != "left" or walker.swing.progress > 0.1:
+        goes_on(0.02)
+    assert not np.any(leans)
+    rig.plant.push("torso", np.array([0.0, -200.0, 0.0]), 0.1)
+    goes_on(0.6)
+    assert np.min(leans, axis=0)[1] < -0.3
+    goes_on(3.0)
+    assert rig.state.mode is Mode.RUN
+    assert not lunge.lean.any()
+    assert abs(rig.controller.body.dynamics.roll) < 0.1

@@ -25,6 +25,7 @@ _ADJUST_TIME = 0.03  # s, low-pass of the adjustment
 _ANKLE_SHARE = 0.5  # of the DCM error that the ankle can still take out
 _HURRY_MAX = 2.5  # how much faster than planned a step may go
 _HURRY_SPEED = 1.1  # m/s of a foot that hurries, on average: more is planned than it gets done
+_FASTEST = 2.0  # m/s, likewise, of one that gets as far as it can
 REACH_FORWARD = (-0.35, 0.45)
 """Of a foothold, seen from the support foot [m]."""
 
@@ -201,7 +202,8 @@ def _adjust(
     place[0] += follow * (best_place(ahead, best, pace) - place[0])
     place[1] += follow * (best_place(aside, best, pace) - place[1])
     cos, sin = math.cos(support[2]), math.sin(support[2])
-    off_x, off_y = miss(ahead, best, pace), miss(aside, best, pace)
+    fastest = Pace(tau, omega, _FASTEST)
+    off_x, off_y = miss(ahead, best, fastest), miss(aside, best, fastest)
     missed[0], missed[1] = cos * off_x - sin * off_y, sin * off_x + cos * off_y
     target[0] = support[0] + cos * place[0] - sin * place[1]
     target[1] = support[1] + sin * place[0] + cos * place[1]
