@@ -76,6 +76,8 @@ def _jit(function: Callable[_P, _R], signature: str | None = None) -> Callable[_
 
 def _forget_outdated(done: Dispatcher, function: Callable[..., object]) -> None:
     """Forget code that holds what has changed elsewhere: numba sees only that the function's own file has."""
+    if done.stats.cache_path is None:
+        return
     folder, stamp = Path(done.stats.cache_path), _taken(function)
     stem = f"{Path(function.__code__.co_filename).stem}.{function.__qualname__}-{function.__code__.co_firstlineno}"
     kept = folder / f"{stem}.taken"
