@@ -40,22 +40,25 @@ def test_the_height_that_is_planned_comes_down_with_a_robot_that_a_push_makes_si
 
 def test_a_robot_that_walks_lunges_only_after_a_push_that_no_step_catches(rig: ControlRig) -> None:
     """Toward the foot that carries it: the other one would have to land beyond that."""
-    far, leans = {"base": BaseTarget(np.array([4.0, 0.0]), 0.0)}, []
-    lunge, walker = rig.controller.body._lunge, rig.controller.body.walker
+    far, leans, tilts = {"base": BaseTarget(np.array([4.0, 0.0]), 0.0)}, [], []
+    lunge, walker = rig.controller.body.lunge, rig.controller.body.walker
+    torso = rig.plant.data.body("torso")
 
-    def goes_on(time: float) -> None:
-        for _ in range(round(time / 0.02)):
-            rig.run(0.02, far)
-            leans.append(lunge.lean.copy())
+    def look() -> None:
+        leans.append(lunge.lean.copy())
+        tilts.append(np.arcsin(torso.xmat[5]))  # to its left, really
 
-    goes_on(2.0)
-    while walker.swing is None or walker.swing.side != "left" or walker.swing.progress > 0.1:
-        goes_on(0.02)
+    def lifts_left(_: State) -> bool:
+        return walker.swing is not None and walker.swing.side == "left" and walker.swing.progress < 0.1
+
+    rig.run(2.0, far, cycle=look)
+    assert rig.run(2.0, far, lifts_left, look)
     assert not np.any(leans)
     rig.plant.push("torso", np.array([0.0, -200.0, 0.0]), 0.1)
-    goes_on(0.6)
+    rig.run(0.6, far, cycle=look)
     assert np.min(leans, axis=0)[1] < -0.3
-    goes_on(3.0)
+    assert np.min(tilts) < -0.3
+    rig.run(3.0, far)
     assert rig.state.mode is Mode.RUN
     assert not lunge.lean.any()
     assert abs(rig.controller.body.dynamics.roll) < 0.1

@@ -28,8 +28,9 @@ _CAUGHT_SHIFT = 0.03  # s of weight shift after it: the DCM runs on
 _WAIT_FROM = 0.02  # m that the DCM is too near to the foot that is to swing
 _WAIT_MOST = 0.3  # s
 _ASTRAY, _TURNED = 0.05, 0.3  # m and rad that a foot may have slipped from its place beside the other one
-_NOTHING: Array = np.zeros(2)
 _CALM, _CALM_FOR = 0.02, 1.0  # m of the DCM from the middle, and s of standing, before it is put there again
+
+_NOTHING: Array = np.zeros(2)  # that a step misses while there is none
 
 
 class Walker:

@@ -67,6 +67,7 @@ class WholeBody:
     Attributes:
         dynamics: as it is estimated, always up to date.
         walker: its gait.
+        lunge: how its trunk leans after a push.
         kinematics: its planned motion.
         arms: which of its arms yield to what pushes them.
         failure: "": it has an answer to everything.
@@ -82,7 +83,7 @@ class WholeBody:
         self.walker = Walker(config.gait, config.sole, dt)
         self._stabilizer = Stabilizer(config.gait, config.sole, robot.mass, dt)
         self._tilt = TiltCompensation(dt)
-        self._lunge = Lunge(robot, dt)
+        self.lunge = Lunge(robot, dt)
         self.kinematics = InverseKinematics(robot, dt)
         self._contact = contact
         self.arms = YieldingArms(robot, dynamics, self.kinematics, dt)
@@ -134,7 +135,7 @@ class WholeBody:
         self._tilt = TiltCompensation(dt)
         self._gaze.yaw = self._gaze.pitch = 0.0
         self._lean.reset()
-        self._lunge.reset()
+        self.lunge.reset()
         sides, names = tuple(self.dynamics.hands), self._robot.joint_names
         self._arm_swing.joints[:] = 0.0
         self._palms.reset()
@@ -226,14 +227,14 @@ class WholeBody:
             contact=walker.contact,
         )
         self._zmp = load.zmp
-        self._lunge.update(walker.missed, walker.gait is Gait.STEP)
+        self.lunge.update(walker.missed, walker.gait is Gait.STEP)
         self._tilt.update(walker.swing, estimate.qpos[:BASE_COORDINATES], self.kinematics.base_pose)
         self.arms.update(estimate.qpos, self._contact, targets)
         hold = hold or not self.kinematics.solved
         if not hold:
             targets = self._rearranged(targets)
         self._ease()
-        tilt = self._lunge.tilts(float(walker.stance[2]))
+        tilt = self.lunge.tilts(float(walker.stance[2]))
         self.kinematics.step(self._body_targets(targets, hold, tilt))
         position = self.kinematics.joints.copy()
         velocity = self.kinematics.velocity[BASE_DOFS:]
@@ -301,10 +302,10 @@ class WholeBody:
 
     def _ease(self) -> None:
         """Let the body come back to its speed, at once if it steps, and be quicker than that while it lunges."""
-        if self._eased < 1.0 or self._lunged != self._lunge.active:
+        if self._eased < 1.0 or self._lunged != self.lunge.active:
             standing = self.walker.gait is Gait.STAND
             self._eased = min(1.0, self._eased + self._dt / _EASE_TIME) if standing else 1.0
-            self._lunged = self._lunge.active
+            self._lunged = self.lunge.active
             self.kinematics.ease(self._eased, lunges=self._lunged)
 
     def _upright(self) -> Array:
