@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 
-from humanoid_bt.core.messages import BaseTarget, Gait, Mode, State
+from humanoid_bt.control.body.feedforward import Feedforward
+from humanoid_bt.core.messages import Array, BaseTarget, Gait, Mode, State
+from humanoid_bt.robot.model import BASE_DOFS
 from tests.control.control_rig import ControlRig
 
 
@@ -38,19 +42,28 @@ def test_the_height_that_is_planned_comes_down_with_a_robot_that_a_push_makes_si
     assert 0.02 < max(above) < 0.1  # m; 0.16 if the plan stayed where it was
 
 
-def test_a_robot_that_walks_lunges_only_after_a_push_that_no_step_catches(rig: ControlRig) -> None:
+def test_a_robot_that_walks_lunges_only_after_a_push_that_no_step_catches(
+    rig: ControlRig, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """Toward the foot that carries it: the other one would have to land beyond that."""
     far, leans, tilts = {"base": BaseTarget(np.array([4.0, 0.0]), 0.0)}, [], []
-    lunge, walker = rig.controller.body.lunge, rig.controller.body.walker
-    torso = rig.plant.data.body("torso")
+    body, torso = rig.controller.body, rig.plant.data.body("torso")
+    lunge, walker, waist = body.lunge, body.walker, BASE_DOFS + rig.robot.joint("waist_roll")
+    speeds, upright, torques = [], [], Feedforward.torques
 
     def look() -> None:
         leans.append(lunge.lean.copy())
         tilts.append(np.arcsin(torso.xmat[5]))  # to its left, really
+        speeds.append(abs(body.kinematics.velocity[waist]))
+
+    def told(self: Feedforward, *planned: Any) -> Array:
+        upright.append(planned[-1])
+        return torques(self, *planned)
 
     def lifts_left(_: State) -> bool:
         return walker.swing is not None and walker.swing.side == "left" and walker.swing.progress < 0.1
 
+    monkeypatch.setattr(Feedforward, "torques", told)
     rig.run(2.0, far, cycle=look)
     assert rig.run(2.0, far, lifts_left, look)
     assert not np.any(leans)
@@ -58,6 +71,10 @@ def test_a_robot_that_walks_lunges_only_after_a_push_that_no_step_catches(rig: C
     rig.run(0.6, far, cycle=look)
     assert np.min(leans, axis=0)[1] < -0.3
     assert np.min(tilts) < -0.3
+    assert np.max(speeds) > 2.0  # usually 1.5 rad/s at most
+    np.testing.assert_allclose(
+        np.max(upright, axis=0)[0], 0.12, atol=0.01
+    )  # the pelvis' share of 0.6 rad, to the right
     rig.run(3.0, far)
     assert rig.state.mode is Mode.RUN
     assert not lunge.lean.any()
