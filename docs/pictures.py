@@ -44,7 +44,7 @@ from humanoid_bt.testing.rig import Rig
 
 IMAGES = Path(__file__).parent / "images"
 
-VIEW_TIME = 11.8  # s into the demo: the hand is on its way to the ball
+VIEW_TIME = 8.9  # s into the demo: the hand is on its way to the ball
 VIEW_PORT = 9911
 VIEW_SIZE = (1920, 1080)  # of the viewer's window
 VIEW_PART = (960, 36, 1920, 1050)  # of it: a page is about 880 wide, and what is written has to be read there

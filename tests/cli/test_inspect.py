@@ -114,7 +114,7 @@ def test_scenes_tell_what_is_in_them(capsys: pytest.CaptureFixture[str]) -> None
     lines = [" ".join(line.split()) for line in capsys.readouterr().out.splitlines()]
     assert "object ball orange ball on a stand at [1.9, 0.5, 0.85] m" in lines
     assert "percept target of ball" in lines
-    assert "event 3 s hide ball" in lines
+    assert "event 2 s hide ball" in lines
 
 
 def test_nodes_are_listed_by_kind_and_explained_by_name(capsys: pytest.CaptureFixture[str]) -> None:

@@ -16,7 +16,7 @@ from tests.review.direct import recorded_directly
 def short_run(file: Path, **changes: object) -> Path:
     """Record the demo until it has lost sight of the ball."""
     with recorded_directly():
-        run("fetch", **{"duration": 3.3, "record": file, "camera": False, **changes})  # type: ignore[arg-type]  # of each their own kind
+        run("fetch", **{"duration": 2.3, "record": file, "camera": False, **changes})  # type: ignore[arg-type]  # of each their own kind
     return file
 
 

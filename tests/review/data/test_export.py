@@ -84,7 +84,7 @@ def test_wrong_arguments_are_answered(
 def messages(file: Path, tmp_path_factory: pytest.TempPathFactory) -> dict[str, list[Any]]:
     reader = pytest.importorskip("mcap.reader")
     path = tmp_path_factory.mktemp("mcap") / "run.mcap"
-    assert export(file, "--to", "mcap", "-o", path, "--between", 0, 3.2, "--rate", 100) == 0
+    assert export(file, "--to", "mcap", "-o", path, "--between", 0, 2.2, "--rate", 100) == 0
     found: dict[str, list[Any]] = {}
     with path.open("rb") as stream:
         made = reader.make_reader(stream, validate_crcs=True)
@@ -107,7 +107,7 @@ def test_joints_in_mcap_are_those_of_the_recording(messages: dict[str, list[Any]
         (row["joint"], row["position"], row["torque"]) for row in table
     ]
     based = [at for at, _, value in messages["/tf"] if value["transforms"][0]["child_frame_id"] == "base"]
-    assert len(messages["/joints"]) == len(messages["/servo"]) == len(based) == 320
+    assert len(messages["/joints"]) == len(messages["/servo"]) == len(based) == 220
 
 
 def test_joints_in_mcap_can_be_asked_for_by_name(messages: dict[str, list[Any]], recording: Recording) -> None:
@@ -144,13 +144,13 @@ def test_a_hidden_thing_in_mcap_can_be_seen_through(messages: dict[str, list[Any
     ]
     (begin, whole), (hidden, faint) = opacity
     assert (begin, whole) == (0, 1.0)
-    assert hidden == 3_000_000_000 and faint < 0.5
+    assert hidden == 2_000_000_000 and faint < 0.5
     assert all(len(value["entities"]) > 1 for _, _, value in messages["/scene"])
 
 
 def test_what_happened_is_told_under_known_schemas(messages: dict[str, list[Any]]) -> None:
     assert {schema for topic in ("/events", "/nodes") for _, schema, _ in messages[topic]} == {"foxglove.Log"}
-    assert [(at, value["message"]) for at, _, value in messages["/events"]] == [(3_000_000_000, "scene: ball hidden")]
+    assert [(at, value["message"]) for at, _, value in messages["/events"]] == [(2_000_000_000, "scene: ball hidden")]
     failed = next(value for _, _, value in messages["/nodes"] if value["level"] == 3)
     assert failed["file"].endswith("fetch.yaml") and failed["line"] > 20
     assert messages["/percepts/target"][0][2]["frame_id"] == "base"

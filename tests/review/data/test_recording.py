@@ -66,19 +66,19 @@ def test_a_window_at_a_rate_is_cut_out_of_the_whole(recording: Recording) -> Non
 
 def test_ticks_tell_what_ran(recording: Recording) -> None:
     ticks = recording.ticks().to_pylist()
-    assert {t["running"].rsplit("/", 1)[-1] for t in ticks if t["time"] < 3.0} == {"approach"}
-    assert {t["running"].rsplit("/", 1)[-1] for t in ticks if 3.05 < t["time"] < 3.3} == {"idle"}
-    assert all((t["took"] or 0) > 0 for t in ticks if t["time"] < 3.3)
+    assert {t["running"].rsplit("/", 1)[-1] for t in ticks if t["time"] < 2.0} == {"approach"}
+    assert {t["running"].rsplit("/", 1)[-1] for t in ticks if 2.05 < t["time"] < 2.3} == {"idle"}
+    assert all((t["took"] or 0) > 0 for t in ticks if t["time"] < 2.3)
     assert ticks[-1]["took"] is None  # the robot comes to a stand, without a tree
 
 
 def test_spans_follow_from_changes(recording: Recording) -> None:
     spans = {s["name"]: s for s in recording.spans().to_pylist() if s["kind"] in ("skill", "action")}
     assert list(spans) == ["approach", "idle"]
-    assert (spans["approach"]["time"], spans["approach"]["ended"]) == (0.0, 3.0)
+    assert (spans["approach"]["time"], spans["approach"]["ended"]) == (0.0, 2.0)
     assert spans["approach"]["status"] == "INVALID" and "preempted" in spans["approach"]["text"]
     assert spans["idle"]["duration"] == pytest.approx(0.3)
-    assert recording.spans(between=(3.2, 3.3)).num_rows < recording.spans().num_rows
+    assert recording.spans(between=(2.2, 2.3)).num_rows < recording.spans().num_rows
 
 
 def test_limits_are_those_of_the_robot(recording: Recording) -> None:
@@ -94,8 +94,8 @@ def test_a_run_takes_the_parameters_of_another(other: Path) -> None:
 
 
 def test_a_recording_says_what_it_is(recording: Recording) -> None:
-    assert recording.outcome == "unfinished" and "3.3 s" in recording.reason
-    assert repr(recording).endswith("fetch on humanoid in ball_on_stand, seed 0: unfinished after 3.30 s")
+    assert recording.outcome == "unfinished" and "2.3 s" in recording.reason
+    assert repr(recording).endswith("fetch on humanoid in ball_on_stand, seed 0: unfinished after 2.30 s")
     assert recording.damage == []
 
 
