@@ -36,6 +36,7 @@ from humanoid_bt.testing.scripted_perception import ScriptedPerception
 from tests.cable.cabled import LOSSY, CabledLockstep
 from tests.safety.activities import ACTIVITIES, WALKING
 from tests.safety.machine import Machine, Scripted
+from tests.safety.rows import SETTLE
 from tests.trees.fetch_trials import PATIENCE, fault
 
 STOPPED_WITHIN = cycles(0.025)
@@ -44,6 +45,7 @@ STOPPED_WITHIN = cycles(0.025)
 _AFTERWARDS = cycles(0.3)
 _PUSHED = ("walking straight", "turning", "standing still")
 _STANDING_TAKES = 1.4  # times the force that a walking robot takes
+_PLUGGED_AFTER = (0.025, 0.095)  # s: from 20 ms on control and plant stop, after 120 ms they have parted
 _RECOVERS = 3.0  # s after a push in which it falls, or does not
 
 
@@ -141,6 +143,15 @@ def pull(safe: SafeState, activity: str, seed: int, plugged_after: float | None 
     return Pull(stopped, at_rest, said, modes, lost), machine
 
 
+def plugged(seed: int) -> bool:
+    """Pull the cable as the robot walks and plug it in before it is given up; return whether the robot goes on."""
+    gap = round(np.random.default_rng([seed, 78]).uniform(*_PLUGGED_AFTER), 3)
+    _, machine = pull("hold", list(WALKING)[seed % len(WALKING)], seed, plugged_after=gap)
+    machine.release()
+    settled = machine.run(SETTLE, until=lambda state: state.base_settled)
+    return settled and machine.supervisor.mode is Mode.RUN
+
+
 @contextmanager
 def behind_a_cable(impairment: Impairment, seed: int) -> Iterator[list[CabledLockstep]]:
     """Let every run in lockstep have its robot behind a cable; give the runs."""
@@ -201,6 +212,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--seeds", type=int, default=50, help="runs of the demo (default: %(default)s)")
     parser.add_argument("--first", type=int, default=0, help="seed of the first (default: %(default)s)")
     parser.add_argument("--pulls", type=int, default=100, help="pulled cables (default: %(default)s)")
+    parser.add_argument("--plugs", type=int, default=0, help="cables plugged in again (default: %(default)s)")
     parser.add_argument("--pushes", type=int, default=0, help="pushed robots (default: %(default)s)")
     parser.add_argument("--force", type=float, default=100.0, help="with which, on average [N] (default: %(default)s)")
     parser.add_argument("--latency", type=float, default=LOSSY.latency, help="[s] (default: %(default)s)")
@@ -227,6 +239,9 @@ def main(arguments: list[str] | None = None) -> int:
     if options.pushes:
         went_on = sum(pushed(seed, impairment, options.force) for seed in range(options.pushes))
         sys.stdout.write(f"pushed: {went_on} of {options.pushes} went on\n")
+    if options.plugs:
+        went_on = sum(plugged(seed) for seed in range(options.plugs))
+        sys.stdout.write(f"plugged in again: {went_on} of {options.plugs} went on\n")
     pulls: list[Pull] = []
     for seed in range(options.pulls):
         activity = list(WALKING)[seed // 2 % len(WALKING)]

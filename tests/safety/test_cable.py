@@ -8,7 +8,7 @@ from humanoid_bt.cable.safe_state import SafeState
 from humanoid_bt.cable.watchdog import PlantWatchdog
 from humanoid_bt.core.messages import Mode
 from tests.cable.cabled import LOSSY
-from tests.cable.trials import fetch, pull
+from tests.cable.trials import fetch, plugged, pull
 from tests.safety.rows import SETTLE
 from tests.trees.fetch_trials import fault
 
@@ -31,6 +31,14 @@ def test_a_cable_that_is_plugged_in_again_at_once_lets_the_robot_go_on() -> None
     machine.release()
     assert machine.run(SETTLE, until=lambda state: state.base_settled)
     assert machine.supervisor.mode is Mode.RUN
+
+
+@pytest.mark.trials
+@pytest.mark.parametrize(
+    "seed", [1002, 1007, 1026, 1031]
+)  # in which it fell when velocity and tilt were not taken anew
+def test_it_goes_on_walking_after_any_silence_that_is_not_the_end(seed: int) -> None:
+    assert plugged(seed)
 
 
 def test_a_plant_without_a_watchdog_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -86,7 +86,7 @@ class Estimator:
         self._imu, self._torque = self._means[:6], self._means[-joints:]
         self._force: Array = np.zeros(3)  # what the accelerometer said last when it was not doubted [m/s^2]
         self.heard = self._since = self._turn = 0
-        self._missed = False  # readings were, since the last update
+        self._missed = 0  # readings, since the last update
         self._rate: Array = np.zeros(3)  # of the base, where the gyroscope does not say it
         self._said: Array | None = None  # the orientation at the last update without a gyroscope, shape (4,)
         self._upright = _STEADY  # s
@@ -129,7 +129,7 @@ class Estimator:
         self._still = self._lost = 0.0
         self._stands_for, self._slides_for = [_STEADY, _STEADY], [0.0, 0.0]
         self._since = self._turn = 0
-        self._missed = False
+        self._missed = 0
         self._correct()
         self._dated(reading.time)
 
@@ -140,8 +140,8 @@ class Estimator:
 
     def miss(self, reading: Reading) -> None:
         """Hear nothing in a servo cycle, for the reading is too old: what was believed last is all there is."""
+        self._missed += self.heard + 1
         self._clear()
-        self._missed = True
         self._dated(reading.time)
 
     def update(self, reading: Reading, setpoint: Array) -> Estimate:
@@ -153,8 +153,8 @@ class Estimator:
                 that failed, shape (3, nj).
         """
         estimate, dynamics, belief, watch = self.estimate, self._dynamics, self._filter, self.watch
-        heard, qvel, imu, acceleration = self.heard, estimate.qvel, self._imu, self._acceleration
-        time = heard * SERVO_PERIOD
+        heard, qvel, imu = self.heard, estimate.qvel, self._imu
+        time, missed = (heard + self._missed) * SERVO_PERIOD, self._missed
         np.divide(self._sums, heard, out=self._means)
         self._watch(reading, imu)
         doubtful = bool(watch.failed) or not math.isfinite(sum(imu.tolist()))
@@ -163,6 +163,8 @@ class Estimator:
         else:
             self._said = None
         belief.predict(imu[3:], imu[:3], time)
+        if missed:
+            self._retake_tilt(reading)
         _believe(
             estimate.qpos, qvel, estimate.joint_torque, self._velocity_before,
             belief.position, belief.quaternion, belief.velocity, belief.gyro_bias,
@@ -171,21 +173,14 @@ class Estimator:
         if watch.any_bad:
             self._stand_in(setpoint)
         dynamics.update(estimate)
-        np.subtract(qvel, self._velocity_before, out=acceleration)
-        acceleration /= time
-        felt = belief.acceleration(imu[:3])
-        if self._feels:
-            self.load.sensed(reading.foot_force)
+        if missed:
+            self._retake_velocity(reading)
         else:
-            self.load.explain(qvel, acceleration, self._torque, felt.item(2))
-        if doubtful or watch.any_bad:
-            self.contact.forget()
-        else:
-            acceleration[:3] = felt
-            self.contact.update(acceleration, self._torque, time)
-        if "accelerometer" in watch.failed and "gyro" not in watch.failed:  # which says how the legs are turned
-            self._move_by_legs()
-        self._since += heard
+            self._note_forces(reading, doubtful, time)
+        if "accelerometer" in watch.failed:
+            self._move_by_legs(_LEGS_SHARE, _LEGS_MOST)
+        self._since += heard + missed
+        self._missed = 0
         self._clear()
         self._note_contact(time)
         self._ground.land(dynamics.sole_positions[:, 2], self.load.standing)
@@ -197,6 +192,34 @@ class Estimator:
             belief.sink(sinks)
         return self._dated(reading.time)
 
+    def _note_forces(self, reading: Reading, doubtful: bool, time: float) -> None:
+        """Note what touches the ground and the robot, by what accelerated it for a time [s]."""
+        belief, qvel, imu, acceleration = self._filter, self.estimate.qvel, self._imu, self._acceleration
+        np.subtract(qvel, self._velocity_before, out=acceleration)
+        acceleration /= time
+        felt = belief.acceleration(imu[:3])
+        if self._feels:
+            self.load.sensed(reading.foot_force)
+        else:
+            self.load.explain(qvel, acceleration, self._torque, felt.item(2))
+        if doubtful or self.watch.any_bad:
+            self.contact.forget()
+        else:
+            acceleration[:3] = felt
+            self.contact.update(acceleration, self._torque, time)
+
+    def _retake_velocity(self, reading: Reading) -> None:
+        """Take the velocity from the leg that carried the robot before readings were missed.
+
+        What the feet carry now, torques do not say: what accelerated the robot meanwhile is not known.
+        """
+        if self._feels:
+            self.load.sensed(reading.foot_force)
+        self.contact.forget()
+        self._move_by_legs(1.0, math.inf)
+        self.estimate.qvel[:3] = self._filter.velocity
+        self._dynamics.update(self.estimate)
+
     def _watch(self, reading: Reading, imu: Array) -> None:
         """Look for sensors that fail; believe one that is doubted no more than a part of what it says.
 
@@ -204,7 +227,6 @@ class Estimator:
         """
         if self._missed:
             self.watch.resume(reading)  # nothing jumped: much may have happened meanwhile
-            self._missed = False
         else:
             self.watch.look(reading, imu, self._upright >= _STEADY)
         if self.watch.accelerometer_doubtful:
@@ -212,11 +234,26 @@ class Estimator:
         else:
             self._force[:] = imu[:3]
 
-    def _move_by_legs(self) -> None:
-        """Take the velocity with which a sole on the ground seems to move for an error of the base's velocity."""
-        if any(self.load.standing):
+    def _retake_tilt(self, reading: Reading) -> None:
+        """Take the tilt from the IMU's own filter, which went on while readings were missed."""
+        if "orientation" not in self.watch.failed and math.isfinite(sum(reading.orientation.tolist())):
+            self._filter.turn_to(self._headed(reading.orientation))
+
+    def _headed(self, said: Array) -> Array:
+        """Return an orientation that the IMU says, with the heading that is believed in place of its own."""
+        said = said / np.linalg.norm(said)
+        return _turned(said, yaw_of(self._filter.quaternion) - yaw_of(said))
+
+    def _move_by_legs(self, share: float, most: float) -> None:
+        """Take the velocity with which a sole on the ground seems to move for an error of the base's velocity.
+
+        Args:
+            share: of it that is believed.
+            most: of it that is believed at most [m/s].
+        """
+        if any(self.load.standing) and "gyro" not in self.watch.failed:  # which says how the legs are turned
             moves = self._dynamics.sole_velocity(int(np.argmax(self.load.force)))
-            self._filter.slow(moves * (_LEGS_SHARE * min(1.0, _LEGS_MOST / max(math.hypot(*moves.tolist()), 1e-9))))
+            self._filter.slow(moves * (share * min(1.0, most / max(math.hypot(*moves.tolist()), 1e-9))))
 
     def _stand_in(self, setpoint: Array) -> None:
         """Believe of joints whose sensors failed that they are where the servo has them."""
@@ -263,14 +300,11 @@ class Estimator:
 
     def _rest(self, reading: Reading) -> None:
         """Take the tilt from the IMU's own filter and the height from the legs: no foot says more."""
-        quaternion, position = self._filter.quaternion, self._filter.position
+        position = self._filter.position
         height = position[2] - self._dynamics.sole_positions[:, 2].min()
         if "orientation" in self.watch.failed:
             return
-        said = reading.orientation / np.linalg.norm(reading.orientation)
-        self._filter.rest(
-            _turned(said, yaw_of(quaternion) - yaw_of(said)), np.array([position[0], position[1], height])
-        )
+        self._filter.rest(self._headed(reading.orientation), np.array([position[0], position[1], height]))
         self._turn = self._since = 0
 
     def _without_imu(self, reading: Reading, imu: Array, time: float) -> None:
@@ -299,8 +333,7 @@ class Estimator:
         said, before = reading.orientation / np.linalg.norm(reading.orientation), self._said
         self._said = said
         if before is None:
-            quaternion = self._filter.quaternion
-            self._filter.turn_to(_turned(said, yaw_of(quaternion) - yaw_of(said)))
+            self._filter.turn_to(self._headed(said))
             return np.zeros(3)
         turn = np.empty(3)
         mujoco.mju_subQuat(turn, said, before)

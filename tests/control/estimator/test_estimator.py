@@ -220,3 +220,33 @@ def test_legs_say_nothing_of_the_velocity_where_no_gyroscope_says_how_they_are_t
     rig.run(0.2, WALK)
     assert rig.controller.estimator.watch.failed == {"gyro", "accelerometer", "orientation"}
     assert not asked
+
+
+@pytest.mark.parametrize("moment", [1.1, 1.2, 1.3, 1.4])
+def test_after_a_silence_it_is_known_again_how_the_robot_moves(
+    rig: ControlRig, moment: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Silence in mid-step: the robot is stopped there, and falls onto a foot."""
+    rig.run(moment, WALK)
+    measure, estimator, data = rig.plant.measure, rig.controller.estimator, rig.plant.data
+    last = measure()
+    silent_until = last.time + 0.09
+
+    def measured(into: Reading | None = None) -> Reading:
+        reading = measure(into)
+        reading.age = reading.time - last.time if reading.time < silent_until else 0.0
+        if reading.age:
+            reading.values[:] = last.values
+        return reading
+
+    monkeypatch.setattr(rig.plant, "measure", measured)
+    monkeypatch.setattr(rig.plant, "fault", "it is silent")
+    rig.run(0.08, WALK)
+    assert rig.state.mode is Mode.PROTECTIVE_STOP
+    assert np.linalg.norm(estimator.estimate.qvel[:2] - data.qvel[:2]) > 0.04  # as it was before
+    monkeypatch.setattr(rig.plant, "fault", "")
+    rig.run(0.04, WALK)
+    log, tilts = Log(rig), []
+    rig.run(0.3, WALK, lambda _: log(None), lambda: tilts.append(estimator.estimate.qpos[4:6] - data.qpos[4:6]))
+    assert np.sqrt((np.array(log.velocity)[:, :2] ** 2).sum(axis=1).mean()) < 0.04
+    assert np.abs(2 * np.array(tilts)).max() < 0.02
