@@ -34,10 +34,9 @@ def test_a_cable_that_is_plugged_in_again_at_once_lets_the_robot_go_on() -> None
 
 
 @pytest.mark.trials
-@pytest.mark.parametrize(
-    "seed", [1002, 1007, 1026, 1031]
-)  # in which it fell when velocity and tilt were not taken anew
-def test_it_goes_on_walking_after_any_silence_that_is_not_the_end(seed: int) -> None:
+@pytest.mark.parametrize("seed", [1002, 1007, 1026, 1031])
+def test_a_robot_that_walks_goes_on_after_a_silence(seed: int) -> None:
+    """Of these seeds it fell in some when it went on with tilt and velocity as they were before."""
     assert plugged(seed)
 
 
