@@ -88,6 +88,7 @@ class Controller:
         self._setpoint_fault = ""
         self._limp = False
         self._held = False
+        self._silent = False
         self._at_rest = False
         self._next_plan = 0  # cycle
         self._reading = self._plant.measure(self._reading)
@@ -112,6 +113,8 @@ class Controller:
             log.begin(self.cycle + 1, supervisor, self.servo, self.body)
         if supervisor.mode is Mode.DAMP:
             self._let_go()
+        elif self._silent:
+            self._wait()
         elif self.cycle >= self._next_plan or (supervisor.hold and not self._held):
             if self._limp:
                 self._stand_up(estimate)
@@ -122,7 +125,8 @@ class Controller:
         self.cycle += 1
         reading = self._reading if log is None else log.measured
         self._plant.measure(reading)
-        if reading.age > SILENT_AFTER:
+        self._silent = reading.age > SILENT_AFTER
+        if self._silent:
             estimator.miss(reading)
         else:
             estimator.take(reading)
@@ -185,6 +189,15 @@ class Controller:
         self.servo.damp()
         self._limp = True
         self._setpoint_fault = ""
+
+    def _wait(self) -> None:
+        """Hold the setpoint while the plant is silent, as it does itself, and let the plan go on from there.
+
+        A plan that went on meanwhile would come as a blow: nothing has followed it.
+        """
+        if self.servo.moves:
+            self._end_logged_plan()
+            self.servo.hold()
 
     def _end_logged_plan(self) -> None:
         """Let the log take what is left of the last plan, before there is another one or none."""

@@ -85,6 +85,11 @@ class Servo:
         self._drive(JointCommand(position, velocity, stiffness, damping, torque))
         return ""
 
+    @property
+    def moves(self) -> bool:
+        """Whether the command in force moves any joint."""
+        return bool(self._command.velocity.any())
+
     def hold(self) -> None:
         """Hold the last validated setpoint at rest, with the torque that carried it, as softly as it was."""
         command = self._command

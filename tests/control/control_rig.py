@@ -4,9 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
+import pytest
+
 from humanoid_bt.control.controller import Controller
 from humanoid_bt.core.clock import DECISION_PERIOD, SERVO_PERIOD, cycles
-from humanoid_bt.core.messages import Array, Command, State, Target
+from humanoid_bt.core.messages import Array, Command, Reading, State, Target
+from humanoid_bt.plant.interface import SILENT_AFTER
 from humanoid_bt.plant.mujoco_plant import MujocoPlant
 from humanoid_bt.plant.scene import Scene
 from humanoid_bt.plant.scene_config import SceneConfig
@@ -67,3 +70,21 @@ class ControlRig:
     def stands(self) -> bool:
         """Wait until the robot stands at rest, without commanding anything new."""
         return self.run(SETTLE_TIME, until=lambda state: state.base_settled)
+
+    def silence(self, monkeypatch: pytest.MonkeyPatch, duration: float) -> None:
+        """Let the plant say nothing new from now on for a time [s], and be known to fail from the 20th cycle on."""
+        measure = self.plant.measure
+        last = measure()
+
+        def measured(into: Reading | None = None) -> Reading:
+            reading = measure(into)
+            silent_for = reading.time - last.time
+            if silent_for < duration:
+                reading.age = silent_for
+                reading.values[:] = last.values
+            else:
+                reading.age = 0.0
+            monkeypatch.setattr(self.plant, "fault", "it is silent" if reading.age > SILENT_AFTER else "")
+            return reading
+
+        monkeypatch.setattr(self.plant, "measure", measured)

@@ -269,6 +269,24 @@ def test_a_robot_put_back_on_its_feet_stands_softly_after_reset(rig: ControlRig,
     np.testing.assert_allclose(state.joint_positions, standing[BASE_COORDINATES:], atol=0.05)
 
 
+def test_while_the_plant_is_silent_the_setpoint_waits(rig: ControlRig, monkeypatch: pytest.MonkeyPatch) -> None:
+    """As the plant does: a plan that went on meanwhile would come as a blow."""
+    assert rig.run(5.0, FAR, until=walking)
+    servo, setpoints = rig.controller.servo, []
+    rig.silence(monkeypatch, 0.1)
+    rig.run(0.02, FAR)
+    moved = servo.setpoint[1].copy()
+    rig.run(0.08, FAR, cycle=lambda: setpoints.append(servo.setpoint.copy()))
+    assert np.abs(moved).max() > 1.0  # rad/s
+    for setpoint in setpoints[1:]:
+        np.testing.assert_array_equal(setpoint[0], setpoints[1][0])
+        assert not setpoint[1].any()
+    assert setpoints[-1][2].any()  # held by the torque that carried it
+    rig.run(0.04, FAR, cycle=lambda: setpoints.append(servo.setpoint.copy()))
+    moves = np.diff(np.array(setpoints)[:, 0], axis=0)
+    assert 0.001 < np.abs(moves).max() < 0.08  # rad in a period: it goes on from there
+
+
 def test_setpoints_that_are_refused_are_told_and_end_in_a_protective_stop(
     rig: ControlRig, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -34,9 +34,9 @@ def test_a_cable_that_is_plugged_in_again_at_once_lets_the_robot_go_on() -> None
 
 
 @pytest.mark.trials
-@pytest.mark.parametrize("seed", [1002, 1007, 1026, 1031])
+@pytest.mark.parametrize("seed", [1002, 1007, 3056, 3173])
 def test_a_robot_that_walks_goes_on_after_a_silence(seed: int) -> None:
-    """Of these seeds it fell in some when it went on with tilt and velocity as they were before."""
+    """In some it fell with tilt and velocity as they were before, in some with the velocity of a leg that carried."""
     assert plugged(seed)
 
 

@@ -178,7 +178,7 @@ class Estimator:
         else:
             self._note_forces(reading, doubtful, time)
         if "accelerometer" in watch.failed:
-            self._move_by_legs(_LEGS_SHARE, _LEGS_MOST)
+            self._move_by_leg(self._loaded, _LEGS_SHARE, _LEGS_MOST)
         self._since += heard + missed
         self._missed = 0
         self._clear()
@@ -209,14 +209,18 @@ class Estimator:
             self.contact.update(acceleration, self._torque, time)
 
     def _retake_velocity(self, reading: Reading) -> None:
-        """Take the velocity from the leg that carried the robot before readings were missed.
+        """Take the velocity from the leg that carries the robot after readings were missed.
 
-        What the feet carry now, torques do not say: what accelerated the robot meanwhile is not known.
+        Torques do not say which one that is, for what accelerated the robot meanwhile is not known. Its sole is the
+        lower one.
         """
         if self._feels:
             self.load.sensed(reading.foot_force)
+            carries = self._loaded
+        else:
+            carries = int(np.argmin(self._dynamics.sole_positions[:, 2]))
         self.contact.forget()
-        self._move_by_legs(1.0, math.inf)
+        self._move_by_leg(carries, 1.0, math.inf)
         self.estimate.qvel[:3] = self._filter.velocity
         self._dynamics.update(self.estimate)
 
@@ -244,15 +248,21 @@ class Estimator:
         said = said / np.linalg.norm(said)
         return _turned(said, yaw_of(self._filter.quaternion) - yaw_of(said))
 
-    def _move_by_legs(self, share: float, most: float) -> None:
+    @property
+    def _loaded(self) -> int:
+        """Which foot carries more: 0 the left one, 1 the right one."""
+        return int(np.argmax(self.load.force))
+
+    def _move_by_leg(self, leg: int, share: float, most: float) -> None:
         """Take the velocity with which a sole on the ground seems to move for an error of the base's velocity.
 
         Args:
+            leg: whose sole that is: 0 the left one's, 1 the right one's.
             share: of it that is believed.
             most: of it that is believed at most [m/s].
         """
         if any(self.load.standing) and "gyro" not in self.watch.failed:  # which says how the legs are turned
-            moves = self._dynamics.sole_velocity(int(np.argmax(self.load.force)))
+            moves = self._dynamics.sole_velocity(leg)
             self._filter.slow(moves * (share * min(1.0, most / max(math.hypot(*moves.tolist()), 1e-9))))
 
     def _stand_in(self, setpoint: Array) -> None:
@@ -318,7 +328,7 @@ class Estimator:
             if told:
                 self._rate += _SAID_SHARE * (self._turn_said(reading) / time - self._rate)
             elif any(self.load.standing):  # a sole is flat on the ground
-                tilt = self._dynamics.sole_tilt(int(np.argmax(self.load.force)))
+                tilt = self._dynamics.sole_tilt(self._loaded)
                 turn = belief.level(tilt * _LEVEL_SHARE)
                 self._rate += turn * (_RATE_SHARE / time)
             imu[3:] = self._rate + belief.gyro_bias
