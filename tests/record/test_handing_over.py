@@ -119,6 +119,7 @@ def recorder(monkeypatch: pytest.MonkeyPatch) -> Iterator[RemoteRecorder]:
         return subprocess.Popen(["sleep", "60"], stdin=end.fileno())
 
     monkeypatch.setattr(remote_recorder, "_start", start)
+    monkeypatch.setattr(remote_recorder, "_END_TIMEOUT", 0.1)  # it will not end
     with RemoteRecorder(waits=False) as recorder:
         yield recorder
 
