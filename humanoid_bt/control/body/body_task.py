@@ -35,7 +35,7 @@ _TURNS = 2 * _SOLE_GOAL  # heading, yaw of the torso, leans of base and torso, y
 _GOALS = _TURNS + 10  # centre of mass, and then the posture
 _POSTURE = _GOALS + 3
 _NO_TURN = 1e-14  # square of a turn too small to matter [rad^2]
-_LEANS = 0.3  # rad of lean for the gaze at which a reaching hand does not move the torso any more
+_LEANS = 0.3  # rad of lean for the gaze at which a reaching hand does not turn the torso any more
 
 
 @dataclass(frozen=True)
@@ -129,10 +129,14 @@ class BodyTask(BaseTask):  # type: ignore[misc]  # mink has no types
         self._data: mujoco.MjData | None = None  # of which the views are
         self._arms: Sequence[int] = ()
         self._given = (-1.0, -1.0, 1.0)  # to the hands, how far it leans for the eyes, and its firmness
+        self._bends = 0.0  # share of what a hand bends the torso further than the eyes need that it may stay bent
 
     def aim(self, data: mujoco.MjData, targets: BodyTargets) -> None:
         """Take the targets of this control period, and how far the body is from them now."""
-        goals, base_lean, torso_lean = self._goals, *targets.lean
+        if (given := (targets.reaching, targets.lean[1], targets.firmness)) != self._given:
+            self._given = given
+            self._give_body_to_hands(*given)
+        goals, base_lean, torso_lean = self._goals, targets.lean[0], self._torso_lean(data, targets)
         for side, sole in zip(SIDES, (goals[:_SOLE_GOAL], goals[_SOLE_GOAL:]), strict=True):
             sole[:3], sole[3:6] = targets.soles[side], targets.sole_footings[side]
             sole[6:_SOLE_GOAL] = targets.sole_corrections[side]
@@ -147,8 +151,6 @@ class BodyTask(BaseTask):  # type: ignore[misc]  # mink has no types
             self._arms = targets.arms
             self._posture_cost[:] = self._weights.posture
             self._posture_cost[list(self._arms)] = self._weights.arm
-        if (targets.reaching, torso_lean, targets.firmness) != self._given:
-            self._give_body_to_hands(targets.reaching, torso_lean, targets.firmness)
 
     def _views(self, data: mujoco.MjData) -> tuple[Any, ...]:
         """Return what :func:`_aim` is called with each time for a configuration."""
@@ -173,10 +175,25 @@ class BodyTask(BaseTask):  # type: ignore[misc]  # mink has no types
         jacobian, error, _ = self.compute_qp_residual(configuration)
         return mink.Objective(jacobian.T @ jacobian, -(error @ jacobian))
 
+    def _torso_lean(self, data: mujoco.MjData, targets: BodyTargets) -> float:
+        """Return how far the torso is to lean ahead [rad]: as the eyes need it, or further where a hand bends it.
+
+        Brought up for the eyes as soon as they need it to lean a little, it would come up, they would need nothing,
+        and it would go down again, many times a second.
+        """
+        needed = targets.lean[1]
+        if not (needed and self._bends):
+            return needed
+        x, y, z = data.xmat[self._links[1], 2::3].tolist()  # the torso's upward axis
+        leans = math.atan2(x * math.cos(targets.heading) + y * math.sin(targets.heading), z)
+        return needed + self._bends * max(0.0, leans - needed)
+
     def _give_body_to_hands(self, reaching: float, lean: float, firmness: float) -> None:
-        weights = self._weights
-        self._given = (reaching, lean, firmness)
-        torso = _blend(weights.reach_torso, weights.torso_orientation, min(1.0, lean / _LEANS))  # the eyes need it
+        """Set what height, pelvis and torso cost; while the eyes need the torso to lean it is not turned away."""
+        weights, held = self._weights, min(1.0, lean / _LEANS)
+        torso = weights.reach_torso + held * (weights.torso_orientation - weights.reach_torso)
+        pull = (weights.reach_torso / torso) ** 2 if torso else 1.0  # then it is pulled up no harder than for no eyes
+        self._bends = reaching * (1 - pull)
         self._com_cost[:] = (*weights.com[:2], firmness * _blend(weights.com[2], weights.reach_height, reaching))
         self._base_cost[:] = firmness * _blend(weights.base_orientation, weights.reach_base, reaching)
         self._torso_cost[:] = firmness * _blend(weights.torso_orientation, torso, reaching)

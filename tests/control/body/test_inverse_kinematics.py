@@ -60,6 +60,12 @@ def test_the_centre_of_mass_moves_and_the_feet_stay(
         np.testing.assert_allclose(pose.rotation(sole_site(side)), np.eye(3), atol=5e-3)
 
 
+def torso_lean(robot: RobotModel, kinematics: InverseKinematics) -> float:
+    """Return how far the torso of a robot that looks along x leans ahead [rad]."""
+    torso = Pose(robot, configuration(kinematics)).data.body(robot.config.torso).xmat.reshape(3, 3)
+    return float(np.arctan2(torso[0, 2], torso[2, 2]))
+
+
 def test_a_hand_reaches_its_target_with_the_feet_on_the_ground(
     robot: RobotModel, standing: Array, kinematics: InverseKinematics
 ) -> None:
@@ -87,6 +93,29 @@ def test_the_trunk_leans_over_feet_that_stay(
     assert -torso[2, 0] == pytest.approx(np.sin(0.4) * np.cos(0.5), abs=0.08)  # ahead, not where the torso faces
     np.testing.assert_allclose(pose.com[:2], wanted.com[:2], atol=2e-3)
     np.testing.assert_allclose(pose.site(sole_site("left")), [*wanted.soles["left"][:2], 0], atol=1e-3)
+
+
+def test_a_torso_that_a_hand_bends_is_not_held_for_eyes_that_need_less(
+    robot: RobotModel, standing: Array, kinematics: InverseKinematics
+) -> None:
+    """It came up then, the eyes needed nothing, and it went down again, many times a second."""
+    reaching = {"hands": {"left": np.array([0.5, 0.1, 0.5])}, "reaching": 1.0}
+    for _ in range(300):
+        kinematics.step(targets(robot, standing, **reaching))
+    before = torso_lean(robot, kinematics)
+    assert before > 0.3
+    for _ in range(20):
+        kinematics.step(targets(robot, standing, **reaching, lean=(0.0, 0.05)))
+        assert torso_lean(robot, kinematics) > before - 0.01
+
+
+def test_a_hand_does_not_keep_the_torso_from_what_the_eyes_need(
+    robot: RobotModel, standing: Array, kinematics: InverseKinematics
+) -> None:
+    high = {"hands": {"left": np.array([0.2, 0.3, 1.2])}, "reaching": 1.0}
+    for _ in range(400):
+        kinematics.step(targets(robot, standing, **high, lean=(0.0, 0.4)))
+    assert torso_lean(robot, kinematics) == pytest.approx(0.4, abs=0.1)
 
 
 @pytest.mark.parametrize("goal", [[2.0, 0, 2], [-2.0, 1, 0.2], [0, -2.0, 3], [0, 0, 0.3]])
