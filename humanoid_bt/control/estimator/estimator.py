@@ -216,11 +216,8 @@ class Estimator:
         """
         if self._feels:
             self.load.sensed(reading.foot_force)
-            carries = self._loaded
-        else:
-            carries = int(np.argmin(self._dynamics.sole_positions[:, 2]))
         self.contact.forget()
-        self._move_by_leg(carries, 1.0, math.inf)
+        self._move_by_leg(int(np.argmin(self._dynamics.sole_positions[:, 2])), 1.0, math.inf)
         self.estimate.qvel[:3] = self._filter.velocity
         self._dynamics.update(self.estimate)
 
