@@ -24,7 +24,7 @@ from tests.realtime.helpers import Live, until
 pytestmark = [pytest.mark.ros, pytest.mark.realtime]
 
 LATCHED = Qos(reliability="reliable", durability="transient_local", depth=1)
-STOPS = 10
+STOPS = 15
 
 
 def said(messages: list[Any]) -> list[dict[str, Any]]:
