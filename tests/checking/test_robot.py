@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import shutil
 from dataclasses import dataclass
 from pathlib import Path
@@ -19,6 +18,7 @@ from humanoid_bt.robot.model import RobotModel
 from humanoid_bt.robot.published import read_model
 from humanoid_bt.robot.survey.description import describe
 from tests.line_feet import write_line_feet
+from tests.published import published_robot
 
 BUILTIN = builtin_root() / "sim" / "humanoid"
 LEFT_SOLE = "sole: {body: left_foot, position: [0.03, 0, -0.06]}"
@@ -203,7 +203,7 @@ sole: {{half_length: 0.095, half_width: 0.021, margin: 0.008}}
 hands:
   left: {{body: left_elbow_roll_link, position: [0.18, 0, 0]}}
   right: {{body: right_elbow_roll_link, position: [0.18, 0, 0]}}
-gaze: {{body: torso_link, position: [0.06, 0, 0.42]}}
+gaze: {{body: torso_link, position: [0.06, 0, 0.42], down: 0.8}}
 drives:
   - {{joints: ["*_hip_pitch_joint", "*_hip_roll_joint"], stiffness: 500, damping: 20, torque: 120}}
   - {{joints: ["*_knee_joint"], stiffness: 500, damping: 20, torque: 150}}
@@ -226,11 +226,7 @@ gait: {{stance_width: 0.22, separation_min: 0.17}}
 @pytest.fixture
 def published(tmp_path: Path) -> Path:
     """A robot.yaml for a published model, which is no part of this package."""
-    where = os.environ.get("HUMANOID_BT_ROBOTS", "")
-    model = Path(where) / "unitree_g1" / "g1.xml"
-    if not (where and model.is_file()):
-        pytest.skip("HUMANOID_BT_ROBOTS names no folder with unitree_g1/g1.xml (MuJoCo Menagerie)")
-    (tmp_path / "robot.yaml").write_text(G1.format(model=model))
+    (tmp_path / "robot.yaml").write_text(G1.format(model=published_robot("unitree_g1/g1.xml")))
     return tmp_path
 
 
@@ -292,10 +288,7 @@ def test_a_published_robot_has_no_findings(published: Path) -> None:
 
 
 def test_a_published_robot_whose_ankles_only_pitch_has_no_findings_as_init_describes_it(tmp_path: Path) -> None:
-    folder = os.environ.get("HUMANOID_BT_ROBOTS", "")
-    file = Path(folder) / "unitree_h1" / "h1.xml"
-    if not (folder and file.is_file()):
-        pytest.skip("HUMANOID_BT_ROBOTS names no folder with unitree_h1/h1.xml (MuJoCo Menagerie)")
+    file = published_robot("unitree_h1/h1.xml")
     text = describe(read_model(file).compile(), "h1", str(file)).text
     (tmp_path / "robot.yaml").write_text(text)
     assert found(tmp_path) == []

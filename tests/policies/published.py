@@ -1,16 +1,12 @@
-"""Published robots and learned walkers, where they are: as a newcomer would bring them into a workspace."""
+"""Published robots with learned walkers: as a newcomer would bring them into a workspace."""
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
-
-import pytest
 
 from humanoid_bt.robot.published import read_model
 from humanoid_bt.robot.survey.description import describe
-
-BESIDE = Path(__file__).resolve().parents[3] / "shared"  # beside the checkout
+from tests.published import published_policy, published_robot
 
 G1_LEG, G1_ARMS = "-0.312, 0, 0, 0.669, -0.363, 0", "0.2, 0.2, 0, 0.6, 0, 0, 0, 0.2, -0.2, 0, 0.6, 0, 0, 0"
 T1_LEG, T1_ARMS = "-0.2, 0, 0, 0.4, -0.25, 0", "0.2, -1.35, 0, -0.5, 0, 0, 0, 0.2, 1.35, 0, 0.5, 0, 0, 0"
@@ -40,18 +36,10 @@ lend: {{waist: [{waist}]}}
 """
 
 
-def find(variable: str, beside: str, file: str) -> Path:
-    """Return a published file, or skip the test with a reason."""
-    for folder in filter(None, (os.environ.get(variable), str(BESIDE / beside))):
-        if (path := Path(folder) / file).is_file():
-            return path
-    pytest.skip(f"{variable} names no folder with {file}")
-
-
 def write_robot(folder: Path, robot: str, algorithm: str) -> Path:
     """Write a robot with a walker of holosoma into a folder, as ``robots init`` does; return its ``robot.yaml``."""
-    model = find("HUMANOID_BT_ROBOTS", "robots", MODELS[robot])
-    network = find("HUMANOID_BT_POLICIES", "policies", f"holosoma/{algorithm}_{robot}_29dof.onnx")
+    model = published_robot(MODELS[robot])
+    network = published_policy(f"holosoma/{algorithm}_{robot}_29dof.onnx")
     text = describe(read_model(model).compile(), robot, str(model)).text
     path = folder / "robot.yaml"
     path.write_text(text + "\nbody: {walk: policy, policy: walk.policy.yaml}\n")

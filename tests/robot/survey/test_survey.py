@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -21,6 +20,7 @@ from humanoid_bt.robot.published import read_model
 from humanoid_bt.robot.survey.description import Description, describe
 from humanoid_bt.robot.survey.limbs import NoHumanoidError, Surveyor
 from humanoid_bt.robot.survey.posture import overlapping
+from tests.published import published_robot
 
 BUILTIN = builtin_root() / "sim" / "humanoid"
 
@@ -467,11 +467,7 @@ PUBLISHED = (
 
 @pytest.mark.parametrize("robot", PUBLISHED, ids=lambda robot: robot.file.split("/")[0])
 def test_limbs_of_published_robots_are_found(robot: Published) -> None:
-    folder = os.environ.get("HUMANOID_BT_ROBOTS", "")
-    path = Path(folder) / robot.file
-    if not folder or not path.is_file():
-        pytest.skip(f"HUMANOID_BT_ROBOTS names no folder with {robot.file}")
-    model = read_model(path).compile()
+    model = read_model(published_robot(robot.file)).compile()
     limbs = Surveyor(model).limbs()
     leg, arm = limbs.legs["left"], limbs.arms["left"]
     bodies = [model.body(body).name for body in (limbs.torso, leg.body, arm.body)]
