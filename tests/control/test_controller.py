@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from humanoid_bt.control.body.body import Setpoint
+from humanoid_bt.control.body.footsteps import FootstepPlanner
 from humanoid_bt.control.body.planar import seen_from
 from humanoid_bt.control.body.quadratic_program import QuadraticProgram
 from humanoid_bt.core.clock import WHOLE_BODY_PERIOD, cycles
@@ -330,8 +331,18 @@ def test_inverse_kinematics_without_a_solution_holds_then_stops(
 # ---- the state ------------------------------------------------------------------------------------------------------
 
 
+def test_the_foot_that_it_turns_about_holds_on_to_the_floor(rig: ControlRig, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A leg that swings would turn it, if arms and trunk did not turn against it."""
+    turned: list[float] = []
+    monkeypatch.setattr(FootstepPlanner, "stood", lambda _, angle: turned.append(abs(angle)))
+    behind = {"base": BaseTarget(np.array([-0.5, -0.9]), -2.7)}
+    assert rig.run(8.0, behind, until=lambda state: state.time > 2 and state.base_settled)
+    assert len(turned) > 6
+    assert max(turned) < 0.1  # rad; 0.3 if only the legs turned
+
+
 def test_the_state_says_where_everything_is(rig: ControlRig, robot: RobotModel) -> None:
-    rig.run(1.7, {"base": BaseTarget(np.array([1.0, 0.5]), 0.6), **REACH})
+    rig.run(1.7, {"base": BaseTarget(np.array([1.5, 0.5]), 0.6), **REACH})
     state, estimate = rig.state, rig.controller.estimator.estimate
     truth = mujoco.MjData(rig.plant.model)  # of what is believed
     truth.qpos[:], truth.qvel[:] = estimate.qpos, estimate.qvel

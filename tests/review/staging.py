@@ -95,7 +95,7 @@ FLICKER = (
     + "".join(f"  - {{at: {0.3 * number:.1f} s, {'hide' if number % 2 else 'show'}: ball}}\n" for number in range(1, 9))
 )
 _LATE = {
-    "late_hidden": (HIDDEN, 4.0),
+    "late_hidden": (HIDDEN, 3.4),
     "late_flicker": (FLICKER, 3.6),
 }  # a realtime run begins with the robot standing up
 BUMPED = """

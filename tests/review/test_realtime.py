@@ -68,8 +68,8 @@ CASES: dict[str, tuple[str, str, dict[str, Any], str]] = {
         "late_doubtful",
         "percept_doubtful",
         {"duration": 5.0},
-        r"'confident' failed at 4\.[4-6]\d+ s: the percept was doubtful, confidence 0\.\d+ < 0\.5 "
-        r"\(ball hidden at 4\.4\d s \(the scene's script\)\)",
+        r"'confident' failed at (3\.[89]|4\.0)\d+ s: the percept was doubtful, confidence 0\.\d+ < 0\.5 "
+        r"\(ball hidden at 3\.8\d s \(the scene's script\)\)",
     ),
     "flapping": (
         "late_flapping",

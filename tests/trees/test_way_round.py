@@ -96,7 +96,7 @@ def test_goes_round_what_comes_into_its_way(rig: Rig, tmp_path: Path) -> None:
 
 @pytest.mark.trials
 def test_lets_pass_what_walks_into_its_way(rig: Rig, tmp_path: Path) -> None:
-    crosses = "events:\n  - {at: 1 s, move: cart, to: [1.5, -3, 0.4], over: 9 s}"
+    crosses = "events:\n  - {at: 0.6 s, move: cart, to: [1.5, -3, 0.4], over: 9 s}"
     run = rig.run_tree("go", scene=scene(tmp_path, CROSSING, crosses), x=2.6, y=0)
     run.expect("outcome == success", *SAFE)
 

@@ -17,7 +17,7 @@ from humanoid_bt.robot.mujoco_functions import mul_m
 
 _GAIN = 50.0  # 1/s, of the observer: three quarters of a force that begins are seen after 28 ms
 _SINGULAR = 1e-3  # m^2, of a stretched arm, whose joints say little of forces along it
-_LEARN_TIME = 1.5  # s, in which it is learnt what a hand carries
+_LEARN_TIMES = 0.1, 1.5  # s, in which it is learnt what a hand carries: as it begins, when nothing is known; later
 _MOST_CARRIED = 6.0  # kg
 
 
@@ -33,8 +33,9 @@ class ContactObserver:
     which these forces do not enter, and the base's acceleration is the IMU's.
 
     A force is told as if it were at the palm, or at the centre of mass of the torso: one at the elbow seems half as
-    large. What a hand carries is learnt slowly from its weight, as a point of mass at the palm; neither its weight nor
-    its inertia are contact then.
+    large. What a hand carries is learnt from its weight, as a point of mass at the palm; neither its weight nor its
+    inertia are contact then. It is learnt slowly, for what begins to press on a hand may be contact; but what the hand
+    has to begin with is learnt at once.
 
     Args:
         robot: the robot.
@@ -66,6 +67,7 @@ class ContactObserver:
         self._square = np.zeros((size, size))
         self._force: Array = np.zeros(size)
         self._carried: Array = np.zeros(len(groups))  # kg
+        self._learn_time = _LEARN_TIMES[0]
         self.residual: Array = np.zeros(model.nv)
         self.forces: dict[str, Array] = {group: self._force[3 * at : 3 * at + 3] for at, group in enumerate(groups)}
         self._learns: Array = np.ones(len(groups))
@@ -79,6 +81,7 @@ class ContactObserver:
         """Begin with a robot that nothing touches."""
         self._carried[:] = 0.0
         self._learns[:] = 1.0
+        self._learn_time = _LEARN_TIMES[0]
         self.forget()
 
     def forget(self) -> None:
@@ -102,7 +105,8 @@ class ContactObserver:
         self._before, self._jacobian = self._jacobian, self._before
         for point, place in self._places:
             point[:] = place
-        _observe(acceleration, torque, time, self._jacobian, self._before, *self._kept)
+        self._learn_time = min(self._learn_time + time, _LEARN_TIMES[1])  # an average, at first
+        _observe(acceleration, torque, time, self._learn_time, self._jacobian, self._before, *self._kept)
 
     def torques_of_carried(self, side: Side) -> Array:
         """Return the torques, shape (nj,), with which the joints hold what a hand carries [Nm]."""
@@ -131,7 +135,7 @@ def _look(motions: Array, origin: Array, points: Array, links: Indices, jacobian
 
 
 @compiled(
-    "void(f8[::1], f8[::1], f8, f8[:, ::1], f8[:, ::1], i8, i8,"
+    "void(f8[::1], f8[::1], f8, f8, f8[:, ::1], f8[:, ::1], i8, i8,"
     " f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1],"
     " f8[:, ::1], f8[::1], f8[:, ::1], i8[:, ::1], i8[::1], f8[::1], f8[:, ::1])"
 )
@@ -139,6 +143,7 @@ def _observe(
     acceleration: Array,
     torque: Array,
     time: float,
+    learn_time: float,
     jacobian: Array,
     before: Array,
     model: int,
@@ -162,6 +167,7 @@ def _observe(
 
     Args:
         acceleration, torque, time: as there.
+        learn_time: in which it is learnt what is carried [s].
         jacobian, before: of the points, now, which is written, and the time before.
         model, data: addresses of MuJoCo's.
         residual, force, carried: are brought up to date.
@@ -201,5 +207,5 @@ def _observe(
     factored(square, size)
     solved(square, force)
     for group in range(len(carried)):  # learn what weighs on hands and torso
-        learnt = carried[group] - force[3 * group + 2] * learns[group] * (time / (_LEARN_TIME * GRAVITY))
+        learnt = carried[group] - force[3 * group + 2] * learns[group] * (time / (learn_time * GRAVITY))
         carried[group] = min(max(learnt, -_MOST_CARRIED), _MOST_CARRIED)

@@ -37,6 +37,13 @@ def targets(robot: RobotModel, standing: Array) -> BodyTargets:
     )
 
 
+def with_spin(robot: RobotModel, cost: float) -> RobotModel:
+    """Return a robot to which it costs so much to spin."""
+    spinning = copy(robot)
+    spinning.config = replace(robot.config, whole_body=replace(robot.config.whole_body, spin=cost))
+    return spinning
+
+
 def data_at(robot: RobotModel, qpos: Array) -> mujoco.MjData:
     data = mujoco.MjData(robot.model)
     data.qpos[:] = qpos
@@ -47,7 +54,7 @@ def data_at(robot: RobotModel, qpos: Array) -> mujoco.MjData:
 
 def test_the_jacobian_is_the_errors_derivative(robot: RobotModel, standing: Array, targets: BodyTargets) -> None:
     """Of orientations to first order in the error: that is a few hundredths here."""
-    task = BodyTask(robot, robot.model)
+    task = BodyTask(with_spin(robot, 0.0), robot.model)
     task.aim(data_at(robot, standing), targets)
     jacobian, error = task.jacobian.copy(), task.error.copy()
     assert np.abs(error).max() > 0.01
@@ -90,10 +97,7 @@ def test_it_keeps_from_spinning_if_that_costs_something(
     robot: RobotModel, standing: Array, targets: BodyTargets
 ) -> None:
     """The last row gives the angular momentum about the vertical, as physics has it."""
-    weights = replace(robot.config.whole_body, spin=4.0)
-    spinning = copy(robot)
-    spinning.config = replace(robot.config, whole_body=weights)
-    task, plain = BodyTask(spinning, robot.model), BodyTask(robot, robot.model)
+    task, plain = (BodyTask(with_spin(robot, cost), robot.model) for cost in (4.0, 0.0))
     data = data_at(robot, standing)
     task.aim(data, targets)
     plain.aim(data, targets)
@@ -160,7 +164,7 @@ def test_the_jacobian_is_the_errors_derivative_where_feet_do_not_roll(
     near[3:BASE_COORDINATES] = [np.cos(0.4), 0.0, 0.0, np.sin(0.4)]
     soles = {side: np.array([*sole[:2], 0.81]) for side, sole in line_targets.soles.items()}
     line_targets = replace(line_targets, soles=soles, heading=0.81, gaze=(0.01, 0.01))
-    task = BodyTask(line_feet, line_feet.model)
+    task = BodyTask(with_spin(line_feet, 0.0), line_feet.model)
     task.aim(data_at(line_feet, near), line_targets)
     jacobian, error = task.jacobian.copy(), task.error.copy()
     for dof in range(line_feet.model.nv):
