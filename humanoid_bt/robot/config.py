@@ -173,6 +173,12 @@ class WholeBodyConfig:
     """Weights and limits of whole-body inverse kinematics and of the arms' motion."""
 
     com: tuple[float, float, float] = param((20.0, 20.0, 10.0), doc="Cost of the centre of mass, x y z.")
+    com_damping: float = param(
+        2.0,
+        minimum=0,
+        doc="Damping of all joints by the square of the centre of mass' error, times its cost: a stretched leg does not"
+        " chatter.",
+    )
     foot_position: float = param(50.0, above=0, doc="Cost of the feet's positions.")
     foot_orientation: float = param(20.0, above=0, doc="Cost of the feet's orientations.")
     base_orientation: float = param(5.0, above=0, doc="Cost of the pelvis' orientation.")

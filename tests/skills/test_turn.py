@@ -48,7 +48,7 @@ def test_gives_up_when_it_turns_no_farther(rig: Rig) -> None:
 
 
 def test_a_robot_that_has_turned_far_enough_but_steps_on_comes_to_rest_there(rig: Rig) -> None:
-    rig.at(0.8, lambda: rig.push((0.0, 180.0, 0.0), 0.1, "torso"))
+    rig.at(0.7, lambda: rig.push((0.0, 180.0, 0.0), 0.1, "torso"))
     result = rig.run("turn", angle=0.6, patience=0.6, timeout=15)
     assert result.succeeded, result.feedback
     assert result.time > 2.0  # it steps for longer than its patience

@@ -166,14 +166,19 @@ class BodyTask(BaseTask):  # type: ignore[misc]  # mink has no types
         return self._com_error
 
     def compute_qp_residual(self, configuration: mink.Configuration) -> tuple[Array, Array, float]:
-        """Return the weighted Jacobian, which stays until the next time, the weighted error, and no damping."""
+        """Return the weighted Jacobian, which stays until the next time, the weighted error, and how much it damps.
+
+        A centre of mass that the legs do not reach would have them stretched, and bent again by the next plan: it damps
+        less and less near its target.
+        """
         np.multiply(self._column, self.jacobian, out=self._weighted)
-        return self._weighted, self.cost * self.error, 0.0
+        error = self.cost * self.error
+        return self._weighted, error, self._weights.com_damping * float(error[:3] @ error[:3])
 
     def compute_qp_objective(self, configuration: mink.Configuration) -> mink.Objective:
         """Return the same as a quadratic objective."""
-        jacobian, error, _ = self.compute_qp_residual(configuration)
-        return mink.Objective(jacobian.T @ jacobian, -(error @ jacobian))
+        jacobian, error, damping = self.compute_qp_residual(configuration)
+        return mink.Objective(jacobian.T @ jacobian + damping * np.eye(len(jacobian.T)), -(error @ jacobian))
 
     def _torso_lean(self, data: mujoco.MjData, targets: BodyTargets) -> float:
         """Return how far the torso is to lean ahead [rad]: as the eyes need it, or further where a hand bends it.

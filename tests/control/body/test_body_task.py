@@ -87,9 +87,10 @@ def test_its_residual_and_its_objective_are_one_problem(
     task = BodyTask(robot, robot.model)
     task.aim(data_at(robot, standing), targets)
     configuration = mink.Configuration(robot.model, standing)
-    jacobian, error, _ = task.compute_qp_residual(configuration)
+    jacobian, error, damping = task.compute_qp_residual(configuration)
     objective = task.compute_qp_objective(configuration)
-    np.testing.assert_allclose(objective.H, jacobian.T @ jacobian, atol=1e-9)
+    assert damping > 0
+    np.testing.assert_allclose(objective.H, jacobian.T @ jacobian + damping * np.eye(robot.model.nv), atol=1e-9)
     np.testing.assert_allclose(objective.c, -jacobian.T @ error, atol=1e-9)
 
 
