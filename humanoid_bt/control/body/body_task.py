@@ -36,6 +36,7 @@ _GOALS = _TURNS + 10  # centre of mass, and then the posture
 _POSTURE = _GOALS + 3
 _NO_TURN = 1e-14  # square of a turn too small to matter [rad^2]
 _LEANS = 0.3  # rad of lean for the gaze at which a reaching hand does not turn the torso any more
+_SWINGS = np.array([0.4, 0.4, 1.0, 0.3, 0.3, 0.3])  # what place and turn of a foot in the air cost: its height counts
 
 
 @dataclass(frozen=True)
@@ -58,6 +59,7 @@ class BodyTargets:
         palms: goals of those of these hands that are turned, or held relative to the other one.
         arms: joints, by their indices, that are commanded by name: the posture has their angles.
         firmness: factor of the costs of height, pelvis and torso: above 1 they are kept from the hands.
+        swings: the foot that is in the air, None if none is: balance is worth more than where exactly it is.
     """
 
     com: Array
@@ -74,6 +76,7 @@ class BodyTargets:
     palms: Mapping[Side, HandTarget] = field(default_factory=dict)
     arms: Sequence[int] = ()
     firmness: float = 1.0
+    swings: Side | None = None
     tilt: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
 
 
@@ -108,10 +111,11 @@ class BodyTask(BaseTask):  # type: ignore[misc]  # mink has no types
         self._com_error = self.error[:3]
         self._com_cost, self._base_cost, self._torso_cost = (self.cost[rows : rows + 3] for rows in (0, _BASE, _TORSO))
         self._feet_roll = config.feet_roll
-        for sole in _SOLES:
-            self.cost[sole : sole + 3], self.cost[sole + 3 : sole + 6] = weights.foot_position, weights.foot_orientation
-            if not self._feet_roll:  # their legs say how feet lean; in the sole's frame that is the first of the rows
-                self.cost[sole + 3] = 0.0
+        self._sole_cost = np.repeat((weights.foot_position, weights.foot_orientation), 3)
+        if not self._feet_roll:  # their legs say how feet lean; in the sole's frame that is the first of the rows
+            self._sole_cost[3] = 0.0
+        self._sole_costs = {side: self.cost[sole : sole + 6] for side, sole in zip(SIDES, _SOLES, strict=True)}
+        self._set_sole_costs(None)
         if config.neck:
             self.cost[_GAZE : _GAZE + 3] = weights.gaze
         posture = slice(count - self._spins - joints, count - self._spins)
@@ -147,6 +151,8 @@ class BodyTask(BaseTask):  # type: ignore[misc]  # mink has no types
             self._data, self._kept = data, self._views(data)
         goals[_GOALS:_POSTURE], goals[_POSTURE:] = targets.com, targets.posture
         _aim(self.jacobian, self.error, goals, *self._kept)
+        if targets.swings != self._swings:
+            self._set_sole_costs(targets.swings)
         if targets.arms != self._arms:
             self._arms = targets.arms
             self._posture_cost[:] = self._weights.posture
@@ -192,6 +198,12 @@ class BodyTask(BaseTask):  # type: ignore[misc]  # mink has no types
         x, y, z = data.xmat[self._links[1], 2::3].tolist()  # the torso's upward axis
         leans = math.atan2(x * math.cos(targets.heading) + y * math.sin(targets.heading), z)
         return needed + self._bends * max(0.0, leans - needed)
+
+    def _set_sole_costs(self, swings: Side | None) -> None:
+        """Set what the soles cost: one that swings is no reason to fall, where its leg is at a limit."""
+        self._swings = swings
+        for side, cost in self._sole_costs.items():
+            cost[:] = self._sole_cost * (_SWINGS if side == swings else 1.0)
 
     def _give_body_to_hands(self, reaching: float, lean: float, firmness: float) -> None:
         """Set what height, pelvis and torso cost; while the eyes need the torso to lean it is not turned away."""

@@ -284,6 +284,7 @@ class WholeBody:
             palms=palms,
             arms=self._held_joints,
             firmness=self._robot.config.whole_body.walk_firmness if hands and not standing else 1.0,
+            swings=walker.swing.side if walker.swing else None,
             tilt=tilt,
         )
 

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import daqp
@@ -8,7 +9,7 @@ import pytest
 
 from humanoid_bt.control.body.body_task import BodyTargets
 from humanoid_bt.control.body.inverse_kinematics import InverseKinematics
-from humanoid_bt.core.messages import SIDES, Array
+from humanoid_bt.core.messages import SIDES, Array, Side
 from humanoid_bt.robot.model import BASE_COORDINATES, BASE_DOFS, RobotModel, palm_site, sole_site
 from tests.control.body.pose import Pose
 
@@ -58,6 +59,25 @@ def test_the_centre_of_mass_moves_and_the_feet_stay(
     for side in SIDES:
         np.testing.assert_allclose(pose.site(sole_site(side)), [*wanted.soles[side][:2], 0], atol=1e-3)
         np.testing.assert_allclose(pose.rotation(sole_site(side)), np.eye(3), atol=5e-3)
+
+
+@pytest.mark.parametrize("place", [(0.0, 0.4), (-0.4, 0.1), (0.5, 0.1)], ids=["aside", "behind", "ahead"])
+def test_a_foot_in_the_air_is_brought_as_far_as_its_leg_reaches_and_not_the_body_with_it(
+    robot: RobotModel, standing: Array, place: tuple[float, float]
+) -> None:
+    """A robot that steps far after a push would be planned where it is not, and fall."""
+    half = robot.config.gait.stance_width / 2
+    soles = {"left": np.array([*place, 0.0]), "right": np.array([0, -half, 0])}
+
+    def off(swings: Side | None) -> float:
+        kinematics = InverseKinematics(robot, DT)
+        kinematics.reset(standing)
+        com = Pose(robot, standing).com - np.array([0, half, 0])
+        for _ in range(100):
+            assert kinematics.step(targets(robot, standing, com=com, soles=soles, swings=swings))
+        return math.hypot(*kinematics.com_error[:2])
+
+    assert off("left") < 0.75 * off(None)
 
 
 def torso_lean(robot: RobotModel, kinematics: InverseKinematics) -> float:
