@@ -35,13 +35,14 @@ def tried(robot: RobotModel) -> list[Problem]:
     """
     trial = Trial(robot)
     found = [*_stood(trial)]
+    soft = [] if trial.fallen else [*_soft_drives(trial)]
     if not found:
         found += reached(trial)
         if trial.fallen:
             found.append(_fallen(trial, "as its hands reach ahead", "does-not-stand"))
         else:
             found += _walked(trial)
-    return [*found, *_body_problems(trial)]
+    return [*found, *soft, *_body_problems(trial)]
 
 
 def _stood(trial: Trial) -> Iterator[Problem]:
@@ -109,11 +110,9 @@ def _blamed(trial: Trial, message: str, code: str) -> Problem:
     return Problem(message, robot.config.place("legs"), hint, code=code)
 
 
-def _body_problems(trial: Trial) -> Iterator[Problem]:
-    """Yield drives that do not hold their joints, and parts of the robot that touch each other."""
+def _soft_drives(trial: Trial) -> Iterator[Problem]:
+    """Yield drives that did not hold their joints as the robot stood."""
     robot, seen = trial.robot, trial.seen
-    if trial.fallen:
-        return
     sags = np.maximum(seen.lag, seen.held / robot.stiffness)
     if robot.policy:  # a learned walker drives them with gains of its own, and bends them on purpose
         sags[[robot.joint(robot.policy.joints[index]) for index in robot.policy.moves]] = 0.0
@@ -128,6 +127,14 @@ def _body_problems(trial: Trial) -> Iterator[Problem]:
             hint = f"at least {needed:.0f} Nm/rad are needed" if needed > robot.stiffness[i] else "raise its torque"
             yield Problem(message, place, hint, code="soft-drive")
             told.add(place)
+
+
+def _body_problems(trial: Trial) -> Iterator[Problem]:
+    """Yield drives that give all they have, and parts of the robot that touch each other."""
+    robot, seen = trial.robot, trial.seen
+    if trial.fallen:
+        return
+    told: set[Place] = set()
     for i in np.flatnonzero(seen.saturated > _STRAINED * seen.ticks):
         name, limit = robot.joint_names[i], robot.torque_limit[i]
         place = drive_place(robot, name, "torque")
