@@ -180,9 +180,9 @@ class WholeBodyConfig:
         " chatter.",
     )
     foot_position: float = param(
-        50.0, above=0, doc="Cost of the feet's positions; 0.4 of it for the place of one in the air."
+        50.0, above=0, doc="Cost of the feet's positions; less for the place of one in the air."
     )
-    foot_orientation: float = param(20.0, above=0, doc="Cost of the feet's orientations; 0.3 of it for one in the air.")
+    foot_orientation: float = param(20.0, above=0, doc="Cost of the feet's orientations; less for one in the air.")
     base_orientation: float = param(5.0, above=0, doc="Cost of the pelvis' orientation.")
     torso_orientation: float = param(5.0, above=0, doc="Cost of the torso's orientation.")
     posture: float = param(0.3, above=0, doc="Cost of the home posture.")

@@ -36,7 +36,7 @@ _GOALS = _TURNS + 10  # centre of mass, and then the posture
 _POSTURE = _GOALS + 3
 _NO_TURN = 1e-14  # square of a turn too small to matter [rad^2]
 _LEANS = 0.3  # rad of lean for the gaze at which a reaching hand does not turn the torso any more
-_SWINGS = np.array([0.4, 0.4, 1.0, 0.3, 0.3, 0.3])  # what place and turn of a foot in the air cost: its height counts
+_SWINGS = np.array([0.4, 0.4, 1.0, 0.3, 0.3, 0.3])  # factors of a foot's costs in the air: place, height, turn
 
 
 @dataclass(frozen=True)
