@@ -11,7 +11,9 @@ import numpy as np
 import pytest
 
 from humanoid_bt.control.body.body import Setpoint
+from humanoid_bt.control.body.body_task import BodyTargets
 from humanoid_bt.control.body.footsteps import FootstepPlanner
+from humanoid_bt.control.body.inverse_kinematics import InverseKinematics
 from humanoid_bt.control.body.planar import seen_from
 from humanoid_bt.control.body.quadratic_program import QuadraticProgram
 from humanoid_bt.core.clock import WHOLE_BODY_PERIOD, cycles
@@ -328,9 +330,6 @@ def test_inverse_kinematics_without_a_solution_holds_then_stops(
     assert rig.run(4.0, REACH, until=lambda state: state.hand_errors.get("left", 1.0) < 0.02)
 
 
-# ---- the state ------------------------------------------------------------------------------------------------------
-
-
 def test_the_foot_that_it_turns_about_holds_on_to_the_floor(rig: ControlRig, monkeypatch: pytest.MonkeyPatch) -> None:
     """A leg that swings would turn it, if arms and trunk did not turn against it."""
     turned: list[float] = []
@@ -339,6 +338,22 @@ def test_the_foot_that_it_turns_about_holds_on_to_the_floor(rig: ControlRig, mon
     assert rig.run(8.0, behind, until=lambda state: state.time > 2 and state.base_settled)
     assert len(turned) > 6
     assert max(turned) < 0.1  # rad; 0.3 if only the legs turned
+
+
+def test_the_plan_knows_which_foot_is_in_the_air(rig: ControlRig, monkeypatch: pytest.MonkeyPatch) -> None:
+    step, told = InverseKinematics.step, set()
+
+    def watched(kinematics: InverseKinematics, targets: BodyTargets) -> bool:
+        swing = rig.controller.body.walker.swing
+        told.add((targets.swings, swing.side if swing else None))
+        return step(kinematics, targets)
+
+    monkeypatch.setattr(InverseKinematics, "step", watched)
+    rig.run(2.0, FORWARD)
+    assert told == {(None, None), ("left", "left"), ("right", "right")}
+
+
+# ---- the state ------------------------------------------------------------------------------------------------------
 
 
 def test_the_state_says_where_everything_is(rig: ControlRig, robot: RobotModel) -> None:

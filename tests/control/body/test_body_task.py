@@ -94,6 +94,22 @@ def test_its_residual_and_its_objective_are_one_problem(
     np.testing.assert_allclose(objective.c, -jacobian.T @ error, atol=1e-9)
 
 
+def test_a_foot_in_the_air_costs_less_but_for_its_height(
+    robot: RobotModel, standing: Array, targets: BodyTargets
+) -> None:
+    """Lifted less, it would stumble."""
+    task, data = BodyTask(robot, robot.model), data_at(robot, standing)
+    task.aim(data, targets)
+    grounded = task.cost.copy()
+    for side, sole in (("left", 3), ("right", 9)):
+        task.aim(data, replace(targets, swings=side))
+        cheaper = np.flatnonzero(task.cost < grounded)
+        np.testing.assert_array_equal(cheaper, [sole, sole + 1, sole + 3, sole + 4, sole + 5])
+        np.testing.assert_array_equal(np.delete(task.cost, cheaper), np.delete(grounded, cheaper))
+    task.aim(data, targets)
+    np.testing.assert_array_equal(task.cost, grounded)
+
+
 def test_it_keeps_from_spinning_if_that_costs_something(
     robot: RobotModel, standing: Array, targets: BodyTargets
 ) -> None:
