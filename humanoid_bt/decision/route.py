@@ -15,7 +15,7 @@ from humanoid_bt.decision.obstacles import Obstacles, clear
 from humanoid_bt.decision.robot import RobotHandle
 from humanoid_bt.decision.route_planner import Plan, plan
 from humanoid_bt.decision.signals import Lasting
-from humanoid_bt.decision.surroundings import Surroundings
+from humanoid_bt.decision.surroundings import REMEMBERED, Surroundings
 
 _LEAST = 0.02  # m beyond its radius that the robot keeps away where there is no more room
 _TURNING = 0.02  # m by which a robot that turns on the spot keeps within its radius
@@ -26,10 +26,10 @@ _AHEAD = 2.0  # m of the way that are looked at
 _OFF = 0.15  # m beside the way at which another is planned
 _MOVED = 0.02  # m that a place moves before another way is planned
 _FAR = 0.1  # m beyond the gait's `near` that a place on the way is ahead, so that the robot walks on
-_STEP = 0.35  # m that it still walks when it is to stop
-_STEP_TIME = 1.2  # s that this takes, and until what moves was seen
+_FORESIGHT = 3.0  # s of walking on that are looked at for what moves
+_STOPS = 1.2  # s that it takes to see that it is to stop, and to stop
 _PASSING = 1.0  # m to a place from which on it matters that something is just passing there
-_OLD, _REMEMBERED = 0.5, 0.3  # s of age, and confidence: what it waits for may be gone, and is looked for
+_OLD = 0.5  # s of age from which what it waits for may be gone, and is looked for
 _MOST_TOLD = 5  # names of what is in the way
 _NEARER = 0.03  # m that something must be too near before the robot steps away from it
 _RING = 0.05  # m between the rings of places to which it steps away, the nearest first
@@ -286,22 +286,27 @@ class Route:
         return True
 
     def _hits(self, around: Obstacles, here: Array, target: Array) -> list[str]:
-        """Return what the robot would walk into within a step, by name, seen from what moves."""
-        if not self._around.velocities.any():
+        """Return what moves that the robot would meet if it walked on, and that it can still let pass, by name.
+
+        It walks on for as long as it would also stop in time a moment later.
+        """
+        moving = np.flatnonzero(self._around.velocities.any(axis=1)).tolist()
+        if not moving:
             return []
-        way = target - here
-        step = way * min(1.0, _STEP / max(float(np.linalg.norm(way)), 1e-6))
-        moving = np.flatnonzero(self._around.velocities.any(axis=1))
-        found = []
-        for i in moving.tolist():
-            one = around.some([i])
-            start, end = (
-                one.beyond(here[None]),
-                one.beyond((here + step - self._around.velocities[i] * _STEP_TIME)[None]),
-            )
-            if not clear(start, end, np.minimum(self._least, start.max(axis=2) - _SLACK)).all():
-                found.append(around.names[i])
-        return found
+        gait, length = self._robot.config.gait, math.dist(here, target)
+        speed = gait.step_forward / (gait.single_support + gait.double_support)
+        arrives = min(length / speed, _FORESIGHT)
+        way = (target - here) * (speed / max(length, 1e-6))  # in a second
+        goes, stops = here + arrives * way, here + min(arrives, _STOPS) * way
+        on, later = [(0.0, here), (arrives, goes), (_FORESIGHT, goes)], [(0.0, stops), (_FORESIGHT, stops)]
+        return [around.names[i] for i in moving if self._meets(around, i, on) and self._meets(around, i, later)]
+
+    def _meets(self, around: Obstacles, number: int, way: Sequence[tuple[float, Array]]) -> bool:
+        """Return whether the robot would come too near to what moves if it was at places, shape (2,), at times [s]."""
+        velocity = self._around.velocities[number]
+        beyond = around.some([number]).beyond(np.array([place - time * velocity for time, place in way]))
+        room = np.minimum(self._least, beyond[:1].max(axis=2) - _SLACK)
+        return not bool(clear(beyond[:-1], beyond[1:], room).all())
 
     def _wait(self, names: Sequence[str], why: str) -> bool:
         """Let the base come to rest, and note how long for."""
@@ -316,8 +321,9 @@ class Route:
 
     def _turn_to(self, names: Sequence[str]) -> None:
         """Turn to the nearest of what moves and is out of view, once the robot stands, and if it has room to."""
-        tracks = [self._robot.track(name) for name in names if name in self._around.movers]
-        unseen = [track for track in tracks if track and (track.age > _OLD or track.confidence < _REMEMBERED)]
+        movers = self._around.movers.intersection(names, self._around.obstacles.names)
+        tracks = [self._robot.track(name) for name in movers]
+        unseen = [track for track in tracks if track and (track.age > _OLD or track.confidence < REMEMBERED)]
         if not unseen or self.beside():
             self._waits_at = None
             return
@@ -325,8 +331,8 @@ class Route:
         if self._waits_at is None and state.gait is Gait.STAND:
             self._waits_at = state.stance[:2].copy()
         if self._waits_at is not None:
-            bearing = min(unseen, key=lambda track: track.distance).bearing
-            self._robot.walk_to(self._waits_at, float(state.stance[2]) + bearing)
+            x, y = self._around.place(min(unseen, key=lambda track: track.distance).name) - state.stance[:2]
+            self._robot.walk_to(self._waits_at, math.atan2(y, x))
 
 
 def _lengths(points: Array) -> Array:

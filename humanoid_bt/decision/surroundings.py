@@ -16,15 +16,22 @@ from humanoid_bt.perception.track import Track
 UNKNOWN_SIZE = 0.5
 """Length and width of what is said to be an obstacle, and was seen without a size [m]: those of a person."""
 
+REMEMBERED = 0.3
+"""Confidence below which a thing is not seen, but published where it was seen last."""
+
 _FOLLOW_TIME = 0.4  # s, of the low-pass of a position
 _JUMP, _JUMP_PER_METER = 0.05, 0.03  # m, m/m: what comes farther than this has moved; more than the noise
 _REST_TIME = 1.0  # s after its last move in which a thing still counts as moving
+_FORESEEN = 3.0  # s for which what moved when it was last seen is thought to go on
 _OVERHEAD = 0.25  # m above the eyes under which the robot walks through
 
 
 @dataclass
 class _Thing:
-    """One obstacle: where it is, and where and when it was when it had moved last [m], [s]."""
+    """One obstacle: where it is, and where and when it was when it had moved last [m], [s].
+
+    That it is not seen to move, because it has left the view, does not say that it stands still.
+    """
 
     position: Array
     stamp: float
@@ -33,23 +40,41 @@ class _Thing:
     velocity: Array = field(default_factory=lambda: np.zeros(2))
 
     def __post_init__(self) -> None:
-        self.anchor, self._since = self.position, self.stamp
+        self.anchor = self.told = self.position
+        self._since = self._seen_at = self.stamp
 
-    def update(self, seen: Array, stamp: float, jump: float) -> bool:
-        """Take where it was seen; return whether it has moved."""
+    def update(self, seen: Array, stamp: float, jump: float, *, remembered: bool) -> bool:
+        """Take where it was seen, or is remembered to have been; return whether it has moved."""
         elapsed = stamp - self.stamp
         if elapsed <= 0.0:
             return False
         self.stamp = stamp
         step = seen - self.position
-        follow = 1.0 if math.hypot(*step) > jump else elapsed / (elapsed + _FOLLOW_TIME)
+        follow = 1.0 if self.goes_on(stamp) or math.hypot(*step) > jump else elapsed / (elapsed + _FOLLOW_TIME)
         self.position = self.position + follow * step
         way = self.position - self.anchor
-        if math.hypot(*way) <= jump:
-            return False
-        self.velocity = way / (stamp - max(self._since, self.moved_at, stamp - _REST_TIME))
-        self.anchor, self.moved_at = self.position, stamp
-        return True
+        moved = math.hypot(*way) > jump
+        if moved:
+            self.velocity = way / (stamp - max(self._since, self.moved_at, self._seen_at - _REST_TIME))
+            self.anchor, self.moved_at = self.position, stamp
+        if moved or not remembered:
+            self._seen_at = stamp
+        return moved
+
+    def goes_on(self, now: float) -> bool:
+        """Return whether it moves, or did a moment ago when it was last seen."""
+        return self._seen_at - self.moved_at < _REST_TIME and now - self._seen_at < _FORESEEN
+
+    def place(self, now: float) -> Array:
+        """Return where it is thought to be, shape (2,), world frame [m]."""
+        return self.position + (now - self._seen_at) * self.velocity if self.goes_on(now) else self.position
+
+    def is_told(self, place: Array, jump: float) -> bool:
+        """Return whether it is not far from where it was when that was told last; if it is, that is where it is now."""
+        if math.dist(place, self.told) <= jump:
+            return True
+        self.told = place
+        return False
 
 
 class Surroundings:
@@ -89,31 +114,42 @@ class Surroundings:
             del self._things[name]
             self.changes += 1
         for track in tracks:
-            seen = track.position_world[:2]
-            thing = self._things.get(track.name)
-            if thing is None:
+            seen, jump = track.position_world[:2], _JUMP + _JUMP_PER_METER * track.distance
+            if (thing := self._things.get(track.name)) is None:
                 self._things[track.name] = _Thing(seen, track.stamp)
                 self.changes += 1
-            elif thing.update(seen, track.stamp, _JUMP + _JUMP_PER_METER * track.distance):
+                continue
+            if thing.update(seen, track.stamp, jump, remembered=track.confidence < REMEMBERED):
                 self.movers.add(track.name)
-                self.changes += 1
+            self.changes += not thing.is_told(thing.place(now), jump)
         things = [self._things[track.name] for track in tracks]
         self.obstacles = Obstacles(
             [track.name for track in tracks],
-            np.array([thing.position for thing in things]).reshape(-1, 2),
+            np.array([thing.place(now) for thing in things]).reshape(-1, 2),
             np.array([_floor_size(track) for track in tracks]).reshape(-1, 2) / 2,
             np.array([track.heading_world for track in tracks]),
         )
-        velocities = [thing.velocity * (now - thing.moved_at < _REST_TIME) for thing in things]
-        self.velocities = np.array(velocities).reshape(-1, 2)
+        self.velocities = np.array([thing.velocity * thing.goes_on(now) for thing in things]).reshape(-1, 2)
         return self.obstacles
+
+    def place(self, name: str) -> Array:
+        """Return where a thing that stands around is thought to be, shape (2,), world frame [m]."""
+        return np.asarray(self.obstacles.middles[list(self.obstacles.names).index(name)])
 
     def _tracks(self) -> list[Track]:
         eyes = float(self._robot.state.gaze_position[2])
         solid = [track for track in self._robot.obstacles if not _is_overhead(track, eyes)]
-        known = {track.name for track in solid}
-        named = [self._robot.track(name) for name in self._named if name not in known]
-        return solid + [track for track in named if track is not None and not track.gone]
+        sized = {track.name for track in solid}
+        named = [self._robot.track(name) for name in self._named if name not in sized]
+        there = solid + [track for track in named if track is not None and not track.gone]
+        names = {track.name for track in there}
+        return there + [track for track in self._left() if track.name not in names]
+
+    def _left(self) -> list[Track]:
+        """Return what is gone from where it was last seen, because it goes on."""
+        now = self._robot.clock.now()
+        tracks = [self._robot.track(name) for name, thing in self._things.items() if thing.goes_on(now)]
+        return [track for track in tracks if track is not None and track.gone]
 
 
 def _is_overhead(track: Track, eyes: float) -> bool:

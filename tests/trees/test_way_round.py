@@ -101,6 +101,19 @@ def test_lets_pass_what_walks_into_its_way(rig: Rig, tmp_path: Path) -> None:
     run.expect("outcome == success", *SAFE)
 
 
+FROM_THE_SIDE = """
+cart: {shape: box, size: [0.4, 0.4, 0.8], color: red, solid: true, position: [2, 2, 0.4]}
+"""
+
+
+@pytest.mark.trials
+@pytest.mark.parametrize("begins", [1.0, 1.2])
+def test_lets_pass_what_comes_from_the_side_and_leaves_its_view(rig: Rig, tmp_path: Path, begins: float) -> None:
+    crosses = f"events:\n  - {{at: {begins} s, move: cart, to: [2, -3.5, 0.4], over: 11 s}}"
+    run = rig.run_tree("go", scene=scene(tmp_path, FROM_THE_SIDE, crosses), x=3, y=0)
+    run.expect("outcome == success", *SAFE)
+
+
 @pytest.mark.trials
 def test_waits_for_what_has_closed_the_only_way_and_names_it(rig: Rig, tmp_path: Path) -> None:
     comes = "events:\n  - {at: 1 s, move: cart, to: [2.2, 0, 0.4], over: 3 s}"
