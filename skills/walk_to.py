@@ -15,8 +15,9 @@ _COMES_TO_REST = 3.0  # times the patience that it has to come to rest from when
 class WalkTo(Skill):
     """Walk to a place on the floor, round everything solid that was seen, and stand there.
 
-    Waits while something moves in its way, or is about to, also for a moment when that has left the view. Fails if it
-    does not get out of the way, if there is no way, or if the robot comes no nearer, and says what is in the way.
+    Waits while something moves in its way, or is about to, also for a moment when that has left the view, and steps
+    aside from what comes to where it waits. Fails if that does not get out of the way, if there is no way, or if the
+    robot comes no nearer, and says what is in the way.
     """
 
     resources = ("base",)

@@ -8,6 +8,7 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from humanoid_bt.core.messages import Array, Gait
 from humanoid_bt.core.texts import few, listed
@@ -27,6 +28,8 @@ _OFF = 0.15  # m beside the way at which another is planned
 _MOVED = 0.02  # m that a place moves before another way is planned
 _FAR = 0.1  # m beyond the gait's `near` that a place on the way is ahead, so that the robot walks on
 _FORESIGHT = 3.0  # s of walking on that are looked at for what moves
+_ASIDE_SPEED = 0.2  # m/s at which it steps out of the way, in any direction
+_PASSES = 6.0  # s until what moves is past the place to which it steps
 _STOPS = 1.2  # s that it takes to see that it is to stop, and to stop
 _PASSING = 1.0  # m to a place from which on it matters that something is just passing there
 _OLD = 0.5  # s of age from which what it waits for may be gone, and is looked for
@@ -35,7 +38,7 @@ _NEARER = 0.03  # m that something must be too near before the robot steps away 
 _RING = 0.05  # m between the rings of places to which it steps away, the nearest first
 _AROUND = np.arange(24) * (math.tau / 24)
 _RINGS = np.concatenate(
-    [radius * np.stack([np.cos(_AROUND), np.sin(_AROUND)], 1) for radius in np.arange(_RING, 0.6, _RING)]
+    [radius * np.stack([np.cos(_AROUND), np.sin(_AROUND)], 1) for radius in np.arange(_RING, 1.0, _RING)]
 )
 _NO_WAY_TIME = 1.0  # s after which there is no way if everything stands still
 _PLAN_AGAIN = 0.25  # s after which it looks again for a way where there was none
@@ -46,7 +49,7 @@ class Route:
 
     The way is planned anew when something comes or moves, and when the robot has left it. It keeps away by the radius
     in which the robot walks, of its ``robot.yaml``, and the clearance, or less where there is not so much room. While
-    something walks into its way, the robot waits.
+    something walks into its way, the robot waits, and steps aside from what comes to where it does.
 
     Args:
         robot: the skill's ``self.robot``; the skill commands the base.
@@ -71,6 +74,7 @@ class Route:
         self._plan: Plan | None = None
         self._planned_at, self._planned_for, self._changes = -math.inf, np.full(2, np.inf), -1
         self._in_the_way: list[str] = []
+        self._steps_to: Array | None = None  # to let pass what comes to where it waits, shape (2,)
         self._waits_at: Array | None = None  # where it turns to what it waits for, shape (2,)
         self.to_go = self.turns_to_go = math.inf
         self.blocked = ""
@@ -272,10 +276,13 @@ class Route:
 
     def _walk(self, around: Obstacles, here: Array, target: Array, heading: float) -> bool:
         """Walk on, unless that would be into something that moves."""
-        hits = self._hits(around, here, target)
-        if hits:
-            return self._wait(hits, "in the way")
+        if hits := self._hits(around, here, target):
+            self._wait(hits, "in the way")
+            if (aside := self._aside(around, here)) is not None:
+                self._robot.walk_to(aside, float(self._robot.state.stance[2]))
+            return False
         self.blocked, self.hopeless = "", False
+        self._steps_to = None
         now = self._robot.clock.now()
         self._waits.update(False, now)
         self._stuck.update(False, now)
@@ -301,12 +308,44 @@ class Route:
         on, later = [(0.0, here), (arrives, goes), (_FORESIGHT, goes)], [(0.0, stops), (_FORESIGHT, stops)]
         return [around.names[i] for i in moving if self._meets(around, i, on) and self._meets(around, i, later)]
 
-    def _meets(self, around: Obstacles, number: int, way: Sequence[tuple[float, Array]]) -> bool:
-        """Return whether the robot would come too near to what moves if it was at places, shape (2,), at times [s]."""
-        velocity = self._around.velocities[number]
-        beyond = around.some([number]).beyond(np.array([place - time * velocity for time, place in way]))
-        room = np.minimum(self._least, beyond[:1].max(axis=2) - _SLACK)
-        return not bool(clear(beyond[:-1], beyond[1:], room).all())
+    def _aside(self, around: Obstacles, here: Array) -> Array | None:
+        """Return the nearest place past which goes what moves; None if it goes past here already, or there is none.
+
+        A place that was chosen before is the first choice: what moves is seen a little differently each time.
+        """
+        moving = np.flatnonzero(self._around.velocities.any(axis=1)).tolist()
+        if not any(self._meets(around, i, [(0.0, here), (_FORESIGHT, here)]) for i in moving):
+            self._steps_to = None
+            return None
+        places = here + _RINGS if self._steps_to is None else np.concatenate([self._steps_to[None], here + _RINGS])
+        free = (around.distances(places) >= self._least).all(axis=1)
+        places = places[np.logical_and(free, self._straight(around, here, places, self._least))]
+        self._steps_to = None
+        for passes in (_PASSES, _FORESIGHT):
+            arrives = np.minimum(np.linalg.norm(places - here, axis=1, keepdims=True) / _ASIDE_SPEED, passes)
+            way = [(0.0, here), (arrives, places), (passes, places)]
+            found = np.flatnonzero(~np.array([self._meets(around, i, way) for i in moving]).any(axis=0))
+            if len(found):
+                self._steps_to = np.asarray(places[found[0]])
+                break
+        return self._steps_to
+
+    def _meets(self, around: Obstacles, number: int, way: Sequence[tuple[Any, Array]]) -> NDArray[np.bool_]:
+        """Return whether the robot would come too near to what moves.
+
+        Args:
+            around: all there is.
+            number: of what moves.
+            way: times [s] and places, shape (2,) or (n, 2) [m], at which the robot would be one after the other; times
+                that are not the same for all places have the shape (n, 1).
+
+        Returns:
+            Shape (), or (n,).
+        """
+        seen = np.stack(np.broadcast_arrays(*(place - time * self._around.velocities[number] for time, place in way)))
+        beyond = around.some([number]).beyond(seen.reshape(-1, 2)).reshape(*seen.shape[:-1], 8)
+        room = np.minimum(self._least, beyond[0].max(axis=-1) - _SLACK)
+        return np.asarray(~clear(beyond[:-1], beyond[1:], room).all(axis=0))
 
     def _wait(self, names: Sequence[str], why: str) -> bool:
         """Let the base come to rest, and note how long for."""

@@ -136,3 +136,14 @@ def test_waits_for_what_comes_at_it_and_says_so(rig: Rig) -> None:
     result = rig.run("walk_to", x=3.0, y=0.0, timeout=1.2)
     assert result.feedback == "waiting: cart is in the way"
     assert "base" not in result.commands[-1].targets
+
+
+def test_steps_aside_from_what_comes_to_where_it_waits(rig: Rig) -> None:
+    def place(time: float) -> tuple[float, float, float]:
+        return 2.2 - 0.45 * time, -1.2 + 0.27 * time, 0.4
+
+    for tick in range(60):
+        rig.at(0.1 * tick, lambda time=0.1 * tick: rig.see("cart", place(time), size=BOX))
+    result = rig.run("walk_to", x=3.0, y=0.0, timeout=6)
+    apart = [math.hypot(*(np.abs(state.stance[:2] - place(state.time)[:2]) - 0.15).clip(0)) for state in result.states]
+    assert min(apart) > 0.9 * RADIUS
