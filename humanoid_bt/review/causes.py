@@ -6,6 +6,7 @@ import json
 import re
 from dataclasses import replace
 from pathlib import Path
+from typing import NamedTuple
 
 from humanoid_bt.core.clock import DECISION_PERIOD
 from humanoid_bt.core.units import readable
@@ -40,7 +41,9 @@ _GONE = "the process of the run ended without closing the recording"
 _UPRIGHT = 0.3  # rad of tilt up to which a joint at its limit may be why the robot fell, not what came of it
 _SILENT = 0.08  # s that a tick must take to explain that decision was silent for 0.1 s
 _SLOW = re.compile(r"a tick took (\d+) ms.*: the node '(.*?)'(?:, at (.*))?$")
-_LATE = re.compile(r"command: stamped [\d.]+ s at")
+_REFUSED = re.compile(r"refused (?:a command|(?P<more>\d+) more): (?P<fault>.*)", re.DOTALL)
+_LATE = re.compile(r"stamped [\d.]+ s at")
+_AGAIN = 1.1  # s after which what is refused for the same reason is something new: a second is told at once
 _PERSON = ("keyboard", "humanoid-bt estop", "program", "test")
 
 
@@ -221,7 +224,7 @@ def _estop(history: History, stop: Stopped) -> Cause:
 def _silence(history: History, stop: Stopped) -> Cause:
     """Decision sent nothing that control took: its tick took too long, or what it sent was refused."""
     refused = [  # not those that follow from the silence, or show it: what decision sent was on its way for too long
-        event for event in _refused(history) if -1.0 < event.time - stop.time <= AT and not _LATE.search(event.text)
+        one for one in _refused(history) if _is_near(one, stop.time, AT) and not _LATE.match(one.fault)
     ]
     slow = [
         (event, found)
@@ -238,9 +241,9 @@ def _silence(history: History, stop: Stopped) -> Cause:
         text = f"one tick took {tick.took:.2f} s at {when(tick.state.time)}{name}{where}: {stopped}"
         return Cause("slow_tick", text, stop.time, path, [("shown by", f"{stop.reason}; a tick has 20 ms")])
     if refused:
-        fault = refused[0].text.removeprefix("refused a command: ")
-        text = f"commands were refused from {when(refused[0].time)} on: {cut(fault)}; {stopped}"
-        return Cause("refused", text, refused[0].time, _named(history, fault) or _commander(stop), [])
+        first = refused[0]
+        text = f"commands were refused from {when(first.begin)} on: {cut(first.fault)}; {stopped}"
+        return Cause("refused", text, first.begin, _named(history, first.fault) or _commander(stop), [])
     ticked = history.tick(stop.time)
     since = f"; the last tick before it is of {when(ticked.state.time)}" if ticked else ""
     text = f"{stopped}: {stop.reason}{since}"
@@ -292,8 +295,29 @@ def _fall(history: History, stop: Stopped) -> Cause:
 # ---- what is told beside --------------------------------------------------------------------------------------------
 
 
-def _refused(history: History) -> list[Happened]:
-    return [event for event in history.events if event.text.startswith("refused a command: ")]
+class _Refused(NamedTuple):
+    """Commands that were refused for the same reason, one after the other: from when to when [s], and why."""
+
+    begin: float
+    until: float
+    fault: str
+
+
+def _refused(history: History) -> list[_Refused]:
+    found: list[_Refused] = []
+    for event in history.events:
+        if (told := _REFUSED.match(event.text)) is None:
+            continue
+        if told["more"] and found and event.time - found[-1].until < _AGAIN:
+            found[-1] = found[-1]._replace(until=event.time)
+        else:
+            found.append(_Refused(event.time, event.time, told["fault"]))
+    return found
+
+
+def _is_near(refused: _Refused, time: float, after: float) -> bool:
+    """Return whether commands were refused in the second before a time, or until a little after it [s]."""
+    return refused.begin <= time + after and refused.until > time - 1.0
 
 
 def _refusals(history: History, time: float) -> Cause | None:
@@ -302,14 +326,14 @@ def _refusals(history: History, time: float) -> Cause | None:
     tick = history.tick(time)
     if not refused or tick is None or tick.state.command_sequence >= 0:
         return None
-    fault = refused[0].text.removeprefix("refused a command: ")
-    text = f"every command was refused from {when(refused[0].time)} on, so that the robot did nothing: {cut(fault)}"
-    return Cause("refused", text, refused[0].time, _named(history, fault), [])
+    first = refused[0]
+    text = f"every command was refused from {when(first.begin)} on, so that the robot did nothing: {cut(first.fault)}"
+    return Cause("refused", text, first.begin, _named(history, first.fault), [])
 
 
 def _refused_rows(history: History, time: float) -> list[tuple[str, str]]:
-    near = [event for event in _refused(history) if abs(event.time - time) < 1.0]
-    return [("refused", cut(event.text, 200)) for event in near[:2]]
+    near = [one for one in _refused(history) if _is_near(one, time, after=1.0)]
+    return [("refused", cut(f"from {when(one.begin)} on: {one.fault}", 200)) for one in near[:2]]
 
 
 def _notices(history: History, time: float) -> list[tuple[str, str]]:

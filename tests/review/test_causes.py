@@ -17,7 +17,7 @@ import numpy as np
 import pytest
 
 from humanoid_bt.core.errors import ControlLost
-from humanoid_bt.core.messages import Command, Estimate
+from humanoid_bt.core.messages import Command, Estimate, Mode
 from humanoid_bt.review.cause import Cause
 from humanoid_bt.review.causes import _and_raised, first_stop
 from humanoid_bt.review.explain import explain
@@ -56,6 +56,11 @@ def unsolvable(session: Session) -> None:
     limits.append(Contradiction())
     session.run_until(0.7)
     del limits[-1]
+
+
+def interrupted_in_a_stop(session: Session) -> None:
+    session.run_until(lambda now: now.state.mode is not Mode.RUN, timeout=2.0)
+    session.interrupt("enough")
 
 
 def held_up(session: Session) -> None:
@@ -185,6 +190,12 @@ CASES: dict[str, tuple[str, str, dict[str, Any], str]] = {
         {"duration": 3.0},
         r"commands were refused from 0\.320 s on: the target of 'left_hand' is out of range .*; "
         r"the robot was stopped at 0\.380 s, the first of 7 times; .*",
+    ),
+    "refused for seconds": (
+        "refused",
+        "refused",
+        {"at": 2.0, "do": interrupted_in_a_stop, "duration": 5.0},
+        r"commands were refused from 0\.320 s on: the target of 'left_hand' .*; the robot was stopped at 2\.060 s",
     ),
     "silent between commands that are refused as too old": (
         "walk",
@@ -327,7 +338,7 @@ TELLING = (
     "estop by hand",
     "push and fall",
     "exception",
-    "refused",
+    "refused for seconds",
     "two owners",
     "percept lost",
     "a sensor fails",
