@@ -27,10 +27,10 @@ _AHEAD = 2.0  # m of the way that are looked at
 _OFF = 0.15  # m beside the way at which another is planned
 _MOVED = 0.02  # m that a place moves before another way is planned
 _FAR = 0.1  # m beyond the gait's `near` that a place on the way is ahead, so that the robot walks on
-_FORESIGHT = 3.0  # s of walking on that are looked at for what moves
-_ASIDE_SPEED = 0.2  # m/s at which it steps out of the way, in any direction
-_PASSES = 6.0  # s until what moves is past the place to which it steps
+_FORESIGHT = 3.0  # s of walking on, or of standing, that are looked at for what moves
 _STOPS = 1.2  # s that it takes to see that it is to stop, and to stop
+_ASIDE_SPEED = 0.2  # m/s at which it steps aside, in any direction
+_PASSES = 6.0  # s in which nothing that moves is to come to the place to which it steps aside
 _PASSING = 1.0  # m to a place from which on it matters that something is just passing there
 _OLD = 0.5  # s of age from which what it waits for may be gone, and is looked for
 _MOST_TOLD = 5  # names of what is in the way
@@ -93,7 +93,7 @@ class Route:
         around = self._around.look()
         self._measure(np.array([here, goal]), heading)
         taken = self._taken(around, goal[None], ignore)[0]
-        if taken and (self.to_go < _PASSING or not self._around.moving.issuperset(taken)):
+        if taken and (self.to_go < _PASSING or not {around.names[i] for i in self._around.moving}.issuperset(taken)):
             return self._wait(taken, f"{'stands' if len(taken) == 1 else 'stand'} there, or too near to it")
         if (away := self._away(around, here, ignore)) is not None:
             return self._walk(around, here, away, float(self._robot.state.stance[2]))
@@ -277,10 +277,7 @@ class Route:
     def _walk(self, around: Obstacles, here: Array, target: Array, heading: float) -> bool:
         """Walk on, unless that would be into something that moves."""
         if hits := self._hits(around, here, target):
-            self._wait(hits, "in the way")
-            if (aside := self._aside(around, here)) is not None:
-                self._robot.walk_to(aside, float(self._robot.state.stance[2]))
-            return False
+            return self._wait(hits, "in the way")
         self.blocked, self.hopeless = "", False
         self._steps_to = None
         now = self._robot.clock.now()
@@ -297,8 +294,7 @@ class Route:
 
         It walks on for as long as it would also stop in time a moment later.
         """
-        moving = np.flatnonzero(self._around.velocities.any(axis=1)).tolist()
-        if not moving:
+        if not self._around.moving:
             return []
         gait, length = self._robot.config.gait, math.dist(here, target)
         speed = gait.step_forward / (gait.single_support + gait.double_support)
@@ -306,14 +302,15 @@ class Route:
         way = (target - here) * (speed / max(length, 1e-6))  # in a second
         goes, stops = here + arrives * way, here + min(arrives, _STOPS) * way
         on, later = [(0.0, here), (arrives, goes), (_FORESIGHT, goes)], [(0.0, stops), (_FORESIGHT, stops)]
-        return [around.names[i] for i in moving if self._meets(around, i, on) and self._meets(around, i, later)]
+        met = (i for i in self._around.moving if self._meets(around, i, on) and self._meets(around, i, later))
+        return [around.names[i] for i in met]
 
     def _aside(self, around: Obstacles, here: Array) -> Array | None:
         """Return the nearest place past which goes what moves; None if it goes past here already, or there is none.
 
         A place that was chosen before is the first choice: what moves is seen a little differently each time.
         """
-        moving = np.flatnonzero(self._around.velocities.any(axis=1)).tolist()
+        moving = self._around.moving
         if not any(self._meets(around, i, [(0.0, here), (_FORESIGHT, here)]) for i in moving):
             self._steps_to = None
             return None
@@ -348,14 +345,18 @@ class Route:
         return np.asarray(~clear(beyond[:-1], beyond[1:], room).all(axis=0))
 
     def _wait(self, names: Sequence[str], why: str) -> bool:
-        """Let the base come to rest, and note how long for."""
+        """Let the base come to rest, or step aside from what comes to where it would, and note how long for."""
         verb = "" if why.startswith("stand") else "is " if len(names) == 1 else "are "
         self.blocked = f"{listed(few(names, _MOST_TOLD))} {verb}{why}"
         now = self._robot.clock.now()
         still = not self._around.movers.intersection(names)
         waited, stuck = self._waits.update(True, now), self._stuck.update(still, now)
         self.hopeless = waited or stuck
-        self._turn_to(names)
+        state = self._robot.state
+        if (aside := self._aside(self._around.obstacles, state.stance[:2])) is not None:
+            self._robot.walk_to(aside, float(state.stance[2]))
+        else:
+            self._turn_to(names)
         return False
 
     def _turn_to(self, names: Sequence[str]) -> None:

@@ -40,7 +40,7 @@ class _Thing:
     velocity: Array = field(default_factory=lambda: np.zeros(2))
 
     def __post_init__(self) -> None:
-        self.anchor = self.told = self.position
+        self.anchor = self._told = self.position
         self._since = self._seen_at = self.stamp
 
     def update(self, seen: Array, stamp: float, jump: float, *, remembered: bool) -> bool:
@@ -69,12 +69,12 @@ class _Thing:
         """Return where it is thought to be, shape (2,), world frame [m]."""
         return self.position + (now - self._seen_at) * self.velocity if self.goes_on(now) else self.position
 
-    def is_told(self, place: Array, jump: float) -> bool:
-        """Return whether it is not far from where it was when that was told last; if it is, that is where it is now."""
-        if math.dist(place, self.told) <= jump:
-            return True
-        self.told = place
-        return False
+    def is_elsewhere(self, place: Array, jump: float) -> bool:
+        """Return whether a place is farther from the last one of which this was true; it is then the last one."""
+        elsewhere = math.dist(place, self._told) > jump
+        if elsewhere:
+            self._told = place
+        return elsewhere
 
 
 class Surroundings:
@@ -100,9 +100,9 @@ class Surroundings:
         self.movers: set[str] = set()
 
     @property
-    def moving(self) -> set[str]:
-        """Names of what moves now."""
-        return {name for name, way in zip(self.obstacles.names, self.velocities.tolist(), strict=True) if any(way)}
+    def moving(self) -> list[int]:
+        """What moves now, by its number among the obstacles."""
+        return np.flatnonzero(self.velocities.any(axis=1)).tolist()
 
     def look(self) -> Obstacles:
         """Take what is seen in this tick, and return what stands around."""
@@ -121,7 +121,7 @@ class Surroundings:
                 continue
             if thing.update(seen, track.stamp, jump, remembered=track.confidence < REMEMBERED):
                 self.movers.add(track.name)
-            self.changes += not thing.is_told(thing.place(now), jump)
+            self.changes += thing.is_elsewhere(thing.place(now), jump)
         things = [self._things[track.name] for track in tracks]
         self.obstacles = Obstacles(
             [track.name for track in tracks],
