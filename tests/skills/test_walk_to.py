@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from humanoid_bt import Gait, Rig
+from humanoid_bt.core.messages import BaseTarget
 
 
 @pytest.mark.parametrize(
@@ -136,6 +137,20 @@ def test_waits_for_what_comes_at_it_and_says_so(rig: Rig) -> None:
     result = rig.run("walk_to", x=3.0, y=0.0, timeout=1.2)
     assert result.feedback == "waiting: cart is in the way"
     assert "base" not in result.commands[-1].targets
+
+
+def test_turns_to_where_what_left_its_view_should_be_by_now(rig: Rig) -> None:
+    for tick in range(41):  # seen for a second, then remembered
+        place = 1.5, 1.3 - 0.03 * min(tick, 10), 0.4
+        confidence = 0.9 if tick <= 10 else 0.08
+        rig.at(0.1 * tick, lambda place=place, sure=confidence: rig.see("cart", place, sure, size=BOX))
+    result = rig.run("walk_to", x=3.0, y=0.0, timeout=3.5)
+    assert result.feedback == "waiting: cart is in the way"
+    here, now = rig.state.stance, rig.state.time
+    by_now = math.atan2(1.3 - 0.3 * now - here[1], 1.5 - here[0])
+    target = result.commands[-1].targets["base"]
+    assert isinstance(target, BaseTarget)
+    assert target.heading == pytest.approx(by_now, abs=0.05)
 
 
 def test_steps_aside_from_what_comes_to_where_it_waits(rig: Rig) -> None:
