@@ -20,6 +20,9 @@ _ANGLES = np.arange(8) * (np.pi / 4)
 _COMPASS = np.stack([np.cos(_ANGLES), np.sin(_ANGLES)], 1)
 _BETWEEN = np.stack([np.cos(_ANGLES + np.pi / 8), np.sin(_ANGLES + np.pi / 8)], 1) / np.cos(np.pi / 8)
 _CORNERS = np.array([[1, 1], [1, 1], [-1, 1], [-1, 1], [-1, -1], [-1, -1], [1, -1], [1, -1]], dtype=float)
+SLACK = 1e-3
+"""What a way may come nearer to something than where it begins or ends [m]."""
+
 _TINY = 1e-9
 _NOTHING = 1e-300  # keeps a division by zero away, and is lost beside any other number
 
@@ -56,6 +59,22 @@ class Obstacles:
     def distances(self, points: Array) -> Array:
         """Return how far points, shape (m, 2), are from each rectangle: shape (m, n) [m], negative inside."""
         return np.asarray(self.beyond(points).max(axis=2))
+
+    def straight(self, start: Array, ends: Array, room: float) -> NDArray[np.bool_]:
+        """Return which straight ways from one place keep a distance from everything, shape (m,).
+
+        From what the start or the end is nearer to, the way keeps as far as the farther of the two.
+
+        Args:
+            start: shape (2,), world frame [m].
+            ends: shape (m, 2), world frame [m].
+            room: the distance [m].
+        """
+        if not len(self):
+            return np.ones(len(ends), dtype=bool)
+        begins, ended = self.beyond(start[None]), self.beyond(ends)
+        beside = np.minimum(begins.max(axis=2), ended.max(axis=2)) - SLACK
+        return np.asarray(clear(begins, ended, np.minimum(room, beside)).all(axis=1))
 
     def corners(self, room: float) -> Array:
         """Return the points at which ways turn that keep this far [m] from each rectangle: shape (n, 8, 2)."""

@@ -8,11 +8,11 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from humanoid_bt.core.messages import Array, Gait
 from humanoid_bt.core.texts import few, listed
-from humanoid_bt.decision.obstacles import Obstacles, clear
+from humanoid_bt.decision.giving_way import GivingWay
+from humanoid_bt.decision.obstacles import SLACK, Obstacles, clear
 from humanoid_bt.decision.robot import RobotHandle
 from humanoid_bt.decision.route_planner import Plan, plan
 from humanoid_bt.decision.signals import Lasting
@@ -21,25 +21,14 @@ from humanoid_bt.decision.surroundings import REMEMBERED, Surroundings
 _LEAST = 0.02  # m beyond its radius that the robot keeps away where there is no more room
 _TURNING = 0.02  # m by which a robot that turns on the spot keeps within its radius
 _CUT = 0.4  # share of the clearance by which it may cut a corner
-_SLACK = 1e-3  # m that it may come nearer to what it stands beside already
 _SPACING = 0.05  # m between points of the way that are looked at
 _AHEAD = 2.0  # m of the way that are looked at
 _OFF = 0.15  # m beside the way at which another is planned
 _MOVED = 0.02  # m that a place moves before another way is planned
 _FAR = 0.1  # m beyond the gait's `near` that a place on the way is ahead, so that the robot walks on
-_FORESIGHT = 3.0  # s of walking on, or of standing, that are looked at for what moves
-_STOPS = 1.2  # s that it takes to see that it is to stop, and to stop
-_ASIDE_SPEED = 0.2  # m/s at which it steps aside, in any direction
-_PASSES = 6.0  # s in which nothing that moves is to come to the place to which it steps aside
 _PASSING = 1.0  # m to a place from which on it matters that something is just passing there
 _OLD = 0.5  # s of age from which what it waits for may be gone, and is looked for
 _MOST_TOLD = 5  # names of what is in the way
-_NEARER = 0.03  # m that something must be too near before the robot steps away from it
-_RING = 0.05  # m between the rings of places to which it steps away, the nearest first
-_AROUND = np.arange(24) * (math.tau / 24)
-_RINGS = np.concatenate(
-    [radius * np.stack([np.cos(_AROUND), np.sin(_AROUND)], 1) for radius in np.arange(_RING, 1.0, _RING)]
-)
 _NO_WAY_TIME = 1.0  # s after which there is no way if everything stands still
 _PLAN_AGAIN = 0.25  # s after which it looks again for a way where there was none
 
@@ -68,13 +57,15 @@ class Route:
         self, robot: RobotHandle, clearance: float = 0.08, obstacles: Sequence[str] = (), patience: float = 5.0
     ) -> None:
         self._robot = robot
-        self._clearance = clearance
         self._around = Surroundings(robot, obstacles)
+        self._least = robot.config.walking_radius + _LEAST
+        self._wide = max(robot.config.walking_radius + clearance, self._least)
+        self._narrow = max(self._wide - _CUT * clearance, self._least)  # between corners
+        self._giving_way = GivingWay(self._around, robot.config.gait, self._least)
         self._waits, self._stuck = Lasting(patience), Lasting(_NO_WAY_TIME)
         self._plan: Plan | None = None
         self._planned_at, self._planned_for, self._changes = -math.inf, np.full(2, np.inf), -1
         self._in_the_way: list[str] = []
-        self._steps_to: Array | None = None  # to let pass what comes to where it waits, shape (2,)
         self._waits_at: Array | None = None  # where it turns to what it waits for, shape (2,)
         self.to_go = self.turns_to_go = math.inf
         self.blocked = ""
@@ -95,11 +86,11 @@ class Route:
         taken = self._taken(around, goal[None], ignore)[0]
         if taken and (self.to_go < _PASSING or not {around.names[i] for i in self._around.moving}.issuperset(taken)):
             return self._wait(taken, f"{'stands' if len(taken) == 1 else 'stand'} there, or too near to it")
-        if (away := self._away(around, here, ignore)) is not None:
-            return self._walk(around, here, away, float(self._robot.state.stance[2]))
-        if self._straight(around, here, goal[None], self._narrow).all():
+        if (away := self._giving_way.away(here, ignore)) is not None:
+            return self._walk(here, away, float(self._robot.state.stance[2]))
+        if around.straight(here, goal[None], self._narrow).all():
             self._plan = None
-            return self._walk(around, here, goal, heading)
+            return self._walk(here, goal, heading)
         if self._outdated(here, goal):
             self._make_plan(around, here, goal)
         points = self._plan.points if self._plan is not None else None
@@ -113,7 +104,7 @@ class Route:
         direction, length = math.atan2(offset[1], offset[0]), float(np.linalg.norm(offset))
         far = max(length, self._robot.config.gait.near + _FAR)
         target = here + far * np.array([math.cos(direction), math.sin(direction)])
-        return self._walk(around, here, target, direction)
+        return self._walk(here, target, direction)
 
     def nearest(self, places: Any, costs: Any = None, ignore: Sequence[str] = ()) -> int | None:
         """Return the number of the place to which the way is shortest; None if there is no way to any.
@@ -145,7 +136,7 @@ class Route:
     def is_straight(self, place: Any) -> bool:
         """Return whether nothing is between the robot and a place, shape (2,), world frame [m]."""
         goal = np.array(place, dtype=float)[None]
-        return bool(self._straight(self._around.look(), self._robot.state.stance[:2], goal, self._narrow).all())
+        return bool(self._around.look().straight(self._robot.state.stance[:2], goal, self._narrow).all())
 
     def hits(self, place: Any) -> str:
         """Return what the robot would step into on the straight way to a place, shape (2,), world frame [m].
@@ -156,7 +147,7 @@ class Route:
         if not len(around):
             return ""
         start, end = around.beyond(here[None]), around.beyond(goal[None])
-        room = np.minimum(self._robot.config.walking_radius, start.max(axis=2) - _SLACK)
+        room = np.minimum(self._robot.config.walking_radius, start.max(axis=2) - SLACK)
         return self._named(around, ~clear(start, end, room)[0])
 
     def beside(self) -> str:
@@ -170,19 +161,6 @@ class Route:
     def _named(self, around: Obstacles, which: Array) -> str:
         return listed(few([name for name, one in zip(around.names, which.tolist(), strict=True) if one], _MOST_TOLD))
 
-    @property
-    def _least(self) -> float:
-        return self._robot.config.walking_radius + _LEAST
-
-    @property
-    def _wide(self) -> float:
-        return max(self._robot.config.walking_radius + self._clearance, self._least)
-
-    @property
-    def _narrow(self) -> float:
-        """The distance from obstacles at which it walks on between corners."""
-        return max(self._wide - _CUT * self._clearance, self._least)
-
     def _taken(self, around: Obstacles, places: Array, ignore: Sequence[str]) -> list[list[str]]:
         """Return what is too near to each place, by name."""
         if not len(around):
@@ -191,24 +169,6 @@ class Route:
         names = [name for name in around.names if name not in ignore]
         beside = [dict(zip(around.names, row, strict=True)) for row in near]
         return [[name for name in names if row[name]] for row in beside]
-
-    def _straight(self, around: Obstacles, here: Array, ends: Array, room: float) -> Array:
-        """Return to which ends, shape (m, 2), a straight way is clear: it comes no nearer than they, or it, are."""
-        if not len(around):
-            return np.ones(len(ends), dtype=bool)
-        start, end = around.beyond(here[None]), around.beyond(ends)
-        beside = np.minimum(start.max(axis=2), end.max(axis=2)) - _SLACK
-        return np.asarray(clear(start, end, np.minimum(room, beside)).all(axis=1))
-
-    def _away(self, around: Obstacles, here: Array, ignore: Sequence[str]) -> Array | None:
-        """Return the nearest place at which nothing is too near; None if the robot stands at one, or there is none."""
-        beside = around.distances(here[None])[0] if len(around) else np.empty(0)
-        if all(name in ignore for name, room in zip(around.names, beside, strict=True) if room < self._least - _NEARER):
-            return None
-        places = here + _RINGS
-        farther = (around.distances(places) >= np.minimum(self._least, beside + _RING)).all(axis=1)
-        found = np.flatnonzero(np.logical_and(farther, self._straight(around, here, places, self._least)))
-        return np.asarray(places[found[0]]) if len(found) else None
 
     def _outdated(self, here: Array, goal: Array) -> bool:
         now = self._robot.clock.now()
@@ -263,8 +223,8 @@ class Route:
         end = float(lengths[-1])
         places = np.append(np.arange(begin + _SPACING, min(begin + _AHEAD, end), _SPACING), min(begin + _AHEAD, end))
         on_way = np.stack([np.interp(places, lengths, points[:, 0]), np.interp(places, lengths, points[:, 1])], 1)
-        room = max(self._narrow if self._roomy(around, points) else self._least - _SLACK, 0.0)
-        seen = np.flatnonzero(self._straight(around, here, on_way, room))
+        room = max(self._narrow if self._roomy(around, points) else self._least - SLACK, 0.0)
+        seen = np.flatnonzero(around.straight(here, on_way, room))
         if not len(seen):
             self._planned_for = np.full(2, np.inf)  # it has left the way: another one from the next tick on
         return np.asarray(on_way[seen[-1] if len(seen) else 0])
@@ -274,12 +234,12 @@ class Route:
         middle = points[1:-1]
         return not len(middle) or bool((around.distances(middle) >= self._narrow).all())
 
-    def _walk(self, around: Obstacles, here: Array, target: Array, heading: float) -> bool:
+    def _walk(self, here: Array, target: Array, heading: float) -> bool:
         """Walk on, unless that would be into something that moves."""
-        if hits := self._hits(around, here, target):
+        if hits := self._giving_way.would_meet(here, target):
             return self._wait(hits, "in the way")
         self.blocked, self.hopeless = "", False
-        self._steps_to = None
+        self._giving_way.walk_on()
         now = self._robot.clock.now()
         self._waits.update(False, now)
         self._stuck.update(False, now)
@@ -288,61 +248,6 @@ class Route:
         if self._plan is not None and self._plan.points is not None:
             self._robot.show_route(self._plan.points)
         return True
-
-    def _hits(self, around: Obstacles, here: Array, target: Array) -> list[str]:
-        """Return what moves that the robot would meet if it walked on, and that it can still let pass, by name.
-
-        It walks on for as long as it would also stop in time a moment later.
-        """
-        if not self._around.moving:
-            return []
-        gait, length = self._robot.config.gait, math.dist(here, target)
-        speed = gait.step_forward / (gait.single_support + gait.double_support)
-        arrives = min(length / speed, _FORESIGHT)
-        way = (target - here) * (speed / max(length, 1e-6))  # in a second
-        goes, stops = here + arrives * way, here + min(arrives, _STOPS) * way
-        on, later = [(0.0, here), (arrives, goes), (_FORESIGHT, goes)], [(0.0, stops), (_FORESIGHT, stops)]
-        met = (i for i in self._around.moving if self._meets(around, i, on) and self._meets(around, i, later))
-        return [around.names[i] for i in met]
-
-    def _aside(self, around: Obstacles, here: Array) -> Array | None:
-        """Return the nearest place past which goes what moves; None if it goes past here already, or there is none.
-
-        A place that was chosen before is the first choice: what moves is seen a little differently each time.
-        """
-        moving = self._around.moving
-        if not any(self._meets(around, i, [(0.0, here), (_FORESIGHT, here)]) for i in moving):
-            self._steps_to = None
-            return None
-        places = here + _RINGS if self._steps_to is None else np.concatenate([self._steps_to[None], here + _RINGS])
-        free = (around.distances(places) >= self._least).all(axis=1)
-        places = places[np.logical_and(free, self._straight(around, here, places, self._least))]
-        self._steps_to = None
-        for passes in (_PASSES, _FORESIGHT):
-            arrives = np.minimum(np.linalg.norm(places - here, axis=1, keepdims=True) / _ASIDE_SPEED, passes)
-            way = [(0.0, here), (arrives, places), (passes, places)]
-            found = np.flatnonzero(~np.array([self._meets(around, i, way) for i in moving]).any(axis=0))
-            if len(found):
-                self._steps_to = np.asarray(places[found[0]])
-                break
-        return self._steps_to
-
-    def _meets(self, around: Obstacles, number: int, way: Sequence[tuple[Any, Array]]) -> NDArray[np.bool_]:
-        """Return whether the robot would come too near to what moves.
-
-        Args:
-            around: all there is.
-            number: of what moves.
-            way: times [s] and places, shape (2,) or (n, 2) [m], at which the robot would be one after the other; times
-                that are not the same for all places have the shape (n, 1).
-
-        Returns:
-            Shape (), or (n,).
-        """
-        seen = np.stack(np.broadcast_arrays(*(place - time * self._around.velocities[number] for time, place in way)))
-        beyond = around.some([number]).beyond(seen.reshape(-1, 2)).reshape(*seen.shape[:-1], 8)
-        room = np.minimum(self._least, beyond[0].max(axis=-1) - _SLACK)
-        return np.asarray(~clear(beyond[:-1], beyond[1:], room).all(axis=0))
 
     def _wait(self, names: Sequence[str], why: str) -> bool:
         """Let the base come to rest, or step aside from what comes to where it would, and note how long for."""
@@ -353,7 +258,7 @@ class Route:
         waited, stuck = self._waits.update(True, now), self._stuck.update(still, now)
         self.hopeless = waited or stuck
         state = self._robot.state
-        if (aside := self._aside(self._around.obstacles, state.stance[:2])) is not None:
+        if (aside := self._giving_way.aside(state.stance[:2])) is not None:
             self._robot.walk_to(aside, float(state.stance[2]))
         else:
             self._turn_to(names)

@@ -15,10 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from humanoid_bt.core.messages import Array
-from humanoid_bt.decision.obstacles import Obstacles, clear
+from humanoid_bt.decision.obstacles import SLACK, Obstacles, clear
 
 _TINY = 1e-9
-_SLACK = 1e-3  # m that a way may be nearer to what it begins or ends beside than that point is
 
 
 @dataclass(frozen=True)
@@ -50,7 +49,7 @@ def plan(obstacles: Obstacles, start: Array, goals: Array, room: float, costs: A
     """
     task = _Task(start, goals, np.zeros(len(goals)) if costs is None else costs, room)
     beside = obstacles.distances(np.concatenate([start[None], goals]))
-    allowed = np.minimum(room, beside - _SLACK)  # at the start and at each goal
+    allowed = np.minimum(room, beside - SLACK)  # at the start and at each goal
     regarded: list[int] = []
     while True:
         points, goal = _search(obstacles.some(regarded), task, allowed[:, regarded])

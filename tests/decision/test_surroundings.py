@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from humanoid_bt.core.clock import CycleClock, cycles
+from humanoid_bt.core.clock import CycleClock
 from humanoid_bt.core.messages import Percept
 from humanoid_bt.decision.surroundings import Surroundings
+from tests.decision.watched import watched
 from tests.tree.helpers import make_robot, make_state
 
 
@@ -27,35 +27,24 @@ def test_what_has_gone_is_a_change_and_no_obstacle(size: list[float] | None, nam
     assert seen == [(["cart"], 1), (["cart"], 1), ([], 2), ([], 2), (["cart"], 3)]
 
 
-def crossing(seen: Callable[[float], Percept | None], until: float) -> Surroundings:
-    """Return what is known of a cart that perception has shown ten times a second."""
-    robot = make_robot(clock := CycleClock())
-    around = Surroundings(robot.handle("walk", ("base",)))
-    for tick in range(round(until * 10) + 1):
-        clock.cycle, percept = cycles(0.1 * tick), seen(tick / 10)
-        robot.begin_tick(make_state(tick / 10), {"cart": percept} if percept else {})
-        around.look()
-    return around
-
-
-def cart(time: float, *, seen_at: float, confidence: float = 0.9, speed: float = -0.5) -> Percept:
+def cart(time: float, *, seen_at: float, confidence: float = 0.9) -> Percept:
     """Return a cart that comes from the left, where it was at a time."""
-    place = np.array([2.0, 2.0 + speed * seen_at, -0.4])
+    place = np.array([2.0, 2.0 - 0.5 * seen_at, -0.4])
     return Percept("cart", time, place, confidence, np.array([0.4, 0.4, 0.8]))
 
 
 @pytest.mark.parametrize("confidence", [0.08, 0.0, None], ids=["remembered", "gone", "not told any more"])
 def test_what_moved_out_of_view_goes_on_for_a_while(confidence: float | None) -> None:
-    def seen(time: float) -> Percept | None:
+    def seen(time: float) -> list[Percept]:
         if time <= 1.5:
-            return cart(time, seen_at=time)
-        return None if confidence is None else cart(time, seen_at=1.5, confidence=confidence)
+            return [cart(time, seen_at=time)]
+        return [] if confidence is None else [cart(time, seen_at=1.5, confidence=confidence)]
 
-    around = crossing(seen, until=3.5)
+    around = watched(seen, until=3.5)
     assert around.moving == [0]
     np.testing.assert_allclose(around.place("cart"), [2.0, 2.0 - 0.5 * 3.5], atol=0.02)
     np.testing.assert_allclose(around.velocities, [[0.0, -0.5]], atol=0.02)
-    around = crossing(seen, until=4.6)
+    around = watched(seen, until=4.6)
     assert not around.moving
     if confidence == 0.0:
         assert not len(around.obstacles)
@@ -64,14 +53,14 @@ def test_what_moved_out_of_view_goes_on_for_a_while(confidence: float | None) ->
 
 
 def test_what_stands_still_in_view_does_not_go_on() -> None:
-    around = crossing(lambda time: cart(time, seen_at=min(time, 1.5)), until=2.6)
+    around = watched(lambda time: [cart(time, seen_at=min(time, 1.5))], until=2.6)
     assert not around.moving
     np.testing.assert_allclose(around.place("cart"), [2.0, 2.0 - 0.5 * 1.5], atol=0.01)
 
 
 def test_what_is_seen_again_was_as_fast_on_average() -> None:
-    def seen(time: float) -> Percept:
+    def seen(time: float) -> list[Percept]:
         unseen = 1.5 < time < 4.0
-        return cart(time, seen_at=1.5 if unseen else time, confidence=0.08 if unseen else 0.9)
+        return [cart(time, seen_at=1.5 if unseen else time, confidence=0.08 if unseen else 0.9)]
 
-    np.testing.assert_allclose(crossing(seen, until=4.0).velocities, [[0.0, -0.5]], atol=0.02)
+    np.testing.assert_allclose(watched(seen, until=4.0).velocities, [[0.0, -0.5]], atol=0.02)
