@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from enum import Enum
+from types import MappingProxyType
 from typing import Literal
 
 import numpy as np
@@ -448,12 +449,15 @@ def touch_text(group: str, contact: Contact) -> str:
 
 
 _ARRAYS = tuple(field.name for field in fields(State) if field.type == "Array")
+_MAPPINGS = tuple(field.name for field in fields(State) if str(field.type).startswith("Mapping"))
 
 
 def frozen(state: State) -> State:
-    """Return a state after nobody can write into its arrays any more: what one skill sees is what all see."""
+    """Return a state after nobody can write into it any more: what one skill sees is what all see."""
     for name in _ARRAYS:
         getattr(state, name).setflags(write=False)
+    for name in _MAPPINGS:
+        object.__setattr__(state, name, MappingProxyType(getattr(state, name)))
     for hand in (*state.hands.values(), *state.hand_orientations.values()):
         hand.setflags(write=False)
     for contact in state.contacts.values():

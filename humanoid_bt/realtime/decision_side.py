@@ -16,7 +16,7 @@ from humanoid_bt.control.cycle_log import Layout
 from humanoid_bt.core.clock import DECISION_PERIOD, HOLD_TIME
 from humanoid_bt.core.errors import ControlLost, HumanoidBtError, UserError
 from humanoid_bt.core.kept import Kept
-from humanoid_bt.core.messages import Array, Command, Pause, Percept, State, Truth
+from humanoid_bt.core.messages import Array, Command, Pause, Percept, State, Truth, frozen
 from humanoid_bt.core.plain import plain
 from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.link.ring import RingReader, RingWriter
@@ -380,7 +380,7 @@ class Realtime:
 
     def _follow_readers(self) -> None:
         for payload in self._new("state"):
-            self._state = decode_state(payload)
+            self._state = frozen(decode_state(payload))
             self._state_at = time.monotonic()
         for payload in self._new("stop"):
             if self._commands or not self._over:  # else decision is silent because it has done its work

@@ -7,7 +7,7 @@ import itertools
 import threading
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from typing import Any, Protocol
 
 from py_trees.common import Status
@@ -177,7 +177,7 @@ class Actor:
         """Tick it once; raises as :meth:`Executor.tick`, or TooLong."""
         given = state, percepts
         if self._guarded:
-            given = copy.deepcopy((state, percepts))
+            given = _writable(state), copy.deepcopy(percepts)
             self._given.append(((state, percepts), given))
         behaviour = self._executor.tree.root
         with at_most(longest):
@@ -205,6 +205,12 @@ class Actor:
             if plain(percepts) != plain(given_percepts):
                 found["percepts"] = None
         return list(found)
+
+
+def _writable(state: State) -> State:
+    """Return a copy of a state that a skill can write over."""
+    values: dict[str, Any] = {one.name: getattr(state, one.name) for one in fields(state)}
+    return State(**copy.deepcopy({name: dict(v) if isinstance(v, Mapping) else v for name, v in values.items()}))
 
 
 def live(subject: Subject, actor: Actor, ticks: int, meanwhile: Callable[[int], None] = lambda _index: None) -> Life:

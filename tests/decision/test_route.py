@@ -24,7 +24,8 @@ from humanoid_bt.robot.config import GaitConfig
 def test_a_way_is_as_long_as_its_parts_and_turns_with_them(
     points: list[list[float]], heading: float, length: float, turns: float
 ) -> None:
-    robot = SimpleNamespace(config=SimpleNamespace(gait=GaitConfig()), state=SimpleNamespace(stance=np.zeros(3)))
+    config = SimpleNamespace(gait=GaitConfig(), walking_radius=0.3)
+    robot = SimpleNamespace(config=config, state=SimpleNamespace(stance=np.zeros(3)))
     route = Route(robot)  # type: ignore[arg-type]  # all that it asks a robot for to measure a way
     route._measure(np.array(points, dtype=float), heading)
     assert route.to_go == pytest.approx(length)

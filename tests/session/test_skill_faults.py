@@ -115,6 +115,9 @@ def test_nobody_writes_into_what_everybody_sees(faulty: Path) -> None:
         arrays = [value for value in vars_of(session.state) if isinstance(value, np.ndarray)]
         assert len(arrays) > 10
         assert not [array for array in arrays if array.flags.writeable]
+        assert not [value for value in vars_of(session.state) if isinstance(value, dict)]
+        with pytest.raises(TypeError, match="does not support item assignment"):
+            session.state.hands["left"] = np.zeros(3)  # type: ignore[index]  # as a skill without types does
 
 
 def vars_of(state: hbt.State) -> list[object]:
