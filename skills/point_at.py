@@ -34,7 +34,7 @@ class PointAt(Skill):
     speed: float | None = param(None, unit="m/s", above=0, doc="At most this fast; default: as the robot can.")
     look: bool = param(True, doc="Look at the target, too.")
 
-    angle_error: float = result(unit="rad", doc="From the fingers to the line from the shoulder to the target.")
+    angle_error: float = result(unit="rad", doc="From the fingers to the line from the palm to the target.")
 
     @classmethod
     def resources_for(cls, values: Mapping[str, Any]) -> tuple[str, ...]:
@@ -65,20 +65,21 @@ class PointAt(Skill):
             self._hand = hand
             self._shoulder = self._from_stance(self.robot.pose(f"{hand}_shoulder").position)
         target = self._place.update(track.position_world, track.stamp)
-        shoulder = self.robot.pose(f"{self._hand}_shoulder").position
+        shoulder = self._in_world(self._shoulder)
         way = target - shoulder
         distance, length = float(np.linalg.norm(way)), self.robot.arm_length(self._hand)
         if distance - _CLEAR < _NEAREST * length:
             return self.fail(f"{self.target} is too near to point at: {distance * 100:.0f} cm from the shoulder")
-        return self._point(self._hand, way / distance, min(_STRETCHED * length, distance - _CLEAR))
+        out = min(_STRETCHED * length, distance - _CLEAR)
+        return self._point(self._hand, shoulder + way * (out / distance), target)
 
-    def _point(self, hand: Side, direction: np.ndarray, out: float) -> Status:
-        aim = self._in_world(self._shoulder) + direction * out
-        self.robot.move_hand(hand, aim, direction=direction, speed=self.speed)
+    def _point(self, hand: Side, aim: np.ndarray, target: np.ndarray) -> Status:
+        self.robot.move_hand(hand, aim, direction=_towards(target, aim), speed=self.speed)
         now, state = self.robot.clock.now(), self.robot.state
         error = float(np.linalg.norm(state.hands[hand] - aim))
-        fingers = self.robot.pose(f"{hand}_palm").rotation[:, 0]
-        self.angle_error = angle = math.acos(max(-1.0, min(1.0, float(fingers @ direction))))
+        palm = self.robot.pose(f"{hand}_palm")
+        cosine = float(palm.rotation[:, 0] @ _towards(target, palm.position))
+        self.angle_error = angle = math.acos(max(-1.0, min(1.0, cosine)))
         there = error < _THERE and angle < self.tolerance
         if self._held.update(there, now):
             return self.succeed(f"{hand} hand points at {self.target}, {math.degrees(angle):.1f} deg off")
@@ -104,6 +105,12 @@ class PointAt(Skill):
     def _in_world(self, place: np.ndarray) -> np.ndarray:
         x, y, heading = self.robot.state.stance
         return _turned(place, heading) + np.array([x, y, 0.0])
+
+
+def _towards(target: np.ndarray, place: np.ndarray) -> np.ndarray:
+    """Return the direction from a place to a target, shape (3,) each."""
+    way: np.ndarray = target - place
+    return way / max(float(np.linalg.norm(way)), 1e-9)
 
 
 def _turned(place: np.ndarray, angle: float) -> np.ndarray:

@@ -210,7 +210,8 @@ class Actor:
 def _writable(state: State) -> State:
     """Return a copy of a state that a skill can write over."""
     values: dict[str, Any] = {one.name: getattr(state, one.name) for one in fields(state)}
-    return State(**copy.deepcopy({name: dict(v) if isinstance(v, Mapping) else v for name, v in values.items()}))
+    copied: dict[str, Any] = {name: dict(v) if isinstance(v, Mapping) else v for name, v in values.items()}
+    return State(**copy.deepcopy(copied))
 
 
 def live(subject: Subject, actor: Actor, ticks: int, meanwhile: Callable[[int], None] = lambda _index: None) -> Life:

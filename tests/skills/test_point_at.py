@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 
 import numpy as np
 import pytest
@@ -13,10 +14,14 @@ CLOSE = math.radians(3)
 
 
 def off(rig: Rig, side: Side, target: tuple[float, float, float]) -> float:
-    """Return the angle from a hand's fingers to the line from its shoulder to the target [rad]."""
-    shoulder = rig.pose(f"{side}_shoulder").position
-    way = np.array(target) - shoulder
-    return math.acos(min(1.0, rig.pose(f"{side}_palm").rotation[:, 0] @ way / np.linalg.norm(way)))
+    """Return the angle from a hand's fingers to the line from its palm to the target [rad]."""
+    palm = rig.pose(f"{side}_palm")
+    return angle(palm.rotation[:, 0], np.array(target) - palm.position)
+
+
+def angle(one: np.ndarray, other: np.ndarray) -> float:
+    """Return the angle between two ways, shape (3,) each [rad]."""
+    return math.acos(min(1.0, one @ other / np.linalg.norm(one) / np.linalg.norm(other)))
 
 
 @pytest.mark.parametrize(
@@ -34,8 +39,28 @@ def test_points_along_the_line_from_the_shoulder(rig: Rig, target: tuple[float, 
     assert off(rig, side, target) < CLOSE
     assert result.results["angle_error"] == pytest.approx(off(rig, side, target), abs=0.01)
     shoulder = rig.pose(f"{side}_shoulder").position
+    assert angle(rig.pose(f"{side}_palm").rotation[:, 0], np.array(target) - shoulder) < 2 * CLOSE
     assert np.linalg.norm(rig.state.hands[side] - shoulder) > 0.45  # the arm is stretched
     assert not result.stops
+
+
+@pytest.mark.parametrize(
+    ("target", "side"),
+    [
+        ((-1.0, 0.3, 1.0), "left"),
+        pytest.param((0.45, 0.2, 1.0), "left", marks=pytest.mark.trials, id="near"),
+        pytest.param((-1.0, -0.3, 1.0), "right", marks=pytest.mark.trials),
+    ],
+)
+def test_its_fingers_are_on_the_line_to_what_is_behind_it_or_near(
+    rig: Rig, target: tuple[float, float, float], side: Side
+) -> None:
+    result = rig.run("point_at", target=target)
+    assert result.succeeded, result.feedback
+    assert off(rig, side, target) < CLOSE
+    assert result.results["angle_error"] == pytest.approx(
+        off(rig, side, target), abs=0.03
+    )   # it sees it with noise
 
 
 @pytest.mark.trials
@@ -72,11 +97,17 @@ def test_says_that_something_is_too_near(rig: Rig) -> None:
 
 
 @pytest.mark.trials
-def test_says_what_keeps_it_from_pointing(rig: Rig) -> None:
-    result = rig.run("point_at", target=(0.0, 0.4, 0.4), hand="right", look=False, timeout=15)
+@pytest.mark.parametrize(
+    ("target", "why"),
+    [
+        ((-0.18, 0.38, 1.51), "right hand comes no nearer than .* cm: the torso is in the way"),
+        ((-0.07, 0.41, 0.7), "right hand turns no nearer than . deg: the torso is in the way"),
+    ],
+)
+def test_says_what_keeps_it_from_pointing(rig: Rig, target: tuple[float, float, float], why: str) -> None:
+    result = rig.run("point_at", target=target, hand="right", look=False, timeout=15)
     assert result.failed
-    assert "right hand comes no nearer than" in result.feedback
-    assert "is in the way" in result.feedback
+    assert re.fullmatch(why, result.feedback)
     assert not result.stops
 
 
