@@ -29,9 +29,9 @@ class Reach(Skill):
 
     With a direction it turns the hand, too: its fingers point there, or the palm faces there. Waits for a steady base
     before it moves a hand, which goes over what is solid and was seen, such as the table below a cup. Where the nearest
-    hand comes no nearer to what is ahead, the other one tries. Fails if the target was never seen, or if the palm comes
-    no nearer: it does not walk. Then it says which own link or which thing is in the way, if one is, or what touched
-    the arm.
+    hand comes no nearer to what is ahead, the other one tries. Fails if the target was never seen or is gone, or if the
+    palm comes no nearer: it does not walk. Then it says which own link or which thing is in the way, if one is, or what
+    touched the arm.
     """
 
     resources = ("left_hand", "right_hand", "gaze")
@@ -50,7 +50,7 @@ class Reach(Skill):
     )
     axis: Literal["fingers", "facing"] = param("fingers", doc="Which axis: the fingers, or where the palm faces.")
     turn_tolerance: float = param(0.05, unit="rad", above=0, doc="Turned there when this close.")
-    speed: float | None = param(None, unit="m/s", above=0, doc="At most this fast; default: as the robot can.")
+    speed: float | None = param(None, unit="m/s", minimum=0.005, doc="At most this fast; default: as the robot can.")
     smoothing: float = param(0.4, unit="s", minimum=0, doc="Low-pass time of the target's position.")
     look: bool = param(True, doc="Look at the target, too.")
 
@@ -79,7 +79,7 @@ class Reach(Skill):
     def update(self) -> Status:
         """Wait for a steady base, then move the palm to the target."""
         track = self.robot.track(self.target)
-        if track is None:
+        if track is None or track.gone:
             return self.fail(self.robot.why_unseen(self.target))
         if self.look:
             self.robot.look_at(track.position_world)
@@ -107,8 +107,8 @@ class Reach(Skill):
         if self._held.update(there and turned, now):
             return self.succeed(f"{hand} hand {error * 100:.1f} cm from {self.target}")
         if there and turned:
-            self._error.restart()
-            self._turn_error.restart()
+            self._error.arrived(error)
+            self._turn_error.arrived(turn_error)
         elif self.robot.touched(hand) or not self._improves(error, turn_error, now):
             if there:
                 why = self.robot.why_not_turned(hand, self._turn_error.best)
@@ -137,7 +137,7 @@ class Reach(Skill):
         """Return the direction as a unit vector, shape (3,), world frame."""
         if self.direction is None:
             return None
-        x, y, z = self.direction
+        x, y, z = np.array(self.direction) / np.abs(self.direction).max()
         heading = self.robot.state.stance[2]
         cos, sin = math.cos(heading), math.sin(heading)
         direction = np.array([cos * x - sin * y, sin * x + cos * y, z])

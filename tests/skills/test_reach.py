@@ -66,6 +66,9 @@ def test_moves_as_slowly_as_it_is_told(rig: Rig) -> None:
     assert result.succeeded, result.feedback
     palms = np.array([state.hands["left"] for state in result.states])
     assert np.linalg.norm(palms[5:] - palms[:-5], axis=1).max() / 0.1 < 0.13
+    way = np.array([0.40, 0.15, 0.9]) - palms[0]
+    length = np.linalg.norm(way)
+    assert ((palms - palms[0]) @ way / length).max() < length + 0.006  # it does not go too far
 
 
 @pytest.mark.trials

@@ -69,7 +69,8 @@ class HandReference:
             stance: pose of the middle between the feet, world frame, shape (3,).
             walks: whether the stance moves.
             speed: at most this fast [m/s]; the robot's own limit if None.
-            corrects: whether the measured error is integrated; not where the palm meets something on its way.
+            corrects: whether the measured error from the reference is integrated; not where the palm meets something on
+                its way.
         """
         lead = self._weights.hand_lead
         before, self._stance = self._stance, stance
@@ -93,7 +94,7 @@ class HandReference:
         self._position = _toward(self._position, target, step)
         self._position = _toward(reference - self._correction, self._position, lead)
         if corrects and error @ error < _CORRECT_WITHIN**2:
-            correction = self._correction + self._weights.hand_integral * self._dt * (target - measured)
+            correction = self._correction + self._weights.hand_integral * self._dt * (self._position - measured)
             self._correction = clamp(correction, -_CORRECT_MAX, _CORRECT_MAX)
         self._sent = _toward(self._sent, self._position + self._correction, step)
         return _toward(reference, self._sent, lead)

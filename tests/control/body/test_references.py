@@ -44,14 +44,15 @@ def test_a_hand_starts_where_it_is_and_moves_at_limited_speed() -> None:
 def test_near_the_target_a_measured_error_is_corrected_up_to_a_bound() -> None:
     hand = HandReference(WEIGHTS, DT)
     sag = np.array([0, 0, -0.02])
-    last = follow(hand, 160, sag)[-1]
+    last = follow(hand, 300, sag)[-1]
     np.testing.assert_allclose(last, TARGET, atol=0.08)
     bounded: Array | None = last
     for _ in range(2000):
         assert bounded is not None
         bounded = hand.update(TARGET, False, TARGET + np.array([0, 0, -0.5]), bounded, stance=STANCE)
     assert bounded is not None
-    np.testing.assert_allclose(bounded, TARGET + np.array([0, 0, 0.05]), atol=1e-6)
+    assert bounded[2] == pytest.approx(TARGET[2] + 0.05, abs=1e-6)
+    np.testing.assert_allclose(bounded[:2], TARGET[:2], atol=1e-3)
 
 
 def test_the_correction_takes_a_steady_sag_out() -> None:
