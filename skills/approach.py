@@ -19,7 +19,7 @@ class Approach(Skill):
 
     Succeeds once the robot stands there; follows a target that moves. If something stands in that place, as a table
     does below a cup, it stands at another side of the target, or as near as it can. Waits while something moves in its
-    way. Fails if the target was never seen, and, with what is in the way, if there is no way to it.
+    way. Fails if the target was never seen or is gone, and, with what is in the way, if there is no way to it.
     """
 
     resources = ("base", "gaze")
@@ -54,7 +54,7 @@ class Approach(Skill):
     def update(self) -> Status:
         """Walk toward the place from which the target is straight ahead."""
         track = self.robot.track(self.target)
-        if track is None:
+        if track is None or track.gone:
             return self.fail(self.robot.why_unseen(self.target))
         stance, target = self.robot.state.stance, track.position_world[:2]
         self._goal = self._place(target, stance[:2])

@@ -10,8 +10,8 @@ from humanoid_bt import Improving, Lasting, PerceptName, Skill, Status, param, r
 class LookAt(Skill):
     """Turn the view until the target is in its middle, and keep it there for a moment.
 
-    Follows a target that moves. Fails if the target was never seen, or if the view comes no nearer to it: the feet
-    stay where they are, so what is far behind is out of view.
+    Follows a target that moves. Fails if the target was never seen or is gone, or if the view comes no nearer to it:
+    the feet stay where they are, so what is far behind is out of view.
     """
 
     resources = ("gaze",)
@@ -32,7 +32,7 @@ class LookAt(Skill):
     def update(self) -> Status:
         """Look at where the target was last seen."""
         track = self.robot.track(self.target)
-        if track is None:
+        if track is None or track.gone:
             return self.fail(self.robot.why_unseen(self.target))
         self.robot.look_at(track.position_world)
 
@@ -42,7 +42,7 @@ class LookAt(Skill):
         if self._held.update(there, now):
             return self.succeed(f"{math.degrees(error):.0f} deg from {self.target}")
         if there:
-            self._error.restart()
+            self._error.arrived(error)
         elif not self._error.update(error, now):
             return self.fail(f"the view comes no nearer to {self.target} than {math.degrees(self._error.best):.0f} deg")
         return self.running(f"{math.degrees(error):.0f} deg from {self.target}")

@@ -27,7 +27,7 @@ class Offer(Skill):
     """Stand and hold a palm out toward the target, balanced, and keep it there for a time.
 
     The palm stays clear of the target, seen from above, and draws back from one that comes nearer, as quickly as the
-    hand moves. Waits for a steady base before it moves a hand. Fails if the target was never seen, if it is too near,
+    hand moves. Waits for a steady base before it moves a hand. Fails if the target was never seen, is gone or too near,
     or if the palm does not get there: it does not walk or turn.
     """
 
@@ -66,7 +66,7 @@ class Offer(Skill):
     def update(self) -> Status:
         """Wait for a steady base, then hold the palm out."""
         track, state = self.robot.track(self.target), self.robot.state
-        if track is None:
+        if track is None or track.gone:
             return self.fail(self.robot.why_unseen(self.target))
         self.target_distance = track.distance
         if self.look:
@@ -91,7 +91,7 @@ class Offer(Skill):
         if self._held.update(there, now):
             return self.succeed(f"held the {hand} hand out for {self.hold:g} s")
         if there:
-            self._error.restart()
+            self._error.arrived(error)
         elif self.robot.touched(hand) or not self._error.update(error, now):
             return self.fail(self.robot.why_no_nearer(hand, self._error.best))
         return self.running("holding it out" if there else f"{hand} hand {error * 100:.0f} cm away")

@@ -17,8 +17,9 @@ _THERE = 0.05  # m from its place at which the palm counts as there: only where 
 class PointAt(Skill):
     """Stretch an arm toward the target, its fingers along the line from the shoulder, and keep it so for a moment.
 
-    Waits for a steady base before it moves a hand, and follows a target that moves. Fails if the target was never seen
-    or is too near, or if the hand does not come to point at it: it does not turn or walk. Then it says what keeps it.
+    Waits for a steady base before it moves a hand, and follows a target that moves. Fails if the target was never seen,
+    is gone or too near, or if the hand does not come to point at it: it does not turn or walk. Then it says what keeps
+    it.
     """
 
     resources = ("left_hand", "right_hand", "gaze")
@@ -31,7 +32,7 @@ class PointAt(Skill):
     hold: float = param(1.0, unit="s", minimum=0, doc="How long to point at it.")
     patience: float = param(2.0, unit="s", above=0, doc="Fails when it comes no nearer for this long.")
     smoothing: float = param(0.4, unit="s", minimum=0, doc="Low-pass time of the target's position.")
-    speed: float | None = param(None, unit="m/s", above=0, doc="At most this fast; default: as the robot can.")
+    speed: float | None = param(None, unit="m/s", minimum=0.005, doc="At most this fast; default: as the robot can.")
     look: bool = param(True, doc="Look at the target, too.")
 
     angle_error: float = result(unit="rad", doc="From the fingers to the line from the palm to the target.")
@@ -52,7 +53,7 @@ class PointAt(Skill):
     def update(self) -> Status:
         """Wait for a steady base, then stretch the arm toward the target."""
         track = self.robot.track(self.target)
-        if track is None:
+        if track is None or track.gone:
             return self.fail(self.robot.why_unseen(self.target))
         if self.look:
             self.robot.look_at(track.position_world)
@@ -84,8 +85,8 @@ class PointAt(Skill):
         if self._held.update(there, now):
             return self.succeed(f"{hand} hand points at {self.target}, {math.degrees(angle):.1f} deg off")
         if there:
-            self._error.restart()
-            self._angle.restart()
+            self._error.arrived(error)
+            self._angle.arrived(angle)
             return self.running("pointing")
         nearer, turns = self._error.update(error, now), self._angle.update(angle, now)
         if self.robot.touched(hand) or (not nearer and not turns):

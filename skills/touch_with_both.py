@@ -30,8 +30,8 @@ class TouchWithBoth(Skill):
     """Stand and bring both palms to the left and the right side of the target, facing each other.
 
     The hands pass beside the target and then close in, the right one led by the left one. Waits for a steady base
-    before it moves them. Fails if the target was never seen, or if a hand does not get there: it does not walk. Then it
-    says what keeps it.
+    before it moves them. Fails if the target was never seen or is gone, or if a hand does not get there: it does not
+    walk. Then it says what keeps it.
     """
 
     resources = ("left_hand", "right_hand", "gaze")
@@ -45,7 +45,7 @@ class TouchWithBoth(Skill):
     hold: float = param(0.5, unit="s", minimum=0, doc="How long they must stay there.")
     patience: float = param(2.0, unit="s", above=0, doc="Fails when they come no nearer for this long.")
     smoothing: float = param(0.4, unit="s", minimum=0, doc="Low-pass time of the target's position.")
-    speed: float | None = param(None, unit="m/s", above=0, doc="At most this fast; default: as the robot can.")
+    speed: float | None = param(None, unit="m/s", minimum=0.005, doc="At most this fast; default: as the robot can.")
     look: bool = param(True, doc="Look at the target, too.")
 
     hand_error: float = result(unit="m", doc="Of the palm that is farther from its place.")
@@ -70,12 +70,13 @@ class TouchWithBoth(Skill):
     def update(self) -> Status:
         """Wait for a steady base, then bring the palms beside the target, then to it."""
         state, track = self.robot.state, self.robot.track(self.target)
-        if track is None:
+        if track is None or track.gone:
             return self.fail(self.robot.why_unseen(self.target))
         if self.look:
             self.robot.look_at(track.position_world)
-        if "left" not in state.hands:  # hands are two or none
-            return self.fail("the robot has no left hand")
+        for side in SIDES:
+            if side not in state.hands:
+                return self.fail(f"the robot has no {side} hand")
         self._steady = self._steady or state.base_settled
         if not self._steady:
             return self.running("waiting for a steady base")
@@ -94,19 +95,20 @@ class TouchWithBoth(Skill):
         if self._held.update(there, now):
             return self.succeed(f"both hands at {self.target}, {self.hand_error * 100:.1f} cm off")
         if there:
-            self._begin()
+            self._error.arrived(sum(errors.values()))
+            self._turn.arrived(self.turn_error)
             return self.running("holding")
-        return self._go_on(far, askew, now)
+        return self._go_on(sum(errors.values()), far, askew, now)
 
-    def _go_on(self, far: Side, askew: Side, now: float) -> Status:
-        """Go on while it helps."""
+    def _go_on(self, apart: float, far: Side, askew: Side, now: float) -> Status:
+        """Go on while it helps: one hand may wait for the other."""
         if touched := self.robot.touched("left") or self.robot.touched("right"):
             return self.fail(touched)
-        nearer, turns = self._error.update(self.hand_error, now), self._turn.update(self.turn_error, now)
+        nearer, turns = self._error.update(apart, now), self._turn.update(self.turn_error, now)
         near = self.tolerance if self._closing else _OPEN
         if not nearer and not (turns and self.turn_error > self.turn_tolerance):
             if self.hand_error > near:
-                return self.fail(self.robot.why_no_nearer(far, self._error.best))
+                return self.fail(self.robot.why_no_nearer(far, self.hand_error))
             return self.fail(self.robot.why_not_turned(askew, self._turn.best))
         doing = "closing in" if self._closing else "going beside it"
         return self.running(f"{doing}: {self.hand_error * 100:.0f} cm away")

@@ -61,10 +61,11 @@ def how_turned(orientation: Any, direction: Any, axis: str) -> Array | Pointing 
         if axis not in get_args(PalmAxis):
             raise ValueError(f"the axis of a palm is 'fingers' or 'facing', not {axis!r}")
         found = vector(direction, 3, "direction")
-        length = math.sqrt(found @ found)
-        if length == 0:
+        largest = float(np.abs(found).max())
+        if largest == 0:
             raise ValueError("a target's direction must not be zero")
-        return Pointing(_kept(found / length), axis)  # type: ignore[arg-type]  # it is one of them
+        found = found / largest  # whose square neither overflows nor is lost
+        return Pointing(_kept(found / math.sqrt(found @ found)), axis)  # type: ignore[arg-type]  # it is one of them
     if orientation is None:
         return None
     if np.shape(orientation) == (3, 3):

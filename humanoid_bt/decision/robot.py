@@ -137,7 +137,9 @@ class Robot:
         return track
 
     def why_unseen(self, name: str) -> str:
-        """Return that a percept was never seen and why, for people: ``'cup' was never seen: hidden``."""
+        """Return that a percept is gone, or was never seen and why, for people: ``'cup' was never seen: hidden``."""
+        if (track := self._track(name)) is not None and track.gone:
+            return f"{name!r} is gone from where it was seen"
         if self._unseen is None:
             return f"{name!r} was never seen"
         unseen = self._unseen()
@@ -299,7 +301,7 @@ class RobotHandle:
         return self._robot.obstacles
 
     def why_unseen(self, name: str) -> str:
-        """Say why there is no track of this name: ``'cup' was never seen: hidden``."""
+        """Say why there is no track of this name, or that it is gone: ``'cup' was never seen: hidden``."""
         return self._robot.why_unseen(name)
 
     def nearest_hand(self, bearing: float) -> Side:

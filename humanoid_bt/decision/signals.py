@@ -11,6 +11,9 @@ import numpy as np
 
 from humanoid_bt.core.messages import Array
 
+_MOVED_ON = 5  # steps by which an error has grown where something has moved on; more than the noise
+_ROUNDING = 1e-9  # s
+
 
 class Steady:
     """A position without its noise: low-passed once per observation, but followed at once where it really moves.
@@ -78,11 +81,23 @@ class Improving:
         self.restart()
 
     def restart(self) -> None:
-        """Forget the errors so far, as when the error is small enough: it may grow again."""
-        self.best, self._best_at = math.inf, -math.inf
+        """Forget the errors so far, as when another way begins."""
+        self.best, self._waited = math.inf, math.inf
+        self._last: float | None = None  # time of the last error [s]
+        self._arrived = False
+
+    def arrived(self, error: float) -> None:
+        """Note an error that is small enough: until the next one that is not, no time counts.
+
+        One that is much larger later, as of something that has moved on, may become smaller anew.
+        """
+        self.best, self._arrived, self._last = error, True, None
 
     def update(self, error: float, now: float) -> bool:
         """Note an error; return False once none has been smaller than the best for longer than the patience."""
-        if error < self.best - self._step:
-            self.best, self._best_at = error, now
-        return now - self._best_at <= self._patience
+        if error < self.best - self._step or (self._arrived and error > self.best + _MOVED_ON * self._step):
+            self.best, self._waited, self._arrived = error, 0.0, False
+        elif self._last is not None:
+            self._waited += now - self._last
+        self._last = now
+        return self._waited <= self._patience + _ROUNDING

@@ -68,5 +68,38 @@ def test_an_error_may_grow_after_a_restart() -> None:
     assert improving.best == 5.0
 
 
+def test_what_is_small_enough_again_and_again_and_never_for_long_does_not_improve() -> None:
+    improving = Improving(patience=1.0, step=0.1)
+    improving.update(1.0, 0.0)
+    goes_on = []
+    for tick in range(1, 60):
+        if tick % 2:
+            improving.arrived(0.2)
+        else:
+            goes_on += [improving.update(0.3, 0.1 * tick), improving.update(0.3, 0.1 * tick + 0.05)]
+    assert goes_on[:20] == [True] * 20
+    assert not goes_on[-1]
+
+
+def test_no_time_counts_while_the_error_is_small_enough() -> None:
+    improving = Improving(patience=1.0, step=0.1)
+    improving.update(1.0, 0.0)
+    improving.arrived(0.2)
+    assert improving.update(0.3, 50.0)
+    assert improving.update(0.3, 51.0)
+    assert not improving.update(0.3, 51.1)
+
+
+def test_what_has_moved_on_may_improve_anew() -> None:
+    improving = Improving(patience=1.0, step=0.1)
+    improving.update(1.0, 0.0)
+    improving.update(0.9, 1.0)
+    improving.arrived(0.2)
+    assert improving.update(2.0, 5.0)
+    assert improving.update(1.9, 6.0)
+    assert improving.best == 2.0
+    assert not improving.update(1.9, 6.1)
+
+
 def test_what_is_not_a_number_does_not_improve() -> None:
     assert not Improving(patience=1.0, step=0.1).update(math.nan, 0.0)
