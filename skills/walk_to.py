@@ -24,8 +24,8 @@ class WalkTo(Skill):
     bounded = True  # by its patience
     remembered = ("obstacles",)
 
-    x: float = param(unit="m", doc="Where to stand, in the world.")
-    y: float = param(unit="m", doc="Where to stand, in the world.")
+    x: float = param(unit="m", minimum=-1000, maximum=1000, doc="Where to stand, in the world.")
+    y: float = param(unit="m", minimum=-1000, maximum=1000, doc="Where to stand, in the world.")
     heading: float | None = param(
         None, unit="rad", doc="Where to face; 0 is the world's x, left is positive. Default: as it arrives."
     )

@@ -36,6 +36,8 @@ from humanoid_bt.robot.config import ContactConfig, FallConfig
 DECISION_TIMEOUT = 0.100
 """Silence of decision [s] after which the robot goes to a protective stop."""
 
+_SILENT = f"decision silent for more than {DECISION_TIMEOUT * 1000:.0f} ms"
+
 NO_SOLUTION_TIMEOUT = 0.200
 """Time without a new valid setpoint [s] after which the robot goes to a protective stop."""
 
@@ -112,6 +114,7 @@ class Supervisor:
         self.rejected: Kept[str] = Kept(_MOST)
         self._last_sequence: int | None = None
         self._heard_cycle: int | None = None  # when decision was last heard; None before its first command
+        self._refused = ""  # why what it says since then is no command
         self._forgiven = False  # this silence, because control itself was held up
         self._faulty_cycles = 0
         self._falling = ""
@@ -159,25 +162,32 @@ class Supervisor:
 
     def submit(self, command: Command) -> bool:
         """Take a command if it is intact; return whether it is now in force."""
+        late = ""
         try:
-            fault = self._fault(command)
+            fault = late = self._lateness(command)
+            fault = fault or self._fault(command)
         except (AttributeError, TypeError, ValueError) as error:  # whatever decision sends, the servo goes on
             fault = f"malformed: {error}"
         if fault:
             self.rejected.append(f"command {getattr(command, 'sequence', '?')}: {fault}")
+            self._refused = self._refused if late else shortened(fault)
             return False
         self.command = command
         self._last_sequence = command.sequence
-        self._heard_cycle = self._cycle
+        self._heard_cycle, self._refused = self._cycle, ""
         self._forgiven = False
         return True
 
-    def _fault(self, command: Command) -> str:
+    def _lateness(self, command: Command) -> str:
+        """Return why a command is not the next one, "" if it is."""
         if self._last_sequence is not None and command.sequence <= self._last_sequence:
             return f"out of order after {self._last_sequence}"
         now = self._cycle * SERVO_PERIOD
         if not math.isfinite(command.stamp) or abs(command.stamp - now) > DECISION_TIMEOUT:
             return f"stamped {command.stamp:.3f} s at {now:.3f} s"
+        return ""
+
+    def _fault(self, command: Command) -> str:
         if not isinstance(command.pause, Pause | None):
             return f"malformed: {command.pause!r} is no pause"
         for resource, target in command.targets.items():
@@ -248,7 +258,9 @@ class Supervisor:
             source, reason = self._requested
             return reason, source
         if self._heard_cycle is not None and self._cycle - self._heard_cycle > self._decision_timeout:
-            return f"decision silent for more than {DECISION_TIMEOUT * 1000:.0f} ms", "supervisor"
+            if self.mode is Mode.PROTECTIVE_STOP and self.reason.startswith(_SILENT):
+                return self.reason, self.source
+            return _SILENT + (f": what it commands is refused: {self._refused}" if self._refused else ""), "supervisor"
         if self.touch.held:
             return self.touch.held, "supervisor"
         if self._faulty_cycles > self._no_solution_timeout:

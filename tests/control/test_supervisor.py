@@ -141,6 +141,9 @@ def test_rejected_commands_do_not_keep_decision_alive(run: Run) -> None:
         run.go(20)
         assert not run.send({"left_hand": HandTarget(np.full(3, np.nan))})
     assert run.mode is Mode.PROTECTIVE_STOP
+    why = "what it commands is refused: the target of 'left_hand' is not finite"
+    assert run.supervisor.reason.startswith(f"decision silent for more than 100 ms: {why}")
+    assert len(run.supervisor.stops) == 1
 
 
 def test_a_requested_stop_stays_whatever_decision_sends(run: Run) -> None:

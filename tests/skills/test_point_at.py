@@ -58,9 +58,7 @@ def test_its_fingers_are_on_the_line_to_what_is_behind_it_or_near(
     result = rig.run("point_at", target=target)
     assert result.succeeded, result.feedback
     assert off(rig, side, target) < CLOSE
-    assert result.results["angle_error"] == pytest.approx(
-        off(rig, side, target), abs=0.03
-    )   # it sees it with noise
+    assert result.results["angle_error"] == pytest.approx(off(rig, side, target), abs=0.03)  # it sees it with noise
 
 
 @pytest.mark.trials
