@@ -10,6 +10,7 @@ from humanoid_bt.core.messages import Array
 
 _SPEED = 0.1  # m/s at most, of the palm before and while it presses
 _TOUCHES = 4.0  # N against the palm's way that count as touching
+_RISE = 20.0  # N/s of the force that it presses with: the body has to lean against it meanwhile
 _GAIN = 0.006  # m/s that it presses on for every newton that is missing
 
 
@@ -25,6 +26,7 @@ class Press:
         self._point: Array | None = None
         self._way: Array = np.zeros(3)
         self._touches = False
+        self._asked = _TOUCHES  # with how much it is to press by now [N]
 
     def reset(self) -> None:
         """Begin anew the next time."""
@@ -40,13 +42,16 @@ class Press:
             force: what pushes it, world frame, shape (3,) [N].
         """
         if self._point is None:
-            self._point, self._touches = palm.copy(), False
+            self._point, self._touches, self._asked = palm.copy(), False, _TOUCHES
         rest = target - self._point
         length = math.sqrt(rest @ rest)
         if not self._touches and length > 0.0:
             self._way = rest / length
         pressed = -float(force @ self._way)
         self._touches = self._touches or pressed > _TOUCHES
-        speed = min(_GAIN * (wanted - pressed), _SPEED) if self._touches else _SPEED
+        speed = _SPEED
+        if self._touches:
+            self._asked = min(self._asked + _RISE * self._dt, wanted)
+            speed = min(_GAIN * (self._asked - pressed), _SPEED)
         self._point = self._point + self._way * min(max(speed, -_SPEED) * self._dt, float(rest @ self._way))
         return self._point

@@ -13,6 +13,7 @@ import numpy as np
 from humanoid_bt.control.body.arm_swing import ArmSwing
 from humanoid_bt.control.body.body import Footstep, Setpoint
 from humanoid_bt.control.body.body_task import BodyTargets
+from humanoid_bt.control.body.bracing import Bracing
 from humanoid_bt.control.body.feedforward import Feedforward
 from humanoid_bt.control.body.hand_goals import HandGoals
 from humanoid_bt.control.body.inverse_kinematics import InverseKinematics
@@ -87,6 +88,7 @@ class WholeBody:
         self.kinematics = InverseKinematics(robot, dt)
         self._contact = contact
         self.arms = YieldingArms(robot, dynamics, self.kinematics, dt)
+        self._bracing = Bracing(robot.mass, dynamics, dt)
         self._feedforward = Feedforward(robot, self.dynamics)
         neck_range = 0.0
         if config.neck:
@@ -135,6 +137,7 @@ class WholeBody:
         self._tilt = TiltCompensation(dt)
         self._gaze.yaw = self._gaze.pitch = 0.0
         self._lean.reset()
+        self._bracing.reset()
         self.lunge.reset()
         sides, names = tuple(self.dynamics.hands), self._robot.joint_names
         self._arm_swing.joints[:] = 0.0
@@ -216,12 +219,16 @@ class WholeBody:
         dcm = self._dcm()
         force: dict[Side, float] = dict(zip(SIDES, estimate.foot_force.tolist(), strict=True))
         goal = None if hold else _goal(targets)
-        walker.update(goal, dcm, self._zmp, dynamics.soles, footings=dynamics.footings, foot_force=force, stays=hold)
+        self._bracing.update(targets, self._contact.forces, self.arms.sides, walker.stance[:2], walker.ground)
+        lean = self._bracing.lean
+        walker.update(
+            goal, dcm - lean, self._zmp, dynamics.soles, footings=dynamics.footings, foot_force=force, stays=hold
+        )
         load = stabilizer.update(
             com=dynamics.com,
             dcm=dcm,
-            dcm_reference=walker.dcm_reference,
-            zmp_reference=walker.zmp_reference,
+            dcm_reference=walker.dcm_reference + lean / 2,
+            zmp_reference=walker.zmp_reference - lean / 2,
             momentum_rate=self.kinematics.momentum_rate,
             soles=dynamics.soles,
             contact=walker.contact,

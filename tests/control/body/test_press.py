@@ -1,0 +1,21 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from humanoid_bt.control.body.press import Press
+
+DT = 0.005
+STIFFNESS = 1000.0  # N/m of a wall where the palm begins
+
+
+def test_it_presses_harder_no_faster_than_the_body_leans() -> None:
+    press, point, force = Press(DT), np.zeros(3), 0.0
+    felt = []
+    for _ in range(round(4 / DT)):
+        point = press.aim(np.array([0.3, 0.0, 0.0]), 50.0, point, np.array([-force, 0.0, 0.0]))
+        force = STIFFNESS * point[0]
+        felt.append(force)
+    assert max(np.diff(felt[round(0.2 / DT) :])) < 25 * DT
+    assert felt[-1] == pytest.approx(50, abs=1)
+    assert max(felt) < 51
