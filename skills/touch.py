@@ -10,7 +10,9 @@ from humanoid_bt import Lasting, Skill, Status, of_hand, param, result
 
 _BEGINS = 0.55  # of the robot's reach: how far ahead of it the palm begins
 _ASIDE = 0.35  # of its reach: how far to the side of the hand
-_NEAR = 0.02  # m from where it begins
+_NEAR = 0.02  # m from there, where its way begins
+_BEYOND = 0.1  # m that the target of a palm lies beyond its way: it goes all of it, and has something to press with
+_SPEED = 0.1  # m/s of it on its way
 _WAYS = {
     "ahead": (1.0, 0.0, 0.0),
     "left": (0.0, 1.0, 0.0),
@@ -70,16 +72,7 @@ class Touch(Skill):
                 return self.running("waiting for a steady base")
             self._plan()
         now, palm = self.robot.clock.now(), state.hands[hand]
-        if not self._there:
-            return self._go_there(palm, now)
-        self.robot.move_hand(hand, self._begin + self._way * self.distance, press=self.force)
-        contact = state.contacts.get(f"{hand}_arm")
-        pressed = -float(contact.force @ self._way) if contact else 0.0
-        if self._touches or pressed >= self.force / 2:
-            return self._press(palm, pressed, now)
-        if float((palm - self._begin) @ self._way) > self.distance - _NEAR or now - self._since > self._longest():
-            return self.fail(f"nothing to touch within {self.distance * 100:.0f} cm")
-        return self.running(f"moving the {hand} hand {_words(self.direction)}")
+        return self._go_on(palm, now) if self._there else self._go_there(palm, now)
 
     def _plan(self) -> None:
         """Choose the way, shape (3,) each, world frame."""
@@ -97,10 +90,24 @@ class Touch(Skill):
         self.robot.move_hand(self.hand, self._begin)
         away = float(np.linalg.norm(palm - self._begin))
         if away < _NEAR:
-            self._there, self._since = True, now
+            self._there, self._since, self._begin = True, now, palm
         elif now - self._since > self.patience:
             return self.fail(self.robot.why_no_nearer(self.hand, away))
         return self.running(f"{self.hand} hand {away * 100:.0f} cm away")
+
+    def _go_on(self, palm: np.ndarray, now: float) -> Status:
+        hand = self.hand
+        self.robot.move_hand(hand, self._begin + self._way * (self.distance + _BEYOND), press=self.force)
+        contact = self.robot.state.contacts.get(f"{hand}_arm")
+        pressed = -float(contact.force @ self._way) if contact else 0.0
+        if self._touches or pressed >= self.force / 2:
+            return self._press(palm, pressed, now)
+        left = self.distance - float((palm - self._begin) @ self._way)
+        if left <= 0 and pressed < self.force / 2:
+            return self.fail(f"nothing to touch within {self.distance * 100:g} cm")
+        if now - self._since > self.patience + self.distance / _SPEED:
+            return self.fail(self.robot.why_no_nearer(hand, left))
+        return self.running(f"moving the {hand} hand {_words(self.direction)}")
 
     def _press(self, palm: np.ndarray, pressed: float, now: float) -> Status:
         if not self._touches:
@@ -113,10 +120,6 @@ class Touch(Skill):
         if not right and now - self._since > self.patience:
             return self.fail(f"the {self.hand} hand presses with {pressed:.0f} N instead of {self.force:.0f} N")
         return self.running(f"pressing with {pressed:.0f} N")
-
-    def _longest(self) -> float:
-        """Return how long the way may take [s]."""
-        return self.patience + self.distance / 0.1
 
 
 def _words(direction: str) -> str:

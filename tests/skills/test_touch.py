@@ -11,6 +11,7 @@ import pytest
 
 import humanoid_bt as hbt
 from humanoid_bt import Rig
+from humanoid_bt.core.messages import Command, HandTarget
 from humanoid_bt.plant.mujoco_plant import MujocoPlant
 
 SCENE = """\
@@ -97,6 +98,11 @@ def test_presses_as_hard_as_it_is_told(
     assert max(pressed[:ended]) < 60
 
 
+def test_touches_within_the_last_of_its_distance(stage: hbt.Stage) -> None:
+    run = stage.run("touching", parameters={"hold": 0.0, "distance": 0.11}, duration=20)
+    assert run.outcome == "success", run.reason
+
+
 @pytest.mark.trials
 def test_keeps_the_contract(tmp_path: Path) -> None:
     scene = tmp_path / "sim/scenes/empty.yaml"
@@ -109,6 +115,20 @@ def test_says_that_nothing_is_there(rig: Rig) -> None:
     result = rig.run("touch", timeout=20)
     assert result.failed
     assert result.feedback == "nothing to touch within 25 cm"
+
+
+def test_moves_for_a_distance_however_short(rig: Rig) -> None:
+    result = rig.run("touch", distance=0.015)
+    assert result.feedback == "nothing to touch within 1.5 cm"
+    begins = next(i for i, command in enumerate(result.commands) if _press(command))
+    begin, end = (result.states[i].hands["right"][0] for i in (begins - 1, -1))
+    assert end - begin > 0.014
+
+
+def _press(command: Command) -> float:
+    """Return with which force the right hand is to press [N]."""
+    target = command.targets.get("right_hand")
+    return target.press if isinstance(target, HandTarget) else 0.0
 
 
 def test_waits_for_a_steady_base(rig: Rig) -> None:
