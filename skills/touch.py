@@ -42,7 +42,7 @@ class Touch(Skill):
     force: float = param(10.0, unit="N", minimum=5, maximum=50, doc="How hard to press.")
     tolerance: float = param(2.0, unit="N", above=0, doc="Pressed when the force is this close.")
     hold: float = param(1.0, unit="s", minimum=0, doc="How long to press.")
-    patience: float = param(4.0, unit="s", above=0, doc="Fails when it presses for this long, and not as it should.")
+    patience: float = param(4.0, unit="s", above=0, doc="Fails when it has not pressed as it should for this long.")
 
     pressed: float = result(unit="N", doc="How hard the palm presses.")
     x: float = result(unit="m", doc="Where the palm touches it, in the world.")
@@ -58,7 +58,7 @@ class Touch(Skill):
         """Begin before the way."""
         self._begin: np.ndarray | None = None
         self._way = np.zeros(3)
-        self._since = self.robot.clock.now()
+        self._since = self._until = self.robot.clock.now()
         self._there = self._touches = False
         self._held = Lasting(self.hold)
 
@@ -111,13 +111,15 @@ class Touch(Skill):
 
     def _press(self, palm: np.ndarray, pressed: float, now: float) -> Status:
         if not self._touches:
-            self._touches, self._since = True, now
+            self._touches, self._since, self._until = True, now, now + 2 * (self.hold + self.patience)
         self.pressed = pressed
         self.x, self.y, self.z = palm.tolist()
         right = abs(pressed - self.force) <= self.tolerance
         if self._held.update(right, now):
             return self.succeed(f"pressed with {pressed:.0f} N for {self.hold:g} s")
-        if not right and now - self._since > self.patience:
+        if right:
+            self._since = now
+        elif now - self._since > self.patience or now > self._until:
             return self.fail(f"the {self.hand} hand presses with {pressed:.0f} N instead of {self.force:.0f} N")
         return self.running(f"pressing with {pressed:.0f} N")
 

@@ -98,6 +98,12 @@ def test_presses_as_hard_as_it_is_told(
     assert max(pressed[:ended]) < 60
 
 
+def test_presses_for_longer_than_its_patience_though_not_always_as_hard(stage: hbt.Stage) -> None:
+    values = {"force": 10.0, "tolerance": 1.2, "hold": 1.0, "patience": 1.2}
+    run = stage.run("touching", parameters=values, duration=20)
+    assert run.outcome == "success", run.reason
+
+
 def test_touches_within_the_last_of_its_distance(stage: hbt.Stage) -> None:
     run = stage.run("touching", parameters={"hold": 0.0, "distance": 0.11}, duration=20)
     assert run.outcome == "success", run.reason
