@@ -13,6 +13,7 @@ _ASIDE = 0.35  # of its reach: how far to the side of the hand
 _NEAR = 0.02  # m from there, where its way begins
 _BEYOND = 0.1  # m that the target of a palm lies beyond its way: it goes all of it, and has something to press with
 _SPEED = 0.1  # m/s of it on its way
+_TOUCHES = 0.2  # s that something pushes it, for it to touch something
 _WAYS = {
     "ahead": (1.0, 0.0, 0.0),
     "left": (0.0, 1.0, 0.0),
@@ -60,6 +61,7 @@ class Touch(Skill):
         self._way = np.zeros(3)
         self._since = self._until = self.robot.clock.now()
         self._there = self._touches = False
+        self._touched = Lasting(_TOUCHES)
         self._held = Lasting(self.hold)
 
     def update(self) -> Status:
@@ -100,7 +102,7 @@ class Touch(Skill):
         self.robot.move_hand(hand, self._begin + self._way * (self.distance + _BEYOND), press=self.force)
         contact = self.robot.state.contacts.get(f"{hand}_arm")
         pressed = -float(contact.force @ self._way) if contact else 0.0
-        if self._touches or pressed >= self.force / 2:
+        if self._touches or self._touched.update(pressed >= self.force / 2, now):
             return self._press(palm, pressed, now)
         left = self.distance - float((palm - self._begin) @ self._way)
         if left <= 0 and pressed < self.force / 2:

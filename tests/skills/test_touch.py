@@ -109,6 +109,13 @@ def test_touches_within_the_last_of_its_distance(stage: hbt.Stage) -> None:
     assert run.outcome == "success", run.reason
 
 
+def test_takes_no_wrong_feeling_for_a_touch(workspace: hbt.Workspace) -> None:
+    stage = hbt.Stage(workspace, "humanoid", "empty")
+    values = {"direction": "up", "force": 5.0, "distance": 0.1}
+    run = stage.run("touching", parameters=values, duration=20, conditions={"hand_payload": 2})
+    assert run.reason == "touch: nothing to touch within 10 cm"
+
+
 @pytest.mark.trials
 def test_keeps_the_contract(tmp_path: Path) -> None:
     scene = tmp_path / "sim/scenes/empty.yaml"
