@@ -6,7 +6,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from humanoid_bt import Lasting, Skill, Status, of_hand, param, result
+from humanoid_bt import Gait, Lasting, Skill, Status, of_hand, param, result
 
 _BEGINS = 0.55  # of the robot's reach: how far ahead of it the palm begins
 _ASIDE = 0.35  # of its reach: how far to the side of the hand
@@ -26,9 +26,9 @@ _WAYS = {
 class Touch(Skill):
     """Stand, move a palm along a direction until it touches something, and press there with a force for a time.
 
-    The palm begins in front of the robot, on the side of the hand. Waits for a steady base before it moves it. Fails
-    if the palm does not get there, if nothing is there to touch, if the arm has to yield, or if what it touches gives
-    way: it does not walk.
+    The palm begins in front of the robot, on the side of the hand. Waits for a steady base before it moves it. The body
+    leans against what the palm presses on. Fails if the palm does not get there, if nothing is there to touch, if the
+    arm has to yield, if what it touches gives way, or if it pushes the robot off its feet: it does not walk.
     """
 
     resources = ("left_hand", "right_hand")
@@ -119,6 +119,8 @@ class Touch(Skill):
         right = abs(pressed - self.force) <= self.tolerance
         if self._held.update(right, now):
             return self.succeed(f"pressed with {pressed:.0f} N for {self.hold:g} s")
+        if self.robot.state.gait is Gait.STEP:
+            return self.fail(f"the robot has to step: it cannot press with {self.force:.0f} N there")
         if right:
             self._since = now
         elif now - self._since > self.patience or now > self._until:

@@ -98,6 +98,13 @@ def test_presses_as_hard_as_it_is_told(
     assert max(pressed[:ended]) < 60
 
 
+def test_says_that_it_pushes_the_robot_off_its_feet(stage: hbt.Stage, pressed: list[float]) -> None:
+    push = {"at": 3.4, "push": {"force": [-120.0, 0.0, 0.0], "duration": 0.3}}
+    run = stage.run("touching", parameters={"force": 30.0}, duration=20, script=[push])
+    assert run.reason == "touch: the robot has to step: it cannot press with 30 N there"
+    assert max(pressed) < 60
+
+
 def test_presses_for_longer_than_its_patience_though_not_always_as_hard(stage: hbt.Stage) -> None:
     values = {"force": 10.0, "tolerance": 1.2, "hold": 1.0, "patience": 1.2}
     run = stage.run("touching", parameters=values, duration=20)
