@@ -258,14 +258,18 @@ class Supervisor:
             source, reason = self._requested
             return reason, source
         if self._heard_cycle is not None and self._cycle - self._heard_cycle > self._decision_timeout:
-            if self.mode is Mode.PROTECTIVE_STOP and self.reason.startswith(_SILENT):
-                return self.reason, self.source
-            return _SILENT + (f": what it commands is refused: {self._refused}" if self._refused else ""), "supervisor"
+            return self._silence(), "supervisor"
         if self.touch.held:
             return self.touch.held, "supervisor"
         if self._faulty_cycles > self._no_solution_timeout:
             return f"{setpoint_fault} for more than {NO_SOLUTION_TIMEOUT * 1000:.0f} ms", "supervisor"
         return None
+
+    def _silence(self) -> str:
+        """Say that decision is silent, or that what it commands is refused, and why that was as the robot stopped."""
+        if self.mode is Mode.PROTECTIVE_STOP and self.reason.startswith(_SILENT):
+            return self.reason
+        return _SILENT + (f": what it commands is refused: {self._refused}" if self._refused else "")
 
     def _stop(self, mode: Mode, reason: str, source: str) -> None:
         if self.mode is Mode.DAMP or (mode, reason, source) == (self.mode, self.reason, self.source):
