@@ -10,7 +10,7 @@ import numpy as np
 
 from humanoid_bt.core.errors import HumanoidBtError
 from humanoid_bt.core.geometry import quaternion
-from humanoid_bt.core.messages import SIDES, Array, HandTarget, PalmAxis, Pointing, Target
+from humanoid_bt.core.messages import SIDES, Array, HandTarget, PalmAxis, Pointing, Side, Target
 
 _ALMOST = 1e-2  # of a length from 1, and of a rotation matrix from one: more is no rounding
 
@@ -42,6 +42,13 @@ def speed_of(value: Any) -> float | None:
     if not (math.isfinite(found) and found > 0):
         raise ValueError(f"the speed of a motion must be above 0, not {found:g}")
     return found
+
+
+def side_of(value: Side) -> Side:
+    """Return a side of the robot; raises ValueError if it is none."""
+    if value not in SIDES:
+        raise ValueError(f"a side is 'left' or 'right', not {value!r}")
+    return value
 
 
 def how_turned(orientation: Any, direction: Any, axis: str) -> Array | Pointing | None:

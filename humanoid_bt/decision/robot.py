@@ -36,7 +36,7 @@ from humanoid_bt.core.messages import (
     Target,
     touch_text,
 )
-from humanoid_bt.decision.arguments import check_relative, how_turned, number, speed_of, vector
+from humanoid_bt.decision.arguments import check_relative, how_turned, number, side_of, speed_of, vector
 from humanoid_bt.perception.track import Track
 
 if TYPE_CHECKING:  # a skill's file is imported without it
@@ -358,7 +358,7 @@ class RobotHandle:
 
         Its hand goes nowhere until the node that wanted it there has let go of it, and nothing touches it any more.
         """
-        contact = self.state.contacts.get(f"{side}_arm")
+        contact = self.state.contacts.get(f"{side_of(side)}_arm")
         return touch_text(f"{side}_arm", contact) if contact and contact.yields else ""
 
     def move_hand(
@@ -390,6 +390,7 @@ class RobotHandle:
         Raises:
             ValueError: a number is not finite, or something is not what it is to be.
         """
+        side = side_of(side)
         turn, force = how_turned(orientation, direction, axis), number(press)
         if force and relative:
             raise ValueError("a hand that is held relative to the other one cannot press")
@@ -408,18 +409,18 @@ class RobotHandle:
         Raises:
             HumanoidBtError: a name is none of this arm's joints, or an angle is outside its limits.
         """
-        angles = {name: float(angle) for name, angle in joints.items()}
+        side, angles = side_of(side), {name: float(angle) for name, angle in joints.items()}
         if fault := self._robot.anatomy.joints_fault(side, angles):
             raise HumanoidBtError(f"a target of the {side} arm {fault}")
         self._set(f"{side}_hand", ArmTarget(angles, speed_of(speed)))
 
     def arm_joints(self, side: Side) -> dict[str, ArmJoint]:
         """Return the joints of an arm by name, from the shoulder to the hand: ``angle``, ``lower``, ``upper`` [rad]."""
-        return self._robot.anatomy.arm_joints(side, self.state)
+        return self._robot.anatomy.arm_joints(side_of(side), self.state)
 
     def arm_length(self, side: Side) -> float:
         """Return how far a palm is from the shoulder when the arm is stretched [m]."""
-        return self._robot.anatomy.arm_length(side)
+        return self._robot.anatomy.arm_length(side_of(side))
 
     def pose(self, name: str) -> Pose:
         """Return where a body or a site of the model is, in the world: ``position`` and ``quaternion``.
@@ -445,6 +446,8 @@ class RobotHandle:
 
     def log(self, text: str, level: Level = "info") -> None:
         """Tell something to people, as an event of the run; it is recorded."""
+        if level not in _LEVELS:
+            raise ValueError(f"what is told is an 'info', a 'warning' or an 'error', not {level!r}")
         self._robot.log(self.path, level, text)
 
     def release(self) -> None:

@@ -42,6 +42,7 @@ class SimulatedPerception(Perception):
         self._gone: set[str] = set()  # from where it was last seen
         self.names = list(scene.config.percepts)
         self._unseen: dict[str, str] = dict.fromkeys(scene.config.percepts, "perception has not looked yet")
+        self._looked = False  # the first look is whole: what sees anything at all has looked before the run
 
     @property
     def unseen(self) -> Mapping[str, str]:
@@ -58,7 +59,7 @@ class SimulatedPerception(Perception):
         for name, config in self._scene.config.percepts.items():
             numbers = self._numbers[name]
             # All are drawn every time, so that what the robot sees does not change the noise that comes later.
-            dropped = numbers.random() < config.drop_out
+            dropped = numbers.random() < (config.drop_out if self._looked else config.drop_out // 1)
             position_noise, confidence_noise = numbers.standard_normal(3), numbers.standard_normal()
             if dropped:
                 continue
@@ -90,6 +91,7 @@ class SimulatedPerception(Perception):
             in_base = turn.T @ (self._last_seen[name] - robot.base_position)
             size, heading = (box.size, box.heading - heading_of(turn)) if box else (None, 0.0)
             percepts.append(Percept(name, robot.time, in_base, confidence, size, heading))
+        self._looked = True
         return percepts
 
 

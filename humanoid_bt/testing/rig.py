@@ -102,11 +102,14 @@ class Rig:
         """Return how far a palm is from a position, shape (3,), world frame [m].
 
         Raises:
-            UserError: there is no such side.
+            UserError: there is no such side, or the robot has no hand there.
         """
         if side not in get_args(Side):
             raise UserError(f"'side' cannot be {side!r}", hint=nearest(str(side), get_args(Side)))
-        return float(np.linalg.norm(self.state.hands[side] - np.asarray(position, dtype=float)))
+        hands = self.state.hands
+        if side not in hands:
+            raise UserError(f"the robot has no {side} hand")
+        return float(np.linalg.norm(hands[side] - np.asarray(position, dtype=float)))
 
     def pose(self, name: str) -> Pose:
         """Return where a body or a site of the robot is, as ``self.robot.pose`` of a skill does.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -102,6 +103,24 @@ def test_what_is_no_target_of_a_hand_is_answered_at_once(handle: RobotHandle, as
     with pytest.raises(ValueError, match=why):
         handle.move_hand("left", PLACE, **asked)
     assert not handle.targets
+
+
+def test_what_is_no_side_is_answered_at_once(handle: RobotHandle) -> None:
+    asked: list[Callable[[Any], Any]] = [
+        lambda side: handle.move_hand(side, PLACE),
+        lambda side: handle.move_arm(side, {}),
+        handle.arm_joints,
+        handle.arm_length,
+        handle.touched,
+    ]
+    for ask in asked:
+        with pytest.raises(ValueError, match="a side is 'left' or 'right', not 'middle'"):
+            ask("middle")
+
+
+def test_what_is_told_has_one_of_three_levels(handle: RobotHandle) -> None:
+    with pytest.raises(ValueError, match="an 'info', a 'warning' or an 'error', not 'loud'"):
+        handle.log("text", "loud")  # type: ignore[arg-type]
 
 
 def test_a_hand_goes_only_with_one_that_has_a_place(robot: Robot, handle: RobotHandle) -> None:

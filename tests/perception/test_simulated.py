@@ -176,6 +176,13 @@ def test_drop_outs_publish_nothing_and_remember_nothing(tmp_path: Path) -> None:
     assert watch(perception, 1) == []
 
 
+def test_the_first_look_is_whole(tmp_path: Path) -> None:
+    ahead = scene(tmp_path, "[2, 0, 1]", "drop_out: 0.9")
+    looks = [watch(SimulatedPerception(ahead, seed), 1) for seed in range(20)]
+    assert {run[0].stamp for run in looks} == {0.0}
+    assert np.mean([len(run) for run in looks]) < 5  # of 10 and more
+
+
 def test_looking_straight_down_still_sees_what_is_there(tmp_path: Path) -> None:
     down = replace(robot(), gaze_direction=np.array([0.0, 0.0, -1.0]))
     assert SimulatedPerception(scene(tmp_path, "[0.1, 0, 0.3]"), 0).observe(down)
