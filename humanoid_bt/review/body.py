@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import math
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from humanoid_bt.core.messages import Array
 from humanoid_bt.core.units import readable
@@ -21,6 +23,11 @@ _PUSH = 3.0  # m/s^2 that nobody takes for a step
 _TIMES = 2.0  # as much as the largest of the run before is a push
 _BEGUN = 0.5  # share of a push's largest acceleration at which it has begun: the blows of steps before it are less
 _PLANS = 2  # in which a setpoint is clamped at least: where references change, as at a run's end, a single one may be
+_KNOWN = 250  # servo cycles that must have gone before a push, to know what steps do
+_FROM_PUSH = 1.0  # s before balance was lost in which a push must have been to explain it
+_SLIPS = 0.05  # rad of tilt in which a push finds no robot that walks, but one that slips is before its base jerks
+_STEADY = 0.08  # rad of tilt that a robot in balance stays below
+_SETTLED = 500  # servo cycles for which it must stay so to be in balance
 _UPRIGHT = 0.35  # rad of tilt up to which gravity alone accelerates less than that
 _SIDEWAYS = 0.5  # share of a direction from which on it is named
 
@@ -111,6 +118,16 @@ class Motion:
     def _cycle(self, time: float) -> int:
         return int(self.time.searchsorted(time).clip(0, len(self.time) - 1))
 
+    @cached_property
+    def lost(self) -> float:
+        """When balance was lost that had been in order for a while; the first time if it never was [s]."""
+        settled = stretches(self.tilt < _STEADY, _SETTLED)
+        return float(self.time[settled[-1][1] - 1 if settled else 0])
+
+    def may_explain(self, time: float) -> bool:
+        """Return whether what ended at a time [s] was near enough to the loss of balance to be its reason."""
+        return time >= self.lost - _FROM_PUSH
+
     def limited(self) -> list[Limited]:
         """Return the joints that were at their torque limit, or else whose setpoints were clamped, in order of time."""
         full = self._at_torque_limit()
@@ -131,14 +148,17 @@ class Motion:
         return found
 
     def push(self) -> Push | None:
-        """Return the first acceleration of the base that no step explains, None if there is none."""
-        if len(self.time) <= 2 * _WINDOW:
+        """Return the acceleration of the base that made it lose balance, and is no step; None if there is none."""
+        if len(self.time) <= _KNOWN + 2 * _WINDOW:
             return None
         coarse = self._acceleration(_WINDOW)
         strength = np.linalg.norm(coarse, axis=1)
         before = np.maximum.accumulate(strength)
-        known = np.concatenate([np.zeros(_WINDOW), before[:-_WINDOW]])  # what ended before it began
-        sudden = (strength > np.maximum(_PUSH, _TIMES * known)) & (self.tilt[: len(strength)] < _UPRIGHT)
+        known = np.full(len(before), np.inf)
+        known[_KNOWN + _WINDOW :] = before[_KNOWN:-_WINDOW]  # what ended before it began
+        time, tilt = self.time[: len(strength)], self.tilt[: len(strength)]
+        near = (time > self.lost - _FROM_PUSH) & (time < self.lost) & (tilt < _UPRIGHT)
+        sudden = near & (strength > np.maximum(_PUSH, _TIMES * known))
         if not sudden.any():
             return None
         seed = int(np.argmax(sudden))
@@ -153,7 +173,7 @@ class Motion:
         change = (self._velocity[end] - self._velocity[first]) / max(self.time[end] - self.time[first], 1e-3)
         largest = float(known[seed])
         acceleration = float(np.linalg.norm(change))
-        if acceleration <= max(_PUSH, largest):
+        if acceleration <= max(_PUSH, largest) or self.tilt[first] > _SLIPS:
             return None
         words = direction(math.atan2(change[1], change[0]) - float(self._yaw[first]))
         return Push(float(self.time[first]), float(self.time[end]), acceleration, largest, words)
@@ -161,6 +181,12 @@ class Motion:
     def _acceleration(self, window: int) -> Array:
         """Return the horizontal acceleration of the base over the next so many servo cycles [m/s^2]."""
         return (self._velocity[window:] - self._velocity[:-window]) / (window * 1e-3)
+
+
+def stretches(flags: NDArray[np.bool_], least: int) -> list[tuple[int, int]]:
+    """Return where flags are set for so many places or more at a stretch: the first, and the one after the last."""
+    edges = np.flatnonzero(np.diff(flags, prepend=False, append=False))
+    return [(int(first), int(after)) for first, after in edges.reshape(-1, 2) if after - first >= least]
 
 
 def clamped(log: FlightLog, begin: float = -math.inf, end: float = math.inf) -> list[Limited]:

@@ -13,6 +13,7 @@ from humanoid_bt.core.units import readable
 from humanoid_bt.review import failures
 from humanoid_bt.review.body import Motion
 from humanoid_bt.review.cause import Cause
+from humanoid_bt.review.giving_way import gave_way
 from humanoid_bt.review.history import AT, Happened, History, Stopped
 from humanoid_bt.review.pushed import hardest_push
 from humanoid_bt.review.words import cut, doing, last, line_of, when
@@ -38,7 +39,6 @@ _LOOK_BACK = 4.0  # s before a fall in which its reason is looked for
 _SENSOR, _PLANT = "a sensor failed: ", "the plant "
 _IN_THE_WAY = "something is in the way of the "
 _GONE = "the process of the run ended without closing the recording"
-_UPRIGHT = 0.3  # rad of tilt up to which a joint at its limit may be why the robot fell, not what came of it
 _SILENT = 0.08  # s that a tick must take to explain that decision was silent for 0.1 s
 _SLOW = re.compile(r"a tick took (\d+) ms.*: the node '(.*?)'(?:, at (.*))?$")
 _REFUSED = re.compile(r"refused (?:a command|(?P<more>\d+) more): (?P<fault>.*)", re.DOTALL)
@@ -282,13 +282,10 @@ def _fall(history: History, stop: Stopped) -> Cause:
         rows.insert(0, ("shown by", str(push)))
         text = f"{fell}: something pushed it {push.direction} at {push.begin:.2f} s{during}"
         return Cause("push", text, stop.time, commander, rows, push.begin)
-    torques = [limited for limited in motion.limited() if limited.what == "torque"]
-    if upright := [limited for limited in torques if motion.leaning(limited.begin) < _UPRIGHT]:
-        first = upright[0]
-        rows.insert(0, ("shown by", f"{first}, first at {when(first.begin)}"))
-        text = f"{fell}: {first.joint} was at its torque limit at {first.begin:.2f} s{during}"
-        return Cause("fall", text, stop.time, commander, rows, first.begin)
-    text = f"{fell}{during}: {height}; no push and no joint at its limit is seen before it"
+    if way := gave_way(history.log, begin, motion.lost, stop.time):
+        rows.insert(0, ("shown by", str(way)))
+        return Cause("fall", f"{fell}: {way.what}{during}", stop.time, commander, rows, way.begin)
+    text = f"{fell}{during}: {height}; no push and no joint that gave way is seen before it"
     return Cause("fall", text, stop.time, commander, rows)
 
 

@@ -24,13 +24,18 @@ class Pushed(NamedTuple):
 
 
 def hardest_push(history: History, motion: Motion, begin: float, end: float) -> Pushed | None:
-    """Return the push between two times [s] of which the robot most likely fell, None if there was none."""
+    """Return the push between two times [s] of which the robot most likely fell, None if there was none.
+
+    One after which it was in balance again is none.
+    """
     hardest, most = None, _JOLT * float(history.setup["robot"]["mass"] or 0.0)
     for _, _, (time, kind, value) in history.log.news_of("input"):
         if kind != "push" or not begin <= time < end:
             continue
         _, (x, y, _), duration = value
         force = math.hypot(x, y)
+        if not motion.may_explain(time + duration):
+            continue
         if (impulse := force * min(duration, end - time)) >= most:
             most = impulse
             hardest = Pushed(time, force, duration, direction(math.atan2(y, x) - motion.heading(time)))

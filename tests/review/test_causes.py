@@ -24,6 +24,8 @@ from humanoid_bt.review.explain import explain
 from humanoid_bt.review.history import Span, Stopped
 from humanoid_bt.session.session import Session
 from humanoid_bt.testing.scripted_perception import ScriptedPerception
+from humanoid_bt.testing.stage import Stage
+from tests.review.direct import recorded_directly
 from tests.safety.rows import Contradiction
 
 Play = Callable[..., Path]
@@ -39,6 +41,16 @@ def pushed(session: Session) -> None:
 
 def leant_on(session: Session) -> None:
     session.push((0.0, -110.0, 0.0), 1.0)
+
+
+def pushed_without_harm_then_weakened(session: Session) -> None:
+    """Push too little for a fall, and when the robot has walked on for a while let its left knee hold it no more."""
+    session.push((0.0, 60.0, 0.0), 0.1)
+    session.run_until(1.7)
+    plant: Any = session.engine.plant  # type: ignore[attr-defined]  # what its Protocol does not name
+    strength = np.ones(len(plant.robot.joint_names))
+    strength[plant.robot.joint_names.index("left_knee")] = 0.05
+    plant.set_strength(strength)
 
 
 def blinded(session: Session) -> None:
@@ -146,6 +158,12 @@ CASES: dict[str, tuple[str, str, dict[str, Any], str]] = {
         {"at": 1.0, "do": leant_on, "duration": 4.0},
         r"the robot fell at \d\.\d\d\d s: it was pushed to the right with 110 N at 1\.000 s "
         r"while 'walk' commanded the base",
+    ),
+    "a knee gives way, long after a push and joints at their limits that did no harm": (
+        "walk",
+        "fall",
+        {"at": 0.3, "do": pushed_without_harm_then_weakened, "duration": 6.0},
+        r"the robot fell at \d\.\d+ s: left_knee left its setpoint at \d\.\d\d s while 'walk' commanded the base",
     ),
     "push by something in the scene, and fall": (
         "bumped",
@@ -337,6 +355,7 @@ CASES: dict[str, tuple[str, str, dict[str, Any], str]] = {
 TELLING = (
     "estop by hand",
     "push and fall",
+    "a knee gives way, long after a push and joints at their limits that did no harm",
     "exception",
     "refused for seconds",
     "two owners",
@@ -364,6 +383,16 @@ def test_the_first_line_says_what_stopped_the_robot(play: Play, name: str) -> No
         lines = found.text(width).splitlines()
         assert len(lines) <= (30 if width == 80 else 45), found.text(width)
         assert "\x1b" not in found.text(width)
+
+
+@pytest.mark.trials
+@pytest.mark.parametrize("conditions", [{"slope": 0.35, "uphill": 1.57}, {"friction": 0.05}])
+def test_who_loses_the_footing_was_not_pushed(stage: Path, tmp_path: Path, conditions: dict[str, float]) -> None:
+    with recorded_directly():
+        run = Stage(stage).run("walk", conditions=conditions, duration=2.0, record=tmp_path / "run.rrd")
+    found = explain(run.recording)
+    assert found.kind == "fall"
+    assert "no push and no joint that gave way is seen before it" in found.headline
 
 
 @pytest.mark.trials

@@ -5,13 +5,15 @@ from __future__ import annotations
 import json
 from collections.abc import Callable
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
 
 import humanoid_bt as hbt
 from humanoid_bt.cli import main
-from humanoid_bt.record.reading import read_flight
+from humanoid_bt.record.reading import Cycles, read_flight
 from humanoid_bt.review.body import Motion
 from humanoid_bt.session.session import Session
 
@@ -48,6 +50,37 @@ def test_a_push_is_found_where_it_was_and_steps_are_none(fallen: Path) -> None:
     assert push.end == pytest.approx(1.2, abs=0.05)
     assert push.direction == "to the right"
     assert Motion(log, 0.0, 0.99).push() is None
+
+
+@pytest.mark.parametrize(
+    ("pushed", "lost", "is_it"),
+    [
+        (1.5, 1.7, True),
+        (0.07, 0.2, False),  # nobody knows yet what steps do
+        (0.6, 2.5, False),  # it walked on for long after that
+        (1.9, 1.7, False),  # it fell already
+    ],
+)
+def test_a_push_is_one_if_balance_is_lost_by_it(pushed: float, lost: float, is_it: bool) -> None:
+    time = np.arange(3000) * 1e-3
+    velocity = np.zeros((3000, 3))
+    velocity[:, 0] = np.clip(time - pushed, 0.0, 0.2) * 8.0
+    tilt = np.where(time < lost, 0.0, 0.1)
+    zero = np.zeros(3000)
+    columns = {
+        "base_position": np.ones((3000, 3)),
+        "base_quaternion": np.stack([np.cos(tilt / 2), zero, np.sin(tilt / 2), zero], axis=1),
+        "base_velocity": velocity,
+        "torque": np.zeros((3000, 1)),
+        "foot_force": np.zeros((3000, 2)),
+    }
+    log: Any = SimpleNamespace(cycles=lambda *_: Cycles(time, columns, {}, 0))
+    motion = Motion(log, 0.0, 3.0)
+    assert motion.lost == pytest.approx(lost if lost > 0.5 else 0.0, abs=0.002)
+    push = motion.push()
+    assert (push is not None) == is_it
+    if push is not None:
+        assert push.begin == pytest.approx(pushed, abs=0.02)
 
 
 @pytest.mark.trials

@@ -1,0 +1,83 @@
+"""The joint with which a fall began: it could not hold its setpoint any more, or had no more to give."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from humanoid_bt.core.units import readable
+from humanoid_bt.record.reading import FlightLog
+from humanoid_bt.review.body import FULL, stretches
+
+_OFF = 0.1  # rad by which a joint is further off its setpoint than it usually is
+_OFF_FOR = 200  # servo cycles that it must be so at a stretch: a step's swing and landing are shorter
+_FULL_FOR = 100  # servo cycles that it must be at its torque limit at a stretch
+_FULL_MEANWHILE = 20  # servo cycles at its limit that explain why it was off its setpoint
+_BEFORE = 1.0  # s before balance was lost until which joints show how far they usually are off their setpoints
+_STILL = 0.5  # s before balance was lost until which it must have lasted
+_WITH = 0.05  # s after it, until which it must have begun: later is what comes of it
+
+
+class GaveWay(NamedTuple):
+    """A joint gave way.
+
+    Attributes:
+        joint: its name.
+        begin, end: when [s].
+        full: whether it was at its torque limit meanwhile.
+        off: how far it was from its setpoint at most [rad].
+        torque, limit: the largest it gave, and what it should be able to give [Nm]; the latter 0 if it has no limit.
+    """
+
+    joint: str
+    begin: float
+    end: float
+    full: bool
+    off: float
+    torque: float
+    limit: float
+
+    @property
+    def what(self) -> str:
+        """What befell it, in words."""
+        what = "was at its torque limit" if self.full else "left its setpoint"
+        return f"{self.joint} {what} at {self.begin:.2f} s"
+
+    def __str__(self) -> str:
+        of = f" of {self.limit:g}" if self.limit else ""
+        off = f"up to {readable(self.off, 'rad')} off its setpoint"
+        return f"{self.joint} {off}, {self.begin:.2f} to {self.end:.2f} s, with at most {self.torque:.1f}{of} Nm"
+
+
+def gave_way(log: FlightLog, begin: float, lost: float, end: float) -> GaveWay | None:
+    """Return the joint that gave way first as balance was lost, None if none did.
+
+    Args:
+        log: the recording.
+        begin: engine time from which on it is looked for [s].
+        lost: when balance was lost [s].
+        end: when the robot had fallen [s].
+    """
+    cycles = log.cycles("cycles", begin, end, ["position", "torque"])
+    plans = log.cycles("plans", begin, end, ["setpoint"])
+    if not len(cycles.time) or not len(plans.time):
+        return None
+    plan = (plans.time.searchsorted(cycles.time, side="right") - 1).clip(0)
+    off = np.abs(cycles.columns["position"] - plans.columns["setpoint"][plan])
+    torque = np.abs(cycles.columns["torque"])
+    earlier = int(cycles.time.searchsorted(lost - _BEFORE))
+    usual = np.median(off[:earlier], axis=0) if earlier else np.zeros(off.shape[1])
+    robot, found = log.setup["robot"], list[GaveWay]()
+    for number, (joint, most) in enumerate(zip(robot["joints"], robot["limits"]["torque"], strict=True)):
+        limit = most or 0.0
+        full = (torque[:, number] >= FULL * limit) if limit else np.zeros(len(torque), bool)
+        spans = [*stretches(full, _FULL_FOR), *stretches(off[:, number] > usual[number] + _OFF, _OFF_FOR)]
+        for first, after in spans:
+            began, ended = float(cycles.time[first]), float(cycles.time[after - 1])
+            if began > lost + _WITH or ended < lost - _STILL:
+                continue
+            is_full = int(full[first:after].sum()) >= _FULL_MEANWHILE
+            angle, given = float(off[first:after, number].max()), float(torque[first:after, number].max())
+            found.append(GaveWay(joint, began, ended, is_full, angle, given, limit))
+    return min(found, key=lambda of: of.begin, default=None)
