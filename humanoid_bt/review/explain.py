@@ -120,7 +120,8 @@ def _run(history: History) -> str:
 
 def _lasted(history: History) -> float:
     ended = history.end.get("tree_ended")
-    return (history.until if ended is None else float(ended)) - history.begin
+    lasted = (history.until if ended is None else float(ended)) - history.begin
+    return max(lasted, 0.0)  # the first tick is before the first servo cycle
 
 
 def _after(history: History, cause: Cause) -> Iterator[Row]:

@@ -378,6 +378,7 @@ def test_the_first_line_says_what_stopped_the_robot(play: Play, name: str) -> No
     assert re.fullmatch(headline, found.headline), found.headline
     assert found.kind == kind
     assert found.node or kind != "control"
+    assert " after -" not in dict(found.rows).get("run", "")
     assert (("", "and 2 more") in found.after) == (len(found.data["stops"]) == 7)  # of which five are listed
     for width in (60, 80):
         lines = found.text(width).splitlines()
