@@ -25,7 +25,7 @@ from humanoid_bt.core.errors import UserError, relative
 from humanoid_bt.core.messages import Array, Percept
 from humanoid_bt.link.wire import WireError
 from humanoid_bt.record import shape
-from humanoid_bt.record.packing import BlockError, unbundle, unpack
+from humanoid_bt.record.packing import BlockError, is_whole, unbundle, unpack
 from humanoid_bt.record.parts import is_recording, parts_of
 from humanoid_bt.record.rrd import RrdFile
 from humanoid_bt.record.tick import Tick, percepts_of
@@ -34,6 +34,7 @@ _ENTITY, _TIMELINE = "/flight", "sim_time"
 _AT = 1e-7  # s; engine times are sums of floats
 _SHAPES = {"layout": shape.LAYOUT, "setup": shape.SETUP}  # of what is said once
 _BLOCKS = ("plans", "cycles", "ticks", "news")
+_BUNDLED = ("ticks", "news")
 _LATE = 2.0  # s by which news may come later than it happened
 _OLDER = "another program made it, or an older version"
 
@@ -198,6 +199,15 @@ class FlightLog:
                 continue
             if begin - _AT <= found.time <= end + _AT:
                 yield found
+
+    @property
+    def damage(self) -> list[str]:
+        """What of it was changed since it was written, a text each."""
+        found = []
+        for name, blocks in self.blocks.items():
+            if count := sum(not is_whole(block, name in _BUNDLED) for block in blocks):
+                found.append(f"{count} of {len(blocks)} blocks of {name} are damaged")
+        return [*found, f"{self.damaged} entries cannot be read"] if self.damaged else found
 
     @property
     def span(self) -> tuple[float, float]:

@@ -26,6 +26,7 @@ _COMPRESSION, _SIZE, _CONTENT = 2, 3, 5  # fields of a message with data
 _LZ4 = 2
 _MOST_GROWTH = 255  # of what LZ4 has compressed: a damaged size must not fill the memory
 _LARGEST = 1 << 30  # bytes of a message
+_TRAILER = 64  # bytes that may follow the end; before more of them it is damage
 _WINDOW = 1 << 20  # bytes in which the next message is looked for at once
 _LIKE_DATA = _DATA.to_bytes(8, "little")
 _MAYBE_DAMAGED = (pa.ArrowException, OSError, ValueError, TypeError, KeyError, IndexError)
@@ -80,11 +81,12 @@ class RrdFile:
             while len(head := file.read(_MESSAGE.size)) == _MESSAGE.size:
                 kind, length = _MESSAGE.unpack(head)
                 begin = file.tell()
-                if kind == _END:
-                    return
                 if length > size - begin:
                     size = os.fstat(file.fileno()).st_size  # it may have grown meanwhile
-                if kind not in _KINDS or length > min(size - begin, _LARGEST):
+                ends = kind == _END
+                if ends and size - begin - length <= _TRAILER:
+                    return
+                if ends or kind not in _KINDS or length > min(size - begin, _LARGEST):
                     after = _next(file, begin - _MESSAGE.size + 1, size)
                     if after is None:
                         self.cut = f"it ends within a message, at byte {begin} of {size}"

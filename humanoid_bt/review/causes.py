@@ -50,11 +50,13 @@ _PERSON = ("keyboard", "humanoid-bt estop", "program", "test")
 def cause_of(history: History) -> Cause:
     """Return why a run ended as it did."""
     ending = _ending(history)
-    if ending.kind in ("killed", "cut"):
+    if ending.kind == "killed":
         return ending
     if stop := first_stop(history, ending.time):
         stop, began = _and_raised(history, stop, _of_stop(history, stop), ending.time)
         began = _and_fell(history, stop, began)
+        if not history.end:
+            return replace(began, headline=f"{began.headline}; {ending.headline}")
         return began if began.kind in _LATCHED or began.time < ending.time - AT else ending
     if history.stops and ending.kind in ("unfinished", "interrupted"):  # each was recovered, and nothing else is told
         began = _of_stop(history, history.stops[0])
@@ -134,13 +136,15 @@ def _without_end(history: History) -> Cause:
         then = f"; control stopped the robot at {when(stop.begin)}" if stop else ""
         text = f"the program that runs the tree was killed after its tick of {when(ticked)}{during}{then}"
         return Cause("killed", text, ticked, _actor(history, ticked), [*rows, *_noted(history)])
+    kind = "cut"
     if history.log.cut:
         why = "in the midst of a message: its disk was full, it may not grow, or the recorder was killed"
+    elif history.damage:
+        kind, why = "damaged", "and does not say how the run ended: it is damaged"
     else:
         why = "and does not say how the run ended: it is still being written, or the recorder was killed"
-    return Cause(
-        "cut", f"the recording ends at {when(history.until)}, {why}", history.until, _actor(history, ticked), []
-    )
+    text = f"the recording ends at {when(history.until)}, {why}"
+    return Cause(kind, text, history.until, _actor(history, ticked), [])
 
 
 def _error(history: History, time: float) -> Cause:

@@ -68,7 +68,7 @@ def _explained(history: History, cause: Cause) -> Explanation:
             cause.kind,
             cause.headline,
             cause.time,
-            rows=list(unrepeated([*staged_rows(history), *near_trouble(history)])),
+            rows=list(unrepeated([*_damaged(history), *staged_rows(history), *near_trouble(history)])),
             data=_data(history, cause),
         )
     begin = (cause.time if cause.began is None else min(cause.began, cause.time)) - _BEFORE
@@ -94,7 +94,7 @@ def _explained(history: History, cause: Cause) -> Explanation:
 
 def _rows(history: History, cause: Cause) -> Iterator[Row]:
     yield "run", _run(history)
-    yield from unrepeated(staged_rows(history))
+    yield from unrepeated([*_damaged(history), *staged_rows(history)])
     if cause.node:
         yield "node", f"{cause.node}  {line_of(history.place(cause.node, cause.time))}"
     yield from unrepeated(cause.rows)
@@ -116,6 +116,10 @@ def _run(history: History) -> str:
     what = f"{names[0]} on {names[1]} in {names[2]}, {setup['mode'] or '?'}"
     outcome = f": {end['outcome']} after {_lasted(history):.2f} s" if end else ": its end is not recorded"
     return f"{what}, seed {setup['seed']}{outcome}"
+
+
+def _damaged(history: History) -> Iterator[Row]:
+    yield from (("damaged", text) for text in history.damage)
 
 
 def _lasted(history: History) -> float:

@@ -51,6 +51,7 @@ HINTS: dict[str, tuple[str, ...]] = {
         "docs/realtime.md says what keeps the machine from stalling it",
     ),
     "cut": ("free the disk, or raise 'ulimit -f'; the run's report and RECORDING.control.log know the rest",),
+    "damaged": ("copy it again, if it is a copy; the run's report and RECORDING.control.log know the rest",),
     "stop": ("look at who asked for the stop",),
     "error": ("the traceback is in the report (--report)",),
     "interrupted": (),

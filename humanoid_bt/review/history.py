@@ -87,6 +87,7 @@ class History:
 
     Attributes:
         setup: what was run.
+        damage: what of the recording was changed since it was written, a text each.
         stops: every stop that decision was told of.
         end: how the run ended, empty if the recording does not say.
         begin, until: engine times of the first and last servo cycle in it [s].
@@ -94,7 +95,7 @@ class History:
     """
 
     def __init__(self, log: FlightLog) -> None:
-        self.log, self.setup = log, log.setup
+        self.log, self.setup, self.damage = log, log.setup, log.damage
         news = list(log.news_of("node", "event", "stop", "tree", "end"))
         self.changes = [Change(time, *value) for time, kind, value in news if kind == "node"]
         self.events = [Happened(time, *value) for time, kind, value in news if kind == "event"]

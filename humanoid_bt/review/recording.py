@@ -14,7 +14,6 @@ from typing import Any
 import pyarrow as pa
 
 from humanoid_bt.core.errors import UserError, nearest, relative
-from humanoid_bt.record.packing import is_whole
 from humanoid_bt.record.reading import FlightLog, read_flight
 from humanoid_bt.record.tick import Tick
 from humanoid_bt.review import samples, setup
@@ -25,7 +24,6 @@ from humanoid_bt.review.happened import Happened, Row
 Between = tuple[float, float]
 _BATCH = 2000  # rows
 _NO_SENSE = (TypeError, ValueError, LookupError, ArithmeticError, pa.ArrowException)
-_BUNDLED = ("ticks", "news")
 
 
 class Recording:
@@ -87,15 +85,8 @@ class Recording:
     @property
     def damage(self) -> list[str]:
         """What of the file cannot be read, a text each."""
-        found = []
-        for name, blocks in self._log.blocks.items():
-            if count := sum(not is_whole(block, name in _BUNDLED) for block in blocks):
-                found.append(f"{count} of {len(blocks)} blocks of {name} are damaged")
-        if self._log.cut:
-            found.append(f"the file was read up to {self.duration:.2f} s: {self._log.cut}")
-        if self._log.damaged:
-            found.append(f"{self._log.damaged} entries cannot be read")
-        return found
+        cut = [f"the file was read up to {self.duration:.2f} s: {self._log.cut}"] if self._log.cut else []
+        return [*self._log.damage, *cut]
 
     # ---- tables -----------------------------------------------------------------------------------------------------
 

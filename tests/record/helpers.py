@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import struct
 from pathlib import Path
 from typing import Any
 
@@ -96,3 +97,16 @@ def events(path: Path) -> list[tuple[float, str, str]]:
     levels = rows(path, "/events", "TextLog:level")
     texts = rows(path, "/events", "TextLog:text")
     return [(time, level, text) for (time, (level,)), (_, (text,)) in zip(levels, texts, strict=True)]
+
+
+def messages(data: bytes) -> list[int]:
+    """Return where the messages with data begin."""
+    begins, at = [], 12
+    while at + 16 <= len(data):
+        kind, size = struct.unpack_from("<QQ", data, at)
+        if kind == 2:
+            begins.append(at)
+        elif kind == 0:
+            break
+        at += 16 + size
+    return begins

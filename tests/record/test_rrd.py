@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import struct
 from collections.abc import Callable
 from pathlib import Path
 
@@ -12,7 +11,7 @@ import rerun as rr
 
 from humanoid_bt.record.recorder import Recorder
 from humanoid_bt.record.rrd import RrdFile
-from tests.record.helpers import make_state
+from tests.record.helpers import make_state, messages
 
 Maker = Callable[..., Recorder]
 
@@ -38,19 +37,6 @@ def test_it_reads_what_the_library_reads(file: Path, entity: str) -> None:
     chunks = [chunk for chunk in rr.chunk.RrdReader(file).stream() if chunk.entity_path == entity]
     assert found(file, entity) == [chunk.to_record_batch().to_pydict() for chunk in chunks]
     assert bool(chunks) == (entity != "/none")
-
-
-def messages(data: bytes) -> list[int]:
-    """Return where the messages with data begin."""
-    begins, at = [], 12
-    while at + 16 <= len(data):
-        kind, size = struct.unpack_from("<QQ", data, at)
-        if kind == 2:
-            begins.append(at)
-        elif kind == 0:
-            break
-        at += 16 + size
-    return begins
 
 
 def test_a_damaged_head_costs_one_message(file: Path, tmp_path: Path) -> None:

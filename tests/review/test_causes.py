@@ -18,6 +18,7 @@ import pytest
 
 from humanoid_bt.core.errors import ControlLost
 from humanoid_bt.core.messages import Command, Estimate, Mode
+from humanoid_bt.record.reading import read_flight
 from humanoid_bt.review.cause import Cause
 from humanoid_bt.review.causes import _and_raised, first_stop
 from humanoid_bt.review.explain import explain
@@ -461,6 +462,20 @@ def test_a_recording_on_a_full_disk_ends_in_the_midst_of_a_message(play: Play, t
     found = explain(cut)
     assert "in the midst of a message: its disk was full" in found.headline
     assert found.data["cut"]
+
+
+def test_a_stop_is_told_of_a_recording_that_was_cut_after_it(play: Play, monkeypatch: pytest.MonkeyPatch) -> None:
+    log = read_flight(play("walk", at=0.3, do=pressed, duration=0.6, on_estop="wait"))
+    monkeypatch.setattr("humanoid_bt.review.explain.read_flight", lambda _: log)
+    del log.blocks["news"][-1], log.until["news"][-1]
+    log.cut = "it ends within a message"
+    found = explain(log.path)
+    assert found.kind == "estop"
+    assert re.fullmatch(
+        r"the emergency stop was raised at 0\.300 s by humanoid-bt estop .*: too near; "
+        r"the recording ends at 0\.\d+ s, in the midst of a message: .*",
+        found.headline,
+    )
 
 
 @pytest.mark.parametrize(

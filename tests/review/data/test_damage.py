@@ -23,6 +23,7 @@ from humanoid_bt.review.difference import difference
 from humanoid_bt.review.explain import explain
 from humanoid_bt.review.parameters import as_yaml
 from humanoid_bt.review.recording import Recording, open_recording
+from tests.record.helpers import messages
 from tests.review.data.conftest import short_run
 
 ALL, SAMPLE = 500, 20
@@ -195,6 +196,29 @@ def test_damaged_blocks_are_counted(file: Path) -> None:
         f"1 of {count[1]} blocks of ticks are damaged",
     ]
     assert 0 < recording.joints().num_rows < open_recording(file).joints().num_rows
+
+
+def test_an_explanation_tells_what_is_damaged(file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    log = read_flight(file)
+    monkeypatch.setattr("humanoid_bt.review.explain.read_flight", lambda _: log)
+    assert "damaged" not in dict(explain(file).rows)
+    log.blocks["ticks"][2] = log.blocks["ticks"][2][:-9] + b"something"
+    count = len(log.blocks["ticks"])
+    assert dict(explain(file).rows)["damaged"] == f"1 of {count} blocks of ticks are damaged"
+    log = read_flight(file)
+    log.blocks["news"] = [b"nonsense" for _ in log.blocks["news"]]
+    found = explain(file)
+    assert found.kind == "damaged"
+    assert found.headline.endswith("s, and does not say how the run ended: it is damaged")
+
+
+def test_zeros_are_no_end_of_a_recording(file: Path, tmp_path: Path) -> None:
+    data, path = file.read_bytes(), tmp_path / "zeros.rrd"
+    begin = messages(data)[-80]
+    path.write_bytes(data[:begin] + bytes(4096) + data[begin + 4096 :])
+    whole, found = open_recording(file), open_recording(path)
+    assert found.damage
+    assert found.ended == whole.ended and found.outcome == whole.outcome
 
 
 def test_the_first_and_the_last_blocks_are_not_missed(file: Path) -> None:
