@@ -37,6 +37,7 @@ _BLOCKS = ("plans", "cycles", "ticks", "news")
 _BUNDLED = ("ticks", "news")
 _LATE = 2.0  # s by which news may come later than it happened
 _OLDER = "another program made it, or an older version"
+_SHORT = "it was cut short before its first data, or another program made it, or an older version"
 
 
 class News(NamedTuple):
@@ -249,7 +250,7 @@ def read_flight(path: str | PathLike[str]) -> FlightLog:
         why = getattr(error, "strerror", None) or error
         raise UserError(f"{relative(log.path)!r} is no recording that can be read: {why}") from error
     if not log.layout:
-        raise UserError(f"the recording {relative(log.path)!r} is none of a run", hint=_OLDER)
+        raise UserError(f"the recording {relative(log.path)!r} is none of a run", hint=_SHORT)
     return log
 
 

@@ -91,8 +91,9 @@ def test_a_file_without_them_is_answered(tmp_path: Path) -> None:
     with rr.RecordingStream("other") as stream:
         stream.save(other)
         stream.log("text", rr.TextLog("hello"))
-    with pytest.raises(UserError, match="is none of a run"):
+    with pytest.raises(UserError, match="is none of a run") as error:
         read_cycles(other)
+    assert "cut short" in str(error.value)
     damaged = tmp_path / "damaged.rrd"
     damaged.write_bytes(b"no recording")
     for path in (damaged, tmp_path / "missing.rrd"):
