@@ -13,9 +13,9 @@ from humanoid_bt.core.units import readable
 from humanoid_bt.review import failures
 from humanoid_bt.review.body import Motion
 from humanoid_bt.review.cause import Cause
-from humanoid_bt.review.giving_way import gave_way
 from humanoid_bt.review.history import AT, Happened, History, Stopped
 from humanoid_bt.review.pushed import hardest_push
+from humanoid_bt.review.weak_joint import gave_way
 from humanoid_bt.review.words import cut, doing, last, line_of, when
 
 STOPS = (
