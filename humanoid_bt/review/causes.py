@@ -15,7 +15,7 @@ from humanoid_bt.review.body import Motion
 from humanoid_bt.review.cause import Cause
 from humanoid_bt.review.history import AT, Happened, History, Stopped
 from humanoid_bt.review.pushed import hardest_push
-from humanoid_bt.review.weak_joint import gave_way
+from humanoid_bt.review.weak_joint import gave_way, labouring
 from humanoid_bt.review.words import cut, doing, last, line_of, when
 
 STOPS = (
@@ -39,6 +39,7 @@ _LOOK_BACK = 4.0  # s before a fall in which its reason is looked for
 _SENSOR, _PLANT = "a sensor failed: ", "the plant "
 _IN_THE_WAY = "something is in the way of the "
 _GONE = "the process of the run ended without closing the recording"
+_LABOURED = 1.0  # s before a stop in which a joint at its torque limit shows that the robot bears much
 _SILENT = 0.08  # s that a tick must take to explain that decision was silent for 0.1 s
 _SLOW = re.compile(r"a tick took (\d+) ms.*: the node '(.*?)'(?:, at (.*))?$")
 _REFUSED = re.compile(r"refused (?:a command|(?P<more>\d+) more): (?P<fault>.*)", re.DOTALL)
@@ -188,7 +189,7 @@ def _of_stop(history: History, stop: Stopped) -> Cause:
 def _protective(history: History, stop: Stopped) -> Cause:
     text, commander = f"the robot was stopped at {when(stop.time)}", _commander(stop)
     if stop.reason.startswith(_IN_THE_WAY):
-        return Cause("way", f"{cut(stop.reason)}: {text}", stop.time, commander)
+        return Cause("way", f"{_felt(history, stop)}: {text}", stop.time, commander)
     if stop.reason.startswith(_SENSOR):
         return Cause("sensor", f"a sensor failed, {stop.reason.removeprefix(_SENSOR)}: {text}", stop.time, commander)
     if stop.source == "supervisor" and stop.reason.startswith(_PLANT):
@@ -196,6 +197,14 @@ def _protective(history: History, stop: Stopped) -> Cause:
     if stop.source != "supervisor":
         return Cause("stop", f"{text}: {stop.reason} ({stop.source})", stop.time)
     return Cause("ik", f"{text}: {stop.reason}", stop.time, commander, _refused_rows(history, stop.time))
+
+
+def _felt(history: History, stop: Stopped) -> str:
+    """Return what was felt at a body: a load that the model does not know feels like something in the way."""
+    reason = cut(stop.reason)
+    if not (joint := labouring(history.log, stop.time - _LABOURED, stop.time)):
+        return reason
+    return f"{reason}, or it carries more than its model says, for {joint} was at its torque limit"
 
 
 def _limp(history: History, stop: Stopped) -> Cause:
@@ -207,7 +216,7 @@ def _limp(history: History, stop: Stopped) -> Cause:
 
 def _estop(history: History, stop: Stopped) -> Cause:
     if stop.source == "supervisor":
-        text = f"{cut(stop.reason)}: the emergency stop was raised at {when(stop.time)}"
+        text = f"{_felt(history, stop)}: the emergency stop was raised at {when(stop.time)}"
         return Cause("way", text, stop.time, _commander(stop))
     during = doing(history.acting(stop.time - DECISION_PERIOD))
     during = f" while {during} ran" if during else ""

@@ -1,4 +1,4 @@
-"""The joint with which a fall began: it could not hold its setpoint any more, or had no more to give."""
+"""Joints that are too weak for what they bear: off their setpoints, or at their torque limits for long."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ _OFF = 0.1  # rad by which a joint is further off its setpoint than it usually i
 _OFF_FOR = 200  # servo cycles that it must be so at a stretch: a step's swing and landing are shorter
 _FULL_FOR = 100  # servo cycles that it must be at its torque limit at a stretch
 _FULL_MEANWHILE = 20  # servo cycles at its limit that explain why it was off its setpoint
+_LABOURS = 20  # servo cycles at its torque limit at a stretch that no step takes of a joint
 _BEFORE = 1.0  # s before balance was lost until which joints show how far they usually are off their setpoints
 _STILL = 0.5  # s before balance was lost until which it must have lasted
 _WITH = 0.05  # s after it, until which it must have begun: later is what comes of it
@@ -81,3 +82,15 @@ def gave_way(log: FlightLog, begin: float, lost: float, end: float) -> GaveWay |
             angle, given = float(off[first:after, number].max()), float(torque[first:after, number].max())
             found.append(GaveWay(joint, began, ended, is_full, angle, given, limit))
     return min(found, key=lambda of: of.begin, default=None)
+
+
+def labouring(log: FlightLog, begin: float, end: float) -> str:
+    """Return the joint that first was at its torque limit for longer than in a step, arms apart, "" if none was."""
+    cycles, robot = log.cycles("cycles", begin, end, ["torque"]), log.setup["robot"]
+    arms = {joint for joints in robot["arms"].values() for joint in joints}
+    found = []
+    for number, (joint, limit) in enumerate(zip(robot["joints"], robot["limits"]["torque"], strict=True)):
+        if limit and joint not in arms:
+            full = np.abs(cycles.columns["torque"][:, number]) >= FULL * limit
+            found += [(first, joint) for first, _ in stretches(full, _LABOURS)]
+    return min(found, default=(0, ""))[1]

@@ -398,6 +398,17 @@ def test_who_loses_the_footing_was_not_pushed(stage: Path, tmp_path: Path, condi
 
 
 @pytest.mark.trials
+def test_a_load_that_the_model_does_not_know_is_told_beside_what_may_be_in_the_way(stage: Path, tmp_path: Path) -> None:
+    with recorded_directly():
+        run = Stage(stage).run("walk", conditions={"payload": 60.0}, duration=1.3, record=tmp_path / "run.rrd")
+    assert re.match(
+        r"something is in the way of the torso: \d+ N, or it carries more than its model says, "
+        r"for left_knee was at its torque limit: the robot was stopped at \d\.\d+ s",
+        explain(run.recording).headline,
+    )
+
+
+@pytest.mark.trials
 def test_a_recording_that_is_still_written_is_explained(stage: Path, tmp_path: Path) -> None:
     file = tmp_path / "run.rrd"
     with Session("walk", workspace=stage, record=file, camera=False) as session:
