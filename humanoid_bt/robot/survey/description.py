@@ -19,7 +19,7 @@ from humanoid_bt.files.formatting import formatted
 from humanoid_bt.robot.config import GaitConfig, RobotConfig
 from humanoid_bt.robot.footprint import footprint_in
 from humanoid_bt.robot.survey.drives import drive, falling, usual_stiffness
-from humanoid_bt.robot.survey.limbs import Limb, Surveyor, roles
+from humanoid_bt.robot.survey.limbs import Limb, Surveyor, corners, roles
 from humanoid_bt.robot.survey.places import eyes, looks_down, palm
 from humanoid_bt.robot.survey.posture import home, overlapping
 from humanoid_bt.robot.survey.size import USUAL_MASS, first_shift, scaled_contact, scaled_gait, spin
@@ -322,13 +322,11 @@ class _Writer:
         """Yield the circle within which it walks, if the default is too small."""
         model, data = self._model, self._standing
         middle = np.mean([data.xpos[leg.body][:2] for leg in self._limbs.legs.values()], axis=0)
-        corners = np.array(np.meshgrid([-1, 1], [-1, 1], [-1, 1])).reshape(3, -1).T
         farthest = 0.0
         for geom in range(model.ngeom):
             if model.geom_contype[geom] or model.geom_conaffinity[geom]:
-                box = model.geom_aabb[geom][:3] + corners * model.geom_aabb[geom][3:]
-                points = data.geom_xpos[geom] + box @ data.geom_xmat[geom].reshape(3, 3).T
-                farthest = max(farthest, float(np.linalg.norm(points[:, :2] - middle, axis=1).max()))
+                away = corners(model, data, geom)[:, :2] - middle
+                farthest = max(farthest, float(np.linalg.norm(away, axis=1).max()))
         if farthest + _SWAY > RobotConfig.walking_radius:
             yield f"walking_radius: {farthest + _SWAY:.2f}    # its arms, and room for sway"
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 
 import mujoco
@@ -15,6 +15,7 @@ from humanoid_bt.robot.model import carriers
 _ALONG = 0.7  # cosine between a joint's axis and x, y or z of the base: hips are often a little oblique
 _ASIDE = 0.02  # m from the middle from which something is on a side
 _UNEVEN = 0.2  # m that one foot may be from the mirror image of the other
+_LOW = 0.1  # of a robot's height that its feet may be above what is lowest of it
 _TOES = 0.02  # m that a foot may end above its toes
 _ARM_JOINTS = 3  # that an arm has at least
 _OUTWARD: dict[Side, float] = {"left": 1.0, "right": -1.0}
@@ -111,7 +112,7 @@ class Surveyor:
         return self.seen(self.data.xpos[body])
 
     def seen(self, point: Array) -> Array:
-        """Return a point of the world in the base's frame, shape (3,) [m]."""
+        """Return a point of the world in the base's frame, shape (..., 3) [m]."""
         return np.asarray((point - self.data.xpos[self.base]) @ self.data.xmat[self.base].reshape(3, 3))
 
     def axis(self, joint: int) -> Array:
@@ -127,6 +128,15 @@ class Surveyor:
         owners = self.model.body_weldid[self.model.geom_bodyid]
         return np.flatnonzero(owners == self.model.body_weldid[body]).tolist()
 
+    def extent(self) -> tuple[Array, Array]:
+        """Return the lowest and the highest coordinates of the robot in the base's frame, each of shape (3,) [m]."""
+        model, data = self.model, self.data
+        robot = [body for body in range(model.nbody) if self.base in carriers(model, body)]
+        geoms = np.flatnonzero(np.isin(model.geom_bodyid, robot)).tolist()
+        points = [data.xpos[robot], *(corners(model, data, geom) for geom in geoms)]
+        seen = self.seen(np.concatenate(points))
+        return seen.min(axis=0), seen.max(axis=0)
+
     def _feet(self) -> dict[Side, int]:
         """Return the lowest of the bodies at the end on either side."""
         ends = [body for body in self._subtree(self.base) if not self._children[body] and self._joints(body)]
@@ -139,12 +149,19 @@ class Surveyor:
                 raise NoHumanoidError(message)
             found[side] = self._above_toes(min(beside, key=self._lowest))
         left, right = (self.place(foot) for foot in found.values())
-        if max(left[2], right[2]) > 0 or float(np.linalg.norm(left * [1, -1, 1] - right)) > _UNEVEN:
+        uneven = float(np.linalg.norm(left * [1, -1, 1] - right)) > _UNEVEN
+        if max(left[2], right[2]) > 0 or uneven or not self._upright(found.values()):
             names = " and ".join(repr(self.model.body(foot).name) for foot in found.values())
             base = self.model.body(self.base).name
             message = f"the lowest ends on either side of {base!r}, {names}, are no pair of feet below it"
             raise NoHumanoidError(f"{message}: in its frame x must point ahead, y to the left, z up")
         return found
+
+    def _upright(self, feet: Iterable[int]) -> bool:
+        """Return whether the robot is higher than it is long, and its feet are lowest: so it is in any posture."""
+        low, high = self.extent()
+        long, _, height = (high - low).tolist()
+        return bool(height > long and min(map(self._lowest, feet)) < low[2] + _LOW * height)
 
     def _above_toes(self, end: int) -> int:
         """Return the body at the end of a leg, or the foot that it is the toes of: one that is as low as they are."""
@@ -229,6 +246,13 @@ class Surveyor:
         first = int(self.model.body_jntadr[body])
         hinges = range(first, first + int(self.model.body_jntnum[body])) if first >= 0 else ()
         return [j for j in hinges if self.model.jnt_type[j] != mujoco.mjtJoint.mjJNT_FREE]
+
+
+def corners(model: mujoco.MjModel, data: mujoco.MjData, geom: int) -> Array:
+    """Return the corners of the box around a geom, world frame, shape (8, 3) [m]."""
+    signs = np.array(np.meshgrid([-1, 1], [-1, 1], [-1, 1])).reshape(3, -1).T
+    box = model.geom_aabb[geom][:3] + signs * model.geom_aabb[geom][3:]
+    return np.asarray(data.geom_xpos[geom] + box @ data.geom_xmat[geom].reshape(3, 3).T)
 
 
 def roles(surveyor: Surveyor, leg: Limb) -> Iterator[tuple[str, int]]:

@@ -429,6 +429,17 @@ def test_a_robot_that_lies_in_its_frame_is_refused(spec: mujoco.MjSpec) -> None:
         describe(spec.compile(), "found", "model.xml")
 
 
+@pytest.mark.parametrize(("axis", "angle"), [((0, 1, 0), np.pi / 2), ((0, 1, 0), -np.pi / 2), ((1, 0, 0), np.pi)])
+def test_a_robot_whose_arms_are_lowest_in_its_frame_is_refused(
+    spec: mujoco.MjSpec, axis: tuple[float, ...], angle: float
+) -> None:
+    for side in SIDES:
+        spec.body(f"{side}_forearm").quat = [np.cos(np.pi / 4), 0, -np.sin(np.pi / 4), 0]  # forearms ahead
+    turn(spec, "pelvis", list(axis), angle)
+    with pytest.raises(NoHumanoidError, match=r"no pair of feet below it: in its frame x must .* z up"):
+        describe(spec.compile(), "found", "model.xml")
+
+
 @pytest.mark.parametrize(("change", "says"), [("no base", "one free joint"), ("no legs", "no leg is on the left")])
 def test_what_is_no_humanoid_is_refused(spec: mujoco.MjSpec, change: str, says: str) -> None:
     if change == "no base":
