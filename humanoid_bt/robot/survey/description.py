@@ -19,6 +19,7 @@ from humanoid_bt.files.formatting import formatted
 from humanoid_bt.robot.config import GaitConfig, RobotConfig
 from humanoid_bt.robot.footprint import footprint_in
 from humanoid_bt.robot.survey.drives import drive, falling, usual_stiffness
+from humanoid_bt.robot.survey.facing import doubts
 from humanoid_bt.robot.survey.limbs import Limb, Surveyor, corners, roles
 from humanoid_bt.robot.survey.places import eyes, looks_down, palm
 from humanoid_bt.robot.survey.posture import home, overlapping
@@ -67,7 +68,7 @@ def describe(model: mujoco.MjModel, name: str, file: str) -> Description:
         file: the model's, as robot.yaml is to name it.
 
     Raises:
-        NoHumanoidError: it has no free base, or no two legs.
+        NoHumanoidError: it has no free base, or no two legs, or its base does not look ahead.
     """
     return _Writer(model, name, file).description()
 
@@ -82,6 +83,7 @@ class _Writer:
         self._found, self._guessed, self._missing = list[str](), list[str](), list[str]()
         self._palms = {side: palm(self._surveyor, arm) for side, arm in self._limbs.arms.items()}
         self._soles = {side: sole_axes(self._surveyor, leg.body) for side, leg in self._limbs.legs.items()}
+        self._doubts = doubts(self._surveyor, self._limbs, self._soles)
         palms = {side: place for side, (place, _) in self._palms.items()}
         self._home = home(self._surveyor, self._limbs, palms, self._soles)
         self._standing = mujoco.MjData(model)
@@ -129,7 +131,9 @@ class _Writer:
     def _trunk(self) -> Iterator[str]:
         limbs = self._limbs
         self._found.append(f"base {self._body(limbs.base)}, torso {self._body(limbs.torso)}")
-        yield f"base: {_quoted(self._body(limbs.base))}    # has the free joint"
+        base = self._body(limbs.base)
+        ahead = self._guess(f"that x of {base!r} points ahead, although {self._doubts}") if self._doubts else ""
+        yield f"base: {_quoted(base)}    # has the free joint{f'; {ahead}: its x points ahead' if ahead else ''}"
         yield f"torso: {_quoted(self._body(limbs.torso))}    # carries arms and head"
 
     def _legs(self) -> Iterator[str]:

@@ -440,6 +440,27 @@ def test_a_robot_whose_arms_are_lowest_in_its_frame_is_refused(
         describe(spec.compile(), "found", "model.xml")
 
 
+def test_a_base_that_faces_backward_is_refused(spec: mujoco.MjSpec) -> None:
+    turn(spec, "pelvis", [0.0, 0.0, 1.0], np.pi)
+    with pytest.raises(NoHumanoidError) as refused:
+        describe(spec.compile(), "found", "model.xml")
+    says = (
+        "'pelvis' faces backward: the knees fold ahead and the feet are longer behind the ankles; in its frame x must"
+    )
+    assert str(refused.value).startswith(says)
+
+
+def test_knees_or_feet_alone_that_say_so_are_told(spec: mujoco.MjSpec, adopt: Adopt) -> None:
+    for side in SIDES:
+        spec.joint(f"{side}_knee").range = [-2.3, 0.0]
+    knees = adopt(spec)[0]
+    told = "that x of 'pelvis' points ahead, although "
+    assert f"{told}the knees fold ahead" in knees.guessed
+    assert "guessed: its x points ahead" in knees.text
+    turn(spec, "pelvis", [0.0, 0.0, 1.0], np.pi)
+    assert f"{told}the feet are longer behind the ankles" in adopt(spec)[0].guessed
+
+
 @pytest.mark.parametrize(("change", "says"), [("no base", "one free joint"), ("no legs", "no leg is on the left")])
 def test_what_is_no_humanoid_is_refused(spec: mujoco.MjSpec, change: str, says: str) -> None:
     if change == "no base":
