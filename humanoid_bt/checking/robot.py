@@ -16,6 +16,7 @@ from humanoid_bt.robot.config import SiteConfig, load_robot_config
 from humanoid_bt.robot.footprint import footprint
 from humanoid_bt.robot.model import GAZE_SITE, RobotModel, axes_of, carriers, palm_site, sole_site
 from humanoid_bt.robot.survey.limbs import NoHumanoidError, Surveyor
+from humanoid_bt.robot.survey.size import odd_size
 
 _SOLE_OFF = 0.01  # m of height, ...
 _SOLE_ASIDE = 0.02  # ...or along the floor: nearer counts as right
@@ -36,12 +37,19 @@ def robot_problems(path: Path) -> list[Problem]:
         UserError: it cannot be loaded.
     """
     robot = RobotModel(load_robot_config(path))
-    found = list(_implausible(robot))
+    found = list(_odd_size(robot)) or list(_implausible(robot))
     if any(problem.severity == "error" for problem in found):
         return found  # it would only fall over them
     from humanoid_bt.checking.robot_motion import tried  # noqa: PLC0415 (control, which takes a while)
 
     return [*found, *tried(robot)]
+
+
+def _odd_size(robot: RobotModel) -> Iterator[Problem]:
+    """Yield a height that no humanoid has: every other number would look wrong, too."""
+    if message := odd_size(Surveyor(robot.model)):
+        hint = "scale positions, sizes and meshes of the model, as by 0.001 from millimetres"
+        yield Problem(message, robot.config.place("model"), hint, code="odd-size")
 
 
 def _implausible(robot: RobotModel) -> Iterator[Problem]:

@@ -252,6 +252,18 @@ def test_a_stop_while_the_hands_reach_is_told_with_its_reason(robot: Path) -> No
     assert "it stops as its hands reach ahead: a sensor failed" in problem.message
 
 
+def test_a_model_in_millimetres_is_told_before_all_else(robot: Path) -> None:
+    spec = read_model(robot / "humanoid.xml")
+    for body in spec.bodies[1:]:
+        body.pos = 1000 * body.pos
+    (robot / "humanoid.xml").write_text(spec.to_xml())
+    (problem,) = found(robot)
+    assert problem.code == "odd-size"
+    assert "m high, expected: 0.1 to 5 m; lengths of the model, and of its meshes, must be in metres" in problem.message
+    assert problem.place is not None
+    assert (robot / "robot.yaml").read_text().splitlines()[problem.place.line - 1].startswith("model:")
+
+
 def test_an_ankle_that_rolls_must_be_named(robot: Path) -> None:
     file = robot / "robot.yaml"
     for side in ("left", "right"):

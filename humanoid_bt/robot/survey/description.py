@@ -20,10 +20,10 @@ from humanoid_bt.robot.config import GaitConfig, RobotConfig
 from humanoid_bt.robot.footprint import footprint_in
 from humanoid_bt.robot.survey.drives import drive, falling, usual_stiffness
 from humanoid_bt.robot.survey.facing import doubts
-from humanoid_bt.robot.survey.limbs import Limb, Surveyor, corners, roles
+from humanoid_bt.robot.survey.limbs import Limb, NoHumanoidError, Surveyor, corners, roles
 from humanoid_bt.robot.survey.places import eyes, looks_down, palm
 from humanoid_bt.robot.survey.posture import home, overlapping
-from humanoid_bt.robot.survey.size import USUAL_MASS, first_shift, scaled_contact, scaled_gait, spin
+from humanoid_bt.robot.survey.size import USUAL_MASS, first_shift, odd_size, scaled_contact, scaled_gait, spin
 from humanoid_bt.robot.survey.soles import ALIGNED, angle_of, sole_axes
 
 _SIDE = re.compile(r"left|right|(?<![a-z])[lr](?=_)|(?<=_)[lr](?![a-z])", re.I)
@@ -68,7 +68,7 @@ def describe(model: mujoco.MjModel, name: str, file: str) -> Description:
         file: the model's, as robot.yaml is to name it.
 
     Raises:
-        NoHumanoidError: it has no free base, or no two legs, or its base does not look ahead.
+        NoHumanoidError: it has no free base or no two legs, its base faces backward, or it is not in metres.
     """
     return _Writer(model, name, file).description()
 
@@ -77,6 +77,8 @@ class _Writer:
     def __init__(self, model: mujoco.MjModel, name: str, file: str) -> None:
         self._model, self._name, self._file = model, name, file
         self._surveyor = Surveyor(model)
+        if odd := odd_size(self._surveyor):
+            raise NoHumanoidError(odd)
         self._limbs = self._surveyor.limbs()
         self._mass = float(model.body_subtreemass[self._limbs.base])
         self._hinges = [model.joint(j).name for j in range(model.njnt) if j != int(model.body_jntadr[self._limbs.base])]

@@ -5,7 +5,9 @@ from __future__ import annotations
 import math
 
 from humanoid_bt.robot.config import ContactConfig, GaitConfig
+from humanoid_bt.robot.survey.limbs import Surveyor
 
+_HIGH = (0.1, 5.0)  # m: robots of another height are none in metres
 USUAL_MASS = 40.0  # kg: what the defaults are for, ...
 _USUAL_HEIGHT = 0.62  # m, ...and how high the centre of mass is then
 _SMALL = 0.75  # of that height, up to which a robot's gait is scaled
@@ -14,6 +16,18 @@ _HEAVY = 1.5  # times the usual mass, from which what counts as a contact goes w
 _SPIN = 50.0  # cost of spinning, of a robot of 1 kg whose centre of mass is 1 m high
 _GRAVITY = 9.81
 _LEAST = 5e-4  # m
+
+
+def odd_size(surveyor: Surveyor) -> str:
+    """Return what is wrong with the height of a model, "" if a robot can have it."""
+    low, high = surveyor.extent()
+    height, (least, most) = float(high[2] - low[2]), _HIGH
+    if least <= height <= most:
+        return ""
+    return (
+        f"the robot is about {float(f'{height:.2g}'):g} m high, expected: {least:g} to {most:g} m;"
+        " lengths of the model, and of its meshes, must be in metres"
+    )
 
 
 def scaled_gait(height: float, mass: float) -> dict[str, float]:

@@ -366,6 +366,21 @@ def test_the_gait_of_a_small_robot_is_smaller_and_quicker(spec: mujoco.MjSpec, a
     assert small.separation_min >= 2 * 0.0225 - 0.005
 
 
+def scale(spec: mujoco.MjSpec, factor: float) -> None:
+    """Multiply the lengths of a model and let its masses be."""
+    for body in spec.bodies[1:]:
+        body.pos = factor * body.pos
+        for geom in body.geoms:
+            geom.pos, geom.size, geom.fromto = factor * geom.pos, factor * geom.size, factor * geom.fromto
+
+
+@pytest.mark.parametrize(("factor", "says"), [(1000, "1400 m"), (100, "140 m"), (0.001, "0.0014 m")])
+def test_a_model_that_is_not_in_metres_is_refused(spec: mujoco.MjSpec, factor: float, says: str) -> None:
+    scale(spec, factor)
+    with pytest.raises(NoHumanoidError, match=rf"about {says} high, expected: 0.1 to 5 m; lengths .* in metres"):
+        describe(spec.compile(), "found", "model.xml")
+
+
 def test_what_counts_as_a_contact_goes_with_the_weight_of_a_heavy_robot(spec: mujoco.MjSpec, adopt: Adopt) -> None:
     usual = adopt(spec)[1].contact
     assert usual == ContactConfig()
