@@ -15,6 +15,7 @@ from humanoid_bt.robot.capsules import capsules
 from humanoid_bt.robot.config import SiteConfig, load_robot_config
 from humanoid_bt.robot.footprint import footprint
 from humanoid_bt.robot.model import GAZE_SITE, RobotModel, axes_of, carriers, palm_site, sole_site
+from humanoid_bt.robot.survey.drives import without_limits
 from humanoid_bt.robot.survey.limbs import NoHumanoidError, Surveyor
 from humanoid_bt.robot.survey.size import odd_size
 
@@ -65,6 +66,7 @@ def _implausible(robot: RobotModel) -> Iterator[Problem]:
     yield from _forgotten_hand(robot)
     if not roles:
         yield from _asymmetries(robot, data)
+    yield from _without_limits(robot)
     yield from _odd_numbers(robot)
     yield from _wider_than_said(robot, data)
 
@@ -239,6 +241,14 @@ def _asymmetries(robot: RobotModel, data: mujoco.MjData) -> Iterator[Problem]:
             place = config.place("home") if what == "palms" else config.place("legs")
             hint = "look at the signs of roll and yaw angles in home, and at the sites' positions"
             yield Problem(message, place, hint, code="asymmetric", severity="warning")
+
+
+def _without_limits(robot: RobotModel) -> Iterator[Problem]:
+    """Yield joints that nothing keeps from turning round and round."""
+    if message := without_limits(robot.model):
+        hint = "in MJCF: range of the joint, in a URDF: <limit>; allow it for joints that are meant to turn on and on"
+        place = robot.config.place("model")
+        yield Problem(message, place, hint, code="no-joint-limits", severity="warning")
 
 
 def _odd_numbers(robot: RobotModel) -> Iterator[Problem]:

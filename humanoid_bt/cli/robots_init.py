@@ -92,6 +92,6 @@ def _tell(description: Description, path: Path) -> None:
     ):
         for line in lines:
             print(f"  {title:8} {line}")
-    what = "add to the file what is missing, look at" if description.missing else "look at"
+    what = "add what is missing, look at" if description.missing else "look at"
     print(f"next: {what} what is guessed, then let it stand, reach and walk")
     print(f"  humanoid-bt check {relative(path)}")

@@ -137,6 +137,13 @@ BREAKS = {
     "shoulders that lift nothing": Break(
         SHOULDERS, SHOULDERS.replace("torque: 40", "torque: 3"), "does-not-reach", "'left_shoulder_pitch' is 0.2"
     ),
+    "a neck that turns on and on": Break(
+        NECK_PITCH,
+        NECK_PITCH.replace('range="-0.6 0.8"', 'limited="false"'),
+        "no-joint-limits",
+        "'neck_pitch' has no limits: control turns it as far as it likes",
+        "model:",
+    ),
     "a shelf in the way": Break(GAZE, f"{SHELF}\n{GAZE}", "does-not-reach", "the torso is in the way", "capsules:"),
     "a neck that looks up": Break(
         NECK_PITCH, NECK_PITCH.replace("-0.6 0.8", "-0.5 -0.1"), "does-not-look", "model: 'neck_pitch'", "gaze:"
@@ -262,6 +269,13 @@ def test_a_model_in_millimetres_is_told_before_all_else(robot: Path) -> None:
     assert "m high, expected: 0.1 to 5 m; lengths of the model, and of its meshes, must be in metres" in problem.message
     assert problem.place is not None
     assert (robot / "robot.yaml").read_text().splitlines()[problem.place.line - 1].startswith("model:")
+
+
+def test_joints_may_be_meant_to_have_no_limits(robot: Path) -> None:
+    model, file = robot / "humanoid.xml", robot / "robot.yaml"
+    model.write_text(model.read_text().replace(NECK_PITCH, NECK_PITCH.replace('range="-0.6 0.8"', 'limited="false"')))
+    file.write_text(file.read_text().replace("\nmodel:", "\n# allow no-joint-limits: the head turns on\nmodel:"))
+    assert found(robot) == []
 
 
 def test_an_ankle_that_rolls_must_be_named(robot: Path) -> None:

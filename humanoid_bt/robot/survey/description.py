@@ -18,7 +18,7 @@ from humanoid_bt.core.texts import listed
 from humanoid_bt.files.formatting import formatted
 from humanoid_bt.robot.config import GaitConfig, RobotConfig
 from humanoid_bt.robot.footprint import footprint_in
-from humanoid_bt.robot.survey.drives import drive, falling, usual_stiffness
+from humanoid_bt.robot.survey.drives import drive, falling, usual_stiffness, without_limits
 from humanoid_bt.robot.survey.facing import doubts
 from humanoid_bt.robot.survey.limbs import Limb, NoHumanoidError, Surveyor, corners, roles
 from humanoid_bt.robot.survey.places import eyes, looks_down, palm
@@ -128,6 +128,10 @@ class _Writer:
         yield "format: 1"
         yield f"name: {_quoted(self._name)}"
         yield f"description: {mass:.0f} kg, {joints} joints"
+        if unlimited := without_limits(self._model):
+            self._missing.append(f"limits in the model: {unlimited}")
+            yield f"# {unlimited}. Give the model some,"
+            yield "# or add a line here, if they are meant to turn on and on: '# allow no-joint-limits: why'"
         yield f"model: {_quoted(self._file)}"
 
     def _trunk(self) -> Iterator[str]:

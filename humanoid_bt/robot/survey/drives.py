@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import mujoco
 
+from humanoid_bt.core.texts import listed
 from humanoid_bt.robot.model import LEAST_DAMPING
 from humanoid_bt.robot.survey.limbs import Limbs, Surveyor, roles
 
@@ -14,6 +15,7 @@ _STIFFNESS, _DAMPING = 4.0, 0.04  # 1/rad, of the torque; s, of the stiffness: w
 _TORQUE = 20.0  # Nm, where nothing says it
 _LIMP = 0.15  # of what a joint has that carries a robot: with less nothing stands
 _USUAL_TORQUE = 0.2  # rad, times the stiffness: likewise of joints that carry the robot
+_NAMED = 4  # joints at most; more are counted
 _GRAVITY = 9.81
 # of the weight times the height of the centre of mass, which is how stiff a support must be not to buckle
 _HIP_OR_KNEE, _ANKLE, _TRUNK = 2.4, 1.3, 1.5
@@ -54,6 +56,17 @@ def usual_stiffness(surveyor: Surveyor, limbs: Limbs, falls: float) -> dict[int,
         ankles = [joint for role, joint in roles(surveyor, leg) if role.startswith("ankle")]
         found |= {joint: (_ANKLE if joint in ankles else _HIP_OR_KNEE) * falls for joint in leg.joints}
     return found
+
+
+def without_limits(model: mujoco.MjModel) -> str:
+    """Return which joints have no limits, "" if all have some."""
+    hinges = [j for j in range(model.njnt) if model.jnt_type[j] == mujoco.mjtJoint.mjJNT_HINGE]
+    names = [repr(model.joint(j).name) for j in hinges if not model.jnt_limited[j]]
+    if not names:
+        return ""
+    which = listed(names) if len(names) <= _NAMED else f"{len(names)} of {len(hinges)} joints"
+    have, them = ("has", "it") if len(names) == 1 else ("have", "them")
+    return f"{which} {have} no limits: control turns {them} as far as it likes"
 
 
 def drive(model: mujoco.MjModel, joint: int, usual: float | None, falls: float) -> Drive:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -272,6 +273,24 @@ def test_a_leg_without_another_joint_is_told(spec: mujoco.MjSpec) -> None:
         spec.delete(spec.joint(f"{side}_ankle_roll"))
     description = describe(spec.compile(), "found", "model.xml")
     assert description.missing == ("hip_roll of the left leg", "hip_roll of the right leg")
+
+
+@pytest.mark.parametrize(
+    ("pattern", "says"),
+    [
+        ("left_wrist_yaw", "'left_wrist_yaw' has no limits: control turns it as far as it likes"),
+        ("(left|right)_wrist_yaw", "'left_wrist_yaw' and 'right_wrist_yaw' have no limits: control turns them as "),
+        (".*", "31 of 31 joints have no limits: control turns them as far as it likes"),
+    ],
+)
+def test_joints_without_limits_are_told_once(spec: mujoco.MjSpec, pattern: str, says: str) -> None:
+    for joint in spec.joints[1:]:
+        if re.fullmatch(pattern, joint.name):
+            joint.limited, joint.range = mujoco.mjtLimited.mjLIMITED_FALSE, [0, 0]
+    description = describe(spec.compile(), "found", "model.xml")
+    (missing,) = description.missing
+    assert missing.startswith(f"limits in the model: {says}")
+    assert f"# {says}" in description.text.partition("\nmodel:")[0]  # where a comment would allow it
 
 
 def test_eyes_that_no_neck_turns_down_look_down(spec: mujoco.MjSpec, adopt: Adopt) -> None:
