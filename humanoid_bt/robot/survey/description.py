@@ -168,8 +168,10 @@ class _Writer:
                 )
             elif foot.half.min() < _POINT:
                 what = "a point" if foot.half.max() < _POINT else "a line"
-                body = self._body(leg.body)
-                self._missing.append(f"a flat {side} foot: {body} touches a floor at {what}, on which nothing balances")
+                self._missing.append(
+                    f"a flat {side} foot: as the model's zero pose has it, {self._body(leg.body)} touches a floor at"
+                    f" {what}, on which nothing balances; legs must be straight there, and feet level"
+                )
             else:
                 halves.append(foot.half)
             place = f"position: {_vector(centre)}{_turned(self._soles[side])}"

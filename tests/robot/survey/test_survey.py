@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import re
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -445,6 +446,23 @@ def test_a_foot_that_is_not_flat_is_told(spec: mujoco.MjSpec, size: list[float],
         foot.size, foot.quat = size, [np.cos(np.pi / 4), 0, np.sin(np.pi / 4), 0]
     missing = describe(spec.compile(), "found", "model.xml").missing
     assert [says in line for line in missing] == [True, True]
+
+
+def test_a_flat_foot_that_tilts_in_the_zero_pose_is_told_so(spec: mujoco.MjSpec) -> None:
+    for side in SIDES:
+        foot = spec.body(f"{side}_foot")
+        spec.delete(next(geom for geom in foot.geoms if geom.name))
+        for x, y in itertools.product((-0.07, 0.13), (-0.03, 0.03)):
+            foot.add_geom(size=[0.005, 0, 0], pos=[x, y, -0.055], mass=0.1, contype=1)
+    assert describe(spec.compile(), "found", "model.xml").missing == ()
+    for side in SIDES:
+        spec.body(f"{side}_shin").quat = [np.cos(0.5), 0, np.sin(0.5), 0]
+    missing = describe(spec.compile(), "found", "model.xml").missing
+    says = (
+        r"as the model's zero pose has it, \w+ touches a floor at a line",
+        r"legs must be straight there, and feet level$",
+    )
+    assert [all(re.search(part, line) for part in says) for line in missing] == [True, True]
 
 
 def test_a_foot_that_only_pairs_let_touch_says_where_to_look(spec: mujoco.MjSpec) -> None:
