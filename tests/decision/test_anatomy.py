@@ -120,7 +120,7 @@ def test_what_is_no_side_is_answered_at_once(handle: RobotHandle) -> None:
 
 def test_what_is_told_has_one_of_three_levels(handle: RobotHandle) -> None:
     with pytest.raises(ValueError, match="an 'info', a 'warning' or an 'error', not 'loud'"):
-        handle.log("text", "loud")  # type: ignore[arg-type]
+        handle.log("text", "loud")  # type: ignore[arg-type]  # as a skill without types does
 
 
 def test_a_hand_goes_only_with_one_that_has_a_place(robot: Robot, handle: RobotHandle) -> None:
