@@ -15,7 +15,7 @@ from humanoid_bt.review.cause import Cause, Row, unrepeated
 from humanoid_bt.review.causes import STOPS, cause_of, control_log
 from humanoid_bt.review.explanation import Explanation
 from humanoid_bt.review.hints import CONTROL_LOG, HINTS, PAGE
-from humanoid_bt.review.history import History, Span
+from humanoid_bt.review.history import History, Span, Stopped
 from humanoid_bt.review.joint import joint_explained
 from humanoid_bt.review.life import life_explained
 from humanoid_bt.review.moment import moment_explained
@@ -27,6 +27,7 @@ from humanoid_bt.review.words import cut, line_of, when
 _BEFORE = 2.0  # s before the moment that are told
 _AFTER = 10.0  # s after it in which control is followed
 _STOPS = 5  # that are listed
+_SHORT = 60  # characters of why it was stopped, in a list of stops
 _SCREEN = 30  # lines
 _MOST, _LEAST = 7, 3  # lines about what led up to it
 _LOADED = 0.5  # share of a limit from which on a joint is worth a line
@@ -131,10 +132,13 @@ def _lasted(history: History) -> float:
 def _after(history: History, cause: Cause) -> Iterator[Row]:
     yield "control", modes_told(history, cause.time)
     if len(history.stops) > 1 or (history.stops and cause.kind not in STOPS):
+        before: Stopped | None = None
         for number, stop in enumerate(history.stops[:_STOPS]):
             by = "" if stop.source == "supervisor" else f" ({cut(stop.source, 40)})"
-            text = f"{when(stop.time)} {stop.mode.replace('_', ' ')}: {cut(stop.reason, 80)}{by}"
-            yield "stops" if number == 0 else "", text
+            what = f"{stop.mode.replace('_', ' ')}: {_in_short(stop.reason)}{by}"
+            is_same = before is not None and before[1:4] == stop[1:4]
+            yield "stops" if number == 0 else "", f"{when(stop.time)} {'the same' if is_same else what}"
+            before = stop
         if len(history.stops) > _STOPS:
             yield "", f"and {len(history.stops) - _STOPS} more"
     file = shlex.quote(relative(history.log.path))
@@ -145,6 +149,11 @@ def _after(history: History, cause: Cause) -> Iterator[Row]:
         yield "helps" if number == 0 else "", hint.replace(CONTROL_LOG, log)
     yield "more", f"humanoid-bt explain --at {cause.time:.2f} {file}"
     yield "", PAGE
+
+
+def _in_short(reason: str) -> str:
+    """Return why the robot was stopped, without what follows the first colon if that is long."""
+    return reason if len(reason) <= _SHORT else cut(reason.split(": ", maxsplit=1)[0], _SHORT)
 
 
 def modes_told(history: History, time: float) -> str:

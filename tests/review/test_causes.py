@@ -381,6 +381,7 @@ def test_the_first_line_says_what_stopped_the_robot(play: Play, name: str) -> No
     assert found.node or kind != "control"
     assert " after -" not in dict(found.rows).get("run", "")
     assert (("", "and 2 more") in found.after) == (len(found.data["stops"]) == 7)  # of which five are listed
+    assert (("", "0.800 s the same") in found.after) == (name in {"refused", "refused for seconds"})
     for width in (60, 80):
         lines = found.text(width).splitlines()
         assert len(lines) <= (30 if width == 80 else 45), found.text(width)
