@@ -59,7 +59,8 @@ class SimulatedPerception(Perception):
         for name, config in self._scene.config.percepts.items():
             numbers = self._numbers[name]
             # All are drawn every time, so that what the robot sees does not change the noise that comes later.
-            dropped = numbers.random() < (config.drop_out if self._looked else config.drop_out // 1)
+            may_drop = self._looked or config.drop_out == 1
+            dropped = numbers.random() < config.drop_out and may_drop
             position_noise, confidence_noise = numbers.standard_normal(3), numbers.standard_normal()
             if dropped:
                 continue

@@ -15,7 +15,7 @@ from humanoid_bt.review.cause import Cause, Row, unrepeated
 from humanoid_bt.review.causes import STOPS, cause_of, control_log
 from humanoid_bt.review.explanation import Explanation
 from humanoid_bt.review.hints import CONTROL_LOG, HINTS, PAGE
-from humanoid_bt.review.history import History, Span, Stopped
+from humanoid_bt.review.history import History, Span
 from humanoid_bt.review.joint import joint_explained
 from humanoid_bt.review.life import life_explained
 from humanoid_bt.review.moment import moment_explained
@@ -132,13 +132,12 @@ def _lasted(history: History) -> float:
 def _after(history: History, cause: Cause) -> Iterator[Row]:
     yield "control", modes_told(history, cause.time)
     if len(history.stops) > 1 or (history.stops and cause.kind not in STOPS):
-        before: Stopped | None = None
+        before = ""
         for number, stop in enumerate(history.stops[:_STOPS]):
             by = "" if stop.source == "supervisor" else f" ({cut(stop.source, 40)})"
             what = f"{stop.mode.replace('_', ' ')}: {_in_short(stop.reason)}{by}"
-            is_same = before is not None and before[1:4] == stop[1:4]
-            yield "stops" if number == 0 else "", f"{when(stop.time)} {'the same' if is_same else what}"
-            before = stop
+            yield "stops" if number == 0 else "", f"{when(stop.time)} {'the same' if what == before else what}"
+            before = what
         if len(history.stops) > _STOPS:
             yield "", f"and {len(history.stops) - _STOPS} more"
     file = shlex.quote(relative(history.log.path))
