@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from humanoid_bt import Gait, PerceptName, Route, Skill, Status, of_gaze, param, result
+from humanoid_bt import Gait, Improving, PerceptName, Route, Skill, Status, of_gaze, param, result
 
 _SIDES = np.radians(np.arange(0, 360, 15))  # of the target, at which it may stand; the first is the one it comes from
 _FARTHER = np.arange(0, 1.01, 0.05)  # m farther away than asked for, where it cannot stand nearer
@@ -19,7 +19,8 @@ class Approach(Skill):
 
     Succeeds once the robot stands there; follows a target that moves. If something stands in that place, as a table
     does below a cup, it stands at another side of the target, or as near as it can. Waits while something moves in its
-    way. Fails if the target was never seen or is gone, and, with what is in the way, if there is no way to it.
+    way. Fails if the target was never seen or is gone; with what is in the way, if there is no way to it; and if it
+    stands and makes no step, as for a tolerance that is too small.
     """
 
     resources = ("base", "gaze")
@@ -34,7 +35,7 @@ class Approach(Skill):
     angle_tolerance: float = param(0.12, unit="rad", above=0, doc="Arrived when the target is ahead to this angle.")
     clearance: float = param(0.08, unit="m", minimum=0, doc="Keep this far from obstacles, if there is so much room.")
     obstacles: list[PerceptName] = param([], doc="Percepts to go round, too, besides what is solid.")
-    patience: float = param(5.0, unit="s", above=0, doc="Fails when it has to wait for this long.")
+    patience: float = param(5.0, unit="s", above=0, doc="Fails when it waits, or makes no step, for this long.")
     look: bool = param(True, doc="Look at the target, too.")
 
     target_distance: float = result(unit="m", doc="From the middle between the feet to the target, seen from above.")
@@ -48,6 +49,7 @@ class Approach(Skill):
     def initialise(self) -> None:
         """Forget the last goal."""
         self._goal: np.ndarray | None = None
+        self._stands = Improving(self.patience, step=0.02)
         self._goal_of = np.full(2, np.inf)  # where the target was when a goal beside obstacles was chosen
         self._route = Route(self.robot, self.clearance, self.obstacles, self.patience)
 
@@ -69,11 +71,22 @@ class Approach(Skill):
         if arrived and self.robot.state.gait is Gait.STAND:
             return self.running("coming to rest")
         ahead = target - (stance[:2] if self._straight else self._goal)
-        if self._route.follow(self._goal, math.atan2(ahead[1], ahead[0]), ignore=[self.target]):
-            return self.running(f"{to_go:.2f} m to go to {self.target}")
-        if self._route.hopeless:
+        return self._walk(to_go, math.atan2(ahead[1], ahead[0]))
+
+    def _walk(self, to_go: float, heading: float) -> Status:
+        """Walk on to the goal, which is so far away [m], to face in a direction [rad]."""
+        sent = self._route.follow(self._goal, heading, ignore=[self.target])
+        stands = self.robot.why_no_step()
+        if not (sent and stands):
+            self._stands.restart()
+        if not sent and self._route.hopeless:
             return self.fail(f"no way to {self.target}: {self._route.blocked}")
-        return self.running(f"waiting: {self._route.blocked}")
+        if not sent:
+            return self.running(f"waiting: {self._route.blocked}")
+        if not self._stands.update(to_go, self.robot.clock.now()):
+            turn = math.degrees(abs(self.bearing_error))
+            return self.fail(f"comes no nearer: {to_go:.2f} m and {turn:.0f} deg to go{stands}")
+        return self.running(f"{to_go:.2f} m to go to {self.target}")
 
     def _place(self, target: np.ndarray, here: np.ndarray) -> np.ndarray:
         """Return where to stand: straight before the target if nothing is in the way, else where there is a way to."""

@@ -49,5 +49,6 @@ class StepBack(Skill):
         lead = max(gait.near - gait.step_back, gait.step_back)
         self.robot.walk_to(self._start + min(self.distance, made + lead) * back, self._heading)
         if not self._left.update(to_go, self.robot.clock.now()):
-            return self.fail(f"comes no farther: {made:.2f} of {self.distance:.2f} m made")
-        return self.running(f"{made:.2f} of {self.distance:.2f} m back")
+            left = f"{made:z.2f} of {self.distance:.2f} m made, {to_go:.2f} m to go"
+            return self.fail(f"comes no farther: {left}{self.robot.why_no_step()}")
+        return self.running(f"{made:z.2f} of {self.distance:.2f} m back")

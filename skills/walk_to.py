@@ -75,7 +75,8 @@ class WalkTo(Skill):
                 return self.fail(f"no way to ({self.x:g}, {self.y:g}): {self._route.blocked}")
             return self.running(f"waiting: {self._route.blocked}")
         if not self._comes_nearer():
-            return self.fail(f"comes no nearer: {to_go:.2f} m and {math.degrees(abs(turn)):.0f} deg to go")
+            left = f"{to_go:.2f} m and {math.degrees(abs(turn)):.0f} deg to go"
+            return self.fail(f"comes no nearer: {left}{self.robot.why_no_step()}")
         return self.running(f"{self._route.to_go:.2f} m and {math.degrees(abs(turn)):.0f} deg to go")
 
     def _comes_nearer(self) -> bool:

@@ -27,6 +27,7 @@ from humanoid_bt.core.messages import (
     GazeTarget,
     HandTarget,
     Level,
+    Mode,
     PalmAxis,
     Percept,
     Pose,
@@ -339,6 +340,14 @@ class RobotHandle:
         if limited:
             why = f": {' and '.join(limited)} {'is at its limit' if len(limited) == 1 else 'are at their limits'}"
         return f"{side} hand turns no nearer than {math.degrees(angle):.0f} deg{why}"
+
+    def why_no_step(self) -> str:
+        """Say that the base stands though it is sent on, as for a way of few centimetres, "" if it does not.
+
+        ``, for which it makes no step``, to go after what is left of the way.
+        """
+        stands = self.state.base_settled and self.state.mode is Mode.RUN
+        return ", for which it makes no step" if stands else ""
 
     def walk_to(self, position: Any, heading: float) -> None:
         """Ask the robot to walk straight to a place and stand there; :class:`Route` goes round obstacles.

@@ -140,8 +140,10 @@ class GaitConfig:
     near: float = param(0.35, above=0, unit="m", doc="Nearer than this it side-steps instead of turning to the goal.")
     arrived_distance: float = param(0.025, above=0, unit="m", doc="Arrived when nearer.")
     arrived_angle: float = param(0.04, above=0, unit="rad", doc="Arrived when turned this close.")
-    leave_distance: float = param(0.04, above=0, unit="m", doc="Starts again only when farther (hysteresis).")
-    leave_angle: float = param(0.06, above=0, unit="rad", doc="Starts again only when turned farther (hysteresis).")
+    leave_distance: float = param(
+        0.04, above=0, unit="m", doc="Starts again only when farther (hysteresis); skills' tolerances are no smaller."
+    )
+    leave_angle: float = param(0.06, above=0, unit="rad", doc="Starts again only when turned farther; likewise.")
     dcm_gain: float = param(2.5, above=1, doc="ZMP answer to an error of the divergent component of motion.")
     momentum_limit: float = param(0.08, minimum=0, unit="m", doc="Limit of the angular momentum's ZMP shift.")
     com_slide: float = param(1.0, minimum=0, doc="Leak of the reference to the measured centre of mass [1/s].")

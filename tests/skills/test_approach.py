@@ -88,3 +88,10 @@ def test_says_what_is_in_the_way(rig: Rig) -> None:
     result = rig.run("approach", target=(3.0, 0.0, 0.9))
     assert result.failed
     assert result.feedback == "no way to target: hall stands there, or too near to it"
+
+
+def test_says_that_a_robot_that_stands_makes_no_step_for_so_little(rig: Rig) -> None:
+    rig.settle(0.5)
+    result = rig.run("approach", target=(0.43, 0.0, 0.9), distance=0.4, tolerance=0.005, patience=0.5)
+    assert result.failed
+    assert result.feedback == "comes no nearer: 0.03 m and 0 deg to go, for which it makes no step"

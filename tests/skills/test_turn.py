@@ -70,3 +70,10 @@ def test_takes_no_step_where_it_faces(rig: Rig, angle: float) -> None:
     assert result.time <= 0.3
     assert {state.gait for state in result.states} == {Gait.STAND}
     assert result.results["turned"] == pytest.approx(0, abs=0.01)
+
+
+def test_says_that_a_robot_that_stands_makes_no_step_for_so_little(rig: Rig) -> None:
+    rig.settle(0.5)
+    result = rig.run("turn", angle=0.05, tolerance=0.01, patience=0.5)
+    assert result.failed
+    assert result.feedback == "turns no farther: 3 deg to go, for which it makes no step"

@@ -162,3 +162,10 @@ def test_steps_aside_from_what_comes_to_where_it_waits(rig: Rig) -> None:
     result = rig.run("walk_to", x=3.0, y=0.0, timeout=6)
     apart = [math.hypot(*(np.abs(state.stance[:2] - place(state.time)[:2]) - 0.15).clip(0)) for state in result.states]
     assert min(apart) > 0.9 * RADIUS
+
+
+def test_says_that_a_robot_that_stands_makes_no_step_for_so_little(rig: Rig) -> None:
+    rig.settle(0.5)
+    result = rig.run("walk_to", x=0.03, y=0.0, heading=0.0, tolerance=0.01, patience=0.5)
+    assert result.failed
+    assert result.feedback == "comes no nearer: 0.03 m and 0 deg to go, for which it makes no step"
