@@ -11,6 +11,7 @@ from humanoid_bt.checking.robot_reach import reached
 from humanoid_bt.checking.robot_trial import LAGS, SATURATED, Trial, drive_place
 from humanoid_bt.core.errors import Place, Problem
 from humanoid_bt.core.messages import SIDES
+from humanoid_bt.core.texts import listed
 from humanoid_bt.decision.robot import RobotHandle
 from humanoid_bt.robot.model import RobotModel, carriers
 
@@ -24,6 +25,10 @@ _STRAINED = 0.5  # share of the time in which a drive may give all it has, even 
 _LEARNED = (
     "is all as in training: the order of joints and terms, scales, history, default_pose, action.scale, "
     "stiffness, damping, phase?"
+)
+_NOT_TOUCHED = (
+    "are the masses of the model right, and is the noise of sensors.encoders not too large? "
+    "Else raise the forces of contact"
 )
 
 
@@ -69,6 +74,8 @@ def _walked(trial: Trial) -> Iterator[Problem]:
             return
     if _astray(trial):
         message = f"it does not walk {_WAY:g} m straight ahead: after {_WALK:g} s it is {_whereabouts(trial)}"
+        if stopped := trial.controller.supervisor.reason:
+            message = f"it stops as it walks: {stopped}"
         yield _blamed(trial, message, "does-not-walk")
 
 
@@ -92,6 +99,8 @@ def _fallen(trial: Trial, when: str, code: str) -> Problem:
 def _blamed(trial: Trial, message: str, code: str) -> Problem:
     """Return a finding at what is the most likely cause."""
     robot, seen = trial.robot, trial.seen
+    if trial.false_contacts:
+        return Problem(message, robot.config.place("contact"), f"nothing touches it: {_NOT_TOUCHED}", code=code)
     if robot.policy:
         return Problem(message, robot.policy.place("observation", "terms"), _LEARNED, code=code)
     legs = [i for i, name in enumerate(robot.joint_names) if _moves_a_foot(robot, name)]
@@ -134,6 +143,9 @@ def _body_problems(trial: Trial) -> Iterator[Problem]:
     robot, seen = trial.robot, trial.seen
     if trial.fallen:
         return
+    if felt := [f"{group.replace('_', ' ')} ({force:.0f} N)" for group, force in trial.false_contacts.items()]:
+        message = f"something seems to push its {listed(felt)}, and nothing does"
+        yield Problem(message, robot.config.place("contact"), _NOT_TOUCHED, code="false-contact", severity="warning")
     told: set[Place] = set()
     for i in np.flatnonzero(seen.saturated > _STRAINED * seen.ticks):
         name, limit = robot.joint_names[i], robot.torque_limit[i]

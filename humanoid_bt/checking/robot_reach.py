@@ -50,6 +50,8 @@ def reached(trial: Trial) -> Iterator[Problem]:
         yield _warning(message, robot.config.place("hands"), hint, "does-not-reach")
         return
     for side in places:
+        if trial.false_contacts.get(f"{side}_arm"):
+            continue  # it yields, and that is told
         if (off := state.hand_errors.get(side, math.inf)) > _OFF:  # without one an arm yields
             yield _not_reached(trial, side, off)
     way = middle - state.gaze_position

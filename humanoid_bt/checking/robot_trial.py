@@ -35,6 +35,8 @@ class Seen:
         saturated: servo ticks of each joint with all the torque that its drive has, shape (nj,).
         ticks: how many there were.
         touching: pairs of bodies of the robot that touched each other.
+        felt: groups of links that something seemed to push -> the largest force [N]: arms that yielded to it, and
+            what it was in the way of.
     """
 
     lag: Array
@@ -42,6 +44,7 @@ class Seen:
     saturated: Array
     ticks: int = 0
     touching: set[tuple[str, str]] = field(default_factory=set)
+    felt: dict[str, float] = field(default_factory=dict)
 
 
 class Trial:
@@ -62,6 +65,11 @@ class Trial:
         self.skill = self._decision.handle("check", tuple(robot.config.resources))
         joints = len(robot.joint_names)
         self.seen = Seen(np.zeros(joints), np.zeros(joints), np.zeros(joints))
+
+    @property
+    def false_contacts(self) -> dict[str, float]:
+        """Groups of links that something seemed to push though nothing did -> the largest force [N]."""
+        return {} if self.seen.touching else self.seen.felt
 
     @property
     def fallen(self) -> bool:
@@ -99,11 +107,15 @@ class Trial:
         if stands:
             off = np.abs(self.controller.servo.command.position - measured.joint_position)
             seen.lag, seen.held = np.maximum(seen.lag, off), np.abs(measured.joint_torque)
+        rule = self.controller.supervisor.touch
+        for group, contact in rule.contacts.items():
+            if contact.yields or rule.held:
+                seen.felt[group] = contact.largest
         model, data = self.plant.model, self.plant.data
         robot_bodies = self.robot.model.nbody
-        for contact in data.contact[: data.ncon]:
-            pair = sorted(int(model.geom_bodyid[geom]) for geom in contact.geom)
-            if pair[0] > 0 and pair[1] < robot_bodies and contact.dist < 0:
+        for touch in data.contact[: data.ncon]:
+            pair = sorted(int(model.geom_bodyid[geom]) for geom in touch.geom)
+            if pair[0] > 0 and pair[1] < robot_bodies and touch.dist < 0:
                 seen.touching.add((model.body(pair[0]).name, model.body(pair[1]).name))
 
 

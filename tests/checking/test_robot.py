@@ -133,6 +133,9 @@ BREAKS = {
     "wider than it says": Break(
         "gait:", "walking_radius: 0.2\ngait:", "walking-radius", "'left_hand' is 0.28 m from", "walking_radius:"
     ),
+    "speeds too noisy to feel with": Break(
+        GAZE, f"sensors: {{encoders: {{speed_noise: 0.2}}}}\n{GAZE}", "false-contact", "sensors.encoders", "format:"
+    ),
     "never falls": Break("gait:", "fall: {height: 0.05}\ngait:", "fall-limits", "not noticed", "fall:"),
     "shoulders that lift nothing": Break(
         SHOULDERS, SHOULDERS.replace("torque: 40", "torque: 3"), "does-not-reach", "'left_shoulder_pitch' is 0.2"
