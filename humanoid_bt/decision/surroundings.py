@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
@@ -22,6 +23,9 @@ REMEMBERED = 0.3
 _FOLLOW_TIME = 0.4  # s, of the low-pass of a position
 _JUMP, _JUMP_PER_METER = 0.05, 0.03  # m, m/m: what comes farther than this has moved; more than the noise
 _REST_TIME = 1.0  # s after its last move in which a thing still counts as moving
+_BEGUN = 0.4  # s before it is clear that a thing moves, in which it already did
+_LOOKS = 4  # at least so many places in that time or in the last second show how fast it is
+_ROUNDING = 1e-6  # s
 _FORESEEN = 3.0  # s for which what moved when it was last seen is thought to go on
 _OVERHEAD = 0.25  # m above the eyes under which the robot walks through
 
@@ -42,6 +46,7 @@ class _Thing:
     def __post_init__(self) -> None:
         self.anchor = self._told = self.position
         self._since = self._seen_at = self.stamp
+        self._looks = deque([(self.stamp, self.position)])  # in which it may have moved
 
     def update(self, seen: Array, stamp: float, jump: float, *, remembered: bool) -> bool:
         """Take where it was seen, or is remembered to have been; return whether it has moved."""
@@ -49,8 +54,9 @@ class _Thing:
         if elapsed <= 0.0:
             return False
         self.stamp = stamp
-        step = seen - self.position
-        follow = 1.0 if self.goes_on(stamp) or math.hypot(*step) > jump else elapsed / (elapsed + _FOLLOW_TIME)
+        step, moves = seen - self.position, self.goes_on(stamp)
+        jumps = not moves and math.hypot(*step) > jump
+        follow = 1.0 if moves or jumps else elapsed / (elapsed + _FOLLOW_TIME)
         self.position = self.position + follow * step
         way = self.position - self.anchor
         moved = math.hypot(*way) > jump
@@ -59,6 +65,13 @@ class _Thing:
             self.anchor, self.moved_at = self.position, stamp
         if moved or not remembered:
             self._seen_at = stamp
+            if jumps:
+                self._looks.clear()
+            self._looks.append((stamp, seen))
+            while self._looks[0][0] < stamp - (_REST_TIME if moves else _BEGUN) - _ROUNDING:
+                self._looks.popleft()
+            if (moves or moved) and len(self._looks) >= _LOOKS:
+                self.velocity = _slope(self._looks)
         return moved
 
     def goes_on(self, now: float) -> bool:
@@ -150,6 +163,13 @@ class Surroundings:
         now = self._robot.clock.now()
         tracks = [self._robot.track(name) for name, thing in self._things.items() if thing.goes_on(now)]
         return [track for track in tracks if track is not None and track.gone]
+
+
+def _slope(looks: Sequence[tuple[float, Array]]) -> Array:
+    """Return how fast something moves that was seen at times [s] at places, shape (2,) [m/s], by least squares."""
+    times, places = np.array([time for time, _ in looks]), np.array([place for _, place in looks])
+    times -= times.mean()
+    return np.asarray(times @ places / (times @ times))
 
 
 def _is_overhead(track: Track, eyes: float) -> bool:

@@ -64,3 +64,26 @@ def test_what_is_seen_again_was_as_fast_on_average() -> None:
         return [cart(time, seen_at=1.5 if unseen else time, confidence=0.08 if unseen else 0.9)]
 
     np.testing.assert_allclose(watched(seen, until=4.0).velocities, [[0.0, -0.5]], atol=0.02)
+
+
+def test_noise_of_what_is_seen_does_not_say_that_it_goes_elsewhere() -> None:
+    random = np.random.default_rng(5)
+    places = [np.array([2.0, 2.0 - 0.5 * max(0.1 * look - 1.0, 0.0), -0.4]) for look in range(40)]
+    noisy = [place + 0.015 * random.standard_normal(3) for place in places]
+
+    def seen(time: float) -> list[Percept]:
+        return [Percept("cart", time, noisy[round(10 * time)], 0.9, np.array([0.4, 0.4, 0.8]))]
+
+    for until in np.arange(1.8, 3.9, 0.1):
+        np.testing.assert_allclose(watched(seen, until).velocities, [[0.0, -0.5]], atol=0.07)
+
+
+def test_what_was_put_elsewhere_is_not_thought_to_fly_on() -> None:
+    def seen(time: float) -> list[Percept]:
+        return [cart(time, seen_at=3.0 if time > 1.45 else 0.0)]  # 1.5 m in a moment
+
+    for until in (1.5, 1.9, 2.3):
+        around = watched(seen, until)
+        assert np.linalg.norm(around.velocities) < 1.6
+    np.testing.assert_allclose(around.velocities, [[0.0, 0.0]], atol=0.01)
+    np.testing.assert_allclose(around.place("cart"), [2.0, 0.5], atol=0.01)
