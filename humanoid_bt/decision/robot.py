@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from humanoid_bt.core.clock import Clock, TreeClock
+from humanoid_bt.core.clock import DECISION_PERIOD, Clock, TreeClock
 from humanoid_bt.core.errors import HumanoidBtError, ResourceConflict, nearest
 from humanoid_bt.core.geometry import heading_of, rotation_matrix
 from humanoid_bt.core.messages import (
@@ -38,6 +38,7 @@ from humanoid_bt.core.messages import (
     touch_text,
 )
 from humanoid_bt.decision.arguments import check_relative, how_turned, number, side_of, speed_of, vector
+from humanoid_bt.perception.interface import OLDEST
 from humanoid_bt.perception.track import Track
 
 if TYPE_CHECKING:  # a skill's file is imported without it
@@ -50,7 +51,7 @@ _log = logging.getLogger(__name__)
 _LEVELS: dict[Level, int] = {"info": logging.INFO, "warning": logging.WARNING, "error": logging.ERROR}
 
 _AT_LIMIT = 0.03  # rad
-_POSE_HISTORY = 64  # ticks of base poses kept to place late percepts: 1.3 s at 50 Hz
+_POSES = round(OLDEST / DECISION_PERIOD)  # of the base that are kept, for percepts that come late
 
 
 class Robot:
@@ -93,7 +94,7 @@ class Robot:
         self._percepts: dict[str, tuple[Percept, Array, float, Array]] = {}
         self._tracks: dict[str, Track] = {}  # those that were asked for in this tick
         self._now = 0.0  # the tick's start
-        self._past: deque[State] = deque(maxlen=_POSE_HISTORY)
+        self._past: deque[tuple[float, Array, Array]] = deque(maxlen=_POSES)  # time, position, quaternion of the base
         self._commanding: dict[RobotHandle, None] = {}  # handles that set a target in this tick, in that order
         self._sequence = 0
 
@@ -192,10 +193,10 @@ class Robot:
         """Take the snapshot that the whole tick sees, and forget the targets of the last one."""
         self._state = state
         self._now = self._engine_clock.now()
-        self._past.append(state)
+        self._past.append((state.time, state.base_position, state.base_quaternion))
         for name, percept in percepts.items():
             known = self._percepts.get(name)
-            if known is None or known[0].stamp < percept.stamp:
+            if known is None or _is_news(percept, known[0]):
                 self._percepts[name] = (percept, *self._place(percept))
         self._tracks.clear()
         for handle in self._commanding:
@@ -257,11 +258,25 @@ class Robot:
 
     def _place(self, percept: Percept) -> tuple[Array, float, Array]:
         """Return where a percept is in the world, the heading of the box around it, and how the base was turned."""
-        then = min(self._past, key=lambda state: abs(state.time - percept.stamp))
-        turn = rotation_matrix(then.base_quaternion)
-        position: Array = then.base_position + turn @ percept.position
+        _, base, quaternion = self._base_at(percept.stamp)
+        turn = rotation_matrix(quaternion)
+        position: Array = base + turn @ percept.position
         position.setflags(write=False)
-        return position, percept.heading + heading_of(turn), then.base_quaternion
+        return position, percept.heading + heading_of(turn), quaternion
+
+    def _base_at(self, time: float) -> tuple[float, Array, Array]:
+        """Return where the base was at the tick nearest to a time [s], mostly one of the latest."""
+        nearest = self._past[-1]
+        for pose in reversed(self._past):
+            if abs(pose[0] - time) > abs(nearest[0] - time):
+                break
+            nearest = pose
+        return nearest
+
+
+def _is_news(percept: Percept, known: Percept) -> bool:
+    """Return whether a percept says more than one that is known: it is newer, or says that what was seen is gone."""
+    return percept.stamp > known.stamp or (percept.stamp == known.stamp and percept.confidence == 0 < known.confidence)
 
 
 class RobotHandle:

@@ -9,6 +9,9 @@ from collections.abc import Collection, Mapping, Sequence
 from humanoid_bt.core.clock import PERCEPTION_PERIOD
 from humanoid_bt.core.messages import Level, Percept, State, Truth
 
+OLDEST = 60.0
+"""How long ago something may have been seen that is told of only now [s]: so long it is known where the robot stood."""
+
 NOTHING: Mapping[str, str] = types.MappingProxyType({})
 
 

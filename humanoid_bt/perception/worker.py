@@ -18,11 +18,13 @@ from humanoid_bt.core.errors import relative
 from humanoid_bt.core.messages import Array, Percept
 from humanoid_bt.core.texts import one_line, shortened
 from humanoid_bt.files.class_files import class_file, place_in_file
+from humanoid_bt.perception.interface import OLDEST
 from humanoid_bt.perception.source import Moment, PerceptSource
 
 SETUP_PATIENCE = 60.0
 """How long a source may take to set itself up, on the wall clock [s]."""
 
+_FARTHEST = 1000.0  # m: what is farther away was told in millimetres
 _LONGEST = 300  # characters of what an exception says
 
 
@@ -182,6 +184,8 @@ def _checked(percept: Percept, time: float) -> Percept:
     position = numbers("position", (3,))
     if position is None:
         raise PerceptError(f"{what} has no position")
+    if (far := float(np.linalg.norm(position))) > _FARTHEST:
+        raise PerceptError(f"{what} is {far:g} m away: positions are in metres, at most {_FARTHEST:g} m from the base")
     for field in ("stamp", "confidence", "heading"):
         value = getattr(percept, field)
         if not isinstance(value, (int, float, np.floating, np.integer)) or not np.isfinite(value):
@@ -190,6 +194,8 @@ def _checked(percept: Percept, time: float) -> Percept:
         raise PerceptError(f"{what} has the confidence {percept.confidence!r}: it is from 0 to 1")
     if percept.stamp > time + 1e-9:
         raise PerceptError(f"{what} has the stamp {percept.stamp:g} s, and it is {time:g} s: it was not seen yet")
+    if (age := time - percept.stamp) > OLDEST:
+        raise PerceptError(f"{what} has the stamp of {age:.0f} s ago: where the robot stood is known of {OLDEST:g} s")
     orientation, size, covariance = numbers("orientation", (4,)), numbers("size", (3,)), numbers("covariance", (3, 3))
     if orientation is not None:
         length = float(np.linalg.norm(orientation))

@@ -64,6 +64,23 @@ def test_a_late_percept_is_placed_from_where_the_robot_stood_when_it_was_seen(ro
     np.testing.assert_allclose(track.position_world, [1.2, 0.0, 0.8], atol=1e-12)
 
 
+def test_a_percept_that_comes_very_late_is_placed_there_too(robot: Robot) -> None:
+    for step in range(500):
+        robot.begin_tick(standing(0.01 * step, 0.0, 0.0, time=0.02 * step), {})
+    robot.begin_tick(standing(5.0, 0.0, 0.0, time=10.0), seen(2.0, distance=1.0))
+    track = robot.track("target")
+    assert track is not None
+    np.testing.assert_allclose(track.position_world, [2.0, 0.0, 0.8], atol=1e-12)
+
+
+def test_that_a_thing_is_gone_may_be_told_with_the_time_at_which_it_was_seen_last(robot: Robot) -> None:
+    cup = Percept("cup", 0.2, np.array([1.0, 0.0, 0.0]), 0.9)
+    for confidence in (0.9, 0.0, 0.9):
+        robot.begin_tick(make_state(0.3), {"cup": dataclasses.replace(cup, confidence=confidence)})
+    track = robot.track("cup")
+    assert track is not None and track.gone
+
+
 def test_an_older_percept_does_not_replace_a_newer_one(robot: Robot) -> None:
     robot.begin_tick(make_state(0.2), seen(0.2, distance=1.0))
     robot.begin_tick(make_state(0.3), seen(0.1, distance=3.0))

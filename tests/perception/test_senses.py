@@ -147,6 +147,8 @@ GOOD = Percept("cup", 1.0, np.array([1.0, 0, 0]), 0.5)
         ([Percept("cup", 1.0, np.zeros(2), 0.5)], "has the position"),
         ([Percept("cup", 1.0, GOOD.position, 1.5)], "confidence 1.5: it is from 0 to 1"),
         ([Percept("cup", 9.0, GOOD.position, 0.5)], "it was not seen yet"),
+        ([Percept("cup", -99.0, GOOD.position, 0.5)], "has the stamp of 100 s ago: .* of 60 s"),
+        ([Percept("cup", 1.0, 2000 * GOOD.position, 0.5)], "is 2000 m away: positions are in metres"),
         ([Percept("cup", 1.0, GOOD.position, 0.5, size=np.array([1, 0, 1]))], "lengths are above 0"),
         ([Percept("cup", 1.0, GOOD.position, 0.5, orientation=np.ones(4))], "a unit quaternion"),
         ([Percept("cup", 1.0, GOOD.position, 0.5, covariance=-np.eye(3))], "not symmetric and positive"),
