@@ -49,8 +49,10 @@ class Approach(Skill):
     def initialise(self) -> None:
         """Forget the last goal."""
         self._goal: np.ndarray | None = None
+        self._straight = False  # whether the goal is straight before the target
+        self._stood = False  # at the goal, and not facing the target: it only has to turn
         self._stands = Improving(self.patience, step=0.02)
-        self._goal_of = np.full(2, np.inf)  # where the target was when a goal beside obstacles was chosen
+        self._goal_of = np.full(2, np.inf)  # where the target was when the goal was chosen
         self._route = Route(self.robot, self.clearance, self.obstacles, self.patience)
 
     def update(self) -> Status:
@@ -70,7 +72,8 @@ class Approach(Skill):
             self.robot.look_at(track.position_world)
         if arrived and self.robot.state.gait is Gait.STAND:
             return self.running("coming to rest")
-        ahead = target - (stance[:2] if self._straight else self._goal)
+        self._stood = to_go < self.tolerance and (self._stood or self.robot.state.base_settled)
+        ahead = target - (stance[:2] if self._stood else self._goal)
         return self._walk(to_go, math.atan2(ahead[1], ahead[0]))
 
     def _walk(self, to_go: float, heading: float) -> Status:
@@ -93,14 +96,14 @@ class Approach(Skill):
         stop_at = self.robot.config.reach_distance if self.distance is None else self.distance
         heading = math.atan2(*(target - here)[::-1])
         goal = target - stop_at * np.array([math.cos(heading), math.sin(heading)])
-        self._straight = self._route.is_straight(goal) and self._route.free([goal], [self.target])[0]
-        if self._straight:
-            return self._steady(goal, math.dist(goal, here))
-        still = self._goal is not None and self._route.free([self._goal], [self.target])[0]
-        if still and math.dist(target, self._goal_of) < 0.02 + 0.1 * math.dist(self._goal, here):
-            return self._goal
-        self._goal_of = target
-        return self._beside(target, heading, stop_at, goal)
+        straight = self._route.is_straight(goal) and self._route.free([goal], [self.target])[0]
+        if self._goal is not None and (self._straight or not straight):
+            moved = math.dist(target, self._goal_of)  # or seems to by noise, which grows with the way left
+            noise = 0.02 + 0.1 * math.dist(self._goal, here)
+            if moved < noise and self._route.free([self._goal], [self.target])[0]:
+                return self._goal
+        self._goal_of, self._straight = target, straight
+        return goal if straight else self._beside(target, heading, stop_at, goal)
 
     def _beside(self, target: np.ndarray, heading: float, stop_at: float, goal: np.ndarray) -> np.ndarray:
         """Return the best place to stand beside a target among obstacles; the one straight ahead if there is none."""
@@ -113,9 +116,3 @@ class Approach(Skill):
         at = np.linalg.norm(places[nearest, sides] - self.robot.state.stance[:2], axis=1) < self.tolerance
         best = self._route.nearest(places[nearest, sides], costs - _STAY * at, [self.target])
         return goal if best is None else np.asarray(places[nearest[best], sides[best]])
-
-    def _steady(self, goal: np.ndarray, to_go: float) -> np.ndarray:
-        """Keep the last goal while the new one differs by noise only, which grows with the way left."""
-        if self._goal is not None and math.dist(goal, self._goal) < 0.02 + 0.1 * to_go:
-            return self._goal
-        return goal

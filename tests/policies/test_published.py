@@ -12,6 +12,7 @@ from humanoid_bt.control.body.policy.lending import WAIST
 from humanoid_bt.control.body.standing import load_robot
 from humanoid_bt.core.messages import BaseTarget, GazeTarget, HandTarget, Mode
 from humanoid_bt.testing.check_body import check_body
+from humanoid_bt.testing.rig import Rig
 from tests.control.control_rig import ControlRig
 from tests.policies.published import write_robot
 from tests.safety.trials import trial
@@ -65,6 +66,13 @@ def test_knows_how_far_it_has_walked(tmp_path: Path, robot: str) -> None:
     way = rig.plant.data.qpos[:2]
     assert np.linalg.norm(way) > 1.5
     assert np.linalg.norm(rig.state.base_position[:2] - way) < 0.015 * np.linalg.norm(way)
+
+
+def test_approaches_what_it_looks_at_without_dithering_before_it(tmp_path: Path) -> None:
+    """Where to stand once followed from where the robot stood: one that slides aside as it turns walked round it."""
+    rig = Rig(robot=str(write_robot(tmp_path, "g1", "fastsac")))
+    result = rig.run("approach", target=(1.2, -1.0, 1.0), timeout=10)
+    assert result.succeeded, result.feedback
 
 
 @pytest.mark.parametrize("robot", ["g1", "t1"])

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from humanoid_bt import Gait, Rig
+from humanoid_bt.core.messages import BaseTarget
 
 
 @pytest.mark.parametrize(("distance", "bearing"), [pytest.param(1.0, 0.0, marks=pytest.mark.trials), (0.9, 1.2)])
@@ -95,3 +96,12 @@ def test_says_that_a_robot_that_stands_makes_no_step_for_so_little(rig: Rig) -> 
     result = rig.run("approach", target=(0.43, 0.0, 0.9), distance=0.4, tolerance=0.005, patience=0.5)
     assert result.failed
     assert result.feedback == "comes no nearer: 0.03 m and 0 deg to go, for which it makes no step"
+
+
+def test_the_place_to_stand_at_does_not_wander_with_the_robot(rig: Rig) -> None:
+    result = rig.run("approach", target=(0.8, 0.5, 0.9), distance=0.4, timeout=15)
+    assert result.succeeded, result.feedback
+    bases = [base for command in result.commands if isinstance(base := command.targets.get("base"), BaseTarget)]
+    assert len({tuple(base.position.tolist()) for base in bases}) == 1
+    headings = [base.heading for base in bases]
+    assert max(headings) - min(headings) < 0.02  # by noise of what is seen
