@@ -104,3 +104,14 @@ def test_its_trunk_turns_no_farther_than_a_view_needs(tmp_path: Path, aside: flo
     rig.run(3, {"gaze": GazeTarget(np.array([2 * np.cos(yaw), 2 * np.sin(yaw), 1.0]))})
     waist = rig.robot.joint("waist_yaw_joint")
     assert rig.state.joint_positions[waist] == pytest.approx(turned, abs=0.12)
+
+
+@pytest.mark.parametrize("aside", [1.9, -2.2])
+def test_looking_behind_moves_no_foot(tmp_path: Path, aside: float) -> None:
+    """A trunk that was turned by 1.2 rad threw the robot, and from 0.8 rad on the walker steps."""
+    rig = ControlRig(*load_robot(write_robot(tmp_path, "g1", "fastsac")))
+    rig.run(1, {})
+    x, y, yaw = rig.state.stance.tolist()
+    rig.run(6, {"gaze": GazeTarget(np.array([x + 2 * np.cos(yaw + aside), y + 2 * np.sin(yaw + aside), 1.0]))})
+    assert rig.state.mode is Mode.RUN
+    assert np.linalg.norm(rig.state.stance[:2] - [x, y]) < 0.02

@@ -22,7 +22,7 @@ from humanoid_bt.robot.policy.policy import Indices
 _FASTEST = 2.5  # rad/s of a lent joint
 # The walker balances on what the waist does, so that it must be slow:
 _WAIST_SPEED, _WAIST_RANGE = 0.3, 0.5  # rad/s; rad from home
-_YAW_SPEED, _YAW_RANGE = 0.6, 1.2  # likewise where it only turns
+_YAW_SPEED, _YAW_RANGE = 0.6, 0.65  # likewise where it only turns: G1 steps on its own from 0.8 on, and falls at 1.2
 _ROLL_SPEED = 0.05  # rad/s where it leans aside: walkers step back from faster ones, away from what is reached for
 _UPRIGHT = 0.7  # of the vertical part of a joint's axis that only turns
 _WAIST_COST = 5.0  # times that of other joints
