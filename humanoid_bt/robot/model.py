@@ -83,7 +83,7 @@ class RobotModel:
 
     def __init__(self, config: RobotConfig) -> None:
         mujoco_warnings.hear()
-        self.policy = _policy(config)
+        self.policy = learned_walker(config)
         self.config = config
         self.model = _compile(self.spec(), config)
         model = self.model
@@ -160,8 +160,12 @@ class RobotModel:
         return spec
 
 
-def _policy(config: RobotConfig) -> Policy | None:
-    """Return the learned walker of a robot that is walked by one."""
+def learned_walker(config: RobotConfig) -> Policy | None:
+    """Return the learned walker of a robot that is walked by one.
+
+    Raises:
+        UserError: there is none, or it has mistakes.
+    """
     if config.body.walk != "policy":
         return None
     place = config.place("body", "policy")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import pytest
@@ -61,3 +62,14 @@ def test_the_tree_runs_on_a_learned_walker(robot: Path) -> None:
     with Session("stand", robot=robot, duration=1.0) as session:
         report = session.run()
     assert (report.outcome, report.stops) == ("unfinished", [])
+
+
+def test_a_robot_is_loaded_again_once_a_file_of_it_changes(robot: Path) -> None:
+    before = load_robot(robot)
+    assert load_robot(robot) is before
+    for name in ("robot.yaml", "humanoid.xml", "stand.policy.yaml", "stand.onnx"):
+        now = (robot.parent / name).stat().st_mtime_ns
+        os.utime(robot.parent / name, ns=(now + 1_000_000, now + 1_000_000))
+        after = load_robot(robot)
+        assert after is not before, name
+        before = after

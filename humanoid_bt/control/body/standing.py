@@ -12,15 +12,15 @@ import numpy as np
 from humanoid_bt.control.body.mink_terms import SOLVER, frame_task, planar_se3, within_soft_limits
 from humanoid_bt.core.errors import UserError
 from humanoid_bt.core.messages import SIDES, Array
-from humanoid_bt.robot.config import Walk, load_robot_config
-from humanoid_bt.robot.model import RobotModel, sole_site
+from humanoid_bt.robot.config import RobotConfig, Walk, load_robot_config
+from humanoid_bt.robot.model import RobotModel, learned_walker, sole_site
+from humanoid_bt.robot.policy.policy import Policy
 
 _TOLERANCE = 0.02  # m and rad
 
 
-@functools.lru_cache(maxsize=4)
 def load_robot(path: Path, walk: Walk | None = None) -> tuple[RobotModel, Array]:
-    """Return a robot and the configuration it starts in, shape (7 + nj,).
+    """Return a robot and the configuration it starts in, shape (7 + nj,); the same one until its files change.
 
     Args:
         path: its ``robot.yaml``.
@@ -29,11 +29,23 @@ def load_robot(path: Path, walk: Walk | None = None) -> tuple[RobotModel, Array]
     Raises:
         UserError: ``robot.yaml`` or the model is not valid.
     """
-    config = load_robot_config(path)
-    if walk is not None:
-        config = replace(config, body=replace(config.body, walk=walk))
-    robot = RobotModel(config)
+    config = _config(path, walk)
+    files = (path.stat(), config.model_file.stat())
+    version = tuple((file.st_mtime_ns, file.st_size) for file in files)
+    return _loaded(path, walk, version, learned_walker(config))
+
+
+@functools.lru_cache(maxsize=4)
+def _loaded(
+    path: Path, walk: Walk | None, _version: tuple[tuple[int, int], ...], _policy: Policy | None
+) -> tuple[RobotModel, Array]:
+    robot = RobotModel(_config(path, walk))
     return robot, standing_posture(robot)
+
+
+def _config(path: Path, walk: Walk | None) -> RobotConfig:
+    config = load_robot_config(path)
+    return config if walk is None else replace(config, body=replace(config.body, walk=walk))
 
 
 def standing_posture(robot: RobotModel, steps: int = 200) -> Array:

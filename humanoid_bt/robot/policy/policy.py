@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import fnmatch
 import functools
+import glob
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -310,11 +311,14 @@ def load_policy(path: Path) -> Policy:
     Raises:
         UserError: the description has mistakes, or does not fit its model; with the place of each.
     """
-    return _loaded(path, path.stat().st_mtime_ns if path.is_file() else 0)
+    model = path.parent / load_policy_config(path).model
+    # weights may be in files of their own, which exporters name after the model
+    files = [path, *sorted(model.parent.glob(f"{glob.escape(model.stem)}*"))]
+    return _loaded(path, tuple((str(file), file.stat().st_mtime_ns, file.stat().st_size) for file in files))
 
 
 @functools.lru_cache(maxsize=8)
-def _loaded(path: Path, _changed: int) -> Policy:
+def _loaded(path: Path, _state: tuple[tuple[str, int, int], ...]) -> Policy:
     config = load_policy_config(path)
     written = config.written
     return Policy(config, Network(path.parent / config.model, written.place_of("model") if written else None))

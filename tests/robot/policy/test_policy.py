@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from pathlib import Path
 
@@ -154,3 +155,16 @@ def test_without_onnxruntime_it_says_what_to_install(tmp_path: Path, monkeypatch
 
 def test_a_free_batch_is_one(tmp_path: Path) -> None:
     assert load_policy(write_walker(tmp_path, batch="n")).width == 11
+
+
+@pytest.mark.parametrize("suffix", [".onnx", ".onnx.data"])
+def test_a_model_that_was_exported_again_is_loaded_again(tmp_path: Path, suffix: str) -> None:
+    path = write_walker(tmp_path)
+    changed = (tmp_path / "walk.onnx").with_suffix(suffix)
+    if not changed.exists():
+        changed.write_bytes(b"weights")
+    before = load_policy(path)
+    assert load_policy(path) is before
+    now = changed.stat().st_mtime_ns
+    os.utime(changed, ns=(now + 1_000_000, now + 1_000_000))
+    assert load_policy(path) is not before
