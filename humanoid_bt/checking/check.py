@@ -123,7 +123,7 @@ def _load(path: Path, workspace: Workspace, kinds: Kinds) -> Sequence[Problem]:
     elif path.name == "robot.yaml":
         return robot_problems(path)
     elif path.name.endswith(".policy.yaml"):
-        load_policy(path)
+        return load_policy(path).warnings
     elif path.parent.name == "scenes":
         scene = load_scene(path)
         choose(scene.perception, workspace, scene)

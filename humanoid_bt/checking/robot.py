@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from collections.abc import Iterator
 from pathlib import Path
@@ -9,7 +10,7 @@ from pathlib import Path
 import mujoco
 import numpy as np
 
-from humanoid_bt.core.errors import Problem
+from humanoid_bt.core.errors import Problem, relative
 from humanoid_bt.core.messages import SIDES, Array, Side
 from humanoid_bt.robot.capsules import capsules
 from humanoid_bt.robot.config import SiteConfig, load_robot_config
@@ -38,7 +39,8 @@ def robot_problems(path: Path) -> list[Problem]:
         UserError: it cannot be loaded.
     """
     robot = RobotModel(load_robot_config(path))
-    found = list(_odd_size(robot)) or list(_implausible(robot))
+    found = list(_odd_size(robot)) or list(_learned_outside(robot)) or _blamed(robot, list(_implausible(robot)))
+    found += robot.policy.warnings if robot.policy else ()
     if any(problem.severity == "error" for problem in found):
         return found  # it would only fall over them
     from humanoid_bt.checking.robot_motion import tried  # noqa: PLC0415 (control, which takes a while)
@@ -51,6 +53,35 @@ def _odd_size(robot: RobotModel) -> Iterator[Problem]:
     if message := odd_size(Surveyor(robot.model)):
         hint = "scale positions, sizes and meshes of the model, as by 0.001 from millimetres"
         yield Problem(message, robot.config.place("model"), hint, code="odd-size")
+
+
+def _learned_outside(robot: RobotModel) -> Iterator[Problem]:
+    """Yield angles of a learned walker's default pose that are outside: in such a pose all else would look wrong."""
+    policy = robot.policy
+    for name, angle in zip(policy.joints, policy.default_pose.tolist(), strict=True) if policy else ():
+        index = robot.joint(name)
+        low, high = float(robot.lower[index]), float(robot.upper[index])
+        if policy and not low <= angle <= high:
+            message = f"the default angle of {name!r}, {angle:g} rad, is outside its soft limits"
+            hint = f"valid: {low:.2f} to {high:.2f} rad; is it in rad, and in the order of joints?"
+            yield Problem(message, policy.pose_place, hint, code="home-outside")
+
+
+def _blamed(robot: RobotModel, found: list[Problem]) -> list[Problem]:
+    """Return findings, at a learned walker's default pose if they are none of the home posture of ``robot.yaml``."""
+    config, policy = robot.config, robot.policy
+    if policy is None or not found:
+        return found
+    body = dataclasses.replace(config.body, walk="dcm")
+    own = RobotModel(dataclasses.replace(load_robot_config(config.path), body=body))
+    known = {(problem.code, problem.place) for problem in _implausible(own)}
+    hint = f"so it is in the default pose of {relative(policy.config.path)}: is it in rad, and in the order of joints?"
+    return [
+        problem
+        if (problem.code, problem.place) in known
+        else dataclasses.replace(problem, place=policy.pose_place, hint=hint)
+        for problem in found
+    ]
 
 
 def _implausible(robot: RobotModel) -> Iterator[Problem]:

@@ -157,12 +157,13 @@ def _body_problems(trial: Trial) -> Iterator[Problem]:
     for one, other in sorted(seen.touching):
         legs = {one, other} <= _legs(robot)
         hint = "a larger gait.stance_width or separation_min" if legs else "another home posture"
-        place = robot.config.place("gait", "stance_width") if legs else robot.config.place("home")
+        posed = robot.policy.pose_place if robot.policy else robot.config.place("home")
+        where = robot.config.place("gait", "stance_width") if legs else posed
         message, hint = (
             f"{one!r} and {other!r} touch each other",
             f"{hint}; or, if they only overlap: collision.overlap",
         )
-        yield Problem(message, place, hint, code="self-contact", severity="warning")
+        yield Problem(message, where, hint, code="self-contact", severity="warning")
 
 
 def _moves_a_foot(robot: RobotModel, joint: str) -> bool:

@@ -22,7 +22,7 @@ WHERE = (
     "files/*.py",
     "checking/allow.py",
     "checking/robot*.py",
-    "robot/*.py",
+    "robot/**/*.py",
     "plant/*.py",
     "decision/*.py",
     "tree/**/*.py",

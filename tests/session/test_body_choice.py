@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 from pathlib import Path
 
 import pytest
@@ -73,3 +74,22 @@ def test_a_robot_is_loaded_again_once_a_file_of_it_changes(robot: Path) -> None:
         after = load_robot(robot)
         assert after is not before, name
         before = after
+
+
+@pytest.mark.parametrize(
+    ("angle", "told"),
+    [
+        ("-40", "error: the default angle of 'left_hip_pitch', -40 rad, is outside its soft limits [home-outside]"),
+        ("0.3", "warning: the soles do not mirror each other in the home posture: 38 cm off [asymmetric]"),
+    ],
+)
+def test_a_wrong_default_pose_is_told_where_it_is_written(
+    robot: Path, capsys: pytest.CaptureFixture[str], angle: str, told: str
+) -> None:
+    policy = robot.parent / "stand.policy.yaml"
+    policy.write_text(re.sub(r"left_hip_pitch: [-\d.]+", f"left_hip_pitch: {angle}", policy.read_text()))
+    assert main(["check", str(robot)]) == 2
+    out = capsys.readouterr().out
+    assert f"stand.policy.yaml:4:15: {told}" in out
+    assert "is it in rad, and in the order of joints?" in out
+    assert "robot.yaml:" not in out

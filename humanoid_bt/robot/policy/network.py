@@ -52,9 +52,8 @@ class Network:
         self.outputs = {one.name: _shape(one.shape) for one in self._session.get_outputs()}
         for one in self._session.get_inputs():
             if one.type != "tensor(float)":
-                raise UserError(
-                    f"the model's input {one.name!r} is a {one.type}, not a tensor(float)", place, "float32"
-                )
+                message = f"the model's input {one.name!r} is a {one.type}, not a tensor(float)"
+                raise UserError(message, place, "float32", code="policy")
 
     def run(self, outputs: list[str], inputs: Mapping[str, Tensor]) -> list[Tensor]:
         """Return outputs for inputs.

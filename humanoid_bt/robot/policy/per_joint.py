@@ -77,7 +77,8 @@ class Joints:
         found = self.value.read(metadata) if isinstance(self.value, FromModel) else self.value
         names = [found] if isinstance(found, str) else found
         if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
-            raise UserError(f"the model's metadata has no list of names there, but {found!r}", self.item.place)
+            message = f"the model's metadata has no list of names there, but {found!r}"
+            raise UserError(message, self.item.place, code="policy")
         if twice := sorted({name for name in names if names.count(name) > 1}):
             raise UserError(f"the joint {twice[0]!r} is there twice", self.item.place, code="policy")
         return names
@@ -124,7 +125,8 @@ class PerJoint:
         try:
             numbers = np.asarray(value, dtype=float)
         except (TypeError, ValueError):
-            raise UserError(f"the model's metadata has no numbers there, but {value!r}", self.item.place) from None
+            message = f"the model's metadata has no numbers there, but {value!r}"
+            raise UserError(message, self.item.place, code="policy") from None
         if numbers.size == 1 and numbers.ndim <= 1:
             numbers = np.full(len(names), numbers.item())
         if numbers.shape != (len(names),):

@@ -84,6 +84,7 @@ class Policy:
         period: how many periods of the whole-body loop there are between two answers.
         input, output: names of the observation and of the answer.
         states: input -> output of memories.
+        warnings: what is doubtful.
     """
 
     def __init__(self, config: PolicyConfig, network: Network) -> None:
@@ -93,6 +94,7 @@ class Policy:
         if names is None:
             raise UserError(self._problems)
         self.joints: tuple[str, ...] = tuple(names)
+        self.warnings = tuple(self._doubts())
         action = config.action
         moved = self._try(lambda: self._chosen(action.joints, ("action", "joints"), self.joints))
         self.moves: Indices = np.arange(len(names)) if moved is None else moved
@@ -139,9 +141,23 @@ class Policy:
                     hint, where = nearest(pattern, self.joints), self.place("lend", key, number)
                     yield Problem(f"no joint of the policy matches {pattern!r}", where, hint, code="unknown-joint")
 
+    @property
+    def pose_place(self) -> Place | None:
+        """Where the default pose is written."""
+        return self.place("model" if self.config.default_pose is None else "default_pose")
+
     def place(self, *keys: str | int) -> Place | None:
         """Return where in its description something stands, None if it has none."""
         return self.config.written.place_of(*keys) if self.config.written else None
+
+    def _doubts(self) -> Iterator[Problem]:
+        """Yield that the model itself has its joints in another order, or has others."""
+        key = next((key for key in _KEYS["joints"] if key in self.network.metadata), None)
+        known = None if key is None else self.network.metadata[key]
+        if self.config.joints is not None and isinstance(known, list) and known != list(self.joints):
+            message = f"'joints' are not as in {key!r} of the model's metadata"
+            hint = f"there: {', '.join(map(str, known))}; leave 'joints' out to take these"
+            yield Problem(message, self.place("joints"), hint, code="joint-order", severity="warning")
 
     # ---- reading -----------------------------------------------------------------------------------------------------
 

@@ -168,3 +168,11 @@ def test_a_model_that_was_exported_again_is_loaded_again(tmp_path: Path, suffix:
     now = changed.stat().st_mtime_ns
     os.utime(changed, ns=(now + 1_000_000, now + 1_000_000))
     assert load_policy(path) is not before
+
+
+def test_joints_in_another_order_than_the_metadata_has_them_are_doubtful(tmp_path: Path) -> None:
+    names = "joints: [b_hip, a_hip, c_knee]\n"
+    [problem] = load_policy(write_walker(tmp_path, DESCRIPTION + names)).warnings
+    assert (problem.severity, problem.code) == ("warning", "joint-order")
+    assert "walk.policy.yaml:12:9: warning: 'joints' are not as in 'dof_names' of the model's metadata" in str(problem)
+    assert not load_policy(write_walker(tmp_path, DESCRIPTION + "joints: [a_hip, b_hip, c_knee]\n")).warnings
