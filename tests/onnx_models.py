@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-FLOAT = 1  # TensorProto.DataType
+FLOAT, INT64 = 1, 7  # TensorProto.DataType
 
 
 def write_affine(
@@ -24,6 +24,8 @@ def write_affine(
     *,
     state: int = 0,
     batch: int | str = 1,
+    numbers: str = "",
+    answer: int = FLOAT,
 ) -> None:
     """Write a network whose output ``action`` is ``obs @ matrix + offset``.
 
@@ -34,11 +36,17 @@ def write_affine(
         metadata: key -> text, or what becomes JSON.
         state: so many numbers of a memory: ``h_out`` is ``h_in`` + 1.
         batch: first size of the observation, or its name where it is free.
+        numbers: name of the second size of the observation where it is free.
+        answer: type of the output.
     """
     matrix, offset = np.asarray(matrix, np.float32), np.asarray(offset, np.float32)
-    graph = _node("MatMul", ["obs", "matrix"], ["product"]) + _node("Add", ["product", "offset"], ["action"])
+    graph = _node("MatMul", ["obs", "matrix"], ["product"]) + _node("Add", ["product", "offset"], ["sum"])
+    graph += _node("Cast", ["sum"], ["action"], _text(1, "to") + _number(3, answer) + _number(20, 2))
     graph += _tensor("matrix", matrix) + _tensor("offset", offset)
-    inputs, outputs = _value(11, "obs", batch, len(matrix)), _value(12, "action", batch, len(offset))
+    inputs, outputs = (
+        _value(11, "obs", batch, numbers or len(matrix)),
+        _value(12, "action", batch, len(offset), kind=answer),
+    )
     if state:
         graph += _node("Add", ["h_in", "one"], ["h_out"]) + _tensor("one", np.ones(1, np.float32))
         inputs, outputs = inputs + _value(11, "h_in", 1, state), outputs + _value(12, "h_out", 1, state)
@@ -70,9 +78,9 @@ def _text(field: int, text: str) -> bytes:
     return _field(field, text.encode())
 
 
-def _node(kind: str, inputs: list[str], outputs: list[str]) -> bytes:
+def _node(kind: str, inputs: list[str], outputs: list[str], attribute: bytes = b"") -> bytes:
     ends = [*(_text(1, name) for name in inputs), *(_text(2, name) for name in outputs)]
-    return _field(1, b"".join(ends) + _text(4, kind))
+    return _field(1, b"".join(ends) + _text(4, kind) + (_field(5, attribute) if attribute else b""))
 
 
 def _tensor(name: str, values: Any) -> bytes:
@@ -81,6 +89,6 @@ def _tensor(name: str, values: Any) -> bytes:
     return _field(5, dims + _number(2, FLOAT) + _text(8, name) + _field(9, raw))
 
 
-def _value(field: int, name: str, *shape: int | str) -> bytes:
+def _value(field: int, name: str, *shape: int | str, kind: int = FLOAT) -> bytes:
     dims = b"".join(_field(1, _text(2, size) if isinstance(size, str) else _number(1, size)) for size in shape)
-    return _field(field, _text(1, name) + _field(2, _field(1, _number(1, FLOAT) + _field(2, dims))))
+    return _field(field, _text(1, name) + _field(2, _field(1, _number(1, kind) + _field(2, dims))))

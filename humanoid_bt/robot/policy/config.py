@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Literal
 
-from humanoid_bt.core.errors import UserError
+from humanoid_bt.core.errors import Place, UserError
 from humanoid_bt.core.items import Item
 from humanoid_bt.core.params import param
 from humanoid_bt.core.reading import read
@@ -148,6 +148,21 @@ class PolicyConfig:
     lend: LendConfig = param(LendConfig(), doc="What others may move.")
     path: Path = field(default=Path(), compare=False)
     written: Item | None = field(default=None, compare=False, repr=False)
+
+    def place(self, *keys: str | int) -> Place | None:
+        """Return where something stands, None if it is not from a file."""
+        return self.written.place_of(*keys) if self.written else None
+
+    def says(self, *keys: str | int) -> bool:
+        """Return whether something is written, and no default."""
+        found = self.written
+        for key in keys:
+            parts = found.value if found else None
+            if isinstance(parts, dict):
+                found = parts.get(key)
+            else:
+                found = parts[key] if isinstance(parts, list) and isinstance(key, int) else None
+        return found is not None
 
 
 def load_policy_config(path: Path) -> PolicyConfig:

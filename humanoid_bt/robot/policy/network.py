@@ -18,6 +18,8 @@ Metadata = Mapping[str, Any]
 """Key -> value: what is written as JSON, or as words with commas between them, as what it means; else text."""
 
 Tensor = NDArray[np.float32]
+FLOAT = "tensor(float)"
+FLOATS = (FLOAT, "tensor(double)", "tensor(float16)")
 INSTALL = "pip install 'humanoid-bt[policy]'"
 
 
@@ -34,6 +36,7 @@ class Network:
     Attributes:
         metadata: what the model says of itself.
         inputs, outputs: name -> shape; None where a size is free, which is run as 1.
+        kinds: of the outputs, as :data:`FLOAT`.
     """
 
     def __init__(self, path: Path, place: Place | None) -> None:
@@ -50,9 +53,10 @@ class Network:
         self.metadata: Metadata = {key: _meant(text) for key, text in written.items()}
         self.inputs = {one.name: _shape(one.shape) for one in self._session.get_inputs()}
         self.outputs = {one.name: _shape(one.shape) for one in self._session.get_outputs()}
+        self.kinds: dict[str, str] = {one.name: one.type for one in self._session.get_outputs()}
         for one in self._session.get_inputs():
-            if one.type != "tensor(float)":
-                message = f"the model's input {one.name!r} is a {one.type}, not a tensor(float)"
+            if one.type != FLOAT:
+                message = f"the model's input {one.name!r} is a {one.type}, not a {FLOAT}"
                 raise UserError(message, place, "float32", code="policy")
 
     def run(self, outputs: list[str], inputs: Mapping[str, Tensor]) -> list[Tensor]:
@@ -70,6 +74,11 @@ class Network:
 def size(shape: tuple[int | None, ...]) -> int:
     """Return how many numbers a tensor has, of a batch of one."""
     return math.prod(1 if length is None else length for length in shape)
+
+
+def is_free(shape: tuple[int | None, ...]) -> bool:
+    """Return whether more than the batch is free."""
+    return None in shape[1:]
 
 
 def _runtime(place: Place | None) -> Any:

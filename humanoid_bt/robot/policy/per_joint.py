@@ -106,53 +106,72 @@ class PerJoint:
         spec = Param(name, kinds.get(type(item.value), float), doc=cls.described, unit=cls.unit)
         return cls(convert(spec, item), item)
 
-    def values(self, names: Sequence[str], metadata: Metadata, others: float | None = None) -> Array:
+    def values(
+        self,
+        names: Sequence[str],
+        metadata: Metadata,
+        others: float | None = None,
+        known: Sequence[str] | None = None,
+    ) -> Array:
         """Return the number of each joint, shape (len(names),).
 
         Args:
             names: of the joints, in their order.
             metadata: of the model.
             others: of a joint that no pattern names; None if each must be named.
+            known: all joints of the model, of which metadata may have the numbers; these if None.
 
         Raises:
             UserError: there is not one for each joint.
         """
-        value = self.value
+        value, source, everyone = self.value, "", names
         if isinstance(value, FromModel):
+            everyone, source = known or names, f" in {value.key!r} of the model's metadata"
             value = value.read(metadata)
         if isinstance(value, dict):
-            return self._named(value, names, others)
-        try:
-            numbers = np.asarray(value, dtype=float)
-        except (TypeError, ValueError):
-            message = f"the model's metadata has no numbers there, but {value!r}"
-            raise UserError(message, self.item.place, code="policy") from None
-        if numbers.size == 1 and numbers.ndim <= 1:
-            numbers = np.full(len(names), numbers.item())
+            numbers = self._named(value, names, everyone, source, others)
+        else:
+            numbers = self._listed(value, source)
+            if numbers.size == 1 and numbers.ndim <= 1:
+                numbers = np.full(len(names), numbers.item())
+            elif numbers.shape == (len(everyone),):
+                numbers = numbers[[everyone.index(name) for name in names]]
         if numbers.shape != (len(names),):
-            message = f"there must be {len(names)} numbers, one for each joint, not {numbers.size}"
+            there = numbers.size if numbers.ndim <= 1 else f"a list of lists of {numbers.shape[-1]}"
+            message = f"there must be {len(names)} numbers, one for each joint, not {there}{source}"
             raise UserError(message, self.item.place, f"in this order: {', '.join(names)}", code="policy")
         if not np.isfinite(numbers).all():
-            raise UserError("a number is not finite", self.item.place, code="policy")
+            raise UserError(f"a number is not finite{source}", self.item.place, code="policy")
         return numbers
 
-    def _named(self, value: dict[str, float], names: Sequence[str], others: float | None) -> Array:
+    def _listed(self, value: Any, source: str) -> Array:
+        try:
+            return np.asarray(value, dtype=float)
+        except (TypeError, ValueError):
+            message = f"there must be numbers, not {value!r}{source}"
+            raise UserError(message, self.item.place, code="policy") from None
+
+    def _named(
+        self, value: dict[str, Any], names: Sequence[str], everyone: Sequence[str], source: str, others: float | None
+    ) -> Array:
         problems: list[Problem] = []
         found: list[float] = []
         for pattern in value:
-            if not fnmatch.filter(names, pattern):
+            if not fnmatch.filter(everyone, pattern):
                 where = self.item.key_places.get(pattern, self.item.place)
-                hint = nearest(pattern, names)
-                message = f"no joint of the policy matches {pattern!r}"
+                hint = nearest(pattern, everyone)
+                message = f"no joint of the policy matches {pattern!r}{source}"
                 problems.append(Problem(message, where, hint, "unknown-joint"))
         for name in names:
             key = next((one for one in value if fnmatch.fnmatchcase(name, one)), None)
             if key is None and others is None:
-                problems.append(Problem(f"nothing here matches the joint {name!r}", self.item.place, code="policy"))
-            found.append(others or 0.0 if key is None else float(value[key]))
+                problems.append(
+                    Problem(f"nothing here matches the joint {name!r}{source}", self.item.place, code="policy")
+                )
+            found.append(others or 0.0 if key is None else value[key])
         if problems:
             raise UserError(problems)
-        return np.array(found)
+        return self._listed(found, source)
 
 
 class Angles(PerJoint):

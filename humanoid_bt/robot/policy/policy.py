@@ -19,8 +19,9 @@ from humanoid_bt.core.errors import Place, Problem, UserError, nearest
 from humanoid_bt.core.items import Item
 from humanoid_bt.core.messages import Array
 from humanoid_bt.core.units import readable
-from humanoid_bt.robot.policy.config import Axis, PolicyConfig, TermConfig, load_policy_config
-from humanoid_bt.robot.policy.network import Network, size
+from humanoid_bt.robot.policy.commands import RANGE_KEYS, command_problems, command_range
+from humanoid_bt.robot.policy.config import PolicyConfig, TermConfig, load_policy_config
+from humanoid_bt.robot.policy.network import FLOAT, FLOATS, Network, is_free, size
 from humanoid_bt.robot.policy.per_joint import Angles, FromModel, Joints, PerJoint, from_model
 
 Indices = NDArray[np.intp]
@@ -35,9 +36,8 @@ _KEYS = {
     "damping": ("kd", "joint_damping"),
     "scale": ("action_scale",),
 }
-_RANGES = "command_ranges"
-_RANGE_KEYS: dict[Axis, str] = {"vx": "lin_vel_x", "vy": "lin_vel_y", "wz": "ang_vel_yaw"}
-_VECTORS, _PHASES = ("base_ang_vel", "base_lin_vel", "projected_gravity"), ("phase_sin", "phase_cos")
+_VECTORS = ("base_ang_vel", "base_lin_vel", "projected_gravity")
+PHASES = ("phase_sin", "phase_cos")
 _CONTROL_RATE = round(1 / ESTIMATE_PERIOD)  # Hz
 
 
@@ -109,7 +109,10 @@ class Policy:
         self.offset: Array = self.default_pose[self.moves]
         if action.offset is not None:
             self.offset = self._numbers(action.offset, "offset", moving, Angles, others=0.0, within=("action",))
-        self.ranges = np.array([self._range(axis) for axis in _RANGE_KEYS]).T
+        ranges = [self._try(partial(command_range, config, axis, network.metadata)) for axis in RANGE_KEYS]
+        self.ranges: Array = np.array([(0.0, 0.0) if one is None else one for one in ranges]).T
+        if None not in ranges:
+            self._problems += command_problems(config, self.ranges)
         self.period = _CONTROL_RATE // config.rate
         if _CONTROL_RATE % config.rate:
             valid = ", ".join(str(rate) for rate in range(10, 201) if _CONTROL_RATE % rate == 0)
@@ -120,7 +123,7 @@ class Policy:
         self._judge_phase()
         self.input, self.output = self._judge_tensors()
         if self._problems:
-            raise UserError(self._problems)
+            raise UserError(list(dict.fromkeys(self._problems)))
 
     @property
     def width(self) -> int:
@@ -148,7 +151,7 @@ class Policy:
 
     def place(self, *keys: str | int) -> Place | None:
         """Return where in its description something stands, None if it has none."""
-        return self.config.written.place_of(*keys) if self.config.written else None
+        return self.config.place(*keys)
 
     def _doubts(self) -> Iterator[Problem]:
         """Yield that the model itself has its joints in another order, or has others."""
@@ -197,7 +200,8 @@ class Policy:
         others: float | None = None,
         within: tuple[str, ...] = (),
     ) -> Array:
-        found = self._try(lambda: self._stated(value, key, kind, within).values(names, self.network.metadata, others))
+        metadata = self.network.metadata
+        found = self._try(lambda: self._stated(value, key, kind, within).values(names, metadata, others, self.joints))
         return np.zeros(len(names)) if found is None else found
 
     def _chosen(self, patterns: list[str] | None, keys: tuple[str | int, ...], names: Sequence[str]) -> Indices:
@@ -212,24 +216,6 @@ class Policy:
                 raise UserError(message, self.place(*keys, number), hint, code="unknown-joint")
             found += [index for index in matching if index not in found]
         return np.array(found, dtype=np.intp)
-
-    def _range(self, axis: Axis) -> tuple[float, float]:
-        found: Any = getattr(self.config.command, axis)
-        if found is None:
-            known = self.network.metadata.get(_RANGES)
-            found = known.get(_RANGE_KEYS[axis]) if isinstance(known, dict) else None
-        if found is None:
-            hint = f"{axis}: [least, largest]"
-            self._wrong(
-                f"there is no 'command.{axis}', and the model's metadata has no {_RANGES}", "command", hint=hint
-            )
-            return 0.0, 0.0
-        low, high = (float(value) for value in found)
-        if not low <= 0 <= high:
-            self._wrong(
-                f"the range of {axis}, {low:g} to {high:g}, does not hold 0: it could not stand", "command", axis
-            )
-        return low, high
 
     def _terms(self) -> Iterator[Term]:
         observation = self.config.observation
@@ -260,11 +246,11 @@ class Policy:
 
     def _length(self, term: TermConfig, joints: Indices, where: tuple[str | int, ...]) -> int:
         phase = self.config.phase
-        if term.term in _PHASES and phase is None:
+        if term.term in PHASES and phase is None:
             self._wrong(f"{term.term!r} needs a phase, and there is no 'phase'", *where, "term")
         lengths: dict[str, int] = {
             **dict.fromkeys(_VECTORS, 3),
-            **dict.fromkeys(_PHASES, len(phase.start) if phase else 1),
+            **dict.fromkeys(PHASES, len(phase.start) if phase else 1),
             "command": len(term.axes),
             "constant": len(term.value),
             "last_action": len(self.moves),
@@ -292,14 +278,25 @@ class Policy:
         if len(free) > 1 and given:
             others = ", ".join(repr(name) for name in free if name != given)
             self._wrong(f"nothing is said of the model's other inputs: {others}", "observation", hint="as 'state'?")
-        if given and size(network.inputs[given]) != self.width:
+        if given and is_free(network.inputs[given]) and size(network.inputs[given]) != self.width:
+            hint = f"export it with {self.width} numbers: only the first size, of the batch, may be free"
+            self._wrong(f"how many numbers the model's input {given!r} has is left open", "model", hint=hint)
+        elif given and size(network.inputs[given]) != self.width:
             parts = ", ".join(f"{term.config.term} {term.length * term.history}" for term in self.terms)
             wanted = size(network.inputs[given])
             message = f"the terms have {self.width} numbers, the model's input {given!r} {wanted}"
             if wanted > self.width > 0 == wanted % self.width and all(term.history == 1 for term in self.terms):
                 parts = f"{parts}; is there a history: {wanted // self.width} of them?"
             self._wrong(message, "observation", "terms", hint=parts)
-        if answer and size(network.outputs[answer]) != len(self.moves):
+        for name in filter(None, (answer, *self.states.values())):
+            kind, valid = network.kinds.get(name, FLOAT), (FLOAT,) if name != answer else FLOATS
+            if kind not in valid:
+                hint = f"export it as {' or '.join(valid)}"
+                self._wrong(f"the model's output {name!r} is a {kind}", "model", hint=hint)
+        if answer and is_free(network.outputs[answer]) and size(network.outputs[answer]) != len(self.moves):
+            hint = f"export it with {len(self.moves)} numbers: only the first size, of the batch, may be free"
+            self._wrong(f"how many numbers the model's output {answer!r} has is left open", "model", hint=hint)
+        elif answer and size(network.outputs[answer]) != len(self.moves):
             numbers = size(network.outputs[answer])
             self._wrong(
                 f"it moves {len(self.moves)} joints, the model's output {answer!r} has {numbers} numbers", "action"

@@ -12,7 +12,7 @@ import pytest
 from humanoid_bt.cli import main
 from humanoid_bt.core.errors import UserError
 from humanoid_bt.robot.policy.policy import load_policy
-from tests.onnx_models import write_affine
+from tests.onnx_models import INT64, write_affine
 from tests.policy_files import DESCRIPTION, JOINTS, METADATA, write_walker
 
 pytest.importorskip("onnxruntime", reason="learned walkers need onnxruntime: pip install 'humanoid-bt[policy]'")
@@ -115,6 +115,8 @@ def test_terms_that_have_a_history_are_not_asked_for_one(tmp_path: Path) -> None
         ("scale: 0.25}", "clip: -2}", 7, "base_ang_vel cannot be clipped to -2"),
         ("scale: 0.5,", "scale: 0.5, offset: [1, 2],", 4, "must be 3 numbers, one for each joint, not 2"),
         ("term: joint_pos_rel", "term: joint_pos_rl", 9, "'term' cannot be 'joint_pos_rl'"),
+        ("command: {", "command: {stand_below: 5, ", 11, "as slow as 'slowest', 0.12, would be one to stand"),
+        ("vx: [-1, 1], vy: [-0.5, 0.5]", "vx: [0, 0], vy: [0, 0]", 11, "the ranges of vx and vy are 0"),
     ],
 )
 def test_what_does_not_fit_is_refused_with_its_line(tmp_path: Path, old: str, new: str, line: int, told: str) -> None:
@@ -176,3 +178,54 @@ def test_joints_in_another_order_than_the_metadata_has_them_are_doubtful(tmp_pat
     assert (problem.severity, problem.code) == ("warning", "joint-order")
     assert "walk.policy.yaml:12:9: warning: 'joints' are not as in 'dof_names' of the model's metadata" in str(problem)
     assert not load_policy(write_walker(tmp_path, DESCRIPTION + "joints: [a_hip, b_hip, c_knee]\n")).warnings
+
+
+RANGES = {"lin_vel_x": [-1, 1], "lin_vel_y": [-1, 1], "ang_vel_yaw": [-1, 1]}
+
+
+@pytest.mark.parametrize(
+    ("known", "told"),
+    [
+        ({"kp": {"*": "hard"}}, "there must be numbers, not ['hard', 'hard', 'hard'] in 'kp' of the model's metadata"),
+        ({"kp": {"*": float("nan")}}, "a number is not finite in 'kp' of the model's metadata"),
+        ({"kp": [[1, 2, 3]]}, "must be 3 numbers, one for each joint, not a list of lists of 3 in 'kp'"),
+        ({"kp": [1, 2]}, "must be 3 numbers, one for each joint, not 2 in 'kp' of the model's metadata"),
+        ({"command_ranges": [[-1, 1]] * 3}, "command_ranges of the model's metadata is no mapping, but [[-1, 1]"),
+        (
+            {"command_ranges": {**RANGES, "lin_vel_y": 1}},
+            "(lin_vel_y in command_ranges of the model's metadata) must be",
+        ),
+        ({"command_ranges": {**RANGES, "lin_vel_y": [-1, 0, 1]}}, "must be two finite numbers, not [-1, 0, 1]"),
+        ({"command_ranges": {**RANGES, "lin_vel_y": ["a", "b"]}}, "must be two finite numbers, not [a, b]"),
+        ({"command_ranges": {**RANGES, "lin_vel_y": [0, float("inf")]}}, "must be two finite numbers, not [0, inf]"),
+        ({"command_ranges": {"lin_vel_x": [-1, 1]}}, "command_ranges of the model's metadata has no 'ang_vel_yaw'"),
+    ],
+)
+def test_what_metadata_says_wrong_is_told_with_its_key(tmp_path: Path, known: dict[str, object], told: str) -> None:
+    path = write_walker(tmp_path, DESCRIPTION.replace("command: {vx: [-1, 1], vy: [-0.5, 0.5], wz: [-1, 1]}\n", ""))
+    metadata = {**METADATA, "command_ranges": RANGES, **known}
+    write_affine(tmp_path / "walk.onnx", np.zeros((11, 3)), np.zeros(3), metadata)
+    messages = refused(path)
+    assert any(told in message for message in messages), messages
+    assert len(messages) == len(set(messages))
+
+
+def test_numbers_of_joints_that_are_not_moved_are_left_out(tmp_path: Path) -> None:
+    text = DESCRIPTION.replace("clip: 2", "clip: 2, joints: [c_knee, a_hip]").replace("axes: [wz, vx]", "axes: [wz]")
+    path = write_walker(tmp_path, text)
+    write_affine(tmp_path / "walk.onnx", np.zeros((9, 2)), np.zeros(2), METADATA)
+    policy = load_policy(path)
+    assert (policy.stiffness.tolist(), policy.damping.tolist()) == ([30, 10], [3, 1])
+
+
+def test_a_size_that_is_left_open_is_told(tmp_path: Path) -> None:
+    path = write_walker(tmp_path)
+    write_affine(tmp_path / "walk.onnx", np.zeros((11, 3)), np.zeros(3), METADATA, batch="n", numbers="m")
+    assert any("how many numbers the model's input 'obs' has is left open" in message for message in refused(path))
+
+
+def test_an_answer_of_whole_numbers_is_refused(tmp_path: Path) -> None:
+    path = write_walker(tmp_path)
+    write_affine(tmp_path / "walk.onnx", np.zeros((11, 3)), np.zeros(3), METADATA, answer=INT64)
+    [message] = refused(path)
+    assert "walk.policy.yaml:2:8: error: the model's output 'action' is a tensor(int64)" in message
