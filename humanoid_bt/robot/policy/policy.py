@@ -22,6 +22,7 @@ from humanoid_bt.core.units import readable
 from humanoid_bt.robot.policy.commands import RANGE_KEYS, command_problems, command_range
 from humanoid_bt.robot.policy.config import PolicyConfig, TermConfig, load_policy_config
 from humanoid_bt.robot.policy.network import FLOAT, FLOATS, Network, is_free, size
+from humanoid_bt.robot.policy.options import PHASES, option_problems
 from humanoid_bt.robot.policy.per_joint import Angles, FromModel, Joints, PerJoint, from_model
 
 Indices = NDArray[np.intp]
@@ -37,7 +38,6 @@ _KEYS = {
     "scale": ("action_scale",),
 }
 _VECTORS = ("base_ang_vel", "base_lin_vel", "projected_gravity")
-PHASES = ("phase_sin", "phase_cos")
 _CONTROL_RATE = round(1 / ESTIMATE_PERIOD)  # Hz
 
 
@@ -113,6 +113,7 @@ class Policy:
         self.ranges: Array = np.array([(0.0, 0.0) if one is None else one for one in ranges]).T
         if None not in ranges:
             self._problems += command_problems(config, self.ranges)
+        self._problems += option_problems(config)
         self.period = _CONTROL_RATE // config.rate
         if _CONTROL_RATE % config.rate:
             valid = ", ".join(str(rate) for rate in range(10, 201) if _CONTROL_RATE % rate == 0)
