@@ -14,6 +14,7 @@ from humanoid_bt.core.messages import SIDES
 from humanoid_bt.core.texts import listed
 from humanoid_bt.decision.robot import RobotHandle
 from humanoid_bt.robot.model import RobotModel, carriers
+from humanoid_bt.robot.policy.commands import impossible
 
 _STAND = 1.0  # s
 _WALK = 8  # s at most: a learned walker may wander as it begins
@@ -76,7 +77,7 @@ def _walked(trial: Trial) -> Iterator[Problem]:
         message = f"it does not walk {_WAY:g} m straight ahead: after {_WALK:g} s it is {_whereabouts(trial)}"
         if stopped := trial.controller.supervisor.reason:
             message = f"it stops as it walks: {stopped}"
-        yield _blamed(trial, message, "does-not-walk")
+        yield _blamed(trial, message, "does-not-walk", astray=not stopped)
 
 
 def _astray(trial: Trial) -> bool:
@@ -96,11 +97,14 @@ def _fallen(trial: Trial, when: str, code: str) -> Problem:
     return _blamed(trial, f"it falls {when}, after {stop.time:.1f} s: {stop.reason}", code)
 
 
-def _blamed(trial: Trial, message: str, code: str) -> Problem:
-    """Return a finding at what is the most likely cause."""
+def _blamed(trial: Trial, message: str, code: str, *, astray: bool = False) -> Problem:
+    """Return a finding at what is the most likely cause; ``astray`` if it only gets elsewhere."""
     robot, seen = trial.robot, trial.seen
     if trial.false_contacts:
         return Problem(message, robot.config.place("contact"), f"nothing touches it: {_NOT_TOUCHED}", code=code)
+    if robot.policy and astray and (ways := impossible(robot.policy.ranges)):
+        hint = f"by the ranges of command it cannot {' or '.join(ways)}; else it"
+        return Problem(message, robot.policy.place("command"), f"{hint} {_LEARNED}", code=code)
     if robot.policy:
         return Problem(message, robot.policy.place("observation", "terms"), _LEARNED, code=code)
     legs = [i for i, name in enumerate(robot.joint_names) if _moves_a_foot(robot, name)]

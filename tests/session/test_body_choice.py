@@ -93,3 +93,12 @@ def test_a_wrong_default_pose_is_told_where_it_is_written(
     assert f"stand.policy.yaml:4:15: {told}" in out
     assert "is it in rad, and in the order of joints?" in out
     assert "robot.yaml:" not in out
+
+
+def test_a_walker_that_cannot_step_back_is_told_so(robot: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    policy = robot.parent / "stand.policy.yaml"
+    policy.write_text(policy.read_text().replace("vx: [-1, 1], vy: [-1, 1]", "vx: [0, 1], vy: [0, 0]"))
+    assert main(["check", str(robot)]) == 2
+    told = capsys.readouterr().out
+    assert "stand.policy.yaml:8:10: error: it does not walk 1 m straight ahead" in told
+    assert "by the ranges of command it cannot walk backward or walk to the right or walk to the left; else" in told
