@@ -103,8 +103,8 @@ def _blamed(trial: Trial, message: str, code: str, *, astray: bool = False) -> P
     if trial.false_contacts:
         return Problem(message, robot.config.place("contact"), f"nothing touches it: {_NOT_TOUCHED}", code=code)
     if robot.policy and astray and (ways := impossible(robot.policy.ranges)):
-        hint = f"by the ranges of command it cannot {' or '.join(ways)}; else it"
-        return Problem(message, robot.policy.place("command"), f"{hint} {_LEARNED}", code=code)
+        hint = f"by the ranges of command it cannot {' or '.join(ways)}"
+        return Problem(message, robot.policy.place("command"), hint, code=code)
     if robot.policy:
         return Problem(message, robot.policy.place("observation", "terms"), _LEARNED, code=code)
     legs = [i for i, name in enumerate(robot.joint_names) if _moves_a_foot(robot, name)]

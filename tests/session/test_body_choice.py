@@ -101,4 +101,4 @@ def test_a_walker_that_cannot_step_back_is_told_so(robot: Path, capsys: pytest.C
     assert main(["check", str(robot)]) == 2
     told = capsys.readouterr().out
     assert "stand.policy.yaml:8:10: error: it does not walk 1 m straight ahead" in told
-    assert "by the ranges of command it cannot walk backward or walk to the right or walk to the left; else" in told
+    assert "by the ranges of command it cannot walk backward or walk to the right or walk to the left\n" in told
