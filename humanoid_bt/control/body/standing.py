@@ -29,23 +29,27 @@ def load_robot(path: Path, walk: Walk | None = None) -> tuple[RobotModel, Array]
     Raises:
         UserError: ``robot.yaml`` or the model is not valid.
     """
-    config = _config(path, walk)
-    files = (path.stat(), config.model_file.stat())
-    version = tuple((file.st_mtime_ns, file.st_size) for file in files)
-    return _loaded(path, walk, version, learned_walker(config))
+    config = _config(path, walk, _version(path))
+    return _loaded(path, walk, _version(path, config.model_file), learned_walker(config))
+
+
+def _version(*files: Path) -> tuple[tuple[int, int], ...]:
+    """Return what changes with the files: when each was written, and its size; whoever reads it misses one."""
+    return tuple((file.stat().st_mtime_ns, file.stat().st_size) for file in files if file.exists())
+
+
+@functools.lru_cache(maxsize=4)
+def _config(path: Path, walk: Walk | None, _version: tuple[tuple[int, int], ...]) -> RobotConfig:
+    config = load_robot_config(path)
+    return config if walk is None else replace(config, body=replace(config.body, walk=walk))
 
 
 @functools.lru_cache(maxsize=4)
 def _loaded(
-    path: Path, walk: Walk | None, _version: tuple[tuple[int, int], ...], _policy: Policy | None
+    path: Path, walk: Walk | None, version: tuple[tuple[int, int], ...], _policy: Policy | None
 ) -> tuple[RobotModel, Array]:
-    robot = RobotModel(_config(path, walk))
+    robot = RobotModel(_config(path, walk, version[:1]))
     return robot, standing_posture(robot)
-
-
-def _config(path: Path, walk: Walk | None) -> RobotConfig:
-    config = load_robot_config(path)
-    return config if walk is None else replace(config, body=replace(config.body, walk=walk))
 
 
 def standing_posture(robot: RobotModel, steps: int = 200) -> Array:
