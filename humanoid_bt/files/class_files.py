@@ -94,6 +94,17 @@ def class_place(cls: type) -> Place:
     return Place(file)
 
 
+def method_place(cls: type, name: str) -> Place:
+    """Return where a method of a class begins; where the class is written if that is not known."""
+    code = getattr(vars(cls).get(name), "__code__", None)
+    path = class_file(cls)
+    if code is None or path is None or code.co_filename != str(path):
+        return class_place(cls)
+    lines = getattr(sys.modules.get(cls.__module__), _SOURCE, "").splitlines()
+    line = lines[code.co_firstlineno - 1] if code.co_firstlineno <= len(lines) else ""
+    return Place(relative(path), code.co_firstlineno, len(line) - len(line.lstrip()) + 1)
+
+
 def class_file(cls: type) -> Path | None:
     """Return the file that a class is written in, None if it is not known."""
     file = getattr(sys.modules.get(cls.__module__), "__file__", None)

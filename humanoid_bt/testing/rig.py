@@ -22,6 +22,7 @@ from humanoid_bt.core.messages import Command, PalmAxis, Percept, Pose, Side, St
 from humanoid_bt.core.palm import axis_of
 from humanoid_bt.core.params import PerceptName
 from humanoid_bt.core.reading import convert, needed
+from humanoid_bt.decision.overridden import not_made
 from humanoid_bt.decision.result import results_of
 from humanoid_bt.decision.robot import Robot
 from humanoid_bt.files.workspace import Workspace
@@ -393,6 +394,8 @@ def _alone(node_type: NodeType, values: Mapping[str, Any]) -> Tree:
     """Return a tree of nothing but a skill."""
     name = node_type.type_name
     behaviour = node_type.cls(name=name, **values)
+    if problem := not_made(behaviour):
+        raise UserError([problem])
     behaviour.path = name  # type: ignore[attr-defined]  # plain behaviours know their path too
     node = Node(name, name, node_type, values, _PLACE, behaviour, -1)
     return Tree(name, node_type.doc, Path(_PLACE.file), None, None, {}, "", (node,))

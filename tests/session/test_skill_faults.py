@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 import humanoid_bt as hbt
+from humanoid_bt.tree.nodes import Sequence
 from tests.projects import make_project
 
 SKILLS = '''
@@ -75,6 +76,25 @@ class Stray(Skill):
     def update(self):
         threading.Thread(target=time.sleep, args=(600,), name="driver of the gripper").start()
         return self.succeed("started")
+
+class Unmade(Skill):
+    """Take the place of what makes it a node."""
+    width: float = param(1.0, doc="How wide.")
+
+    def __init__(self, name):
+        self.tries = 0
+
+    def update(self):
+        return self.succeed("made")
+
+class Unready(Skill):
+    """Take the place of what gives it the robot."""
+
+    def setup(self, **kwargs):
+        self.tries = 0
+
+    def update(self):
+        return self.succeed(self.robot.state.mode.value)
 '''
 
 
@@ -118,6 +138,36 @@ def test_nobody_writes_into_what_everybody_sees(faulty: Path) -> None:
         assert not [value for value in vars_of(session.state) if isinstance(value, dict)]
         with pytest.raises(TypeError, match="does not support item assignment"):
             session.state.hands["left"] = np.zeros(3)  # type: ignore[index]  # as a skill without types does
+
+
+@pytest.mark.parametrize(
+    ("skill", "method", "call"),
+    [("unmade", "Unmade.__init__", "super().__init__()"), ("unready", "Unready.setup", "super().setup(**kwargs)")],
+)
+def test_what_a_skill_overrides_and_does_not_call_is_named(faulty: Path, skill: str, method: str, call: str) -> None:
+    begin = f"def {method.partition('.')[2]}("
+    line = next(n for n, text in enumerate(SKILLS.splitlines(), 1) if begin in text)
+    said = re.escape(f"faulty.py:{line}:5: error: {method} does not call {call} [broken-skill]")
+    with pytest.raises(hbt.UserError, match=said) as twice:
+        hbt.run(tree(faulty, f"sequence: [{{{skill}: {{name: a}}}}, {{{skill}: {{name: b}}}}]"))
+    assert len(twice.value.problems) == 1
+    for use in (lambda: hbt.check_skill(skill, workspace=faulty), lambda: hbt.Rig(faulty).run(skill)):
+        with pytest.raises(hbt.UserError, match=said):
+            use()
+
+
+def test_nor_can_one_stand_in_a_tree_made_in_python() -> None:
+    class Unmade(hbt.Skill):
+        """Take the place of what makes it a node."""
+
+        def __init__(self, name: str) -> None:
+            self.tries = 0
+
+        def update(self) -> hbt.Status:
+            return self.succeed("made")
+
+    with pytest.raises(hbt.UserError, match=r"Unmade.__init__ does not call super\(\).__init__\(\)"):
+        Sequence("all", [Unmade("one")])
 
 
 def vars_of(state: hbt.State) -> list[object]:

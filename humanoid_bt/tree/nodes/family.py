@@ -7,6 +7,7 @@ from collections.abc import Iterable
 from py_trees.behaviour import Behaviour
 
 from humanoid_bt.core.errors import UserError
+from humanoid_bt.decision.overridden import not_made
 
 _CODE = "invalid-node"
 
@@ -49,6 +50,8 @@ def _called(parent: type, name: object) -> str:
 
 def _node(child: object, what: str) -> Behaviour:
     if isinstance(child, Behaviour):
+        if problem := not_made(child):
+            raise UserError([problem])
         return child
     hint = f'an instance of it: {child.__name__}("name", ...)' if isinstance(child, type) else "a node that was made"
     raise UserError(f"{what} must be a node, not {_kind(child)}", None, hint, _CODE)

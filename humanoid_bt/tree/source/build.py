@@ -11,6 +11,7 @@ from py_trees.behaviour import Behaviour
 from py_trees.behaviours import Dummy
 
 from humanoid_bt.core.errors import Problem, UserError
+from humanoid_bt.decision.overridden import not_made
 from humanoid_bt.files.class_files import class_file, place_in_file
 from humanoid_bt.tree.draft import Draft
 from humanoid_bt.tree.node import Node
@@ -110,6 +111,10 @@ def make(draft: Draft, made: dict[int, Behaviour], problems: list[Problem]) -> B
         place = place_in_file(error, file) if file and not builtin else None
         hint = f"raised at {place}" if place else ""
         problems.append(Problem(f"{draft.type.type_name!r} cannot be made: {what}", draft.place, hint, "invalid-node"))
+        return None
+    if unmade := not_made(behaviour):
+        if unmade not in problems:  # many nodes may be of one class
+            problems.append(unmade)
         return None
     made[id(draft)] = behaviour
     return behaviour

@@ -17,6 +17,7 @@ from humanoid_bt.core.params import Param
 from humanoid_bt.core.reading import convert
 from humanoid_bt.decision.assign import keys_read
 from humanoid_bt.decision.blackboard import Key, are_keys, exchanged
+from humanoid_bt.decision.overridden import not_made
 from humanoid_bt.decision.skill import node_type_name
 from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.tree.checks import World, check
@@ -67,6 +68,8 @@ def make_tree(
         given = f"the class {root.__name__}" if isinstance(root, type) else repr(root)
         hint = 'like Sequence("name", [...]), of humanoid_bt.tree.nodes'
         raise UserError(f"the root of a tree must be a node, not {given}", place, hint, "invalid-node")
+    if problem := not_made(root):
+        raise UserError([problem])
     _check_name(name, place, problems)
     workspace = workspace if isinstance(workspace, Workspace) else Workspace(workspace)
     registry = Registry.of(workspace)

@@ -14,6 +14,7 @@ from humanoid_bt.core.ctrl_c import is_ctrl_c
 from humanoid_bt.core.errors import HumanoidBtError, Place, Problem, ResourceConflict, UserError
 from humanoid_bt.core.messages import Command, Percept, State
 from humanoid_bt.core.texts import shortened, told
+from humanoid_bt.decision.overridden import not_set_up
 from humanoid_bt.decision.result import Reported, reported
 from humanoid_bt.decision.robot import Robot
 from humanoid_bt.files.class_files import class_file, place_in_file
@@ -106,6 +107,8 @@ class Executor:
             try:
                 for inner in own:
                     inner.setup(robot=self.robot)
+                    if (problem := not_set_up(inner)) and problem not in problems:
+                        problems.append(problem)
             except UserError as error:
                 problems += [replace(p, place=p.place or node.place) for p in error.problems]
             except BaseException as error:
