@@ -6,19 +6,24 @@ have keys of their own, but for those that their caller hands to them.
 
 from __future__ import annotations
 
+import math
 import re
 import typing
 from collections.abc import Callable
 from typing import Any, ClassVar
 
-from humanoid_bt.core.errors import HumanoidBtError, UserError
-from humanoid_bt.core.items import Item
+import numpy as np
+
+from humanoid_bt.core.errors import HumanoidBtError, Place, UserError
+from humanoid_bt.core.items import Item, item_of
 from humanoid_bt.core.params import Param
+from humanoid_bt.core.reading import convert
 
 KEY_NAME = re.compile(r"^[A-Za-z_]\w*$")
 """How keys and parameters of trees are called."""
 
 _UNSET: Any = object()
+_NOWHERE = Place("")
 
 
 class KeyNotSet(HumanoidBtError):  # noqa: N818 (the name says it)
@@ -76,7 +81,18 @@ class Key:
         return self._value
 
     def set(self, value: Any) -> None:
-        """Give it a value, seen by every node that is ticked after this one."""
+        """Give it a value, seen by every node that is ticked after this one.
+
+        Args:
+            value: it. A key that is declared takes what a file could write for it, and numbers of numpy.
+
+        Raises:
+            ValueError: it does not go with the key's declaration, or is a number that is not finite.
+        """
+        self._value = self._checked(value)
+
+    def put(self, value: Any) -> None:
+        """Give it a value as it is: one that it had before, or none of a list's parts."""
         self._value = value
 
     def clear(self) -> None:
@@ -86,6 +102,18 @@ class Key:
     def reset(self) -> None:
         """Give it its initial value, or none."""
         self._value = self.initial
+
+    def _checked(self, value: Any) -> Any:
+        if isinstance(value, np.generic) or (self.spec is not None and isinstance(value, np.ndarray)):
+            value = value.tolist()
+        if self.spec is not None:
+            try:
+                return convert(self.spec, item_of(value, _NOWHERE))
+            except UserError as error:
+                raise ValueError(f"the key {error.problems[0].message}") from error
+        if isinstance(value, float) and not math.isfinite(value):
+            raise ValueError(f"the key {self.name!r} must be finite, not {value}")
+        return value
 
     def __str__(self) -> str:
         return self.name

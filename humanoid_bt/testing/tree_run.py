@@ -219,7 +219,7 @@ class TreeRun:
             clock.time = sample.state.time
             view.robot.begin_tick(sample.state, sample.percepts)
             for key in self.tree.keys:
-                key.set(sample.keys[key.name]) if key.name in sample.keys else key.clear()
+                key.put(sample.keys[key.name]) if key.name in sample.keys else key.clear()
             view.move_on(sample)
             yield view
 

@@ -50,6 +50,83 @@ class Patient(Skill):
 """
 
 
+PUTTING = """
+import numpy as np
+from humanoid_bt import Key, Skill, param
+
+class Putting(Skill):
+    key: Key = param(doc="Where to.")
+    what: str = param(doc="What, in Python.")
+    def update(self):
+        self.key.set(eval(self.what))
+        return self.succeed("")
+"""
+
+
+def put(workspace: Workspace, what: str, declared: str = "") -> Run:
+    (workspace.root / "skills" / "putting.py").write_text(PUTTING, encoding="utf-8")
+    head = f"blackboard: {{k: {{type: {declared}}}}}\n" if declared else ""
+    root = f"{{sequence: [{{putting: {{key: k, what: {what!r}}}}}, {{condition: is_set(k)}}]}}"
+    return Run(load(workspace, f"{head}root: {root}\n"))
+
+
+@shows("key-declared")
+@pytest.mark.parametrize(
+    ("declared", "what", "said"),
+    [
+        ("number", "'a'", "the key 'k' must be a number, not text 'a'"),
+        ("number", "None", "the key 'k' must be a number, not nothing"),
+        ("number", "dict(a=1)", "the key 'k' must be a number, not a mapping"),
+        ("number", "np.array([1.0, 2.0])", "the key 'k' must be a number, not a list"),
+        ("number", "self", "the key 'k' must be a number, not an object of type Putting"),
+        ("number", "float('nan')", "the key 'k' must be finite, not nan"),
+        ("integer", "2.5", "the key 'k' must be a whole number, not a number 2.5"),
+        ("boolean", "1", "the key 'k' must be true or false, not a number 1"),
+        ("text", "2", "the key 'k' must be text, not a number 2"),
+        ("", "float('inf')", "the key 'k' must be finite, not inf"),
+        ("", "np.float32('nan')", "the key 'k' must be finite, not nan"),
+    ],
+)
+def test_a_key_takes_what_it_is_declared_to_be(workspace: Workspace, declared: str, what: str, said: str) -> None:
+    with pytest.raises(NodeError, match=said) as raised:
+        put(workspace, what, declared).ticks(1)
+    assert raised.value.path.endswith("/putting")
+    assert str(raised.value.where).endswith("putting.py:9:9")
+
+
+@shows("key-declared")
+@pytest.mark.parametrize(
+    ("declared", "what", "value"),
+    [
+        ("number", "np.float32(0.5)", 0.5),
+        ("number", "2", 2.0),
+        ("integer", "np.int64(3)", 3),
+        ("boolean", "np.bool_(True)", True),
+        ("list", "np.array([1, 2])", [1, 2]),
+        ("list", "(1, 2)", [1, 2]),
+        ("", "np.float64(0.5)", 0.5),
+        ("", "dict(a=1)", {"a": 1}),
+    ],
+)
+def test_numbers_of_numpy_are_plain_ones(workspace: Workspace, declared: str, what: str, value: object) -> None:
+    keyed = put(workspace, what, declared)
+    assert keyed.ticks(1) == "s"
+    assert keyed.tree.keys[0].value == value
+    assert type(keyed.tree.keys[0].value) is type(value)
+
+
+@shows("key-declared")
+def test_what_is_computed_is_finite_and_no_part_of_an_item_is_none(workspace: Workspace) -> None:
+    big = "{sequence: [{set_blackboard: {key: k, expression: 1e308 * (10 + n)}}, {condition: k > 0}]}"
+    with pytest.raises(NodeError, match="the key 'k' must be finite, not inf"):
+        Run(load(workspace, f"blackboard: {{n: 0}}\nroot: {big}\n")).ticks(1)
+    loop = "{for_each: {item: [x, turn], items: [[1 m, 90 deg], [1 m]], condition: x > 0.5 m and is_set(turn)}}"
+    keys = "{x: {type: number, unit: m}, turn: {type: number, unit: rad}}"
+    keyed = Run(load(workspace, f"blackboard: {keys}\nroot: {loop}\n"))
+    assert keyed.ticks(2) == "rs"
+    assert [key.value for key in keyed.tree.keys] == [1.0, None]
+
+
 @shows("key-at-start")
 def test_a_parameter_is_read_at_the_start(workspace: Workspace) -> None:
     (workspace.root / "skills" / "patient.py").write_text(PATIENT, encoding="utf-8")

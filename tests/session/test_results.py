@@ -170,7 +170,7 @@ def test_the_recording_has_a_series_for_each_result_to_its_end(project: Path, tm
 
 
 def test_the_report_has_events_blackboard_and_percepts_at_the_end_as_json(project: Path, tmp_path: Path) -> None:
-    head = "outputs: {found: {type: text}}\nblackboard: {n: 2, none: {type: number}}"
+    head = "blackboard: {n: 2, none: {type: number}}"
     report = run(project, "{sequence: [{note: {key: found}}, {wait: 0.3 s}]}", head=head)
     report.write(tmp_path / "r.json")
     values = json.loads((tmp_path / "r.json").read_text(encoding="utf-8"))

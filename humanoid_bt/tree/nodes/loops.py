@@ -69,7 +69,7 @@ class ForEach(Decorator):
             self.item.set(item)
         else:
             for key, part in zip_longest(self.item, item):
-                key.set(part)
+                key.put(None) if part is None else key.set(part)  # whatever it is declared to be
 
 
 def _check_parts(items: list[Any], keys: list[str]) -> None:

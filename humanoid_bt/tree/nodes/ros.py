@@ -85,9 +85,7 @@ class RosCall(Leaf):
         answer = self._calls.answer(self._number)
         self.feedback_message = answer.text
         if answer.state == "success":
-            for path, key in self.keys.items():
-                key.set(answer.values[path])
-            return SUCCESS
+            return self._keep(answer.values)
         if answer.state == "failure":
             return FAILURE
         if self.robot.clock.now() - self._started >= self.limit - TIME_TOLERANCE:
@@ -100,6 +98,15 @@ class RosCall(Leaf):
         if self._number is not None:
             self._calls.drop(self._number)
             self._number = None
+
+    def _keep(self, values: Mapping[str, Any]) -> Status:
+        try:
+            for path, key in self.keys.items():
+                key.set(values[path])
+        except ValueError as error:
+            self.feedback_message = f"answered, but {error}"
+            return FAILURE
+        return SUCCESS
 
     @property
     def _calls(self) -> Calls:
