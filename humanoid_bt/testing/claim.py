@@ -21,7 +21,7 @@ from humanoid_bt.testing.course import Course, Life, NoValue
 from humanoid_bt.tree.expressions import grammar
 from humanoid_bt.tree.expressions.expression import Expression, Truth
 from humanoid_bt.tree.expressions.grammar import Syntax
-from humanoid_bt.tree.expressions.linking import FUNCTIONS, Evaluate, Linker, Names, Unseen
+from humanoid_bt.tree.expressions.linking import FUNCTIONS, Evaluate, Linker, Names, Unseen, Untold
 from humanoid_bt.tree.expressions.quantities import NUMBER, TEXT, TRUTH, Type, number
 from humanoid_bt.tree.expressions.vocabulary import PERCEPT, SEEN, Word
 
@@ -189,12 +189,17 @@ class _Part(Expression):
 
 
 class Claim(Truth):
-    """What is true or false of a run at a moment."""
+    """What is true or false of a run at a moment.
+
+    Attributes:
+        untold: what it asks of a percept that was seen and is not told of it, "" if that did not happen.
+    """
 
     described = "claim about the run"
     verbs = tuple(VERBS)
     linker = _RunLinker
 
+    untold = ""
     _names: RunNames | None = None
 
     def link(self, names: Names) -> None:
@@ -207,7 +212,7 @@ class Claim(Truth):
             UserError: a name means nothing, or types or units do not go together.
         """
         super().link(names)
-        self._names = cast(RunNames, names)
+        self._names, self.untold = cast(RunNames, names), ""
 
     def holds(self, robot: Robot) -> bool | None:
         """Return whether it is true now, None if something that it asks has no value yet.
@@ -218,6 +223,9 @@ class Claim(Truth):
         """
         try:
             return bool(self.evaluate(robot))
+        except Untold as untold:
+            self.untold = str(untold)
+            return None
         except (Unseen, KeyNotSet, NoValue):
             return None
 

@@ -217,8 +217,8 @@ class Throughout(Expectation):
         if not self._looked:
             assert self._meanwhile is not None
             self.break_at(course, f"nothing was looked at: {self._meanwhile.text!r} was never so")
-        elif self._wanted and not self._judged:
-            self.break_at(course, "nothing was looked at: it never had a value")
+        elif not self._judged and (self._wanted or self._claim.untold):  # all else may come in some runs only
+            self.break_at(course, f"nothing was looked at: {self._claim.untold or 'it never had a value'}")
 
 
 class Order(Expectation):

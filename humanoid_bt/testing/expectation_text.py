@@ -12,6 +12,7 @@ from humanoid_bt.core.items import Item
 from humanoid_bt.testing.claim import Claim
 from humanoid_bt.testing.expectation import AtEnd, Expectation, Order, Throughout, Within
 from humanoid_bt.testing.step import Step
+from humanoid_bt.tree.expressions.grammar import is_constant
 from humanoid_bt.tree.expressions.linking import CODE, within
 from humanoid_bt.tree.expressions.quantities import read_quantity
 
@@ -54,7 +55,10 @@ class _Text(NamedTuple):
     @property
     def claim(self) -> Claim:
         """It as a claim; raises UserError."""
-        return Claim.parse(*self)
+        claim = Claim.parse(*self)
+        if is_constant(claim.syntax):
+            raise self.mistake(f"{self.text!r} asks nothing of the run", EXAMPLES)
+        return claim
 
 
 def expectation(text: str) -> Expectation:

@@ -124,7 +124,7 @@ MET = (
     "fill.feedback == 'the cup is full'",
     "fill.level == level",
     "abs(level - 20 cm) < 1 mm",
-    "true",
+    "state.mode == 'run' and state.gait != 'step'",
     "failure == outcome",
     "reason != 'so: so'",
     "within 0.7 s: time >= 0.7 s",  # the sum of 35 periods is a bit more
@@ -269,6 +269,15 @@ def test_what_was_before_does_not_count_again(again: TreeRun, text: str, why: st
         ("fil runs", 1, "the tree 'tea' has no node 'fil'", "did you mean 'fill'?"),
         ("outcome == sucess", 12, "no run ends with 'sucess'", "did you mean 'success'?"),
         ("outcome == 'sucess'", 9, "no run ends with 'sucess'", "did you mean 'success'?"),
+        (
+            "never: state.mode == 'protectivestop'",
+            19,
+            "state.mode is never 'protectivestop'",
+            "mean 'protective_stop'?",
+        ),
+        ("never: 'walk' == state.gait", 15, "state.gait is never 'walk'", "valid: settle, stand, step"),
+        ("true", 1, "'true' asks nothing of the run", "never: fell"),
+        ("never: 1 > 2 while fell", 8, "'1 > 2' asks nothing of the run", "never: fell"),
         ("level < 3 s", 7, "a number in m and a number in s cannot be compared", ""),
         ("fill.levle < 3 m", 6, "the node 'fill' reports no 'levle'", "did you mean 'level'? valid: feedback"),
         ("time", 1, "it is a number in s, but must be true or false", ""),
@@ -287,6 +296,37 @@ def test_mistakes_are_told_with_their_place(run: TreeRun, text: str, column: int
     assert message in problem.message
     assert str(problem.place) == f"expectation:1:{column}"
     assert hint in problem.hint
+
+
+SEEN = """
+format: 1
+name: seen
+objects:
+  ball: {shape: ball, size: [8 cm], position: [1, 0, 0.9]}
+  far: {shape: ball, size: [8 cm], position: [9, 0, 0.9]}
+percepts: {ball: {object: ball}, far: {object: far}}
+"""
+
+
+@pytest.mark.parametrize(
+    ("claim", "why"),
+    [
+        ("ball.deviation > 1 cm", "nothing was looked at: nobody tells the deviation of 'ball'"),
+        ("ball.class == 'cup' while time > 0.1 s", "nothing was looked at: nobody tells the class of 'ball'"),
+        ("distance(far) < 1 m", ""),  # it may be seen in another run
+    ],
+)
+def test_what_nobody_tells_of_a_percept_that_is_seen_cannot_fail(
+    tmp_path_factory: pytest.TempPathFactory, claim: str, why: str
+) -> None:
+    folder = tmp_path_factory.mktemp("user")
+    (folder / "seen.yaml").write_text(SEEN, encoding="utf-8")
+    seen = Stage(scene=folder / "seen.yaml", dry=True).run("stand", duration=0.4)
+    if not why:
+        seen.expect(f"never: {claim}")
+        return
+    with pytest.raises(AssertionError, match=why):
+        seen.expect(f"never: {claim}")
 
 
 @pytest.mark.parametrize("text", ["", "  ", 5, None])

@@ -41,7 +41,11 @@ IS_SET = "is_set"
 
 
 class Unseen(HumanoidBtError):  # noqa: N818 (the name says it)
-    """A percept was asked for something before it was ever seen, or for something that its source does not tell."""
+    """A percept was asked for something that is not known of it: before it was ever seen, most often."""
+
+
+class Untold(Unseen):
+    """A percept that was seen was asked for something that its source does not tell."""
 
 
 class Names(Protocol):
@@ -181,7 +185,7 @@ class Linker:
                 raise Unseen(robot.why_unseen(percept))
             answer = of(track)
             if answer is None:
-                raise Unseen(f"nobody tells the {name} of {percept!r}")
+                raise Untold(f"nobody tells the {name} of {percept!r}")
             return answer
 
         return PERCEPT[name].type, ask
@@ -243,6 +247,7 @@ class Linker:
         sign = syntax.operator
         if not kind.goes_with(other):
             raise self.mistake(f"{kind} and {other} cannot be compared", _asked(syntax, kind, other))
+        self._check_choice(syntax)
         ordered = sign not in ("==", "!=")
         if (ordered and TEXT in (kind, other)) or (ordered and TRUTH in (kind, other)):
             raise self.mistake(f"{kind} and {other} have no order: {sign!r} is for numbers")
@@ -273,6 +278,14 @@ class Linker:
             return watched.holds
 
         return TRUTH, with_hysteresis
+
+    def _check_choice(self, syntax: grammar.Comparison) -> None:
+        """Refuse what the state is compared with if it never is that."""
+        for part, other in ((syntax.left, syntax.right), (syntax.right, syntax.left)):
+            if not (isinstance(part, grammar.Attribute) and part.of == "state" and isinstance(other, grammar.Literal)):
+                continue
+            if (choices := STATE[part.name].choices) and other.value not in choices:
+                raise self.mistake(f"state.{part.name} is never {other.value!r}", nearest(str(other.value), choices))
 
     def _truth(self, syntax: Syntax, word: str) -> Evaluate:
         kind, value = self.link(syntax)

@@ -7,8 +7,9 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Generic, TypeVar
 
+from humanoid_bt.core.errors import any_of
 from humanoid_bt.core.geometry import yaw_of
-from humanoid_bt.core.messages import State
+from humanoid_bt.core.messages import Gait, Mode, State
 from humanoid_bt.perception.track import Track
 from humanoid_bt.tree.expressions.quantities import NUMBER, TEXT, TRUTH, Type, number
 
@@ -24,13 +25,16 @@ class Word(Generic[Asked]):
         doc: one line.
         type: of the answer.
         of: how it is found; None if it is not known.
+        choices: all texts that the answer can be, none if it can be any.
     """
 
     doc: str
     type: Type
     of: Callable[[Asked], Answer | None]
+    choices: tuple[str, ...] = ()
 
 
+_GAITS, _MODES = tuple(gait.value for gait in Gait), tuple(mode.value for mode in Mode)
 _M, _S, _RAD = number("m"), number("s"), number("rad")
 
 
@@ -65,8 +69,8 @@ SEEN = "seen"
 STATE: Mapping[str, Word[State]] = {
     "time": Word("Time since the run began.", _S, lambda state: state.time),
     "standing": Word("Whether the robot stands, at rest, no step pending.", TRUTH, lambda state: state.base_settled),
-    "gait": Word("What the legs do: 'stand', 'step' or 'settle'.", TEXT, lambda state: state.gait.value),
-    "mode": Word("What the supervisor allows: 'run', 'protective_stop', ...", TEXT, lambda state: state.mode.value),
+    "gait": Word(f"What the legs do: {any_of(_GAITS)}.", TEXT, lambda state: state.gait.value, _GAITS),
+    "mode": Word(f"What the supervisor allows: {any_of(_MODES)}.", TEXT, lambda state: state.mode.value, _MODES),
     "x": Word("Where the robot stands in the world.", _M, lambda state: float(state.stance[0])),
     "y": Word("Where the robot stands in the world.", _M, lambda state: float(state.stance[1])),
     "heading": Word("Where the stance points in the world.", _RAD, lambda state: float(state.stance[2])),

@@ -161,6 +161,8 @@ def test_what_was_never_seen_has_no_distance(names: Names, robot: Robot) -> None
         ("nearr", "unknown name 'nearr'"),
         ("cup", "unknown name 'cup'"),
         ("state.standng", "the state has no 'standng'"),
+        ("state.mode == 'estop'", "state.mode is never 'estop'"),
+        ("state.gait != 'walk'", "state.gait is never 'walk'"),
         ("cup.distanc", "a percept has no 'distanc'"),
         ("distance(1)", "distance() takes the name of one percept"),
         ("distance(cup, ball)", "distance() takes the name of one percept"),
