@@ -15,6 +15,7 @@ _KEY = re.compile(r"[^\s:#{}\[\],]+:(?=\s|$)")
 _NO_BLANK = re.compile(r"(\w+):([^\s:/].*)")
 _EQUALS = re.compile(r"(\w+) *= *(.+)")
 _OPEN_QUOTE = re.compile(r"(?:^|[:,\[{-]\s+)(['\"])(?:(?!\1).)*$")
+_QUOTED = re.compile(r"(?:^|[:,\[{-])\s*((['\"])(?:(?!\2).)*\2\s+)(?=[^\s#])")
 _UNUSUAL = {"\t": "a tab", "\u00a0": "a no-break space", "\u3000": "a wide space"}
 _CLOSING = {"{": "}", "[": "]"}
 
@@ -145,6 +146,18 @@ def _unusual_blank(page: _Page) -> Slip | None:
             if sign != " ":
                 what = _UNUSUAL.get(sign, f"U+{ord(sign):04X}")
                 return line.slip(f"{what} in the indentation", "indent with blanks, two for each level", at)
+    return None
+
+
+def _quoted_begin(page: _Page) -> Slip | None:
+    """A text of which only the beginning stands in quotes: YAML takes that for all of it."""
+    for match in _QUOTED.finditer(page.here.raw):
+        if match.end() == page.column and "<scalar>" in page.problem:
+            rest = page.here.raw[page.column :].split(" #")[0]
+            text = match[1] + (re.split(r"[,\]}]", rest)[0] if "flow" in page.context else rest).rstrip()
+            other = "'" if match[2] == '"' else '"'
+            message = f"text behind the quote {match[2]}, which ends it"
+            return page.here.slip(message, f"put all of it in quotes: {other}{text}{other}", page.column)
     return None
 
 
@@ -295,6 +308,7 @@ def _odd_column(page: _Page) -> Slip | None:
 
 _RULES: tuple[Callable[[_Page], Slip | None], ...] = (
     _unusual_blank,
+    _quoted_begin,
     _open_quote,
     _brackets,
     _first_sign,

@@ -101,6 +101,21 @@ def test_what_is_refused(text: str, place: str, message: str) -> None:
     assert message in problem.message
 
 
+@pytest.mark.parametrize(
+    ("text", "place", "whole"),
+    [
+        ("expect:\n  - 'act on target' failed  # why\n", "f.yaml:2:21", '''"'act on target' failed"'''),
+        ("never: 'act on target' failed", "f.yaml:1:24", '''"'act on target' failed"'''),
+        ("expect: [fell, 'act on' failed]", "f.yaml:1:25", '''"'act on' failed"'''),
+        ('- "act on" failed', "f.yaml:1:12", """'"act on" failed'"""),
+    ],
+)
+def test_text_behind_a_quoted_one_is_put_in_quotes_with_it(text: str, place: str, whole: str) -> None:
+    problem = refused(text)
+    assert (str(problem.place), problem.hint) == (place, f"put all of it in quotes: {whole}")
+    assert document.parse(text.replace(whole[1:-1], whole), "f")
+
+
 def test_nesting_through_aliases_is_bounded() -> None:
     chain = "a0: &a0 [x]\n" + "".join(f"a{n}: &a{n} [*a{n - 1}]\n" for n in range(1, 300))
     assert "nested deeper than" in refused(chain).message
