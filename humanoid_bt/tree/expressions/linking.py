@@ -25,7 +25,6 @@ _OPERATORS: dict[str, Callable[[Any, Any], Any]] = {
     "+": operator.add,
     "-": operator.sub,
     "*": operator.mul,
-    "/": operator.truediv,
     "<": operator.lt,
     "<=": operator.le,
     ">": operator.gt,
@@ -238,8 +237,21 @@ class Linker:
             if not kind.goes_with(other):
                 raise self.mistake(f"{kind} and {other} cannot be {'added' if sign == '+' else 'subtracted'}")
             result = other if kind.exponents is None else kind
+        if sign == "/":
+            return result, self._quotient(first, second, right)
         compute = _OPERATORS[sign]
         return result, lambda robot: compute(first(robot), second(robot))
+
+    def _quotient(self, first: Evaluate, second: Evaluate, divisor: Syntax) -> Evaluate:
+        why = f"in {self._text!r}: {_called(divisor)} is 0"
+
+        def divide(robot: Robot) -> Any:
+            above, below = first(robot), second(robot)
+            if below == 0:
+                raise ZeroDivisionError(why)
+            return above / below
+
+        return divide
 
     def _comparison(self, syntax: grammar.Comparison) -> tuple[Type, Evaluate]:
         before = len(self.percepts)
@@ -306,6 +318,18 @@ def _asked(syntax: grammar.Comparison, left: Type, right: Type) -> str:
         if isinstance(part, grammar.Name) and kind == TEXT and other.kind == "number":
             return f"of a percept ask distance({part.name}) or the like"
     return ""
+
+
+def _called(syntax: Syntax) -> str:
+    """Return what a part of an expression is called in messages."""
+    match syntax:
+        case grammar.Name(name):
+            return repr(name)
+        case grammar.Attribute(of, name):
+            return repr(f"{of}.{name}")
+        case grammar.Call(name, (grammar.Name(of),)):
+            return repr(f"{name}({of})")
+    return "what is divided by"
 
 
 def within(place: Place, text_at: int | None, index: int) -> Place:

@@ -56,7 +56,7 @@ class NodeError(HumanoidBtError):
     """
 
     def __init__(self, node: Node, error: BaseException) -> None:
-        file = class_file(node.type.cls)
+        file = class_file(node.type.cls) if node.kind == "skill" else None  # lines of the engine tell people nothing
         self.path = node.path
         self.place: Place = node.place
         self.error = error

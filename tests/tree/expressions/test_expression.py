@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterator
 from typing import Any
 
@@ -128,6 +129,20 @@ def test_a_key_is_read_when_the_expression_is_evaluated(names: Names, robot: Rob
     names.count.set(2)
     assert expression.evaluate(robot) is True
     assert expression.explain() == "count + 1 3 >= 3"
+
+
+@pytest.mark.parametrize(
+    ("text", "why"),
+    [
+        ("1 + 2 / count > 3", "in '1 + 2 / count > 3': 'count' is 0"),
+        ("1 / state.time > 3", "in '1 / state.time > 3': 'state.time' is 0"),
+        ("1 / (count * 2)", "in '1 / (count * 2)': what is divided by is 0"),
+    ],
+)
+def test_what_is_0_is_named_where_it_is_divided_by(names: Names, robot: Robot, text: str, why: str) -> None:
+    names.count.set(0)
+    with pytest.raises(ZeroDivisionError, match=re.escape(why)):
+        evaluate(text, names, robot)
 
 
 def test_and_and_or_do_not_look_further_than_they_must(names: Names, robot: Robot) -> None:

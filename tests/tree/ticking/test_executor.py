@@ -105,6 +105,14 @@ def test_a_node_that_raises_when_halted_does_not_keep_others_from_being_halted(w
     assert all(node.status is Status.INVALID for node in broken.tree.root.iterate())
 
 
+def test_of_a_built_in_node_its_own_place_is_told_and_no_line_of_the_engine(workspace: Workspace) -> None:
+    text = "blackboard: {n: 0}\nroot:\n  set_blackboard: {key: n, expression: 1 / n}\n"
+    with pytest.raises(NodeError, match=r"raised ZeroDivisionError: in '1 / n': 'n' is 0$") as caught:
+        Run(load(workspace, text)).tick()
+    assert caught.value.where is None
+    assert caught.value.place.line == 4
+
+
 def test_a_node_that_raises_when_preempted_is_told_once(workspace: Workspace) -> None:
     broken = run(workspace, "{reactive_selector: [{act: {script: fs}}, {parallel: [bad_end, {act: {name: other}}]}]}")
     broken.tick()
