@@ -84,6 +84,7 @@ class Executor:
         self._children_first = [behaviour for behaviour in tree.root.iterate() if behaviour in self._nodes]
         self._told: dict[Behaviour, Status | None] = dict.fromkeys(self._nodes, INVALID)
         self._tally = tally(tree)
+        self._caught: dict[str, tuple[str, int]] = {}  # what each on_error took last, and how often in a row
         for node in tree.nodes:
             if isinstance(node.behaviour, Catcher):
                 node.behaviour.on_caught = partial(self._tell_caught, node)
@@ -181,9 +182,14 @@ class Executor:
         return first
 
     def _tell_caught(self, by: Node, raised: Raised) -> None:
-        """Tell that an ``on_error`` made a failure of an exception."""
-        error = NodeError(self._nodes[raised.node], raised.error)
-        self.robot.log(by.path, "warning", f"caught: {error}".replace("\n    ", ", "))
+        """Tell that an ``on_error`` made a failure of an exception; of the same one the 1st, 10th, 100th ... time."""
+        text = str(NodeError(self._nodes[raised.node], raised.error)).replace("\n    ", ", ")
+        before, times = self._caught.get(by.path, ("", 0))
+        times = times + 1 if text == before else 1
+        self._caught[by.path] = text, times
+        if times == 10 ** (len(str(times)) - 1):
+            again = f" for the {times:,}th time" if times > 1 else ""
+            self.robot.log(by.path, "warning", f"caught{again}: {text}")
 
     def _tell(self, seen: Seen, time: float) -> None:
         told = self._told

@@ -44,6 +44,18 @@ def test_it_is_told_as_a_warning_with_path_place_and_line(workspace: Workspace) 
     assert "test_skills.py:" in text
 
 
+def test_of_the_same_one_again_and_again_the_first_the_tenth_and_so_on_is_told(workspace: Workspace) -> None:
+    caught = run(workspace, "{retry: {attempts: -1, on_error: {act: {script: " + "x" * 30 + "fx}}}}")
+    caught.ticks(32)
+    told = [text.split(": ")[0] for _, _, text in caught.events]
+    assert told == ["caught", "caught for the 10th time"]
+    other = run(
+        workspace, "{repeat: {force_success: {on_error: {sequence: [{act: {script: sx}}, {act: {script: x}}]}}}}"
+    )
+    other.ticks(4)
+    assert [text.split(": ")[0] for _, _, text in other.events] == ["caught", "caught"]
+
+
 def test_what_is_below_starts_afresh_the_next_time(workspace: Workspace) -> None:
     caught = run(workspace, "{on_error: {sequence: [{act: {name: a, script: s}}, {act: {name: b, script: xrs}}]}}")
     assert caught.ticks(3) == "frs"
