@@ -90,7 +90,9 @@ class Nowhere(Skill):
     resources = ("left_hand",)
 
     def update(self) -> Status:
-        self.robot.move_hand("left", (1e6, 0.0, 0.0))
+        import numpy as np
+        from humanoid_bt.core.messages import HandTarget
+        self.robot._set("left_hand", HandTarget(np.array([1e6, 0.0, 0.0])))  # past what looks at it
         return self.running("sending")
 '''
 

@@ -10,9 +10,6 @@ from humanoid_bt.core.clock import cycles
 from humanoid_bt.core.messages import SIDES, TORSO, Array, BaseTarget, Command, Contact, HandTarget, Side, Target
 from humanoid_bt.robot.config import ContactConfig
 
-MOST_PRESS = 50.0
-"""Force with which a hand can be asked to press [N]."""
-
 _ENDS = 0.6  # share of the force that begins a contact up to which it ends (hysteresis)
 _HOMEWARD = 0.6  # share of the limit up to which an arm does not yield that goes home from what it touched
 _PRESS_SHARE = 2.0  # of the force that a hand is to press with, before that is more than was expected

@@ -9,12 +9,15 @@ from typing import get_args
 
 import numpy as np
 
-from humanoid_bt.control.contact_rule import MOST_PRESS, ContactRule
+from humanoid_bt.control.contact_rule import ContactRule
 from humanoid_bt.core.clock import SERVO_PERIOD, cycles
 from humanoid_bt.core.kept import Kept
 from humanoid_bt.core.messages import (
+    HEIGHT_OFFSET,
+    MOST_PRESS,
     RESOURCES,
     SIDES,
+    WORKSPACE,
     ArmTarget,
     Array,
     BaseTarget,
@@ -48,8 +51,6 @@ _MOST = 1000  # stops, and refusals, that are kept
 _COMMANDED = (Mode.RUN, Mode.PAUSED)  # decision is heard, and nothing stops the robot
 _BY_ITSELF = (*_COMMANDED, Mode.PROTECTIVE_STOP)  # what goes over into the other ones without a reset
 
-_WORKSPACE = 1000.0  # m from the world's origin beyond which a target is malformed
-_HEIGHT_OFFSET = 0.5  # m
 _UNIT = 1e-3  # of a length from 1, of directions and quaternions
 
 _TARGET_TYPES: dict[str, type | tuple[type, ...]] = {
@@ -314,15 +315,15 @@ def reset_text(source: str, refusal: str) -> str:
 def _target_fault(target: BaseTarget | HandTarget | GazeTarget | PostureTarget) -> str:
     match target:
         case BaseTarget(position=position, heading=heading):
-            values, shape, number, limit = position, (2,), heading, _WORKSPACE
+            values, shape, number, limit = position, (2,), heading, WORKSPACE
         case HandTarget(position=position, press=press):
             if not 0 <= press <= MOST_PRESS:
                 return f"presses with {press:g} N"
-            values, shape, number, limit = position, (3,), 0.0, _WORKSPACE
+            values, shape, number, limit = position, (3,), 0.0, WORKSPACE
         case GazeTarget(point=position):
-            values, shape, number, limit = position, (3,), 0.0, _WORKSPACE
+            values, shape, number, limit = position, (3,), 0.0, WORKSPACE
         case PostureTarget(height=height):
-            values, shape, number, limit = np.zeros(0), (0,), height, _HEIGHT_OFFSET
+            values, shape, number, limit = np.zeros(0), (0,), height, HEIGHT_OFFSET
     if not isinstance(values, np.ndarray) or values.shape != shape or values.dtype.kind not in "fi":
         return "is malformed"
     numbers = [*values.tolist(), number]

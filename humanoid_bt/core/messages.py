@@ -22,6 +22,15 @@ Side = Literal["left", "right"]
 SIDES: tuple[Side, Side] = ("left", "right")
 """Both of them."""
 
+WORKSPACE = 1000.0
+"""Distance from the world's origin, along each axis, up to which a target can be [m]."""
+
+HEIGHT_OFFSET = 0.5
+"""How far above or below its home height the centre of mass can be asked to be [m]."""
+
+MOST_PRESS = 50.0
+"""Force with which a hand can be asked to press [N]."""
+
 READING_SIZE = 2 + 4 + 3 + 3
 """Numbers of a reading besides the three of each joint."""
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from humanoid_bt.core.errors import HumanoidBtError
 from humanoid_bt.core.geometry import quaternion
-from humanoid_bt.core.messages import SIDES, Array, HandTarget, PalmAxis, Pointing, Side, Target
+from humanoid_bt.core.messages import SIDES, WORKSPACE, Array, HandTarget, PalmAxis, Pointing, Side, Target
 
 _ALMOST = 1e-2  # of a length from 1, and of a rotation matrix from one: more is no rounding
 
@@ -26,11 +26,29 @@ def vector(values: Any, size: int, what: str = "position") -> Array:
     return found
 
 
-def number(value: Any) -> float:
-    """Return a number; raises ValueError if it is not finite."""
-    found = float(value)
+def place(values: Any, size: int) -> Array:
+    """Return a position, shape (size,) [m]; raises ValueError if it is not finite, or out of the world."""
+    found = vector(values, size)
+    if max(map(abs, found.tolist())) > WORKSPACE:
+        raise ValueError(f"a target's position must be within {WORKSPACE:g} m of the origin, not {found.tolist()}")
+    return found
+
+
+def number(value: Any, what: str, most: float, unit: str, least: float | None = None) -> float:
+    """Return a number; raises ValueError if it is not finite, or out of its range.
+
+    Args:
+        value: it.
+        what: what it is, for messages.
+        most: the largest one, in this unit.
+        unit: SI unit.
+        least: the smallest one, the largest one's negative if None.
+    """
+    found, least = float(value), -most if least is None else least
     if not math.isfinite(found):
         raise ValueError(f"a target must be finite, not {found}")
+    if not least <= found <= most:
+        raise ValueError(f"a target's {what} must be from {least:g} to {most:g} {unit}, not {found:g}")
     return found
 
 

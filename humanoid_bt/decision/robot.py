@@ -19,7 +19,10 @@ from humanoid_bt.core.clock import DECISION_PERIOD, Clock, TreeClock
 from humanoid_bt.core.errors import HumanoidBtError, ResourceConflict, nearest
 from humanoid_bt.core.geometry import heading_of, rotation_matrix
 from humanoid_bt.core.messages import (
+    HEIGHT_OFFSET,
+    MOST_PRESS,
     RESOURCES,
+    WORKSPACE,
     ArmTarget,
     Array,
     BaseTarget,
@@ -37,7 +40,7 @@ from humanoid_bt.core.messages import (
     Target,
     touch_text,
 )
-from humanoid_bt.decision.arguments import check_relative, how_turned, number, side_of, speed_of, vector
+from humanoid_bt.decision.arguments import check_relative, how_turned, number, place, side_of, speed_of
 from humanoid_bt.perception.interface import OLDEST
 from humanoid_bt.perception.track import Track
 
@@ -368,10 +371,13 @@ class RobotHandle:
         """Ask the robot to walk straight to a place and stand there; :class:`Route` goes round obstacles.
 
         Args:
-            position: shape (2,), middle between the feet, world frame [m].
+            position: shape (2,), middle between the feet, world frame [m]; at most 1000.
             heading: world frame [rad].
+
+        Raises:
+            ValueError: a number is not finite, or out of range.
         """
-        self._set("base", BaseTarget(vector(position, 2), number(heading)))
+        self._set("base", BaseTarget(place(position, 2), number(heading, "heading", WORKSPACE, "rad")))
 
     def show_route(self, points: Any) -> None:
         """Show people, in the recording, the way that the base is to take: shape (n, 2), world frame [m]."""
@@ -401,7 +407,7 @@ class RobotHandle:
 
         Args:
             side: of the hand.
-            position: shape (3,) [m].
+            position: shape (3,) [m], at most 1000.
             orientation: of the palm's frame, whose x is along the fingers and whose z is where the palm faces:
                 quaternion wxyz, shape (4,), or rotation matrix, shape (3, 3).
             direction: where one axis of the palm is to point, shape (3,), of any length; in place of an orientation.
@@ -412,13 +418,13 @@ class RobotHandle:
             press: it may touch something on the way there, and then presses with this force [N], at most 50.
 
         Raises:
-            ValueError: a number is not finite, or something is not what it is to be.
+            ValueError: a number is not finite or out of range, or something is not what it is to be.
         """
         side = side_of(side)
-        turn, force = how_turned(orientation, direction, axis), number(press)
+        turn, force = how_turned(orientation, direction, axis), number(press, "press", MOST_PRESS, "N", least=0.0)
         if force and relative:
             raise ValueError("a hand that is held relative to the other one cannot press")
-        self._set(f"{side}_hand", HandTarget(vector(position, 3), turn, bool(relative), speed_of(speed), force))
+        self._set(f"{side}_hand", HandTarget(place(position, 3), turn, bool(relative), speed_of(speed), force))
 
     def move_arm(self, side: Side, joints: Mapping[str, float], *, speed: float | None = None) -> None:
         """Ask for joints of an arm, by their names, at angles [rad]; those that are not named go home.
@@ -457,12 +463,20 @@ class RobotHandle:
         return self._robot.anatomy.pose(name, self.state)
 
     def look_at(self, point: Any) -> None:
-        """Ask the head, and the torso where the neck ends, to look at a point: shape (3,), world frame [m]."""
-        self._set("gaze", GazeTarget(vector(point, 3)))
+        """Ask the head, and the torso where the neck ends, to look at a point: shape (3,), world frame [m].
+
+        Raises:
+            ValueError: a number is not finite, or beyond 1000 m.
+        """
+        self._set("gaze", GazeTarget(place(point, 3)))
 
     def set_height(self, offset: float) -> None:
-        """Ask for the centre of mass this much above (or below) its home height [m]."""
-        self._set("posture", PostureTarget(number(offset)))
+        """Ask for the centre of mass this much above (or below) its home height [m], at most 0.5.
+
+        Raises:
+            ValueError: it is not finite, or out of range.
+        """
+        self._set("posture", PostureTarget(number(offset, "height", HEIGHT_OFFSET, "m")))
 
     def raise_estop(self, reason: str) -> None:
         """Raise the emergency stop at once; only a reset from outside ends it."""

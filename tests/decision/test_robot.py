@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from collections.abc import Callable
 
 import numpy as np
 import pytest
 
 from humanoid_bt.core.clock import CycleClock
 from humanoid_bt.core.errors import HumanoidBtError, ResourceConflict
-from humanoid_bt.core.messages import Percept, State
-from humanoid_bt.decision.robot import Robot
+from humanoid_bt.core.messages import RESOURCES, Percept, State
+from humanoid_bt.decision.robot import Robot, RobotHandle
 from tests.tree.helpers import make_robot, make_state, seen
 
 
@@ -120,6 +121,28 @@ def test_a_target_must_have_its_shape_and_be_finite(robot: Robot, point: list[fl
     robot.begin_tick(make_state(), {})
     with pytest.raises(ValueError, match=r"must have shape \(3,\)|must be finite"):
         robot.handle("t/look", ("gaze",)).look_at(point)
+
+
+@pytest.mark.parametrize(
+    ("ask", "said"),
+    [
+        (lambda handle: handle.set_height(-1), "a target's height must be from -0.5 to 0.5 m, not -1"),
+        (lambda handle: handle.look_at((1e300, 0, 0)), "a target's position must be within 1000 m of the origin"),
+        (lambda handle: handle.walk_to((0, -1001), 0.0), "a target's position must be within 1000 m of the origin"),
+        (lambda handle: handle.walk_to((0, 0), 2000), "a target's heading must be from -1000 to 1000 rad, not 2000"),
+        (lambda handle: handle.move_hand("left", (0, 0, 1e4)), "must be within 1000 m of the origin"),
+        (lambda handle: handle.move_hand("left", (0, 0, 1), press=60), "press must be from 0 to 50 N, not 60"),
+        (lambda handle: handle.move_hand("left", (0, 0, 1), press=-1), "press must be from 0 to 50 N, not -1"),
+    ],
+)
+def test_what_control_would_refuse_is_refused_where_it_is_asked_for(
+    robot: Robot, ask: Callable[[RobotHandle], None], said: str
+) -> None:
+    robot.begin_tick(make_state(), {})
+    handle = robot.handle("t/all", RESOURCES)
+    with pytest.raises(ValueError, match=said):
+        ask(handle)
+    assert not robot.commit().targets
 
 
 def test_there_is_no_state_before_the_first_tick(robot: Robot) -> None:

@@ -14,7 +14,9 @@ SKILLS = '''
 import math
 import time
 
+import numpy as np
 from humanoid_bt import Skill, Status, param
+from humanoid_bt.core.messages import HandTarget
 
 
 class Alarm(Skill):
@@ -41,7 +43,9 @@ class Wild(Skill):
     def update(self) -> Status:
         self.robot.walk_to((3.0, 0.0), 0.0)
         if self.robot.clock.now() - self._since >= 0.3:
-            self.robot.move_hand("left", (math.nan if self.target == "nan" else 1e6, 0.0, 0.0))
+            self.robot.move_hand("left", (math.nan if self.target == "nan" else 1.0, 0.0, 0.0))
+            if self.target == "far":  # past what looks at targets
+                self.robot._set("left_hand", HandTarget(np.array([1e6, 0.0, 0.0])))
         return self.running("walking")
 
 
