@@ -26,6 +26,9 @@ from humanoid_bt.session.tree_runner import TreeRunner
 from humanoid_bt.tree.ticking.executor import NodeChange
 from humanoid_bt.tree.tree import Tree
 
+NO_PERCEPT = "publishes no percept"
+"""What the warning about a percept that can never come says."""
+
 _STATUS_TICKS = 10  # ticks between two reports to whoever looks from outside
 _MOST_TOLD = 1000  # characters of a text in them
 
@@ -158,7 +161,7 @@ class Teller:
         for name in sorted(named - set(publishes)):
             hint = nearest(name, publishes) or "it publishes none"
             whose = f"the scene {config.name!r}" if set(publishes) == set(config.percepts) else "perception"
-            self.event("warning", f"{whose} publishes no percept {name!r} ({hint})")
+            self.event("warning", f"{whose} {NO_PERCEPT} {name!r} ({hint})")
 
     def ticked(
         self,

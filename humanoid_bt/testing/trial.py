@@ -13,6 +13,7 @@ from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.record.folder import make_room
 from humanoid_bt.record.folder_limits import load_limits
 from humanoid_bt.session.options import RUNS, default_recording, make_folder
+from humanoid_bt.session.teller import NO_PERCEPT
 from humanoid_bt.testing.expectations import Failure
 from humanoid_bt.testing.scenario import Scenario
 from humanoid_bt.testing.stage import Stage
@@ -34,7 +35,7 @@ class Trial:
         command: what tries it again.
         trace: hash of all that happened.
         recording: the recording of the same run, "" without one.
-        note: what is to be told of the recording.
+        note: what is to be told of the recording, or of percepts that could never come.
     """
 
     scenario: str
@@ -122,6 +123,7 @@ class Trials:
             failures=tuple(failures),
             command=self._command(scenario, seed),
             trace=run.trace if run else "",
+            note=_never_seen(run) if run and failures else "",
         )
 
     def recorded(self, scenario: Scenario, trial: Trial) -> Trial:
@@ -140,7 +142,11 @@ class Trials:
         if run is None or run.recording is None:
             return replace(trial, note="not recorded: the run did not begin")
         same = run.trace == trial.trace
-        note = "" if same else f"the run that was recorded went another way ({run.outcome}): it is not deterministic"
+        note = (
+            trial.note
+            if same
+            else f"the run that was recorded went another way ({run.outcome}): it is not deterministic"
+        )
         return replace(trial, recording=relative(run.recording), note=note)
 
     def _judged(self, scenario: Scenario, seed: int, record: Path | None) -> tuple[TreeRun | None, list[Failure]]:
@@ -173,3 +179,8 @@ class Trials:
     def _command(self, scenario: Scenario, seed: int) -> str:
         root = [] if self._root is None else ["--workspace", relative(self._root)]
         return shlex.join(["humanoid-bt", "test", relative(scenario.path), "--seeds", str(seed), *root])
+
+
+def _never_seen(run: TreeRun) -> str:
+    """Return which percepts the tree asks for that could never come, "" if none."""
+    return "; ".join(event["text"] for event in run.report.events if NO_PERCEPT in event["text"])

@@ -224,6 +224,16 @@ def test_a_process_that_dies_is_one_clear_message(tmp_path: Path) -> None:
     assert done.stderr == message
 
 
+def test_of_what_failed_a_percept_that_could_never_come_is_told(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    text = "format: 1\ntree: fetch\ndry: true\nparameters: {target: bal}\nduration: 0.1 s\nexpect: outcome == success\n"
+    (tmp_path / "slip.yaml").write_text(text, encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    assert main(["test", "slip.yaml", "--no-record"]) == 1
+    assert re.search(r"note +the scene 'ball_on_stand' publishes no percept 'bal' \(valid: ", capsys.readouterr().out)
+
+
 @pytest.mark.trials
 def test_a_recorded_failure_is_bit_for_bit_the_run_that_failed(folder: Path, tmp_path: Path) -> None:
     text = "format: 1\ntree: fetch\nduration: 2 s\nexpect: outcome == success\n"
