@@ -10,6 +10,7 @@ import numpy as np
 from humanoid_bt.bench.control import PHYSICS, CommandedRobot, beside_physics
 from humanoid_bt.bench.figure import Figure, cpu, figure
 from humanoid_bt.bench.promises import ARMS, WALKER_SPEED, Promise
+from humanoid_bt.control.body.guarded import GuardedBody
 from humanoid_bt.control.body.policy.learned_body import LearnedBody
 from humanoid_bt.control.body.whole_body import WholeBody
 from humanoid_bt.core.clock import SERVO_PERIOD, cycles
@@ -51,7 +52,10 @@ def measure_walk(robot: Path, body: Walk, repetitions: int) -> tuple[Figure, Fig
 
 
 def measure_solve(robot: Path, body: Walk, repetitions: int) -> Figure | None:
-    """Return what inverse kinematics takes while both hands are commanded; None for a robot without hands."""
+    """Return what inverse kinematics takes while both hands are commanded.
+
+    None for a robot without hands, and for a body of the user's own that does not build on one of ours.
+    """
     tried = _begun(robot, body, {})
     hands = tried.controller.state().hands
     if not hands:
@@ -59,7 +63,10 @@ def measure_solve(robot: Path, body: Walk, repetitions: int) -> Figure | None:
     tried.targets = {f"{side}_hand": HandTarget(palm + _LIFTED) for side, palm in hands.items()}
     planner = tried.controller.body
     tried.run(cycles(planner.period))
-    assert isinstance(planner, (LearnedBody, WholeBody))
+    if isinstance(planner, GuardedBody):
+        planner = planner.guarded
+    if not isinstance(planner, (LearnedBody, WholeBody)):
+        return None
     pairs = beside_physics(tried, planner.kinematics, "step", planner.period, repetitions)
     what, promise = ("arms", ARMS) if body == "policy" else ("whole body", None)
     name = f"{body} moves both hands: inverse kinematics of the {what}, one solve"

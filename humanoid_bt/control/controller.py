@@ -142,10 +142,10 @@ class Controller:
         body.arms.sides = supervisor.touch.yielding
         try:
             setpoint = body.update(estimate, supervisor.targets, supervisor.hold)
-        except Exception as error:  # a body may be the user's code
+        except Exception as error:
             if body is self._bodies[-1]:
                 raise
-            self._give_up(body, estimate, why_raised(error, type(body)))
+            self._give_up(body, estimate, body.failure or why_raised(error, type(body)))
             return
         supervisor.touch.homeward = body.arms.homeward
         refused = self.servo.follow(setpoint, body.period)

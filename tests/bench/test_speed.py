@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from pathlib import Path
 
 import pytest
@@ -52,3 +53,12 @@ def test_a_promise_in_microseconds_is_about_what_it_took_and_not_about_the_ratio
     quick = figure("one solve", "physics", "us CPU", [(290e-6, 1e-6)], scale=1e6, promise=ARMS)
     slow = figure("one solve", "physics", "us CPU", [(310e-6, 1.0)], scale=1e6, promise=ARMS)
     assert (quick.verdict, slow.verdict) == ("ok", "missed")
+
+
+def test_a_body_of_the_users_own_has_a_solve_if_it_builds_on_one_of_ours(tmp_path: Path) -> None:
+    robot = Path(shutil.copytree(ROBOT.parent, tmp_path / "mine")) / "robot.yaml"
+    robot.write_text(robot.read_text() + "\nbody: {own: own.py}\n")
+    robot.with_name("own.py").write_text(
+        "from humanoid_bt.control.body.whole_body import WholeBody\n\n\nclass Mine(WholeBody):\n    pass\n"
+    )
+    assert speed.measure_solve(robot, "own", 2)

@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from humanoid_bt.cli import main
+from humanoid_bt.control.body.guarded import GuardedBody
 from humanoid_bt.control.body.whole_body import WholeBody
 from humanoid_bt.core.errors import UserError
 from humanoid_bt.files.workspace import builtin_root
@@ -56,7 +57,8 @@ def test_it_walks_in_place_of_the_others(robot: Path) -> None:
     with Session("stand", robot=robot, duration=0.2) as session:
         engine = session._drive.engine
         assert isinstance(engine, Lockstep)
-        assert type(engine.controller.body).__name__ == "Unhurried"
+        assert isinstance(engine.controller.body, GuardedBody)
+        assert type(engine.controller.body.guarded).__name__ == "Unhurried"
         session.run()
         assert session.report.outcome == "unfinished"
     with Session("stand", robot=robot, body="dcm") as session:
@@ -104,6 +106,23 @@ def test_bench_body_tries_it_beside_the_model_based_one(robot: Path, capsys: pyt
         (
             "class Mine:\n    def __init__(self, *_): ...\n    def update(self, estimate, targets, hold): ...\n",
             "mine.py:1:1: error: the body Mine has no arms, com_error,",
+        ),
+        (
+            UNHURRIED
+            + "\n    def __init__(self, *of):\n        super().__init__(*of)\n        raise ValueError('bad file')\n",
+            "mine.py:25:9: error: the body Unhurried cannot be made: ValueError: bad file",
+        ),
+        (
+            UNHURRIED + "\n    def __init__(self, *of):\n        super().__init__(*of)\n        len(5)\n",
+            "mine.py:25:9: error: the body Unhurried cannot be made: TypeError: object of type 'int' has no len()",
+        ),
+        (
+            UNHURRIED + "\n    def reset(self, estimate):\n        raise RuntimeError('in reset')\n",
+            "mine.py:24:9: error: the body Unhurried cannot begin a run: RuntimeError: in reset",
+        ),
+        (
+            UNHURRIED + "\n    period = 0.0033\n",
+            "mine.py:11:1: error: the body Unhurried has a period of 0.0033 s",
         ),
     ],
 )
