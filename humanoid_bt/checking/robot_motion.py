@@ -9,10 +9,13 @@ import numpy as np
 
 from humanoid_bt.checking.robot_reach import reached
 from humanoid_bt.checking.robot_trial import LAGS, SATURATED, Trial, drive_place
-from humanoid_bt.core.errors import Place, Problem
+from humanoid_bt.control.body.guarded import GuardedBody
+from humanoid_bt.control.body.own import own_body
+from humanoid_bt.core.errors import Place, Problem, UserError
 from humanoid_bt.core.messages import SIDES
 from humanoid_bt.core.texts import listed
 from humanoid_bt.decision.robot import RobotHandle
+from humanoid_bt.files.class_files import class_place
 from humanoid_bt.robot.model import RobotModel, carriers
 from humanoid_bt.robot.policy.commands import impossible
 
@@ -40,6 +43,31 @@ def tried(robot: RobotModel) -> list[Problem]:
         UserError: it cannot stand with flat feet.
     """
     trial = Trial(robot)
+    unused = [*_unused_body(trial)]
+    found = _moved(trial)
+    if trial.body_failed:  # what the robot does then, another body does
+        body = trial.body
+        place = class_place(type(body.guarded)) if isinstance(body, GuardedBody) else None
+        found = [Problem(trial.body_failed, place or _policy_place(robot), code="failed-body")]
+    return [*unused, *found]
+
+
+def _policy_place(robot: RobotModel) -> Place | None:
+    return robot.policy.place() if robot.policy else None
+
+
+def _unused_body(trial: Trial) -> Iterator[Problem]:
+    """Yield why a body of the user's own cannot be used that is there only for those who ask for it."""
+    robot, controller = trial.robot, trial.controller
+    if robot.config.body.own is None or robot.config.body.walk == "own":
+        return
+    try:
+        own_body(robot, controller.body.dynamics, controller.estimator.contact).reset(controller.estimator.estimate)
+    except UserError as error:
+        yield from error.problems
+
+
+def _moved(trial: Trial) -> list[Problem]:
     found = [*_stood(trial)]
     soft = [] if trial.fallen else [*_soft_drives(trial)]
     if not found:

@@ -53,6 +53,7 @@ class Trial:
     Attributes:
         robot: its model.
         skill: what commands it, and tells why that does not happen.
+        body: what walks and balances, unless it fails.
     """
 
     def __init__(self, robot: RobotModel) -> None:
@@ -60,6 +61,7 @@ class Trial:
         self.plant = MujocoPlant(robot, Scene(SceneConfig(format=1, name="empty"), 0))
         self.plant.place(standing_posture(robot))
         self.controller = Controller(robot, self.plant)
+        self.body = self.controller.body
         self._clock = CycleClock()
         self._decision = Robot(robot.config, self._clock, model=robot)
         self.skill = self._decision.handle("check", tuple(robot.config.resources))
@@ -75,6 +77,12 @@ class Trial:
     def fallen(self) -> bool:
         """Whether it has fallen."""
         return self.controller.supervisor.mode is Mode.DAMP
+
+    @property
+    def body_failed(self) -> str:
+        """When and why its body failed, "" if it has not."""
+        failed = self.controller.given_up
+        return f"its body failed after {failed[0]:.1f} s: {failed[1]}" if failed else ""
 
     def run(self, duration: float, ask: Callable[[RobotHandle], None] | None = None) -> bool:
         """Run for a time [s], or until it falls; return whether it has not.

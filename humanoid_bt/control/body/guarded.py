@@ -118,6 +118,7 @@ class GuardedBody:
             self._said = {name: self._read(name) for name in (*answers.SAID, *map(_hand_error, SIDES))}
             self._hear()
         except FAULTS as error:
+            self._fail(error)
             raise refusal(error, type(self.guarded), "cannot begin a run") from error
 
     def restart(self, estimate: Estimate) -> None:
