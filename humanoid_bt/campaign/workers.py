@@ -24,6 +24,9 @@ from humanoid_bt.core.errors import HumanoidBtError
 ATTEMPTS = 3
 """How often a trial is begun whose process dies; after that it is the trial's fault."""
 
+_TO_END = 30.0
+"""How long a process may take to end that answers no more [s]: one that raised frees much, slowly on a busy machine."""
+
 _LAST_WORDS = 400  # characters of what a process said before it died
 
 
@@ -171,7 +174,7 @@ class Workers:
             answer = worker.line.recv()
         except (EOFError, OSError):
             task, attempts = worker.task, worker.attempts
-            how = self._buried(worker)
+            how = self._buried(worker, _TO_END)
             if attempts < ATTEMPTS:
                 waiting.appendleft((task, attempts + 1))
             else:
@@ -187,26 +190,35 @@ class Workers:
     def _hung(self, worker: _Worker) -> Done:
         assert worker.task is not None
         task, cost = worker.task, Cost(self._time_limit, 0.0, worker.name, worker.attempts)
-        self._buried(worker)
+        self._buried(worker, 0.0)
         reason = f"it took longer than {self._time_limit:g} s on the wall clock, and was ended"
         return Done(task, Result(HUNG, reason), cost)
 
-    def _buried(self, worker: _Worker) -> str:
-        """End a worker that is dead or hangs; return how it died, in words."""
+    def _buried(self, worker: _Worker, patience: float) -> str:
+        """End a worker that is dead or hangs, unless it ends by itself in time [s]; return how it died, in words."""
         self._workers.remove(worker)
-        with contextlib.suppress(subprocess.TimeoutExpired):
-            worker.process.wait(0.5)  # the line closes a moment before the process is gone
+        with contextlib.suppress(subprocess.TimeoutExpired):  # the line closes a while before the process is gone
+            worker.process.wait(patience)
+        lingers = worker.process.poll() is None
         worker.process.kill()
         code = worker.process.wait()
         worker.line.close()
-        return _how(code, worker.log)
+        return _how(code, worker.log, lingers)
 
 
-def _how(code: int, log: Path) -> str:
-    """Return how a process ended by itself."""
-    if code == -signal.SIGKILL:
-        return "its process was killed from outside each time: most likely it was out of memory"
+def _how(code: int, log: Path, lingers: bool) -> str:
+    """Return how a process ended.
+
+    Args:
+        code: with which it did.
+        log: what it said.
+        lingers: whether it was ended from here, for it did not by itself.
+    """
     said = log.read_text(encoding="utf-8", errors="replace").strip()[-_LAST_WORDS:]
     last = f": {said.splitlines()[-1]}" if said else ""
+    if lingers:
+        return f"its process answered no more and did not end each time{last}"
+    if code == -signal.SIGKILL:
+        return f"its process was killed from outside each time: most likely it was out of memory{last}"
     how = f"signal {signal.Signals(-code).name}" if code < 0 else f"exit code {code}"
     return f"its process ended with {how} each time{last}"

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import math
+import subprocess
+from collections import deque
+from multiprocessing.connection import Pipe
 from pathlib import Path
 
 import pytest
 
 from humanoid_bt.campaign.trial import Task, Trial
-from humanoid_bt.campaign.workers import Done, Workers
+from humanoid_bt.campaign.workers import Done, Workers, _Worker
 from humanoid_bt.core.errors import UserError
 from tests.campaign.stand_ins import DIES, DIES_ONCE, HANGS, HOGS, RAISES, REFUSES, make
 
@@ -51,6 +55,45 @@ def test_memory_is_bounded_where_that_is_asked(begun: Path) -> None:
 
 def test_an_exception_of_ours_is_told_with_its_last_words(begun: Path) -> None:
     assert _run(begun, RAISES)[RAISES].result.reason.endswith("exit code 1 each time: ValueError: a bug")
+
+
+class Process:
+    """One that ends so long after it said its last."""
+
+    def __init__(self, after: float) -> None:
+        self.after, self.code = after, None if after else 1
+
+    def wait(self, patience: float = math.inf) -> int | None:
+        if self.code is None and patience < self.after:
+            raise subprocess.TimeoutExpired("worker", patience)
+        self.code = 1 if self.code is None else self.code
+        return self.code
+
+    def poll(self) -> int | None:
+        return self.code
+
+    def kill(self) -> None:
+        self.code = -9 if self.code is None else self.code
+
+
+@pytest.mark.parametrize(
+    ("after", "how"),
+    [
+        (5.0, "its process ended with exit code 1 each time: KeyError: 'oops'"),
+        (1e9, "its process answered no more and did not end each time: KeyError: 'oops'"),
+    ],
+)
+def test_what_is_ended_from_here_was_not_killed_from_outside(begun: Path, after: float, how: str) -> None:
+    log = begun / "worker.log"
+    log.write_text("Traceback:\nKeyError: 'oops'\n")
+    here, there = Pipe()
+    there.close()
+    worker = _Worker("worker-1", Process(after), here, task=Task(Trial(0, "fetch", "humanoid", "empty", 0)), log=log)  # type: ignore[arg-type]  # what is asked of a process
+    workers = Workers(make, (begun,), count=1, time_limit=60.0, memory=None, logs=begun)
+    workers._workers.append(worker)
+    worker.attempts = 3
+    (done,) = workers._heard(worker, deque())
+    assert done.result.reason == how
 
 
 def test_a_trial_that_hangs_is_ended(begun: Path) -> None:
