@@ -69,12 +69,13 @@ class Happenings:
                 yield Happening(state.time, "info", f"nothing touches the {group.replace('_', ' ')} any more")
 
     def _refusals(self, now: float) -> Iterator[Happening]:
-        """Yield refused commands; one line a second while the reason stays the same."""
+        """Yield refused commands and setpoints; one line a second while the reason stays the same."""
         for text in self._supervisor.rejected.since(self._rejected):
-            _, _, fault = text.partition(": ")
+            head, _, fault = text.partition(": ")
             if fault != self._fault:
                 self._fault, self._fault_told, self._fault_count = fault, now, 0
-                yield Happening(now, "warning", f"refused a command: {fault}")
+                what = "setpoint" if head.startswith("setpoint ") else "command"
+                yield Happening(now, "warning", f"refused a {what}: {fault}")
             else:
                 self._fault_count += 1
         self._rejected = self._supervisor.rejected.total

@@ -272,6 +272,14 @@ def test_refused_commands_are_told_once_a_second(project: Path) -> None:
     assert 2 <= len(refused) <= 3
 
 
+def test_a_refused_setpoint_is_not_told_as_a_command(project: Path) -> None:
+    told = Told()
+    session = Session("fetch", duration=0.1, workspace=project, listener=told)
+    session.engine.supervisor.rejected.append("setpoint at 0.020 s: the policy's answer is not finite")
+    session.run()
+    assert "refused a setpoint: the policy's answer is not finite" in [text for _, _, text in told.events]
+
+
 def test_a_percept_that_never_comes_is_told(project: Path) -> None:
     told = Told()
     Session("fetch", scene="empty", duration=0.1, workspace=project, listener=told).run()
