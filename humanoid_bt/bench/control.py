@@ -22,6 +22,7 @@ from humanoid_bt.control.cycle_log import CycleLog, Layout
 from humanoid_bt.control.servo import Servo
 from humanoid_bt.control.supervisor import Supervisor
 from humanoid_bt.core.clock import DECISION_PERIOD, ESTIMATE_PERIOD, SERVO_PERIOD, cycles
+from humanoid_bt.core.errors import UserError
 from humanoid_bt.core.messages import BaseTarget, Command, Estimate, HandTarget, Target
 from humanoid_bt.files.workspace import Workspace, builtin_root
 from humanoid_bt.link.table import LocalTable
@@ -54,15 +55,23 @@ class CommandedRobot:
         self.plant = MujocoPlant(robot, Scene(load_scene(workspace.find_scene("empty")), 0))
         self.plant.place(start)
         self.controller = Controller(robot, self.plant)
+        self._config = robot.config
         self.targets = targets
 
     def run(self, count: int) -> None:
-        """Run so many servo cycles."""
+        """Run so many servo cycles.
+
+        Raises:
+            UserError: the robot's body fails, and what is measured from then on is another one.
+        """
         controller = self.controller
         for _ in range(count):
             if controller.cycle % cycles(DECISION_PERIOD) == 0:
                 controller.submit(Command(controller.cycle, controller.cycle * SERVO_PERIOD, self.targets))
             controller.run_cycle()
+        if failed := controller.given_up:
+            message = f"the body of {self._config.name} failed after {failed[0]:.1f} s: {failed[1]}"
+            raise UserError(message, self._config.place("body"), code="failed-body")
 
     def physics(self, time: float) -> float:
         """Return the CPU time of bare physics for some time [s], from where the robot is now [s]."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shutil
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -11,7 +12,9 @@ from humanoid_bt.bench import control, speed
 from humanoid_bt.bench.figure import figure
 from humanoid_bt.bench.promises import ARMS, WALKER_SPEED, Promise
 from humanoid_bt.control.body.standing import load_robot
+from humanoid_bt.core.errors import UserError
 from humanoid_bt.files.workspace import Workspace, builtin_root
+from humanoid_bt.robot.config import Walk
 from humanoid_bt.robot.model import BASE_COORDINATES
 from tests.policy_files import write_standing_robot
 
@@ -55,10 +58,34 @@ def test_a_promise_in_microseconds_is_about_what_it_took_and_not_about_the_ratio
     assert (quick.verdict, slow.verdict) == ("ok", "missed")
 
 
-def test_a_body_of_the_users_own_has_a_solve_if_it_builds_on_one_of_ours(tmp_path: Path) -> None:
+OWN = """\
+from humanoid_bt.control.body.whole_body import WholeBody
+
+
+class Mine(WholeBody):
+    def update(self, estimate, targets, hold):
+        if estimate.time > 0.21:
+            raise KeyError("oops")
+        return super().update(estimate, targets, hold)
+"""
+
+
+@pytest.fixture
+def own(tmp_path: Path) -> Path:
+    """A robot with a body of the user's own, which fails as it is measured."""
     robot = Path(shutil.copytree(ROBOT.parent, tmp_path / "mine")) / "robot.yaml"
     robot.write_text(robot.read_text() + "\nbody: {own: own.py}\n")
-    robot.with_name("own.py").write_text(
-        "from humanoid_bt.control.body.whole_body import WholeBody\n\n\nclass Mine(WholeBody):\n    pass\n"
-    )
-    assert speed.measure_solve(robot, "own", 2)
+    robot.with_name("own.py").write_text(OWN)
+    return robot
+
+
+def test_a_body_of_the_users_own_has_a_solve_if_it_builds_on_one_of_ours(own: Path) -> None:
+    own.with_name("own.py").write_text(OWN.replace("0.21", "1e9"))
+    assert speed.measure_solve(own, "own", 2)
+
+
+@pytest.mark.parametrize("measure", [speed.measure_walk, speed.measure_solve])
+def test_a_body_that_fails_is_not_measured(own: Path, measure: Callable[[Path, Walk, int], object]) -> None:
+    message = r"robot\.yaml:\d+:\d+: error: the body of humanoid failed after 0\.2 s: KeyError: 'oops', raised at"
+    with pytest.raises(UserError, match=message):
+        measure(own, "own", 2)
