@@ -8,7 +8,9 @@ from pathlib import Path
 
 import pytest
 
+from humanoid_bt.checking import robot_motion
 from humanoid_bt.cli import main
+from humanoid_bt.control.body.policy import walker
 from humanoid_bt.control.body.policy.learned_body import LearnedBody
 from humanoid_bt.control.body.standing import load_robot
 from humanoid_bt.control.body.whole_body import WholeBody
@@ -57,6 +59,17 @@ def test_a_walker_that_does_not_walk_is_refused_in_its_own_file(
     told = capsys.readouterr().out
     assert "stand.policy.yaml:7:22: error: it does not walk 1 m straight ahead" in told
     assert "the order of joints and terms, scales, history" in told
+
+
+def test_a_walker_whose_answers_are_not_finite_is_refused_for_that(
+    robot: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(walker, "_finite", lambda *_: False)
+    monkeypatch.setattr(robot_motion, "_WALK", 1)
+    assert main(["check", str(robot)]) == 2
+    told = capsys.readouterr().out
+    assert "stand.policy.yaml:1:1: error: its body failed after 0.0 s: the policy's answer is not finite" in told
+    assert told.endswith("1 error in 1 file\n")
 
 
 def test_the_tree_runs_on_a_learned_walker(robot: Path) -> None:
