@@ -88,7 +88,7 @@ class _Trial:
             self.spent.append(perf_counter() - began)
             return setpoint
 
-        body.update = timed  # type: ignore[method-assign]
+        body.update = timed  # type: ignore[method-assign]  # only of this one
 
     def begin(self) -> None:
         """Stand at the start."""
