@@ -18,6 +18,7 @@ from humanoid_bt.core.texts import shortened
 from humanoid_bt.review.explain import explain
 from humanoid_bt.testing.stage import Stage
 from humanoid_bt.testing.tree_run import TreeRun, View
+from humanoid_bt.tree.ticking.deciding import deciding
 
 _LONGEST = 500  # characters of a reason or of a text that a skill reports
 
@@ -149,13 +150,14 @@ def judged(result: Result, run: TreeRun, fail_on: Sequence[str]) -> Result:
 
 def _node(run: TreeRun) -> str:
     """Return the path of the node that a reason is about: one that it names, else the leaf that did something last."""
+    if run.outcome == "failure" and (decided := deciding(run.changes)) is not None:
+        return decided.path
     for node in run.tree.nodes:
         if f"the node {node.path!r}" in run.reason:
             return node.path
-    leaves = {node.path: node.name for node in run.tree.nodes if node.kind in ("skill", "action", "condition")}
-    named = [change.path for change in run.changes if run.reason.startswith(f"{leaves.get(change.path, '/')}: ")]
-    others = [change.path for change in run.changes if change.path in leaves and change.status.name == "RUNNING"]
-    return (named or others or [""])[-1]
+    leaves = {node.path for node in run.tree.nodes if node.kind in ("skill", "action", "condition")}
+    ran = [change.path for change in run.changes if change.path in leaves and change.status.name == "RUNNING"]
+    return ran[-1] if ran else ""
 
 
 def _explained(task: Task, result: Result) -> Explained | None:

@@ -21,6 +21,7 @@ from humanoid_bt.review.recorded_calls import RecordedCalls
 from humanoid_bt.review.recorded_run import RecordedRun
 from humanoid_bt.robot.config import load_robot_config
 from humanoid_bt.session.blackboard import Blackboard
+from humanoid_bt.tree.ticking.deciding import reason_of
 from humanoid_bt.tree.ticking.executor import Executor, NodeChange
 from humanoid_bt.tree.tree import Tree
 
@@ -63,6 +64,7 @@ def decide_again(log: FlightLog, run: RecordedRun, tree: Tree, robot: Path) -> D
     """
     done, clock, unseen = Done(), StateClock(), dict[str, str]()
     changes: list[NodeChange] = []
+    timeline: list[NodeChange] = []
     calls = RecordedCalls()
     view = Robot(load_robot_config(robot), clock, lambda *_: None, lambda *_: None, lambda: unseen, calls=calls)
     executor = Executor(tree, view, changes.append)
@@ -86,6 +88,7 @@ def decide_again(log: FlightLog, run: RecordedRun, tree: Tree, robot: Path) -> D
             command = executor.tick(tick.state, percepts)
         except HumanoidBtError as error:
             command, done.outcome, done.reason = None, "error", str(error)
+        timeline += changes
         if done.difference is None:
             last = clock.time >= inputs.until - _AT
             differ = _nodes_differ(clock.time, news, changes, last)
@@ -93,10 +96,8 @@ def decide_again(log: FlightLog, run: RecordedRun, tree: Tree, robot: Path) -> D
         if command is None:
             break
         if executor.status is not Status.RUNNING:
-            ended = executor.status is Status.SUCCESS
-            said = next((change.feedback for change in changes if change.status is executor.status), "")
-            done.outcome = "success" if ended else "failure"
-            done.reason = said or f"the tree {'succeeded' if ended else 'failed'}"
+            done.outcome = "success" if executor.status is Status.SUCCESS else "failure"
+            done.reason = reason_of(timeline)
             break
     if inputs.broken_off:
         done.notes.append(inputs.broken_off)

@@ -23,16 +23,15 @@ _BLIND = ("the perception process ended", "the percept source")  # what is told 
 
 def failed(history: History, time: float) -> Cause:
     """Return why a tree failed at a time [s]."""
-    failures = [change for change in history.changes if change.status == "FAILURE" and abs(change.time - time) < AT]
-    if not failures:
+    decided = history.decided
+    if decided is None or decided.status != "FAILURE" or abs(decided.time - time) > AT:
         return Cause("failed", f"the tree failed at {when(time)}: {cut(history.end['reason'])}", time)
-    first = next((change for change in failures if change.said), failures[0])
     if flap := flapping(history, time):
         return flap
-    kind = str(history.kind(first.path, time).get("type", ""))
-    if kind == "watchdog" or "was never seen" in first.said:
-        return _lost(history, first)
-    return {"timeout": _timed_out, "confident": _doubted}.get(kind, _skill_failed)(history, first)
+    kind = str(history.kind(decided.path, time).get("type", ""))
+    if kind == "watchdog" or "was never seen" in decided.said:
+        return _lost(history, decided)
+    return {"timeout": _timed_out, "confident": _doubted}.get(kind, _skill_failed)(history, decided)
 
 
 def _doubted(history: History, change: Change) -> Cause:
@@ -49,7 +48,8 @@ def _skill_failed(history: History, change: Change) -> Cause:
     struggling = [joint for joint in motion.limited() if joint.what == "torque" and joint.duration >= _STRUGGLED]
     reported = [result for _, found in history.results(change.path, change.time, change.time) for result in found]
     results = {name: (value, unit) for name, value, unit in reported}
-    text = f"'{last(change.path)}' failed at {when(change.time)}: {cut(change.said.split(';')[0])}"
+    said = cut(change.said.split(";")[0])
+    text = f"'{last(change.path)}' failed at {when(change.time)}" + f": {said}" * bool(said)
     rows: list[Row] = [(name.replace("_", " "), readable(*of)) for name, of in results.items()]
     if struggling:
         moved, before = _moved(history, change), _at_limit_before(history, change)

@@ -8,12 +8,15 @@ from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
+from py_trees.common import Status
 
 from humanoid_bt.core.clock import SERVO_PERIOD
 from humanoid_bt.core.errors import UserError, nearest
 from humanoid_bt.core.messages import Percept
 from humanoid_bt.record.reading import FlightLog
 from humanoid_bt.record.tick import Tick
+from humanoid_bt.tree.ticking.deciding import deciding
+from humanoid_bt.tree.ticking.executor import NodeChange
 
 _TICKS = (0.5, 10.0, math.inf)  # s before a moment in which its last tick is looked for, one after the other
 _SIGHTS = 60.0  # s for which percepts are looked for
@@ -155,6 +158,13 @@ class History:
         while kept and self._by_the_end(self.changes[kept - 1]):
             kept -= 1
         return _deepest(_running(self.changes[:kept], math.inf))
+
+    @cached_property
+    def decided(self) -> Change | None:
+        """The change of the node that decided how the tree ended, None if it was never ticked."""
+        changes = [NodeChange(time, path, Status[status], said) for time, path, status, said in self.changes]
+        found = deciding(changes)
+        return None if found is None else Change(found.time, found.path, found.status.name, found.feedback)
 
     def _by_the_end(self, change: Change) -> bool:
         """Return whether the end of the run halted a node, not the tree in its last tick, which may be as late."""

@@ -164,8 +164,7 @@ class Loop:
         if state.mode is Mode.DAMP or (state.mode is Mode.EMERGENCY_STOP and not self.waits):
             return self._stopped()
         if status in _ENDED and not runner.ended and pause is None:
-            outcome, otherwise = ("success", "succeeded") if status is Status.SUCCESS else ("failure", "failed")
-            end = End(outcome, self._teller.trace.why(status, self.command.stamp) or f"the tree {otherwise}")
+            end = End("success" if status is Status.SUCCESS else "failure", self._teller.trace.why())
             if self.successor is None:
                 return self._stopped("the tree ended") or end
             self._rest(end)

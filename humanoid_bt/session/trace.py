@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import hashlib
 
-from py_trees.common import Status
-
 from humanoid_bt.core.kept import Kept
 from humanoid_bt.core.messages import Command, Level, State
 from humanoid_bt.session.report import Reload
+from humanoid_bt.tree.ticking.deciding import reason_of
 from humanoid_bt.tree.ticking.executor import NodeChange
 
 
@@ -42,12 +41,9 @@ class Trace:
         self.reloads.append(reload)
         self._hash.update(f"{reload.time} {reload.outcome} {source}".encode())
 
-    def why(self, status: Status, now: float) -> str:
-        """Return what the first node says that took a status in the tick at ``now`` [s]: it decided for the others."""
-        for change in self.timeline:
-            if change.time >= now and change.status is status and change.feedback:
-                return f"{change.path.rsplit('/', 1)[-1]}: {change.feedback}"
-        return ""
+    def why(self) -> str:
+        """Return why the tree came to what it did last."""
+        return reason_of(self.timeline)
 
     def tick(self, state: State, command: Command) -> None:
         """Take what one tick saw and commanded."""

@@ -121,6 +121,11 @@ TREES = {
     "refused": ("empty", "wild"),
     "thieves": ("empty", "{parallel: [walk, thief]}"),
     "sleepy": ("empty", "sleepy"),
+    "behind": (
+        "empty",
+        "{sequence: [{wait: 0.1 s}, {force_success: give_up}, "
+        "{condition: {name: culprit, expression: state.x > 5 m}}]}",
+    ),
     "late": ("empty", "{timeout: {duration: 0.5 s, walk: {}}}"),
     "fails_when_lost": ("ball_on_stand", WATCHED + "approach: {target: target}}}"),
     "waits_when_lost": (

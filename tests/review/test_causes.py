@@ -286,6 +286,12 @@ CASES: dict[str, tuple[str, str, dict[str, Any], str]] = {
         r"left_shoulder_roll was at its torque limit, 2 Nm",
     ),
     "failure": ("give_up", "failed", {}, r"'give_up' failed at 0\.000 s: the thing is not there"),
+    "failure behind one that did no harm": (
+        "behind",
+        "failed",
+        {},
+        r"'culprit' failed at 0\.100 s: state\.x .* > 5 m",
+    ),
     "time is up": (
         "wait",
         "unfinished",
@@ -361,6 +367,7 @@ TELLING = (
     "refused for seconds",
     "two owners",
     "percept lost",
+    "failure behind one that did no harm",
     "a sensor fails",
     "a plant that is not heard",
     "control lost right after the first tick",

@@ -90,6 +90,8 @@ def test_what_a_program_sets_on_the_blackboard_comes_again(project: Path, alone:
         assert session.run().outcome == "success"
     again = replay(file, **({"tree": "keyed", "workspace": project} if alone else {}))
     assert (again.whole, again.outcome) == (not alone, "success")
+    assert again.reason == again.recorded_reason
+    assert again.reason.startswith("condition: go ")
     assert again.identical
 
 

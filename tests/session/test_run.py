@@ -336,4 +336,4 @@ def test_a_run_of_hours_does_not_fill_the_memory() -> None:
     assert trace.timeline.total == 60_000
     assert trace.timeline[0].time == 0.0
     assert trace.timeline[-1].time == pytest.approx(1200 - 0.02)
-    assert trace.why(Status.RUNNING, trace.timeline[-1].time) == "reach: on its way"
+    assert trace.why() == "reach: on its way"

@@ -49,6 +49,7 @@ class Inverter(Decorator):
         status = tick(self.decorated, seen)
         if status is RUNNING:
             return status
+        self.feedback_message = f"its child {'succeeded' if status is SUCCESS else 'failed'}"
         return FAILURE if status is SUCCESS else SUCCESS
 
 
