@@ -182,8 +182,10 @@ def _factors(campaign: CampaignFile, trees: Sequence[Path]) -> Iterator[Callable
     for number, push in enumerate(campaign.pushes, start=1):
         if campaign.dry:
             yield partial(_refuse_dry, "a push", push.at)
+        yield partial(_moment, push.at, f"{PUSH}.{number}.at", campaign.duration)
         for name, spec in params_of(PushVariation).items():
-            yield partial(_number, getattr(push, name), f"{PUSH}.{number}.{name}", spec)
+            if name != "at":
+                yield partial(_number, getattr(push, name), f"{PUSH}.{number}.{name}", spec)
 
 
 def _parameter(name: str, variation: Variation, trees: Sequence[Path]) -> Factor:
@@ -219,6 +221,17 @@ def _refuse_dry(what: str, variation: Variation) -> NoReturn:
 def _place(variation: Variation) -> Place:
     """Return where the first value of what varies stands."""
     return (variation.ends or variation.values)[0].place
+
+
+def _moment(variation: Variation, column: str, duration: float | None) -> Factor:
+    """Return when a push comes; raises UserError if a trial is over by then."""
+    factor = _number(variation, column, params_of(PushVariation)["at"])
+    latest = max(factor.ends or factor.values)
+    if duration is not None and latest > duration:
+        message = f"a push at {latest:g} s never happens: a trial ends after {duration:g} s"
+        hint = "an earlier moment, or a longer duration"
+        raise UserError(message, (variation.ends or variation.values)[-1].place, hint, "out-of-range")
+    return factor
 
 
 def _number(variation: Variation, column: str, spec: Param) -> Factor:

@@ -27,6 +27,7 @@ _COUNTS: Mapping[str, tuple[str, Callable[[Summary], float]]] = {
     "fell": ("Those in which the robot fell.", lambda summary: summary.fell),
     "bumped": ("Those in which it touched something that no hand was sent to.", lambda summary: summary.bumped),
     "stopped": ("Those that were stopped for safety.", lambda summary: summary.outcomes.get("stopped", 0)),
+    "missed": ("Those in which a push or an event of the script never happened.", lambda summary: summary.incomplete),
     "errors": ("Those in which a skill raised an exception.", lambda summary: summary.outcomes.get("error", 0)),
     "hung": ("Those that took too long on the wall clock.", lambda summary: summary.outcomes.get("hung", 0)),
     "crashed": ("Those whose process died.", lambda summary: summary.outcomes.get("crashed", 0)),

@@ -25,6 +25,7 @@ class Result:
         fell: whether the robot fell.
         bumped: what it bumped into: the things of the scene that it touched, no hand having been sent there.
         stops: how often the supervisor stopped it.
+        missed: what was to happen and did not before it ended: "push 1", "event 2 of the script", joined by ", ".
         values: what skills reported last, by name: in SI units.
         units: of those values that have one.
         trace: of the run, as its report has it: the same only if everything was, bit for bit.
@@ -37,6 +38,7 @@ class Result:
     fell: bool = False
     bumped: str = ""
     stops: int = 0
+    missed: str = ""
     values: Mapping[str, Value] = field(default_factory=dict)
     units: Mapping[str, str] = field(default_factory=dict)
     trace: str = ""
@@ -45,6 +47,10 @@ class Result:
     def succeeded(self) -> bool:
         """Whether the tree succeeded."""
         return self.outcome == SUCCESS
+
+    def has_missed(self, what: str) -> bool:
+        """Return whether something was to happen, such as a push, and did not."""
+        return what in self.missed.split(", ")
 
     def to_dict(self) -> dict[str, Any]:
         """Return it as plain data for JSON."""

@@ -13,9 +13,11 @@ from humanoid_bt.campaign.plan import Plan
 from humanoid_bt.campaign.result import SUCCESS, Explained, Result, Value
 from humanoid_bt.campaign.trial import CONDITION, PUSH, SET, Task, Trial
 from humanoid_bt.campaign.work import Answer, Run
-from humanoid_bt.core.errors import UserError
+from humanoid_bt.core.errors import Place, UserError
+from humanoid_bt.core.items import item_of
 from humanoid_bt.core.texts import shortened
 from humanoid_bt.review.explain import explain
+from humanoid_bt.testing.events import Event
 from humanoid_bt.testing.stage import Stage
 from humanoid_bt.testing.tree_run import TreeRun, View
 from humanoid_bt.tree.ticking.deciding import deciding
@@ -60,12 +62,13 @@ class _Stages:
     def run(self, task: Task) -> Answer:
         """Run a trial; raises UserError if it cannot be."""
         trial = task.trial
+        named = [Event.from_item(item_of(push, Place(f"{PUSH} {n}"))) for n, push in enumerate(pushes(trial), start=1)]
         run = self._stage(trial).run(
             trial.tree,
             seed=trial.seed,
             parameters=trial.part(SET),
             duration=trial.duration,
-            script=[*self._setup.script, *pushes(trial)],
+            script=[*self._setup.script, *named],
             conditions=trial.part(CONDITION),
             record=task.recording or None,
             watchers=[stopwatch := _Stopwatch()],
@@ -130,6 +133,7 @@ def result_of(run: TreeRun) -> Result:
         fell=run.fell,
         bumped=", ".join(dict.fromkeys(touch["thing"] for touch in report.touches if not touch["meant"])),
         stops=len(report.stops),
+        missed=", ".join(str(missed.place) for missed in run.missed if not missed.optional),
         values=values,
         units={name: unit for name, unit in units.items() if unit},
         trace=run.trace,

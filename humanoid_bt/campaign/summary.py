@@ -12,6 +12,7 @@ from humanoid_bt.campaign.causes import Cause, causes
 from humanoid_bt.campaign.result import CRASHED, HUNG, Explained
 from humanoid_bt.campaign.statistics import QUANTILES, Interval, Rate, Spread
 from humanoid_bt.campaign.table import Row, Table
+from humanoid_bt.campaign.trial import PUSH
 from humanoid_bt.core.plain import plain
 from humanoid_bt.core.units import readable, readable_ranges
 
@@ -86,6 +87,17 @@ class Summary:
         return sum(bool(row.result.bumped) for row in self.table.rows)
 
     @cached_property
+    def missed(self) -> Mapping[str, int]:
+        """What was to happen in every trial, and in how many it did not: the most frequent first."""
+        missed = [what for row in self.table.rows for what in row.result.missed.split(", ") if what]
+        return dict(Counter(missed).most_common())
+
+    @property
+    def incomplete(self) -> int:
+        """In how many something that was to happen did not."""
+        return sum(bool(row.result.missed) for row in self.table.rows)
+
+    @cached_property
     def spreads(self) -> Mapping[str, tuple[str, Spread]]:
         """The quantities of the trials that succeeded, each with its unit: the time, and what skills reported."""
         good = [row.result for row in self.table.rows if row.result.succeeded]
@@ -103,13 +115,19 @@ class Summary:
 
     @cached_property
     def levels(self) -> Mapping[str, Sequence[Level]]:
-        """For each column in which trials differ beside their seed, how those with each of its values went."""
-        return {name: list(self._levels(name)) for name in self.table.plan.varies}
+        """For each column in which trials differ beside their seed, how those with each of its values went.
+
+        Those in which a push never happened say nothing of its numbers.
+        """
+        found = {name: list(self._levels(name)) for name in self.table.plan.varies}
+        return {name: levels for name, levels in found.items() if levels}
 
     def _levels(self, name: str) -> Iterator[Level]:
         factor = next((factor for factor in self.table.plan.factors if factor.name == name), None)
         unit = factor.unit if factor else ""
-        cells = [(self.table.cells(row)[name], row) for row in self.table.rows]
+        of, _, number = name.rpartition(".")[0].partition(".")
+        rows = [row for row in self.table.rows if of != PUSH or not row.result.has_missed(f"{PUSH} {number}")]
+        cells = [(self.table.cells(row)[name], row) for row in rows]
         if factor is None or factor.ends is None:
             for text in dict.fromkeys(readable(value, unit) for value, _ in cells):
                 yield _level(text, [row for value, row in cells if readable(value, unit) == text])
@@ -131,6 +149,7 @@ class Summary:
             "success": _rate(self.success),
             "fell": self.fell,
             "bumped": self.bumped,
+            "missed": dict(self.missed),
             "outcomes": dict(self.outcomes),
             "spreads": {
                 name: {"unit": unit, **{key: plain(spread.quantile(share)) for key, share in QUANTILES.items()}}

@@ -58,7 +58,7 @@ class Table:
         """The names of the columns in their order, each with the SI unit of its numbers."""
         given = {factor.name: factor.unit for factor in self.plan.factors}
         reported = {f"{VALUE}.{name}": unit for name, unit in self.values.items()}
-        about = dict.fromkeys(("outcome", "reason", "node", "time", "fell", "bumped", "stops"), "")
+        about = dict.fromkeys(("outcome", "reason", "node", "time", "fell", "bumped", "stops", "missed"), "")
         return {
             **dict.fromkeys(("trial", "id", *Setting._fields, "seed"), ""),
             **given,
@@ -75,7 +75,7 @@ class Table:
             **{"trial": trial.number, "id": trial.id, "tree": trial.tree, "robot": trial.robot, "scene": trial.scene},
             **{"seed": trial.seed, **trial.given},
             **{"outcome": result.outcome, "reason": result.reason, "node": result.node, "time": result.time},
-            **{"fell": result.fell, "bumped": result.bumped, "stops": result.stops},
+            **{"fell": result.fell, "bumped": result.bumped, "stops": result.stops, "missed": result.missed},
             **{**reported, "trace": result.trace},
         }
 

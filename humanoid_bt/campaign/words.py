@@ -38,6 +38,9 @@ def figures(summary: Summary) -> Iterator[Line]:
         yield "fell", f"{summary.fell}"
     if summary.bumped:
         yield "bumped", f"{summary.bumped}"
+    if summary.missed:
+        told = (f"in {count} of {summary.done} trials {what} never happened" for what, count in summary.missed.items())
+        yield "missed", "; ".join(told)
 
 
 def counts(summary: Summary) -> list[str]:

@@ -128,6 +128,7 @@ def test_what_was_killed_before_it_made_its_folder_begins_anew(
         ("compare a", "campaign compare takes 2 arguments, not 1\n    humanoid-bt campaign compare A B"),
         ("rerun", "campaign rerun takes 2 arguments, not 0\n    humanoid-bt campaign rerun DIR TRIAL"),
         ("recover", "does not run alone"),
+        ("fetch --duration 6 --push at=2s..7s,force=9", "a push at 7 s never happens: a trial ends after 6 s"),
     ],
 )
 def test_what_cannot_be_run_is_told_before_anything_is_written(

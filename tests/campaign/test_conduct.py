@@ -61,6 +61,7 @@ def test_the_table_has_what_was_tried_and_what_came_of_it(campaign: Conduct, tmp
         "fell",
         "bumped",
         "stops",
+        "missed",
         "result.hand_error",
         "trace",
     ]
