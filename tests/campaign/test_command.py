@@ -138,3 +138,45 @@ def test_what_cannot_be_run_is_told_before_anything_is_written(
     assert main(["campaign", *shlex.split(line)]) == 2
     assert message in capsys.readouterr().err
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("line", "message"),
+    [
+        ("compare a b --require 'success > 1'", "campaign compare takes no '--require'"),
+        ("--seeds 3 compare a b", "campaign compare takes no '--seeds'"),
+        ("rerun a 3 -j 2", "campaign rerun takes no '-j'"),
+    ],
+)
+def test_what_a_campaign_that_is_over_cannot_take_is_refused(
+    line: str, message: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(SystemExit) as exit_:
+        main(["campaign", *shlex.split(line)])
+    assert exit_.value.code == 2
+    assert message in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("word", "has", "lacks"), [("compare", "--out FILE", "--workspace"), ("rerun", "DIR", "--out")]
+)
+def test_what_is_done_with_one_that_is_over_has_help_of_its_own(
+    word: str, has: str, lacks: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(SystemExit) as exit_:
+        main(["campaign", word, "a", "--help"])
+    told = capsys.readouterr().out
+    assert exit_.value.code == 0
+    assert told.startswith(f"usage: humanoid-bt campaign {word} ")
+    assert has in told
+    assert not {lacks, "--seeds", "--require"} & set(told.split())
+
+
+def test_a_tree_may_be_called_as_what_is_done_with_campaigns(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("trees").mkdir()
+    Path("trees/compare.yaml").write_text("format: 1\nroot: {wait: 0.1 s}\n", encoding="utf-8")
+    assert main(["campaign", "compare", "--dry", "--seeds", "0", "--json", "--out", "out"]) == 0
+    assert json.loads(capsys.readouterr().out)["success"]["count"] == 1

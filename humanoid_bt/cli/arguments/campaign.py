@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from humanoid_bt.cli.arguments.numbers import COUNT, number, size
-from humanoid_bt.cli.arguments.parsing import Commands, add_perception, add_workspace
+from humanoid_bt.cli.arguments.parsing import EXIT_CODES, Commands, Parser, add_perception, add_workspace
 from humanoid_bt.session.limits import DURATION, Limit
 
 _WHOLE = Limit(int, "a whole number, 0 or more", lambda value: value >= 0)
@@ -19,6 +19,33 @@ _USAGE = """\
 humanoid-bt campaign [-h] TREE|FILE [options]
        humanoid-bt campaign [-h] compare A B
        humanoid-bt campaign [-h] rerun DIR TRIAL"""
+
+_COMPARE = """\
+Compare two campaigns trial by trial: those with the same seed, and the same of
+all else that varies. A and B are folders of results.
+"""
+
+_COMPARE_EXAMPLES = """\
+examples:
+  humanoid-bt campaign compare runs/before runs/after
+  humanoid-bt campaign compare runs/before runs/after --out comparison.md
+
+exit codes:
+  0    nothing got worse beyond chance
+  1    something got worse
+  2    usage, or there is no campaign in a folder
+"""
+
+_RERUN = """\
+Run a trial of a campaign again, record and explain it, and say whether it went
+as it had gone before. DIR is the folder of results, TRIAL a number or id there.
+"""
+
+_RERUN_EXAMPLES = f"""\
+examples:
+  humanoid-bt campaign rerun runs/slippery 17
+
+{EXIT_CODES}"""
 
 _EXAMPLES = """\
 examples:
@@ -133,3 +160,13 @@ def add_campaign(commands: Commands) -> None:
     how.add_argument("--quiet", action="store_true", help="print only errors and the summary")
     how.add_argument("--json", action="store_true", help="for programs: print the summary, or the comparison, as JSON")
     add_workspace(campaign)
+    _add_words(campaign)
+
+
+def _add_words(campaign: Parser) -> None:
+    """Declare what is done with campaigns that are over."""
+    compare = campaign.add_word("compare", "A B", _COMPARE, _COMPARE_EXAMPLES)
+    compare.add_argument("--out", type=Path, metavar="FILE", help="write the comparison there, as Markdown")
+    compare.add_argument("--json", action="store_true", help="for programs: print the comparison as JSON")
+    rerun = campaign.add_word("rerun", "DIR TRIAL", _RERUN, _RERUN_EXAMPLES)
+    add_workspace(rerun)

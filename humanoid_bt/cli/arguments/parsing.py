@@ -37,6 +37,44 @@ class _Help(argparse.RawDescriptionHelpFormatter):
 class Parser(argparse.ArgumentParser):
     """An argument parser that says in two lines what is wrong and what would be valid."""
 
+    def __init__(self, *args: Any, **kwargs: Any) -> None:
+        super().__init__(*args, **kwargs)
+        self._words: dict[str, Parser] = {}
+
+    def add_word(self, word: str, what: str, description: str, epilog: str) -> Parser:
+        """Return the parser of what a command does whose first argument is a word, with arguments of its own.
+
+        Args:
+            word: it.
+            what: the arguments that follow it, which come into ``what`` behind it.
+            description, epilog: for its help.
+        """
+        prog = f"{self.prog} {word}"
+        added = Parser(
+            prog=prog, usage=f"{prog} {what} [options]", description=description, epilog=epilog, formatter_class=_Help
+        )
+        added.add_argument("what", nargs="*", help=argparse.SUPPRESS)
+        self._words[word] = added
+        return added
+
+    def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
+        """Parse the arguments; those behind a word with the parser of that."""
+        if not self._words:
+            return super().parse_known_args(args, namespace)
+        given = list(args)
+        word = given[0] if {"-h", "--help"} & set(given) else ""
+        if word not in self._words:
+            parsed = super().parse_known_args(given, namespace)
+            word, *rest = parsed[0].what
+            if word not in self._words or not rest:  # a tree may be called so too
+                return parsed
+        given.remove(word)
+        values, unknown = self._words[word].parse_known_args(given, namespace)
+        if unknown:
+            self._words[word].error(f"{self._words[word].prog.partition(' ')[2]} takes no {unknown[0]!r}")
+        values.what = [word, *values.what]
+        return values, []
+
     def error(self, message: str) -> NoReturn:
         """Print a mistake and exit."""
         print(f"error: {message}\n    see: {self.prog} --help", file=sys.stderr)
