@@ -87,7 +87,11 @@ class Variation:
                 message = f"{name!r} runs from {low:g} down to {high:g}"
                 raise UserError(message, self.ends[0].place, "give the low end first", "out-of-range")
             return Factor(name, spec.unit, ends=(low, high), whole=spec.type is int)
-        return Factor(name, spec.unit, tuple(_converted(spec, self.values)))
+        values: list[Any] = []
+        for value in _converted(spec, self.values):  # 1 m and 100 cm are the same, and so would be their trials
+            if value not in values:
+                values.append(value)
+        return Factor(name, spec.unit, tuple(values))
 
 
 @dataclass(frozen=True)

@@ -22,6 +22,12 @@ def test_a_list_is_tried_whole() -> None:
     assert _factor(["35 cm", "40cm", "12.3 cm", "300 mm"]).levels == (0.35, 0.4, 0.123, 0.3)
 
 
+def test_what_is_the_same_in_another_unit_is_tried_once() -> None:
+    distance = Param("distance", float, doc="", unit="m")
+    found = Variation.from_item(item_of(["1 m", "50 cm", "100 cm", 1], Place("here")), "distance")
+    assert found.factor("set.distance", distance).values == (1.0, 0.5)
+
+
 def test_what_is_drawn_lies_between_its_ends_and_fills_them() -> None:
     factor = _factor("40 cm .. 0.5 m")
     drawn = [factor.value(None, seed) for seed in range(500)]
