@@ -21,7 +21,7 @@ _NEXT = """\
   humanoid-bt check             find mistakes in all files
   humanoid-bt test              try the tree in its scenario
   python -m pytest tests        test the skill
-  humanoid-bt campaign campaigns/point_out.yaml -j 2     how often does it succeed?
+  humanoid-bt campaign point_anywhere -j 2     how often does it succeed?
 README.md says what is in it and how to go on"""
 
 

@@ -12,9 +12,10 @@ from pathlib import Path
 import pytest
 import yaml
 
+from humanoid_bt.campaign.planning import checked_campaign
 from humanoid_bt.cli import main
 from humanoid_bt.cli.init import SCHEMAS
-from humanoid_bt.files.workspace import builtin_root
+from humanoid_bt.files.workspace import Workspace, builtin_root
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -69,6 +70,13 @@ def test_it_says_what_to_do_next(made: str) -> None:
         with pytest.raises(SystemExit) as ended:
             main([command, "--help"])
         assert ended.value.code == 0
+
+
+def test_its_campaign_is_found_by_its_name(made: str) -> None:
+    workspace = Workspace()
+    assert set(workspace.campaigns()) == {"point_anywhere"}
+    assert "point_anywhere" not in workspace.trees()
+    assert checked_campaign(workspace.campaigns()["point_anywhere"], workspace).plan.name == "point_anywhere"
 
 
 def test_its_readme_names_every_file(made: str) -> None:
