@@ -55,7 +55,9 @@ class Seeds:
     @classmethod
     def from_item(cls, item: Item, name: str) -> Seeds:
         """Read seeds from a YAML value: a number, a text, or a list of these; raises UserError."""
-        parts = item.value if isinstance(item.value, list) and item.value else [item]
+        if item.value == []:
+            raise UserError(f"{name!r} has no seeds", item.place, _EXAMPLE, "wrong-length")
+        parts = item.value if isinstance(item.value, list) else [item]
         found: dict[int, None] = {}
         for part in parts:
             value = part.value

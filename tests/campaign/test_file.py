@@ -61,6 +61,7 @@ def test_a_file_becomes_a_plan(file: Path) -> None:
         ("tree: fetch", "tree: fetsh", "3:7: error: no tree named 'fetsh'"),
         ("ball_on_stand]", "nowhere]", "4:24: error: no scene named 'nowhere'"),
         ("seeds: 0-9", "seeds: 9-0", "5:8: error: '9-0, 20' are no seeds"),
+        ("seeds: 0-9, 20", "seeds: []", "5:8: error: 'seeds' has no seeds"),
         ("stop_distance", "stop_distence", "7:19: error: the tree 'fetch' has no parameter 'stop_distence'"),
         ("40 cm", "40 kg", "7:26: error: 'stop_distance' has the unit 'kg'"),
         ("5 s .. 9 s", "9 s .. 5 s", "8:9: error: 'set.look' runs from 9 down to 5"),
