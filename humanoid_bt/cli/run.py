@@ -33,6 +33,7 @@ def run(arguments: argparse.Namespace) -> int:
     """Run a tree; return the exit code."""
     if arguments.report:
         _make_way(arguments.report)
+        arguments.report = arguments.report.absolute()  # wherever skills go
     console = SafeConsole()
     printer = Printer(console, arguments.quiet)
     if arguments.breakpoints and not keys.available():

@@ -33,6 +33,7 @@ def test(arguments: argparse.Namespace) -> int:
     seeds = Seeds.parse(arguments.seeds) if arguments.seeds is not None else None
     if arguments.junit is not None:
         _make_way(arguments)
+        arguments.junit = arguments.junit.absolute()  # wherever skills go
     suite = Suite(arguments.names, arguments.workspace, seeds)
     console = SafeConsole()
     told = _Teller(console, suite, quiet=arguments.json)

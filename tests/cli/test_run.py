@@ -179,3 +179,32 @@ def test_ascii_terminals_get_ascii_signs(tmp_path: Path, monkeypatch: pytest.Mon
         monkeypatch.setattr("sys.stdout", stream)
         assert main(["run", "wait", "--no-record"]) == 0
     assert "0.00 s > pause waiting" in out.read_text(encoding="ascii")
+
+
+AWAY = """
+import os
+
+from humanoid_bt import Skill, Status
+
+
+class GoAway(Skill):
+    \"\"\"Let the program work in another folder.\"\"\"
+
+    bounded = True
+
+    def update(self) -> Status:
+        os.chdir("elsewhere")
+        return self.succeed("gone")
+"""
+
+
+def test_the_report_is_where_it_was_asked_for_wherever_a_skill_goes(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    for folder in ("skills", "trees", "elsewhere"):
+        Path(folder).mkdir()
+    Path("skills/go_away.py").write_text(AWAY, encoding="utf-8")
+    Path("trees/away.yaml").write_text("format: 1\nroot: go_away\n", encoding="utf-8")
+    assert main(["run", "away", "--no-record", "--report", "report.json", "--quiet"]) == 0
+    assert json.loads((tmp_path / "report.json").read_text(encoding="utf-8"))["reason"] == "go_away: gone"
