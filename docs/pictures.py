@@ -35,9 +35,9 @@ from humanoid_bt.plant.scene_config import ObjectConfig, SceneConfig
 from humanoid_bt.record.sinks import LOOPBACK
 from humanoid_bt.robot.config import load_robot_config
 from humanoid_bt.robot.model import RobotModel
+from humanoid_bt.session.listener import Listener
 from humanoid_bt.session.run import run
 from humanoid_bt.session.session import Session
-from humanoid_bt.session.teller import Listener
 from humanoid_bt.testing.coverage import counting, coverage_in, tree_coverage, tree_files
 from humanoid_bt.testing.coverage_page import page
 from humanoid_bt.testing.rig import Rig

@@ -133,12 +133,12 @@ if TYPE_CHECKING:
     from humanoid_bt.review.recording import open_recording as open_recording
     from humanoid_bt.review.replay import Replay as Replay
     from humanoid_bt.review.replay import replay as replay
+    from humanoid_bt.session.listener import Listener as Listener
     from humanoid_bt.session.prepare import load as load
     from humanoid_bt.session.prepare import skills as skills
     from humanoid_bt.session.report import Report as Report
     from humanoid_bt.session.run import run as run
     from humanoid_bt.session.session import Session as Session
-    from humanoid_bt.session.teller import Listener as Listener
     from humanoid_bt.testing import faults as faults
     from humanoid_bt.testing.check_skill import check_skill as check_skill
     from humanoid_bt.testing.check_skill_result import SkillCheck as SkillCheck
@@ -181,7 +181,7 @@ else:
         "humanoid_bt.session.report": "Report",
         "humanoid_bt.session.run": "run",
         "humanoid_bt.session.session": "Session",
-        "humanoid_bt.session.teller": "Listener",
+        "humanoid_bt.session.listener": "Listener",
         "humanoid_bt.decision.hand_route": "HandRoute",
         "humanoid_bt.decision.route": "Route",
         "humanoid_bt.decision.signals": "Improving Lasting Steady",

@@ -17,8 +17,8 @@ from humanoid_bt.cli.output import hanging, make_safe
 from humanoid_bt.cli.styles import STATUS_STYLES
 from humanoid_bt.core.messages import Level
 from humanoid_bt.core.texts import one_line, printable
+from humanoid_bt.session.listener import Listener
 from humanoid_bt.session.report import Report, aligned
-from humanoid_bt.session.teller import Listener
 from humanoid_bt.tree.node import Node
 from humanoid_bt.tree.nodes import Log
 from humanoid_bt.tree.show import MARKS

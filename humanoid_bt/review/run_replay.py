@@ -25,9 +25,9 @@ from humanoid_bt.review.decision_replay import Done, is_paused, set_again
 from humanoid_bt.review.recorded_files import RecordedFiles
 from humanoid_bt.review.recorded_run import RecordedRun
 from humanoid_bt.session.drive import Drive
+from humanoid_bt.session.listener import Listener
 from humanoid_bt.session.lockstep import Lockstep
 from humanoid_bt.session.options import RunOptions
-from humanoid_bt.session.teller import Listener
 
 _FOREVER = 1e9  # s
 _AT = 1e-9  # s; engine times are sums of floats

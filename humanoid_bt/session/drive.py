@@ -25,17 +25,18 @@ from humanoid_bt.session.ending import Ending
 from humanoid_bt.session.engine import Engine, Input
 from humanoid_bt.session.goals import Goals, GoalTrees
 from humanoid_bt.session.interrupt import WholeTick
+from humanoid_bt.session.listener import Guarded, Listener
 from humanoid_bt.session.loader import TreeLoader
 from humanoid_bt.session.loop import Loop, Successor
 from humanoid_bt.session.options import RunOptions, make_folder
-from humanoid_bt.session.outcome import End, report_of
+from humanoid_bt.session.outcome import End, internal, report_of
 from humanoid_bt.session.outside_parameters import OutsideParameters
 from humanoid_bt.session.pace import Pace
 from humanoid_bt.session.recording import RunRecorder, new_recorder, open_recorder
 from humanoid_bt.session.reload import Reloader
 from humanoid_bt.session.report import Report
 from humanoid_bt.session.setup import run_setup
-from humanoid_bt.session.teller import Listener, Teller
+from humanoid_bt.session.teller import Teller
 from humanoid_bt.session.tick_watch import TickWatch
 from humanoid_bt.session.tree_runner import TreeRunner
 from humanoid_bt.session.watch import Watch
@@ -79,7 +80,7 @@ class Drive:
         engine: Engine | None = None,
         looks: bool = True,
     ) -> None:
-        self._options, self._listener = options, listener
+        self._options, self._listener = options, Guarded(listener)
         self._recorder: RunRecorder | None = recorder or new_recorder(options)
         loader = TreeLoader(options, workspace)
         self._files = loader.robot, loader.scene
@@ -87,7 +88,7 @@ class Drive:
             make_folder()
         options.sinks.check()
         self.engine = engine or _engine(options, loader, workspace)
-        self._teller = Teller(listener, self.engine, options.parameters)
+        self._teller = Teller(self._listener, self.engine, options.parameters)
         self.debugger = Debugger(self._teller)
         self.runner = TreeRunner(self._prepare(loader.first))
         self._pace = Pace(options.pace)
@@ -185,7 +186,7 @@ class Drive:
         with self._whole_tick():
             try:
                 self._parameters.look()
-                self.end = on()
+                self.end = self._heard(on())
             except KeyboardInterrupt as interrupt:
                 if is_ctrl_c(interrupt):
                     self.end = self._ending.torn(interrupt)
@@ -194,6 +195,11 @@ class Drive:
                 self.end = self._ending.lost(error)
             except Exception as error:
                 self.end = self._ending.bug(error)
+
+    def _heard(self, end: End | None) -> End | None:
+        """Return how the run ends, None if it goes on: by what the listener raised, if it raised anything."""
+        failure = self._listener.failure
+        return end if failure is None else internal(failure)
 
     @property
     def truth(self) -> Truth | None:
@@ -225,6 +231,7 @@ class Drive:
             with stack:
                 self._tracks = dict(self.runner.robot.tracks)
                 insists = self._stand(self.end, moved)
+                self.end = self._heard(self.end) or self.end
                 self._teller.ended(self.end, self._ending.began, self.ticks.to_dict())
         except KeyboardInterrupt:
             insists = True

@@ -60,7 +60,6 @@ class Ending:
     def bug(self, error: Exception) -> End:
         """Return the end of a run in which something raised that is no skill."""
         self._bug = True
-        self._teller.recorder = None  # it may be what failed; it is closed all the same
         return internal(error)
 
     def bring_to_stand(self, end: End, moved: bool) -> End:
@@ -84,10 +83,19 @@ class Ending:
                 return self.lost(error)
             self._teller.event("error", str(error))
         except Exception as error:
-            if not self._bug:
-                return self.bring_to_stand(self.bug(error), moved)
-            _log.exception("the robot could not be brought to a stand")
+            return self._once_more(error, end, moved)
         return end
+
+    def _once_more(self, error: Exception, end: End, moved: bool) -> End:
+        """Return how a run ends in which something raised while the robot was to come to rest."""
+        if not self._bug:
+            end = self.bug(error)
+        elif self._teller.recorder is not None:
+            self._teller.recorder = None  # it may be what fails; it is closed all the same
+        else:
+            _log.exception("the robot could not be brought to a stand")
+            return end
+        return self.bring_to_stand(end, moved)
 
     def _settle(self, end: End, moved: bool) -> End:
         engine, runner = self._engine, self._runner

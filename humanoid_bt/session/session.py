@@ -24,10 +24,10 @@ from humanoid_bt.session.blackboard import Blackboard, Percepts
 from humanoid_bt.session.debugging import Debugging
 from humanoid_bt.session.drive import Drive
 from humanoid_bt.session.engine import Engine
+from humanoid_bt.session.listener import Listener, listening
 from humanoid_bt.session.loader import workspace_of
 from humanoid_bt.session.options import Mode, OnEStop, RunOptions
 from humanoid_bt.session.report import Report
-from humanoid_bt.session.teller import Listener, listening
 from humanoid_bt.tree.node import Node
 from humanoid_bt.tree.source.given import given
 from humanoid_bt.tree.tree import Tree

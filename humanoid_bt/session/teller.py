@@ -8,7 +8,7 @@ from typing import Any
 
 from py_trees.common import Status
 
-from humanoid_bt.core.errors import UserError, nearest
+from humanoid_bt.core.errors import nearest
 from humanoid_bt.core.messages import Command, Level, Percept, State, Truth
 from humanoid_bt.core.odometry import odometry_error
 from humanoid_bt.core.plain import plain
@@ -18,6 +18,7 @@ from humanoid_bt.record.tick import Tick
 from humanoid_bt.session.changes import Changes
 from humanoid_bt.session.engine import Engine
 from humanoid_bt.session.happenings import Happenings
+from humanoid_bt.session.listener import Listener
 from humanoid_bt.session.outcome import End
 from humanoid_bt.session.recording import RunRecorder, run_info, tree_view
 from humanoid_bt.session.setup import tree_setup
@@ -31,35 +32,6 @@ NO_PERCEPT = "publishes no percept"
 
 _STATUS_TICKS = 10  # ticks between two reports to whoever looks from outside
 _MOST_TOLD = 1000  # characters of a text in them
-
-
-class Listener:
-    """Who is told what happens during a run; a subclass does something about it."""
-
-    def node_changed(self, change: NodeChange) -> None:
-        """A node's status changed."""
-
-    def event(self, time: float, level: Level, text: str) -> None:
-        """Something else happened."""
-
-    def progress(self, time: float, running: str) -> None:
-        """A tick is over; ``running`` is the deepest running node and what it says."""
-
-    def show(self, tree: Tree) -> None:
-        """Another tree takes the place of the one that ran."""
-
-
-def listening(listener: Listener) -> Listener:
-    """Return a listener that can be told everything.
-
-    Raises:
-        UserError: it lacks a method.
-    """
-    methods = [name for name in vars(Listener) if not name.startswith("_")]
-    if missing := [name for name in methods if not callable(getattr(listener, name, None))]:
-        message = f"'listener' has no {', '.join(f'{name}()' for name in missing)}: {listener!r}"
-        raise UserError(message, hint="derive it from Listener, whose methods do nothing")
-    return listener
 
 
 class Teller:

@@ -23,8 +23,8 @@ from humanoid_bt.robot.config import Walk
 from humanoid_bt.session import limits
 from humanoid_bt.session.drive import Drive
 from humanoid_bt.session.engine import Engine
+from humanoid_bt.session.listener import Listener
 from humanoid_bt.session.options import OnEStop, RunOptions
-from humanoid_bt.session.teller import Listener
 from humanoid_bt.testing.conditions import Conditions
 from humanoid_bt.testing.engines import Engines, Ready
 from humanoid_bt.testing.events import Event, mistakes, script_of

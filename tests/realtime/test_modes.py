@@ -7,9 +7,9 @@ from pathlib import Path
 import pytest
 from py_trees.common import Status
 
+from humanoid_bt.session.listener import Listener
 from humanoid_bt.session.options import Mode
 from humanoid_bt.session.session import Session
-from humanoid_bt.session.teller import Listener
 from humanoid_bt.tree.ticking.executor import NodeChange
 
 NEAR = """

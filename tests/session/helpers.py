@@ -12,9 +12,9 @@ from typing import Literal
 
 import rerun as rr
 
+from humanoid_bt.session.listener import Listener
 from humanoid_bt.session.report import Report
 from humanoid_bt.session.session import Session
-from humanoid_bt.session.teller import Listener
 from humanoid_bt.tree.ticking.executor import NodeChange
 from humanoid_bt.tree.tree import Tree
 

@@ -11,7 +11,7 @@ from py_trees.common import Status
 
 import humanoid_bt as hbt
 from humanoid_bt.core.messages import Gait, Mode
-from humanoid_bt.session.teller import Listener
+from humanoid_bt.session.listener import Listener
 
 WALK = "format: 1\nroot: {emergency_stop: walk}\n"
 LIMITED = "format: 1\nroot: {emergency_stop: {timeout: {duration: 0.4 s, walk: }}}\n"
