@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import itertools
+from dataclasses import replace
 
 from humanoid_bt.core.clock import DECISION_PERIOD
 from humanoid_bt.core.units import readable
+from humanoid_bt.review import instead
 from humanoid_bt.review.body import Motion
 from humanoid_bt.review.cause import Cause, Row
 from humanoid_bt.review.history import AT, Change, History
@@ -18,6 +20,7 @@ _STRUGGLE = 1.0  # s before a failure in which a joint at its torque limit expla
 _STRUGGLED = 0.2  # s that it must have been there
 _WARNINGS = 3  # that are told
 _SCENE = 1.0  # s around the last sight in which perception or the scene's script explains that nothing followed
+_NEVER = "was never seen"  # is said of a percept that never came
 _BLIND = ("the perception process ended", "the percept source")  # what is told when perception fails
 
 
@@ -29,7 +32,7 @@ def failed(history: History, time: float) -> Cause:
     if flap := flapping(history, time):
         return flap
     kind = str(history.kind(decided.path, time).get("type", ""))
-    if kind == "watchdog" or "was never seen" in decided.said:
+    if kind == "watchdog" or _NEVER in decided.said:
         return _lost(history, decided)
     return {"timeout": _timed_out, "confident": _doubted}.get(kind, _skill_failed)(history, decided)
 
@@ -117,14 +120,15 @@ def _lost(history: History, change: Change) -> Cause:
     """A percept that was needed was lost, or never seen."""
     time = change.time
     name = str(change.said.split("'")[1]) if change.said.count("'") >= 2 else "a percept"
-    if "was never seen" in change.said:
+    if _NEVER in change.said:
         text = f"{cut(change.said)}: '{last(change.path)}' failed at {when(time)}"
         return Cause("percept_lost", text, time, change.path, scene_rows(history, 0.0, time))
     since = _last_seen(history, name, time)
     seen = f"was last seen at {since:.2f} s" if since is not None else "was lost"
     why, rows = _unseen(history, time if since is None else since, time)
     text = f"'{name}' {seen}{why}: '{last(change.path)}' failed at {when(time)}"
-    return Cause("percept_lost", text, time, change.path, [("shown by", cut(change.said)), *rows], since)
+    untold = [row for row in rows if row[1] not in why]
+    return Cause("percept_lost", text, time, change.path, [("shown by", cut(change.said)), *untold], since)
 
 
 def _unseen(history: History, begin: float, end: float) -> tuple[str, list[Row]]:
@@ -156,6 +160,11 @@ def without_result(history: History, time: float, outcome: str, reason: str) -> 
     if stale:
         began, text = _stale_since(history, time - DECISION_PERIOD)
         return Cause("percept_lost", f"{text}; the run ended at {when(time)}", began, actor, stale, began)
+    if change := instead.failed_for_a_percept(history):
+        doubted = history.kind(change.path).get("type") == "confident" and _NEVER not in change.said
+        cause = (_doubted if doubted else _lost)(history, change)
+        ran = f"{doing(acting)} ran to the end, {when(time)}" if acting else f"the run ended at {when(time)}"
+        return replace(cause, headline=f"{cause.headline}; {ran}")
     during = f" while {doing(acting)} ran" if acting else ""
     rows = warned(history)
     if outcome == "interrupted":

@@ -154,10 +154,15 @@ class History:
 
     def acting_last(self) -> list[Change]:
         """Return the deepest of the nodes that ran when the run ended, which halted them."""
+        return _deepest({path: change for path, change in self.at_last.items() if change.status == "RUNNING"})
+
+    @cached_property
+    def at_last(self) -> dict[str, Change]:
+        """The last change of each node before the end of the run halted it, by path."""
         kept = len(self.changes)
         while kept and self._by_the_end(self.changes[kept - 1]):
             kept -= 1
-        return _deepest(_running(self.changes[:kept], math.inf))
+        return {change.path: change for change in self.changes[:kept]}
 
     @cached_property
     def decided(self) -> Change | None:

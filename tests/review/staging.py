@@ -132,6 +132,16 @@ TREES = {
         "ball_on_stand",
         WATCHED + "on_stale: {pause: {name: blind, duration: 60}}, approach: {target: target}}}",
     ),
+    "looks_when_lost": (
+        "ball_on_stand",
+        "{reactive_selector: [" + WATCHED + "approach: {target: target}}}, idle]}",
+    ),
+    "looks_when_doubtful": (
+        "hidden",
+        "{reactive_selector: ["
+        + WATCHED
+        + f"reactive_sequence: [{SURE}, {{approach: {{target: target}}}}]}}}}, idle]}}",
+    ),
     "unseen": ("never", WATCHED + "approach: {target: target}}}"),
     "doubtful": (
         "hidden",

@@ -58,6 +58,21 @@ def blinded(session: Session) -> None:
     session.engine.perception = ScriptedPerception()  # type: ignore[attr-defined]  # what its Protocol does not name
 
 
+def blinded_by_a_death(session: Session) -> None:
+    session._drive._teller.event("error", "the perception process ended (signal SIGKILL)")
+    blinded(session)
+
+
+def blinded_and_then_silent(session: Session) -> None:
+    """Let nothing be seen any more, and then decision be silent for a moment."""
+    blinded(session)
+    session.run_until(0.9)
+    controller = session.engine.controller  # type: ignore[attr-defined]  # what its Protocol does not name
+    submit, controller.submit = controller.submit, lambda _: None
+    session.run_until(1.1)
+    controller.submit = submit
+
+
 def pressed_then_pushed(session: Session) -> None:
     pressed(session)
     session.run_until(0.92)
@@ -253,6 +268,33 @@ CASES: dict[str, tuple[str, str, dict[str, Any], str]] = {
         {"at": 0.4, "do": blinded, "duration": 1.0},
         r"'target' was last seen at 0\.40 s: 'blind' ran instead from 0\.720 s on; the run ended at 1\.000 s",
     ),
+    "percept lost, perception died, and a selector turns to something else": (
+        "looks_when_lost",
+        "percept_lost",
+        {"at": 0.4, "do": blinded_by_a_death, "duration": 1.0},
+        r"'target' was last seen at 0\.40 s, the perception process ended \(signal SIGKILL\) at 0\.40 s: "
+        r"'watchdog' failed at 0\.720 s; 'idle' ran to the end, 1\.000 s",
+    ),
+    "percept lost, and a stop from which the robot recovered": (
+        "looks_when_lost",
+        "percept_lost",
+        {"at": 0.4, "do": blinded_and_then_silent, "duration": 1.6},
+        r"'target' was last seen at 0\.40 s: 'watchdog' failed at 1\.\d+ s; 'idle' ran to the end, 1\.600 s",
+    ),
+    "percept doubtful, and a selector turns to something else": (
+        "looks_when_doubtful",
+        "percept_doubtful",
+        {"duration": 1.0},
+        r"'confident' failed at 0\.400 s: the percept was doubtful, confidence 0\.\d+ < 0\.5 "
+        r"\(ball hidden at 0\.40 s \(the scene's script\)\); 'idle' ran to the end, 1\.000 s",
+    ),
+    "percept doubtful, then lost too": (
+        "looks_when_doubtful",
+        "percept_lost",
+        {"at": 0.6, "do": blinded, "duration": 1.4},
+        r"'target' was last seen at 0\.60 s, ball hidden .*: 'watchdog' failed at 0\.9\d\d s; "
+        r"'idle' ran to the end, 1\.400 s",
+    ),
     "percept never seen": (
         "unseen",
         "percept_lost",
@@ -368,6 +410,7 @@ TELLING = (
     "two owners",
     "percept lost",
     "failure behind one that did no harm",
+    "percept lost, perception died, and a selector turns to something else",
     "a sensor fails",
     "a plant that is not heard",
     "control lost right after the first tick",
