@@ -22,14 +22,15 @@ from humanoid_bt.review.moment import moment_explained
 from humanoid_bt.review.scene import body_row, command_in_force, hand_row, joint_loads, joint_text, sight_rows
 from humanoid_bt.review.staged import staged_before, staged_rows
 from humanoid_bt.review.success import near_trouble
-from humanoid_bt.review.words import cut, line_of, when
+from humanoid_bt.review.words import cut, line_of, several, when
 
 _BEFORE = 2.0  # s before the moment that are told
 _AFTER = 10.0  # s after it in which control is followed
+_SPANS = 4  # modes of control that are told
 _STOPS = 5  # that are listed
 _SHORT = 60  # characters of why it was stopped, in a list of stops
 _SCREEN = 30  # lines
-_MOST, _LEAST = 7, 3  # lines about what led up to it
+_MOST, _LEAST = 7, 2  # lines about what led up to it
 _LOADED = 0.5  # share of a limit from which on a joint is worth a line
 
 
@@ -160,16 +161,20 @@ def modes_told(history: History, time: float) -> str:
     spans = history.modes(time - _BEFORE, min(time + _AFTER, history.until))
     if not spans:
         return "no servo cycle of that time is recorded"
-    return ", ".join(_span(span, number == 0, span is spans[-1]) for number, span in enumerate(spans[:4]))
+    ends = time + _AFTER >= history.until
+    told = ", ".join(_span(span, number == 0, span is spans[-1], ends) for number, span in enumerate(spans[:_SPANS]))
+    return told + (f", and {several(len(spans) - _SPANS, 'more change')}" if len(spans) > _SPANS else "")
 
 
-def _span(span: Span, first: bool, final: bool) -> str:
+def _span(span: Span, first: bool, final: bool, ends: bool) -> str:
+    """Return a span of those that are told in words; the final one may go on after the time that was looked at."""
     mode = span.mode.replace("_", " ")
+    until = f"to the end, {when(span.until)}" if ends else f"until {when(span.until)} and on"
     if first and final:
-        return f"{mode} all the time, to the end, {when(span.until)}"
+        return f"{mode} all the time, {until}"
     if first:
         return f"{mode} until {when(span.until)}"
-    return f"{mode} from {when(span.begin)}" + (f" to the end, {when(span.until)}" if final else "")
+    return f"{mode} from {when(span.begin)}" + (f" {until}" if final else "")
 
 
 def _data(history: History, cause: Cause) -> dict[str, Any]:

@@ -15,6 +15,8 @@ import humanoid_bt as hbt
 from humanoid_bt.cli import main
 from humanoid_bt.record.reading import Cycles, read_flight
 from humanoid_bt.review.body import Motion
+from humanoid_bt.review.explain import modes_told
+from humanoid_bt.review.history import Span
 from humanoid_bt.session.session import Session
 
 Play = Callable[..., Path]
@@ -40,6 +42,29 @@ def test_modes_are_those_of_the_servo_cycles(fallen: Path) -> None:
     assert damp["begin"] == pytest.approx(stop["time"], abs=1e-6)
     assert f"damp from {stop['time']:.3f} s to the end" in found.text(200)
     assert found.time == pytest.approx(stop["time"])
+
+
+@pytest.mark.parametrize(
+    ("mode", "lasting", "told"),
+    [
+        ([0], 20.0, "run all the time, until 12.000 s and on"),
+        ([0], 12.0, "run all the time, to the end, 12.000 s"),
+        ([0, 1], 20.0, "run until 2.000 s, protective stop from 2.000 s until 12.000 s and on"),
+        ([0, 1], 12.0, "run until 2.000 s, protective stop from 2.000 s to the end, 12.000 s"),
+        (
+            [0, 1, 0, 1, 0, 1],
+            20.0,
+            "run until 2.000 s, protective stop from 2.000 s, run from 4.000 s, protective stop from 6.000 s, "
+            "and 2 more changes",
+        ),
+    ],
+)
+def test_the_modes_end_where_the_run_does(mode: list[int], lasting: float, told: str) -> None:
+    names = ["run", "protective_stop"]
+    spans = [Span(2.0 * number, 2.0 * number + 2.0, names[of]) for number, of in enumerate(mode)]
+    spans[-1] = spans[-1]._replace(until=12.0)
+    history: Any = SimpleNamespace(modes=lambda _begin, end: spans if end == 12.0 else [], until=lasting)
+    assert modes_told(history, 2.0) == told
 
 
 def test_a_push_is_found_where_it_was_and_steps_are_none(fallen: Path) -> None:
