@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
 
+from humanoid_bt.core.messages import Array
 from humanoid_bt.core.units import readable
 from humanoid_bt.record.reading import FlightLog
 from humanoid_bt.review.body import FULL, stretches
@@ -17,6 +20,8 @@ _FULL_MEANWHILE = 20  # servo cycles at its limit that explain why it was off it
 _LABOURS = 20  # servo cycles at its torque limit at a stretch that no step takes of a joint
 _BEFORE = 1.0  # s before balance was lost until which joints show how far they usually are off their setpoints
 _STILL = 0.5  # s before balance was lost until which it must have lasted
+_NOTHING = 0.02  # share of its torque limit that a drive must exceed to be one: noise and friction are less
+_IDLE_FOR = 100  # servo cycles in all that it must be off its setpoint meanwhile
 _WITH = 0.05  # s after it, until which it must have begun: later is what comes of it
 
 
@@ -28,6 +33,7 @@ class GaveWay(NamedTuple):
         begin, end: when [s].
         full: whether it was at its torque limit meanwhile.
         off: how far it was from its setpoint at most [rad].
+        dead: whether its drive gave nothing all the time, however far it was from its setpoint.
         torque, limit: the largest it gave, and what it should be able to give [Nm]; the latter 0 if it has no limit.
     """
 
@@ -38,10 +44,13 @@ class GaveWay(NamedTuple):
     off: float
     torque: float
     limit: float
+    dead: bool = False
 
     @property
     def what(self) -> str:
         """What befell it, in words."""
+        if self.dead:
+            return f"{self.joint} gave next to no torque from {self.begin:.2f} s on"
         what = "was at its torque limit" if self.full else "left its setpoint"
         return f"{self.joint} {what} at {self.begin:.2f} s"
 
@@ -81,7 +90,31 @@ def gave_way(log: FlightLog, begin: float, lost: float, end: float) -> GaveWay |
             is_full = int(full[first:after].sum()) >= _FULL_MEANWHILE
             angle, given = float(off[first:after, number].max()), float(torque[first:after, number].max())
             found.append(GaveWay(joint, began, ended, is_full, angle, given, limit))
+    balanced = int(cycles.time.searchsorted(lost))
+    found += _dead(log, cycles.time[:balanced], off[:balanced], torque[:balanced])
     return min(found, key=lambda of: of.begin, default=None)
+
+
+def _dead(log: FlightLog, time: Array, off: Array, torque: Array) -> Iterator[GaveWay]:
+    """Yield joints, arms apart, whose drives gave nothing for so long that how they usually are shows nothing.
+
+    Args:
+        log: the recording.
+        time: of servo cycles in which the robot was in balance, shape (cycles,) [s].
+        off: how far joints were off their setpoints, shape (cycles, joints) [rad].
+        torque: what their drives gave, without its sign, shape (cycles, joints) [Nm].
+    """
+    robot = log.setup["robot"]
+    arms = {joint for joints in robot["arms"].values() for joint in joints}
+    for number, (joint, limit) in enumerate(zip(robot["joints"], robot["limits"]["torque"], strict=True)):
+        needed = off[:, number] > _OFF
+        if not limit or joint in arms or needed.sum() < _IDLE_FOR or torque[:, number].max() > _NOTHING * limit:
+            continue
+        whole = log.cycles("cycles", -math.inf, float(time[-1]), ["torque"], [joint])
+        alive = np.flatnonzero(np.abs(whole.columns["torque"][:, 0]) > _NOTHING * limit)
+        began = float(whole.time[alive[-1] if len(alive) else 0])
+        angle, given = float(off[:, number].max()), float(torque[:, number].max())
+        yield GaveWay(joint, began, float(time[-1]), False, angle, given, limit, dead=True)
 
 
 def labouring(log: FlightLog, begin: float, end: float) -> str:
