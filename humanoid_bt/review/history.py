@@ -19,6 +19,7 @@ from humanoid_bt.tree.ticking.deciding import deciding
 from humanoid_bt.tree.ticking.executor import NodeChange
 
 _TICKS = (0.5, 10.0, math.inf)  # s before a moment in which its last tick is looked for, one after the other
+_SILENT = 0.1  # s without a tick after which nobody knows that a node still ran
 _SIGHTS = 60.0  # s for which percepts are looked for
 AT = 1e-6
 """Times [s] that differ by less are the same."""
@@ -170,6 +171,13 @@ class History:
         changes = [NodeChange(time, path, Status[status], said) for time, path, status, said in self.changes]
         found = deciding(changes)
         return None if found is None else Change(found.time, found.path, found.status.name, found.feedback)
+
+    def silent_since(self, time: float) -> float | None:
+        """Return when decision ticked last [s], None if that was right before a time [s], or the tree had ended."""
+        tick, ended = self.tick(time), self.end.get("tree_ended")
+        if tick is None or (ended is not None and time >= ended - AT):
+            return None
+        return tick.state.time if time - tick.state.time > _SILENT else None
 
     def _by_the_end(self, change: Change) -> bool:
         """Return whether the end of the run halted a node, not the tree in its last tick, which may be as late."""

@@ -39,7 +39,7 @@ def life_explained(history: History, name: str) -> Explanation:
     return Explanation(
         recording=relative(history.log.path),
         kind="node",
-        headline=f"{title} {_summary(lives)}",
+        headline=f"{title} {_summary(history, lives)}",
         time=(final.end.time if final.end else history.until) if final else None,
         node=paths[0],
         place=history.place(paths[0]),
@@ -70,13 +70,15 @@ def _lives(history: History, path: str) -> Iterator[Life]:
         yield Life(path, begin.time, None, begin.said, found[-1] if found else [])
 
 
-def _summary(lives: list[Life]) -> str:
+def _summary(history: History, lives: list[Life]) -> str:
     if not lives:
         return "never had its turn"
     life = lives[-1]
     often = "once" if len(lives) == 1 else f"{len(lives)} times, the last time"
     if life.end is None:
-        return f"ran {often}, from {when(life.begin)} on, and still ran when the recording ended"
+        silent = history.silent_since(history.until)
+        when_last = "when the recording ended" if silent is None else f"in decision's last tick, at {when(silent)}"
+        return f"ran {often}, from {when(life.begin)} on, and still ran {when_last}"
     if life.end.time - life.begin < AT:
         return f"was asked {often} at {when(life.begin)}: {_ended(life.end)}"
     return f"ran {often} from {when(life.begin)} to {when(life.end.time)}: {_ended(life.end)}"

@@ -38,6 +38,8 @@ def moment_explained(history: History, time: float) -> Explanation:
     mode = history.modes(time - 0.05, time + 0.001)
     now = mode[-1].mode.replace("_", " ") if mode else "unknown"
     who = f"{doing(acting)} ran" if acting else "no node ran"
+    if (silent := history.silent_since(time)) is not None:
+        who = f"decision's last tick was at {when(silent)}, in which {who}"
     tick = history.tick(time)
     why = f" ({tick.state.stop_reason})" if tick and tick.state.stop_reason else ""
     return Explanation(

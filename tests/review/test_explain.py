@@ -16,7 +16,9 @@ from humanoid_bt.cli import main
 from humanoid_bt.record.reading import Cycles, read_flight
 from humanoid_bt.review.body import Motion
 from humanoid_bt.review.explain import modes_told
-from humanoid_bt.review.history import Span
+from humanoid_bt.review.history import History, Span
+from humanoid_bt.review.life import life_explained
+from humanoid_bt.review.moment import moment_explained
 from humanoid_bt.session.session import Session
 
 Play = Callable[..., Path]
@@ -131,6 +133,18 @@ def test_a_moment_tells_node_command_percepts_and_joints(seen: Path) -> None:
         (joint["load"] for joint in found.data["joints"]), reverse=True
     )
     assert len(found.data["joints"]) == len(read_flight(seen).setup["robot"]["joints"])
+
+
+def test_of_a_decision_that_died_only_its_last_tick_is_told(seen: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    log = read_flight(seen)
+    ticks, news_of = log.ticks, log.news_of
+    monkeypatch.setattr(log, "ticks", lambda begin, end: ticks(begin, min(end, 0.1)))
+    monkeypatch.setattr(log, "news_of", lambda *kinds, **_: (n for n in news_of(*kinds, end=0.1) if n.kind != "end"))
+    history = History(log)
+    told = "decision's last tick was at 0.100 s, in which 'approach' ran, mode run"
+    assert moment_explained(history, 0.3).headline == f"at 0.300 s: {told}"
+    assert moment_explained(history, 0.15).headline == "at 0.150 s: 'approach' ran, mode run"
+    assert life_explained(history, "approach").headline.endswith("and still ran in decision's last tick, at 0.100 s")
 
 
 def test_percepts_of_a_moment_are_those_of_that_time(seen: Path) -> None:
