@@ -73,7 +73,8 @@ class Replay:
     def __str__(self) -> str:
         what = "run" if self.whole else "decisions"
         found = f"identical {what}" if self.identical else f"the {what} differ{'s' if self.whole else ''}"
-        lines = [f"{found}: {self.ticks} ticks, {self.duration:.2f} s, {self.speed:.0f}x real time"]
+        speed = f"{self.speed:.0f}" if self.speed >= 1 else f"{self.speed:.1g}"
+        lines = [f"{found}: {self.ticks} ticks, {self.duration:.2f} s, {speed}x real time"]
         if self.difference is not None:
             lines.append(f"  first difference  {self.difference}")
         lines.append(f"  recorded          {self.recorded_outcome or 'no end'}: {self.recorded_reason or 'cut short'}")

@@ -66,7 +66,7 @@ def target(resource: str, of: Target) -> str:
     name = resource.replace("_", " ")
     match of:
         case BaseTarget(position=position, heading=heading):
-            return f"{name} to {_point(position)}, heading {math.degrees(heading):.0f} deg"
+            return f"{name} to {_point(position)}, heading {_turned(heading)} deg"
         case HandTarget(position=position):
             return f"{name} to {_point(position)}{_manner(of)}"
         case ArmTarget(joints=joints):
@@ -76,6 +76,11 @@ def target(resource: str, of: Target) -> str:
             return f"{name} at {_point(point)}"
         case PostureTarget(height=height):
             return f"{name} {height * 100:+.1f} cm"
+
+
+def _turned(angle: float) -> str:
+    """Return an angle that may have been counted over several turns [rad] in degrees, within half a turn."""
+    return f"{math.degrees(math.remainder(angle, math.tau)):.0f}"
 
 
 def _manner(hand: HandTarget) -> str:

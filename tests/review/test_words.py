@@ -1,0 +1,24 @@
+"""How a review words what it found."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from humanoid_bt.core.messages import BaseTarget
+from humanoid_bt.review.replay import Replay
+from humanoid_bt.review.words import target
+
+
+@pytest.mark.parametrize(("heading", "shown"), [(1193.0, "113"), (-190.0, "170"), (15.0, "15")])
+def test_a_heading_is_told_within_half_a_turn(heading: float, shown: str) -> None:
+    of = BaseTarget(np.array([1.0, 2.0]), math.radians(heading))
+    assert target("base", of) == f"base to (1.00, 2.00) m, heading {shown} deg"
+
+
+@pytest.mark.parametrize(("speed", "shown"), [(12.4, "12x"), (0.042, "0.04x"), (0.0, "0x")])
+def test_a_replay_that_took_long_is_told_how_slow_it_was(speed: float, shown: str) -> None:
+    replayed = Replay("run.rrd", True, None, 3, 0.06, speed, "success", "", "success", "")
+    assert f" {shown} real time" in str(replayed)
