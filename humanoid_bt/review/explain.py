@@ -144,9 +144,10 @@ def _after(history: History, cause: Cause) -> Iterator[Row]:
     file = shlex.quote(relative(history.log.path))
     yield "look", f"rerun {file}"
     yield "", f"and put the cursor of sim_time at {cause.time:.2f} s"
-    log = relative(control_log(history))
-    for number, hint in enumerate(HINTS.get(cause.kind, ())):
-        yield "helps" if number == 0 else "", hint.replace(CONTROL_LOG, log)
+    log = control_log(history)
+    hints = [hint for hint in HINTS.get(cause.kind, ()) if log.is_file() or CONTROL_LOG not in hint]
+    for number, hint in enumerate(hints):
+        yield "helps" if number == 0 else "", hint.replace(CONTROL_LOG, relative(log))
     yield "more", f"humanoid-bt explain --at {cause.time:.2f} {file}"
     yield "", PAGE
 

@@ -50,8 +50,14 @@ HINTS: dict[str, tuple[str, ...]] = {
         "RECORDING.control.log says what control noted last; dmesg says whether the system killed it",
         "docs/realtime.md says what keeps the machine from stalling it",
     ),
-    "cut": ("free the disk, or raise 'ulimit -f'; the run's report and RECORDING.control.log know the rest",),
-    "damaged": ("copy it again, if it is a copy; the run's report and RECORDING.control.log know the rest",),
+    "cut": (
+        "look whether the recorder was killed (dmesg), or its disk is full; the run's report knows the rest",
+        "RECORDING.control.log says what control noted",
+    ),
+    "damaged": (
+        "copy it again, if it is a copy; the run's report knows the rest",
+        "RECORDING.control.log says what control noted",
+    ),
     "stop": ("look at who asked for the stop",),
     "error": ("the traceback is in the report (--report)",),
     "interrupted": (),

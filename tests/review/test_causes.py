@@ -523,6 +523,11 @@ def test_a_recording_on_a_full_disk_ends_in_the_midst_of_a_message(play: Play, t
     cut.write_bytes(whole.read_bytes()[: whole.stat().st_size // 2])
     found = explain(cut)
     assert "in the midst of a message: its disk was full" in found.headline
+    (helps,) = (text for name, text in found.after if name == "helps")
+    assert helps.startswith("look whether the recorder was killed")
+    assert ".control.log" not in found.text()
+    cut.with_suffix(".control.log").write_text("", encoding="utf-8")
+    assert "cut.control.log" in explain(cut).text(200)
     assert found.data["cut"]
 
 
