@@ -16,6 +16,7 @@ from urllib.parse import quote
 import rerun as rr
 
 from humanoid_bt.core.errors import UserError
+from humanoid_bt.core.texts import one_line
 from humanoid_bt.record.feed import Feed
 from humanoid_bt.record.folder import make_room
 from humanoid_bt.record.parted_file import PartedFile, Tell, tell_nobody
@@ -162,7 +163,7 @@ class Outlet:
         try:
             stream.set_sinks(*targets, default_blueprint=self._blueprint)
         except RuntimeError as error:
-            raise UserError(f"the recording cannot be opened: {error}", hint=f"asked for: {self._sinks}") from error
+            raise UserError(f"the recording cannot be opened: {one_line(str(error))}") from error
         stream.send_recording_name(self._name)
         stream.send_recording_start_time_nanos(self._created)
         return stream

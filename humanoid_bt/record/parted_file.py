@@ -130,8 +130,11 @@ class PartedFile:
         file = RecordingFile(path)
         try:
             stream = self._open_stream(path)
-        except BaseException:
-            file.close()
+        except BaseException as error:
+            why = file.give_up()
+            if why and isinstance(error, UserError):
+                hint = "free its disk, or give another file with --record FILE (record=FILE in Python)"
+                raise UserError(f"the recording {relative(path)!r} cannot be written: {why}", hint=hint) from error
             raise
         self._parts.append(file)
         return stream

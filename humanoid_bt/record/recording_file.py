@@ -68,6 +68,14 @@ class RecordingFile:
         """Let go of it."""
         os.close(self._descriptor)
 
+    def give_up(self) -> str:
+        """Let go of it, and remove it if it is empty; return why the system lets nobody write, "" if it does."""
+        why = self._refusal()
+        if not os.fstat(self._descriptor).st_size:
+            self.path.unlink(missing_ok=True)
+        self.close()
+        return why
+
     def _refusal(self) -> str:
         """Return why the system lets nobody write, "" if it does."""
         limit, _ = resource.getrlimit(resource.RLIMIT_FSIZE)

@@ -11,11 +11,15 @@ import pytest
 import rerun as rr
 
 from humanoid_bt.control.cycle_log import Layout
+from humanoid_bt.core.errors import UserError
 from humanoid_bt.core.messages import FootPose, Level
 from humanoid_bt.record import recorder as recorder_module
+from humanoid_bt.record.feed import Feed
+from humanoid_bt.record.parted_file import PartedFile
 from humanoid_bt.record.parts import first_of, is_recording, part_of, parts_of
 from humanoid_bt.record.reading import read_cycles
 from humanoid_bt.record.recorder import Recorder
+from humanoid_bt.record.recording_file import RecordingFile
 from humanoid_bt.record.sinks import Sinks
 from tests.record.conftest import JOINTS
 from tests.record.helpers import entities, events, make_state, make_track, rows
@@ -170,6 +174,19 @@ def test_a_part_that_cannot_be_opened_is_told_once_and_the_recording_goes_on(rec
     ]
     part_of(file, 2).rmdir()
     assert len(read_cycles(file).time) == 3200
+
+
+def test_a_file_for_which_the_disk_has_no_room_is_told_and_not_left_empty(
+    file: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refused(path: Path) -> None:
+        raise UserError("the recording cannot be opened: Failed to encode LogMsg")
+
+    monkeypatch.setattr(RecordingFile, "_refusal", lambda _: "No space left on device")
+    with pytest.raises(UserError) as raised:
+        PartedFile(file, 1e9, Feed(), refused)
+    assert raised.value.problems[0].message == f"the recording '{file}' cannot be written: No space left on device"
+    assert not file.exists()
 
 
 def test_a_part_that_is_deleted_loses_what_was_in_it(record: Maker, file: Path) -> None:
