@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from enum import Enum
 from itertools import zip_longest
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from humanoid_bt.core.messages import Command, State
+from humanoid_bt.core.clock import DECISION_PERIOD
+from humanoid_bt.core.messages import Command, Percept, State
 from humanoid_bt.core.units import readable_pair
 from humanoid_bt.record.tick import Tick
 from humanoid_bt.review.compare_setup import Change
@@ -57,6 +58,7 @@ def first_parting(
     other: tuple[Iterator[Tick], Sequence[Row]],
     joints: Sequence[str],
     tolerance: float = 0.0,
+    gaps: bool = False,
 ) -> Parting | None:
     """Return the first moment in which two runs part, None if they never do.
 
@@ -64,8 +66,9 @@ def first_parting(
         one, other: the ticks, and the changes of nodes.
         joints: names of the robot's joints.
         tolerance: numbers that differ by no more are the same, whatever their unit.
+        gaps: whether ticks may be missing in one of them: only those are compared then that are in both.
     """
-    found = _of_ticks(one[0], other[0], joints, tolerance)
+    found = _of_ticks((_in_both if gaps else zip_longest)(one[0], other[0]), joints, tolerance)
     node = _of_nodes(one[1], other[1])
     if found is None or node is None:
         return found or node
@@ -154,8 +157,24 @@ def _result(row: Row | None) -> str | None:
 # ---- the first moment -----------------------------------------------------------------------------------------------
 
 
-def _of_ticks(one: Iterator[Tick], other: Iterator[Tick], joints: Sequence[str], tolerance: float) -> Parting | None:
-    for before, after in zip_longest(one, other):
+def _in_both(one: Iterator[Tick], other: Iterator[Tick]) -> Iterator[tuple[Tick | None, Tick | None]]:
+    """Yield the ticks of the same time in two runs, and in the end what only one of them goes on with."""
+    before, after = next(one, None), next(other, None)
+    while before is not None and after is not None:
+        later = before.state.time - after.state.time
+        if abs(later) < DECISION_PERIOD / 2:
+            yield before, after
+        if later < DECISION_PERIOD / 2:
+            before = next(one, None)
+        if later > -DECISION_PERIOD / 2:
+            after = next(other, None)
+    yield before, after
+
+
+def _of_ticks(
+    pairs: Iterable[tuple[Tick | None, Tick | None]], joints: Sequence[str], tolerance: float
+) -> Parting | None:
+    for before, after in pairs:
         if before is None or after is None:
             there = before or after
             if there is None:
@@ -245,6 +264,8 @@ def _text(value: Any) -> str:
         return "none"
     if isinstance(value, Enum):
         return str(value.value)
+    if isinstance(value, Percept):
+        return f"seen at {value.stamp:.2f} s"
     if dataclasses.is_dataclass(value):
         return type(value).__name__
     return f"{value:g}" if isinstance(value, float) else str(value)

@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
+from humanoid_bt.core.clock import DECISION_PERIOD
 from humanoid_bt.core.errors import UserError
 from humanoid_bt.review import setup
 from humanoid_bt.review.compare_run import NodeShift, Parting, first_parting, node_shifts, result_changes
 from humanoid_bt.review.compare_setup import Change, setup_changes
+from humanoid_bt.review.happened import Row
 from humanoid_bt.review.recording import Recording
 
 TICK = 0.02
 """Times of nodes that differ by no more [s] are the same, unless another tolerance is asked for."""
+
+_GAP = 5 * DECISION_PERIOD  # s without a tick that are damage
 
 
 @dataclass(frozen=True)
@@ -59,14 +64,35 @@ def difference(one: Recording, other: Recording, tolerance: float = 0.0, within:
         raise UserError(f"a tolerance must be a number, 0 or more, not {min(tolerance, within)}")
     joints = [row["joint"] for row in setup.joints(one.setup)]
     changes = list(setup_changes(one.setup, other.setup))
-    changes += result_changes(one.happened.results, other.happened.results, tolerance)
+    until = min(_whole_until(one), _whole_until(other))
+    changes += result_changes(_up_to(until, one.happened.results), _up_to(until, other.happened.results), tolerance)
+    nodes = _up_to(until, one.happened.nodes), _up_to(until, other.happened.nodes)
     for name, before, after in (("outcome", one.outcome, other.outcome), ("reason", one.reason, other.reason)):
         if before != after:
             changes.append(Change("outcome", name, before or None, after or None))
     return Difference(
         changes,
         first_parting(
-            (one.every_tick(), one.happened.nodes), (other.every_tick(), other.happened.nodes), joints, tolerance
+            (one.every_tick(), nodes[0]), (other.every_tick(), nodes[1]), joints, tolerance, until < math.inf
         ),
-        node_shifts(one.happened.nodes, other.happened.nodes, within),
+        node_shifts(nodes[0], nodes[1], within),
     )
+
+
+def _up_to(until: float, rows: list[Row]) -> list[Row]:
+    return [row for row in rows if row["time"] <= until]
+
+
+def _whole_until(recording: Recording) -> float:
+    """Return the engine time from which on something is missing that was damaged or cut off [s], infinity for none.
+
+    What happened is kept with the ticks of its time: where these are missing, it is too.
+    """
+    if recording.outcome and not recording.damage:
+        return math.inf
+    last = None
+    for tick in recording.every_tick():
+        if last is not None and tick.state.time - last > _GAP:
+            return last
+        last = tick.state.time
+    return math.inf if last is None or recording.outcome else last

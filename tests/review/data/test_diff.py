@@ -21,6 +21,7 @@ from humanoid_bt.record.shape import SETUP
 from humanoid_bt.record.tick import Tick
 from humanoid_bt.review.compare_run import NodeShift, command_parting, first_parting, node_shifts
 from humanoid_bt.review.compare_setup import setup_changes
+from humanoid_bt.review.difference import difference
 from humanoid_bt.review.recording import Recording, open_recording
 
 
@@ -82,8 +83,28 @@ def test_the_first_moment_is_the_first_whatever_differs(recording: Recording) ->
     assert float(found[3]) - float(found[2]) == pytest.approx(1e-6, rel=1e-3)
     assert parting(one, other, tolerance=1e-5) is None
     unseen = [replace(one[0], percepts=()), *other[1:]]
-    assert parting(one, unseen) == (0.0, "percept target", "Percept", "none")
+    assert parting(one, unseen) == (0.0, "percept target", "seen at 0.00 s", "none")
     assert parting(one, one[:10]) == (one[10].state.time, "the recording", "goes on", "has ended")
+
+
+def test_ticks_that_one_recording_lacks_are_no_difference(recording: Recording) -> None:
+    one, joints = ticks(recording), ["hip", "knee"]
+    for kept in ([*one[:5], *one[9:]], one[3:]):
+        for pair in ((one, kept), (kept, one)):
+            assert first_parting(*((iter(of), []) for of in pair), joints, gaps=True) is None  # type: ignore[misc]
+    other = [*one[:5], *one[9:12], bent(one[12], 0.25), *one[13:]]
+    found = first_parting((iter(one), []), (iter(other), []), joints, gaps=True)
+    assert found is not None and found[:2] == (one[12].state.time, "joint_positions 3")
+
+
+def test_what_a_cut_recording_lacks_is_no_difference(file: Path, tmp_path: Path) -> None:
+    cut = tmp_path / "cut.rrd"
+    cut.write_bytes(file.read_bytes()[: file.stat().st_size * 4 // 10])
+    whole, part = open_recording(file), open_recording(cut)
+    found = difference(whole, part)
+    assert found.parting is not None and found.parting.quantity == "the recording"
+    assert found.nodes == []
+    assert {change.part for change in found.changes} == {"outcome"}
 
 
 def change(node: str, status: str, time: float) -> dict[str, Any]:
