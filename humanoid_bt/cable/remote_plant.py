@@ -91,6 +91,7 @@ class RemotePlant:
         self.session = 0
         self._order = Order()
         self._sensors: Sensors | None = None
+        self._heard = self._measured = 0  # sequence of the newest sensors; of those that were measured last
         self._sent = [0] * _SENT  # ns, by sequence
         self._sequence = 0
         self._commands = 0
@@ -148,6 +149,7 @@ class RemotePlant:
         reading.values[:] = sensors.values
         reading.time = self.time
         reading.age = self._trip / 2 + self.silent * SERVO_PERIOD
+        reading.passed, self._measured = self._heard - self._measured, self._heard
         self.fault = self._why_unreliable(sensors)
         return reading
 
@@ -231,7 +233,7 @@ class RemotePlant:
             self._came += 1
             self.silent = 0
             self._time_trip(sensors)
-            self._sensors = sensors
+            self._sensors, self._heard = sensors, frame.sequence
         elif frame.kind is FrameKind.TRUTH:
             if frame.sequence <= self._truth_of:
                 return  # a newer one has come

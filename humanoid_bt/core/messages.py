@@ -246,6 +246,8 @@ class Reading:
         time: engine time at which it arrived [s].
         age: how long it was under way and has been there since [s], beside the delay of the sensors themselves; 0 where
             there is no cable.
+        passed: servo periods in which the sensors said it and nothing else that was heard: 1 where everything they say
+            arrives, more after something was lost or late, 0 for what was measured before already.
         values: all of it.
         rates: imu, joint_velocity and joint_torque, shape (6 + 2 nj,).
         imu: the next two, shape (6,).
@@ -267,6 +269,7 @@ class Reading:
         "joint_torque",
         "joint_velocity",
         "orientation",
+        "passed",
         "rates",
         "time",
         "values",
@@ -274,6 +277,7 @@ class Reading:
 
     def __init__(self, joints: int, values: Array | None = None) -> None:
         self.time = self.age = 0.0
+        self.passed = 1
         self.values = values = np.zeros(READING_SIZE + 3 * joints) if values is None else values
         self.foot_force, self.orientation, self.joint_position = values[:2], values[2:6], values[6 : 6 + joints]
         self.rates = rates = values[6 + joints :]

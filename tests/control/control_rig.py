@@ -80,10 +80,10 @@ class ControlRig:
             reading = measure(into)
             silent_for = reading.time - last.time
             if silent_for < duration:
-                reading.age = silent_for
+                reading.age, reading.passed = silent_for, 0
                 reading.values[:] = last.values
             else:
-                reading.age = 0.0
+                reading.age, reading.passed = 0.0, 1
             monkeypatch.setattr(self.plant, "fault", "it is silent" if reading.age > SILENT_AFTER else "")
             return reading
 

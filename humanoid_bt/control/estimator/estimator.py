@@ -36,6 +36,8 @@ _LEGS_SHARE = 0.3  # of what the legs say of its velocity that is believed in a 
 _LEGS_MOST = 0.15  # m/s of it at most: a sole that hits the ground, or slides, says less
 _STEADY = 0.5  # s upright after which nothing throws the robot about any more
 _SURELY_UPRIGHT = 0.95  # cosine of the base's tilt, 18 degrees
+_LONGEST_GAP = 3  # servo periods without a reading after which torques are known too badly to tell contact from them
+_LONGEST_LOOK = 0.010  # s from reading to reading after which a robot may have moved so far that it seems a jump
 _LOST_AFTER = 0.3  # s without a foot on the ground after which the robot hangs or lies: IMU alone would drift away
 
 
@@ -51,7 +53,7 @@ class Estimator:
         load: what the feet carry.
         contact: what touches arms and torso.
         watch: says which sensors failed.
-        heard: readings since the last update.
+        heard: servo periods that were heard of since the last update.
     """
 
     def __init__(self, robot: RobotModel, dynamics: RobotDynamics) -> None:
@@ -86,7 +88,9 @@ class Estimator:
         self._imu, self._torque = self._means[:6], self._means[-joints:]
         self._force: Array = np.zeros(3)  # what the accelerometer said last when it was not doubted [m/s^2]
         self.heard = self._since = self._turn = 0
-        self._missed = 0  # readings, since the last update
+        self._missed = 0  # servo periods since the last update of which nothing was heard that is believed
+        self._waited = 0  # servo cycles since the last new reading
+        self._gap = 0  # the longest of these and of the periods that a reading tells of, since the last update
         self._rate: Array = np.zeros(3)  # of the base, where the gyroscope does not say it
         self._said: Array | None = None  # the orientation at the last update without a gyroscope, shape (4,)
         self._upright = _STEADY  # s
@@ -129,18 +133,30 @@ class Estimator:
         self._still = self._lost = 0.0
         self._stands_for, self._slides_for = [_STEADY, _STEADY], [0.0, 0.0]
         self._since = self._turn = 0
-        self._missed = 0
+        self._missed = self._waited = self._gap = 0
         self._correct()
         self._dated(reading.time)
 
     def take(self, reading: Reading) -> None:
-        """Hear what the sensors say, once a servo cycle."""
-        self._sums += reading.rates
-        self.heard += 1
+        """Hear what the sensors say, once a servo cycle; a new reading stands for all the time that it tells of."""
+        passed = reading.passed
+        if passed == 1 and not self._waited:
+            self._sums += reading.rates
+            self.heard += 1
+        elif passed:
+            self._gap = max(self._gap, self._waited + 1, passed)
+            told = 1 if self._missed and not self.heard else passed  # the rest counts as missed already
+            self._sums += told * reading.rates
+            self.heard += told
+            self._waited = 0
+        else:
+            self._waited += 1
+            self._dated(reading.time)
 
     def miss(self, reading: Reading) -> None:
         """Hear nothing in a servo cycle, for the reading is too old: what was believed last is all there is."""
-        self._missed += self.heard + 1
+        self._missed += self.heard + self._waited + 1
+        self._waited = 0
         self._clear()
         self._dated(reading.time)
 
@@ -156,7 +172,7 @@ class Estimator:
         heard, qvel, imu = self.heard, estimate.qvel, self._imu
         time, missed = (heard + self._missed) * SERVO_PERIOD, self._missed
         np.divide(self._sums, heard, out=self._means)
-        self._watch(reading, imu)
+        self._watch(reading, imu, time)
         doubtful = bool(watch.failed) or not math.isfinite(sum(imu.tolist()))
         if doubtful:
             self._without_imu(reading, imu, time)
@@ -180,7 +196,7 @@ class Estimator:
         if "accelerometer" in watch.failed:
             self._move_by_leg(self._loaded, _LEGS_SHARE, _LEGS_MOST)
         self._since += heard + missed
-        self._missed = 0
+        self._missed = self._gap = 0
         self._clear()
         self._note_contact(time)
         self._ground.land(dynamics.sole_positions[:, 2], self.load.standing)
@@ -202,7 +218,7 @@ class Estimator:
             self.load.sensed(reading.foot_force)
         else:
             self.load.explain(qvel, acceleration, self._torque, felt.item(2))
-        if doubtful or self.watch.any_bad:
+        if doubtful or self.watch.any_bad or self._gap > _LONGEST_GAP:
             self.contact.forget()
         else:
             acceleration[:3] = felt
@@ -221,15 +237,15 @@ class Estimator:
         self.estimate.qvel[:3] = self._filter.velocity
         self._dynamics.update(self.estimate)
 
-    def _watch(self, reading: Reading, imu: Array) -> None:
+    def _watch(self, reading: Reading, imu: Array, time: float) -> None:
         """Look for sensors that fail; believe one that is doubted no more than a part of what it says.
 
         A foot that lands hard makes an accelerometer jump as well, and then it is right.
         """
-        if self._missed:
+        if self._missed or time > _LONGEST_LOOK:
             self.watch.resume(reading)  # nothing jumped: much may have happened meanwhile
         else:
-            self.watch.look(reading, imu, self._upright >= _STEADY)
+            self.watch.look(reading, imu, time, self._upright >= _STEADY)
         if self.watch.accelerometer_doubtful:
             imu[:3] = clamp(imu[:3], self._force - _DOUBTED_MOST, self._force + _DOUBTED_MOST)
         else:

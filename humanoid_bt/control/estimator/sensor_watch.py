@@ -88,24 +88,28 @@ class SensorWatch:
         self._before.values[:] = reading.values
         self._compare_from(reading)
 
-    def look(self, reading: Reading, imu: Array, upright: bool) -> None:
-        """Judge a reading, of those that are 5 ms apart.
+    def look(self, reading: Reading, imu: Array, time: float, upright: bool) -> None:
+        """Judge a reading, of those that are 5 ms apart, or twice as much.
 
         Args:
             reading: the last one.
             imu: specific force and rate, on average since the one before, shape (6,).
+            time: since then [s].
             upright: whether the robot stands or walks; one that falls is thrown about, and so are its sensors.
         """
         values, before = reading.values, self._before.values
-        usual = _usual(values, before, self._most.values, self._least, self._moved.values, imu, self._turned)
+        usual = _usual(values, before, self._most.values, self._least, self._moved.values, imu, time, self._turned)
         if self.suspicious or not usual:
-            self._look_closer(reading, imu, upright)
+            self._look_closer(reading, imu, time, upright)
         before[:] = values
         self._compare(reading, upright)
 
-    def _look_closer(self, reading: Reading, imu: Array, upright: bool) -> None:
+    def _look_closer(self, reading: Reading, imu: Array, time: float, upright: bool) -> None:
         shaken = np.partition(self._moved.joint_velocity, -2)[-2] > _SHAKEN
-        felt = {"accelerometer": shaken, "gyro": shaken and self._turned_so(reading, imu)}  # a blow, not a failure
+        felt = {
+            "accelerometer": shaken,
+            "gyro": shaken and self._turned_so(reading, imu, time),
+        }  # a blow, not a failure
         for name in _IMU:
             moved, most = getattr(self._moved, name), getattr(self._most, name)
             silent = not math.isfinite(getattr(reading, name).sum())
@@ -120,11 +124,11 @@ class SensorWatch:
         )
         self.suspicious = bool(self._counts) or bool(self._silent.any() or self._frozen.any() or self.any_bad)
 
-    def _turned_so(self, reading: Reading, imu: Array) -> bool:
+    def _turned_so(self, reading: Reading, imu: Array, time: float) -> bool:
         """Return whether the orientation has turned since the last look as the gyro says."""
         turned = _turn(self._before.orientation.tolist(), reading.orientation.tolist())
         rates = imu[3:].tolist()
-        return all(abs(way - rate * ESTIMATE_PERIOD) < _SAME for way, rate in zip(turned, rates, strict=True))
+        return all(abs(way - rate * time) < _SAME for way, rate in zip(turned, rates, strict=True))
 
     def _compare(self, reading: Reading, upright: bool) -> None:
         """Compare now and then how the orientation has turned with what the gyro says."""
@@ -173,8 +177,10 @@ class SensorWatch:
         self.any_bad = bool(self.bad_joints.any())
 
 
-@compiled("b1(f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1])")
-def _usual(values: Array, before: Array, most: Array, least: Array, moved: Array, imu: Array, turned: Array) -> bool:
+@compiled("b1(f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8, f8[::1])")
+def _usual(
+    values: Array, before: Array, most: Array, least: Array, moved: Array, imu: Array, time: float, turned: Array
+) -> bool:
     """Return whether every number has changed by no more than the most and by more than the least.
 
     Args:
@@ -182,6 +188,7 @@ def _usual(values: Array, before: Array, most: Array, least: Array, moved: Array
         most, least: what is usual.
         moved: is written: how much each has changed.
         imu: specific force and rate, on average between the looks.
+        time: between them [s].
         turned: how far that has turned the base is added to it.
     """
     usual = True
@@ -190,7 +197,7 @@ def _usual(values: Array, before: Array, most: Array, least: Array, moved: Array
         moved[place] = way
         usual = usual and way <= most[place] and way > least[place]  # false also of what is not finite
     for axis in range(3):
-        turned[axis] += imu[3 + axis] * ESTIMATE_PERIOD
+        turned[axis] += imu[3 + axis] * time
     return usual
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from humanoid_bt.core.clock import ESTIMATE_PERIOD
 from humanoid_bt.core.messages import BaseTarget, Mode, Reading
 from humanoid_bt.robot.model import RobotModel
 from tests.control.control_rig import ControlRig
@@ -103,7 +104,7 @@ def test_a_gyro_that_jumps_is_believed_in_a_blow(rig: ControlRig, joints: float,
         half = rate * 0.005 / 2 if turned else 0.0
         w, x, y, z = w - y * half, x - z * half, y + w * half, z + x * half  # turned about its own y
         reading.orientation[:] = w, x, y, z
-        watch.look(reading, np.array([0.0, 0.0, 9.8, 0.0, rate, 0.0]), upright=True)
+        watch.look(reading, np.array([0.0, 0.0, 9.8, 0.0, rate, 0.0]), ESTIMATE_PERIOD, upright=True)
     assert watch.fault == fault
 
 
@@ -114,10 +115,10 @@ def test_an_accelerometer_is_doubted_where_it_jumps_wildly(rig: ControlRig, jump
     watch, reading = rig.controller.estimator.watch, Reading(len(rig.robot.joint_names))
     reading.values[:] = rig.plant.measure().values
     reading.accelerometer[2] += jump
-    watch.look(reading, np.zeros(6), upright=True)
+    watch.look(reading, np.zeros(6), ESTIMATE_PERIOD, upright=True)
     assert watch.suspicious
     assert watch.accelerometer_doubtful == doubted
     for _ in range(4):
         reading.values[:] += 1e-9  # nothing is frozen
-        watch.look(reading, np.zeros(6), upright=True)
+        watch.look(reading, np.zeros(6), ESTIMATE_PERIOD, upright=True)
     assert not watch.accelerometer_doubtful
