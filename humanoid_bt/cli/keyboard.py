@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from threading import Event
 
 from rich.console import Console
 
@@ -19,6 +20,8 @@ from humanoid_bt.session.session import Session
 _SOURCE = "keyboard"
 _REASON = "a key was pressed"
 _HELP = "keys: space or e emergency stop, r reset, p pause, q quit"
+_PROMPT_HELP = "commands, until an empty line: help lists them; c and Enter continues"
+_ANSWERS = 1.0  # s until the next line may be typed, though the last one has no answer yet
 
 
 @contextmanager
@@ -55,25 +58,45 @@ def connected(session: Session, console: Console, printer: Printer, quiet: bool)
         if session.paused is None:
             pause()
         printer.suspend()
+        if not quiet:
+            console.print(_PROMPT_HELP, style="dim")
         console.print(":", end="")
 
-    def take(line: str) -> None:
+    def take(line: str) -> bool:
+        """Do what a line says; return whether the next one is a command as well, as most keys do too much for that."""
         printer.resume()
-        if line.strip():
-            session.between_ticks(lambda: say(line))
-
-    def say(line: str) -> None:
-        try:
-            if text := answer(session, line, _SOURCE):
-                console.print(printable(text), soft_wrap=True, markup=False, highlight=False)
-        except UserError as error:
-            print_findings(error.problems, stderr=True)
+        line = line.strip().removeprefix(":").strip()
+        if not line or line in goes_on:
+            goes_on.get(line, lambda: None)()
+            return False
+        _answer(session, line, console)
+        printer.suspend()
+        console.print(":", end="")
+        return True
 
     def end() -> None:
         session.interrupt("the key q")
 
+    goes_on = {"c": go_on, "n": step, ".": step, "q": end}
     actions = {" ": stop, "e": stop, "r": reset, "p": pause, "n": step, ".": step, "c": go_on, "q": end}
     with keys.listening(actions, {":": keys.Prompt(begin, take)}):
         if not quiet:
             console.print(_HELP, style="dim")
         yield True
+
+
+def _answer(session: Session, line: str, console: Console) -> None:
+    """Do what a line says between two ticks, and show the answer; wait for it, as the next line comes below."""
+    answered = Event()
+
+    def say() -> None:
+        try:
+            if text := answer(session, line, _SOURCE):
+                console.print(printable(text), soft_wrap=True, markup=False, highlight=False)
+        except UserError as error:
+            print_findings(error.problems, stderr=True)
+        finally:
+            answered.set()
+
+    session.between_ticks(say)
+    answered.wait(_ANSWERS)

@@ -16,14 +16,20 @@ from typing import NamedTuple
 _POLL = 0.1  # s between looks whether the run is over
 _LONGEST = 64  # bytes taken at once
 _LONGEST_LINE = 4096
+_CTRL_D = "\x04"  # typed before the terminal takes lines
 _SEQUENCE = re.compile(r"\x1b(\[[0-?]*[ -/]*[@-~]|O.)?")  # what arrows and function keys send; see ECMA-48
 
 
 class Prompt(NamedTuple):
-    """What takes a line that is typed: told when it begins, and given the line; both from another thread."""
+    """What takes lines that are typed, from another thread.
+
+    Attributes:
+        begin: is told that the first line begins.
+        take: is given a line, and returns whether another one follows; what is typed then is a key no sooner.
+    """
 
     begin: Callable[[], None]
-    take: Callable[[str], None]
+    take: Callable[[str], bool]
 
 
 def available() -> bool:
@@ -43,7 +49,7 @@ def listening(actions: Mapping[str, Callable[[], None]], prompts: Mapping[str, P
 
     Args:
         actions: key -> what it does; from another thread.
-        prompts: key -> what takes a line that is typed behind it.
+        prompts: key -> what takes the lines that are typed behind it.
     """
     descriptor = sys.stdin.fileno()
     before = termios.tcgetattr(descriptor)
@@ -84,8 +90,10 @@ def _listen(
                 actions[key]()
             elif key in prompts:
                 prompts[key].begin()
-                line, keys = _line(descriptor, keys, over)
-                prompts[key].take(line)
+                more = True
+                while more:
+                    line, keys = _line(descriptor, keys, over)
+                    more = prompts[key].take(_SEQUENCE.sub("", line))
 
 
 def _line(descriptor: int, begun: str, over: threading.Event) -> tuple[str, str]:
@@ -104,7 +112,7 @@ def _line(descriptor: int, begun: str, over: threading.Event) -> tuple[str, str]
         while "\n" not in begun and not over.is_set():
             if select.select([descriptor], [], [], _POLL)[0]:
                 typed = os.read(descriptor, _LONGEST_LINE).decode(errors="ignore")
-                begun += typed or "\n"  # the end of input is that of the line
+                begun += typed.replace(_CTRL_D, "\n") or "\n"  # the end of input is that of the line
     finally:
         termios.tcsetattr(descriptor, termios.TCSADRAIN, raw)
     line, _, behind = begun.partition("\n")

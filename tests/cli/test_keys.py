@@ -152,6 +152,33 @@ def test_a_breakpoint_needs_somebody_who_continues(project: Path, capsys: pytest
     assert "nobody is at a terminal to continue it" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize(
+    "last",
+    [
+        pytest.param("\n", id="empty line"),
+        pytest.param("\x04", id="Ctrl-D", marks=pytest.mark.trials),
+        pytest.param("c\n", id="command", marks=pytest.mark.trials),
+        pytest.param("\x1b\n", id="Escape", marks=pytest.mark.trials),
+    ],
+)
+def test_a_line_after_a_line_is_no_row_of_keys(start: Callable[..., Terminal], last: str) -> None:
+    terminal = start("run", "walk", *RUN, "--pace", "1")
+    terminal.shows("▶ walk")
+    terminal.press(":")
+    terminal.shows("commands, until an empty line")
+    terminal.press("break walk=FAILURE\n")
+    terminal.shows("walk=FAILURE")
+    terminal.press("erce\n")  # as keys: emergency stop, reset, continue, emergency stop
+    terminal.shows("unknown command 'erce'")
+    terminal.press(last)
+    if last != "c\n":
+        terminal.press("c")
+    terminal.shows("continued by keyboard")
+    terminal.press("q")
+    assert terminal.ends() == 130
+    assert "emergency stop: a key was pressed" not in terminal.text
+
+
 @pytest.mark.trials
 def test_commands_to_a_paused_run(start: Callable[..., Terminal]) -> None:
     terminal = start("run", "walk", *RUN, "--pace", "1")
@@ -163,9 +190,10 @@ def test_commands_to_a_paused_run(start: Callable[..., Terminal]) -> None:
     terminal.press(":set walk.raise_after = 5\n:parameters walk\n")
     terminal.shows("set walk/emergency_stop/walk.raise_after = 5")
     terminal.shows("raise_after = 5")
-    terminal.press(":fly\n")
+    terminal.press("fly\n")
     terminal.shows("unknown command 'fly'")
-    terminal.press(":force walk FAILURE\nc")
+    terminal.press("force walk FAILURE\n")
+    terminal.press("c\n")
     terminal.shows("✗ walk forced to FAILURE by keyboard")
     assert terminal.ends() == 1
     assert terminal.settings == terminal.before
