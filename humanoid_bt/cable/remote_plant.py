@@ -47,7 +47,7 @@ class CableFigures:
         silence: longest time without sensors [s].
         came: frames with sensors that came.
         lost: that did not.
-        late: that came after a newer one, and were not used.
+        late: that came after a newer one, or twice, and were not used.
     """
 
     round_trip: float
@@ -58,10 +58,11 @@ class CableFigures:
     late: int
 
     def __str__(self) -> str:
-        share = self.lost / max(1, self.came + self.lost)
+        sent = max(1, self.came + self.lost + self.late)
         return (
             f"round trip {self.round_trip * 1e3:.1f} ms, at most {self.longest * 1e3:.0f} ms; "
-            f"{share:.1%} of {self.came + self.lost} frames lost; longest silence {self.silence * 1e3:.0f} ms"
+            f"{self.lost / sent:.1%} of {sent} frames lost, {self.late / sent:.1%} too late; "
+            f"longest silence {self.silence * 1e3:.0f} ms"
         )
 
 

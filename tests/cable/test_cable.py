@@ -12,7 +12,7 @@ from humanoid_bt.cable.frames import Frame, FrameKind, pack
 from humanoid_bt.cable.impairment import Impairment
 from humanoid_bt.cable.lockstep import DRIVER, PLANT, LockstepPlant
 from humanoid_bt.cable.payloads import Description, Hello, PlantState, pack_simulated
-from humanoid_bt.cable.remote_plant import RemotePlant
+from humanoid_bt.cable.remote_plant import CableFigures, RemotePlant
 from humanoid_bt.control.controller import Controller
 from humanoid_bt.core.errors import UserError
 from humanoid_bt.core.messages import BaseTarget, Command, HandTarget
@@ -67,6 +67,11 @@ def test_a_cable_tells_how_late_and_how_bad_it_is(plant: Make) -> None:
     assert 0.02 < figures.lost / 2000 < 0.08
     assert figures.late > 0
     assert str(figures).startswith("round trip ")
+
+
+def test_frames_that_come_too_late_are_told_beside_those_that_are_lost() -> None:
+    figures = CableFigures(round_trip=0.0076, longest=0.017, silence=0.01, came=690, lost=10, late=300)
+    assert "; 1.0% of 1000 frames lost, 30.0% too late; longest silence 10 ms" in str(figures)
 
 
 def test_the_truth_of_a_simulation_comes_in_the_engines_time(plant: Make) -> None:
