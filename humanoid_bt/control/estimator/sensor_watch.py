@@ -23,6 +23,7 @@ _SAME = 0.006  # rad that they may disagree in one look in which a blow makes th
 _FORGET = 0.5  # looks that another one in which nothing is seen takes off
 _SPEEDS, _SLACK = 2.0, 0.03  # times its limit that a joint may be fast, and rad beside that
 _IMU = ("gyro", "accelerometer", "orientation")
+_MOST_NAMED = 4  # of what failed at the same time
 
 
 class SensorWatch:
@@ -34,7 +35,7 @@ class SensorWatch:
         robot: the robot.
 
     Attributes:
-        fault: what failed first, for people; "" while nothing has.
+        fault: what failed first, and what else at the same time, for people; "" while nothing has.
         failed: which of the IMU's sensors failed.
         bad_joints: whether each joint's sensors failed, or are doubted now, shape (nj,).
         any_bad: whether those of any did.
@@ -70,6 +71,7 @@ class SensorWatch:
         self.bad_joints = np.zeros(joints, dtype=bool)
         self.any_bad = False
         self.failed: set[str] = set()
+        self._found: list[str] = []  # what failed in this look, for people
         self.fault = ""
 
     def reset(self, reading: Reading) -> None:
@@ -81,6 +83,7 @@ class SensorWatch:
         self.suspicious = self.accelerometer_doubtful = self.any_bad = False
         self._compare_from(reading)
         self.failed.clear()
+        self._found.clear()
         self.fault = ""
 
     def resume(self, reading: Reading) -> None:
@@ -103,6 +106,9 @@ class SensorWatch:
             self._look_closer(reading, imu, time, upright)
         before[:] = values
         self._compare(reading, upright)
+        if self._found:
+            self.fault = self.fault or _together(self._found)
+            self._found.clear()
 
     def _look_closer(self, reading: Reading, imu: Array, time: float, upright: bool) -> None:
         shaken = np.partition(self._moved.joint_velocity, -2)[-2] > _SHAKEN
@@ -156,7 +162,7 @@ class SensorWatch:
         self._counts[key] = count = self._counts.get(key, 0.0) + 1.0
         if count >= most and name not in self.failed:
             self.failed.add(name)
-            self.fault = self.fault or f"the {name} {how}"
+            self._found.append(f"the {name} {how}")
 
     def _look_at_joints(self, reading: Reading, upright: bool) -> None:
         moved = self._moved
@@ -171,7 +177,7 @@ class SensorWatch:
             (jumped, "jumped"),
         ):
             for joint in np.flatnonzero(joints & ~self._dead):
-                self.fault = self.fault or f"the sensors of {self._names[joint]} {how}"
+                self._found.append(f"the sensors of {self._names[joint]} {how}")
             self._dead |= joints
         np.logical_or(self._dead, silent, out=self.bad_joints)
         self.any_bad = bool(self.bad_joints.any())
@@ -199,6 +205,16 @@ def _usual(
     for axis in range(3):
         turned[axis] += imu[3 + axis] * time
     return usual
+
+
+def _together(found: list[str]) -> str:
+    """Return what failed at the same time as one text."""
+    for how in ("is silent", "is frozen", "jumps"):
+        alone = [f"the {name} {how}" for name in _IMU]
+        if set(alone) <= set(found):
+            found = [f"the whole IMU {how}", *(one for one in found if one not in alone)]
+    more = len(found) - _MOST_NAMED
+    return ", ".join(found[:_MOST_NAMED]) + (f", and {more} more" if more > 0 else "")
 
 
 def _turn(before: list[float], after: list[float]) -> list[float]:

@@ -51,6 +51,23 @@ def test_a_robot_that_walks_stops_and_stands_without_a_sensor(rig: ControlRig, s
     assert rig.state.mode is Mode.PROTECTIVE_STOP  # until the run ends
 
 
+@pytest.mark.parametrize(
+    ("sensors", "fault"),
+    [
+        (["imu"], "the whole IMU is silent"),
+        (["gyro", "orientation"], "the gyro is silent, the orientation is silent"),
+        (["imu", "left_knee"], "the whole IMU is silent, the sensors of left_knee are silent"),
+    ],
+)
+def test_sensors_that_fail_together_are_named_together(rig: ControlRig, sensors: list[str], fault: str) -> None:
+    rig.run(0.1, {})
+    for sensor in sensors:
+        rig.plant.fail_sensor(sensor, "silent")
+    rig.run(0.06, {})
+    assert rig.controller.estimator.watch.fault == fault
+    assert fault in rig.state.stop_reason
+
+
 def test_sensors_that_work_are_believed(rig: ControlRig, robot: RobotModel) -> None:
     rig.run(0.5, {})
     rig.plant.push(robot.config.torso, np.array([60.0, 80.0, 0.0]), 0.1)
