@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import time
 from collections.abc import Callable, Mapping
 from contextlib import AbstractContextManager, ExitStack, nullcontext, suppress
@@ -100,6 +101,7 @@ class Drive:
         self._parameters = OutsideParameters(self.engine, self.runner, self.debugger)
         self._ending = Ending(self.engine, self.runner, self._teller, self._pace, self.ticks)
         self._stack: ExitStack | None = None
+        self._process = os.getpid()
         self._tracks: Mapping[str, Track] | None = None
         self._asked = False  # somebody ends the run
         self.begun = False
@@ -218,11 +220,13 @@ class Drive:
     def close(self) -> None:
         """Bring the robot to a stand, close the recording, make the report. Twice is once.
 
+        A process that was forked meanwhile has no part in the run, and closes nothing.
+
         Raises:
             KeyboardInterrupt: somebody does not wait for the end. All is closed, and the report is there, nevertheless;
                 if not, because it came in between, whoever calls this again has both.
         """
-        if (stack := self._stack) is None:
+        if (stack := self._stack) is None or os.getpid() != self._process:
             return
         moved, insists = self.loop.state is not None, False
         wall_time = time.monotonic() - self.loop.began_at if moved else 0.0

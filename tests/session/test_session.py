@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -181,6 +183,27 @@ def test_a_session_that_was_never_stepped_is_closed_too(tmp_path: Path) -> None:
     before = session.report
     session.close()
     assert session.report is before, "twice is once"
+
+
+FORKS = """
+import os, sys
+import humanoid_bt as hbt
+
+with hbt.Session("fetch", record="forked.rrd") as session:
+    session.step()
+    child = os.fork()
+    if not child:
+        sys.exit(0)
+    print("child", os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]))
+    session.step()
+print(session.report.outcome)
+"""
+
+
+def test_a_forked_process_that_leaves_the_session_closes_nothing(tmp_path: Path) -> None:
+    done = subprocess.run([sys.executable, "-c", FORKS], cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert (done.stdout.splitlines(), done.returncode) == (["child 0", "unfinished"], 0), done.stderr
+    assert "Traceback" not in done.stderr
 
 
 def test_an_exception_in_a_skill_is_an_end_and_not_raised() -> None:
