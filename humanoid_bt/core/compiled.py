@@ -45,7 +45,8 @@ def compiled(signature: str) -> Callable[[Callable[_P, _R]], Callable[_P, _R]]:
     def compile_it(function: Callable[_P, _R]) -> Callable[_P, _R]:
         begun = time.monotonic()
         done = _jit(function, signature)
-        if time.monotonic() - begun > _NOTICED:
+        loaded = isinstance(done, Dispatcher) and bool(done.stats.cache_hits)  # which takes long on a busy machine
+        if time.monotonic() - begun > _NOTICED and not loaded:
             _tell()
         return done
 

@@ -46,6 +46,19 @@ def test_a_function_that_cannot_be_kept_is_compiled_all_the_same() -> None:
     assert compiled("f8(f8)")(found["double"])(1.5) == 3.0
 
 
+def test_only_what_is_compiled_is_told_however_long_it_takes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    told: list[bool] = []
+    monkeypatch.setattr("humanoid_bt.core.compiled._NOTICED", -1.0)  # a machine so busy that all takes long
+    monkeypatch.setattr("humanoid_bt.core.compiled._tell", lambda: told.append(True))
+    monkeypatch.syspath_prepend(tmp_path)
+    text = 'from humanoid_bt.core.compiled import compiled\n@compiled("f8(f8)")\ndef it(value):\n    return value\n'
+    (tmp_path / "slowly.py").write_text(text)
+    module = importlib.import_module("slowly")
+    assert told == [True]
+    importlib.reload(module)
+    assert told == [True]
+
+
 @pytest.mark.parametrize(("before", "after"), [("2 * value", "3 * value"), ("2 * value", "FACTOR * value")])
 def test_code_is_made_anew_where_something_that_it_takes_from_elsewhere_has_changed(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, before: str, after: str
