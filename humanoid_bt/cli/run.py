@@ -21,7 +21,7 @@ from humanoid_bt.cli.findings import print_findings
 from humanoid_bt.cli.overrides import overrides, sources
 from humanoid_bt.cli.printer import Printer, print_summary
 from humanoid_bt.core import forks
-from humanoid_bt.core.errors import UserError
+from humanoid_bt.core.errors import UserError, relative
 from humanoid_bt.files.whole import make_way
 from humanoid_bt.session.report import ExitCode, Report
 from humanoid_bt.session.session import Session
@@ -117,12 +117,12 @@ def _make_way(path: Path) -> None:
     """Remove an older report, which nobody shall take for this run's; find out that a new one can be written."""
     try:
         if path.is_file() and path.stat().st_size and not _is_report(path):
-            message = f"--report would overwrite {str(path)!r}, which is no report"
+            message = f"--report would overwrite {relative(path)!r}, which is no report"
             raise UserError(message, hint="valid: an older report, or a name that is free")
         make_way(path)
     except OSError as error:
         hint = "valid: a file in a folder that is there and that you may write"
-        raise UserError(f"the report cannot be written to {str(path)!r}: {error.strerror}", hint=hint) from error
+        raise UserError(f"the report cannot be written to {relative(path)!r}: {error.strerror}", hint=hint) from error
 
 
 def _is_report(path: Path) -> bool:

@@ -14,7 +14,7 @@ from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from humanoid_bt.core.errors import UserError, nearest
+from humanoid_bt.core.errors import UserError, nearest, relative
 from humanoid_bt.core.texts import few, one_line, printable
 from humanoid_bt.core.units import readable
 from humanoid_bt.files.whole import write_whole
@@ -250,7 +250,7 @@ class Report:
             text = json.dumps(self.to_dict(), indent=2, allow_nan=False)
             write_whole(Path(path), f"{text}\n".encode())
         except OSError as error:
-            raise UserError(f"the report cannot be written to {str(path)!r}: {error.strerror}") from error
+            raise UserError(f"the report cannot be written to {relative(Path(path))!r}: {error.strerror}") from error
 
 
 def aligned(rows: Sequence[tuple[str, str]]) -> list[str]:

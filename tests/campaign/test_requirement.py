@@ -64,7 +64,10 @@ def test_what_no_campaign_can_tell_is_refused_before_it_runs(text: str, message:
 
 def test_what_cannot_be_computed_is_not_met() -> None:
     verdict = _requirement("failures / fell < 2").judge(_SAID)
-    assert (verdict.met, verdict.why) == (False, "failures is 4, fell is 0: it cannot be computed (division by zero)")
+    assert (verdict.met, verdict.why) == (
+        False,
+        "failures is 4, fell is 0: it cannot be computed (in 'failures / fell < 2': 'fell' is 0)",
+    )
     assert _requirement("1 / (trials - failures) < 1").judge(_SAID).met, "with numbers of a campaign it can"
 
 

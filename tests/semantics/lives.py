@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import os
-import re
+from collections.abc import Callable
+from functools import partial
 
 from hypothesis import HealthCheck, Phase, settings
 
 from humanoid_bt.core.messages import Command, Mode, Percept, State
 from humanoid_bt.files.workspace import Workspace
+from humanoid_bt.tree.ticking.catching import Catcher
 from humanoid_bt.tree.ticking.executor import NodeError
+from humanoid_bt.tree.ticking.tick import Raised
 from tests.semantics.model import Node, Snapshot
 from tests.semantics.random_trees import text_of
 from tests.tree.helpers import Run, load, make_state, seen
@@ -29,8 +32,6 @@ settings.register_profile(
 random_lives = settings(settings.get_profile("trees"))
 """Decorates a property: the same examples in every run, or as many as ``HUMANOID_BT_EXAMPLES`` says, and new ones."""
 
-_RAISED = re.compile(r"the node '(?:[^']*/)?(\w+)' raised")
-
 
 class Life(Run):
     """One tree in its life; nodes are named, and times are in milliseconds.
@@ -38,11 +39,16 @@ class Life(Run):
     Attributes:
         command: what the last tick commanded; None if it raised, or the tree was halted after it.
         raised: the name of the node that raised in the last tick or halt.
+        caught: who caught an exception, and who raised it.
     """
 
     def __init__(self, tree: Node, workspace: Workspace) -> None:
         super().__init__(load(workspace, text_of(tree)))
         self.nodes = {node.name: node.behaviour for node in self.tree.nodes}
+        self.caught: list[tuple[str, str]] = []
+        for name, behaviour in self.nodes.items():
+            if isinstance(behaviour, Catcher):
+                behaviour.on_caught = partial(self._take, name, behaviour.on_caught)
         self.command: Command | None = None
         self.raised: str | None = None
 
@@ -75,14 +81,10 @@ class Life(Run):
         sources = self.command.sources if self.command else {}
         return {(resource, _last(path)) for resource, path in sources.items()}
 
-    @property
-    def caught(self) -> list[tuple[str, str]]:
-        """(Who caught an exception, who raised it)."""
-        return [
-            (_last(source), found[1])
-            for source, level, text in self.events
-            if level == "warning" and (found := _RAISED.search(text))
-        ]
+    def _take(self, name: str, tell: Callable[[Raised], None], raised: Raised) -> None:
+        """Note each exception that a node takes; of those that are alike people are not told every one."""
+        self.caught.append((name, raised.node.name))
+        tell(raised)
 
     @property
     def asking(self) -> int:

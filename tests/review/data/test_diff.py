@@ -91,7 +91,7 @@ def test_ticks_that_one_recording_lacks_are_no_difference(recording: Recording) 
     one, joints = ticks(recording), ["hip", "knee"]
     for kept in ([*one[:5], *one[9:]], one[3:]):
         for pair in ((one, kept), (kept, one)):
-            assert first_parting(*((iter(of), []) for of in pair), joints, gaps=True) is None  # type: ignore[misc]
+            assert first_parting(*((iter(of), []) for of in pair), joints, gaps=True) is None  # type: ignore[misc]  # a pair of generators
     other = [*one[:5], *one[9:12], bent(one[12], 0.25), *one[13:]]
     found = first_parting((iter(one), []), (iter(other), []), joints, gaps=True)
     assert found is not None and found[:2] == (one[12].state.time, "joint_positions 3")
