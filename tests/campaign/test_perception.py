@@ -100,6 +100,7 @@ def test_noise_of_the_tracker_that_does_not_see_is_refused(project: Path) -> Non
     assert checked_campaign(Path("campaigns/signs.yaml"), Workspace()).plan.factors
 
 
+@pytest.mark.trials
 def test_a_campaign_sees_with_what_it_names(project: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["campaign", "signs", "--quiet", "--out", "far", "--require", "success == 100 %"]) == 0
     assert "door_sign" in Path("far/report.html").read_text()

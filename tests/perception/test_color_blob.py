@@ -147,6 +147,7 @@ def test_a_picture_is_the_same_each_time(source_rig: SourceRig) -> None:
     assert np.array_equal(first.depth, again.depth)
 
 
+@pytest.mark.trials
 @pytest.mark.usefixtures("opengl")
 def test_fetch_by_sight_is_deterministic() -> None:
     reports = [hbt.run("fetch", scene="random_target", seed=4, perception="color_blob") for _ in range(2)]

@@ -73,6 +73,7 @@ root:
 """
 
 
+@pytest.mark.trials
 @pytest.mark.realtime
 def test_both_modes_take_long_names_and_many_percepts(tmp_path: Path) -> None:
     (tmp_path / "sim" / "scenes").mkdir(parents=True)

@@ -153,6 +153,7 @@ def test_a_stopped_decision_and_an_estop_are_waited_for(live: Start) -> None:
     assert "reset by humanoid-bt reset (" in run.output
 
 
+@pytest.mark.trials
 def test_a_crash_in_a_skill_stops_the_robot(project: Path) -> None:
     session = Session("raise", workspace=project, mode="realtime")
     report = session.run()

@@ -57,6 +57,7 @@ with hbt.Session("walk", mode="realtime", hold=1.0) as session:
 """
 
 
+@pytest.mark.trials
 @pytest.mark.realtime
 def test_decision_that_is_killed_while_paused_is_noticed(project: Path) -> None:
     decision = subprocess.Popen([sys.executable, "-c", PAUSED], cwd=project, env=environment())

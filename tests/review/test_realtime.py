@@ -25,6 +25,7 @@ Play = Callable[..., Path]
 pytestmark = pytest.mark.realtime
 
 
+@pytest.mark.trials
 def test_a_tick_that_takes_too_long_is_named_with_its_line(play: Play) -> None:
     found = explain(play("sleepy", duration=0.7, mode="realtime"))
     headline = r"one tick took 0\.[5-9]\d s at ([\d.]+) s in 'sleepy', skills/staged\.py:\d+: "
@@ -142,9 +143,8 @@ CASES: dict[str, tuple[str, str, dict[str, Any], str]] = {
 }
 
 
-@pytest.mark.parametrize(
-    "name", [pytest.param(name, marks=() if name == "estop by hand" else pytest.mark.trials) for name in CASES]
-)
+@pytest.mark.trials
+@pytest.mark.parametrize("name", CASES)
 def test_the_first_line_says_what_stopped_the_robot(play: Play, name: str) -> None:
     tree, kind, how, headline = CASES[name]
     found = explain(play(tree, mode="realtime", **how))

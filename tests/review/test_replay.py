@@ -297,6 +297,7 @@ def test_a_recording_that_says_something_else_is_answered(raising: Path, monkeyp
     assert 0 < answered < 9
 
 
+@pytest.mark.trials
 @pytest.mark.realtime
 def test_decisions_of_realtime_are_made_again(project: Path) -> None:
     file = project / "realtime.rrd"

@@ -68,6 +68,7 @@ def command(tmp_path: Path, published: Path) -> Command:
     return run
 
 
+@pytest.mark.trials
 def test_a_description_is_cloned_once_and_becomes_a_robot(command: Command, published: Path, tmp_path: Path) -> None:
     first = command("robots", "init", "robot_descriptions:g1_mj_description")
     assert first.returncode == 0, first.stderr
@@ -84,6 +85,7 @@ def test_a_description_is_cloned_once_and_becomes_a_robot(command: Command, publ
     assert "recording  run.rrd" in run.stdout, run.stderr
 
 
+@pytest.mark.trials
 def test_another_file_beside_the_description_s_own(command: Command, tmp_path: Path) -> None:
     done = command("robots", "init", "robot_descriptions:g1_mj_description/g1_with_hands.xml")
     assert done.returncode == 0, done.stderr
@@ -95,6 +97,7 @@ def test_another_file_beside_the_description_s_own(command: Command, tmp_path: P
     assert "valid: g1.xml, g1_with_hands.xml" in wrong.stderr
 
 
+@pytest.mark.trials
 def test_what_cannot_be_fetched_says_why_and_what_else_there_is(
     command: Command, published: Path, tmp_path: Path
 ) -> None:

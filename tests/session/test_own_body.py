@@ -87,6 +87,7 @@ def test_it_keeps_every_rule_of_a_body(robot: Path) -> None:
     check_body(robot).assert_passed()
 
 
+@pytest.mark.trials
 def test_bench_body_tries_it_beside_the_model_based_one(robot: Path, capsys: pytest.CaptureFixture[str]) -> None:
     main(["bench", "--body", "--robot", str(robot), "--only", "push-standing-60", "--trials", "1", "--json", "b.json"])
     assert {"own", "dcm"} <= set(capsys.readouterr().out.split())

@@ -200,6 +200,7 @@ print(session.report.outcome)
 """
 
 
+@pytest.mark.trials
 def test_a_forked_process_that_leaves_the_session_closes_nothing(tmp_path: Path) -> None:
     done = subprocess.run([sys.executable, "-c", FORKS], cwd=tmp_path, capture_output=True, text=True, check=False)
     assert (done.stdout.splitlines(), done.returncode) == (["child 0", "unfinished"], 0), done.stderr
@@ -410,6 +411,7 @@ def test_what_a_table_shows_is_escaped(project: Path) -> None:
     assert "&lt;b&gt; on humanoid" in hbt.run("odd")._repr_html_()
 
 
+@pytest.mark.trials
 @pytest.mark.realtime
 def test_realtime_is_stepped_in_the_same_way(tmp_path: Path) -> None:
     with hbt.Session("walk", mode="realtime", duration=5.0, record=tmp_path / "walk.rrd", camera=False) as session:

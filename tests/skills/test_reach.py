@@ -202,6 +202,7 @@ def test_says_what_it_cannot_reach_over(rig: Rig) -> None:
     assert max(state.hands["left"][0] for state in result.states) < 0.35
 
 
+@pytest.mark.trials
 def test_the_other_hand_tries_where_the_nearest_one_does_not_get_there(rig: Rig) -> None:
     result = rig.run("reach", target=(0.40, 0.04, 0.95), direction=(0, 1, -1), timeout=20)
     assert result.succeeded, result.feedback

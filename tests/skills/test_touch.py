@@ -79,7 +79,7 @@ def pressed(stage: hbt.Stage, monkeypatch: pytest.MonkeyPatch) -> list[float]:
     [
         ("right", "ahead", 10.0),
         pytest.param("left", "down", 10.0, marks=pytest.mark.trials),
-        ("left", "ahead", 40.0),
+        pytest.param("left", "ahead", 40.0, marks=pytest.mark.trials),
         pytest.param("left", "ahead", 20.0, marks=pytest.mark.trials),
         pytest.param("right", "ahead", 50.0, marks=pytest.mark.trials),
         pytest.param("right", "ahead", 5.0, marks=pytest.mark.trials),

@@ -41,6 +41,7 @@ def test_both_palms_face_each_other_at_the_sides_of_the_target(
     assert not result.stops
 
 
+@pytest.mark.trials
 def test_a_slow_hand_that_waits_for_the_other_one_goes_on(rig: Rig) -> None:
     result = rig.run("touch_with_both", target=(0.36, 0.0, 0.85), width=0.2, speed=0.03, timeout=60)
     assert result.succeeded, result.feedback
