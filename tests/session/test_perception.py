@@ -176,11 +176,14 @@ root:
 @pytest.mark.realtime
 def test_a_source_that_keeps_the_lock_is_off_and_the_others_see_again(project: Path) -> None:
     (project / "trees/again.yaml").write_text(AGAIN)
-    report = hbt.run("again", perception=["door_sign", "holds"], mode="realtime", duration=60)
+    for _ in range(3):
+        report = hbt.run("again", perception=["door_sign", "holds"], mode="realtime", duration=60)
+        (told,) = [event["text"] for event in report.events if event["level"] == "error"]
+        if "one of them held up" not in told:  # it is not known which if both had just begun to look
+            break
     assert report.outcome == "success", report.reason
-    (told,) = [event for event in report.events if event["level"] == "error"]
     held = r"the percept source 'holds' is off: it held up perception for 3\.\d s, which begins anew without it"
-    assert re.fullmatch(held, told["text"])
+    assert re.fullmatch(held, told)
 
 
 @pytest.mark.realtime
