@@ -56,22 +56,14 @@ def test_a_track_says_where_the_thing_is(robot: Robot) -> None:
     assert (track.name, track.stamp, track.confidence) == ("ball", 0.0, 0.7)
 
 
-def test_a_late_percept_is_placed_from_where_the_robot_stood_when_it_was_seen(robot: Robot) -> None:
-    for step in range(5):
-        robot.begin_tick(standing(0.1 * step, 0.0, 0.0, time=0.02 * step), {})
-    robot.begin_tick(standing(0.5, 0.0, 0.0, time=0.1), seen(0.041, distance=1.0))
-    track = robot.track("target")
-    assert track is not None
-    np.testing.assert_allclose(track.position_world, [1.2, 0.0, 0.8], atol=1e-12)
-
-
-def test_a_percept_that_comes_very_late_is_placed_there_too(robot: Robot) -> None:
+@pytest.mark.parametrize("late", [0.059, 1.9, 8.0])
+def test_a_late_percept_is_placed_from_where_the_robot_stood_when_it_was_seen(robot: Robot, late: float) -> None:
     for step in range(500):
         robot.begin_tick(standing(0.01 * step, 0.0, 0.0, time=0.02 * step), {})
-    robot.begin_tick(standing(5.0, 0.0, 0.0, time=10.0), seen(2.0, distance=1.0))
+    robot.begin_tick(standing(5.0, 0.0, 0.0, time=10.0), seen(10.0 - late, distance=1.0))
     track = robot.track("target")
     assert track is not None
-    np.testing.assert_allclose(track.position_world, [2.0, 0.0, 0.8], atol=1e-12)
+    np.testing.assert_allclose(track.position_world, [1.0 + 0.5 * (10.0 - late), 0.0, 0.8], atol=0.005)
 
 
 def test_that_a_thing_is_gone_may_be_told_with_the_time_at_which_it_was_seen_last(robot: Robot) -> None:
