@@ -39,7 +39,7 @@ def _version(*files: Path) -> tuple[tuple[int, int], ...]:
 
 
 @functools.lru_cache(maxsize=4)
-def _config(path: Path, walk: Walk | None, _version: tuple[tuple[int, int], ...]) -> RobotConfig:
+def _config(path: Path, walk: Walk | None, _written: tuple[tuple[int, int], ...]) -> RobotConfig:
     config = load_robot_config(path)
     return config if walk is None else replace(config, body=replace(config.body, walk=walk))
 
