@@ -69,9 +69,10 @@ class CommandedRobot:
             if controller.cycle % cycles(DECISION_PERIOD) == 0:
                 controller.submit(Command(controller.cycle, controller.cycle * SERVO_PERIOD, self.targets))
             controller.run_cycle()
-        if failed := controller.given_up:
-            message = f"the body of {self._config.name} failed after {failed[0]:.1f} s: {failed[1]}"
-            raise UserError(message, self._config.place("body"), code="failed-body")
+        if failed := controller.body_failed:
+            raise UserError(
+                f"{self._config.name} cannot be measured: {failed}", self._config.place("body"), code="failed-body"
+            )
 
     def physics(self, time: float) -> float:
         """Return the CPU time of bare physics for some time [s], from where the robot is now [s]."""

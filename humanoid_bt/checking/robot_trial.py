@@ -81,8 +81,7 @@ class Trial:
     @property
     def body_failed(self) -> str:
         """When and why its body failed, "" if it has not."""
-        failed = self.controller.given_up
-        return f"its body failed after {failed[0]:.1f} s: {failed[1]}" if failed else ""
+        return self.controller.body_failed
 
     def run(self, duration: float, ask: Callable[[RobotHandle], None] | None = None) -> bool:
         """Run for a time [s], or until it falls; return whether it has not.

@@ -53,7 +53,7 @@ class Controller:
         supervisor: decides what is allowed.
         estimator: says where the robot is.
         body: plans the setpoints: the first of the robot's bodies that has not failed.
-        given_up: when [s] the first of them failed in this run, and why; None while it plans.
+        body_failed: when the first of them failed in this run, and why, for people; "" while it plans.
         servo: drives the joints.
         log: is told every servo cycle, if there is one.
         cycle: servo cycles so far.
@@ -92,7 +92,7 @@ class Controller:
         self._silent = False
         self._at_rest = False
         self._next_plan = 0  # cycle
-        self.given_up: tuple[float, str] | None = None
+        self.body_failed = ""
         self._reading = self._plant.measure(self._reading)
         self.estimator.reset(self._reading, place)
         estimate = self.estimator.estimate
@@ -160,7 +160,7 @@ class Controller:
     def _give_up(self, body: Body, estimate: Estimate, why: str) -> None:
         """Let the next body take the place of one that failed, for the rest of the run; the last one goes on."""
         self.supervisor.request_stop("body", why)
-        self.given_up = self.given_up or (self.cycle * SERVO_PERIOD, why)
+        self.body_failed = self.body_failed or f"its body failed after {self.cycle * SERVO_PERIOD:.1f} s: {why}"
         place = self._bodies.index(body) + 1
         if place < len(self._bodies):
             self._take(self._bodies[place])

@@ -104,8 +104,8 @@ class _Trial:
                 self.controller.submit(Command(self._sequence, self.controller.cycle * SERVO_PERIOD, targets))
             for _ in range(cycles(DECISION_PERIOD)):
                 self.controller.run_cycle()
-            if failed := self.controller.given_up:
-                self.failed = f"its body failed after {failed[0]:.1f} s: {failed[1]}"
+            if failed := self.controller.body_failed:
+                self.failed = failed
             if until is not None and until(self.controller.state()):
                 return True
         return False

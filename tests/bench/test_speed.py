@@ -86,6 +86,6 @@ def test_a_body_of_the_users_own_has_a_solve_if_it_builds_on_one_of_ours(own: Pa
 
 @pytest.mark.parametrize("measure", [speed.measure_walk, speed.measure_solve])
 def test_a_body_that_fails_is_not_measured(own: Path, measure: Callable[[Path, Walk, int], object]) -> None:
-    message = r"robot\.yaml:\d+:\d+: error: the body of humanoid failed after 0\.2 s: KeyError: 'oops', raised at"
+    message = r"robot\.yaml:\d+:\d+: error: humanoid .*: its body failed after 0\.2 s: KeyError: 'oops'"
     with pytest.raises(UserError, match=message):
         measure(own, "own", 2)
