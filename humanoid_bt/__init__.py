@@ -113,7 +113,7 @@ if TYPE_CHECKING:
     from humanoid_bt.decision.blackboard import Key as Key
     from humanoid_bt.decision.hand_route import HandRoute as HandRoute
     from humanoid_bt.decision.result import result as result
-    from humanoid_bt.decision.robot import RobotHandle as RobotHandle
+    from humanoid_bt.decision.robot_handle import RobotHandle as RobotHandle
     from humanoid_bt.decision.route import Route as Route
     from humanoid_bt.decision.signals import Improving as Improving
     from humanoid_bt.decision.signals import Lasting as Lasting
@@ -171,7 +171,7 @@ else:
         "humanoid_bt.core.params": "PerceptName param",
         "humanoid_bt.decision.anatomy": "ArmJoint",
         "humanoid_bt.decision.result": "result",
-        "humanoid_bt.decision.robot": "RobotHandle",
+        "humanoid_bt.decision.robot_handle": "RobotHandle",
         "humanoid_bt.perception.picture": "Picture",
         "humanoid_bt.perception.source": "Moment PerceptSource",
         "humanoid_bt.perception.track": "Track",

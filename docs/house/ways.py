@@ -75,7 +75,7 @@ PERCEPT = (
 COMMAND = (
     Step("skills/reach.py", "Reach.update", "Sets a target for a hand, in every tick anew."),
     Step(
-        "decision/robot.py",
+        "decision/robot_handle.py",
         "RobotHandle.move_hand",
         "Keeps it until the tick ends, in the node's name; a node that is halted gives it back.",
     ),

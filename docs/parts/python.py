@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from humanoid_bt.core.messages import State
 from humanoid_bt.decision.hand_route import HandRoute
-from humanoid_bt.decision.robot import RobotHandle
+from humanoid_bt.decision.robot_handle import RobotHandle
 from humanoid_bt.decision.route import Route
 from humanoid_bt.perception.track import Track
 from humanoid_bt.testing.rig import Rig
@@ -14,7 +14,7 @@ from parts.markdown import attributes, code, members
 
 def handle() -> str:
     """Return what a skill finds in ``self.robot``."""
-    return members(RobotHandle, hidden=("path", "targets", "route", "release"))
+    return members(RobotHandle, hidden=("release",))
 
 
 def route() -> str:

@@ -14,7 +14,7 @@ from humanoid_bt.control.body.own import own_body
 from humanoid_bt.core.errors import Place, Problem, UserError
 from humanoid_bt.core.messages import SIDES
 from humanoid_bt.core.texts import listed
-from humanoid_bt.decision.robot import RobotHandle
+from humanoid_bt.decision.robot_handle import RobotHandle
 from humanoid_bt.files.class_files import class_place
 from humanoid_bt.robot.model import RobotModel, carriers
 from humanoid_bt.robot.policy.commands import impossible

@@ -13,7 +13,7 @@ from humanoid_bt.control.body.own_links import OwnLinks, head_bodies
 from humanoid_bt.core.errors import Place, Problem
 from humanoid_bt.core.messages import SIDES, Mode, Side
 from humanoid_bt.core.texts import listed
-from humanoid_bt.decision.robot import RobotHandle
+from humanoid_bt.decision.robot_handle import RobotHandle
 
 _REACH = 2.0  # s
 _AHEAD = np.array([0.6, 0.0, -0.3])  # where its hands reach, from the shoulders, in lengths of the stretched arm

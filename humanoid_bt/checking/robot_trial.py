@@ -12,7 +12,8 @@ from humanoid_bt.control.controller import Controller
 from humanoid_bt.core.clock import DECISION_PERIOD, CycleClock, cycles
 from humanoid_bt.core.errors import Place
 from humanoid_bt.core.messages import Array, Mode
-from humanoid_bt.decision.robot import Robot, RobotHandle
+from humanoid_bt.decision.robot import Robot
+from humanoid_bt.decision.robot_handle import RobotHandle
 from humanoid_bt.plant.mujoco_plant import MujocoPlant
 from humanoid_bt.plant.scene import Scene
 from humanoid_bt.plant.scene_config import SceneConfig
@@ -64,7 +65,7 @@ class Trial:
         self.body = self.controller.body
         self._clock = CycleClock()
         self._decision = Robot(robot.config, self._clock, model=robot)
-        self.skill = self._decision.handle("check", tuple(robot.config.resources))
+        self.skill = RobotHandle(self._decision, "check", tuple(robot.config.resources))
         joints = len(robot.joint_names)
         self.seen = Seen(np.zeros(joints), np.zeros(joints), np.zeros(joints))
 

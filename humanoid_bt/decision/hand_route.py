@@ -10,7 +10,7 @@ import numpy as np
 
 from humanoid_bt.core.messages import Array, Side
 from humanoid_bt.core.texts import listed
-from humanoid_bt.decision.robot import RobotHandle
+from humanoid_bt.decision.robot_handle import RobotHandle
 from humanoid_bt.perception.track import Track
 
 _ASIDE = 0.12  # m that a palm keeps beside a box: as long as fingers are

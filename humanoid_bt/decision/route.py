@@ -13,7 +13,7 @@ from humanoid_bt.core.messages import Array, Gait
 from humanoid_bt.core.texts import few, listed
 from humanoid_bt.decision.giving_way import GivingWay
 from humanoid_bt.decision.obstacles import SLACK, Obstacles, clear
-from humanoid_bt.decision.robot import RobotHandle
+from humanoid_bt.decision.robot_handle import RobotHandle
 from humanoid_bt.decision.route_planner import Plan, plan
 from humanoid_bt.decision.signals import Lasting
 from humanoid_bt.decision.surroundings import REMEMBERED, Surroundings

@@ -28,7 +28,8 @@ from humanoid_bt.core.params import PerceptName
 from humanoid_bt.core.texts import shortened, snake_case
 from humanoid_bt.decision.assign import assign
 from humanoid_bt.decision.result import ResultValue, declared_results
-from humanoid_bt.decision.robot import Robot, RobotHandle
+from humanoid_bt.decision.robot import Robot
+from humanoid_bt.decision.robot_handle import RobotHandle
 
 __all__ = ["PerceptName", "Skill", "Status", "node_type_name", "of_gaze", "of_hand"]
 
@@ -111,7 +112,7 @@ class Skill(py_trees.behaviour.Behaviour):
     def setup(self, **kwargs: Any) -> None:
         """Take ``robot``, a :class:`~humanoid_bt.decision.robot.Robot`; called once, before the first tick."""
         robot: Robot = kwargs["robot"]
-        self.robot = robot.handle(self.path, self.resources)
+        self.robot = RobotHandle(robot, self.path, self.resources)
 
     def stop(self, new_status: Status) -> None:
         """End or halt the skill: ``terminate``, then give back what it commanded in this tick."""

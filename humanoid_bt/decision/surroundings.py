@@ -11,7 +11,7 @@ import numpy as np
 
 from humanoid_bt.core.messages import Array
 from humanoid_bt.decision.obstacles import Obstacles
-from humanoid_bt.decision.robot import RobotHandle
+from humanoid_bt.decision.robot_handle import RobotHandle
 from humanoid_bt.perception.track import Track
 
 UNKNOWN_SIZE = 0.5

@@ -7,8 +7,8 @@ from collections.abc import Callable, Mapping
 import numpy as np
 
 from humanoid_bt.core.clock import Clock
-from humanoid_bt.core.messages import RESOURCES, Array, Percept, Target
-from humanoid_bt.decision.robot import Robot, RobotHandle
+from humanoid_bt.core.messages import Array, Percept
+from humanoid_bt.decision.robot import Commands, Robot
 from humanoid_bt.perception.track import Track
 from humanoid_bt.robot.config import RobotConfig
 
@@ -39,9 +39,10 @@ class WatchedRobot(Robot):
         self.read: dict[str, None] = {}
         self._placed: list[tuple[str, Array, Array]] = []
 
-    def handle(self, node_path: str, resources: tuple[str, ...]) -> RobotHandle:
-        """Return a handle that may command everything."""
-        return _WatchedHandle(self, node_path, RESOURCES)
+    def grant(self, handle: Commands, resource: str) -> None:
+        """Let a node command any resource, and note which."""
+        self.commanded[resource] = None
+        self._commanding[handle] = None
 
     def track(self, name: str) -> Track | None:
         """Return the latest percept of this name, and note that it was asked for."""
@@ -58,11 +59,3 @@ class WatchedRobot(Robot):
         given = kept.copy()  # can be written to
         self._placed.append((percept.name, given, kept))
         return given, heading, turn
-
-
-class _WatchedHandle(RobotHandle):
-    def _set(self, resource: str, target: Target) -> None:
-        robot = self._robot
-        assert isinstance(robot, WatchedRobot)
-        robot.commanded[resource] = None
-        super()._set(resource, target)

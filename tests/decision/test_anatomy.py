@@ -14,7 +14,8 @@ from humanoid_bt.core.clock import CycleClock
 from humanoid_bt.core.errors import HumanoidBtError
 from humanoid_bt.core.geometry import rotation_matrix
 from humanoid_bt.core.messages import ArmTarget, HandTarget, Pointing
-from humanoid_bt.decision.robot import Robot, RobotHandle
+from humanoid_bt.decision.robot import Robot
+from humanoid_bt.decision.robot_handle import RobotHandle
 from humanoid_bt.robot.config import load_robot_config
 from humanoid_bt.robot.model import RobotModel
 from humanoid_bt.testing.rig import Rig
@@ -46,7 +47,7 @@ def robot(model: RobotModel, standing: Rig) -> Robot:
 
 @pytest.fixture
 def handle(robot: Robot) -> RobotHandle:
-    return robot.handle("root/act", HANDS)
+    return RobotHandle(robot, "root/act", HANDS)
 
 
 # ---- hands ----------------------------------------------------------------------------------------------------------
@@ -162,7 +163,7 @@ def test_what_is_no_target_of_an_arm_is_answered_at_once(
 
 def test_an_arm_is_commanded_by_who_declared_its_hand(robot: Robot) -> None:
     with pytest.raises(HumanoidBtError, match="commands 'right_hand' without declaring it"):
-        robot.handle("root/look", ("gaze",)).move_arm("right", {"right_elbow": -1.0})
+        RobotHandle(robot, "root/look", ("gaze",)).move_arm("right", {"right_elbow": -1.0})
 
 
 def test_joints_of_an_arm_are_told_with_their_limits(handle: RobotHandle, model: RobotModel) -> None:
@@ -225,5 +226,5 @@ def test_a_name_that_is_none_is_answered_with_near_ones(handle: RobotHandle) -> 
 def test_a_robot_whose_model_was_not_given_makes_it(standing: Rig) -> None:
     robot = Robot(load_robot_config(FILE), CycleClock())
     robot.begin_tick(standing.state, {})
-    palm = robot.handle("a", ()).pose("left_palm")
+    palm = RobotHandle(robot, "a", ()).pose("left_palm")
     np.testing.assert_array_equal(palm.position, standing.state.hands["left"])

@@ -12,7 +12,8 @@ import pytest
 from humanoid_bt.core.clock import CycleClock
 from humanoid_bt.core.errors import HumanoidBtError, ResourceConflict
 from humanoid_bt.core.messages import RESOURCES, Percept, State
-from humanoid_bt.decision.robot import Robot, RobotHandle
+from humanoid_bt.decision.robot import Robot
+from humanoid_bt.decision.robot_handle import RobotHandle
 from tests.tree.helpers import make_robot, make_state, seen
 
 
@@ -83,7 +84,7 @@ def test_an_older_percept_does_not_replace_a_newer_one(robot: Robot) -> None:
 
 
 def test_a_target_holds_for_one_tick(robot: Robot) -> None:
-    handle = robot.handle("t/idle", ("gaze", "posture"))
+    handle = RobotHandle(robot, "t/idle", ("gaze", "posture"))
     robot.begin_tick(make_state(), {})
     handle.look_at([1, 0, 1])
     handle.set_height(0.01)
@@ -93,7 +94,7 @@ def test_a_target_holds_for_one_tick(robot: Robot) -> None:
 
 
 def test_what_was_released_can_be_taken_again_in_the_same_tick(robot: Robot) -> None:
-    first, second = robot.handle("t/first", ("gaze",)), robot.handle("t/second", ("gaze",))
+    first, second = RobotHandle(robot, "t/first", ("gaze",)), RobotHandle(robot, "t/second", ("gaze",))
     robot.begin_tick(make_state(), {})
     first.look_at([1, 0, 1])
     first.release()
@@ -112,7 +113,7 @@ def test_what_was_released_can_be_taken_again_in_the_same_tick(robot: Robot) -> 
 def test_a_target_must_have_its_shape_and_be_finite(robot: Robot, point: list[float]) -> None:
     robot.begin_tick(make_state(), {})
     with pytest.raises(ValueError, match=r"must have shape \(3,\)|must be finite"):
-        robot.handle("t/look", ("gaze",)).look_at(point)
+        RobotHandle(robot, "t/look", ("gaze",)).look_at(point)
 
 
 @pytest.mark.parametrize(
@@ -131,7 +132,7 @@ def test_what_control_would_refuse_is_refused_where_it_is_asked_for(
     robot: Robot, ask: Callable[[RobotHandle], None], said: str
 ) -> None:
     robot.begin_tick(make_state(), {})
-    handle = robot.handle("t/all", RESOURCES)
+    handle = RobotHandle(robot, "t/all", RESOURCES)
     with pytest.raises(ValueError, match=said):
         ask(handle)
     assert not robot.commit().targets
@@ -170,7 +171,7 @@ def test_what_is_known_to_be_gone_is_no_obstacle_until_it_is_seen_again(robot: R
 
 def test_a_way_is_shown_as_long_as_its_node_commands(robot: Robot) -> None:
     robot.begin_tick(standing(0.0, 0.0, 0.0), {})
-    handle = robot.handle("walk", ("base",))
+    handle = RobotHandle(robot, "walk", ("base",))
     handle.walk_to([1.0, 0.0], 0.0)
     handle.show_route([[0.0, 0.0], [1.0, 0.0]])
     assert [route.tolist() for route in robot.routes] == [[[0.0, 0.0], [1.0, 0.0]]]

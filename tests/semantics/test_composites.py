@@ -140,11 +140,11 @@ def test_resources_are_released_before_they_are_acquired(workspace: Workspace) -
 
 
 THIEF = """
-from humanoid_bt.decision.skill import Skill, Status
+from humanoid_bt import RobotHandle, Skill, Status
 
 class Thief(Skill):
     def setup(self, **kwargs):
-        self.robot = kwargs["robot"].handle(self.path, ("gaze",))
+        self.robot = RobotHandle(kwargs["robot"], self.path, ("gaze",))
     def update(self):
         self.robot.look_at([0, 0, 0])
         return Status.RUNNING

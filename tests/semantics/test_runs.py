@@ -31,8 +31,8 @@ from tests.tree.helpers import load, run
 SKILLS = """
 import signal
 
+from humanoid_bt import RobotHandle, Skill, Status
 from humanoid_bt.core.params import param
-from humanoid_bt.decision.skill import Skill, Status
 
 
 class Signal(Skill):
@@ -47,7 +47,7 @@ class Signal(Skill):
 
 class Thief(Skill):
     def setup(self, **kwargs):
-        self.robot = kwargs["robot"].handle(self.path, ("base",))
+        self.robot = RobotHandle(kwargs["robot"], self.path, ("base",))
 
     def update(self):
         self.robot.walk_to((1.0, 0.0), 0.0)

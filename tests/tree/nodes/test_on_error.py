@@ -3,6 +3,7 @@ from __future__ import annotations
 import pytest
 
 from humanoid_bt.core.errors import ControlLost, ResourceConflict
+from humanoid_bt.decision.robot_handle import RobotHandle
 from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.tree.nodes.on_error import OnError
 from humanoid_bt.tree.ticking.executor import NodeError
@@ -128,7 +129,7 @@ def test_two_owners_of_a_resource_end_the_run(workspace: Workspace) -> None:
     pair = "{parallel: [{idle: {name: one}}, {act: {name: two}}]}"
     two = run(workspace, f"{{emergency_stop: {{on_error: {pair}}}}}")
     behaviour = two.tree.nodes[-1].behaviour
-    behaviour.robot = two.robot.handle("two", ("gaze",))
+    behaviour.robot = RobotHandle(two.robot, "two", ("gaze",))
     behaviour.update = lambda: behaviour.robot.look_at([1, 0, 0]) or RUNNING
     with pytest.raises(ResourceConflict):
         two.tick()

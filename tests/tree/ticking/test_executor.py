@@ -125,10 +125,10 @@ def test_a_node_that_raises_when_preempted_is_told_once(workspace: Workspace) ->
 
 def test_two_living_owners_of_a_resource_halt_the_tree(workspace: Workspace) -> None:
     (workspace.root / "skills" / "thief.py").write_text(
-        "from humanoid_bt.decision.skill import Skill, Status\n"
+        "from humanoid_bt import RobotHandle, Skill, Status\n"
         "class Thief(Skill):\n"
         "    def setup(self, **kwargs):\n"
-        "        self.robot = kwargs['robot'].handle(self.path, ('gaze',))\n"
+        "        self.robot = RobotHandle(kwargs['robot'], self.path, ('gaze',))\n"
         "    def update(self):\n"
         "        self.robot.look_at([0, 0, 0])\n"
         "        return Status.RUNNING\n"
