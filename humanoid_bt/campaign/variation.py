@@ -7,8 +7,11 @@ same seeds draws the same, and can be compared with this one seed by seed.
 from __future__ import annotations
 
 import hashlib
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from decimal import Decimal
+from fractions import Fraction
 from typing import Any, ClassVar
 
 from humanoid_bt.core.errors import Problem, UserError
@@ -19,7 +22,7 @@ from humanoid_bt.core.reading import convert
 BETWEEN = ".."
 """``LOW .. HIGH``: a value that is drawn between two ends, each as likely as any other."""
 
-_DIGITS = 6  # of a drawn value, so that people can type it again
+_DIGITS = 6  # of a drawn value, behind the place of the first one of HIGH - LOW, so that people can type it again
 
 
 @dataclass(frozen=True)
@@ -129,13 +132,15 @@ class Factor:
         low, high = self.ends
         share = _share(f"{seed}/{self.name}")
         if self.whole:
-            return int(low + share * (high - low + 1))
-        return min(max(float(f"{low + share * (high - low):.{_DIGITS}g}"), low), high)
+            return low + math.floor(share * (high - low + 1))
+        width = high - low
+        drawn = low + float(share) * width
+        return min(max(round(drawn, _DIGITS - Decimal(width).adjusted()), low), high)
 
 
-def _share(text: str) -> float:
+def _share(text: str) -> Fraction:
     """Return a number from 0 to below 1 that follows from a text, the same on every machine and for ever."""
-    return int.from_bytes(hashlib.sha256(text.encode()).digest()[:8], "big") / 2**64
+    return Fraction(int.from_bytes(hashlib.sha256(text.encode()).digest()[:8], "big"), 2**64)
 
 
 def _number(text: str, item: Item) -> Item:

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+from collections import Counter
 from typing import Any
 
 import pytest
@@ -55,8 +56,21 @@ def test_what_is_drawn_cannot_be_given_too() -> None:
 
 
 def test_whole_numbers_are_drawn_where_they_are_declared() -> None:
-    factor = _factor("1 .. 3", Param("times", int))
-    assert {factor.value(None, seed) for seed in range(60)} == {1, 2, 3}
+    for ends, numbers in (("1 .. 3", range(1, 4)), ("-3 .. 3", range(-3, 4)), ("-4 .. -2", range(-4, -1))):
+        factor = _factor(ends, Param("times", int))
+        drawn = Counter(factor.value(None, seed) for seed in range(100 * len(numbers)))
+        assert sorted(drawn) == list(numbers)
+        assert all(75 < count < 125 for count in drawn.values())
+
+
+def test_whole_numbers_are_drawn_exactly_however_large_they_are() -> None:
+    factor = Factor("set.times", ends=(10**30, 10**30 + 2), whole=True)
+    assert {factor.value(None, seed) for seed in range(60)} == {10**30, 10**30 + 1, 10**30 + 2}
+
+
+def test_what_is_drawn_has_digits_for_what_its_ends_are_apart() -> None:
+    factor = Factor("set.reach", ends=(1000.001, 1000.004))
+    assert [factor.value(None, seed) for seed in (0, 1)] == [1000.002387792, 1000.001766201]
 
 
 @pytest.mark.parametrize(
