@@ -22,7 +22,7 @@ def write_whole(path: Path, content: bytes) -> None:
         path.write_bytes(content)
         return
     target = _target(path)
-    draft = target.with_name(f".{target.name[:100]}.{secrets.token_hex(4)}")
+    draft = target.with_name(f".{target.name[:60]}.{secrets.token_hex(4)}")  # 250 bytes at most, and 255 are allowed
     try:
         with os.fdopen(os.open(draft, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666), "wb") as file:
             if target.exists():

@@ -19,6 +19,14 @@ def test_a_new_file_has_the_permissions_of_new_files(tmp_path: Path) -> None:
     assert (tmp_path / "new").stat().st_mode == (tmp_path / "other").stat().st_mode
 
 
+@pytest.mark.parametrize("letter", "x漢🤖")
+def test_a_name_can_be_as_long_as_names_are(tmp_path: Path, letter: str) -> None:
+    name = letter * (255 // len(letter.encode()))
+    make_way(tmp_path / name)
+    write_whole(tmp_path / name, b"content")
+    assert [path.name for path in tmp_path.iterdir()] == [name]
+
+
 def test_a_file_keeps_its_permissions_and_a_link_stays_one(tmp_path: Path) -> None:
     file, link = tmp_path / "file", tmp_path / "link"
     file.write_bytes(b"before")
