@@ -24,7 +24,7 @@ MOST = 1000
 """Most expectations in one file."""
 
 _QUOTED = r"'[^']*'|\"[^\"]*\""
-_COLON, _COMMA = re.compile(rf"{_QUOTED}|(:)"), re.compile(rf"{_QUOTED}|\([^()]*\)|(,)")
+_COLON, _COMMA = re.compile(rf"{_QUOTED}|(:)"), re.compile(rf"{_QUOTED}|[()]|(,)")
 _WHILE, _AFTER = re.compile(rf"{_QUOTED}|\b(while)\b"), re.compile(r"\b(after)\b")
 
 
@@ -42,11 +42,16 @@ class _Text(NamedTuple):
         return _Text(inner.strip(), self.place, None if self.at is None else self.at + begin)
 
     def split(self, pattern: re.Pattern[str]) -> tuple[_Text, _Text | None]:
-        """Return what stands before and behind the first match of a group, outside of quotes; None without one."""
-        found = next((match for match in pattern.finditer(self.text) if match[1]), None)
-        if found is None:
-            return self.part(0), None
-        return self.part(0, found.start()), self.part(found.end())
+        """Return what stands before and behind the first match of a group; None without one.
+
+        What is in quotes does not count, nor what is in parentheses, if the pattern matches these.
+        """
+        depth = 0
+        for found in pattern.finditer(self.text):
+            depth += {"(": 1, ")": -1}.get(found[0], 0)
+            if found[1] and depth <= 0:
+                return self.part(0, found.start()), self.part(found.end())
+        return self.part(0), None
 
     def mistake(self, message: str, hint: str = "", at: int = 0) -> UserError:
         """Return an error about it."""

@@ -132,6 +132,7 @@ MET = (
     "never: level > 1 m while first runs",  # what has no value has not become so
     "within 2 s: time > 1 s hysteresis 2 s",
     "order: [contains(fill.feedback, 'full'), 'too long']",
+    "order: max(abs(level), 1 cm) > 2 cm, (((fill succeeded))), 'too long'",
     "order: [time > 0.5 s and time < 0.6 s or time > 0.8 s and time < 0.9 s or time > 1.5 s, fill, "
     "time > 0.5 s and time < 0.6 s or time > 0.8 s and time < 0.9 s or time > 1.5 s]",  # of three times two count
 )
