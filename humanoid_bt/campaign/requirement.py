@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, cast
 
-from humanoid_bt.campaign.statistics import QUANTILES
+from humanoid_bt.campaign.statistics import QUANTILES, Spread
 from humanoid_bt.campaign.summary import TIME, Summary, percent
 from humanoid_bt.core.errors import UserError, nearest
 from humanoid_bt.core.units import readable
@@ -83,6 +84,8 @@ class Requirement:
         text, why = self._expression.text, ", ".join(map(self._names.told, used))
         try:
             return Verdict(text, bool(self._expression.evaluate(cast(Robot, _Nobody()))), why)
+        except _Unknown:
+            return Verdict(text, False, why)
         except ArithmeticError as error:
             return Verdict(text, False, f"{why}: it cannot be computed ({error})")
 
@@ -113,6 +116,10 @@ def _constant(syntax: Syntax) -> float | None:
             value = _constant(operand)
             return None if value is None else -value
     return None
+
+
+class _Unknown(Exception):  # noqa: N818 (the name says it)
+    """No trial tells what is asked for."""
 
 
 class _Names:
@@ -146,7 +153,10 @@ class _Names:
 
     def told(self, name: str) -> str:
         """Return a name and its value as people read it."""
-        value = self._now(name)
+        try:
+            value = self._now(name)
+        except _Unknown as unknown:
+            return str(unknown)
         if name in _SHARES:
             return f"{name} is {percent(value)}"
         return f"{name} is {readable(value, self._quantities[name][1] if name in self._quantities else '')}"
@@ -155,10 +165,14 @@ class _Names:
         if self.summary is None:
             return 1.0
         if name in NAMES:
-            return {**_SHARES, **_COUNTS}[name][1](self.summary)
-        quantity, _, share = self._quantities[name]
-        _, spread = self.summary.spreads.get(quantity, ("", None))
-        return spread.quantile(share) if spread else float("nan")
+            value = {**_SHARES, **_COUNTS}[name][1](self.summary)
+        else:
+            quantity, _, share = self._quantities[name]
+            _, spread = self.summary.spreads.get(quantity, ("", Spread.of([])))
+            value = spread.quantile(share)
+        if math.isnan(value):
+            raise _Unknown(f"{name} is not known: no trial {'is done' if name in NAMES else 'that succeeded has it'}")
+        return value
 
 
 class _Nobody:

@@ -72,5 +72,24 @@ def test_what_cannot_be_computed_is_not_met() -> None:
 
 
 def test_what_nobody_reported_meets_nothing() -> None:
-    for text in ("grip_force_max < 5", "grip_force_max > 5"):
-        assert not Requirement(Truth.parse(text), {"grip_force": ""}).judge(_SAID).met
+    for text in ("grip_force_max < 5", "not grip_force_max < 5", "grip_force_max != 5"):
+        verdict = Requirement(Truth.parse(text), {"grip_force": ""}).judge(_SAID)
+        assert (verdict.met, verdict.why) == (False, "grip_force_max is not known: no trial that succeeded has it")
+
+
+@pytest.mark.parametrize(
+    ("text", "met", "why"),
+    [
+        ("not time_p95 > 3 s", False, "time_p95 is not known: no trial that succeeded has it"),
+        ("time_median != 5 s", False, "time_median is not known: no trial that succeeded has it"),
+        ("fell == 0 or time_p95 < 3 s", True, "fell is 0, time_p95 is not known: no trial that succeeded has it"),
+    ],
+)
+def test_what_only_successes_have_meets_nothing_without_any(text: str, met: bool, why: str) -> None:
+    verdict = _requirement(text).judge(Summary(table_of(lambda _: False), {}))
+    assert (verdict.met, verdict.why) == (met, why)
+
+
+def test_no_trial_meets_nothing() -> None:
+    verdict = _requirement("success != 1").judge(Summary(Table.of(plan_of(), {}), {}))
+    assert (verdict.met, verdict.why) == (False, "success is not known: no trial is done")
