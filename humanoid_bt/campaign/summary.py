@@ -14,7 +14,7 @@ from humanoid_bt.campaign.statistics import QUANTILES, Interval, Rate, Spread
 from humanoid_bt.campaign.table import Row, Table
 from humanoid_bt.campaign.trial import PUSH
 from humanoid_bt.core.plain import plain
-from humanoid_bt.core.units import readable, readable_ranges
+from humanoid_bt.core.units import readable_apart, readable_ranges
 
 TIME = "time"
 """The quantity that every run has."""
@@ -128,14 +128,15 @@ class Summary:
         of, _, number = name.rpartition(".")[0].partition(".")
         rows = [row for row in self.table.rows if of != PUSH or not row.result.has_missed(f"{PUSH} {number}")]
         cells = [(self.table.cells(row)[name], row) for row in rows]
-        if factor is None or factor.ends is None:
-            for text in dict.fromkeys(readable(value, unit) for value, _ in cells):
-                yield _level(text, [row for value, row in cells if readable(value, unit) == text])
-            return
-        cells.sort(key=lambda cell: cell[0])
-        bins = [cells[number * len(cells) // _BINS : (number + 1) * len(cells) // _BINS] for number in range(_BINS)]
-        parts = [part for part in bins if part]
-        texts = readable_ranges([(part[0][0], part[-1][0]) for part in parts], unit)
+        if factor is not None and factor.ends is not None:
+            cells.sort(key=lambda cell: cell[0])
+            bins = [cells[number * len(cells) // _BINS : (number + 1) * len(cells) // _BINS] for number in range(_BINS)]
+            parts = [part for part in bins if part]
+            texts = readable_ranges([(part[0][0], part[-1][0]) for part in parts], unit)
+        else:
+            values = factor.values if factor else dict.fromkeys(value for value, _ in cells)
+            parts = [part for value in values if (part := [cell for cell in cells if cell[0] == value])]
+            texts = readable_apart([part[0][0] for part in parts], unit)
         for text, part in zip(texts, parts, strict=True):
             yield _level(text, [row for _, row in part])
 

@@ -108,7 +108,7 @@ def readable(value: object, unit: str = "", more: int = 0) -> str:
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, (list, tuple)):
-        return f"[{', '.join(readable(part) for part in value)}]"
+        return f"[{', '.join(readable(part, more=more) for part in value)}]"
     if not isinstance(value, (int, float)):
         return str(value)
     decimals = 2
@@ -123,9 +123,16 @@ def readable(value: object, unit: str = "", more: int = 0) -> str:
 
 def readable_pair(one: object, other: object, unit: str = "") -> tuple[str, str]:
     """Return two values as people read them, with as many digits as it takes to tell them apart."""
+    first, second = readable_apart((one, other), unit)
+    return first, second
+
+
+def readable_apart(values: Sequence[object], unit: str = "") -> list[str]:
+    """Return values as people read them, all with as many digits as it takes to tell different ones apart."""
     for more in range(_FINEST):
-        texts = readable(one, unit, more), readable(other, unit, more)
-        if texts[0] != texts[1] or one == other:
+        texts = [readable(value, unit, more) for value in values]
+        meant = dict(zip(texts, values, strict=True))
+        if all(meant[text] == value for text, value in zip(texts, values, strict=True)):
             break
     return texts
 
@@ -143,7 +150,7 @@ def _digits(value: float, decimals: int, more: int) -> str:
     if isinstance(value, int):
         return str(value)
     if not abs(value) < _LARGE:  # nor are infinity and NaN
-        return f"{value:g}"
+        return f"{value:.{6 + more}g}"
     if abs(value) < _DUST:
         return "0"
     if decimals == 2 and abs(value) < _SMALL:

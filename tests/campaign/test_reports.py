@@ -61,6 +61,12 @@ def test_levels_are_told_apart_and_those_without_success_are_no_good() -> None:
     assert html(said, [], Path()).count('class="dot lost"') == 1
 
 
+def test_each_value_that_is_tried_is_a_level_of_its_own() -> None:
+    said = Summary(table_of(bool, float, "0-1", Factor("set.stop_distance", "m", (0.351, 0.354, 0.4))), {})
+    levels = said.levels["set.stop_distance"]
+    assert [(level.text, level.success.of) for level in levels] == [("0.351 m", 2), ("0.354 m", 2), ("0.4 m", 2)]
+
+
 def test_what_is_reported_with_a_sign_has_two_ends() -> None:
     told = dict(figures(Summary(table_of(lambda _: True, lambda seed: (seed - 80) / 1000), {})))
     assert told["hand error"] == "median -3 cm, 90 % from -7.5 cm to 1.4 cm"

@@ -6,7 +6,7 @@ import math
 
 import pytest
 
-from humanoid_bt.core.units import readable, readable_pair
+from humanoid_bt.core.units import readable, readable_apart, readable_pair
 
 
 @pytest.mark.parametrize(
@@ -46,3 +46,16 @@ def test_two_that_are_nearly_the_same_can_be_told_apart() -> None:
     assert readable_pair(0.5, 0.5, "m") == ("0.5 m", "0.5 m")
     assert readable_pair(math.radians(60.2), math.radians(60), "rad") == ("60.2 deg", "60 deg")
     assert readable_pair("left", "left") == ("left", "left")
+
+
+@pytest.mark.parametrize(
+    ("values", "unit", "texts"),
+    [
+        ((0.351, 0.354, 0.5, 0.351), "m", ["0.351 m", "0.354 m", "0.5 m", "0.351 m"]),
+        ((1000001.0, 1000002.0), "", ["1000001", "1000002"]),
+        (([0.351, 1], [0.354, 1]), "", ["[0.351, 1]", "[0.354, 1]"]),
+        (("left", "right", 2), "", ["left", "right", "2"]),
+    ],
+)
+def test_all_that_differ_can_be_told_apart(values: tuple[object, ...], unit: str, texts: list[str]) -> None:
+    assert readable_apart(values, unit) == texts
