@@ -172,8 +172,10 @@ class Summary:
 
 
 def percent(share: float) -> str:
-    """Return a rate as people read it, with a digit behind the point where that tells something."""
-    text = f"{100 * share:.1f}"
+    """Return a rate as people read it, with digits behind the point where they tell something: 100 % is all."""
+    digits = 1
+    while float(text := f"{100 * share:.{digits}f}") in (0, 100) and share not in (0, 1):
+        digits += 1
     return f"{text.removesuffix('.0')} %"
 
 
