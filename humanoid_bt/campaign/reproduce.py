@@ -10,6 +10,7 @@ from humanoid_bt.campaign.store import RECORDINGS, read_results, recorded_as
 from humanoid_bt.campaign.trial import CONDITION, SET, Trial
 from humanoid_bt.core.errors import UserError, relative
 from humanoid_bt.core.params import params_of
+from humanoid_bt.files.document import as_line
 from humanoid_bt.testing.conditions import Conditions
 
 _AS_IT_IS = {f"{CONDITION}.{name}": spec.default for name, spec in params_of(Conditions).items()}
@@ -55,9 +56,9 @@ def command(trial: Trial, plan: Plan, folder: Path) -> str:
         str(trial.seed),
     ]
     for name, value in trial.part(SET).items():
-        words += ["--set", f"{name}={value}"]
+        words += ["--set", f"{name}={value if isinstance(value, str) else as_line(value)}"]
     for source in plan.sources:
         words += ["--perception", source]
     if trial.duration is not None:
-        words += ["--duration", f"{trial.duration:g}"]
+        words += ["--duration", repr(trial.duration).removesuffix(".0")]
     return shlex.join(words + where)

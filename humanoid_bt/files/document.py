@@ -6,6 +6,7 @@ cannot exhaust memory or the stack: its size after expanding aliases and its dep
 
 from __future__ import annotations
 
+import math
 import re
 from pathlib import Path
 from typing import Any
@@ -66,6 +67,14 @@ def parse(text: str, name: str, problems: list[Problem] | None = None) -> Item:
     if found and problems is None:
         raise UserError(found)
     return item
+
+
+def as_line(value: Any) -> str:
+    """Return a value as YAML on one line; text with characters that nobody sees in quotes, with these written out."""
+    plain = str(value).isprintable() and "\\" not in str(value)
+    style: dict[str, Any] = {"allow_unicode": True} if plain else {"default_style": '"'}
+    text: str = yaml.safe_dump(value, sort_keys=False, width=math.inf, default_flow_style=True, **style)
+    return text.removesuffix("...\n").strip()
 
 
 def _place(name: str, mark: yaml.Mark) -> Place:

@@ -9,8 +9,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import yaml
-
 from humanoid_bt.core.errors import UserError, relative
 from humanoid_bt.core.items import Item
 from humanoid_bt.core.texts import one_line
@@ -143,15 +141,7 @@ def _items(path: Path) -> dict[str, Item]:
 
 def _line(name: str, parameter: ParameterInfo) -> str:
     """Return a parameter as YAML, on one line."""
-    return f"{_yaml(name)}: {_yaml(_written(parameter))}"
-
-
-def _yaml(value: Any) -> str:
-    """Return a value as YAML on one line; text with characters that nobody sees in quotes, with these written out."""
-    plain = str(value).isprintable() and "\\" not in str(value)
-    style: dict[str, Any] = {"allow_unicode": True} if plain else {"default_style": '"'}
-    text: str = yaml.safe_dump(value, sort_keys=False, width=math.inf, default_flow_style=True, **style)
-    return text.removesuffix("...\n").strip()
+    return f"{document.as_line(name)}: {document.as_line(_written(parameter))}"
 
 
 def _written(parameter: ParameterInfo) -> Any:

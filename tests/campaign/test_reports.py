@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+import shlex
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
@@ -22,6 +23,11 @@ from humanoid_bt.campaign.summary import Summary, percent
 from humanoid_bt.campaign.table import Table
 from humanoid_bt.campaign.variation import Factor
 from humanoid_bt.campaign.words import figures
+from humanoid_bt.cli.overrides import overrides
+from humanoid_bt.core.errors import Place
+from humanoid_bt.core.params import Param
+from humanoid_bt.core.reading import convert
+from humanoid_bt.tree.source.given import written_item
 from tests.campaign.conftest import plan_of, table_of
 
 EVIL = "<script>alert('|')</script> | `x`\n\x1b[31m"
@@ -125,6 +131,19 @@ def test_a_plain_trial_is_run_by_run() -> None:
     assert command(plan.trials[0], plan, Path("runs/mine")) == (
         "humanoid-bt run fetch --robot humanoid --scene random_target --seed 7 --set stop_distance=0.35 --duration 20"
     )
+
+
+@pytest.mark.parametrize(
+    "value",
+    [0.1 + 0.2, 1e-7, True, "left: 2", [0.5, 1], ["one\ntwo", "\x85 🤖"], ["it's", 'a "b"', "yes", "5"], {"a": [2]}],
+)
+def test_a_value_is_run_again_as_it_is(value: Any) -> None:
+    plan = _plan(Factor("set.value", "", (value,)), duration=1234.5678)
+    words = shlex.split(command(plan.trials[0], plan, Path("runs/mine")))
+    assert words[-2:] == ["--duration", "1234.5678"]
+    given = overrides([words[words.index("--set") + 1]])
+    spec = Param("value", str if isinstance(value, str) else Any)
+    assert convert(spec, written_item(spec, given["value"], Place("--set"))) == value
 
 
 @pytest.mark.parametrize(
