@@ -13,6 +13,7 @@ from humanoid_bt.campaign.summary import TIME
 from humanoid_bt.campaign.table import Row, Table
 from humanoid_bt.core.errors import UserError
 from humanoid_bt.core.plain import plain
+from humanoid_bt.files.document import as_line
 
 Pair = tuple[Row, Row]
 
@@ -170,9 +171,10 @@ def _keyed(table: Table, by: Sequence[str]) -> dict[tuple[str, ...], Row]:
 
 
 def _differs(one: Table, other: Table) -> Iterable[tuple[str, str, str]]:
-    """Yield what all trials of a campaign have in common, and those of the other one have otherwise."""
+    """Yield what all trials of a campaign have in common, and all those of the other one have otherwise."""
     sides = [_common(table) for table in (one, other)]
-    for name in dict.fromkeys((*sides[0], *sides[1])):
+    varies = {*one.plan.varies, *other.plan.varies}
+    for name in (name for name in dict.fromkeys((*sides[0], *sides[1])) if name not in varies):
         before, after = (side.get(name, "as it is") for side in sides)
         if before != after:
             yield name, before, after
@@ -182,10 +184,11 @@ def _common(table: Table) -> dict[str, str]:
     setting = table.plan.settings[0]._asdict() if table.plan.settings else {}
     given = {factor.name: str(factor.values[0]) for factor in table.plan.factors if factor.values}
     run = {"duration": str(table.plan.duration or "as a run"), "physics": "none" if table.plan.dry else "MuJoCo"}
+    run["script"] = ", ".join(map(as_line, table.plan.script)) or "none"
+    run["fail_on"] = ", ".join(table.plan.fail_on) or "none"
     if table.plan.sources:
         run["perception"] = ", ".join(table.plan.sources)
-    same = {name: value for name, value in {**setting, **given, **run}.items() if name not in table.plan.varies}
-    return {**same, **{f"file {path}": digest for path, digest in table.plan.files.items()}}
+    return {**setting, **given, **run, **{f"file {path}": digest for path, digest in table.plan.files.items()}}
 
 
 def _success(pairs: Sequence[Pair]) -> SuccessChange:

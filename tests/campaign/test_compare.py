@@ -54,6 +54,22 @@ def test_what_is_otherwise_in_all_trials_is_told() -> None:
     assert list(found.differs) == [("set.stop_distance", "0.3", "0.4")]
 
 
+def test_what_varies_in_one_of_them_differs_by_trial_and_not_in_all() -> None:
+    one = table_of(bool, float, "0-9", Factor("set.stop_distance", "m", (0.3, 0.4)))
+    other = table_of(bool, float, "0-9", Factor("set.stop_distance", "m", (0.4,)))
+    assert [list(compare(*tables).differs) for tables in ((one, other), (other, one))] == [[], []]
+
+
+def test_what_happens_in_trials_and_what_they_fail_on_is_told() -> None:
+    results = {number: Result("success", "") for number in range(20)}
+    script = ({"at": "2 s", "lose": "target"},)
+    plans = plan_of(), plan_of(script=script, fail_on=("bumped", "fell"))
+    assert list(compare(*(Table.of(plan, results) for plan in plans)).differs) == [
+        ("script", "none", "{at: 2 s, lose: target}"),
+        ("fail_on", "none", "bumped, fell"),
+    ]
+
+
 def test_the_cause_that_changed_most_comes_first() -> None:
     def table(*reasons: str) -> Table:
         results = {number: Result("failure", reason) for number, reason in enumerate(reasons)}
