@@ -21,6 +21,8 @@ VALUE = "result"
 
 _UNITS = {"time": "s"}
 
+_LARGEST = 2**63 - 1  # whole number of a column
+
 
 @dataclass(frozen=True)
 class Row:
@@ -125,8 +127,9 @@ def _text(value: Any) -> str:
 
 
 def _array(values: Sequence[Any]) -> Any:
-    """Return a column of the narrowest type that all its values have."""
-    kinds = {type(value) for value in values if value is not None}
+    """Return a column of the narrowest type that all its values have; whole numbers of more than 64 bits are text."""
+    kinds = {str if type(value) is int and abs(value) > _LARGEST else type(value) for value in values}
+    kinds -= {type(None)}
     if kinds <= {int}:
         return pa.array(values, pa.int64())
     if kinds <= {int, float}:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import subprocess
 import sys
 from pathlib import Path
@@ -11,7 +12,9 @@ import pytest
 
 from humanoid_bt.campaign.conduct import Progress, trial_of
 from humanoid_bt.campaign.journal import Unwritable
+from humanoid_bt.campaign.result import Result
 from humanoid_bt.campaign.store import RESULTS, Store, read_results
+from humanoid_bt.campaign.table import Table
 from humanoid_bt.campaign.variation import Factor
 from humanoid_bt.campaign.workers import Done
 from humanoid_bt.core.errors import UserError
@@ -70,6 +73,14 @@ def test_the_table_has_what_was_tried_and_what_came_of_it(campaign: Conduct, tmp
     assert table.num_rows == 4
     assert table.schema.field("result.hand_error").metadata == {b"unit": b"m"}
     assert table.column("result.hand_error").to_pylist() == [0.002, 0.002, 0.003, 0.003]
+
+
+@pytest.mark.parametrize("largest", [2**63 - 1, 2**63, 10**20])
+def test_the_table_holds_whole_numbers_of_any_size(largest: int) -> None:
+    results = {number: Result("success", "", values={"told": value}) for number, value in enumerate((-5, largest))}
+    table = pq.read_table(io.BytesIO(Table.of(plan_of("0-1", Factor("set.n", "", (largest,))), results).parquet()))
+    assert list(map(int, table.column("result.told").to_pylist())) == [-5, largest]
+    assert list(map(int, table.column("set.n").to_pylist())) == [largest, largest]
 
 
 def test_the_table_is_the_same_for_any_number_of_processes_and_when_one_is_killed(
