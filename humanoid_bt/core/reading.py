@@ -121,7 +121,7 @@ def _wrong(item: Item, spec: Param, kind: Any) -> UserError:
 
 def _number_hint(text: str, spec: Param) -> str:
     """Return how a text that is no number would be one, else in what the number is."""
-    plain = re.split(r"\s*(?:#|//)", text)[0]
+    plain = re.split(r"(?<!\s)\s*(?:#|//)", text)[0]
     pointed = re.sub(r"(?<=\d),(?=\d)", ".", plain)
     if pointed != text and (written_quantity(pointed) or is_number_text(pointed) or pointed.replace(".", "").isdigit()):
         return f"write {pointed}" + ("; a comment begins with a blank and #" if plain != text else ", with a point")

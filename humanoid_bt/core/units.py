@@ -35,8 +35,11 @@ _DUST = 1e-6
 
 _FINEST = 6  # further digits at most
 
-_EXPONENT = re.compile(r"^[-+]?(?:\d+\.?\d*|\.\d+)[eE][-+]?\d+$")  # YAML 1.1 reads 1e-3 as text
-_QUANTITY = re.compile(r"^\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([A-Za-z/]+)\s*$")
+DIGITS = r"(?:\d+(?:\.\d*)?|\.\d+)"
+"""Digits of a number as people write it, as a regular expression: 45, 4.5, .45."""
+
+_EXPONENT = re.compile(rf"^[-+]?{DIGITS}[eE][-+]?\d+$")  # YAML 1.1 reads 1e-3 as text
+_QUANTITY = re.compile(rf"^\s*([-+]?{DIGITS}(?:[eE][-+]?\d+)?)\s*([A-Za-z/]+)\s*$")
 
 
 def is_number_text(text: str) -> bool:

@@ -130,9 +130,7 @@ class _Reader:
 
     def item(self, node: yaml.Node, above: tuple[int, ...]) -> Item:
         place = _place(self.name, node.start_mark)
-        self.count += 1
-        if self.count > MAX_ITEMS:
-            raise UserError(f"more than {MAX_ITEMS} values, aliases expanded", place, code="too-large")
+        self.grow(1, place)
         if isinstance(node, yaml.ScalarNode):
             on_one_line = node.start_mark.line == node.end_mark.line
             return Item(self.scalar(node, place), place, text_at=int(bool(node.style)) if on_one_line else None)
@@ -148,6 +146,11 @@ class _Reader:
         pairs = self.pairs(node, ())
         values = {key: self.item(value, above) for key, (_, value) in pairs.items()}
         return Item(values, place, {key: key_place for key, (key_place, _) in pairs.items()})
+
+    def grow(self, values: int, place: Place) -> None:
+        self.count += values
+        if self.count > MAX_ITEMS:
+            raise UserError(f"more than {MAX_ITEMS} values, aliases expanded", place, code="too-large")
 
     def scalar(self, node: yaml.ScalarNode, place: Place) -> Any:
         if node.tag in _TEXT:
@@ -187,7 +190,10 @@ class _Reader:
             key = self.text(key_node, place)
             if key_node.tag == _TAG + "merge":
                 for source in self.sources(value_node, above):
-                    inherited = self.pairs(source, above) | inherited
+                    merged = self.pairs(source, above)
+                    self.grow(len(merged), place)
+                    for name, pair in merged.items():
+                        inherited.setdefault(name, pair)
             elif key in own:
                 hint = f"remove one; the first is at {own[key][0]}"
                 message = f"the key {key!r} stands twice in one mapping"

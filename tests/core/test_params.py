@@ -107,6 +107,11 @@ def test_mistakes(name: str, text: str, message: str) -> None:
     assert all(problem.place for problem in caught.value.problems)
 
 
+def test_the_blanks_in_what_is_no_number_are_read_once() -> None:
+    with pytest.raises(UserError, match="'length' must be a number"):
+        value("length", f"'a{' ' * 300_000}b'")
+
+
 def test_every_mistake_is_answered_at_once() -> None:
     with pytest.raises(UserError) as caught:
         read(Example, document.parse("length: x\ncount: y\nflg: 1", "f"))

@@ -6,7 +6,7 @@ import math
 
 import pytest
 
-from humanoid_bt.core.units import readable, readable_apart, readable_pair
+from humanoid_bt.core.units import readable, readable_apart, readable_pair, written_quantity
 
 
 @pytest.mark.parametrize(
@@ -59,3 +59,7 @@ def test_two_that_are_nearly_the_same_can_be_told_apart() -> None:
 )
 def test_all_that_differ_can_be_told_apart(values: tuple[object, ...], unit: str, texts: list[str]) -> None:
     assert readable_apart(values, unit) == texts
+
+
+def test_the_digits_of_what_is_no_quantity_are_read_once() -> None:
+    assert written_quantity("1" * 300_000 + "!") is None

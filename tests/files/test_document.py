@@ -15,6 +15,7 @@ MERGE_BOMB = "a: &a {x: 1}\n" + "".join(
     f"{name}: &{name} {{<<: [{', '.join(['*' + before] * 10)}]}}\n"
     for before, name in zip("abcdefgh", "bcdefghi", strict=True)
 )
+KEYS = ", ".join(f"k{number}: 1" for number in range(300))
 
 
 def refused(text: str) -> Problem:
@@ -89,6 +90,8 @@ def test_kinds_in_words() -> None:
         (r'{"\uD800": 1}', "f.yaml:1:2", r"'\ud800' holds half a character"),
         ("a: " + "9" * 5000, "f.yaml:1:4", "is not a valid int"),
         (BOMB, "f.yaml", "more than 100000 values"),
+        (f"a: &a {{{KEYS}}}\nb: {{<<: [{'*a, ' * 500}]}}", "f.yaml:2:5", "more than 100000 values"),
+        (f"a: &a {{{KEYS}}}\nb: {{<<: [{'{<<: *a}, ' * 500}]}}", "f.yaml:2:", "more than 100000 values"),
         ("[" * 200 + "]" * 200, "f.yaml:1:100", "nested deeper than 100 levels"),
         ("[" * 100_000, "f.yaml:1:100", "nested deeper than 100 levels"),
         ("- " * 5000 + "x", "f.yaml", "nested deeper than 100 levels"),

@@ -6,7 +6,7 @@ import re
 from dataclasses import dataclass
 from typing import Literal
 
-from humanoid_bt.core.units import UNITS, quantity
+from humanoid_bt.core.units import DIGITS, UNITS, quantity
 
 Exponents = tuple[int, int, int, int]
 """Powers of metre, second, radian, kilogram."""
@@ -88,7 +88,7 @@ def type_of(value: object) -> Type:
     return TEXT if isinstance(value, str) else ANYTHING
 
 
-_QUANTITY = re.compile(r"((?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)(?:\s*(%|[A-Za-z]+(?:/[A-Za-z]+)?))?")
+_QUANTITY = re.compile(rf"({DIGITS}(?:[eE][-+]?\d+)?)(?:\s*(%|[A-Za-z]+(?:/[A-Za-z]+)?))?")
 _PERCENT = "%"  # of a plain number
 
 
