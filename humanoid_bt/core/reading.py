@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import dataclasses
 import difflib
-import math
 import re
+import sys
 import types
 import typing
 from collections.abc import Collection, Iterable, Iterator, Mapping
@@ -201,6 +201,11 @@ def _convert_union(args: tuple[Any, ...], item: Item, spec: Param) -> Any:
     raise _wrong(item, spec, spec.type)
 
 
+def is_finite(number: float) -> bool:
+    """Return whether a number is one; a whole number beyond what a float holds is as good as infinite."""
+    return abs(number) <= sys.float_info.max
+
+
 def _is_number(value: Any) -> bool:
     return isinstance(value, (int, float)) and not isinstance(value, bool)
 
@@ -244,11 +249,7 @@ def _convert_number(kind: Any, item: Item, spec: Param) -> float | int:
         value = float(value)
     if not _is_number(value):
         raise _wrong(item, spec, kind)
-    try:
-        finite = math.isfinite(value)
-    except OverflowError:  # a whole number beyond what a float holds
-        finite = False
-    if not finite:
+    if not is_finite(value):
         raise UserError(f"{spec.name!r} must be finite, not {str(value)[:20]}", item.place, code="out-of-range")
     if kind is int and value != int(value):
         raise _wrong(item, spec, kind)

@@ -6,7 +6,6 @@ have keys of their own, but for those that their caller hands to them.
 
 from __future__ import annotations
 
-import math
 import re
 import typing
 from collections.abc import Callable
@@ -17,7 +16,7 @@ import numpy as np
 from humanoid_bt.core.errors import HumanoidBtError, Place, UserError
 from humanoid_bt.core.items import Item, item_of
 from humanoid_bt.core.params import Param
-from humanoid_bt.core.reading import convert
+from humanoid_bt.core.reading import convert, is_finite
 
 KEY_NAME = re.compile(r"^[A-Za-z_]\w*$")
 """How keys and parameters of trees are called."""
@@ -111,7 +110,7 @@ class Key:
                 return convert(self.spec, item_of(value, _NOWHERE))
             except UserError as error:
                 raise ValueError(f"the key {error.problems[0].message}") from error
-        if isinstance(value, float) and not math.isfinite(value):
+        if isinstance(value, (int, float)) and not is_finite(value):
             raise ValueError(f"the key {self.name!r} must be finite, not {value}")
         return value
 

@@ -24,7 +24,7 @@ from weakref import WeakKeyDictionary
 import numpy as np
 
 from humanoid_bt.core.params import type_name
-from humanoid_bt.core.reading import with_article
+from humanoid_bt.core.reading import is_finite, with_article
 from humanoid_bt.core.units import base_unit, readable
 
 ResultValue = float | int | bool | str
@@ -106,7 +106,7 @@ class Result:
         if not isinstance(value, _TAKES[kind]) or (isinstance(value, bool) and kind is not bool):
             raise TypeError(f"the result {self.name!r} must be {with_article(type_name(kind))}, not {value!r}")
         converted: ResultValue = kind(value)
-        if isinstance(converted, float) and not math.isfinite(converted):
+        if isinstance(converted, (int, float)) and not is_finite(converted):
             raise ValueError(f"the result {self.name!r} must be finite, not {converted}")
         return converted
 

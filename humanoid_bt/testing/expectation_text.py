@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 from humanoid_bt.core.errors import Place, Problem, UserError, nearest
 from humanoid_bt.core.items import Item
+from humanoid_bt.core.reading import is_finite
 from humanoid_bt.testing.claim import Claim
 from humanoid_bt.testing.expectation import AtEnd, Expectation, Order, Throughout, Within
 from humanoid_bt.testing.step import Step
@@ -215,7 +216,7 @@ def _limit(head: _Text) -> tuple[float, Claim | None]:
     if found is None:
         raise head.mistake("'within' needs a time", example)
     value, unit, end = found
-    if unit not in ("s", ""):
+    if unit not in ("s", "") or not is_finite(value):
         raise head.mistake(f"{within_.text[start:end]!r} is no time", "valid: s, ms, min", start)
     if within_.text[end:].strip():
         raise head.mistake(f"{within_.text[end:].strip()!r} is not expected behind a time", example, end + 1)

@@ -79,6 +79,7 @@ def test_numbers_of_any_kind_become_plain_ones(name: str, value: Any, held: Any)
         ("width", np.zeros(3), "the result 'width' must be a number"),
         ("width", float("nan"), "the result 'width' must be finite, not nan"),
         ("width", np.inf, "the result 'width' must be finite, not inf"),
+        ("count", 10**400, "the result 'count' must be finite, not 1000"),
         ("count", 1.5, "the result 'count' must be a whole number, not 1.5"),
         ("done", 1, "the result 'done' must be true or false, not 1"),
         ("color", 3, "the result 'color' must be text, not 3"),

@@ -84,6 +84,7 @@ def put(workspace: Workspace, what: str, declared: str = "") -> Run:
         ("boolean", "1", "the key 'k' must be true or false, not a number 1"),
         ("text", "2", "the key 'k' must be text, not a number 2"),
         ("", "float('inf')", "the key 'k' must be finite, not inf"),
+        ("", "10**400", "the key 'k' must be finite, not 1000"),
         ("", "np.float32('nan')", "the key 'k' must be finite, not nan"),
     ],
 )

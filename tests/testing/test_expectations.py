@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 from humanoid_bt import Stage, TreeRun, UserError
+from humanoid_bt.testing.expectation_text import expectation
 from humanoid_bt.testing.expectations import Expectations, Failure
 
 SKILL = '''
@@ -258,6 +259,7 @@ def test_what_was_before_does_not_count_again(again: TreeRun, text: str, why: st
         ("withn 3 s: fell", 1, "'withn' is no kind of expectation", "did you mean 'within'?"),
         ("within: fell", 1, "'within' needs a time", "within 20 s"),
         ("within 3 m: fell", 8, "'3 m' is no time", "valid: s, ms, min"),
+        ("within 1e999 s: fell", 8, "'1e999 s' is no time", "valid: s, ms, min"),
         ("within 3 s fill: fell", 12, "'fill' is not expected behind a time", "within 20 s"),
         ("never ever: fell", 7, "'ever' is not expected behind 'never'", "never: P while Q"),
         ("never fell", 7, "'never fell' is no expression: 'fell' is not expected there", 'did you mean "never: fell"?'),
@@ -297,6 +299,11 @@ def test_mistakes_are_told_with_their_place(run: TreeRun, text: str, column: int
     assert message in problem.message
     assert str(problem.place) == f"expectation:1:{column}"
     assert hint in problem.hint
+
+
+def test_a_number_of_thousands_of_digits_is_no_time() -> None:
+    with pytest.raises(UserError, match="9' is no time"):
+        expectation(f"within {'9' * 5000}: fell")
 
 
 SEEN = """

@@ -18,12 +18,12 @@ Who asks about a run from outside may also ask what nodes do, ``value = (name | 
 from __future__ import annotations
 
 import re
-import sys
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
 from humanoid_bt.core.errors import nearest
+from humanoid_bt.core.reading import is_finite
 from humanoid_bt.tree.expressions.quantities import read_quantity
 
 MAX_DEPTH = 50
@@ -350,7 +350,7 @@ def _tokens(text: str) -> list[_Token]:
         quantity = read_quantity(text, at)
         if quantity is not None:
             value, unit, end = quantity
-            if not abs(value) <= sys.float_info.max:
+            if not is_finite(value):
                 raise SyntaxMistake(f"{text[at:end]!r} is not finite", at)
             found.append(_Token("literal", text[at:end], at, value, unit))
         elif match := _TEXT.match(text, at):

@@ -6,6 +6,7 @@ import re
 from dataclasses import dataclass
 from typing import Literal
 
+from humanoid_bt.core.reading import is_finite
 from humanoid_bt.core.units import DIGITS, UNITS, quantity
 
 Exponents = tuple[int, int, int, int]
@@ -108,4 +109,5 @@ def read_quantity(text: str, start: int) -> tuple[float, str, int] | None:
         found = quantity(f"{written} {unit}") if unit else None
         if found is not None:
             return *found, match.start(2) + len(unit)
-    return (int(written) if written.isdigit() else float(written)), "", match.end(1)
+    value = float(written)
+    return (int(written) if written.isdigit() and is_finite(value) else value), "", match.end(1)
