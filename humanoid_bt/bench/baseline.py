@@ -53,7 +53,7 @@ class Baseline:
             loaded: whether every core is busy, for the record.
         """
         file = self._program.with_name("wakes")
-        count = cycles(round(duration, 3))
+        count = cycles(duration)
         period = round(SERVO_PERIOD * 1e9)
         command = [str(self._program), str(period), str(count), str(SPIN), str(-1 if core is None else core), str(file)]
         # A new session: Ctrl-C reaches this process alone, which then ends the program.

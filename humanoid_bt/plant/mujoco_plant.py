@@ -8,7 +8,7 @@ from collections import deque
 import mujoco
 import numpy as np
 
-from humanoid_bt.core.clock import SERVO_PERIOD
+from humanoid_bt.core.clock import SERVO_PERIOD, cycles
 from humanoid_bt.core.errors import ControlLost, Place, UserError, nearest, relative
 from humanoid_bt.core.messages import SIDES, Array, JointCommand, Reading, Truth
 from humanoid_bt.plant.scene import Scene, random_stream
@@ -168,7 +168,7 @@ class MujocoPlant:
             payload: what the torso carries besides its own mass, at its centre of mass [kg].
             hand_payload: what each hand carries in the same way [kg].
             drives: what every drive gives of the torque that it is asked for, and of the largest.
-            drive_delay: from when control commands something until the drives hear of it [s], in whole servo periods.
+            drive_delay: from when control commands something until the drives hear of it [s].
                 The drives' own loops are as quick as before.
             encoders: what each encoder shows too much, to control and to its drive alike, shape (nj,) [rad]; nothing
                 if None.
@@ -183,7 +183,7 @@ class MujocoPlant:
                 self.model.body(hand.body).mass += hand_payload
             mujoco.mj_setConst(self.model, self.data)
         self._drives = drives
-        self._late = round(drive_delay / SERVO_PERIOD)
+        self._late = cycles(drive_delay)
         self._sensors.encoder_error[:] = 0.0 if encoders is None else encoders
 
     def set_strength(self, strength: Array) -> None:

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from humanoid_bt.core.clock import SERVO_PERIOD
+from humanoid_bt.core.clock import cycles
 from humanoid_bt.core.messages import Mode
 from humanoid_bt.record.reading import FlightLog, News
 from humanoid_bt.review.setup import parameters
@@ -73,7 +73,7 @@ def recorded_run(log: FlightLog) -> RecordedRun:
         tree_ended=math.inf if ended is None else ended,
         edited=next((one.time for one in news if one.kind == "tree"), math.inf),
         estops=tuple(
-            (round(stop["time"] / SERVO_PERIOD), stop["source"], stop["reason"])
+            (cycles(stop["time"]), stop["source"], stop["reason"])
             for stop in stops
             if stop["mode"] == Mode.EMERGENCY_STOP.name.lower()
         ),

@@ -61,7 +61,13 @@ class FootForceConfig:
 class SensorsConfig:
     """What the robot's sensors are like. The defaults are those of good industrial ones."""
 
-    delay: float = param(0.002, minimum=0, maximum=0.05, unit="s", doc="From what is measured until control has it.")
+    delay: float = param(
+        0.002,
+        minimum=0,
+        maximum=0.05,
+        unit="s",
+        doc="From what is measured until control has it, to the millisecond.",
+    )
     encoders: EncoderConfig = param(EncoderConfig(), doc="Of every joint.")
     gyro: GyroConfig = param(GyroConfig(), doc="Of the base.")
     accelerometer: AccelerometerConfig = param(AccelerometerConfig(), doc="Of the base.")

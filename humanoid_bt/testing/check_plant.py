@@ -15,7 +15,7 @@ from humanoid_bt.cable.frames import FrameKind
 from humanoid_bt.cable.payloads import Description, Hello, PlantState, pack_command
 from humanoid_bt.cable.safe_state import LET_GO
 from humanoid_bt.control.body.standing import load_robot
-from humanoid_bt.core.clock import SERVO_PERIOD
+from humanoid_bt.core.clock import SERVO_PERIOD, cycles
 from humanoid_bt.core.messages import Array, Reading
 from humanoid_bt.realtime.schedule import Schedule
 from humanoid_bt.robot.model import RobotModel
@@ -155,7 +155,7 @@ class _Trial:
         begin = len(probe.heard)
         probe.drive(_DRIVE)
         heard = probe.heard[begin:]
-        sent = round(_DRIVE / SERVO_PERIOD)
+        sent = cycles(_DRIVE)
         gap = float(np.quantile(np.diff([one.at for one in heard]), 0.99)) if len(heard) > 1 else _DRIVE
         counted = heard[-1].sequence - heard[0].sequence if heard else 0
         drift = abs(heard[-1].stamp - heard[0].stamp - counted * SERVO_PERIOD) if heard else _DRIVE

@@ -41,7 +41,7 @@ class Conditions:
         minimum=0,
         maximum=1,
         unit="s",
-        doc="How much later drives hear of commands, in whole milliseconds.",
+        doc="How much later drives hear of commands, to the millisecond.",
     )
     encoder_error: float = param(
         0.0,

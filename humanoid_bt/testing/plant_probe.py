@@ -21,7 +21,7 @@ from humanoid_bt.cable.payloads import (
     unpack_sensors,
     unpack_welcome,
 )
-from humanoid_bt.core.clock import SERVO_PERIOD
+from humanoid_bt.core.clock import SERVO_PERIOD, cycles
 from humanoid_bt.core.messages import Array, JointCommand, Reading
 from humanoid_bt.link.wire import WireError
 from humanoid_bt.robot.model import RobotModel
@@ -88,7 +88,7 @@ class Probe:
 
     def say_hello(self, seconds: float = 3.0) -> bool:
         """Say hello until the plant answers and its sensors come, or time is up; return whether it is welcome."""
-        for count in range(round(seconds / SERVO_PERIOD)):
+        for count in range(cycles(seconds)):
             if count % 50 == 0 and self.description is None:
                 self.send(FrameKind.HELLO, self._nonce, pack_hello(self._hello))
             self.listen()
@@ -98,14 +98,14 @@ class Probe:
 
     def drive(self, seconds: float, *, changes: dict[str, Array] | None = None) -> None:
         """Command the robot to stay as it was found, or something else besides, for a time [s]."""
-        for _ in range(round(seconds / SERVO_PERIOD)):
+        for _ in range(cycles(seconds)):
             self.sequence += 1
             self.command(self.sequence, self.still(**changes or {}))
             self.listen()
 
     def rest(self, seconds: float) -> None:
         """Command nothing for a time [s]."""
-        for _ in range(round(seconds / SERVO_PERIOD)):
+        for _ in range(cycles(seconds)):
             self.listen()
 
     def still(self, **changes: Array) -> JointCommand:

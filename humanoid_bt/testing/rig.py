@@ -14,7 +14,7 @@ import numpy as np
 from py_trees.common import Status
 
 from humanoid_bt.control.body.standing import load_robot
-from humanoid_bt.core.clock import PERCEPTION_PERIOD
+from humanoid_bt.core.clock import PERCEPTION_PERIOD, cycles
 from humanoid_bt.core.errors import Place, UserError, nearest, relative
 from humanoid_bt.core.geometry import turn_of_axis
 from humanoid_bt.core.items import item_of
@@ -346,7 +346,7 @@ class Rig:
 
     def _wait_for_perception(self) -> None:
         """Stand until perception runs next, so that what was just dictated is seen in the skill's first tick."""
-        while not self._lockstep.clock.due(round(PERCEPTION_PERIOD * 1000)):
+        while not self._lockstep.clock.due(cycles(PERCEPTION_PERIOD)):
             state, percepts = self._sense()
             self._robot.begin_tick(state, percepts)
             self._advance(self._robot.release_all())

@@ -20,13 +20,14 @@ def test_durations_count_in_servo_cycles() -> None:
     assert cycles(3600.005) == 3_600_005
 
 
-@pytest.mark.parametrize("seconds", [0.0005, 0.0204, 1 / 3])
-def test_a_duration_between_cycles_is_refused(seconds: float) -> None:
-    with pytest.raises(ValueError, match=r"whole number of servo periods of 0\.001 s"):
-        cycles(seconds)
+@pytest.mark.parametrize(("seconds", "count"), [(0.0004, 0), (0.0026, 3), (0.0204, 20), (1 / 3, 333)])
+def test_a_duration_between_cycles_takes_the_nearest(seconds: float, count: int) -> None:
+    assert cycles(seconds) == count
 
 
 def test_every_loop_is_a_whole_number_of_the_faster_ones() -> None:
+    for period in (ESTIMATE_PERIOD, WHOLE_BODY_PERIOD, DECISION_PERIOD, PERCEPTION_PERIOD):
+        assert cycles(period) * SERVO_PERIOD == pytest.approx(period)
     assert cycles(ESTIMATE_PERIOD) == 5
     assert cycles(WHOLE_BODY_PERIOD) == 10
     assert cycles(WHOLE_BODY_PERIOD) % cycles(ESTIMATE_PERIOD) == 0

@@ -76,7 +76,7 @@ def test_a_robot_without_sensors_in_its_feet_says_nothing_of_them(config: RobotC
     assert reading.foot_force.tolist() == [0, 0]
 
 
-@pytest.mark.parametrize("delay", [0.0, 0.002, 0.005])
+@pytest.mark.parametrize("delay", [0.0, 0.002, 0.0026, 0.005])
 def test_what_is_read_was_so_a_while_ago(config: RobotConfig, standing: Array, delay: float) -> None:
     plant = plant_with(config, standing, replace(EXACT, delay=delay))
     truth, read = [], []
