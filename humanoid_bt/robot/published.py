@@ -14,8 +14,9 @@ from humanoid_bt.core.errors import Place, Problem, UserError, relative
 def read_model(path: Path) -> mujoco.MjSpec:
     """Return a published model, MJCF or URDF, as it can be edited: the robot alone, on a free base.
 
-    What stands in the world beside it is left out. Geoms that a pair lets touch a floor can touch any, then. A model
-    without a free joint, as those that a simulator adds one to, gets it at its root.
+    The robot is the body of the world with the most hinges. What else the world has is left out: floors, objects, lights,
+    cameras, and what refers to them. Geoms that a pair lets touch a floor can touch any, then. A model without a free
+    joint, as those that a simulator adds one to, gets it at its root.
 
     Meshes of a ROS package, as `package://my_robot/meshes/foot.stl`, are looked for in the folder of that name that the
     model is in, or that lies beside one of those.
@@ -31,9 +32,9 @@ def read_model(path: Path) -> mujoco.MjSpec:
         ) from error
     _find_meshes(spec, path)
     spec.compiler.fusestatic = False  # of a URDF, whose root would become part of the world
-    for geom in list(spec.worldbody.geoms):
-        spec.delete(geom)
-    _touch_any_floor(spec)
+    beside = _beside(spec)
+    _touch_any_floor(spec, beside)
+    _leave_out(spec, beside)
     _free_base(spec)
     return spec
 
@@ -63,9 +64,21 @@ def _find_meshes(spec: mujoco.MjSpec, path: Path) -> None:
         mesh.file = str(there[0])
 
 
-def _touch_any_floor(spec: mujoco.MjSpec) -> None:
-    """Make of pairs with what is not there, as a floor, geoms that can touch."""
-    geoms = {geom.name: geom for geom in spec.geoms if geom.name}
+def _beside(spec: mujoco.MjSpec) -> list[mujoco.MjsBody]:
+    """Return the bodies that stand in the world beside the robot."""
+    bodies = list(spec.worldbody.bodies)
+    hinges = [
+        sum(joint.type == mujoco.mjtJoint.mjJNT_HINGE for joint in body.find_all(mujoco.mjtObj.mjOBJ_JOINT))
+        for body in bodies
+    ]
+    return [body for body, count in zip(bodies, hinges, strict=True) if count < max(hinges)]
+
+
+def _touch_any_floor(spec: mujoco.MjSpec, beside: list[mujoco.MjsBody]) -> None:
+    """Make of pairs with what is not of the robot, as a floor, geoms that can touch."""
+    others = {geom.name for body in beside for geom in body.find_all(mujoco.mjtObj.mjOBJ_GEOM)}
+    others |= {geom.name for geom in spec.worldbody.geoms}
+    geoms = {geom.name: geom for geom in spec.geoms if geom.name and geom.name not in others}
     for pair in list(spec.pairs):
         there = [geoms[name] for name in (pair.geomname1, pair.geomname2) if name in geoms]
         if len(there) < 2:
@@ -73,6 +86,19 @@ def _touch_any_floor(spec: mujoco.MjSpec) -> None:
             for geom in there:
                 if not (geom.contype or geom.conaffinity):
                     geom.contype = geom.conaffinity = 1
+
+
+def _leave_out(spec: mujoco.MjSpec, beside: list[mujoco.MjsBody]) -> None:
+    """Take out of the world what is not of the robot; what names such a body goes with it."""
+    world = spec.worldbody
+    for element in [*world.geoms, *world.lights, *world.cameras]:
+        spec.delete(element)
+    names = {part.name for body in beside for part in (body, *body.find_all(mujoco.mjtObj.mjOBJ_BODY))}
+    for look in [*spec.lights, *spec.cameras]:
+        if look.targetbody and look.targetbody in names:
+            spec.delete(look)
+    for body in beside:
+        spec.delete(body)
 
 
 def _free_base(spec: mujoco.MjSpec) -> None:
