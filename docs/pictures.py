@@ -29,8 +29,9 @@ from rerun.experimental import ViewerClient
 
 from humanoid_bt.core.messages import Array, State
 from humanoid_bt.files.workspace import Workspace, builtin_root
+from humanoid_bt.plant.floor import FLOOR
 from humanoid_bt.plant.mujoco_plant import MujocoPlant
-from humanoid_bt.plant.scene import Scene
+from humanoid_bt.plant.scene import LAMP, Scene
 from humanoid_bt.plant.scene_config import ObjectConfig, SceneConfig
 from humanoid_bt.record.sinks import LOOPBACK
 from humanoid_bt.robot.config import load_robot_config
@@ -239,11 +240,11 @@ def _furnish(model: mujoco.MjModel) -> None:
     visual.map.fogstart, visual.map.fogend = 3.5, 11
     visual.rgba.fog[:] = [0.80, 0.86, 0.92, 1]
     visual.headlight.ambient[:], visual.headlight.diffuse[:], visual.headlight.specular[:] = 0.34, 0.28, 0.1
-    lamp, floor = model.light("lamp"), model.mat("floor")
+    lamp, floor = model.light(LAMP), model.mat(FLOOR)
     lamp.pos[:], lamp.dir[:], lamp.diffuse[:] = [0.2, -2.5, 6], [0.12, 0.5, -1], 0.72
     lamp.cutoff[:], lamp.exponent[:] = 80, 0.5
     floor.rgba[:], floor.reflectance[:] = [1.12, 1.12, 1.15, 1], 0.1
-    model.geom("floor").size[:2] = 0  # MuJoCo draws a plane of no size to the horizon
+    model.geom(FLOOR).size[:2] = 0  # MuJoCo draws a plane of no size to the horizon
 
 
 def _camera(middle: Array, distance: float, *, azimuth: float, elevation: float) -> mujoco.MjvCamera:

@@ -15,8 +15,8 @@ from humanoid_bt.core.messages import SIDES, Array, Pose, Side, State
 from humanoid_bt.robot.arms import arms_of, joints_fault
 from humanoid_bt.robot.config import RobotConfig
 from humanoid_bt.robot.model import RobotModel, carriers
+from humanoid_bt.robot.published import OWN
 
-_OWN = "hbt_"
 _NEAR = 5  # names that are told, at most
 _ALIKE = 0.5  # share of two names that is the same from which on they are near each other
 
@@ -49,9 +49,9 @@ class Anatomy:
         self._data = mujoco.MjData(model)
         self._state: State | None = None  # that of the data
         sites = {model.site(site).name: site for site in range(model.nsite)}
-        self._sites = {name: site for name, site in sites.items() if not name.startswith(_OWN)}
+        self._sites = {name: site for name, site in sites.items() if not name.startswith(OWN)}
         self._bodies = {model.body(body).name: body for body in range(1, model.nbody)}
-        own = {name.removeprefix(_OWN): site for name, site in sites.items() if name.startswith(_OWN)}
+        own = {name.removeprefix(OWN): site for name, site in sites.items() if name.startswith(OWN)}
         self._bodies = {name: body for name, body in self._bodies.items() if name not in own}
         self._sites |= own
         for side in SIDES:

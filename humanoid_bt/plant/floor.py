@@ -11,6 +11,9 @@ import numpy as np
 
 from humanoid_bt.core.messages import Array
 
+FLOOR = "hbt_floor"
+"""The floor's geom, its material and its texture: robots have names of their own."""
+
 _CELL = 0.5  # m: side of the squares in which there is a plate at most
 _REACH = 4.0  # m from the start to the sides of the field of plates
 _FREE = 0.5  # m around the start: the robot begins with flat feet
@@ -37,7 +40,7 @@ class Floor:
         """Add the floor to a model.
 
         Args:
-            spec: the model; it has the material ``floor``.
+            spec: the model; it has the material :data:`FLOOR`.
             start: x, y [m] of the middle between the robot's feet at the beginning, heading [rad], world frame.
             numbers: draw where the plates lie.
         """
@@ -45,19 +48,19 @@ class Floor:
         # torsional friction keeps a foot loaded at a corner from spinning there; soles with a priority say their own
         touch = {"friction": [1, 0.03, 0.0001], "condim": 4, "contype": 1, "conaffinity": 1}
         spec.worldbody.add_geom(
-            name="floor",
+            name=FLOOR,
             type=mujoco.mjtGeom.mjGEOM_PLANE,
             pos=origin - _turned(origin, tilt),
             quat=tilt,
             size=[20, 20, 0.1],
-            material="floor",
+            material=FLOOR,
             **touch,
         )
         for number, (x, y, yaw, length, width) in enumerate(self._plates(numbers)):
             turned = np.zeros(4)
             mujoco.mju_mulQuat(turned, tilt, np.array([math.cos(yaw / 2), 0.0, 0.0, math.sin(yaw / 2)]))
             spec.worldbody.add_geom(
-                name=f"plate_{number}",
+                name=f"hbt_plate_{number}",
                 type=mujoco.mjtGeom.mjGEOM_BOX,
                 pos=origin + _turned(np.array([x, y, self.plates / 2]), tilt),
                 quat=turned,

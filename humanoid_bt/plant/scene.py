@@ -11,11 +11,14 @@ import mujoco
 import numpy as np
 
 from humanoid_bt.core.messages import Array
-from humanoid_bt.plant.floor import Floor
+from humanoid_bt.plant.floor import FLOOR, Floor
 from humanoid_bt.plant.scene_config import EventConfig, ObjectConfig, SceneConfig, load_scene
 from humanoid_bt.plant.shapes import full_size, parts
 
 __all__ = ["Box", "Scene", "SceneConfig", "load_scene", "random_stream"]
+
+LAMP = "hbt_lamp"
+"""The light above the scene."""
 
 _STAND_COLOR = (0.3, 0.32, 0.36, 1.0)
 _POLE_RADIUS = 0.008  # m
@@ -196,7 +199,7 @@ def _add_stand(spec: mujoco.MjSpec, name: str, thing: ObjectConfig, position: Ar
 def _add_surroundings(spec: mujoco.MjSpec) -> None:
     builtin, texture = mujoco.mjtBuiltin, mujoco.mjtTexture
     spec.add_texture(
-        name="sky",
+        name="hbt_sky",
         type=texture.mjTEXTURE_SKYBOX,
         builtin=builtin.mjBUILTIN_GRADIENT,
         rgb1=[0.78, 0.85, 0.92],
@@ -205,7 +208,7 @@ def _add_surroundings(spec: mujoco.MjSpec) -> None:
         height=256,
     )
     spec.add_texture(
-        name="floor",
+        name=FLOOR,
         type=texture.mjTEXTURE_2D,
         builtin=builtin.mjBUILTIN_CHECKER,
         rgb1=[0.45, 0.49, 0.53],
@@ -213,10 +216,10 @@ def _add_surroundings(spec: mujoco.MjSpec) -> None:
         width=256,
         height=256,
     )
-    material = spec.add_material(name="floor", texrepeat=[2, 2], texuniform=True)  # squares of half a meter
-    material.textures[mujoco.mjtTextureRole.mjTEXROLE_RGB] = "floor"
+    material = spec.add_material(name=FLOOR, texrepeat=[2, 2], texuniform=True)  # squares of half a meter
+    material.textures[mujoco.mjtTextureRole.mjTEXROLE_RGB] = FLOOR
     spec.worldbody.add_light(
-        name="lamp",
+        name=LAMP,
         type=mujoco.mjtLightType.mjLIGHT_SPOT,
         pos=[2, -3, 8],
         dir=[-0.15, 0.35, -1],

@@ -25,8 +25,8 @@ def scene_model(robot: RobotModel, scene: Scene) -> mujoco.MjModel:
     spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
     spec.option.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET  # a state that blew up must be seen
     spec.option.jacobian = mujoco.mjtJacobian.mjJAC_DENSE  # the sparse solver of MuJoCo 4.0.0 converges slowly
-    scene.add_to(spec)
     try:
+        scene.add_to(spec)
         return spec.compile()
     except ValueError as error:
         where = Place(relative(scene.config.path))

@@ -101,5 +101,5 @@ class Touches:
 
 
 def _thing(model: mujoco.MjModel, body: int) -> int:
-    """Return a body that is an object of the scene or its stand, and -1 for any other."""
-    return int(body) if model.body(body).name.startswith(("object_", "stand_")) else -1
+    """Return a body that is an object of the scene or its stand: what stands in the world; -1 for any other."""
+    return int(body) if body > 0 and model.body_weldid[body] == 0 else -1

@@ -48,11 +48,14 @@ class SceneView:
         self._joint_count = joint_count
         self.base_height = float(np.clip(model.body(base).pos[2], *_BASE_HEIGHTS))
         names = {body: _body_name(model, body) for body in range(1, model.nbody)}
+        stands = {body for body in names if model.body_weldid[body] == 0}
         self._objects = {
-            name.removeprefix(OBJECT_PREFIX): body for body, name in names.items() if name.startswith(OBJECT_PREFIX)
+            name.removeprefix(OBJECT_PREFIX): body
+            for body, name in names.items()
+            if body in stands and name.startswith(OBJECT_PREFIX)
         }
         self.heights = {name: geoms.height(model, body) for name, body in self._objects.items()}
-        roots = {body for body in names if model.body_weldid[body] != 0} | set(self._objects.values())
+        roots = (names.keys() - stands) | set(self._objects.values())
         self._moving = np.array([body for body in names if self._hangs_on(body, roots)], dtype=int)
         self._frames = [names[body] for body in self._moving]
         self._times: list[float] = []

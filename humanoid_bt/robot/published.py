@@ -9,14 +9,18 @@ from pathlib import Path
 import mujoco
 
 from humanoid_bt.core.errors import Place, Problem, UserError, relative
+from humanoid_bt.core.texts import listed
+
+OWN = "hbt_"
+"""What the names of all begin with that is added to a model."""
 
 
 def read_model(path: Path) -> mujoco.MjSpec:
     """Return a published model, MJCF or URDF, as it can be edited: the robot alone, on a free base.
 
-    The robot is the body of the world with the most hinges. What else the world has is left out: floors, objects, lights,
-    cameras, and what refers to them. Geoms that a pair lets touch a floor can touch any, then. A model without a free
-    joint, as those that a simulator adds one to, gets it at its root.
+    The robot is the body of the world with the most hinges. What else the world has is left out: floors, things,
+    lights, cameras, and what names them. Geoms that a pair lets touch a floor can touch any, then. A model without a
+    free joint, as those that a simulator adds one to, gets it at its root.
 
     Meshes of a ROS package, as `package://my_robot/meshes/foot.stl`, are looked for in the folder of that name that the
     model is in, or that lies beside one of those.
@@ -129,6 +133,11 @@ def model_problems(spec: mujoco.MjSpec, where: Place) -> Iterator[Problem]:
         number = f"{len(equalities)} equality constraints" if len(equalities) > 1 else "the equality constraint"
         message = f"the model has {number} {listing}, and no robot here can have any"
         yield Problem(message, _line(equalities[0].info, where), _FREE_JOINTS, code="model")
+    if ours := [site.name for site in spec.sites if site.name.startswith(OWN)]:
+        hint = (
+            f"names that begin with {OWN} are those of what is added: take these sites out of the model, or rename them"
+        )
+        yield Problem(f"the model has sites that are added to it: {listed(ours)}", where, hint, code="model")
     if any(body.gravcomp for body in spec.bodies):
         yield Problem("the model has bodies with gravcomp; the robot must carry its own weight", where, code="model")
 

@@ -11,7 +11,7 @@ import pytest
 from humanoid_bt.control.body.standing import load_robot
 from humanoid_bt.core.messages import SIDES
 from humanoid_bt.files.workspace import Workspace, builtin_root
-from humanoid_bt.plant.floor import Floor
+from humanoid_bt.plant.floor import FLOOR, Floor
 from humanoid_bt.plant.mujoco_plant import MujocoPlant
 from humanoid_bt.plant.scene import Scene
 from humanoid_bt.plant.scene_config import SceneConfig, StartConfig
@@ -35,7 +35,7 @@ def geoms(plant: MujocoPlant, prefix: str) -> list[int]:
 @pytest.mark.parametrize("uphill", [0.0, 2.0, -1.2])
 def test_a_tilted_floor_rises_where_it_says_and_goes_through_the_start(uphill: float) -> None:
     plant = placed(Floor(STEEP, uphill))
-    turn, origin = plant.data.geom("floor").xmat.reshape(3, 3), plant.data.geom("floor").xpos
+    turn, origin = plant.data.geom(FLOOR).xmat.reshape(3, 3), plant.data.geom(FLOOR).xpos
     normal = turn[:, 2]
     assert normal @ (np.array([0.7, -0.4, 0.0]) - origin) == pytest.approx(0.0, abs=1e-12)
     ahead = np.array([math.cos(uphill), math.sin(uphill)])
@@ -46,7 +46,7 @@ def test_a_tilted_floor_rises_where_it_says_and_goes_through_the_start(uphill: f
 @pytest.mark.parametrize(("uphill", "heading"), [(0.0, 0.0), (2.0, 0.5), (-1.2, -3.0)])
 def test_a_robot_begins_with_flat_feet_on_a_tilted_floor(uphill: float, heading: float) -> None:
     plant = placed(Floor(STEEP, uphill), heading)
-    turn, origin = plant.data.geom("floor").xmat.reshape(3, 3), plant.data.geom("floor").xpos
+    turn, origin = plant.data.geom(FLOOR).xmat.reshape(3, 3), plant.data.geom(FLOOR).xpos
     for side in SIDES:
         sole = plant.data.site(sole_site(side))
         assert turn[:, 2] @ (sole.xpos - origin) == pytest.approx(0.0, abs=2e-3)
@@ -58,9 +58,9 @@ def test_a_robot_begins_with_flat_feet_on_a_tilted_floor(uphill: float, heading:
 def test_plates_lie_flat_on_the_floor_beside_each_other_and_not_under_the_feet() -> None:
     floor = Floor(STEEP, 1.0, plates=0.01)
     plant = placed(floor, heading=0.4)
-    plates = geoms(plant, "plate_")
+    plates = geoms(plant, "hbt_plate_")
     assert len(plates) > 50
-    turn, origin = plant.data.geom("floor").xmat.reshape(3, 3), np.array([0.7, -0.4, 0.0])
+    turn, origin = plant.data.geom(FLOOR).xmat.reshape(3, 3), np.array([0.7, -0.4, 0.0])
     places = (plant.data.geom_xpos[plates] - origin) @ turn
     np.testing.assert_allclose(places[:, 2], 0.005, atol=1e-12)
     for plate in plates:
@@ -76,7 +76,7 @@ def test_plates_lie_flat_on_the_floor_beside_each_other_and_not_under_the_feet()
 def test_the_seed_says_where_plates_lie() -> None:
     def places(seed: int) -> np.ndarray:
         plant = placed(Floor(plates=0.01), seed=seed)
-        return np.asarray(plant.data.geom_xpos[geoms(plant, "plate_")])
+        return np.asarray(plant.data.geom_xpos[geoms(plant, "hbt_plate_")])
 
     np.testing.assert_array_equal(places(3), places(3))
     assert not np.array_equal(places(3)[:20], places(4)[:20])
@@ -86,4 +86,4 @@ def test_a_level_floor_without_plates_is_a_plane_and_nothing_else() -> None:
     plant = placed(Floor())
     static = [geom for geom in range(plant.model.ngeom) if plant.model.geom_bodyid[geom] == 0]
     assert [plant.model.geom(geom).type.item() for geom in static] == [mujoco.mjtGeom.mjGEOM_PLANE]
-    np.testing.assert_array_equal(plant.data.geom("floor").xmat.reshape(3, 3), np.eye(3))
+    np.testing.assert_array_equal(plant.data.geom(FLOOR).xmat.reshape(3, 3), np.eye(3))

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from humanoid_bt.core.errors import UserError
+from humanoid_bt.plant.floor import FLOOR, Floor
 from humanoid_bt.plant.scene import Scene, load_scene
 
 SCENES = Path(__file__).resolve().parents[2] / "sim" / "scenes"
@@ -43,8 +44,19 @@ def test_every_scene_of_the_project_can_be_simulated(path: Path) -> None:
     model = spec.compile()
     data = mujoco.MjData(model)
     mujoco.mj_step(model, data)
-    assert model.geom("floor").contype[0] == 1
+    assert model.geom(FLOOR).contype[0] == 1
     assert data.ncon == 0
+
+
+@pytest.mark.parametrize("name", ["floor", "sky", "lamp", "plate_0"])
+def test_a_robot_has_names_of_its_own(tmp_path: Path, name: str) -> None:
+    spec = mujoco.MjSpec()
+    spec.worldbody.add_light(name=name)
+    spec.worldbody.add_geom(name=name, size=[0.1] * 3)
+    spec.add_texture(name=name, builtin=mujoco.mjtBuiltin.mjBUILTIN_FLAT, width=8, height=8)
+    spec.add_material(name=name)
+    Scene(load_scene(SCENES / "empty.yaml"), 0, Floor(plates=0.01)).add_to(spec)
+    assert spec.compile().light(name).id == 0
 
 
 def test_the_same_seed_gives_the_same_scene_and_another_seed_another() -> None:

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from humanoid_bt.core.errors import UserError
 from humanoid_bt.plant.mujoco_plant import MujocoPlant
 from humanoid_bt.plant.scene import Scene
 from humanoid_bt.plant.scene_config import load_scene
@@ -65,3 +66,21 @@ def test_after_it_was_placed_anew_a_touch_is_noticed_at_once(plant: MujocoPlant,
     touches.clear()
     touches.note(contacts(plant, "object_wall"), 0.0)
     assert [touch.thing for touch in touches.all] == ["wall"]
+
+
+def robot_with(link: str, folder: Path) -> RobotModel:
+    """Return the built-in robot with another name of a link."""
+    for file in ("robot.yaml", "humanoid.xml"):
+        text = (SIM / "humanoid" / file).read_text()
+        (folder / file).write_text(text.replace("waist_roll_link", link))
+    return RobotModel(load_robot_config(folder / "robot.yaml"))
+
+
+def test_a_link_is_no_thing_whatever_its_name_is(tmp_path: Path) -> None:
+    empty = Scene(load_scene(SIM / "scenes" / "empty.yaml"), 0)
+    assert not MujocoPlant(robot_with("stand_link", tmp_path), empty).touches.possible
+
+
+def test_a_link_cannot_have_the_name_of_a_thing(plant: MujocoPlant, tmp_path: Path) -> None:
+    with pytest.raises(UserError, match=r"wall\.yaml: error: the scene does not compile: .* 'object_wall' in body"):
+        MujocoPlant(robot_with("object_wall", tmp_path), plant.scene)

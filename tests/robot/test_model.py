@@ -338,6 +338,12 @@ def test_meshes_that_mujoco_does_not_read_are_told_with_what_to_make_of_them(tmp
     assert ".stl or .obj" in error.value.problems[0].hint
 
 
+def test_a_model_that_has_a_name_of_what_is_added_is_refused(tmp_path: Path, edit: Edit) -> None:
+    edit("humanoid.xml", '<freejoint name="root"/>', f'<freejoint name="root"/><site name="{GAZE_SITE}"/>')
+    with pytest.raises(UserError, match=f"the model has sites that are added to it: {GAZE_SITE}"):
+        load(tmp_path)
+
+
 def test_links_that_overlap_do_not_touch(tmp_path: Path, edit: Edit) -> None:
     edit("humanoid.xml", '<exclude body1="pelvis" body2="torso"/>', "")
     count = load(tmp_path).model.nexclude
