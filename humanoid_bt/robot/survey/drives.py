@@ -17,6 +17,7 @@ _LIMP = 0.15  # of what a joint has that carries a robot: with less nothing stan
 _USUAL_TORQUE = 0.2  # rad, times the stiffness: likewise of joints that carry the robot
 _NAMED = 4  # joints at most; more are counted
 _GRAVITY = 9.81
+_BIAS = 1, 2  # numbers of an actuator's bias that are stiffness and damping
 # of the weight times the height of the centre of mass, which is how stiff a support must be not to buckle
 _HIP_OR_KNEE, _ANKLE, _TRUNK = 2.4, 1.3, 1.5
 _PLACEHOLDER = 20.0  # of the same, as a torque: no joint has so much, and a model that says it does not know
@@ -90,8 +91,7 @@ def drive(model: mujoco.MjModel, joint: int, usual: float | None, falls: float) 
     if not 0 < torque < _PLACEHOLDER * falls:
         torque = _TORQUE if usual is None else _rounded(_USUAL_TORQUE * usual)
         guessed.append("torque")
-    stiffness = max((-float(model.actuator_biasprm[a, 1]) for a in actuators), default=0.0)
-    damping = max((-float(model.actuator_biasprm[a, 2]) for a in actuators), default=0.0)
+    stiffness, damping = (max((_gain(model, a, of) for a in actuators), default=0.0) for of in _BIAS)
     own = float(model.dof_damping[model.jnt_dofadr[joint]].max())
     if stiffness > 0 and damping <= 0 and own > LEAST_DAMPING:
         damping = own  # which stands for the actuator's
@@ -103,6 +103,17 @@ def drive(model: mujoco.MjModel, joint: int, usual: float | None, falls: float) 
         damping = _rounded(_DAMPING * stiffness)
         guessed.append("damping")
     return Drive(stiffness, damping, torque, tuple(guessed))
+
+
+def _gain(model: mujoco.MjModel, actuator: int, of: int) -> float:
+    """Return a gain of an actuator at its joint, which its gear multiplies twice: as it turns, and as it pulls.
+
+    Args:
+        model: of the robot.
+        actuator: of it.
+        of: one of :data:`_BIAS`.
+    """
+    return -float(model.actuator_biasprm[actuator, of]) * float(model.actuator_gear[actuator, 0]) ** 2
 
 
 def _torque(model: mujoco.MjModel, actuator: int) -> float:

@@ -229,13 +229,15 @@ def test_torques_that_no_drive_has_are_as_if_the_model_said_nothing(spec: mujoco
     assert "stiffness, damping and torque of the drives" in description.guessed
 
 
-def test_drives_are_those_of_the_models_actuators(spec: mujoco.MjSpec, adopt: Adopt) -> None:
+@pytest.mark.parametrize("gear", [1, -10])
+def test_drives_are_those_of_the_models_actuators(spec: mujoco.MjSpec, adopt: Adopt, gear: int) -> None:
     for joint in spec.joints[1:]:
         drive = spec.add_actuator(name=joint.name, target=joint.name, trntype=mujoco.mjtTrn.mjTRN_JOINT)
         drive.ctrllimited, drive.ctrlrange = True, [-60, 60]
     knee = spec.actuator("left_knee")
-    knee.set_to_position(kp=321, kv=12)
-    knee.ctrllimited, knee.forcelimited, knee.forcerange = False, True, [-99, 99]
+    knee.set_to_position(kp=321 / gear**2, kv=12 / gear**2)
+    knee.gear[0] = gear
+    knee.ctrllimited, knee.forcelimited, knee.forcerange = False, True, [-99 / abs(gear), 99 / abs(gear)]
     _, found = adopt(spec)
     left, right = (found.drive(f"{side}_knee") for side in SIDES)
     assert left is not None
