@@ -129,21 +129,27 @@ class Segment:
         Raises:
             LinkError: there is.
         """
-        try:
-            fcntl.flock(self.descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except OSError:
-            self.close()
-            raise LinkError(f"{self.path} has a writer already") from None
+        while not self._lock(fcntl.LOCK_EX):
+            if self.has_writer:
+                self.close()
+                raise LinkError(f"{self.path} has a writer already")
+            # else others ask for one at this moment, and that takes microseconds
 
     @property
     def has_writer(self) -> bool:
         """Whether a process that lives has claimed it."""
-        try:
-            fcntl.flock(self.descriptor, fcntl.LOCK_SH | fcntl.LOCK_NB)
-        except OSError:
+        if not self._lock(fcntl.LOCK_SH):
             return True
-        fcntl.flock(self.descriptor, fcntl.LOCK_UN)
+        self._lock(fcntl.LOCK_UN)
         return False
+
+    def _lock(self, how: int) -> bool:
+        """Return whether the file's lock could be had, or was let go, at once."""
+        try:
+            fcntl.flock(self.descriptor, how | fcntl.LOCK_NB)
+        except OSError:
+            return False
+        return True
 
     def info(self, index: int) -> int:
         """Return one of the numbers given to :meth:`create`."""

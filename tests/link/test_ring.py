@@ -3,6 +3,7 @@ from __future__ import annotations
 import os
 import random
 import stat
+import threading
 import time
 from pathlib import Path
 from typing import Any
@@ -81,6 +82,25 @@ def test_a_ring_has_one_writer_at_a_time(ring: tuple[RingWriter, RingReader], fo
     second = RingWriter.open(folder / "ring")
     assert second.write(b"second") == 2
     assert reader.latest() == (2, b"second")
+
+
+def test_who_asks_for_a_writer_keeps_none_away(ring: tuple[RingWriter, RingReader], folder: Path) -> None:
+    writer, reader = ring
+    writer.close()
+    over = threading.Event()
+
+    def ask() -> None:
+        while not over.is_set():
+            _ = reader.has_writer
+
+    asking = threading.Thread(target=ask)
+    asking.start()
+    try:
+        for _ in range(100):
+            RingWriter.open(folder / "ring").close()
+    finally:
+        over.set()
+        asking.join()
 
 
 def test_a_ring_is_private_and_made_once(ring: tuple[RingWriter, RingReader], folder: Path) -> None:
