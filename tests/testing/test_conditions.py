@@ -130,7 +130,7 @@ def test_feet_step_on_plates(stage, monkeypatch):
 def test_each_seed_has_its_own_plates_on_one_stage(stage):
     def places(seed):
         stage.run("stand", duration=0.02, seed=seed, conditions={"plates": "10 mm"})
-        return [stage.plant.data.geom(f"plate_{number}").xpos.copy() for number in range(20)]
+        return [stage.plant.data.geom(f"hbt_plate_{number}").xpos.copy() for number in range(20)]
 
     first, other = places(0), places(1)
     assert not np.array_equal(first, other)
