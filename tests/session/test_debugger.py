@@ -422,10 +422,12 @@ def test_a_branch_is_forced_and_what_runs_below_it_is_halted(settable: hbt.Sessi
         assert session.node("wave").status is Status.RUNNING
 
 
-def test_it_is_forced_once(project: Path) -> None:
+@pytest.mark.parametrize("before", [[], [Status.FAILURE, Status.FAILURE]])
+def test_it_is_forced_once_whatever_was_forced_before_in_its_place(project: Path, before: list[Status]) -> None:
     (project / "trees" / "again.yaml").write_text("format: 1\nroot: {repeat: {pause: }}\n", encoding="utf-8")
     with hbt.Session("again") as session:
-        session.force("pause", Status.SUCCESS)  # before it ever ran
+        for status in (*before, Status.SUCCESS):
+            session.force("pause", status)  # before it ever ran
         session.step()
         assert session.node("pause").status is Status.SUCCESS
         session.step()

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from typing import Any
 
 from py_trees.behaviour import Behaviour
@@ -24,6 +25,8 @@ def force(node: Behaviour, status: Status, why: str) -> None:
     """
     how = "advance" if isinstance(node, Branch) else "update" if type(node).tick is Behaviour.tick else "tick"
     own: Any = vars(node).get(how)
+    if isinstance(own, _Forced):  # what was forced before and has not happened is forgotten
+        own = own.own
 
     def forget() -> None:
         if own is None:
@@ -50,4 +53,21 @@ def force(node: Behaviour, status: Status, why: str) -> None:
         node.status = status
         yield node
 
-    vars(node)[how] = {"advance": advance, "update": update, "tick": ticked}[how]
+    does: dict[str, Callable[..., Any]] = {"advance": advance, "update": update, "tick": ticked}
+    vars(node)[how] = _Forced(does[how], own)
+
+
+@dataclass(frozen=True)
+class _Forced:
+    """What a node does once in place of what it does by itself.
+
+    Attributes:
+        does: this.
+        own: what stood in the place of its class's method before, None if nothing did.
+    """
+
+    does: Callable[..., Any]
+    own: Any
+
+    def __call__(self, *arguments: Any) -> Any:
+        return self.does(*arguments)
