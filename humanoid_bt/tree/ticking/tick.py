@@ -140,13 +140,13 @@ def halt(node: Behaviour, reason: str, seen: Seen) -> None:
 def halt_alone(node: Behaviour, reason: str, seen: Seen) -> None:
     """Halt one node whose children have been halted; raises as :func:`halt`."""
     if node.status is RUNNING:
-        node.feedback_message = f"halted: {reason}"
         if isinstance(node, Skill):
             node.halt_reason = reason
         try:
             node.stop(INVALID)
         except BaseException as error:
             raise _not_stopped(node, error, seen) from error
+        node.feedback_message = f"halted: {reason}"
     else:
         node.feedback_message = ""
     node.status = INVALID
