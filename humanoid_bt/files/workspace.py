@@ -120,6 +120,10 @@ class Workspace:
         """Return every tree file by name."""
         return self._files(_TREES)
 
+    def tree_files(self) -> list[Path]:
+        """Return every file below ``trees/``: also those that trees name by their path."""
+        return [path for layer in self.layers for path in yaml_files(layer / "trees")]
+
     def scenes(self) -> dict[str, Path]:
         """Return every scene file by name."""
         return self._files(_SCENES)

@@ -78,7 +78,7 @@ class TreeLoader:
 
     def files(self, tree: Tree) -> list[Path]:
         """Return every file that an edited version of a tree may be made of."""
-        return [*tree.files, *self._workspace.trees().values(), *self._workspace.skill_files()]
+        return [*tree.files, *self._workspace.tree_files(), *self._workspace.skill_files()]
 
     def _load(self, parameters: Mapping[str, Any] = types.MappingProxyType({})) -> Tree:
         options = self._options

@@ -107,13 +107,14 @@ class Coverage:
 
     def add(self, tree: Tree) -> dict[str, NodeCoverage]:
         """Count a tree's nodes from now on; return them by their paths."""
-        digests = {resolved(path): digest for path in tree.files if (digest := digest_of(path))}
+        digests = {path: digest for path in tree.files if (digest := digest_of(path))}
         found: dict[str, NodeCoverage] = {}
         for node, results in zip(tree.nodes, _results(tree), strict=True):
             path = _file(node.place.file, digests)
             if path is None or node.type.cls is Dummy:  # made in Python; a parameter without a value
                 continue
-            file = self.files.setdefault((path, digests[path]), FileCoverage(path, digests[path]))
+            key = resolved(path), digests[path]
+            file = self.files.setdefault(key, FileCoverage(*key))
             place = node.place.line, node.place.column
             counted = file.nodes.setdefault(place, NodeCoverage(*place, node.name, node.type_name))
             counted.possible |= {DEED_OF[status] for status in results}

@@ -25,6 +25,7 @@ class Draft:
         value_places: where each given parameter's value is written.
         given_places: where those that a sub-tree's caller gave (``$name``) are written there.
         references: parameter -> name of what it was given as ``$name``.
+        unresolved: its name, and parameters, that hold a ``$name`` in another way, as they are written.
         arguments: of a sub-tree: the nodes it is given, as plain YAML, or the nodes themselves if made in Python.
         children: its children.
         branches: other sub-trees by key (a watchdog's ``on_stale``, an ``if``'s ``then``).
@@ -40,6 +41,7 @@ class Draft:
     value_places: dict[str, Place] = field(default_factory=dict)
     given_places: dict[str, Place] = field(default_factory=dict)
     references: dict[str, str] = field(default_factory=dict)
+    unresolved: dict[str, Any] = field(default_factory=dict)
     arguments: dict[str, Any] = field(default_factory=dict)
     children: list[Draft] = field(default_factory=list)
     branches: dict[str, Draft | dict[str, Draft]] = field(default_factory=dict)

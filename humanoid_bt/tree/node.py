@@ -25,6 +25,7 @@ class Node:
         values: the parameters that the file gives, converted.
         written: those of them that are written in another unit than the SI's, as they are written ("60 deg").
         references: parameter -> the name that the file gives for it as ``$name``.
+        unresolved: its name, and parameters, that hold a ``$name`` in another way, as they are written.
         arguments: of a sub-tree: the nodes it is given, as plain YAML, or the nodes themselves if made in Python.
         place: where it is written.
         behaviour: the py_trees node.
@@ -43,6 +44,7 @@ class Node:
     references: Mapping[str, str] = field(default_factory=dict)
     arguments: Mapping[str, Any] = field(default_factory=dict)
     written: Mapping[str, Any] = field(default_factory=dict)
+    unresolved: Mapping[str, Any] = field(default_factory=dict)
 
     def __repr__(self) -> str:
         return f"<Node {self.path!r}: {self.type_name}, {self.status.name}>"

@@ -59,6 +59,7 @@ def tree_text(name: str, header: Mapping[str, Any], nodes: Sequence[Node]) -> st
     """
     header = {"format": 1, **header}
     header = {key: header[key] for key in (*_ORDER, *header) if header.get(key) not in (None, "", {})}
+    header |= {part: _lists_in_flow(header[part]) for part in ("parameters", "blackboard") if part in header}
     children: dict[int, list[int]] = {}
     for index, node in enumerate(nodes):
         children.setdefault(node.parent, []).append(index)
@@ -100,7 +101,7 @@ def _node(nodes: Sequence[Node], index: int, children: Mapping[int, list[int]]) 
     plain = [child for child in below if not nodes[child].branch]
     for child in below:
         branch, _, case = nodes[child].branch.partition(" ")
-        if case:
+        if branch and node.type.branches[branch].many:
             body.setdefault(branch, {})[case] = _node(nodes, child, children)
         elif branch:
             body[branch] = _branch(node, branch, _node(nodes, child, children))
@@ -118,12 +119,30 @@ def _node(nodes: Sequence[Node], index: int, children: Mapping[int, list[int]]) 
 
 def _parameters(node: Node) -> dict[str, Any]:
     body: dict[str, Any] = {} if node.name == node.type_name else {"name": node.name}
+    if "name" in node.unresolved:
+        body["name"] = node.unresolved["name"]
     for name, spec in node.type.params.items():
         if name in node.references:
             body[name] = f"${node.references[name]}"
+        elif name in node.unresolved:
+            body[name] = _in_flow(node.unresolved[name])
         elif name in node.values and (spec.required or node.values[name] != spec.default):
             body[name] = written(node.written.get(name, node.values[name]), spec.unit)
     return body
+
+
+def _in_flow(value: Any) -> Any:
+    """Return plain YAML to be written on one line."""
+    if isinstance(value, dict):
+        return _Flow((key, _in_flow(part)) for key, part in value.items())
+    return _FlowList(map(_in_flow, value)) if isinstance(value, list) else value
+
+
+def _lists_in_flow(value: Any) -> Any:
+    """Return plain YAML whose lists are to be written on one line."""
+    if isinstance(value, dict):
+        return {key: _lists_in_flow(part) for key, part in value.items()}
+    return _in_flow(value)
 
 
 def _arguments(nodes: Sequence[Node], node: Node, children: Mapping[int, list[int]]) -> dict[str, Any]:

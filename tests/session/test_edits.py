@@ -258,6 +258,17 @@ def test_an_edited_subtree_is_an_edit_and_a_broken_one_is_told_at_its_place(file
     assert leaf(files.edit()) == "stroll"
 
 
+def test_a_file_that_the_edited_tree_comes_to_use_is_an_edit(files: Files) -> None:
+    part = files.root / "trees" / "parts" / "part.yaml"
+    part.parent.mkdir()
+    files.write("format: 1\nroot:\n  emergency_stop: {subtree: {tree: ./parts/part.yaml}}\n")
+    assert "no tree file" in messages(files.edit())
+    part.write_text("format: 1\nroot: {wak: }\n", encoding="utf-8")
+    assert "did you mean 'walk'?" in messages(files.edit())
+    part.write_text("format: 1\nroot: walk\n", encoding="utf-8")
+    assert leaf(files.edit()) == "walk"
+
+
 def test_a_comment_that_allows_what_it_cannot_allow_is_a_mistake(files: Files) -> None:
     files.write(WALK.replace("walk", "walk  # allow no-time-limit"))
     assert "reason" in messages(files.edit())

@@ -142,6 +142,26 @@ def test_a_run_that_is_halted_is_written_too(workspace: Workspace, counted: Coun
     assert missing(counted())["idle"] == ()
 
 
+def test_a_node_that_says_something_as_it_is_halted_was_halted(workspace: Workspace, counted: Counted) -> None:
+    life = run(workspace, "act")
+    act = life.tree.root
+    act.terminate = lambda _status: setattr(act, "feedback_message", "let go")  # type: ignore[method-assign]  # this node alone
+    life.tick()
+    life.halt()
+    assert missing(counted())["act"] == ("success", "failure")
+    assert str(act.feedback_message).startswith("halted: ")
+
+
+def test_a_file_that_is_a_link_is_the_file_that_it_leads_to(workspace: Workspace, counted: Counted) -> None:
+    write(workspace, "real", "root: act\n")
+    (link := workspace.root / "trees" / "link.yaml").symlink_to("real.yaml")
+    life = Run(load_tree(link, workspace))
+    life.tick()
+    life.halt()
+    assert only(counted()).path.name == "real.yaml"
+    assert missing(counted())["act"] == ("success", "failure")
+
+
 def test_what_was_counted_before_the_folder_is_another_is_not_lost(
     workspace: Workspace, counted: Counted, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -113,8 +113,6 @@ def _read(item: Item, path: str, places: dict[str, Place]) -> Any:
         raise UserError(f"the field {path!r} has no value", item.place, "leave it out for its default", "wrong-type")
     if not isinstance(value, str):
         return value
-    if value.startswith("$$"):
-        return value[1:]
     parts = parts_of(value, item.place)
     if len(parts) == 1:
         return parts[0]

@@ -66,7 +66,9 @@ class Template:
 
 
 def parts_of(text: str, place: Place) -> tuple[str | Expression, ...]:
-    """Return the plain texts and the expressions of a text, in order; a lone ``$name`` is an expression.
+    """Return the plain texts and the expressions of a text, in order.
+
+    A lone ``$name`` is an expression; of text that begins with ``$$``, one ``$`` is meant.
 
     Raises:
         UserError: a brace stands alone, or an expression is none.
@@ -74,7 +76,7 @@ def parts_of(text: str, place: Place) -> tuple[str | Expression, ...]:
     if _REFERENCE.fullmatch(text):
         return (Expression.parse(text, place),)
     found: list[str | Expression] = []
-    at = 0
+    at = 1 if text.startswith("$$") else 0
     while at < len(text):
         piece = _PIECE.match(text, at)
         if piece is None:

@@ -156,6 +156,7 @@ def _collect(step: _Step, made: Mapping[int, Behaviour], nodes: list[Node]) -> N
             draft.references,
             draft.arguments,
             draft.written,
+            draft.unresolved,
         )
     )
     for key, below, child in _below(draft, path):

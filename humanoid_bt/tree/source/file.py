@@ -16,7 +16,7 @@ from humanoid_bt.core.sources import Sources
 from humanoid_bt.files import document
 from humanoid_bt.files.reading import read_text
 from humanoid_bt.tree.node_type import NODE_KEYS
-from humanoid_bt.tree.source.parameters import Argument, Declaration, LongForm, declarations
+from humanoid_bt.tree.source.parameters import Argument, Declaration, LongForm, NodeItem, declarations, inferred
 from humanoid_bt.tree.write import written
 
 
@@ -84,7 +84,14 @@ class TreeFile:
         for name, argument in given.items():
             declared, spec = header["parameters"][name], self.parameters[name].spec
             value = written(argument.value if argument.written is None else argument.written, spec.unit)
-            header["parameters"][name] = {**declared, "default": value} if isinstance(declared, dict) else value
+            if isinstance(declared, dict):
+                value = {**declared, "default": value}
+            elif spec.type is str and inferred(name, Item(value, argument.place)).type is not str:
+                value = {"type": "text", "default": value}
+            header["parameters"][name] = value
+        for name, declaration in self.parameters.items():
+            if declaration.spec.type is NodeItem and declaration.default is not None:
+                del header["parameters"][name]  # its node stands wherever it is used
         return header
 
 

@@ -8,7 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from humanoid_bt.core.errors import Place, Problem, UserError, relative, resolved
+from humanoid_bt.core.errors import Place, Problem, UserError, nearest, relative, resolved
 from humanoid_bt.core.items import Item
 from humanoid_bt.core.params import Param
 from humanoid_bt.core.sources import Sources
@@ -218,11 +218,14 @@ class Loader:
         return found
 
     def _find(self, item: Item) -> Path:
-        """Return the file of a sub-tree: beside the file that uses it if it is a path, else by its name."""
+        """Return the file of a sub-tree: beside the file that uses it, links followed, if a path; else by its name."""
         name: str = item.value
-        beside = Path(item.place.file).parent / name
-        if ("/" in name or name.endswith((".yaml", ".yml"))) and is_file(beside):
-            return beside
+        if "/" in name or name.endswith((".yaml", ".yml")):
+            beside = resolved(Path(item.place.file)).parent / name
+            if is_file(beside):
+                return beside
+            message = f"no tree file {name!r} beside {Path(item.place.file).name!r}"
+            raise UserError(message, item.place, nearest(beside.stem, self.trees), "unknown-tree")
         try:
             return self._workspace.find_tree(name)
         except UserError as error:

@@ -229,10 +229,25 @@ def reference(item: Item) -> str | None:
     return text[1:] if isinstance(text, str) and text.startswith("$") and not text.startswith("$$") else None
 
 
+def references(item: Item) -> Iterator[Item]:
+    """Yield every ``$name`` in a value."""
+    if isinstance(item.value, (list, dict)):
+        for part in item.value.values() if isinstance(item.value, dict) else item.value:
+            yield from references(part)
+    elif reference(item) is not None:
+        yield item
+
+
 def unescaped(item: Item) -> Item:
-    """Return a value that is text beginning with ``$``, written ``$$``, as it is meant."""
-    text = item.value
-    return Item(text[1:], item.place) if isinstance(text, str) and text.startswith("$$") else item
+    """Return a value with texts that begin with ``$``, written ``$$``, as they are meant."""
+    value = item.value
+    if isinstance(value, str) and value.startswith("$$"):
+        return Item(value[1:], item.place)
+    if isinstance(value, list):
+        return Item([unescaped(part) for part in value], item.place)
+    if isinstance(value, dict):
+        return Item({key: unescaped(part) for key, part in value.items()}, item.place, item.key_places)
+    return item
 
 
 def declarations(item: Item | None, what: str, problems: list[Problem]) -> dict[str, Declaration]:
@@ -271,12 +286,14 @@ def _declared_in(item: Item, what: str) -> dict[str, Declaration]:
 
 def _declaration(name: str, item: Item, place: Place, what: str) -> Declaration:
     if not isinstance(item.value, dict):
-        default = item if item.value is not None else None
-        return Declaration(_with_default(_inferred(name, item), default), place, default)
+        default = _plain(name, item, what) if item.value is not None else None
+        return Declaration(_with_default(inferred(name, default or item), default), place, default)
     form: LongForm = read(LongForm, item, f"the {what} {name!r}")
     default = item.value.get("default")
     if default is not None and default.value is None:
         default = None
+    if default is not None and form.type != "node":
+        default = _plain(name, default, what)
     if form.unit and form.unit not in UNITS:
         raise UserError(
             f"unknown unit {form.unit!r}", item.value["unit"].place, nearest(form.unit, UNITS), "wrong-unit"
@@ -284,8 +301,8 @@ def _declaration(name: str, item: Item, place: Place, what: str) -> Declaration:
     if form.type is not None:
         spec = Param(name, TYPES[form.type], doc=form.doc, unit=form.unit)
     elif default is not None:
-        inferred = _inferred(name, default)
-        spec = Param(name, inferred.type, doc=form.doc, unit=form.unit or inferred.unit)
+        meant = inferred(name, default)
+        spec = Param(name, meant.type, doc=form.doc, unit=form.unit or meant.unit)
     elif form.unit:
         spec = Param(name, float, doc=form.doc, unit=form.unit)
     else:
@@ -302,7 +319,21 @@ def _with_default(spec: Param, default: Item | None) -> Param:
     return spec if default is None else replace(spec, default=default.plain())
 
 
-def _inferred(name: str, default: Item) -> Param:
+def _plain(name: str, default: Item, what: str) -> Item:
+    """Return a default as it is meant.
+
+    Raises:
+        UserError: there is a reference in it.
+    """
+    for part in references(default):
+        message = f"{part.value!r} cannot stand here: the {what} {name!r} begins with a plain value"
+        hint = f"text that begins with $ is written with two: ${part.value}"
+        raise UserError(message, part.place, hint, "unknown-reference")
+    return unescaped(default)
+
+
+def inferred(name: str, default: Item) -> Param:
+    """Return what a default says about a parameter that declares nothing else: its type and unit."""
     if isinstance(default.value, str):
         unit = base_unit(default.value)  # "45 cm" is a number with a unit
         return Param(name, float, unit=unit or "") if unit or is_number_text(default.value) else Param(name, str)

@@ -35,6 +35,7 @@ class _Known:
     written: list[_Written] = field(default_factory=list)
     read_at: list[tuple[Place, Param | None]] = field(default_factory=list)  # where, and for which parameter
     own: bool = True  # False: the caller's, handed in
+    broken: bool = False  # whether its declaration has a mistake, which is enough to tell
 
 
 class Scope:
@@ -199,9 +200,11 @@ class Scope:
             message = f"the name {name!r} is declared twice in one tree"
             self._problems.append(Problem(message, declaration.place, "rename one of them", "taken-name"))
             return
-        self._keys[name] = _Known(key, declaration.place, declared_type(declaration.spec))
+        self._keys[name] = _Known(key, declaration.place, declared_type(declaration.spec), broken=declaration.broken)
 
     def _judge(self, name: str, known: _Known) -> None:
+        if known.broken:
+            return
         if known.read_at and not known.written and not known.key.has_initial:
             hint = meant(name, self.known)
             if known.place is None:

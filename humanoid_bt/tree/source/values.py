@@ -18,7 +18,7 @@ from humanoid_bt.tree.expressions.quantities import ANYTHING, Type, type_of
 from humanoid_bt.tree.node_type import names_percepts
 from humanoid_bt.tree.nodes import other_libraries
 from humanoid_bt.tree.source.file import check_name
-from humanoid_bt.tree.source.parameters import Parameter, reference
+from humanoid_bt.tree.source.parameters import Parameter, reference, references
 from humanoid_bt.tree.source.scope import Scope, declared_type
 
 
@@ -107,6 +107,8 @@ class ValueReader:
             if resolved is not None:
                 check_name(resolved)
                 draft.name = resolved.value
+                if reference(item) is not None:
+                    draft.unresolved["name"] = item.value
         except UserError as error:
             self._problems += error.problems
 
@@ -118,6 +120,8 @@ class ValueReader:
         try:
             if name is None:
                 resolved = self._scope.parameters.resolve(item)
+                if next(references(item), None):
+                    draft.unresolved[spec.name] = item.plain()
             else:
                 draft.references[spec.name] = name
                 parameter = self._scope.parameters.find(name)

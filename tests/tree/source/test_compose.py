@@ -199,6 +199,42 @@ def test_parameters_keys_and_sub_trees_stay_what_they_are(workspace: Workspace, 
     assert "doc: How near." in tree.to_yaml()
 
 
+@pytest.mark.parametrize(
+    ("text", "given"),
+    [
+        ("parameters: {a: s, b: f}\nroot: {for_each: {item: x, items: [$a, $b, $$c], log: '{x}'}}", {"a": "rs"}),
+        ("parameters: {title: so}\nroot: {log: {name: $title, text: hi}}", {"title": "other"}),
+        ("parameters: {it: {type: node, default: {wait: 1 s}}}\nroot: {sequence: [$it, act]}", {}),
+        ("blackboard: {x: a}\nroot: {switch: {value: x, cases: {'': act, a: {act: {script: s}}}}}", {}),
+        (
+            "parameters: {w: s, l: [a]}\nroot: {for_each: {item: x, items: $l, act: {script: $w}}}",
+            {"w": "$x", "l": ["$y"]},
+        ),
+        ("parameters: {w: s}\nroot: {act: {script: $w}}", {"w": "5 cm"}),
+        ("parameters: {w: s}\nroot: {act: {script: $w}}", {"w": "1e-3"}),
+        (
+            "parameters: {w: $$s}\nblackboard: {k: $$k}\nroot: {sequence: [{act: {script: $w}}, {log: '$$5 for {k}'}]}",
+            {},
+        ),
+    ],
+)
+def test_what_is_written_loads_to_the_same_tree(
+    workspace: Workspace, again: Callable[[Tree], Tree], text: str, given: dict[str, Any]
+) -> None:
+    tree = load(workspace, text, **given)
+    written = again(tree)
+    assert shape(written) == shape(tree)
+    assert written.parameters == tree.parameters
+    assert [key.initial for key in written.keys if key.has_initial] == [k.initial for k in tree.keys if k.has_initial]
+    assert written.to_yaml() == tree.to_yaml()
+
+
+def test_text_that_begins_with_a_dollar_is_written_with_two(workspace: Workspace) -> None:
+    run = Run(load(workspace, "blackboard: {k: $$k}\nroot: {log: '$$5 for {k}'}"))
+    run.tick()
+    assert [text for *_, text in run.events] == ["$5 for $k"]
+
+
 def test_a_child_that_is_called_like_a_parameter_is_written_as_child(workspace: Workspace) -> None:
     tree = load(workspace, "root: {inverter: {name: x, child: {condition: true}}}")
     assert tree.nodes[1].type_name == "condition"

@@ -101,6 +101,12 @@ def test_a_value_reaches_the_node(workspace: Workspace) -> None:
             "'default'",
         ),
         ("parameters: [n]\nroot: act", {}, "2:13 the parameters must be a mapping, not a list", "name: default"),
+        (
+            "parameters: {a: s, n: [1, $a]}\nroot: {for_each: {item: x, items: $n, act: {script: $a}}}",
+            {},
+            "2:27 '$a' cannot stand here: the parameter 'n' begins with a plain value",
+            "$$a",
+        ),
         ("parameters: {2n: 1}\nroot: {plain: {count: $2n}}", {}, "2:14 '2n' cannot be a parameter's name", "letters"),
     ],
 )

@@ -144,6 +144,21 @@ def test_a_sub_tree_may_stand_beside_the_file_that_uses_it(workspace: Workspace)
     (folder / "inner.yaml").write_text("format: 1\nroot: act")
     (folder / "outer.yaml").write_text("format: 1\nroot: {subtree: ./inner.yaml}")
     assert load_tree(folder / "outer.yaml", workspace).nodes[-1].name == "act"
+    (link := workspace.root / "trees" / "link.yaml").symlink_to(folder / "outer.yaml")
+    assert load_tree(link, workspace).nodes[-1].name == "act"  # beside what it leads to
+
+
+def test_a_file_is_looked_for_beside_the_one_that_uses_it_alone(
+    workspace: Workspace, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    write(workspace, "inner", "root: act\n")
+    (outer := workspace.root / "outer.yaml").write_text("format: 1\nroot: {subtree: ./inner.yaml}")
+    monkeypatch.chdir(workspace.root / "trees")
+    with pytest.raises(UserError) as raised:
+        load_tree(outer, workspace)
+    (problem,) = raised.value.problems
+    assert problem.message == "no tree file './inner.yaml' beside 'outer.yaml'"
+    assert "'inner'" in problem.hint
 
 
 def test_safety_looks_through_it(workspace: Workspace) -> None:
@@ -232,6 +247,7 @@ def test_a_broken_sub_tree_is_told_once_and_with_its_own_place(workspace: Worksp
             "declared twice",
         ),
         ("blackboard: {x: 1}\nparameters: {x: 1}\nroot: {condition: x == 1}", "declared twice"),
+        ("blackboard: {x: $y}\nroot: {condition: x == 1}", "'$y' cannot stand here: the key 'x' begins with"),
         ("blackboard: {x: {type: number}}\nroot: {condition: x == 1}", "the key 'x' is read, but nothing writes it"),
         (
             "blackboard: {x: {type: number, unit: m}}\nroot: {sequence: [{set_blackboard: {key: x, value: 1}}, "
