@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import sys
 from collections.abc import Callable
 from dataclasses import replace
@@ -110,32 +111,42 @@ class _Composer:
         self._registry = registry
         self._scope = scope
         reader = _MixedReader(registry, (), scope, loader, problems)
-        reader.made = self.draft
+        reader.made = self._argument
         self._subtrees = _SubTrees(registry["subtree"], reader, loader, place, problems)
         self._place = place
         self._problems = problems
         self.made: dict[int, Behaviour] = {}
+        self._given: set[Behaviour] = set()  # to sub-trees
         self._drafts: list[Draft] = []  # kept alive: their ids are keys
         self._unfilled: list[tuple[SubTree, Draft]] = []
 
-    def draft(self, behaviour: Behaviour) -> Draft:
-        """Return the draft of a node and those below it, with every mistake noted."""
+    def draft(self, behaviour: Behaviour, like: bool = False) -> Draft:
+        """Return the draft of a node and those below it, with every mistake noted.
+
+        Args:
+            behaviour: the node.
+            like: whether the draft is of another node that is like it, and will be made.
+        """
+        if isinstance(behaviour, SubTree) and not like:
+            self._take_arguments(behaviour)
         subtree = self._subtrees.draft(behaviour) if isinstance(behaviour, SubTree) else None
         node_type = self._type(behaviour) if subtree is None else subtree.type
         draft = Draft(node_type, self._place, behaviour.name) if subtree is None else subtree
         self._drafts.append(draft)
-        if behaviour in self.made.values():
-            self._problem(f"the node {behaviour.name!r} stands in the tree twice", "make one for each place")
+        if not like and behaviour in self.made.values():
+            self._stands_twice(behaviour)
             draft.sound = False
             return draft
-        self.made[id(draft)] = behaviour
+        if not like:
+            self.made[id(draft)] = behaviour
         if isinstance(behaviour, SubTree):
-            self._unfilled.append((behaviour, draft))
+            if not like:
+                self._unfilled.append((behaviour, draft))
             return draft
         _check_name(behaviour.name, self._place, self._problems)
         for name, spec in node_type.params.items():
-            self._parameter(draft, behaviour, name, spec)
-        draft.children = [self.draft(child) for child in _children(node_type, behaviour)]
+            self._parameter(draft, behaviour, name, spec, like)
+        draft.children = [self.draft(child, like) for child in _children(node_type, behaviour)]
         if node_type.takes == "many" and not draft.children:
             message = f"{node_type.type_name!r} {behaviour.name!r} needs at least one child"
             self._problem(message, "give it a list of nodes", "missing-child")
@@ -145,9 +156,9 @@ class _Composer:
                 message = f"{key!r} of {node_type.type_name!r} {behaviour.name!r} is empty"
                 self._problem(message, f"{key}: {slot.doc}", "missing-parameter")
             elif slot.many:
-                draft.branches[key] = {case: self.draft(child) for case, child in (branch or {}).items()}
+                draft.branches[key] = {case: self.draft(child, like) for case, child in (branch or {}).items()}
             elif branch is not None:
-                draft.branches[key] = self.draft(branch)
+                draft.branches[key] = self.draft(branch, like)
         return draft
 
     def fill(self) -> None:
@@ -173,7 +184,22 @@ class _Composer:
             self._problem(f"the workspace has no skill {node_type_name(cls)!r}", "put its class into a file in skills/")
         return NodeType(node_type_name(cls), "skill", cls, "", {})
 
-    def _parameter(self, draft: Draft, behaviour: Behaviour, name: str, spec: Param) -> None:
+    def _take_arguments(self, subtree: SubTree) -> None:
+        """Note which nodes a sub-tree is given: its file may use them several times, and nobody else."""
+        for node in subtree.arguments.values():
+            if isinstance(node, Behaviour):
+                if node in self._given or node in self.made.values():
+                    self._stands_twice(node)
+                self._given.add(node)
+
+    def _argument(self, behaviour: Behaviour) -> Draft:
+        """Return the draft of a node that a sub-tree is given; where it is used again, of another one like it."""
+        return self.draft(behaviour, like=behaviour in self.made.values())
+
+    def _stands_twice(self, behaviour: Behaviour) -> None:
+        self._problem(f"the node {behaviour.name!r} stands in the tree twice", "make one for each place")
+
+    def _parameter(self, draft: Draft, behaviour: Behaviour, name: str, spec: Param, like: bool) -> None:
         dynamic = keys_read(behaviour).get(name)
         if dynamic is not None:
             key = self._scope.read(dynamic.name, self._place, spec)
@@ -183,6 +209,8 @@ class _Composer:
                 self._problem(f"{name!r} of {behaviour.name!r} cannot be read from the blackboard", "give it a value")
             return
         value: Any = getattr(behaviour, name, None)
+        if like and expressions_of(value):
+            value = copy.deepcopy(value)
         if isinstance(value, Key):
             value = self._scope.write(value.name)
             setattr(behaviour, name, value)

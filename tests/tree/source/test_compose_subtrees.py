@@ -126,6 +126,18 @@ def test_one_node_or_sub_tree_stands_in_one_place(workspace: Workspace, act: Any
     assert "the node 'mine' stands in the tree twice" in mistakes(Sequence("s", both), workspace)[0].message
 
 
+def test_a_sub_tree_may_use_a_node_that_it_is_given_several_times(workspace: Workspace, act: Any) -> None:
+    write(workspace, "twice", "subtree: true\nparameters: {it: {type: node}}\nroot: {sequence: [$it, $it]}\n")
+    given = Sequence(
+        "both", [act("mine", script="rs"), Condition("known", expression="state.time > 0 s hysteresis 1 s")]
+    )
+    made = make_tree(SubTree("go", tree="twice", it=given), workspace)
+    assert len({id(node.behaviour) for node in made.nodes}) == len(made.nodes) == 8
+    first, second = (vars(node.behaviour)["expression"] for node in made.nodes if node.name == "known")
+    assert first is not second
+    assert Run(made).ticks(4) == Run(again(made, workspace)).ticks(4) == "rrss"
+
+
 def test_its_file_must_be_given() -> None:
     with pytest.raises(TypeError, match="tree"):
         SubTree("go")  # type: ignore[call-arg]  # the mistake that is tried
