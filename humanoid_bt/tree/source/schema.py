@@ -19,7 +19,7 @@ from humanoid_bt.core.units import UNITS, factors
 from humanoid_bt.decision.blackboard import KEY_NAME, Key
 from humanoid_bt.tree.expressions.fields import Fields
 from humanoid_bt.tree.expressions.holding import holds_expressions
-from humanoid_bt.tree.node_type import NodeType
+from humanoid_bt.tree.node_type import CHILD, NodeType
 from humanoid_bt.tree.nodes.registry import ALIASES, Registry
 from humanoid_bt.tree.nodes.subtree import SubTree
 from humanoid_bt.tree.slots import Slot
@@ -56,7 +56,7 @@ def tree_schema(registry: Registry, trees: Mapping[str, NodeType]) -> Schema:
         "additionalProperties": False,
         "definitions": {
             "node": _node(names),
-            "child": {"anyOf": [{"required": [name]} for name in names] + [_pattern_key()]},
+            "child": {"anyOf": [{"required": [name]} for name in (*names, CHILD)] + [_pattern_key()]},
             "condition": {"anyOf": [{"type": ["string", "boolean", "number"]}, _NODE]},
             "declaration": _declaration(),
             **{f"type_{name}": _body(node_type, names, trees) for name, node_type in names.items()},
@@ -108,7 +108,8 @@ def _body(node_type: NodeType, names: Mapping[str, NodeType], trees: Mapping[str
         required.append("children")
         forms.append(children)
     elif node_type.takes == "one":
-        whole["properties"] = _bodies(names) | properties
+        child = {"description": "The node below it, where a parameter is called as its type.", **_NODE}
+        whole["properties"] = _bodies(names) | properties | {CHILD: child}
         whole["patternProperties"] = {_REFERENCE["pattern"]: {"type": "null"}}
         whole["allOf"] = [{"$ref": "#/definitions/child"}]
         if not required:
