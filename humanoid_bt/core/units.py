@@ -108,8 +108,8 @@ def readable(value: object, unit: str = "", more: int = 0) -> str:
         unit: that unit, "" for none.
         more: digits beyond the usual ones.
     """
-    if isinstance(value, bool):
-        return "true" if value else "false"
+    if isinstance(value, bool) or value is None:
+        return {True: "true", False: "false", None: "null"}[value]
     if isinstance(value, (list, tuple)):
         return f"[{', '.join(readable(part, more=more) for part in value)}]"
     if not isinstance(value, (int, float)):

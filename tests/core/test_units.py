@@ -29,6 +29,7 @@ from humanoid_bt.core.units import readable, readable_apart, readable_pair, writ
         (100.0, "", "100"),
         (1200, "", "1200"),
         (True, "", "true"),
+        (None, "", "null"),
         ("left", "", "left"),
         ([1.0, 2.5, "x"], "", "[1, 2.5, x]"),
         (-1e-17, "m", "0 cm"),
