@@ -60,6 +60,8 @@ def tree_text(name: str, header: Mapping[str, Any], nodes: Sequence[Node]) -> st
     header = {"format": 1, **header}
     header = {key: header[key] for key in (*_ORDER, *header) if header.get(key) not in (None, "", {})}
     header |= {part: _lists_in_flow(header[part]) for part in ("parameters", "blackboard") if part in header}
+    if "parameters" in header:
+        header["parameters"] = {name: of for name, of in header["parameters"].items() if not _is_default_node(of)}
     children: dict[int, list[int]] = {}
     for index, node in enumerate(nodes):
         children.setdefault(node.parent, []).append(index)
@@ -136,6 +138,11 @@ def _in_flow(value: Any) -> Any:
     if isinstance(value, dict):
         return _Flow((key, _in_flow(part)) for key, part in value.items())
     return _FlowList(map(_in_flow, value)) if isinstance(value, list) else value
+
+
+def _is_default_node(declared: Any) -> bool:
+    """Return whether a parameter is a node that stands wherever it is used, since none else was given."""
+    return isinstance(declared, dict) and declared.get("type") == "node" and declared.get("default") is not None
 
 
 def _lists_in_flow(value: Any) -> Any:

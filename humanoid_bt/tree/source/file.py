@@ -16,7 +16,7 @@ from humanoid_bt.core.sources import Sources
 from humanoid_bt.files import document
 from humanoid_bt.files.reading import read_text
 from humanoid_bt.tree.node_type import NODE_KEYS
-from humanoid_bt.tree.source.parameters import Argument, Declaration, LongForm, NodeItem, declarations, inferred
+from humanoid_bt.tree.source.parameters import Argument, Declaration, LongForm, declarations, inferred
 from humanoid_bt.tree.write import written
 
 
@@ -89,9 +89,6 @@ class TreeFile:
             elif spec.type is str and inferred(name, Item(value, argument.place)).type is not str:
                 value = {"type": "text", "default": value}
             header["parameters"][name] = value
-        for name, declaration in self.parameters.items():
-            if declaration.spec.type is NodeItem and declaration.default is not None:
-                del header["parameters"][name]  # its node stands wherever it is used
         return header
 
 
