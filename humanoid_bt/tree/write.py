@@ -58,10 +58,10 @@ def tree_text(name: str, header: Mapping[str, Any], nodes: Sequence[Node]) -> st
         UserError: a parameter has a value that no file can hold.
     """
     header = {"format": 1, **header}
+    parameters = header.get("parameters") or {}
+    header["parameters"] = {name: of for name, of in parameters.items() if not _is_default_node(of)}
     header = {key: header[key] for key in (*_ORDER, *header) if header.get(key) not in (None, "", {})}
     header |= {part: _lists_in_flow(header[part]) for part in ("parameters", "blackboard") if part in header}
-    if "parameters" in header:
-        header["parameters"] = {name: of for name, of in header["parameters"].items() if not _is_default_node(of)}
     children: dict[int, list[int]] = {}
     for index, node in enumerate(nodes):
         children.setdefault(node.parent, []).append(index)
