@@ -138,6 +138,10 @@ def model_problems(spec: mujoco.MjSpec, where: Place) -> Iterator[Problem]:
             f"names that begin with {OWN} are those of what is added: take these sites out of the model, or rename them"
         )
         yield Problem(f"the model has sites that are added to it: {listed(ours)}", where, hint, code="model")
+    for tendon in spec.tendons:
+        if any(getattr(wrap.target, "parent", None) == spec.worldbody for wrap in tendon.path):
+            message = f"the tendon {tendon.name!r} ties the robot to the world, and it must stand by itself"
+            yield Problem(message, _line(tendon.info, where), "take it out of the model", code="model")
     if any(body.gravcomp for body in spec.bodies):
         yield Problem("the model has bodies with gravcomp; the robot must carry its own weight", where, code="model")
 

@@ -203,6 +203,16 @@ def test_a_model_that_cannot_be_used_is_answered_with_the_models_name(
     assert str(problem.place) == str(tmp_path / "humanoid.xml")
 
 
+def test_a_rope_that_holds_the_robot_up_is_refused(tmp_path: Path, edit: Edit) -> None:
+    edit("humanoid.xml", "<worldbody>", '<worldbody><site name="ceiling" pos="0 0 2"/>')
+    rope = '<spatial name="rope" stiffness="5000"><site site="ceiling"/><site site="imu"/></spatial>'
+    edit("humanoid.xml", "</worldbody>", f"</worldbody><tendon>{rope}</tendon>")
+    with pytest.raises(UserError) as error:
+        load(tmp_path)
+    (problem,) = error.value.problems
+    assert problem.message == "the tendon 'rope' ties the robot to the world, and it must stand by itself"
+
+
 def test_a_base_on_joints_of_its_own_is_answered_with_what_to_do(tmp_path: Path, edit: Edit) -> None:
     slides = "".join(f'<joint name="base_{axis}" type="slide"/>' for axis in "xyz")
     edit("humanoid.xml", "<freejoint", f"{slides}<joint")
