@@ -122,6 +122,13 @@ def _params_of(cls: type) -> Mapping[str, Param]:
     return found
 
 
+def own(value: Any) -> Any:
+    """Return a value whose lists and mappings are its own: who changes them changes nobody else's."""
+    if type(value) is list:
+        return [own(part) for part in value]
+    return {key: own(part) for key, part in value.items()} if type(value) is dict else value
+
+
 def written(field: str) -> str:
     """Return how a dataclass's field is written in files: ``raise`` for ``raise_``, as Python has a word ``raise``."""
     return field[:-1] if field.endswith("_") and iskeyword(field[:-1]) else field

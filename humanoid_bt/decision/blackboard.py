@@ -15,7 +15,7 @@ import numpy as np
 
 from humanoid_bt.core.errors import HumanoidBtError, Place, UserError
 from humanoid_bt.core.items import Item, item_of
-from humanoid_bt.core.params import Param
+from humanoid_bt.core.params import Param, own
 from humanoid_bt.core.reading import convert, is_finite
 
 KEY_NAME = re.compile(r"^[A-Za-z_]\w*$")
@@ -88,21 +88,26 @@ class Key:
         Raises:
             ValueError: it does not go with the key's declaration, or is a number that is not finite.
         """
-        self._value = self._checked(value)
+        self._value = self.checked(value)
 
     def put(self, value: Any) -> None:
-        """Give it a value as it is: one that it had before, or none of a list's parts."""
+        """Give it a value as it is: one that was checked or that it had before, or none of a list's parts."""
         self._value = value
 
     def clear(self) -> None:
         """Take its value away."""
         self._value = _UNSET
 
+    def begin_unset(self) -> None:
+        """Take its value away, and that with which its tree starts."""
+        self._value = self.initial = _UNSET
+
     def reset(self) -> None:
         """Give it its initial value, or none."""
-        self._value = self.initial
+        self._value = own(self.initial)
 
-    def _checked(self, value: Any) -> Any:
+    def checked(self, value: Any) -> Any:
+        """Return a value as the key takes it; raises as :meth:`set`."""
         if isinstance(value, np.generic) or (self.spec is not None and isinstance(value, np.ndarray)):
             value = value.tolist()
         if self.spec is not None:
@@ -112,7 +117,7 @@ class Key:
                 raise ValueError(f"the key {error.problems[0].message}") from error
         if isinstance(value, (int, float)) and not is_finite(value):
             raise ValueError(f"the key {self.name!r} must be finite, not {value}")
-        return value
+        return own(value)
 
     def __str__(self) -> str:
         return self.name

@@ -34,7 +34,8 @@ class Blackboard(MutableMapping[str, Any]):
 
     Args:
         keys: the tree's.
-        begun: whether the tree has been ticked; before it, what is set is the value that a key begins with.
+        begun: whether the tree has been ticked; before it, what is set is the value that a key begins with,
+            and what is deleted begins with none.
         over: whether the run has ended; nothing can be set then.
         tell: is told the name of each key that is set, and its value; only the name of one that is deleted.
     """
@@ -63,7 +64,8 @@ class Blackboard(MutableMapping[str, Any]):
             self._tell(name, value)
 
     def __delitem__(self, name: str) -> None:
-        self._open(name).clear()
+        key = self._open(name)
+        key.clear() if self._begun else key.begin_unset()
         if self._tell is not None:
             self._tell(name)
 

@@ -56,6 +56,17 @@ def test_what_is_answered_well_is_written_to_keys(workspace: Workspace) -> None:
         assert [key.value for key in tree.tree.keys] == [value]
 
 
+@shows("ask-keys")
+def test_if_a_key_refuses_its_value_none_is_written(workspace: Workspace) -> None:
+    leaf = "ros_service: {service: /success_0, type: std_srvs/Trigger, response: {a: n, b: word}}"
+    board = "n: 1, word: {type: text, default: none}"
+    used = "condition: n > 0 and word == 'none'"
+    tree = Run(load(workspace, f"blackboard: {{{board}}}\nroot: {{sequence: [{{{leaf}}}, {{{used}}}]}}\n"))
+    tree.tick()
+    assert tree.feedback("ros_service").startswith("answered, but the key 'word' must be text")
+    assert [key.value for key in tree.tree.keys] == [1, "none"]
+
+
 @shows("ask-fields")
 def test_fields_are_values_and_expressions(workspace: Workspace) -> None:
     fields = (

@@ -114,6 +114,14 @@ def test_the_blackboard_is_read_and_set() -> None:
     assert session.blackboard["n"] == 2
 
 
+def test_what_is_deleted_before_the_first_step_begins_without_a_value() -> None:
+    Path("trees/held.yaml").write_text("format: 1\nblackboard: {a: 1}\nroot: {sequence: [condition: true, running]}\n")
+    with hbt.Session("held") as session:
+        del session.blackboard["a"]
+        session.step()
+        assert "a" not in session.blackboard
+
+
 def test_a_push_moves_it_and_is_told() -> None:
     def sway(force: float) -> tuple[float, float]:
         with hbt.Session("wait") as session:

@@ -101,11 +101,12 @@ class RosCall(Leaf):
 
     def _keep(self, values: Mapping[str, Any]) -> Status:
         try:
-            for path, key in self.keys.items():
-                key.set(values[path])
+            taken = [(key, key.checked(values[path])) for path, key in self.keys.items()]
         except ValueError as error:
             self.feedback_message = f"answered, but {error}"
             return FAILURE
+        for key, value in taken:
+            key.put(value)
         return SUCCESS
 
     @property
