@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 import functools
 import typing
 from collections.abc import Callable, Mapping
@@ -10,7 +9,7 @@ from typing import Any
 
 from humanoid_bt.core.errors import Place, nearest
 from humanoid_bt.core.items import Item, item_of
-from humanoid_bt.core.params import Param, params_of
+from humanoid_bt.core.params import Param, own, params_of
 from humanoid_bt.core.reading import convert
 from humanoid_bt.decision.blackboard import Key, names_key
 
@@ -33,12 +32,12 @@ def assign(target: Any, values: Mapping[str, Any]) -> None:
     for name, spec in declared.items():
         if name not in values and spec.required:
             raise TypeError(f"{owner} needs the parameter {name!r}")
-        value = values[name] if name in values else copy.copy(spec.default)
+        value = own(values.get(name, spec.default))
         if isinstance(value, str) and (reads_itself := _reads_itself(spec.type)):
             value = reads_itself.from_item(Item(value, Place(owner)), name)
         if isinstance(value, Key) and not names_key(spec.type):
             read_at_start[name] = value
-            value = None if spec.required else copy.copy(spec.default)
+            value = None if spec.required else own(spec.default)
         setattr(target, name, value)
     if read_at_start:
         vars(target)[_READ_AT_START] = read_at_start

@@ -17,7 +17,6 @@ Its name in scenes and trees is the class name in snake_case.
 from __future__ import annotations
 
 import abc
-import copy
 import typing
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
@@ -26,7 +25,7 @@ from typing import Any, ClassVar, Literal
 import numpy as np
 
 from humanoid_bt.core.messages import Percept, State, Truth
-from humanoid_bt.core.params import PerceptName, params_of
+from humanoid_bt.core.params import PerceptName, own, params_of
 from humanoid_bt.core.texts import snake_case
 from humanoid_bt.perception.picture import Picture
 from humanoid_bt.plant.scene import Scene
@@ -85,7 +84,7 @@ class PerceptSource(abc.ABC):
         for name, spec in declared.items():
             if name not in values and spec.required:
                 raise TypeError(f"{source_name(type(self))} needs the parameter {name!r}")
-            setattr(self, name, values[name] if name in values else copy.copy(spec.default))
+            setattr(self, name, own(values.get(name, spec.default)))
 
     @classmethod
     def publishes(cls, values: Mapping[str, Any]) -> Collection[str]:

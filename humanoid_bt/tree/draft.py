@@ -8,6 +8,7 @@ from typing import Any
 
 from humanoid_bt.core.errors import Place
 from humanoid_bt.decision.blackboard import Key
+from humanoid_bt.tree.expressions.holding import expressions_of
 from humanoid_bt.tree.node_type import NodeType
 
 
@@ -66,6 +67,15 @@ class Draft:
         alike = [other for other in self.children if other.name == child.name]
         number = next((number for number, other in enumerate(alike, 1) if other is child), 1)
         return repr(child.name if number == 1 else f"{child.name}#{number}")
+
+    def begin_anew(self) -> None:
+        """Forget what nodes that were made of it and ran have left in it and below: keys, and what held."""
+        for draft in self.iterate():
+            for key in draft.keys:
+                key.reset()
+            for value in draft.values.values():
+                for expression in expressions_of(value):
+                    expression.forget()
 
     def iterate(self) -> Iterator[Draft]:
         """Return this draft and all below it, parents first."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -106,6 +107,29 @@ def test_hysteresis(workspace: Workspace) -> None:
 def test_hysteresis_is_forgotten_when_the_branch_is_left(workspace: Workspace, condition: str) -> None:
     left = asked(workspace, f"{{reactive_selector: [{{act: {{script: ffsf}}}}, {{{condition}}}]}}")
     assert answers(left, 0.9, 1.25, 1.25, 1.25) == "sssf"  # the third comes from the act
+
+
+@shows("hysteresis-forgets")
+@pytest.mark.parametrize(
+    ("leaf", "came_to"),
+    [
+        ("set_blackboard: {key: near, expression: NEAR}", lambda left: left.tree.keys[0].value),
+        ("log: '{NEAR}'", lambda left: left.events[-1][-1] == "true"),
+        (
+            "ros_service: {service: /success_0, type: x/A, request: {a: '{NEAR}'}}",
+            lambda left: left.calls.asked[-1].request["a"],
+        ),
+    ],
+)
+def test_so_is_that_of_what_is_written_told_or_asked(
+    workspace: Workspace, leaf: str, came_to: Callable[[Run], bool]
+) -> None:
+    leaf = leaf.replace("NEAR", "distance(target) <= 1 hysteresis 0.5")
+    left = asked(workspace, f"{{reactive_selector: [{{act: {{script: ffsf}}}}, {{sequence: [{{{leaf}}}, act]}}]}}")
+    assert answers(left, 0.9, 1.25) == "rr"
+    assert came_to(left)
+    assert answers(left, 1.25, 1.25) == "sr"
+    assert not came_to(left)
 
 
 @shows("condition-limits")

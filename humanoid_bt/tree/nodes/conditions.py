@@ -42,11 +42,6 @@ class Condition(Leaf):
             return AT_ONCE
         return SUCCEEDS if constant else frozenset({FAILURE})
 
-    def initialise(self) -> None:
-        """Forget what held if its branch was left."""
-        if self.status is INVALID:
-            self.expression.forget()
-
     def update(self) -> Status:
         """Evaluate the expression on what the robot knew at the start of the tick."""
         try:

@@ -6,8 +6,11 @@ from typing import Any
 
 from py_trees.behaviour import Behaviour
 
+from humanoid_bt.core.params import params_of
 from humanoid_bt.decision.assign import assign
 from humanoid_bt.decision.robot import Robot
+from humanoid_bt.tree.expressions.holding import expressions_of
+from humanoid_bt.tree.ticking.tick import INVALID
 
 
 class Leaf(Behaviour):
@@ -30,3 +33,10 @@ class Leaf(Behaviour):
     def setup(self, **kwargs: Any) -> None:
         """Take ``robot``."""
         self.robot = kwargs["robot"]
+
+    def initialise(self) -> None:
+        """Forget what held, in all that it compares, if its branch was left."""
+        if self.status is INVALID:
+            for name in params_of(type(self)):
+                for expression in expressions_of(getattr(self, name)):
+                    expression.forget()

@@ -71,6 +71,7 @@ class RosCall(Leaf):
 
     def initialise(self) -> None:
         """Start to measure."""
+        super().initialise()
         self._started = self.robot.clock.now()
 
     def update(self) -> Status:

@@ -11,6 +11,7 @@ from py_trees.behaviour import Behaviour
 from py_trees.behaviours import Dummy
 
 from humanoid_bt.core.errors import Problem, UserError
+from humanoid_bt.core.params import own
 from humanoid_bt.decision.overridden import not_made
 from humanoid_bt.files.class_files import class_file, place_in_file
 from humanoid_bt.tree.draft import Draft
@@ -37,8 +38,8 @@ def remade(tree: Tree, root: Draft) -> Tree:
     """Return a tree whose nodes are made anew, as if its file had been loaded once more.
 
     Args:
-        tree: it; its keys are those of the new one too, and have their initial values again.
-        root: its draft, or another in its place.
+        tree: it; its keys are those of the new one too.
+        root: its draft, or another in its place. It begins anew: nothing that other nodes left in it is found.
 
     Raises:
         UserError: a skill's constructor raised an exception this time.
@@ -49,6 +50,7 @@ def remade(tree: Tree, root: Draft) -> Tree:
         raise UserError(problems)
     for key in tree.keys:
         key.reset()
+    root.begin_anew()
     return replace(tree, nodes=nodes)
 
 
@@ -93,7 +95,8 @@ def make(draft: Draft, made: dict[int, Behaviour], problems: list[Problem]) -> B
     branches = {key: _make_branch(branch, made, problems) for key, branch in draft.branches.items()}
     if not draft.sound or None in children or None in branches.values():
         return None
-    arguments = {key + "_" * iskeyword(key): value for key, value in {**branches, **draft.values}.items()}
+    values = {name: own(value) for name, value in draft.values.items()}
+    arguments = {key + "_" * iskeyword(key): value for key, value in {**branches, **values}.items()}
     try:
         if draft.type.takes == "many":
             behaviour = draft.type.factory(draft.name, children, **arguments)
