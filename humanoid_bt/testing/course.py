@@ -151,18 +151,20 @@ class Life:
         path = self.node.path
         before, now = self._status, view.statuses[path]
         self._status = now
-        self.begins = now is not before and now is not Status.INVALID and before is not Status.RUNNING
+        told = next((change for change in reversed(view.changes) if change.path == path), None)
+        changed = now is not before or (told is not None and now is not Status.INVALID)  # or once more the same
+        self.begins = changed and now is not Status.INVALID and before is not Status.RUNNING
         if self.begins:
             self.results = {}
         self.results = view.results.get(path) or self.results
-        if now is before:
+        if not changed:
             return
         self.ran = self.ran or now is not Status.INVALID
         if now is Status.RUNNING:
             self.ended = ""
         elif now is not Status.INVALID or before is Status.RUNNING:  # else it had ended before, and is only reset
             self.ended, self.ended_at = _ENDS.get(now, "halted"), view.time
-            self.feedback = next((change.feedback for change in reversed(view.changes) if change.path == path), "")
+            self.feedback = told.feedback if told is not None else ""
 
 
 class Course:

@@ -299,12 +299,12 @@ def clear_blackboard(m: Model, node: Node) -> str:
 
 
 def log(m: Model, node: Node) -> str:
-    """Told once for each start; silent where a composite that is RUNNING checks it again."""
-    above = m.parents.get(node.name)
+    """Told once for each start; silent where a composite that is RUNNING, or asks it as condition, asks it again."""
+    below, above = node, m.parents.get(node.name)
     while above is not None and m.status[above.name] != RUNNING:
-        above = m.parents.get(above.name)
-    checked_again = above is not None and above.kind in COMPOSITES and m.status[node.name] != INVALID
-    if not checked_again:
+        below, above = above, m.parents.get(above.name)
+    asks_again = above is not None and (above.kind in COMPOSITES or above.branches.get("condition") is below)
+    if m.status[node.name] == INVALID or not asks_again:
         m.told.append(node.name)
     return SUCCESS
 

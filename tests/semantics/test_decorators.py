@@ -278,7 +278,10 @@ def test_log_tells_once_for_each_start(workspace: Workspace) -> None:
 
 
 @shows("log-silent")
-def test_log_is_silent_when_it_is_only_checked_again(workspace: Workspace) -> None:
-    log = run(workspace, "{reactive_sequence: [{log: hello}, act]}")
+@pytest.mark.parametrize(
+    "root", ["{reactive_sequence: [{log: hello}, act]}", "{guard: {condition: {log: hello}, act: }}"]
+)
+def test_log_is_silent_when_it_is_only_asked_again(workspace: Workspace, root: str) -> None:
+    log = run(workspace, root)
     assert log.ticks(3) == "rrr"
     assert len(log.events) == 1

@@ -208,6 +208,47 @@ def test_changes_are_told_once_and_children_first(workspace: Workspace) -> None:
     assert idle.changes[0].feedback == "idle"
 
 
+@shows("status-told-again")
+@pytest.mark.parametrize(
+    ("root", "told"),
+    [
+        ("{repeat: {times: 3, act: {script: s}}}", ["SUCCESS"] * 3),
+        ("{repeat: {times: 2, sequence: [{act: {script: s}}, {wait: 0.1 s}]}}", ["SUCCESS", "", "SUCCESS"]),
+        ("{retry: {attempts: 3, act: {script: rff}}}", ["RUNNING", "FAILURE", "FAILURE"]),
+        ("{while: {condition: state.time < 1 s, inverter: {act: {script: fff}}}}", ["FAILURE"] * 3),
+        ("{failure_is_running: {act: {script: f}}}", ["FAILURE"] * 3),
+    ],
+)  # fmt: skip
+def test_a_skill_that_starts_and_ends_at_once_is_told_each_time(
+    workspace: Workspace, root: str, told: list[str]
+) -> None:
+    assert acts(run(workspace, root), len(told)) == told
+
+
+@shows("status-asked-again")
+@pytest.mark.parametrize(
+    "root",
+    [
+        "{reactive_sequence: [{act: {script: s}}, running]}",
+        "{reactive_selector: [{inverter: {act: {script: s}}}, running]}",
+        "{reactive_if: {condition: {act: {script: s}}, then: running}}",
+        "{guard: {condition: {act: {script: s}}, running: }}",
+        "{while: {condition: {act: {script: s}}, running: }}",
+    ],
+)
+def test_a_skill_that_is_only_asked_again_is_told_when_it_changes(workspace: Workspace, root: str) -> None:
+    assert acts(run(workspace, root), 3) == ["SUCCESS", "", ""]
+
+
+def acts(under_test: Run, ticks: int) -> list[str]:
+    """Return what is told of the act in each tick."""
+    found = []
+    for _ in range(ticks):
+        under_test.tick()
+        found.append(dict(under_test.told()).get("act", ""))
+    return found
+
+
 @shows("start-initialise")
 def test_a_node_is_started_whenever_it_does_not_run(workspace: Workspace) -> None:
     act = run(workspace, "{act: {script: rrsfr}}")

@@ -10,6 +10,7 @@ import pytest
 from humanoid_bt.core.errors import UserError
 from humanoid_bt.session.report import Report
 from humanoid_bt.session.session import Session
+from humanoid_bt.testing.stage import Stage
 from tests.record.helpers import rows
 
 SKILLS = '''
@@ -25,6 +26,7 @@ class Count(Skill):
     counted: int = result(doc="Ticks so far.")
     gap: float = result(unit="m", doc="Still to go.")
     word: str = result(doc="What it says.")
+    came_to: float = result(doc="What it was given to report.")
 
     def initialise(self) -> None:
         assert not self.results
@@ -37,6 +39,8 @@ class Count(Skill):
         if self._count < self.ticks:
             return self.running("counting")
         self.word = "done"
+        if self.last is not None:
+            self.came_to = self.last
         return self.succeed("counted")
 
 
@@ -107,6 +111,16 @@ def test_each_end_of_a_skill_is_reported_with_its_values(project: Path) -> None:
 def test_a_skill_that_starts_again_reports_anew(project: Path) -> None:
     report = run(project, "{repeat: {times: 2, count: }}")
     assert told(report, "counted") == [(0.04, "SUCCESS", 3), (0.1, "SUCCESS", 3)]
+
+
+def test_a_skill_that_ends_in_its_first_tick_reports_each_time(project: Path, tmp_path: Path) -> None:
+    once = "count: {ticks: 1, last: $n}"
+    root = f"{{for_each: {{item: n, items: [1, 2, 3], sequence: [{{{once}}}, {{wait: 40 ms}}]}}}}"
+    report = run(project, root, recording=tmp_path / "flight.rrd")
+    assert told(report, "counted") == [(time, "SUCCESS", 1) for time in (0.0, 0.06, 0.12)]
+    series = "/results/others/t\\/for_each\\/sequence\\/count/counted"
+    assert rows(tmp_path / "flight.rrd", series, "Scalars:scalars") == [(time, [1.0]) for time in (0.0, 0.06, 0.12)]
+    Stage(project, dry=True).run("t").expect("order: [count, wait, count, wait, count]", "came_to == 3")
 
 
 def test_a_halted_skill_reports_how_far_it_came(project: Path) -> None:

@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, ClassVar
 
-import py_trees
-from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
 from humanoid_bt.core.messages import Level, Mode
@@ -18,7 +16,7 @@ from humanoid_bt.tree.expressions.template import Template
 from humanoid_bt.tree.nodes.decorators import TIME_TOLERANCE
 from humanoid_bt.tree.nodes.leaf import Leaf
 from humanoid_bt.tree.results import SUCCEEDS, Below, Results
-from humanoid_bt.tree.ticking.tick import FAILURE, INVALID, RUNNING, SUCCESS
+from humanoid_bt.tree.ticking.tick import FAILURE, INVALID, RUNNING, SUCCESS, asked_again
 
 
 class Success(Leaf):
@@ -125,8 +123,8 @@ class Log(Leaf):
     `(never seen)`, a key without a value `(not set)`; `{{` and `}}` are braces. A percept in it needs no watchdog, for
     nothing is decided by it.
 
-    Told once for each start: where a composite that is RUNNING checks this node again in every tick, it succeeds and
-    is silent.
+    Told once for each start: where a node above that is RUNNING asks this one again in every tick, as a reactive
+    composite and a guard's condition do, it succeeds and is silent.
     """
 
     main: ClassVar[str] = "text"
@@ -142,18 +140,10 @@ class Log(Leaf):
 
     def update(self) -> Status:
         """Tell it, unless it is only checked again."""
-        if self.status is INVALID or not _checked_again(self):
+        if self.status is INVALID or not asked_again(self):
             self.feedback_message = self.text.fill(self.robot)
             self.robot.log(self.path, self.level, self.feedback_message)
         return SUCCESS
-
-
-def _checked_again(node: Behaviour) -> bool:
-    """Return whether a node that has ended is ticked by a composite that went on running, and not started anew."""
-    above = node.parent
-    while above is not None and above.status is not RUNNING:  # it starts in this tick, like the node
-        above = above.parent
-    return isinstance(above, py_trees.composites.Composite)  # a decorator that runs starts it once more
 
 
 class RaiseEmergencyStop(Leaf):

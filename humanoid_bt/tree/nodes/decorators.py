@@ -29,6 +29,10 @@ class Decorator(Branch, py_trees.decorators.Decorator):
         super().__init__(name, child_of(type(self), name, child))
         assign(self, values)
 
+    def asks_again(self, child: Behaviour) -> bool:
+        """Return False: when the child has ended, it is started once more."""
+        return False
+
     def reset_child(self, reason: str, seen: Seen) -> None:
         """Halt the child if it runs, and take away what it came to the last time."""
         if self.decorated.status is not INVALID:

@@ -48,6 +48,10 @@ class Conditional(Decorator):
         """Return the results that come of the child's."""
         return child
 
+    def asks_again(self, child: Behaviour) -> bool:
+        """Return whether it is the condition."""
+        return child is self.condition
+
     def advance(self, seen: Seen) -> Status:
         """Ask the condition, then tick the child."""
         status = tick(self.condition, seen)

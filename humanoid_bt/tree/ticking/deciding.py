@@ -15,7 +15,7 @@ def deciding(changes: Iterable[NodeChange]) -> NodeChange | None:
 
     From the root down that is the child which took its parent's status last: of a sequence the one that failed, of a
     selector that failed its last one. A node whose children came to something else decided itself, as a timeout and an
-    inverter do; so did one that says why and whose children had come to the same before: a retry of what fails at once.
+    inverter do; so did one that says why and whose children had come to the same before: a retry of a condition.
 
     Args:
         changes: of the tree's nodes, in order, children before parents. Those after the root's last status, with which

@@ -28,7 +28,7 @@ from humanoid_bt.tree.tree import Tree
 
 @dataclass(frozen=True, slots=True)
 class NodeChange:
-    """A node's status changed.
+    """A node's status changed, or a skill was started anew and ended at once as it had the last time.
 
     Attributes:
         time: engine time of the tick [s].
@@ -71,8 +71,9 @@ class Executor:
     Args:
         tree: the tree.
         robot: the robot as decision sees it.
-        on_change: called after a tick or halt for every node whose status differs from before it, children
-            before parents, in the order in which they were ticked or halted.
+        on_change: called after a tick or halt for every node whose status differs from before it, and every skill
+            that was started in it and ended as it had before; children before parents, in the order in which they
+            were ticked or halted.
     """
 
     def __init__(self, tree: Tree, robot: Robot, on_change: Callable[[NodeChange], None] | None = None) -> None:
@@ -82,6 +83,7 @@ class Executor:
         self._on_change = on_change
         self._nodes: dict[Behaviour, Node] = {node.behaviour: node for node in tree.nodes}
         self._children_first = [behaviour for behaviour in tree.root.iterate() if behaviour in self._nodes]
+        self._skills = frozenset(node.behaviour for node in tree.nodes if node.kind == "skill")
         self._told: dict[Behaviour, Status | None] = dict.fromkeys(self._nodes, INVALID)
         self._tally = tally(tree)
         self._caught: dict[str, tuple[str, int]] = {}  # what each on_error took last, and how often in a row
@@ -167,7 +169,9 @@ class Executor:
             raise NodeError(self._nodes[raised.node], raised.error) from raised.error
 
     def _seen(self) -> Seen:
-        return Seen() if self._tally is None else Counted(self._tally)
+        seen = Seen() if self._tally is None else Counted(self._tally)
+        seen.skills = self._skills
+        return seen
 
     def _halt_all(self, reason: str, seen: Seen) -> Raised | None:
         """Halt every node, whatever state an interrupted tick left them in; return the first exception not caught."""
@@ -196,7 +200,7 @@ class Executor:
         for behaviour in reversed(dict.fromkeys(reversed(seen))):  # where it stands for the last time
             status = behaviour.status
             before = told[behaviour]
-            if before is not status:
+            if before is not status or (status is not INVALID and behaviour in seen.once_more):
                 told[behaviour] = status
                 if self._on_change is not None:
                     path, feedback = self._nodes[behaviour].path, shortened(behaviour.feedback_message)

@@ -8,7 +8,7 @@ by generators, and note every node they touch in ``seen``, children before paren
 from __future__ import annotations
 
 import abc
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 
 from py_trees.behaviour import Behaviour
 from py_trees.common import Status
@@ -23,10 +23,14 @@ class Seen(list[Behaviour]):
     """Nodes ticked or halted so far, children before parents; a node may stand in it twice.
 
     Attributes:
-        changed: whether any of them has another status than before.
+        changed: whether any of them has another status than before, or has come to it once more.
+        skills: nodes of which is told each time that they end.
+        once_more: those of them that were started anew and have ended as they had before; not if only asked again.
     """
 
     changed = False
+    skills: Collection[Behaviour] = ()
+    once_more: Collection[Behaviour] = ()
 
 
 SUCCESS, FAILURE, RUNNING, INVALID = Status.SUCCESS, Status.FAILURE, Status.RUNNING, Status.INVALID
@@ -50,6 +54,10 @@ class Branch(Behaviour):
 
         Before it, ``initialise`` is called whenever the node is not RUNNING.
         """
+
+    def asks_again(self, child: Behaviour) -> bool:
+        """Return whether a child that has ended and is ticked while this node runs is only asked again, not started."""
+        return True
 
     def halt_child(self, child: Behaviour, reason: str, seen: Seen) -> None:
         """Halt a child: this node is being halted; raises as :func:`halt`."""
@@ -98,10 +106,8 @@ def tick(node: Behaviour, seen: Seen) -> Status:
             if before is not RUNNING:
                 node.initialise()
             status = node.update()
-        else:  # a behaviour with a tick of its own, such as one that has children inside
-            for _ in node.tick():
-                pass
-            status = node.status
+        else:
+            status = _own_tick(node)
         if forks.astray or (status is not RUNNING and status is not SUCCESS and status is not FAILURE):
             raise _no_status(node, status)
     except Raised:
@@ -119,7 +125,18 @@ def tick(node: Behaviour, seen: Seen) -> Status:
     seen.append(node)
     if status is not before:
         seen.changed = True
+    elif status is not RUNNING and node in seen.skills and not asked_again(node):
+        seen.once_more = {*seen.once_more, node}
+        seen.changed = True
     return status
+
+
+def asked_again(node: Behaviour) -> bool:
+    """Return whether a node that has ended is ticked only because one above that runs asks it in every tick."""
+    above = node.parent
+    while above is not None and above.status is not RUNNING:  # it starts in this tick, and the node with it
+        node, above = above, above.parent
+    return isinstance(above, Branch) and above.asks_again(node)
 
 
 def halt(node: Behaviour, reason: str, seen: Seen) -> None:
@@ -152,6 +169,13 @@ def halt_alone(node: Behaviour, reason: str, seen: Seen) -> None:
     node.status = INVALID
     seen.append(node)
     seen.changed = True
+
+
+def _own_tick(node: Behaviour) -> Status:
+    """Tick a behaviour with a tick of its own, such as one that has children inside."""
+    for _ in node.tick():
+        pass
+    return node.status
 
 
 def _no_status(node: Behaviour, returned: object) -> Exception:
