@@ -12,7 +12,7 @@ from humanoid_bt.core.errors import UserError
 from humanoid_bt.core.messages import Pause
 from humanoid_bt.core.texts import shortened
 from humanoid_bt.session.breakpoints import Breakpoint, breakpoint_at
-from humanoid_bt.session.setting import assign_value
+from humanoid_bt.session.setting import setting
 from humanoid_bt.session.teller import Teller
 from humanoid_bt.session.tree_runner import TreeRunner
 from humanoid_bt.tree.ticking.executor import NodeChange
@@ -85,8 +85,8 @@ class Debugger:
         self._actions.append(action)
 
     def assign(self, tree: Tree, name: str, value: Any, source: str) -> None:
-        """Set a key or a parameter, between two ticks; raises as :func:`assign_value`."""
-        self._news.append(f"set {assign_value(tree, name, value)} by {source}")
+        """Set a key or a parameter, between two ticks; raises as :func:`setting`."""
+        self._news.append(f"set {setting(tree, name, value).apply()} by {source}")
 
     def force(self, tree: Tree, path: str, status: Status | str, source: str) -> None:
         """Let the next tick of a node give a result; between two ticks.

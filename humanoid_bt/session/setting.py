@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 from py_trees.common import Status
@@ -23,8 +24,39 @@ from humanoid_bt.tree.tree import Tree
 _BEFORE = "must be known before the run"
 
 
-def assign_value(tree: Tree, name: str, value: Any) -> str:
-    """Give a key of the blackboard, or a parameter of a node or of the tree, a value; return it in words.
+@dataclass(frozen=True)
+class Setting:
+    """A value that goes with what gets it: a key of the blackboard, or parameters of nodes.
+
+    Attributes:
+        name: what people call what is set.
+        unit: SI unit of a number, "" for none.
+        value: it.
+        key: the key that gets it, if one does.
+        initially: whether the key begins with it.
+        parameters: else the nodes that get it, with their parameter and the value as that takes it.
+    """
+
+    name: str
+    unit: str
+    value: Any
+    key: Key | None = None
+    initially: bool = False
+    parameters: Sequence[tuple[Node, str, Any]] = ()
+
+    def apply(self) -> str:
+        """Set it; return it in words."""
+        if self.key is not None:
+            self.key.put(self.value)
+            if self.initially:
+                self.key.initial = self.value
+        for node, parameter, converted in self.parameters:
+            setattr(node.behaviour, parameter, converted)
+        return f"{self.name} = {readable(self.value, self.unit)}"
+
+
+def setting(tree: Tree, name: str, value: Any) -> Setting:
+    """Return what gives a key of the blackboard, or a parameter of a node or of the tree, a value; nothing is set yet.
 
     A node reads a parameter when it needs it: a time-out in each tick, most skills when they start.
 
@@ -39,9 +71,9 @@ def assign_value(tree: Tree, name: str, value: Any) -> str:
     """
     keys = {key.name: key for key in tree.keys}
     if name in keys:
-        return _set_key(keys[name], value, begun=tree.root.status is not Status.INVALID)
+        return _of_key(keys[name], value, begun=tree.root.status is not Status.INVALID)
     if name in tree.parameters:
-        return _set_everywhere(tree, name, value)
+        return _everywhere(tree, name, value)
     path, dot, parameter = name.rpartition(".")
     if not dot:
         hint = nearest(name, [*keys, *tree.parameters]) or "the tree has neither"
@@ -55,18 +87,15 @@ def assign_value(tree: Tree, name: str, value: Any) -> str:
         hint = nearest(parameter, node.type.params) or "it has none"
         raise UserError(f"{node.path!r} has no parameter {parameter!r}", hint=hint, code="unknown-parameter")
     converted = checked(node, parameter, value)
-    setattr(node.behaviour, parameter, converted)
-    return f"{node.path}.{parameter} = {readable(converted, node.type.params[parameter].unit)}"
+    unit = node.type.params[parameter].unit
+    return Setting(f"{node.path}.{parameter}", unit, converted, parameters=[(node, parameter, converted)])
 
 
-def _set_key(key: Key, value: Any, begun: bool) -> str:
+def _of_key(key: Key, value: Any, begun: bool) -> Setting:
     spec = key.spec or Param(key.name, Any)
     if key.spec is None and isinstance(value, str) and (unit := base_unit(value)):
         spec = Param(key.name, float, unit=unit)
-    key.set(_converted(spec, key.name, value))
-    if not begun:
-        key.initial = key.value
-    return f"{key.name} = {readable(key.value, spec.unit)}"
+    return Setting(key.name, spec.unit, key.checked(_converted(spec, key.name, value)), key, initially=not begun)
 
 
 def uses_of(tree: Tree, name: str) -> list[tuple[Node, str]]:
@@ -85,14 +114,11 @@ def uses_of(tree: Tree, name: str) -> list[tuple[Node, str]]:
     return uses
 
 
-def _set_everywhere(tree: Tree, name: str, value: Any) -> str:
-    """Set a parameter of the tree wherever it was put in."""
-    uses = uses_of(tree, name)
-    values = [checked(node, parameter, value) for node, parameter in uses]
-    for (node, parameter), converted in zip(uses, values, strict=True):
-        setattr(node.behaviour, parameter, converted)
-    node, parameter = uses[0]
-    return f"{name} = {readable(values[0], node.type.params[parameter].unit)}"
+def _everywhere(tree: Tree, name: str, value: Any) -> Setting:
+    """Return what sets a parameter of the tree wherever it was put in."""
+    found = [(node, parameter, checked(node, parameter, value)) for node, parameter in uses_of(tree, name)]
+    node, parameter, converted = found[0]
+    return Setting(name, node.type.params[parameter].unit, converted, parameters=found)
 
 
 def _asks(node: Node, name: str) -> bool:

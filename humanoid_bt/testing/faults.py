@@ -16,7 +16,7 @@ from humanoid_bt.core.items import Item
 from humanoid_bt.core.messages import Array, Percept, State
 from humanoid_bt.core.params import param
 from humanoid_bt.plant.sensor_failures import IMU_SENSORS, SensorFailure
-from humanoid_bt.session.setting import assign_value
+from humanoid_bt.session.setting import setting
 from humanoid_bt.testing.fault import Acting, Fault, Known, Misnamed
 
 __all__ = [
@@ -307,7 +307,7 @@ class Set(Fault):
         """Yield what cannot be set so."""
         for name, value in self.values.items():
             try:
-                assign_value(known.tree, name, value)
+                setting(known.tree, name, value)
             except UserError as error:
                 for problem in error.problems:
                     yield Misnamed(problem, (name,), key=problem.code.startswith("unknown-"))
@@ -315,7 +315,7 @@ class Set(Fault):
     def begin(self, on: Acting) -> None:
         """Set them."""
         for name, value in self.values.items():
-            assign_value(on.known.tree, name, value)
+            setting(on.known.tree, name, value).apply()
 
     def __str__(self) -> str:
         return f"set ({', '.join(f'{name} = {value}' for name, value in self.values.items())})"

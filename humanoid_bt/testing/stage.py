@@ -132,12 +132,10 @@ class Stage:
         try:
             ready = self._engines.ready(loaded, seed, staging.conditions)
             engine = Staged(ready.engine, staging.script, seed, ready.plant)
-            if staging.script:
-                _check(staging, loaded, self._remade(loaded, staging), ready)
-                for key, initial in initials:  # trying what is set has changed them
-                    key.initial = initial
+            staged = self._remade(loaded, staging)
+            _check(staging, loaded, staged, ready)
             options = RunOptions(
-                tree=self._remade(loaded, staging),
+                tree=staged,
                 robot=str(ready.robot),
                 scene=str(ready.scene),
                 perception=self._perception,
@@ -220,7 +218,7 @@ def _known(loaded: Tree, tree: Tree, staging: Staging, ready: Ready) -> Known:
 
 
 def _check(staging: Staging, loaded: Tree, tree: Tree, ready: Ready) -> None:
-    """Try the names in a script on a tree that is not run after it.
+    """Look up the names in a script.
 
     Args:
         staging: what the test does.

@@ -160,6 +160,54 @@ root:
 """
 
 
+def test_a_script_sets_nothing_before_its_time(dry):
+    tree = hbt.make_tree(hbt.nodes.Sequence("all", [hbt.nodes.Wait(name, duration=0.2) for name in "abc"]))
+    run = dry.run(tree, script=[{"at": "0.3 s", "set": {"a.duration": 5, "c.duration": 1}}])
+    assert run.time == pytest.approx(1.4, abs=0.05)
+
+
+LEFT = """
+format: 1
+blackboard: {late: false}
+parameters: {places: {type: list, default: [1, 2]}}
+root:
+  sequence:
+    - set_blackboard: {key: late, expression: state.time > 0.1 s hysteresis 1 s}
+    - selector: [condition: state.time > 0.1 s, inverter: {condition: late}]
+    - take: {places: $places}
+    - wait: 0.2 s
+    - subtree: inner
+"""
+INNER = "format: 1\nsubtree: true\nblackboard: {seen: 0}\nroot: {set_blackboard: {key: seen, value: 99}}\n"
+TAKE = '''
+from typing import Any
+from humanoid_bt import Skill, param, result
+
+class Take(Skill):
+    """Take the first of the places."""
+
+    places: list[float] = param(doc="The places.")
+    taken: float = result(doc="It.")
+
+    def update(self):
+        self.taken = self.places.pop(0)
+        return self.succeed("taken")
+'''
+
+
+def test_a_tree_that_was_run_begins_as_it_was_loaded(tmp_path):
+    for file, text in {"trees/left.yaml": LEFT, "trees/inner.yaml": INNER, "skills/take.py": TAKE}.items():
+        (tmp_path / file).parent.mkdir(exist_ok=True)
+        (tmp_path / file).write_text(text)
+    stage = Stage(tmp_path, dry=True)
+    for number in range(3):
+        run = stage.run("left", record=tmp_path / f"{number}.rrd")
+        assert run.succeeded, run.reason
+        assert run.report.result("taken") == 1
+        board = hbt.open_recording(tmp_path / f"{number}.rrd").blackboard()
+        assert board["value"].to_pylist() == ["false", "0.0", "99.0"]
+
+
 def test_parameters_are_those_of_the_tree(dry):
     run = dry.run("fetch", parameters={"look": "2 s"})
     assert run.report.parameters["look"] == 2.0
