@@ -84,7 +84,7 @@ def _unsteady_expressions(draft: Draft, values: dict[str, Any]) -> Iterator[Prob
 
 
 def _with_hysteresis(expression: Expression, comparison: Watched) -> str:
-    whole = isinstance(expression.syntax, Comparison)
+    whole = isinstance(expression.syntax, Comparison) and expression.syntax.hysteresis is None
     written = expression.text.strip() if whole else f"{comparison.source} {comparison.operator} ..."
     return f"{written} hysteresis {_WIDTHS.get(comparison.type.unit, '...')}"
 

@@ -7,14 +7,14 @@ evaluated against the snapshot of a tick.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any, ClassVar, Self, cast
+from typing import Any, ClassVar, Self
 
 from humanoid_bt.core.errors import Place, UserError
 from humanoid_bt.core.items import Item
 from humanoid_bt.decision.robot import Robot
 from humanoid_bt.tree.expressions import grammar
 from humanoid_bt.tree.expressions.grammar import Syntax, SyntaxMistake
-from humanoid_bt.tree.expressions.linking import CODE, Evaluate, Linker, Names, Watched, within
+from humanoid_bt.tree.expressions.linking import CODE, Evaluate, Linker, Names, Watched, constant, within
 from humanoid_bt.tree.expressions.quantities import ANYTHING, TRUTH, Type
 
 _LinkerType = type[Linker]  # "type" is a field of expressions
@@ -135,12 +135,7 @@ class Expression:
     @property
     def constant(self) -> Any:
         """Its value if it is written in nothing but numbers and words (``true``, ``1 < 2``), else None."""
-        if self._evaluate is None or not grammar.is_constant(self.syntax):
-            return None
-        try:
-            return self._evaluate(cast(Robot, None))
-        except ArithmeticError:
-            return None
+        return None if self._evaluate is None else constant(self.syntax, self._evaluate)
 
     def forget(self) -> None:
         """Forget which comparisons held: hysteresis begins anew."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import operator
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
-from typing import Any, Protocol
+from typing import Any, Protocol, cast
 
 from humanoid_bt.core.errors import HumanoidBtError, Place, UserError, nearest
 from humanoid_bt.core.units import factors, readable_pair
@@ -73,7 +73,8 @@ class Watched:
         operator: how it compares.
         steady: whether it need no hysteresis: nothing in it jitters, or it has one.
         type: of what it compares.
-        text: what it compared, "" before the first time.
+        left, right: what it compared; `left` is None before the first time, and where it was not looked at.
+        text: the same in words.
         holds: whether it held, as far as hysteresis remembers.
     """
 
@@ -224,10 +225,18 @@ class Linker:
         return kind, lambda robot: -value(robot)
 
     def _logic(self, word: str, left: Syntax, right: Syntax) -> tuple[Type, Evaluate]:
-        first, second = self._truth(left, word), self._truth(right, word)
-        if word == "and":
-            return TRUTH, lambda robot: first(robot) and second(robot)
-        return TRUTH, lambda robot: first(robot) or second(robot)
+        first, before = self._truth(left, word), len(self.comparisons)
+        second, skipped, decides = self._truth(right, word), self.comparisons[before:], word == "or"
+
+        def decide(robot: Robot) -> Any:
+            answer = first(robot)
+            if bool(answer) is not decides:
+                return second(robot)
+            for comparison in skipped:
+                comparison.left = None
+            return answer
+
+        return TRUTH, decide
 
     def _arithmetic(self, sign: str, left: Syntax, right: Syntax) -> tuple[Type, Evaluate]:
         (kind, first), (other, second) = self._number(left, sign), self._number(right, sign)
@@ -264,8 +273,7 @@ class Linker:
         if (ordered and TEXT in (kind, other)) or (ordered and TRUTH in (kind, other)):
             raise self.mistake(f"{kind} and {other} have no order: {sign!r} is for numbers")
         jitters = len(self.percepts) > before and ordered
-        steady = not jitters or syntax.hysteresis is not None
-        watched = Watched(syntax.source, sign, steady, kind if kind.unit else other)
+        watched = Watched(syntax.source, sign, not jitters, kind if kind.unit else other)
         self.comparisons.append(watched)
         compare = _OPERATORS[sign]
         if syntax.hysteresis is None:
@@ -281,6 +289,10 @@ class Linker:
         if not width_type.goes_with(kind):
             valid = f"valid: {', '.join(factors(kind.unit))}" if factors(kind.unit) else ""
             raise self.mistake(f"the hysteresis of {kind} cannot be {width_type}", valid)
+        fixed = constant(syntax.hysteresis, width)
+        if fixed is not None and fixed < 0:
+            raise self.mistake("a hysteresis cannot be negative", "how much farther it goes on holding, like 5 cm")
+        watched.steady = watched.steady or fixed != 0
         looser = 1 if sign in ("<", "<=") else -1
 
         def with_hysteresis(robot: Robot) -> bool:
@@ -310,6 +322,16 @@ class Linker:
         if kind.kind not in ("number", "anything"):
             raise self.mistake(f"{what!r} needs {NUMBER.kind}s, not {kind}")
         return kind, value
+
+
+def constant(syntax: Syntax, evaluate: Evaluate) -> Any:
+    """Return the value of what is written in nothing but numbers and words (``true``, ``1 < 2``), else None."""
+    if not grammar.is_constant(syntax):
+        return None
+    try:
+        return evaluate(cast(Robot, None))
+    except ArithmeticError:
+        return None
 
 
 def _asked(syntax: grammar.Comparison, left: Type, right: Type) -> str:

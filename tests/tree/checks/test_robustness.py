@@ -67,6 +67,7 @@ def test_the_hint_is_the_condition_with_hysteresis(workspace: Workspace) -> None
         "abs(bearing(p)) <= 20 deg": "abs(bearing(p)) <= 20 deg hysteresis 5 deg",
         "p.confidence > 0.6": "p.confidence > 0.6 hysteresis 0.1",
         "state.standing and 1 m >= p.distance": "1 m >= ... hysteresis 5 cm",
+        "distance(p) < 1 m hysteresis 0 m": "distance(p) < ... hysteresis 5 cm",
     }
     for text, hint in hints.items():
         (warning,) = load(workspace, below(f"reactive_sequence: [{{condition: '{text}'}}, act]")).warnings

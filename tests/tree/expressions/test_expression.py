@@ -198,6 +198,8 @@ def test_what_was_never_seen_has_no_distance(names: Names, robot: Robot) -> None
         ("not 1", "'not' needs true or false, not a plain number"),
         ("near < 1 hysteresis 5 deg", "the hysteresis of a number in m cannot be a number in rad"),
         ("near == 1 hysteresis 5 cm", "'==' has no hysteresis"),
+        ("near < 1 hysteresis -5 cm", "a hysteresis cannot be negative"),
+        ("near < 1 hysteresis 1 cm - 2 cm", "a hysteresis cannot be negative"),
     ],
 )
 def test_what_is_refused(text: str, message: str, names: Names) -> None:
@@ -263,6 +265,15 @@ def test_hysteresis_holds_on_beyond_the_threshold_until_it_is_forgotten(names: N
     assert [at(0.55), at(0.45), at(0.55), at(0.61), at(0.55), at(0.45)] == [False, True, True, False, False, True]
     expression.forget()
     assert at(0.55) is False
+
+
+def test_what_is_explained_was_compared_this_time(names: Names, robot: Robot) -> None:
+    expression = Expression.parse("count > 0 or near > 1 m")
+    expression.link(names)
+    for count, explained in ((0, "count 0 > 0, near 0.5 m > 1 m"), (5, "count 5 > 0")):
+        names.count.set(count)
+        expression.evaluate(robot)
+        assert expression.explain() == explained
 
 
 def test_hysteresis_of_a_lower_bound(names: Names, robot: Robot) -> None:
