@@ -62,7 +62,7 @@ class Lasting:
             return False
         if self._since is None:
             self._since = now
-        return now - self._since >= self._duration
+        return now - self._since >= self._duration - _ROUNDING
 
 
 class Improving:

@@ -44,6 +44,12 @@ def test_lasting_begins_again_after_a_break() -> None:
     assert [lasting.update(True, t) for t in (0.5, 0.9, 1.0)] == [False, False, True]
 
 
+@pytest.mark.parametrize("start", [0.02 * tick for tick in range(1, 200, 7)])
+def test_lasting_is_as_long_wherever_it_begins(start: float) -> None:
+    lasting = Lasting(0.3)
+    assert [lasting.update(True, start + 0.02 * tick) for tick in (0, 14, 15)] == [False, False, True]
+
+
 def test_no_duration_is_at_once() -> None:
     lasting = Lasting(0.0)
     assert not lasting.update(False, 0.0)
