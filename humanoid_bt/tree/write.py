@@ -120,7 +120,7 @@ def _node(nodes: Sequence[Node], index: int, children: Mapping[int, list[int]]) 
 
 
 def _parameters(node: Node) -> dict[str, Any]:
-    body: dict[str, Any] = {} if node.name == node.type_name else {"name": node.name}
+    body: dict[str, Any] = {} if node.name == node.type_name else {"name": written(node.name)}
     if "name" in node.unresolved:
         body["name"] = node.unresolved["name"]
     for name, spec in node.type.params.items():

@@ -204,6 +204,7 @@ def test_parameters_keys_and_sub_trees_stay_what_they_are(workspace: Workspace, 
     [
         ("parameters: {a: s, b: f}\nroot: {for_each: {item: x, items: [$a, $b, $$c], log: '{x}'}}", {"a": "rs"}),
         ("parameters: {title: so}\nroot: {log: {name: $title, text: hi}}", {"title": "other"}),
+        ("root: {log: {name: $$title, text: hi}}", {}),
         ("parameters: {it: {type: node, default: {wait: 1 s}}}\nroot: {sequence: [$it, act]}", {}),
         ("blackboard: {x: a}\nroot: {switch: {value: x, cases: {'': act, a: {act: {script: s}}}}}", {}),
         (
