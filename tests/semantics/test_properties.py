@@ -121,12 +121,14 @@ class WatchedLife(Life):
     Attributes:
         alive: names of nodes that were started and have not ended.
         ticked: names of the nodes ticked since the last check.
+        skills: names of the skills that were started since the last check.
     """
 
     def __init__(self, tree: Node, workspace: Workspace) -> None:
         super().__init__(tree, workspace)
         self.alive: set[str] = set()
         self.ticked: set[str] = set()
+        self.skills: set[str] = set()
         self.below = {node.name: {other.name for other in node.all()} - {node.name} for node in tree.all()}
         for node in self.tree.nodes:
             self._watch(node.behaviour, "advance" if node.kind in ("composite", "decorator") else "update")
@@ -138,6 +140,8 @@ class WatchedLife(Life):
         def start() -> None:
             assert name not in self.alive, f"{name} was started twice"
             self.alive.add(name)
+            if isinstance(node, Skill):
+                self.skills.add(name)
             initialise()
 
         def tick(*seen: Any) -> Status:
@@ -184,9 +188,11 @@ def check(life: WatchedLife, told: dict[str, str]) -> None:
     for (earlier, _), (later, _) in itertools.combinations(changes, 2):
         assert later not in life.below[earlier], "a parent's change was told before its child's"
     for name, status in changes:
-        assert told[name] != status or name == life.raised
+        once_more = name in life.skills and status not in (INVALID, RUNNING)
+        assert told[name] != status or once_more or name == life.raised
         told[name] = status
     assert told == statuses
+    life.skills.clear()
 
 
 def drawn_statuses(root: Behaviour) -> dict[str, str]:
