@@ -14,6 +14,7 @@ from humanoid_bt.perception.track import Track
 from humanoid_bt.record.columns import Color, entity, send
 from humanoid_bt.record.overlays import SIDE_COLORS
 from humanoid_bt.robot.config import RobotConfig
+from humanoid_bt.robot.soft_limits import soft_limits
 from humanoid_bt.tree.show.looks import mix
 
 JOINTS = "joints"
@@ -60,8 +61,8 @@ class Plots:
         for index, name in enumerate(joint_names):
             members[config.group(name)].append(index)
         self.groups: dict[str, Array] = {group: np.array(found) for group, found in members.items() if found}
-        ranges = np.array([_limits(model, name, config.soft_limit_margin) for name in joint_names]).reshape(-1, 2)
-        self._lower, self._upper = ranges[:, 0], ranges[:, 1]
+        joints = [model.joint(name).id for name in joint_names]
+        self._lower, self._upper = soft_limits(model, joints, config.soft_limit_margin)
         self._samples: list[tuple[State, Mapping[str, Track]]] = []
         self._percepts: set[str] = set()
         self._limits_drawn: dict[str, bool] = {}  # at the end of the last batch, by group
@@ -151,13 +152,6 @@ def _style(stream: Any, path: str, names: Sequence[str], colors: Sequence[Any], 
 
 def _short(names: Sequence[str]) -> list[str]:
     return [name.removesuffix("_joint").replace("_", " ") for name in names]
-
-
-def _limits(model: mujoco.MjModel, joint: str, margin: float) -> tuple[float, float]:
-    found = model.joint(joint)
-    if not model.jnt_limited[found.id]:
-        return -np.inf, np.inf
-    return float(found.range[0] + margin), float(found.range[1] - margin)
 
 
 def _base(states: Sequence[State]) -> tuple[Array, Array, Array]:

@@ -320,7 +320,12 @@ class RobotConfig:
     drives: list[DriveConfig] = param(doc="Drives of all joints; the first group that matches a joint counts.")
     home: dict[str, float] = param({}, unit="rad", doc="Home posture: joint pattern to angle; others 0.")
     groups: dict[str, list[str]] = param({}, doc="Joint groups for plots: name to joint patterns.")
-    soft_limit_margin: float = param(0.02, minimum=0, unit="rad", doc="Soft limits lie this far inside the model's.")
+    soft_limit_margin: float = param(
+        0.02,
+        minimum=0,
+        unit="rad",
+        doc="Soft limits lie this far inside the model's, but at most a quarter of a joint's range.",
+    )
     body: BodyConfig = param(BodyConfig(), doc="What walks and balances.")
     gait: GaitConfig = param(GaitConfig(), doc="How it walks.")
     whole_body: WholeBodyConfig = param(WholeBodyConfig(), doc="How the body shares its work.")

@@ -18,6 +18,7 @@ from humanoid_bt.robot.config import FrameConfig, RobotConfig, SiteConfig
 from humanoid_bt.robot.palm import palm_axes
 from humanoid_bt.robot.policy.policy import Policy, load_policy
 from humanoid_bt.robot.published import model_problems, read_model
+from humanoid_bt.robot.soft_limits import soft_limits
 
 BASE_DOFS = 6
 BASE_COORDINATES = 7
@@ -71,7 +72,7 @@ class RobotModel:
         policy: the learned walker that walks it; None if none does.
         model: the robot alone, without floor or scene (the control layer's own copy).
         joint_names: names of the nj joints; joint i is coordinate 7 + i and degree of freedom 6 + i.
-        lower, upper: soft limits, shape (nj,) [rad].
+        lower, upper: soft limits, shape (nj,) [rad]; infinite where the model has none.
         stiffness, damping: drive gains, shape (nj,) [Nm/rad], [Nm s/rad].
         torque_limit: shape (nj,) [Nm].
         speed_limit: shape (nj,) [rad/s].
@@ -96,10 +97,7 @@ class RobotModel:
         self.damping = np.array([drive.damping for drive in drives if drive])
         self.torque_limit = np.array([drive.torque for drive in drives if drive])
         self.speed_limit = np.array([drive.speed for drive in drives if drive])
-        limited = model.jnt_limited[1:].astype(bool)
-        margin = config.soft_limit_margin
-        self.lower: Array = np.where(limited, model.jnt_range[1:, 0] + margin, -np.inf)
-        self.upper: Array = np.where(limited, model.jnt_range[1:, 1] - margin, np.inf)
+        self.lower, self.upper = soft_limits(model, list(range(1, model.njnt)), config.soft_limit_margin)
         home = np.array([config.home_angle(name) for name in self.joint_names])
         self.home_qpos: Array = np.concatenate([model.qpos0[:BASE_COORDINATES], np.clip(home, self.lower, self.upper)])
         self.palm_axes: dict[Side, Array] = {side: palm_axes(config, side) for side in SIDES if side in config.hands}

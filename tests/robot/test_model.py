@@ -23,6 +23,7 @@ from humanoid_bt.robot.model import (
     sole_site,
 )
 from humanoid_bt.robot.published import read_model
+from tests.joint_ranges import write_joint_ranges
 
 FACES = ((0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3))  # of a tetrahedron
 FOLDER = Path(__file__).resolve().parents[2] / "sim" / "humanoid"
@@ -82,6 +83,18 @@ def test_soft_limits_lie_inside_the_models(robot: RobotModel) -> None:
     margin = robot.config.soft_limit_margin
     np.testing.assert_allclose(robot.lower, robot.model.jnt_range[1:, 0] + margin)
     np.testing.assert_allclose(robot.upper, robot.model.jnt_range[1:, 1] - margin)
+
+
+def test_a_joint_that_hardly_turns_keeps_half_of_its_range(tmp_path: Path) -> None:
+    robot = RobotModel(load_robot_config(write_joint_ranges(tmp_path, "left_wrist_roll", half=0.01)))
+    wrist = robot.joint("left_wrist_roll")
+    assert (robot.lower[wrist], robot.upper[wrist]) == pytest.approx((-0.005, 0.005))
+
+
+def test_a_joint_without_a_range_has_no_soft_limits(tmp_path: Path) -> None:
+    robot = RobotModel(load_robot_config(write_joint_ranges(tmp_path, "left_wrist_roll")))
+    wrist = robot.joint("left_wrist_roll")
+    assert (robot.lower[wrist], robot.upper[wrist]) == (-np.inf, np.inf)
 
 
 def test_the_home_posture_is_inside_the_soft_limits(robot: RobotModel) -> None:
