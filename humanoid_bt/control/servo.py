@@ -16,7 +16,8 @@ from humanoid_bt.robot.model import RobotModel
 LIMIT_TOLERANCE = 1e-3
 """How far [rad] a setpoint may lie outside the soft limits before it is flagged: solvers overshoot by 1e-6."""
 
-_IN_LIMITS, _CLAMPED, _NOT_FINITE = range(3)  # what is found of a setpoint
+_IN_LIMITS, _CLAMPED, _NOT_FINITE, _NEGATIVE = range(4)  # what is found of a setpoint ...
+_WHY = {_NOT_FINITE: "the setpoint is not finite", _NEGATIVE: "the setpoint has negative gains"}  # ... that is refused
 
 
 class Servo:
@@ -58,7 +59,7 @@ class Servo:
         return self._command
 
     def follow(self, setpoint: Setpoint, time: float) -> str:
-        """Take a new setpoint, clamped into the limits, if it is finite; otherwise hold the last one.
+        """Take a new setpoint, clamped into the limits; hold the last one if it is not finite, or has negative gains.
 
         Args:
             setpoint: it.
@@ -69,19 +70,19 @@ class Servo:
         """
         robot = self._robot
         kept, limited = np.empty((3, len(robot.lower))), np.empty(len(robot.lower), dtype=bool)
+        stiffness = robot.stiffness if setpoint.stiffness is None else setpoint.stiffness
+        damping = robot.damping if setpoint.damping is None else setpoint.damping
         found = _clamped(
-            setpoint.position, setpoint.velocity, setpoint.torque, self.position, time,
+            setpoint.position, setpoint.velocity, setpoint.torque, stiffness, damping, self.position, time,
             robot.lower, robot.upper, robot.speed_limit, robot.torque_limit, kept, limited,
         )  # fmt: skip
-        if found == _NOT_FINITE:
+        if found in _WHY:
             self.hold()
-            return "the setpoint is not finite"
+            return _WHY[found]
         self.clamped, self.limited = found == _CLAMPED, limited
         self.clamps += self.clamped
         position, velocity, torque = kept
         self.position, self.setpoint = position, kept
-        stiffness = robot.stiffness if setpoint.stiffness is None else setpoint.stiffness
-        damping = robot.damping if setpoint.damping is None else setpoint.damping
         self._drive(JointCommand(position, velocity, stiffness, damping, torque))
         return ""
 
@@ -113,11 +114,16 @@ class Servo:
         self.commands += 1
 
 
-@compiled("i8(f8[::1], f8[::1], f8[::1], f8[::1], f8, f8[::1], f8[::1], f8[::1], f8[::1], f8[:, ::1], b1[::1])")
+@compiled(
+    "i8(f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8, f8[::1], f8[::1], f8[::1], f8[::1], f8[:, ::1],"
+    " b1[::1])"
+)
 def _clamped(
     position: Array,
     velocity: Array,
     torque: Array,
+    stiffness: Array,
+    damping: Array,
     before: Array,
     time: float,
     lower: Array,
@@ -130,7 +136,7 @@ def _clamped(
     """Write a setpoint as far as it is within all limits, and which joints it was not for; return what was found.
 
     Args:
-        position, velocity, torque: the setpoint.
+        position, velocity, torque, stiffness, damping: the setpoint.
         before: position of the last one.
         time: in which it is followed [s].
         lower, upper, speed_limit, torque_limit: the limits.
@@ -139,8 +145,11 @@ def _clamped(
     """
     found = _IN_LIMITS
     for joint in range(len(position)):
-        if not math.isfinite(position[joint] + velocity[joint] + torque[joint]):
+        gains = stiffness[joint] + damping[joint]
+        if not math.isfinite(position[joint] + velocity[joint] + torque[joint] + gains):
             return _NOT_FINITE
+        if min(stiffness[joint], damping[joint]) < 0:
+            return _NEGATIVE
         way, speed, most = time * speed_limit[joint], speed_limit[joint], torque_limit[joint]
         low, high = max(lower[joint], before[joint] - way), min(upper[joint], before[joint] + way)
         kept[0, joint] = min(max(position[joint], low), high)

@@ -11,6 +11,7 @@ from humanoid_bt.core.messages import Array, Estimate
 from humanoid_bt.robot.config import load_robot_config
 from humanoid_bt.robot.model import RobotModel
 from tests.control.control_rig import ControlRig
+from tests.joint_ranges import write_joint_ranges
 from tests.line_feet import write_line_feet
 
 ROBOT = Path(__file__).resolve().parents[2] / "sim" / "humanoid" / "robot.yaml"
@@ -25,6 +26,14 @@ def robot() -> RobotModel:
 def line_feet(tmp_path_factory: pytest.TempPathFactory) -> RobotModel:
     """A robot whose feet no joint rolls."""
     return RobotModel(load_robot_config(write_line_feet(tmp_path_factory.mktemp("line_feet"))))
+
+
+@pytest.fixture(scope="session")
+def endless(tmp_path_factory: pytest.TempPathFactory) -> RobotModel:
+    """A robot whose arms, waist and neck turn on and on."""
+    folder = tmp_path_factory.mktemp("endless")
+    joints = ("*_shoulder_*", "*_elbow", "*_wrist_*", "waist_*", "neck_*")
+    return RobotModel(load_robot_config(write_joint_ranges(folder, *joints)))
 
 
 @pytest.fixture(scope="session")

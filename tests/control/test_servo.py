@@ -94,7 +94,7 @@ def test_velocity_and_torque_are_limited(
     assert np.flatnonzero(servo.limited).tolist() == [joint]
 
 
-@pytest.mark.parametrize("field", ["position", "velocity", "torque"])
+@pytest.mark.parametrize("field", ["position", "velocity", "torque", "stiffness", "damping"])
 @pytest.mark.parametrize("value", [np.nan, np.inf])
 def test_what_is_not_finite_is_refused_and_the_last_setpoint_held(
     servo: Servo, setpoint: Setpoint, field: str, value: float
@@ -107,6 +107,13 @@ def test_what_is_not_finite_is_refused_and_the_last_setpoint_held(
     np.testing.assert_array_equal(servo.command.torque, good.torque)  # what carried the robot carries it still
     assert not servo.command.velocity.any()
     assert servo.follow(good, PERIOD) == ""
+
+
+@pytest.mark.parametrize("field", ["stiffness", "damping"])
+def test_negative_gains_are_refused(servo: Servo, robot: RobotModel, setpoint: Setpoint, field: str) -> None:
+    bad = replace(setpoint, **{field: changed(getattr(robot, field), 3, -1e-3)})
+    assert servo.follow(bad, PERIOD) == "the setpoint has negative gains"
+    np.testing.assert_array_equal(getattr(servo.command, field), getattr(robot, field))
 
 
 def test_damping_lets_go_but_for_the_joints_friction(servo: Servo, robot: RobotModel, setpoint: Setpoint) -> None:

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from humanoid_bt.core.messages import HandTarget, Mode, State
+from humanoid_bt.core.messages import Array, HandTarget, Mode, State
+from humanoid_bt.robot.model import RobotModel
 from humanoid_bt.session.happenings import Happenings
 from tests.control.control_rig import ControlRig
 from tests.safety.contact_trials import LATER, Wall, into_wall
@@ -40,6 +41,17 @@ def test_a_hand_that_carries_something_feels_a_wall(seed: int) -> None:
     assert outcome.later < LATER
     assert outcome.stands
     assert not outcome.early
+
+
+def test_an_arm_whose_joints_have_no_limits_yields(endless: RobotModel, standing: Array) -> None:
+    rig = ControlRig(endless, standing)
+    rig.plant.push("right_hand", np.array([0.0, -40.0, 0.0]), 0.2)
+    assert rig.run(0.5, {}, until=lambda state: state.contacts["right_arm"].yields if state.contacts else False)
+    rig.run(0.1, {})
+    softened = rig.controller.servo.command.stiffness / endless.stiffness
+    arm = endless.arm_joints("right")
+    np.testing.assert_allclose(softened[arm], endless.config.contact.stiffness)
+    np.testing.assert_array_equal(np.delete(softened, arm), 1.0)
 
 
 def test_an_arm_moves_away_from_what_pushed_it_before_it_goes_home(rig: ControlRig) -> None:

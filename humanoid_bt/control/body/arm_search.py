@@ -20,7 +20,7 @@ _PLACE, _TURN = 0.005, 0.02  # m, rad from its target at which a palm is there
 _BODY_DOES = 0.3  # m + rad of what is left where an arm ends that the rest of the body makes up for
 _FARTHEST = 0.5  # m, rad that a step goes at most
 _DAMPING = 0.1
-_ROOM = 0.02  # rad that is left to the limits of joints
+_ROOM = 0.02  # rad that is left to the limits of joints, at most a quarter of their range
 
 
 class ArmSearch:
@@ -47,8 +47,14 @@ class ArmSearch:
         self._places, self._dofs = joints + BASE_COORDINATES, joints + BASE_DOFS
         shoulder = int(self._model.jnt_bodyid[joints[0] + 1])
         self._arm = [body for body in range(self._model.nbody) if shoulder in carriers(self._model, body)]
-        self._lower, self._upper = robot.lower[joints] + _ROOM, robot.upper[joints] - _ROOM
-        self._home = robot.home_qpos[self._places]
+        lower, upper = robot.lower[joints], robot.upper[joints]
+        room = np.minimum(_ROOM, (upper - lower) / 4)
+        self._lower, self._upper = lower + room, upper - room
+        self._home = home = robot.home_qpos[self._places]
+        self._drawn = (  # between these: a joint without limits is anywhere after one turn
+            np.where(np.isfinite(lower), self._lower, home - math.pi),
+            np.where(np.isfinite(upper), self._upper, home + math.pi),
+        )
         self._goal: HandTarget | None = None
         self._starts, self._steps, self._off = 0, 0, math.inf
         self._best, self._least = self._home, _BODY_DOES
@@ -110,7 +116,7 @@ class ArmSearch:
     def _restart(self) -> None:
         self._starts += 1
         self.over = self._starts >= _STARTS
-        self._start(self._home if self._starts == 1 else self._numbers.uniform(self._lower, self._upper))
+        self._start(self._home if self._starts == 1 else self._numbers.uniform(*self._drawn))
 
     def _start(self, angles: Array) -> None:
         self._data.qpos[self._places] = clamp(angles, self._lower, self._upper)

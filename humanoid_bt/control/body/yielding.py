@@ -19,6 +19,7 @@ _TAKE_UP_TIME, _TAKES_UP_FOR = 0.1, 0.3  # s, likewise of one that has yielded, 
 _STIFFEN_TIME = 2.0  # s in which an arm that is soft becomes as stiff as it can be
 _STOP = 0.15  # rad before a joint's limit over which it becomes as stiff as it can be, where it is pushed there
 _STOP_LEAST = 0.02  # rad, likewise of one that was nearer when it began to yield
+_FAR = 1e6  # rad: where the limits of a joint are that has none
 _HOMEWARD = 0.2  # share of its stiffness that an arm has at most that goes home from what it touched
 _AWAY, _AWAY_TIME, _AWAY_SPEED = 0.10, 1.2, 0.1  # m, s and m/s: that far and long it first moves away from there
 _HOME_SPEED = 0.3  # rad/s of its joints afterwards
@@ -81,9 +82,9 @@ class YieldingArms:
     def __init__(self, robot: RobotModel, dynamics: RobotDynamics, kinematics: PlannedJoints, dt: float) -> None:
         self._joints = {side: robot.arm_joints(side) for side in SIDES if side in robot.config.hands}
         self._least, self._notice = robot.config.contact.stiffness, robot.config.contact.notice
-        stop = np.minimum(_STOP, (robot.upper - robot.lower) / 4)
-        self._lowest, self._highest = robot.lower + stop, robot.upper - stop  # where the plan of one that yields ends
-        self._lower, self._upper = robot.lower, robot.upper
+        self._lower, self._upper = np.maximum(robot.lower, -_FAR), np.minimum(robot.upper, _FAR)
+        stop = np.minimum(_STOP, (self._upper - self._lower) / 4)
+        self._lowest, self._highest = self._lower + stop, self._upper - stop  # where the plan of one that yields ends
         self._dynamics, self._kinematics, self._dt = dynamics, kinematics, dt
         self._count = len(robot.joint_names)
         self.reset()

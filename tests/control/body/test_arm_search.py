@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import mujoco
 import numpy as np
 import pytest
@@ -11,9 +13,12 @@ from humanoid_bt.control.body.self_collision import SelfCollisionLimit
 from humanoid_bt.core.geometry import quaternion
 from humanoid_bt.core.messages import Array, HandTarget, Pointing, Side
 from humanoid_bt.core.palm import turn_left
+from humanoid_bt.robot.config import load_robot_config
 from humanoid_bt.robot.model import RobotModel, palm_site
+from tests.joint_ranges import write_joint_ranges
 
 LEFT: Side = "left"
+OUT_OF_REACH = HandTarget(np.array([3.0, 0.0, 1.0]), Pointing(np.array([1.0, 0.0, 0.0])))
 
 
 @pytest.fixture(scope="module")
@@ -80,9 +85,32 @@ def test_finds_angles_for_a_pose_that_the_arm_can_have(
 
 
 def test_says_when_there_are_none(search: ArmSearch, standing: Array) -> None:
-    search.begin(standing, HandTarget(np.array([3.0, 0.0, 1.0]), Pointing(np.array([1.0, 0.0, 0.0]))))
+    search.begin(standing, OUT_OF_REACH)
     assert all_of(search) == []
     assert search.go_on(1) is None
+
+
+def test_an_arm_without_limits_is_searched_within_a_turn(endless: RobotModel, standing: Array) -> None:
+    search, spun = ArmSearch(endless, SelfCollisionLimit(endless), LEFT), standing.copy()
+    spun[7 + endless.joint("left_wrist_yaw")] += 6.0
+    place, frame = palm(endless, standing)
+    search.begin(spun, HandTarget(place, quaternion(frame)))
+    found = all_of(search)
+    assert len(found) > 1
+    for angles in found:
+        there, _ = palm(endless, with_arm(endless, standing, angles))
+        assert np.linalg.norm(there - place) < 0.005
+
+
+def test_a_joint_that_hardly_turns_stays_within_its_limits(tmp_path: Path, standing: Array) -> None:
+    robot = RobotModel(load_robot_config(write_joint_ranges(tmp_path, "left_wrist_roll", half=0.01)))
+    search, wrist = ArmSearch(robot, SelfCollisionLimit(robot), LEFT), robot.joint("left_wrist_roll")
+    place, frame = palm(robot, standing)
+    search.begin(standing, HandTarget(place, quaternion(frame)))
+    found = all_of(search)
+    assert len(found) > 1
+    for angles in found:
+        assert robot.lower[wrist] <= angles[robot.arm_joints(LEFT).index(wrist)] <= robot.upper[wrist]
 
 
 def test_does_the_same_again(search: ArmSearch, robot: RobotModel, links: SelfCollisionLimit, standing: Array) -> None:
