@@ -100,6 +100,8 @@ class RobotModel:
         self.lower, self.upper = soft_limits(model, list(range(1, model.njnt)), config.soft_limit_margin)
         home = np.array([config.home_angle(name) for name in self.joint_names])
         self.home_qpos: Array = np.concatenate([model.qpos0[:BASE_COORDINATES], np.clip(home, self.lower, self.upper)])
+        if problems := list(self._hands_without_arms()):
+            raise UserError(problems)
         self.palm_axes: dict[Side, Array] = {side: palm_axes(config, side) for side in SIDES if side in config.hands}
         self.mass = float(model.body_subtreemass[model.body(config.base).id])
 
@@ -123,6 +125,14 @@ class RobotModel:
         trunk = carriers(model, model.body(config.torso).id)
         arm = set(carriers(model, model.body(config.hands[side].body).id)) - set(trunk)
         return [j - 1 for j in range(1, model.njnt) if int(model.jnt_bodyid[j]) in arm]
+
+    def _hands_without_arms(self) -> Iterator[Problem]:
+        torso = self.config.torso
+        for side, hand in self.config.hands.items():
+            if not self.arm_joints(side):
+                message = f"no joint moves the {side} hand, on {hand.body!r}, against the torso, {torso!r}"
+                hint = "a hand is on the last link of an arm; a robot without arms has no key 'hands'"
+                yield Problem(message, self.config.place("hands", side, "body"), hint, code="wrong-torso")
 
     @property
     def leg_joints(self) -> list[int]:

@@ -163,6 +163,19 @@ def test_an_unknown_name_is_answered_with_its_place_and_the_nearest_one(
     assert str(problem.place).startswith(line + ":")
 
 
+@pytest.mark.parametrize(
+    ("old", "new", "body"),
+    [("left: {body: left_hand,", "left: {body: torso,", "torso"), ("torso: torso", "torso: left_hand", "left_hand")],
+)
+def test_a_hand_that_no_arm_moves_is_refused(*, tmp_path: Path, edit: Edit, old: str, new: str, body: str) -> None:
+    edit("robot.yaml", old, new)
+    with pytest.raises(UserError) as error:
+        load(tmp_path)
+    (problem,) = error.value.problems
+    assert problem.message.startswith(f"no joint moves the left hand, on {body!r}, against the torso")
+    assert str(problem.place) == place_of(tmp_path, "robot.yaml", f"{body}, position")
+
+
 def test_a_joint_without_a_drive_is_named(tmp_path: Path, edit: Edit) -> None:
     edit("robot.yaml", '  - {joints: ["neck_*"], stiffness: 40, damping: 2, torque: 15}\n', "")
     with pytest.raises(UserError) as error:
