@@ -88,9 +88,9 @@ def _implausible(robot: RobotModel) -> Iterator[Problem]:
     data = mujoco.MjData(robot.model)
     data.qpos[:] = robot.home_qpos
     mujoco.mj_kinematics(robot.model, data)
-    roles = list(_wrong_joints(robot, data))
+    roles = list(_wrong_joints(robot))
     yield from roles
-    yield from _wrong_neck(robot, data)
+    yield from _wrong_neck(robot)
     yield from _soles_off(robot)
     yield from _home_outside(robot)
     yield from _wrong_bodies(robot, data)
@@ -102,26 +102,25 @@ def _implausible(robot: RobotModel) -> Iterator[Problem]:
     yield from _wider_than_said(robot, data)
 
 
-def _wrong_joints(robot: RobotModel, data: mujoco.MjData) -> Iterator[Problem]:
+def _wrong_joints(robot: RobotModel) -> Iterator[Problem]:
     """Yield joints that do not do what their role in a leg is."""
     config, model = robot.config, robot.model
-    upright = data.body(config.base).xmat.reshape(3, 3)
     for side in SIDES:
         leg = config.legs[side]
         chain = _joints_above(model, leg.sole.body)
         for role, axis in _AXES.items():
             joint, place = getattr(leg, role), config.place("legs", side, role)
             if joint is None:
-                yield from _unnamed_roll(robot, data, side, chain)
+                yield from _unnamed_roll(robot, side, chain)
                 continue
-            turns = upright.T @ data.joint(joint).xaxis
+            turns = robot.axes[robot.joint(joint)]
             hip = role.startswith("hip")
             others = [getattr(leg, other) for other in _AXES if other.startswith("hip") != hip]
             if joint not in chain:
                 hint = f"the joints of this leg: {', '.join(chain)}"
                 yield Problem(f"{joint!r} does not move the {side} sole", place, hint, code="joint-role")
             elif abs(turns[axis]) < _ALONG:
-                fits = [name for name in chain if abs((upright.T @ data.joint(name).xaxis)[axis]) >= _ALONG]
+                fits = [name for name in chain if abs(robot.axes[robot.joint(name), axis]) >= _ALONG]
                 hint = f"of this leg these turn about {'xyz'[axis]}: {', '.join(fits)}" if fits else "turn its axis"
                 message = f"{joint!r} turns about {_axis(turns)}, a {role} joint about {'xyz'[axis]}"
                 yield Problem(message, place, hint, code="joint-role")
@@ -131,34 +130,32 @@ def _wrong_joints(robot: RobotModel, data: mujoco.MjData) -> Iterator[Problem]:
                 yield Problem(f"{joint!r} is no {part} joint", place, hint, code="joint-role")
 
 
-def _unnamed_roll(robot: RobotModel, data: mujoco.MjData, side: Side, chain: list[str]) -> Iterator[Problem]:
+def _unnamed_roll(robot: RobotModel, side: Side, chain: list[str]) -> Iterator[Problem]:
     """Yield that a foot is tilted sideways by a joint that robot.yaml does not name.
 
     Args:
         robot: the robot.
-        data: in its home posture.
         side: of a leg without ankle roll.
         chain: its joints, from the base down.
     """
-    leg, upright = robot.config.legs[side], data.body(robot.config.base).xmat.reshape(3, 3)
+    leg = robot.config.legs[side]
     below = chain[chain.index(leg.hip_pitch) + 1 :] if leg.hip_pitch in chain else []
     for joint in below:
-        if joint != leg.hip_roll and abs((upright.T @ data.joint(joint).xaxis)[0]) >= _ALONG:
+        if joint != leg.hip_roll and abs(robot.axes[robot.joint(joint), 0]) >= _ALONG:
             place = robot.config.place("legs", side)
             message = f"{joint!r} tilts the {side} foot sideways, and no ankle_roll is named"
             yield Problem(message, place, f"ankle_roll: {joint}", code="joint-role")
 
 
-def _wrong_neck(robot: RobotModel, data: mujoco.MjData) -> Iterator[Problem]:
+def _wrong_neck(robot: RobotModel) -> Iterator[Problem]:
     """Yield joints of the neck that do not turn the head as they shall."""
     config = robot.config
     if config.neck is None:
         return
-    upright = data.body(config.base).xmat.reshape(3, 3)
     above = _joints_above(robot.model, config.gaze.body)
     for role, axis in (("yaw", 2), ("pitch", 1)):
         joint, place = getattr(config.neck, role), config.place("neck", role)
-        turns = upright.T @ data.joint(joint).xaxis
+        turns = robot.axes[robot.joint(joint)]
         if joint not in above:
             hint = f"these do: {', '.join(above)}"
             yield Problem(f"{joint!r} does not move the eyes", place, hint, code="joint-role")

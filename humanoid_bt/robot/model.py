@@ -77,6 +77,7 @@ class RobotModel:
         torque_limit: shape (nj,) [Nm].
         speed_limit: shape (nj,) [rad/s].
         home_qpos: home posture above the origin, feet not yet on the ground, shape (7 + nj,).
+        axes: of the joints in the home posture, in the frame of the base (x ahead, z up), shape (nj, 3).
         mass: [kg].
         palm_axes: of each hand the rotation from its palm's frame (x along the fingers, z where the palm faces) to that
             of its body, shape (3, 3).
@@ -100,6 +101,7 @@ class RobotModel:
         self.lower, self.upper = soft_limits(model, list(range(1, model.njnt)), config.soft_limit_margin)
         home = np.array([config.home_angle(name) for name in self.joint_names])
         self.home_qpos: Array = np.concatenate([model.qpos0[:BASE_COORDINATES], np.clip(home, self.lower, self.upper)])
+        self.axes = self._axes_at_home()
         if problems := list(self._hands_without_arms()):
             raise UserError(problems)
         self.palm_axes: dict[Side, Array] = {side: palm_axes(config, side) for side in SIDES if side in config.hands}
@@ -111,11 +113,13 @@ class RobotModel:
 
     def direction(self, name: str, axis: int) -> float:
         """Return which way round a joint turns about an axis (0: x, 1: y, 2: z) of the base as it stands: 1 or -1."""
+        return -1.0 if self.axes[self.joint(name), axis] < 0 else 1.0
+
+    def _axes_at_home(self) -> Array:
         data = mujoco.MjData(self.model)
         data.qpos[:] = self.home_qpos
         mujoco.mj_kinematics(self.model, data)
-        upright = data.body(self.config.base).xmat.reshape(3, 3)
-        return -1.0 if float(upright[:, axis] @ data.joint(name).xaxis) < 0 else 1.0
+        return np.asarray(data.xaxis[1:] @ data.body(self.config.base).xmat.reshape(3, 3))
 
     def arm_joints(self, side: Side) -> list[int]:
         """Return the joints between the torso and a hand, as indices of the arrays over joints; none without hands."""
@@ -127,10 +131,10 @@ class RobotModel:
         return [j - 1 for j in range(1, model.njnt) if int(model.jnt_bodyid[j]) in arm]
 
     def _hands_without_arms(self) -> Iterator[Problem]:
-        torso = self.config.torso
-        for side, hand in self.config.hands.items():
-            if not self.arm_joints(side):
-                message = f"no joint moves the {side} hand, on {hand.body!r}, against the torso, {torso!r}"
+        torso, hands = self.config.torso, self.config.hands
+        for side in SIDES:
+            if side in hands and not self.arm_joints(side):
+                message = f"no joint moves the {side} hand, on {hands[side].body!r}, against the torso, {torso!r}"
                 hint = "a hand is on the last link of an arm; a robot without arms has no key 'hands'"
                 yield Problem(message, self.config.place("hands", side, "body"), hint, code="wrong-torso")
 

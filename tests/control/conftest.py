@@ -13,6 +13,7 @@ from humanoid_bt.robot.model import RobotModel
 from tests.control.control_rig import ControlRig
 from tests.joint_ranges import write_joint_ranges
 from tests.line_feet import write_line_feet
+from tests.other_frames import write_other_frames
 
 ROBOT = Path(__file__).resolve().parents[2] / "sim" / "humanoid" / "robot.yaml"
 
@@ -34,6 +35,12 @@ def endless(tmp_path_factory: pytest.TempPathFactory) -> RobotModel:
     folder = tmp_path_factory.mktemp("endless")
     joints = ("*_shoulder_*", "*_elbow", "*_wrist_*", "waist_*", "neck_*")
     return RobotModel(load_robot_config(write_joint_ranges(folder, *joints)))
+
+
+@pytest.fixture(scope="session")
+def other_frames(tmp_path_factory: pytest.TempPathFactory) -> RobotModel:
+    """The robot with other frames and axes; it moves the same."""
+    return RobotModel(load_robot_config(write_other_frames(tmp_path_factory.mktemp("other_frames"))))
 
 
 @pytest.fixture(scope="session")

@@ -10,7 +10,7 @@ import numpy as np
 from humanoid_bt.core.messages import SIDES, Array, Side
 from humanoid_bt.robot.model import RobotModel
 
-_ALONG = 0.8  # of a joint's axis along y, for the joint to swing the arm ahead and back
+_ALONG = 0.8  # of a joint's axis along the robot's, for the joint to swing the arm ahead and back
 _FARTHEST = 0.4  # rad
 _TIME = 0.1  # s, low-pass
 
@@ -28,7 +28,7 @@ class ArmSwing:
 
     def __init__(self, robot: RobotModel, dt: float) -> None:
         self._share, self._gain = min(1.0, dt / _TIME), robot.config.gait.arm_swing
-        across = robot.model.jnt_axis[1:, 1]
+        across = robot.axes[:, 1]
         self._shoulders: dict[Side, tuple[int, float]] = {}  # joint, and which way it turns
         for side in SIDES:
             pitch = [joint for joint in robot.arm_joints(side) if abs(across[joint]) > _ALONG]

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
 from humanoid_bt.control.body.references import approach
 from humanoid_bt.core.messages import Array
 from humanoid_bt.robot.model import RobotModel
@@ -33,7 +31,7 @@ class LeanReference:
 
     def __init__(self, robot: RobotModel, dt: float) -> None:
         config = robot.config
-        neck = _nods(robot, config.neck.pitch) if config.neck else 0.0
+        neck = _turns(robot, robot.joint(config.neck.pitch), 1)[1] if config.neck else 0.0
         self._unaided = config.gaze.down + neck + config.whole_body.gaze_below
         self._waist, self._dt = waist_range(robot, 1)[1], dt
         self._farthest = min(config.whole_body.gaze_lean, self._waist + max(0.0, config.fall.tilt - _UPRIGHT))
@@ -71,10 +69,10 @@ class LeanReference:
         return max(0.0, self.torso - self._waist)
 
 
-def _nods(robot: RobotModel, pitch: str) -> float:
-    """Return how far the neck turns the head down [rad]."""
-    joint = robot.joint(pitch)
-    return float(robot.upper[joint] if robot.direction(pitch, 1) > 0 else -robot.lower[joint])
+def _turns(robot: RobotModel, joint: int, axis: int) -> tuple[float, float]:
+    """Return from where to where a joint turns about an axis of the robot (0: x, 1: y), at most half round [rad]."""
+    low, high = max(-math.pi, robot.lower.item(joint)), min(robot.upper.item(joint), math.pi)
+    return (-high, -low) if robot.axes[joint, axis] < 0 else (low, high)
 
 
 def waist_range(robot: RobotModel, axis: int) -> tuple[float, float]:
@@ -90,8 +88,8 @@ def waist_range(robot: RobotModel, axis: int) -> tuple[float, float]:
     while body not in (base, 0):
         first = int(model.body_jntadr[body])
         for joint in range(first, first + int(model.body_jntnum[body])):
-            if model.jnt_axis[joint][axis] > _ALONG:
-                least += float(np.clip(robot.lower[joint - 1], -math.pi, 0.0))
-                most += float(np.clip(robot.upper[joint - 1], 0.0, math.pi))
+            if abs(robot.axes[joint - 1, axis]) > _ALONG:
+                low, high = _turns(robot, joint - 1, axis)
+                least, most = least + min(low, 0.0), most + max(high, 0.0)
         body = int(model.body_parentid[body])
     return least, most

@@ -33,6 +33,10 @@ def test_each_arm_goes_ahead_with_the_other_foot(swing: ArmSwing, robot: RobotMo
     assert moved["right_shoulder_pitch"] == pytest.approx(-moved["left_shoulder_pitch"])
 
 
+def test_which_joints_swing_does_not_depend_on_how_frames_are_turned(swing: ArmSwing, other_frames: RobotModel) -> None:
+    np.testing.assert_array_equal(settle(ArmSwing(other_frames, DT)), settle(swing))
+
+
 def test_an_arm_whose_hand_is_commanded_does_not_swing(swing: ArmSwing, robot: RobotModel) -> None:
     settle(swing)
     joints = settle(swing, busy=("left",))

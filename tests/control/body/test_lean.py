@@ -62,6 +62,11 @@ def test_the_waist_leans_first_then_the_pelvis(neckless: RobotModel, rigid: Robo
     assert leaning.base == leaning.torso > 0.2
 
 
+def test_it_does_not_matter_which_way_round_joints_turn(robot: RobotModel, other_frames: RobotModel) -> None:
+    one, other = (lean(of, below(1.5)) for of in (robot, other_frames))
+    assert (one.torso, one.base) == (other.torso, other.base)
+
+
 def test_the_body_sinks_when_leaning_is_not_enough(neckless: RobotModel) -> None:
     whole_body = neckless.config.whole_body
     assert lean(neckless, below(whole_body.gaze_below + whole_body.gaze_lean)).crouch == 0

@@ -79,6 +79,13 @@ def test_pelvis_and_trunk_turn_about_the_axes_of_the_heading(lunge: Lunge) -> No
     np.testing.assert_allclose(ahead, (pelvis_pitch, -pelvis_roll, pitch, -roll), atol=1e-3)
 
 
+def test_it_does_not_matter_which_way_round_the_waist_turns(lunge: Lunge, other_frames: RobotModel) -> None:
+    other = Lunge(other_frames, DT)
+    for missed in (ASIDE, np.array([0.2, 0.0]), np.array([-0.2, 0.0])):
+        assert np.array_equal(go_on(lunge, missed, 0.3), go_on(other, missed, 0.3))
+        assert lunge.tilts(0.0) == other.tilts(0.0)
+
+
 def test_a_waist_that_does_not_roll_leaves_the_trunk_as_the_pelvis_is(robot: RobotModel) -> None:
     rigid = RobotModel(replace(robot.config, torso=robot.config.base))
     lunge = Lunge(rigid, DT)

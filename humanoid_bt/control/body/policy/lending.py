@@ -5,7 +5,6 @@ from __future__ import annotations
 import fnmatch
 from collections.abc import Iterable, Mapping
 
-import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
@@ -58,7 +57,7 @@ class Lending:
             for group, of in parts.items()
         }
         self.groups[WAIST] = [index for index, name in enumerate(names) if _matches(name, lend.waist)]
-        aside = rolls(joint_axes(robot))
+        aside = rolls(robot.axes)
         self.groups[VIEW] = [joint for joint in self.groups[WAIST] if not aside[joint]]
         self._always = np.array([float(name not in moved) for name in names])
         self._dt = dt
@@ -104,14 +103,6 @@ class Lending:
     def busy(self) -> bool:
         """Whether anything is lent that the walker could move itself."""
         return any(self._shares.values())
-
-
-def joint_axes(robot: RobotModel) -> Array:
-    """Return the axes of the joints in the home posture, x ahead and z up, shape (nj, 3)."""
-    data = mujoco.MjData(robot.model)
-    data.qpos[:] = robot.home_qpos
-    mujoco.mj_kinematics(robot.model, data)
-    return np.array(data.xaxis[1:])
 
 
 def rolls(axes: Array) -> NDArray[np.bool_]:

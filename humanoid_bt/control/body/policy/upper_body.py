@@ -11,7 +11,7 @@ import numpy as np
 
 from humanoid_bt.control.body.mink_terms import frame_task
 from humanoid_bt.control.body.palm_task import PalmTask
-from humanoid_bt.control.body.policy.lending import joint_axes, rolls
+from humanoid_bt.control.body.policy.lending import rolls
 from humanoid_bt.control.body.quadratic_program import QuadraticProgram
 from humanoid_bt.control.body.self_collision import SelfCollisionLimit
 from humanoid_bt.core.geometry import clamp, view_along
@@ -67,7 +67,7 @@ class UpperBody:
         }
         self._damping = weights.damping
         self._farthest = np.minimum(robot.speed_limit, _FASTEST) * dt
-        axes = joint_axes(robot)[waist]
+        axes = robot.axes[waist]
         turns = np.abs(axes[:, 2]) > _UPRIGHT
         speeds = np.where(turns, _YAW_SPEED, np.where(rolls(axes), _ROLL_SPEED, _WAIST_SPEED))
         self._farthest[waist] = speeds * dt
