@@ -288,7 +288,7 @@ def _joint_patterns(config: RobotConfig) -> Iterator[_Reference]:
 
 
 def _add_drives(spec: mujoco.MjSpec, config: RobotConfig) -> None:
-    """Give every joint a torque drive: force = ctrl - stiffness q - damping qd, within its limit.
+    """Give every joint a torque drive: force = ctrl - stiffness q - damping qd, within its limit and no other.
 
     Damping that the model gives a joint, and that is as large as a drive's, stands for that of the actuator which is
     dropped: position actuators of MJCF have none unless it is said. As friction it would eat up the drive's torque.
@@ -301,6 +301,7 @@ def _add_drives(spec: mujoco.MjSpec, config: RobotConfig) -> None:
             continue
         if float(joint.damping[0]) > max(_DRIVES_OWN * drive.damping, LEAST_DAMPING):
             joint.damping = np.zeros(3)
+        joint.actfrclimited = mujoco.mjtLimited.mjLIMITED_FALSE
         spec.add_actuator(
             name=joint.name,
             target=joint.name,

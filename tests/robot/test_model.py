@@ -130,6 +130,15 @@ def test_a_published_models_own_drives_keyframes_and_sensors_do_not_disturb(tmp_
     assert robot.model.actuator("left_knee").gainprm[0] == 1
 
 
+def test_the_torque_limit_is_that_of_the_drive_whatever_the_models_joint_says(tmp_path: Path, edit: Edit) -> None:
+    edit("humanoid.xml", '<joint name="left_elbow"', '<joint name="left_elbow" actuatorfrcrange="-3 3"')
+    robot = load(tmp_path)
+    data, elbow = mujoco.MjData(robot.model), robot.joint("left_elbow")
+    data.ctrl[elbow] = 1e3
+    mujoco.mj_forward(robot.model, data)
+    assert data.qfrc_actuator[BASE_DOFS + elbow] == data.actuator_force[elbow] == robot.torque_limit[elbow] > 3
+
+
 # ---- mistakes -------------------------------------------------------------------------------------------------------
 
 
