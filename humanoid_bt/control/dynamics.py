@@ -11,7 +11,7 @@ from humanoid_bt.core.compiled import compiled
 from humanoid_bt.core.geometry import quaternion
 from humanoid_bt.core.messages import SIDES, Array, Estimate, FootPose, Side
 from humanoid_bt.robot.model import GAZE_SITE, RobotModel, palm_site, sole_site
-from humanoid_bt.robot.mujoco_functions import com_pos, com_vel, kinematics, make_m, rne, subtree_vel
+from humanoid_bt.robot.mujoco_functions import com_pos, com_vel, kinematics, make_m, passive, rne, subtree_vel
 
 GRAVITY = 9.81
 """[m/s^2]"""
@@ -31,7 +31,7 @@ class RobotDynamics:
         soles: poses (x, y, yaw) of the soles.
         footings: height of each sole and how its foot is turned from level about the world's x and y [m, rad].
         roll, pitch: tilt of the base [rad].
-        bias: Coriolis, centrifugal and gravity forces, shape (nv,).
+        bias: Coriolis, centrifugal and gravity forces, less those of the joints' springs, shape (nv,).
         motions, origin: as :func:`~humanoid_bt.control.jacobians.point_moves` wants them.
     """
 
@@ -58,7 +58,7 @@ class RobotDynamics:
         self.roll = self.pitch = 0.0
         self._tilt: Array = np.zeros(2)
         self._kept = (  # what :func:`_update` is called with each time
-            *self.addresses, data.qpos, self.bias, data.subtree_com[self._base],
+            *self.addresses, data.qpos, self.bias, data.qfrc_spring, data.subtree_com[self._base],
             data.subtree_linvel[self._base], data.site_xpos, data.site_xmat, np.array(list(self._sole.values())),
             robot.config.feet_roll,
         )  # fmt: skip
@@ -134,7 +134,10 @@ class RobotDynamics:
         return np.array(self.data.site_xmat[self._gaze][[0, 3, 6]])
 
 
-@compiled("void(f8[:, ::1], f8[::1], i8, i8, f8[::1], f8[::1], f8[::1], f8[::1], f8[:, ::1], f8[:, ::1], i8[::1], b1)")
+@compiled(
+    "void(f8[:, ::1], f8[::1], i8, i8, f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[:, ::1], f8[:, ::1], i8[::1],"
+    " b1)"
+)
 def _update(
     rows: Array,
     tilt: Array,
@@ -142,6 +145,7 @@ def _update(
     data: int,
     qpos: Array,
     bias: Array,
+    springs: Array,
     com: Array,
     com_velocity: Array,
     places: Array,
@@ -158,7 +162,7 @@ def _update(
         rows: are written: centre of mass, its velocity, and of both soles positions, then poses, then footings.
         tilt: is written: roll and pitch of the base [rad].
         model, data: addresses of MuJoCo's.
-        qpos, bias, com, com_velocity: views of data; all but the first are written.
+        qpos, bias, springs, com, com_velocity: views of data; all but the first are written.
         places, turns: positions and rotation matrices of all sites, likewise, shapes (n, 3) and (n, 9).
         soles: which of these are soles.
         feet_roll: whether a joint rolls the feet.
@@ -168,6 +172,8 @@ def _update(
     make_m(model, data)
     com_vel(model, data)
     rne(model, data, 0, bias.ctypes)
+    passive(model, data)
+    bias -= springs
     subtree_vel(model, data)
     rows[0], rows[1] = com, com_velocity
     for foot in range(2):

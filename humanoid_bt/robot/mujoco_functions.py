@@ -30,8 +30,8 @@ def _function(name: str, *more: types.Type) -> Any:
 
 
 binding.load_library_permanently(_LIBRARY)
-kinematics, com_pos, com_vel, subtree_vel, make_m = map(
-    _function, ("mj_kinematics", "mj_comPos", "mj_comVel", "mj_subtreeVel", "mj_makeM")
+kinematics, com_pos, com_vel, subtree_vel, make_m, passive = map(
+    _function, ("mj_kinematics", "mj_comPos", "mj_comVel", "mj_subtreeVel", "mj_makeM", "mj_passive")
 )
 jac_subtree_com = _function("mj_jacSubtreeCom", _NUMBERS, _INTEGER)
 """(model, data, jacobian, body)"""

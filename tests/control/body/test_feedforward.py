@@ -83,6 +83,20 @@ def test_arms_are_held_against_gravity(robot: RobotModel, dynamics: RobotDynamic
     assert torque[elbow] == pytest.approx(dynamics.bias[BASE_DOFS + elbow])
 
 
+def test_joints_are_held_against_their_springs(robot: RobotModel, estimate: Estimate) -> None:
+    sprung, elbow = copy(robot), robot.joint("left_elbow")
+    sprung.model = copy(robot.model)
+    sprung.model.jnt_stiffness[1 + elbow], sprung.model.qpos_spring[BASE_COORDINATES + elbow] = 10.0, 0.5
+    held = []
+    for one in (robot, sprung):
+        dynamics = RobotDynamics(one)
+        dynamics.update(estimate)
+        held.append(torques(one, dynamics, standing_load(one, dynamics)))
+    expected = np.zeros(len(held[0]))
+    expected[elbow] = 10.0 * (estimate.qpos[BASE_COORDINATES + elbow] - 0.5)
+    np.testing.assert_allclose(held[1] - held[0], expected, atol=1e-9)
+
+
 def test_the_leg_that_carries_more_pushes_more(robot: RobotModel, dynamics: RobotDynamics) -> None:
     torque = torques(robot, dynamics, standing_load(robot, dynamics, left=0.8))
     assert abs(torque[robot.joint("left_knee")]) > 2 * abs(torque[robot.joint("right_knee")])
