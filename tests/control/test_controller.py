@@ -73,6 +73,12 @@ def test_it_walks_a_meter_and_stands_there(rig: ControlRig) -> None:
     assert drift(rig, 0.1) < 1.8e-3  # as slow as one that has settled is
 
 
+@pytest.mark.parametrize("kind", [int, np.float32])
+def test_numbers_of_any_kind_say_where_to_stand(rig: ControlRig, kind: type) -> None:
+    walk = BaseTarget(np.array([1, 0], dtype=kind), kind(1))
+    assert rig.run(0.6, {"base": walk}, until=lambda state: state.gait is Gait.STEP)
+
+
 def test_a_released_walk_ends_in_a_stand_before_the_goal(rig: ControlRig) -> None:
     assert rig.run(5.0, FAR, until=walking)
     assert rig.state.footsteps

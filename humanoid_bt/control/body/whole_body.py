@@ -366,4 +366,4 @@ def _goal(targets: Mapping[str, Target]) -> Array | None:
     base = targets.get("base")
     if not isinstance(base, BaseTarget):
         return None
-    return np.array([base.position[0], base.position[1], base.heading])
+    return np.array([*base.position, base.heading], dtype=float)

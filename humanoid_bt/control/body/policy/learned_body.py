@@ -312,4 +312,4 @@ def _sides(robot: RobotModel) -> list[Side]:
 
 def _goal(targets: Mapping[str, Target]) -> Array | None:
     base = targets.get("base")
-    return np.array([*base.position, base.heading]) if isinstance(base, BaseTarget) else None
+    return np.array([*base.position, base.heading], dtype=float) if isinstance(base, BaseTarget) else None
