@@ -9,6 +9,7 @@ import numpy as np
 
 from humanoid_bt.core.messages import Array, Side
 from humanoid_bt.robot.model import carriers
+from humanoid_bt.robot.soft_limits import soft_limits
 from humanoid_bt.robot.survey.limbs import Limb, Limbs, Surveyor, roles
 
 _BEND = 0.35  # rad, of hips and ankles; knees twice as much
@@ -170,8 +171,5 @@ def _point(data: mujoco.MjData, body: int, offset: Array) -> Array:
 
 def _limits(model: mujoco.MjModel, joint: int) -> tuple[float, float]:
     """Return between which angles a home angle may be [rad]."""
-    if not model.jnt_limited[joint]:
-        return -np.pi, np.pi
-    low, high = model.jnt_range[joint].tolist()
-    inside = min(_INSIDE, (high - low) / 4)
-    return low + inside, high - inside
+    (low,), (high,) = soft_limits(model, [joint], _INSIDE)
+    return max(float(low), -np.pi), min(float(high), np.pi)
