@@ -31,6 +31,7 @@ from humanoid_bt.plant.interface import SILENT_AFTER
 from humanoid_bt.plant.touches import Touch
 
 _HELLOS = 200  # that are sent before nobody is taken to be there
+_GIVEN_UP = cycles(LET_GO) + cycles(SILENT_AFTER)  # servo cycles without anything that is believed
 _SMOOTH = 0.02  # share of a new round trip in the mean that is kept
 _SENT = 1024  # commands of which it is known when they were sent
 _NANO = 1e-9
@@ -78,7 +79,7 @@ class RemotePlant:
 
     Attributes:
         fault: why the plant cannot be relied on now, "" while it can.
-        lost: whether that is for good: it let go of this driver.
+        lost: whether that is for good: it let go of this driver, or nothing it says was believed for too long.
         silent: servo cycles since its sensors were last heard.
         session: the plant's number for it, 0 before :meth:`connect`.
         description: what it says it is, after :meth:`connect`.
@@ -106,7 +107,7 @@ class RemotePlant:
         self.external_force_max = 0.0
         self.touches: list[Touch] = []
         self.description: Description | None = None
-        self.silent = 0
+        self.silent = self._late = 0  # servo cycles
         self.lost = False
         self.fault = ""
 
@@ -160,9 +161,11 @@ class RemotePlant:
         self._sent[self._sequence % _SENT] = self._now()
         self._send(FrameKind.COMMAND, self.session, pack_command(command))
         self.silent += 1
-        if self.silent > cycles(LET_GO) + cycles(SILENT_AFTER) and not self.lost:
+        self._late = self._late + 1 if self._far else 0
+        if max(self.silent, self._late) > _GIVEN_UP and not self.lost:
             self.lost = True
-            self._refused = f"the plant at {self._address} is silent for {self.silent} ms"
+            how = f"silent for {self.silent} ms" if self.silent > _GIVEN_UP else f"{self._trip * 500:.0f} ms away"
+            self._refused = f"the plant at {self._address} is {how}"
         self._longest_silence = max(self._longest_silence, self.silent)
 
     def surround(self, targets: Mapping[str, Target]) -> None:
@@ -270,11 +273,18 @@ class RemotePlant:
             self._trip += (trip - self._trip) * (_SMOOTH if self._trip else 1.0)
             self._longest = max(self._longest, trip)
 
+    @property
+    def _far(self) -> bool:
+        """Whether what the sensors say is too old already as it comes."""
+        return self._trip / 2 > SILENT_AFTER
+
     def _why_unreliable(self, sensors: Sensors) -> str:
         if self.lost:
             return self._refused
         if self.silent > cycles(SILENT_AFTER):
             return f"the plant is silent for more than {SILENT_AFTER * 1000:.0f} ms"
+        if self._far:
+            return f"what the plant says is more than {SILENT_AFTER * 1000:.0f} ms old"
         if sensors.state is PlantState.FOLLOWS or (not sensors.heard and self._sequence < cycles(LET_GO)):
             return ""  # at first it is as the last driver has left it
         return f"the plant hears no commands, and {_MEANWHILE[sensors.state]}"

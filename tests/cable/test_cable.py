@@ -239,6 +239,19 @@ def test_a_pulled_cable_brings_the_plant_to_its_safe_state_and_both_sides_say_so
     assert cabled.server.driver is None
 
 
+def test_what_is_too_old_as_it_comes_is_a_fault_and_after_a_while_the_end(plant: Make) -> None:
+    cabled = plant()
+    driven(cabled, 50)
+    cabled.cable._impairment = Impairment(latency=0.025)
+    driven(cabled, 150)
+    assert cabled.fault == "what the plant says is more than 20 ms old"
+    assert not cabled.remote.lost
+    driven(cabled, 150)
+    assert cabled.remote.lost
+    assert "is 25 ms away" in cabled.fault
+    assert cabled.remote.figures.silence < 0.1  # it was heard all the time
+
+
 def test_a_driver_that_is_not_heard_is_told_by_the_plant(plant: Make) -> None:
     cabled = plant()
     driven(cabled, 50)
