@@ -6,6 +6,8 @@ import secrets
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from humanoid_bt.cable.address import Address
 from humanoid_bt.cable.cables import Cable
 from humanoid_bt.cable.frames import Frame, FrameKind, SealError, pack, unpack
@@ -237,7 +239,9 @@ class RemotePlant:
             self._came += 1
             self.silent = 0
             self._time_trip(sensors)
-            self._sensors, self._heard = sensors, frame.sequence
+            before, self._sensors, self._heard = self._sensors, sensors, frame.sequence
+            if sensors.state is PlantState.WAITS and before and np.array_equal(sensors.values, before.values):
+                self._measured = self._heard  # nothing is measured before a simulation's time begins
         elif frame.kind is FrameKind.TRUTH:
             if frame.sequence <= self._truth_of:
                 return  # a newer one has come
