@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import mujoco
@@ -118,7 +119,7 @@ class Sensors:
         errors = self._random.standard_normal(out=self._errors)
         errors *= self._noise
         errors += self._offset
-        self._turned[:] = _slightly(*self._tilt, self._drift * self._count * SERVO_PERIOD)
+        self._turned[:] = _turn(*self._tilt, self._drift * self._count * SERVO_PERIOD)
 
     def fail(self, sensor: str, how: str, joints: Sequence[str]) -> None:
         """Let a sensor fail until :meth:`reset`.
@@ -217,7 +218,8 @@ def _sense(
         row[i] = np.rint((row[i] + errors[place, i]) / finest[i]) * finest[i]
 
 
-def _slightly(x: float, y: float, z: float) -> Array:
-    """Return the matrix, shape (4, 4), that turns a quaternion by small angles about the axes of the world [rad]."""
-    turn = np.array([[0.0, -x, -y, -z], [x, 0.0, -z, y], [y, z, 0.0, -x], [z, -y, x, 0.0]])
-    return np.eye(4) + turn / 2
+def _turn(roll: float, pitch: float, yaw: float) -> Array:
+    """Return the matrix, shape (4, 4), that turns a quaternion by a small tilt, and then about the vertical [rad]."""
+    w, z = math.cos(yaw / 2), math.sin(yaw / 2)
+    x, y = (w * roll - z * pitch) / 2, (w * pitch + z * roll) / 2
+    return np.array([[w, -x, -y, -z], [x, w, -z, y], [y, z, w, -x], [z, -y, x, w]])
