@@ -11,13 +11,14 @@ import numpy as np
 from humanoid_bt.core.clock import SERVO_PERIOD, cycles
 from humanoid_bt.core.compiled import compiled
 from humanoid_bt.core.messages import Array, Reading
-from humanoid_bt.plant.sensor_failures import FAILURES
+from humanoid_bt.plant.sensor_failures import FAILURES, FOOT_SENSORS
 from humanoid_bt.robot.sensor_config import SensorsConfig
 
 _BLOCK = 25  # servo cycles for which noise is drawn at once
 _FINEST = 1e-12  # stands for the resolution of a sensor that is said to have none
 
 _JUMPS = {"gyro": 10.0, "accelerometer": 100.0, "orientation": 0.5, "joint": 0.5}  # as far as they jump
+_JUMPS |= dict.fromkeys(FOOT_SENSORS, 5000.0)
 
 
 class Sensors:
@@ -43,9 +44,10 @@ class Sensors:
         self._rates, self._torques = data.qvel[3 : 6 + joints], data.actuator_force
         self._borne: Array = np.zeros(2)
         self._joint_positions = slice(6, 6 + joints)
-        self._places = {"orientation": slice(2, 6), "accelerometer": slice(6 + joints, 9 + joints)}
-        self._places["gyro"] = slice(9 + joints, 12 + joints)
+        self._imu = {"orientation": slice(2, 6), "accelerometer": slice(6 + joints, 9 + joints)}
+        self._imu["gyro"] = slice(9 + joints, 12 + joints)
         self._feels = config.foot_force is not None
+        self._soles = {name: slice(foot, foot + 1) for foot, name in enumerate(FOOT_SENSORS) if self._feels}
         self._noise, self._bias, resolution = self._described()
         self._finest = np.maximum(resolution, _FINEST)
         self._delay = cycles(config.delay)
@@ -125,7 +127,8 @@ class Sensors:
         """Let a sensor fail until :meth:`reset`.
 
         Args:
-            sensor: "gyro", "accelerometer", "orientation", "imu" for all three, or a joint.
+            sensor: "gyro", "accelerometer", "orientation", "imu" for all three, "left_foot" or "right_foot" if it has
+                force sensors there, or a joint.
             how: one of :data:`FAILURES`.
             joints: the robot's.
 
@@ -135,15 +138,16 @@ class Sensors:
         self._last = self._rows[(self._count - 1) % len(self._rows)].copy()
         if how not in FAILURES:
             raise ValueError(f"a sensor cannot fail {how!r}; valid: {', '.join(FAILURES)}")
+        places = self._imu | self._soles
         if sensor in joints:
             first, count = joints.index(sensor), len(joints)
             self._failures[sensor] = [6 + first, 12 + count + first, 12 + 2 * count + first], how
         elif sensor == "imu":
-            self._failures |= {name: (place, how) for name, place in self._places.items()}
-        elif sensor in self._places:
-            self._failures[sensor] = self._places[sensor], how
+            self._failures |= {name: (place, how) for name, place in self._imu.items()}
+        elif sensor in places:
+            self._failures[sensor] = places[sensor], how
         else:
-            raise ValueError(f"there is no sensor {sensor!r}; valid: imu, {', '.join((*self._places, *joints))}")
+            raise ValueError(f"there is no sensor {sensor!r}; valid: imu, {', '.join((*places, *joints))}")
 
     def _spoil(self, row: Array) -> None:
         for name, (place, how) in self._failures.items():

@@ -23,6 +23,7 @@ class Known(NamedTuple):
         tree: the tree that runs.
         torso: the body that is pushed where none is named.
         joints: the robot's, in its order.
+        sensors: those of the robot that can fail.
         bodies: those that can be pushed.
         percepts: those that the scene publishes or the script dictates; None if that is not known.
         asked: those that the scene publishes or the tree asks for.
@@ -32,6 +33,7 @@ class Known(NamedTuple):
     tree: Tree
     torso: str
     joints: Sequence[str]
+    sensors: Collection[str]
     bodies: Collection[str]
     percepts: Collection[str] | None
     asked: Collection[str]
@@ -61,7 +63,7 @@ class Acting(Protocol):
         """Push a body with a force, shape (3,), world frame [N], for a time [s]."""
 
     def fail_sensor(self, sensor: str, how: str) -> None:
-        """Let a sensor fail for good: one of the IMU's, "imu", or a joint's; frozen, silent or jumping."""
+        """Let a sensor fail for good: one of the IMU's, "imu", a foot's, or a joint's; frozen, silent or jumping."""
 
     def raise_estop(self, source: str, reason: str) -> None:
         """Raise the emergency stop."""

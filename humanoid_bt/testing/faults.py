@@ -15,7 +15,7 @@ from humanoid_bt.core.geometry import heading_of, rotation_matrix
 from humanoid_bt.core.items import Item
 from humanoid_bt.core.messages import Array, Percept, State
 from humanoid_bt.core.params import param
-from humanoid_bt.plant.sensor_failures import IMU_SENSORS, SensorFailure
+from humanoid_bt.plant.sensor_failures import SensorFailure
 from humanoid_bt.session.setting import setting
 from humanoid_bt.testing.fault import Acting, Fault, Known, Misnamed
 
@@ -95,14 +95,16 @@ class Break(Fault):
     physical: ClassVar[bool] = True
     main: ClassVar[str] = "sensor"
 
-    sensor: str = param(doc="Of the IMU gyro, accelerometer, orientation, or imu for all three; or a joint.")
+    sensor: str = param(
+        doc="Of the IMU gyro, accelerometer, orientation, or imu for all three; a joint; or left_foot or right_foot, "
+        "where there are force sensors."
+    )
     how: SensorFailure = param("silent", doc="Whether it says nothing, the same for ever, or anything.")
 
     def misnamed(self, known: Known) -> Iterator[Misnamed]:
         """Yield that there is no such sensor."""
-        sensors = (*IMU_SENSORS, *known.joints)
-        if self.sensor not in sensors:
-            hint = nearest(self.sensor, sensors)
+        if self.sensor not in known.sensors:
+            hint = nearest(self.sensor, known.sensors)
             problem = Problem(f"the robot has no sensor {self.sensor!r}", hint=hint, code="unknown-sensor")
             yield Misnamed(problem, ("sensor",))
 

@@ -11,6 +11,7 @@ from humanoid_bt.core.errors import Problem, UserError, nearest
 from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.perception.choice import choose, refuse_blind, sources_of
 from humanoid_bt.plant.scene_config import load_scene
+from humanoid_bt.plant.sensor_failures import sensors_of
 from humanoid_bt.robot.config import load_robot_config
 from humanoid_bt.robot.model import RobotModel
 from humanoid_bt.session.loader import DEFAULT_ROBOT, DEFAULT_SCENE
@@ -150,5 +151,6 @@ def _known(scenario: Scenario, loaded: Tree, tree: Tree, published: Sequence[str
     """Return what names in a scenario can mean."""
     percepts = {*published, *(event.see.percept for event in scenario.script if event.see)}
     asked = {*published, *loaded.percepts}
+    sensors = sensors_of(robot.config.sensors, robot.joint_names)
     bodies = [robot.model.body(number).name for number in range(1, robot.model.nbody)]
-    return Known(tree, robot.config.torso, robot.joint_names, bodies, percepts, asked, scenario.dry)
+    return Known(tree, robot.config.torso, robot.joint_names, sensors, bodies, percepts, asked, scenario.dry)

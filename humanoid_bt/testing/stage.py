@@ -18,6 +18,7 @@ from humanoid_bt.decision.result import results_of
 from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.perception.choice import written
 from humanoid_bt.plant.mujoco_plant import MujocoPlant
+from humanoid_bt.plant.sensor_failures import sensors_of
 from humanoid_bt.record.sinks import Sinks
 from humanoid_bt.robot.config import Walk
 from humanoid_bt.session import limits
@@ -214,7 +215,8 @@ def _known(loaded: Tree, tree: Tree, staging: Staging, ready: Ready) -> Known:
     robot = ready.engine.robot
     percepts = [*ready.engine.publishes, *(event.see.percept for event in staging.script if event.see is not None)]
     asked = {*ready.engine.publishes, *loaded.percepts}
-    return Known(tree, robot.config.torso, robot.joint_names, ready.bodies, percepts, asked, staging.dry)
+    sensors = sensors_of(robot.config.sensors, robot.joint_names)
+    return Known(tree, robot.config.torso, robot.joint_names, sensors, ready.bodies, percepts, asked, staging.dry)
 
 
 def _check(staging: Staging, loaded: Tree, tree: Tree, ready: Ready) -> None:

@@ -93,6 +93,25 @@ def test_a_sensor_that_is_silent_is_found_although_frames_come_irregularly(loade
     assert robot.failed == "the gyro is silent"
 
 
+def test_a_sensor_that_fell_silent_in_a_gap_is_found_after_it(loaded: Loaded, plant: Make) -> None:
+    robot = Cabled(loaded, plant(Impairment(0.001)))
+    robot.run(200, {})
+    robot.cabled._plant.simulation.plant.fail_sensor("left_wrist_roll", "silent")
+    robot.cabled.cable.pulled = True
+    robot.run(14, {})
+    robot.cabled.cable.pulled = False
+    robot.run(40, {})
+    supervisor = robot.controller.supervisor
+    assert supervisor.mode is Mode.PROTECTIVE_STOP
+    assert supervisor.reason == "a sensor failed: the sensors of left_wrist_roll are silent"
+
+
+def test_a_simulation_whose_time_begins_with_a_late_command_has_no_frozen_sensors(loaded: Loaded, plant: Make) -> None:
+    robot = Cabled(loaded, plant(Impairment(latency=0.018)))
+    robot.run(100, {})
+    assert (robot.touched, robot.failed) == (set(), "")
+
+
 def test_feet_carry_the_weight_of_a_robot_whose_sensors_come_irregularly(loaded: Loaded, plant: Make) -> None:
     robot = Cabled(loaded, plant(IRREGULAR))
     robot.run(300, {})

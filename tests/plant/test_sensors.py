@@ -146,15 +146,29 @@ def test_a_heading_drifts_and_a_tilt_is_off(config: RobotConfig, standing: Array
     assert 0.002 < 2 * np.abs(said[0][1:3] - plant.data.qpos[4:6]).max() < 0.1
 
 
-@pytest.mark.parametrize("sensor", ["gyro", "accelerometer", "orientation", "left_knee"])
+def test_a_heading_that_has_drifted_far_turns_an_orientation_and_does_not_stretch_it(
+    config: RobotConfig, standing: Array
+) -> None:
+    orientation = replace(EXACT.orientation, bias=0.02, drift=300.0)
+    plant = plant_with(config, standing, replace(EXACT, orientation=orientation))
+    said = np.array([reading.orientation for reading in readings(plant, standing, 200)])
+    np.testing.assert_allclose(np.linalg.norm(said, axis=1), 1.0, atol=1e-3)
+    tilts = 1 - 2 * (said[:, 1] ** 2 + said[:, 2] ** 2)
+    assert np.ptp(tilts) < 1e-3
+    assert said[:, 0].min() < -0.5  # by more than half a revolution
+
+
+@pytest.mark.parametrize("sensor", ["gyro", "accelerometer", "orientation", "left_knee", "right_foot"])
 def test_sensors_fail_as_they_are_told(config: RobotConfig, standing: Array, sensor: str) -> None:
     def of(reading: Reading) -> list[float]:
+        if sensor == "right_foot":
+            return [reading.foot_force[1]]
         if sensor != "left_knee":
             return list(getattr(reading, sensor))
         joint = plant.robot.joint(sensor)
         return [reading.joint_position[joint], reading.joint_velocity[joint], reading.joint_torque[joint]]
 
-    plant = plant_with(config, standing, SensorsConfig())
+    plant = plant_with(config, standing, SensorsConfig(foot_force=FootForceConfig()))
     for how in ("frozen", "silent", "jumping"):
         plant.place(standing)
         usual = [of(reading) for reading in readings(plant, standing, 10)]
@@ -174,3 +188,5 @@ def test_there_is_no_such_failure(config: RobotConfig, standing: Array) -> None:
         plant.fail_sensor("gyro", "slow")
     with pytest.raises(ValueError, match="no sensor 'giro'; valid: imu, "):
         plant.fail_sensor("giro", "silent")
+    with pytest.raises(ValueError, match="no sensor 'left_foot'"):  # in this robot
+        plant.fail_sensor("left_foot", "silent")

@@ -17,7 +17,7 @@ from humanoid_bt.control.body.policy import inference
 from humanoid_bt.control.body.policy.upper_body import UpperBody
 from humanoid_bt.core.clock import cycles
 from humanoid_bt.core.messages import SIDES, BaseTarget, Command, HandTarget, Mode, Pause
-from humanoid_bt.plant.sensor_failures import FAILURES
+from humanoid_bt.plant.sensor_failures import FAILURES, FOOT_SENSORS
 from humanoid_bt.robot.policy.network import Network, Tensor
 from tests.safety.machine import Machine, Scripted, intact, resent, seconds
 
@@ -254,6 +254,15 @@ def joint_fails(how: str) -> Fault:
     return fault
 
 
+def foot_fails(how: str) -> Fault:
+    """Let the force sensor of a foot fail."""
+
+    def fault(machine: Machine, rng: np.random.Generator) -> None:
+        machine.plant.fail_sensor(str(rng.choice(FOOT_SENSORS)), how)
+
+    return fault
+
+
 def blind_to_itself(machine: Machine, _: np.random.Generator) -> None:
     machine.plant.fail_sensor("imu", "silent")
 
@@ -325,6 +334,14 @@ POLICY_ROWS = {
     ]
 }
 """Further ones of a robot with a learned walker."""
+
+FOOT_ROWS = {
+    row.name: row
+    for row in [
+        Row(f"a force sensor of the feet {how}", foot_fails(how), (PROTECT,), "the run's end") for how in FAILURES
+    ]
+}
+"""Further ones of a robot with force sensors in its feet."""
 
 SETTLE = cycles(5.0)
 """Servo cycles that the robot gets to come to a stand."""

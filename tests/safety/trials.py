@@ -19,12 +19,12 @@ from humanoid_bt.core.clock import cycles
 from humanoid_bt.core.messages import Mode
 from tests.safety.activities import ACTIVITIES, STANDING, WALKING
 from tests.safety.machine import Machine, Scripted, seconds
-from tests.safety.rows import POLICY_ROWS, ROWS, SETTLE, Row
+from tests.safety.rows import FOOT_ROWS, POLICY_ROWS, ROWS, SETTLE, Row
 
 AFTERWARD = cycles(0.3)
 """Servo cycles in which arms that were released get going before a stand counts."""
 
-_ALL_ROWS = {**ROWS, **POLICY_ROWS}
+_ALL_ROWS = {**ROWS, **POLICY_ROWS, **FOOT_ROWS}
 _UPRIGHT = 0.15  # rad of tilt, and...
 _TALL = 0.9  # ...share of the base's height at the start: less is no stand
 

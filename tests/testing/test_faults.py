@@ -246,6 +246,7 @@ def test_events_are_written_as_in_files_or_made_in_python(stage):
         ({"at": 1, "push": {"force": [1, 0, 0], "body": "trso"}}, "there is no body 'trso'"),
         ({"at": 1, "weaken": {"joints": ["knee"], "to": 0.5}}, "the robot has no joint 'knee'"),
         ({"at": 1, "break": "giro"}, "the robot has no sensor 'giro'"),
+        ({"at": 1, "break": "left_foot"}, "the robot has no sensor 'left_foot'"),
         ({"at": 1, "break": {"sensor": "imu", "how": "odd"}}, "'how' cannot be 'odd'"),
         ({"at": 1, "weaken": {"joints": ["*"], "to": 2}}, "'to' must be >= 0 and <= 1"),
         ({"when": "distance(cup) < 1 m", "estop": {}}, "there is no percept 'cup' in this run"),

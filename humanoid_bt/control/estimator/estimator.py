@@ -172,7 +172,7 @@ class Estimator:
         heard, qvel, imu = self.heard, estimate.qvel, self._imu
         time, missed = (heard + self._missed) * SERVO_PERIOD, self._missed
         np.divide(self._sums, heard, out=self._means)
-        self._watch(reading, imu, time)
+        self._watch(reading, time)
         doubtful = bool(watch.failed) or not math.isfinite(sum(imu.tolist()))
         if doubtful:
             self._without_imu(reading, imu, time)
@@ -214,7 +214,7 @@ class Estimator:
         np.subtract(qvel, self._velocity_before, out=acceleration)
         acceleration /= time
         felt = belief.acceleration(imu[:3])
-        if self._feels:
+        if self._feels and not self.watch.bad_feet:
             self.load.sensed(reading.foot_force)
         else:
             self.load.explain(qvel, acceleration, self._torque, felt.item(2))
@@ -230,23 +230,27 @@ class Estimator:
         Torques do not say which one that is, for what accelerated the robot meanwhile is not known. Its sole is the
         lower one.
         """
-        if self._feels:
+        if self._feels and not self.watch.bad_feet:
             self.load.sensed(reading.foot_force)
         self.contact.forget()
         self._move_by_leg(int(np.argmin(self._dynamics.sole_positions[:, 2])), 1.0, math.inf)
         self.estimate.qvel[:3] = self._filter.velocity
         self._dynamics.update(self.estimate)
 
-    def _watch(self, reading: Reading, imu: Array, time: float) -> None:
-        """Look for sensors that fail; believe one that is doubted no more than a part of what it says.
+    def _watch(self, reading: Reading, time: float) -> None:
+        """Look for sensors that fail; believe an accelerometer that is doubted no more than a part of what it says.
 
-        A foot that lands hard makes an accelerometer jump as well, and then it is right.
+        A foot that lands hard makes it jump as well, and then it is right. A gyroscope that is doubted says nothing.
         """
+        imu = self._imu
         if self._missed or time > _LONGEST_LOOK:
-            self.watch.resume(reading)  # nothing jumped: much may have happened meanwhile
+            self.watch.resume(reading, self._means)  # nothing jumped: much may have happened meanwhile
         else:
-            self.watch.look(reading, imu, time, self._upright >= _STEADY)
-        if self.watch.accelerometer_doubtful:
+            self.watch.look(reading, self._means, time, self._upright >= _STEADY)
+        doubted = self.watch.doubted
+        if "gyro" in doubted:
+            imu[3:] = math.nan
+        if "accelerometer" in doubted:
             imu[:3] = clamp(imu[:3], self._force - _DOUBTED_MOST, self._force + _DOUBTED_MOST)
         else:
             self._force[:] = imu[:3]
@@ -333,7 +337,8 @@ class Estimator:
     def _without_imu(self, reading: Reading, imu: Array, time: float) -> None:
         """Put something else in the place of what the IMU does not say any more."""
         failed, belief = self.watch.failed, self._filter
-        told = "orientation" not in failed and math.isfinite(sum(reading.orientation.tolist()))
+        unbelieved = failed | self.watch.doubted
+        told = "orientation" not in unbelieved and math.isfinite(sum(reading.orientation.tolist()))
         if "accelerometer" in failed or not math.isfinite(imu[:3].sum()):
             imu[:3] = belief.still
             belief.lose_accelerometer()

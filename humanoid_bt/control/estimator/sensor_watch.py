@@ -3,25 +3,21 @@
 from __future__ import annotations
 
 import math
-import sys
 
 import numpy as np
+from numpy.typing import NDArray
 
-from humanoid_bt.core.clock import ESTIMATE_PERIOD
+from humanoid_bt.control.estimator.sensor_limits import SensorLimits
 from humanoid_bt.core.compiled import compiled
-from humanoid_bt.core.messages import Array, Reading
+from humanoid_bt.core.messages import SIDES, Array, Reading
 from humanoid_bt.robot.model import RobotModel
 
 _SILENT_AFTER, _FROZEN_AFTER = 3, 5  # looks: 15 and 25 ms; half of what is promised
 _JUMPS_AFTER = {"gyro": 2, "accelerometer": 4, "orientation": 2}  # looks in which it jumps: a blow rings for two
 _SHAKEN = 1.2  # rad/s from look to look, of two joints: a blow, which an accelerometer feels; walking 0.5
-_GYRO_JUMP, _ACCELEROMETER_JUMP, _ORIENTATION_JUMP = 4.0, 25.0, 0.1  # from look to look; walking: 0.5, 4 and 0.01
-_WILD = 50.0  # m/s^2 from look to look, more than of feet that land hard: the accelerometer is doubted at once
-_DRIFT, _DRIFTS_AFTER = 0.03, 2  # rad that gyro and orientation disagree in two looks, and how often
-_COMPARED_EVERY = 2  # looks
-_SAME = 0.006  # rad that they may disagree in one look in which a blow makes the gyro jump
+_COMPARED_EVERY, _DRIFTS_AFTER = 2, 2  # looks; times that gyro and orientation disagree
+_FOOT_WRONG_AFTER = 2  # looks
 _FORGET = 0.5  # looks that another one in which nothing is seen takes off
-_SPEEDS, _SLACK = 2.0, 0.03  # times its limit that a joint may be fast, and rad beside that
 _IMU = ("gyro", "accelerometer", "orientation")
 _MOST_NAMED = 4  # of what failed at the same time
 
@@ -37,104 +33,124 @@ class SensorWatch:
     Attributes:
         fault: what failed first, and what else at the same time, for people; "" while nothing has.
         failed: which of the IMU's sensors failed.
+        doubted: which of them are doubted now: an accelerometer that jumps wildly, an orientation that jumps, and a
+            gyroscope that jumps otherwise than the orientation turns.
         bad_joints: whether each joint's sensors failed, or are doubted now, shape (nj,).
         any_bad: whether those of any did.
+        bad_feet: whether a force sensor in a foot failed, or is doubted now.
         suspicious: whether something was seen lately of any sensor that may be a failure.
-        accelerometer_doubtful: whether that was a wild jump of the accelerometer.
     """
 
     def __init__(self, robot: RobotModel) -> None:
-        self._names = robot.joint_names
-        joints, sensors = len(robot.joint_names), robot.config.sensors
-        self._imu_flickers = {
-            "gyro": sensors.gyro.noise > sensors.gyro.resolution,
-            "accelerometer": sensors.accelerometer.noise > sensors.accelerometer.resolution,
-            "orientation": sensors.orientation.noise > 0,
-        }
-        self._joints_flicker = sensors.encoders.torque_noise > 0 and sensors.encoders.speed_noise > 0
-        self._before, self._moved, self._most = Reading(joints), Reading(joints), Reading(joints)
-        self._most.values[:] = sys.float_info.max  # that a number may change from look to look
-        self._most.gyro[:], self._most.accelerometer[:] = _GYRO_JUMP, _ACCELEROMETER_JUMP
-        self._most.orientation[:] = _ORIENTATION_JUMP / 2  # of a quaternion's numbers
-        self._most.joint_position[:] = _SPEEDS * robot.speed_limit * ESTIMATE_PERIOD + _SLACK
-        least = Reading(joints)  # IMU, speeds, torques: they hardly ever say the same twice
-        least.values[:] = -1.0
-        least.values[6 + joints :] = least.orientation[:] = 0.0
-        self._least = least.values
+        self._names, self._limits = robot.joint_names, SensorLimits(robot)
+        joints = len(self._names)
+        self._before, self._moved = Reading(joints), Reading(joints)
+        self._mean: Array = np.zeros(6)  # of what the IMU said between the last two looks
+        self._leap: Array = np.zeros(6)  # how much that has changed
+        self._still: Array = np.zeros(2)  # looks in which each foot has said the same
         self._counts: dict[tuple[str, str], float] = {}  # looks in which something was seen of a sensor
         self._silent, self._frozen = np.zeros(joints, dtype=int), np.zeros(joints, dtype=int)
         self._dead = np.zeros(joints, dtype=bool)
-        self.suspicious = self.accelerometer_doubtful = False
+        self.suspicious = False
         self._turned: Array = np.zeros(3)  # by what the gyro says, since the orientation was compared with it
         self._turned_looks = 0
         self._compared = self._before.orientation.tolist()
         self.bad_joints = np.zeros(joints, dtype=bool)
-        self.any_bad = False
+        self.any_bad = self.bad_feet = False
         self.failed: set[str] = set()
+        self._failed_feet: set[str] = set()
+        self.doubted: set[str] = set()
         self._found: list[str] = []  # what failed in this look, for people
         self.fault = ""
 
     def reset(self, reading: Reading) -> None:
         """Begin with sensors that work."""
-        self._before.values[:] = reading.values
         self._counts.clear()
-        for joints in (self._silent, self._frozen, self._dead, self.bad_joints):
-            joints[:] = 0
-        self.suspicious = self.accelerometer_doubtful = self.any_bad = False
-        self._compare_from(reading)
+        for array in (self._silent, self._frozen, self._dead, self.bad_joints, self._still):
+            array[:] = 0
+        self.suspicious = False
         self.failed.clear()
+        self._failed_feet.clear()
         self._found.clear()
         self.fault = ""
+        self.resume(reading, reading.rates)
 
-    def resume(self, reading: Reading) -> None:
-        """Go on after readings were missed: this one is compared with the next."""
+    def resume(self, reading: Reading, rates: Array) -> None:
+        """Go on after readings were missed: this one is compared with the next.
+
+        Args:
+            reading: the last one.
+            rates: as in :meth:`look`.
+        """
         self._before.values[:] = reading.values
+        self._mean[:] = rates[:6]
         self._compare_from(reading)
+        self.doubted.clear()
+        self._doubt_joints(self._silent_joints(reading, rates))
+        self._doubt_feet(reading)
+        self.suspicious = self.suspicious or self.any_bad or self.bad_feet
 
-    def look(self, reading: Reading, imu: Array, time: float, upright: bool) -> None:
+    def look(self, reading: Reading, rates: Array, time: float, upright: bool) -> None:
         """Judge a reading, of those that are 5 ms apart, or twice as much.
 
         Args:
             reading: the last one.
-            imu: specific force and rate, on average since the one before, shape (6,).
+            rates: those of all readings since the one before, on average.
             time: since then [s].
             upright: whether the robot stands or walks; one that falls is thrown about, and so are its sensors.
         """
-        values, before = reading.values, self._before.values
-        usual = _usual(values, before, self._most.values, self._least, self._moved.values, imu, time, self._turned)
+        values, before, limits = reading.values, self._before.values, self._limits
+        usual = _usual(
+            values, before, limits.most.values, limits.least, self._moved.values,
+            rates, self._mean, limits.most.imu, self._leap, time, self._turned, self._still, limits.feet,
+        )  # fmt: skip
         if self.suspicious or not usual:
-            self._look_closer(reading, imu, time, upright)
+            self._look_closer(reading, rates, time, upright)
         before[:] = values
         self._compare(reading, upright)
         if self._found:
             self.fault = self.fault or _together(self._found)
             self._found.clear()
 
-    def _look_closer(self, reading: Reading, imu: Array, time: float, upright: bool) -> None:
-        shaken = np.partition(self._moved.joint_velocity, -2)[-2] > _SHAKEN
-        felt = {
-            "accelerometer": shaken,
-            "gyro": shaken and self._turned_so(reading, imu, time),
-        }  # a blow, not a failure
+    def _look_closer(self, reading: Reading, rates: Array, time: float, upright: bool) -> None:
+        shaken = bool(np.partition(self._moved.joint_velocity, -2)[-2] > _SHAKEN)
+        turned_so = self._turned_so(reading, rates, time)
+        felt = {"accelerometer": shaken, "gyro": shaken and turned_so}  # a blow, not a failure
+        heard = {"accelerometer": rates[:3], "gyro": rates[3:6], "orientation": reading.orientation}
         for name in _IMU:
-            moved, most = getattr(self._moved, name), getattr(self._most, name)
-            silent = not math.isfinite(getattr(reading, name).sum())
-            self._count(name, "is silent", silent, _SILENT_AFTER)
-            self._count(name, "is frozen", self._imu_flickers[name] and not moved.any(), _FROZEN_AFTER)
+            moved, most = getattr(self._moved, name), getattr(self._limits.most, name)
+            silent = not math.isfinite(heard[name].sum())
+            self._count(self.failed, name, "is silent", silent, _SILENT_AFTER)
+            frozen = name in self._limits.flickers and not moved.any()
+            self._count(self.failed, name, "is frozen", frozen, _FROZEN_AFTER)
             jumps = bool((moved > most).any()) and upright and not felt.get(name)
-            self._count(name, "jumps", jumps, _JUMPS_AFTER[name])
-        self._look_at_joints(reading, upright)
-        wild = bool(self._moved.accelerometer.max() > _WILD)
-        self.accelerometer_doubtful = ("accelerometer", "jumps") in self._counts and (
-            wild or self.accelerometer_doubtful
-        )
-        self.suspicious = bool(self._counts) or bool(self._silent.any() or self._frozen.any() or self.any_bad)
+            self._count(self.failed, name, "jumps", jumps, _JUMPS_AFTER[name])
+        self._doubt_imu(turned_so, shaken, upright)
+        self._look_at_joints(reading, rates, upright)
+        if self._limits.feels:
+            self._look_at_feet(reading, upright)
+        counted = bool(self._counts) or bool(self._silent.any() or self._frozen.any())
+        self.suspicious = counted or bool(self.doubted) or self.any_bad or self.bad_feet
 
-    def _turned_so(self, reading: Reading, imu: Array, time: float) -> bool:
+    def _doubt_imu(self, turned_so: bool, shaken: bool, upright: bool) -> None:
+        """Doubt at once what throws the estimate about, also where a single reading between two looks does."""
+        moved, most = self._moved, self._limits.most
+        jumps = np.maximum(moved.imu, self._leap)
+        counted, wild = ("accelerometer", "jumps") in self._counts, jumps[:3].max() > self._limits.wild
+        told = upright and "orientation" not in self.failed
+        doubts = {
+            "accelerometer": (wild and (counted or (upright and not shaken)))
+            or (counted and "accelerometer" in self.doubted),
+            "orientation": told and (moved.orientation > most.orientation).any(),
+            "gyro": told and not turned_so and (jumps[3:] > most.gyro).any(),
+        }
+        self.doubted = {name for name, doubtful in doubts.items() if doubtful}
+
+    def _turned_so(self, reading: Reading, rates: Array, time: float) -> bool:
         """Return whether the orientation has turned since the last look as the gyro says."""
         turned = _turn(self._before.orientation.tolist(), reading.orientation.tolist())
-        rates = imu[3:].tolist()
-        return all(abs(way - rate * time) < _SAME for way, rate in zip(turned, rates, strict=True))
+        said = rates[3:6].tolist()
+        return all(abs(way - rate * time) < self._limits.same for way, rate in zip(turned, said, strict=True))
 
     def _compare(self, reading: Reading, upright: bool) -> None:
         """Compare now and then how the orientation has turned with what the gyro says."""
@@ -144,7 +160,8 @@ class SensorWatch:
         if upright and not self.failed:
             turned = _turn(self._compared, reading.orientation.tolist())
             off = max(abs(one - other) for one, other in zip(turned, self._turned.tolist(), strict=True))
-            self._count("gyro", "says something else than the orientation", off > _DRIFT, _DRIFTS_AFTER)
+            how = "says something else than the orientation"
+            self._count(self.failed, "gyro", how, off > self._limits.drift, _DRIFTS_AFTER)
         self._compare_from(reading)
 
     def _compare_from(self, reading: Reading) -> None:
@@ -152,25 +169,49 @@ class SensorWatch:
         self._turned_looks = 0
         self._compared = reading.orientation.tolist()
 
-    def _count(self, name: str, how: str, seen: bool, most: float) -> None:
-        """Count the looks in which something was seen, half as many others off; take it for a failure if it is much."""
+    def _count(self, failed: set[str], name: str, how: str, seen: bool, most: float) -> None:
+        """Count the looks in which something was seen, half as many others off; it has failed if that is much."""
         key = name, how
         if not seen:
             if key in self._counts and (count := self._counts.pop(key)) > _FORGET:
                 self._counts[key] = count - _FORGET
             return
         self._counts[key] = count = self._counts.get(key, 0.0) + 1.0
-        if count >= most and name not in self.failed:
-            self.failed.add(name)
+        if count >= most and name not in failed:
+            failed.add(name)
             self._found.append(f"the {name} {how}")
 
-    def _look_at_joints(self, reading: Reading, upright: bool) -> None:
+    def _look_at_feet(self, reading: Reading, upright: bool) -> None:
+        least, most, never_still = self._limits.feet.tolist()
+        for side, force, still in zip(SIDES, reading.foot_force.tolist(), self._still.tolist(), strict=True):
+            name, silent = f"force sensor of the {side} foot", not math.isfinite(force)
+            self._count(self._failed_feet, name, "is silent", silent, _SILENT_AFTER)
+            self._count(self._failed_feet, name, "is frozen", still >= never_still, 1)
+            wrong = upright and (force <= least or force >= most)
+            self._count(self._failed_feet, name, "says what no foot bears", wrong, _FOOT_WRONG_AFTER)
+        self._doubt_feet(reading)
+
+    def _doubt_feet(self, reading: Reading) -> None:
+        least, most, _ = self._limits.feet.tolist()
+        can_be = all(least < force < most for force in reading.foot_force.tolist())  # no, if it is not finite
+        self.bad_feet = self._limits.feels and (bool(self._failed_feet) or not can_be)
+
+    def _silent_joints(self, reading: Reading, rates: Array) -> NDArray[np.bool_]:
+        """Return of which joints something was not said, shape (nj,)."""
+        torques = rates[-len(self._names) :]
+        return np.asarray(~np.isfinite(reading.joint_position + reading.joint_velocity + torques))
+
+    def _doubt_joints(self, silent: NDArray[np.bool_]) -> None:
+        np.logical_or(self._dead, silent, out=self.bad_joints)
+        self.any_bad = bool(self.bad_joints.any())
+
+    def _look_at_joints(self, reading: Reading, rates: Array, upright: bool) -> None:
         moved = self._moved
-        silent = ~np.isfinite(reading.joint_position + reading.joint_velocity + reading.joint_torque)
+        silent = self._silent_joints(reading, rates)
         same = (moved.joint_position == 0) & (moved.joint_velocity == 0) & (moved.joint_torque == 0)
-        jumped = (moved.joint_position > self._most.joint_position) & ~silent & upright
+        jumped = (moved.joint_position > self._limits.most.joint_position) & ~silent & upright
         self._silent[:] = (self._silent + 1) * silent
-        self._frozen[:] = (self._frozen + 1) * (same & self._joints_flicker)
+        self._frozen[:] = (self._frozen + 1) * (same & ("joints" in self._limits.flickers))
         for joints, how in (
             (self._silent >= _SILENT_AFTER, "are silent"),
             (self._frozen >= _FROZEN_AFTER, "are frozen"),
@@ -179,13 +220,26 @@ class SensorWatch:
             for joint in np.flatnonzero(joints & ~self._dead):
                 self._found.append(f"the sensors of {self._names[joint]} {how}")
             self._dead |= joints
-        np.logical_or(self._dead, silent, out=self.bad_joints)
-        self.any_bad = bool(self.bad_joints.any())
+        self._doubt_joints(silent)
 
 
-@compiled("b1(f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8, f8[::1])")
+@compiled(
+    "b1(f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8, f8[::1], f8[::1], f8[::1])"
+)
 def _usual(
-    values: Array, before: Array, most: Array, least: Array, moved: Array, imu: Array, time: float, turned: Array
+    values: Array,
+    before: Array,
+    most: Array,
+    least: Array,
+    moved: Array,
+    rates: Array,
+    mean: Array,
+    most_leap: Array,
+    leap: Array,
+    time: float,
+    turned: Array,
+    still: Array,
+    foot_limits: Array,
 ) -> bool:
     """Return whether every number has changed by no more than the most and by more than the least.
 
@@ -193,17 +247,32 @@ def _usual(
         values, before: of two looks.
         most, least: what is usual.
         moved: is written: how much each has changed.
-        imu: specific force and rate, on average between the looks.
-        time: between them [s].
-        turned: how far that has turned the base is added to it.
+        rates: of the readings between the looks, on average: specific force, angular velocity, joints.
+        mean: those of the IMU before; becomes the ones now.
+        most_leap: by which these usually change.
+        leap: is written: how much they have.
+        time: between the looks [s].
+        turned: how far the angular velocity has turned the base is added to it.
+        still: looks in which each foot has said the same.
+        foot_limits: the least and the most that a foot bears [N], and how often it does not say the same.
     """
     usual = True
     for place in range(len(values)):
         way = abs(values[place] - before[place])
         moved[place] = way
         usual = usual and way <= most[place] and way > least[place]  # false also of what is not finite
+    for place in range(6):
+        way = abs(rates[place] - mean[place])
+        leap[place] = way
+        mean[place] = rates[place]
+        usual = usual and way <= most_leap[place]
+    for place in range(6, len(rates)):
+        usual = usual and math.isfinite(rates[place])
+    for foot in range(2):
+        still[foot] = still[foot] + 1 if moved[foot] == 0 else 0
+        usual = usual and foot_limits[0] < values[foot] < foot_limits[1] and still[foot] < foot_limits[2]
     for axis in range(3):
-        turned[axis] += imu[3 + axis] * time
+        turned[axis] += rates[3 + axis] * time
     return usual
 
 
@@ -221,6 +290,7 @@ def _turn(before: list[float], after: list[float]) -> list[float]:
     """Return the rotation vector from one quaternion to another, in the body's frame, for small turns [rad]."""
     w, x, y, z = before
     a, b, c, d = after
-    sign = 2.0 if w * a + x * b + y * c + z * d >= 0 else -2.0
+    length = math.hypot(*before) * math.hypot(*after) or 1.0
+    share = math.copysign(2.0, w * a + x * b + y * c + z * d) / length
     turn = (w * b - x * a - y * d + z * c, w * c + x * d - y * a - z * b, w * d - x * c + y * b - z * a)
-    return [sign * part for part in turn]
+    return [share * part for part in turn]
