@@ -104,6 +104,7 @@ def tick(node: Behaviour, seen: Seen) -> Status:
             status: Status = node.advance(seen)  # type: ignore[attr-defined]  # a Branch
         elif how is _LEAF_TICK:
             if before is not RUNNING:
+                node.feedback_message = ""
                 node.initialise()
             status = node.update()
         else:

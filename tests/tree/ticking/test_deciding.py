@@ -35,7 +35,8 @@ FAILS = "{act: {name: culprit, script: f}}"
         (f"{{while: {{condition: {BAD}, child: {GOOD}}}}}", "while: its condition does not hold"),
         ("{timeout: {duration: 0.2 s, act: {script: r}}}", "timeout: timed out after 0.2 s (limit 0.2 s)"),
         ("{retry: {attempts: 2, act: {script: frrf}}}", "act failed"),
-        (f"{{retry: {{attempts: 3, child: {FAILS}}}}}", "retry: attempt 3 of 3 failed"),
+        (f"{{retry: {{attempts: 3, child: {FAILS}}}}}", "culprit failed"),
+        ("{retry: {attempts: 3, condition: state.time < 0 s}}", "retry: attempt 3 of 3 failed"),
         (f"{{min_duration: {{duration: 0.3 s, child: {FAILS}}}}}", "culprit failed"),
         (f"{{parallel: {{children: [{{act: {{script: r}}}}, {FAILS}]}}}}", "culprit failed"),
         (
