@@ -85,7 +85,8 @@ class TreeFile:
             declared, spec = header["parameters"][name], self.parameters[name].spec
             value = written(argument.value if argument.written is None else argument.written, spec.unit)
             if isinstance(declared, dict):
-                value = {**declared, "default": value}
+                unit = {"unit": argument.unit} if argument.unit else {}
+                value = {**declared, **unit, "default": value}
             elif spec.type is str and inferred(name, Item(value, argument.place)).type is not str:
                 value = {"type": "text", "default": value}
             header["parameters"][name] = value

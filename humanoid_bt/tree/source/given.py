@@ -59,15 +59,15 @@ def overrides(
             continue
         spec = declared[name].spec
         text = value.value if isinstance(value, Item) else value
-        if spec.type is float and not spec.unit and isinstance(text, str):
-            spec = replace(spec, unit=base_unit(text) or "")
+        unit = base_unit(text) or "" if spec.type is float and not spec.unit and isinstance(text, str) else ""
         if spec.type is NodeItem:
             hint = "only a tree that uses this one can give it"
             problems.append(Problem(f"the parameter {name!r} is a node", place, hint, "wrong-type"))
             continue
         try:
             item = written_item(spec, value, place)
-            found[name] = Argument(convert(spec, item), place, written=item.plain())
+            converted = convert(replace(spec, unit=spec.unit or unit), item)
+            found[name] = Argument(converted, place, written=item.plain(), unit=unit)
         except UserError as error:
             problems += error.problems
     return found

@@ -66,12 +66,14 @@ class Argument:
         place: where it is given.
         reader: for a node, who reads it: names in it are those of the tree that gives it.
         written: its value as it is written ("60 deg"), None if that is not known.
+        unit: the SI unit that a number came with whose parameter is declared without one, "" for none.
     """
 
     value: Any
     place: Place
     reader: Any = None
     written: Any = None
+    unit: str = ""
 
 
 @dataclass(frozen=True)
@@ -79,7 +81,7 @@ class Parameter:
     """One parameter of a tree and its value.
 
     Attributes:
-        spec: its declaration.
+        spec: its declaration, with the unit of its value if that came with one of its own.
         place: where it is declared.
         value: its value, None if it has none.
         known: whether it has a value.
@@ -200,7 +202,7 @@ class Parameters:
     def _parameter(self, declaration: Declaration, given: Argument | None, complete: bool) -> Parameter:
         spec, place = declaration.spec, declaration.place
         if given is not None:
-            return Parameter(spec, place, given.value, True, given)
+            return Parameter(replace(spec, unit=spec.unit or given.unit), place, given.value, True, given)
         if declaration.default is None:
             if complete and not declaration.broken:
                 hint = f"give it one: {spec.name}=... (in a shell --set {spec.name}=...), or a default"

@@ -161,6 +161,8 @@ def _check_unit(spec: Param, item: Item, parameter: Parameter) -> None:
     if parameter.spec.unit and parameter.spec.unit != spec.unit:
         wanted = f"in {spec.unit}" if spec.unit else f"a {spec.type_name} without a unit"
         message = f"{spec.name!r} is {wanted}, {item.value} in {parameter.spec.unit}"
+        if parameter.given is not None and parameter.given.unit:  # the mistake is that of whoever gave it a unit
+            raise UserError(message, parameter.given.place, f"{item.value} is used at {item.place}", "wrong-unit")
         raise UserError(message, item.place, f"{item.value} is declared at {parameter.place}", "wrong-unit")
 
 

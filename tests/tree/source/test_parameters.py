@@ -47,6 +47,13 @@ def test_a_value_reaches_the_node(workspace: Workspace) -> None:
     assert vars(tree.root)["duration"] == 120.0
 
 
+@pytest.mark.parametrize("declared", ["0.3", "{type: number, default: 0.3}", "{type: number, doc: How long.}"])
+def test_a_unit_that_is_given_is_written(workspace: Workspace, declared: str) -> None:
+    tree = load(workspace, f"parameters: {{x: {declared}}}\nroot: {{{TIMEOUT}}}", x="2 min")
+    again = load(workspace, tree.to_yaml())
+    assert again.nodes[0].values == tree.nodes[0].values == {"duration": 120.0}
+
+
 @pytest.mark.parametrize(
     ("text", "overrides", "message", "hint"),
     [
@@ -99,6 +106,21 @@ def test_a_value_reaches_the_node(workspace: Workspace) -> None:
             {},
             "2:18 unknown key 'defalt' of the parameter 'n'",
             "'default'",
+        ),
+        *(
+            (
+                f"parameters: {{n: {declared}}}\nroot: {{timeout: {{duration: $n, act: }}}}",
+                {"n": "50 cm"},
+                "n=50 cm 'duration' is in s, $n in m",
+                "$n is used at",
+            )
+            for declared in ("0.3", "{type: number}")
+        ),
+        (
+            "parameters: {n: 3}\nroot: {condition: state.time < n}",
+            {"n": "3 m"},
+            "3:30 in 'state.time < n': a number in s and a number in m cannot be compared",
+            "",
         ),
         ("parameters: [n]\nroot: act", {}, "2:13 the parameters must be a mapping, not a list", "name: default"),
         (
