@@ -108,15 +108,27 @@ class Key:
 
     def checked(self, value: Any) -> Any:
         """Return a value as the key takes it; raises as :meth:`set`."""
+        try:
+            return self.taken(value, _NOWHERE)
+        except UserError as error:
+            raise ValueError(f"the key {error.problems[0].message}") from error
+
+    def taken(self, value: Any, place: Place) -> Any:
+        """Return a value that is written somewhere as the key takes it.
+
+        Args:
+            value: it.
+            place: where it is written.
+
+        Raises:
+            UserError: it does not go with the key's declaration, or is a number that is not finite.
+        """
         if isinstance(value, np.generic) or (self.spec is not None and isinstance(value, np.ndarray)):
             value = value.tolist()
         if self.spec is not None:
-            try:
-                return convert(self.spec, item_of(value, _NOWHERE))
-            except UserError as error:
-                raise ValueError(f"the key {error.problems[0].message}") from error
+            return convert(self.spec, item_of(value, place))
         if isinstance(value, (int, float)) and not is_finite(value):
-            raise ValueError(f"the key {self.name!r} must be finite, not {value}")
+            raise UserError(f"{self.name!r} must be finite, not {value}", place, code="out-of-range")
         return own(value)
 
     def __str__(self) -> str:

@@ -6,8 +6,6 @@ from collections.abc import Callable, Iterable, Iterator, MutableMapping
 from typing import Any
 
 from humanoid_bt.core.errors import HumanoidBtError, Place, UserError, nearest
-from humanoid_bt.core.items import item_of
-from humanoid_bt.core.reading import convert
 from humanoid_bt.decision.blackboard import Key
 from humanoid_bt.perception.track import Track
 
@@ -55,9 +53,8 @@ class Blackboard(MutableMapping[str, Any]):
 
     def __setitem__(self, name: str, value: Any) -> None:
         key = self._open(name)
-        if key.spec is not None:
-            value = convert(key.spec, item_of(value, Place(f"the blackboard's {name!r}")))
-        key.set(value)
+        value = key.taken(value, Place(f"the blackboard's {name!r}"))
+        key.put(value)
         if not self._begun:
             key.initial = value
         if self._tell is not None:

@@ -95,7 +95,8 @@ def _of_key(key: Key, value: Any, begun: bool) -> Setting:
     spec = key.spec or Param(key.name, Any)
     if key.spec is None and isinstance(value, str) and (unit := base_unit(value)):
         spec = Param(key.name, float, unit=unit)
-    return Setting(key.name, spec.unit, key.checked(_converted(spec, key.name, value)), key, initially=not begun)
+    taken = key.taken(_converted(spec, key.name, value), _place(key.name, value))
+    return Setting(key.name, spec.unit, taken, key, initially=not begun)
 
 
 def uses_of(tree: Tree, name: str) -> list[tuple[Node, str]]:
@@ -148,4 +149,8 @@ def checked(node: Node, parameter: str, value: Any) -> Any:
 
 
 def _converted(spec: Param, name: str, value: Any) -> Any:
-    return convert(replace(spec, name=name), written_item(spec, value, Place(f"{name} = {value}")))
+    return convert(replace(spec, name=name), written_item(spec, value, _place(name, value)))
+
+
+def _place(name: str, value: Any) -> Place:
+    return Place(f"{name} = {value}")

@@ -340,6 +340,8 @@ root:
       - condition: n < goal and far < 9 m
       - wave: {hand: left}
       - retry: {attempts: 2, give_up: }
+      - set_blackboard: {key: free, value: 1}
+      - log: "{free}"
 """
 
 
@@ -381,6 +383,8 @@ def test_a_parameter_of_the_tree_is_set_where_it_was_given(settable: hbt.Session
     [
         ("m", 1, "the tree has no key or parameter 'm'"),
         ("far", "2 s", "m, cm, mm"),
+        ("far", ".inf", "'far' must be finite"),
+        ("free", ".inf", "'free' must be finite, not inf"),
         ("wave.times", "0", "'times'"),
         ("retry.attempt", 2, "did you mean 'attempts'?"),
         ("rety.attempts", 2, "did you mean 'retry'?"),
@@ -395,6 +399,7 @@ def test_what_cannot_be_set_is_refused(settable: hbt.Session, name: str, value: 
         with pytest.raises(hbt.UserError) as told:
             session.set(name, value)
         assert said in str(told.value)
+        session.step()
     assert not [event for event in session.report.events if event["text"].startswith("set ")]
 
 

@@ -350,6 +350,8 @@ def test_a_key_takes_what_its_type_takes_until_the_run_has_ended() -> None:
     with hbt.Session("count", duration=0.1) as session:
         with pytest.raises(hbt.UserError, match=r"the blackboard's 'last': error: 'last' must be a number, not text"):
             session.blackboard["last"] = "soon"
+        with pytest.raises(hbt.UserError, match=r"the blackboard's 'found': error: 'found' must be finite, not nan"):
+            session.blackboard["found"] = float("nan")
         assert session.blackboard["last"] == 100
         session.run_until(1.0)
         with pytest.raises(hbt.HumanoidBtError, match="the run has ended: the key 'last' cannot be set"):
