@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
@@ -17,7 +18,7 @@ from humanoid_bt.decision.blackboard import Key, names_key
 from humanoid_bt.tree.expressions.grammar import names
 from humanoid_bt.tree.expressions.holding import expressions_of, holds_expressions
 from humanoid_bt.tree.node import Node
-from humanoid_bt.tree.node_type import names_percepts
+from humanoid_bt.tree.node_type import Consistent, names_percepts
 from humanoid_bt.tree.source.given import written_item
 from humanoid_bt.tree.tree import Tree
 
@@ -145,6 +146,13 @@ def checked(node: Node, parameter: str, value: Any) -> Any:
     converted = _converted(spec, parameter, value)
     if node.type.commands(node.values) != node.type.commands({**node.values, parameter: converted}):
         raise UserError(f"{what} {_BEFORE}: it decides what the node commands", code="not-dynamic")
+    if isinstance(node.behaviour, Consistent):
+        other = copy.copy(node.behaviour)
+        setattr(other, parameter, converted)
+        try:
+            other.check_values()
+        except ValueError as error:
+            raise UserError(str(error), _place(parameter, value), code="out-of-range") from error
     return converted
 
 

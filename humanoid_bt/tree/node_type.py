@@ -8,7 +8,7 @@ import types
 import typing
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import Any, Literal
+from typing import Any, Literal, Protocol, runtime_checkable
 
 from py_trees.behaviour import Behaviour
 from py_trees.behaviours import Dummy
@@ -32,6 +32,18 @@ NODE_KEYS = {
     CHILD: "The node below it, where its type is called like a parameter.",
 }
 """Keys that a node's body may have besides its parameters: all a name, composites children, decorators a child."""
+
+
+@runtime_checkable
+class Consistent(Protocol):
+    """A node whose parameters must go together, or with its children."""
+
+    def check_values(self) -> None:
+        """Look at the parameters as they are now.
+
+        Raises:
+            ValueError: they do not go together.
+        """
 
 
 @dataclass(frozen=True)

@@ -340,7 +340,9 @@ root:
       - condition: n < goal and far < 9 m
       - wave: {hand: left}
       - retry: {attempts: 2, give_up: }
-      - set_blackboard: {key: free, value: 1}
+      - set_blackboard: {name: free, key: free, expression: n}
+      - parallel: [success]
+      - for_each: {item: [a, b], items: [[1, 2]], log: "{a} {b}"}
       - log: "{free}"
 """
 
@@ -386,6 +388,10 @@ def test_a_parameter_of_the_tree_is_set_where_it_was_given(settable: hbt.Session
         ("far", ".inf", "'far' must be finite"),
         ("free", ".inf", "'free' must be finite, not inf"),
         ("wave.times", "0", "'times'"),
+        ("retry.attempts", 0, "attempts = 0: error: 'attempts' must be at least 1, or -1 for ever"),
+        ("parallel.failure", 2, "'failure' needs 2 of 1 children"),
+        ("for_each.items", [[1, 2], []], "item 2 must be a list with at most 2 parts (a, b): []"),
+        ("free.value", 3, "it needs either 'value' or 'expression'"),
         ("retry.attempt", 2, "did you mean 'attempts'?"),
         ("rety.attempts", 2, "did you mean 'retry'?"),
         ("goal", 7, "the parameter 'goal' must be known before the run: 'settable/emergency_stop/sequence/condition'"),
@@ -401,6 +407,28 @@ def test_what_cannot_be_set_is_refused(settable: hbt.Session, name: str, value: 
         assert said in str(told.value)
         session.step()
     assert not [event for event in session.report.events if event["text"].startswith("set ")]
+
+
+@pytest.mark.parametrize(
+    ("root", "parameter", "value", "ends"),
+    [
+        ("retry: {attempts: 5, give_up: }", "retry.attempts", 2, "failure"),
+        ("repeat: {times: 5, name: retry, success: }", "retry.times", 2, "success"),
+        ("parallel: {success: 2, children: [success, running]}", "parallel.success", "one", "success"),
+        ("parallel: {failure: 2, children: [failure, running]}", "parallel.failure", 1, "failure"),
+        ("for_each: {item: n, items: [a, b, c, d], log: '{n}'}", "for_each.items", "[x]", "success"),
+    ],
+)
+def test_a_limit_is_set_behind_what_was_counted(
+    project: Path, root: str, parameter: str, value: Any, ends: str
+) -> None:
+    (project / "trees" / "limit.yaml").write_text(f"format: 1\nroot: {{{root}}}\n", encoding="utf-8")
+    with hbt.Session("limit") as session:
+        for _ in range(3):
+            session.step()
+        session.set(parameter, value)
+        session.run_until(0.2)
+        assert session.outcome == ends
 
 
 def test_a_leaf_is_forced_once(settable: hbt.Session) -> None:

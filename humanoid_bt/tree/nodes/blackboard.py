@@ -9,6 +9,7 @@ from py_trees.common import Status
 
 from humanoid_bt.core.params import param
 from humanoid_bt.core.units import readable
+from humanoid_bt.decision.assign import keys_read
 from humanoid_bt.decision.blackboard import Key
 from humanoid_bt.tree.expressions.expression import Expression
 from humanoid_bt.tree.expressions.linking import Unseen
@@ -29,7 +30,11 @@ class SetBlackboard(Leaf):
 
     def __init__(self, name: str, **values: Any) -> None:
         super().__init__(name, **values)
-        if (values.get("value") is None) == (values.get("expression") is None):
+        self.check_values()
+
+    def check_values(self) -> None:
+        """Refuse neither or both of what may be written."""
+        if (self.value is None and "value" not in keys_read(self)) == (self.expression is None):
             raise ValueError("it needs either 'value' or 'expression'")
 
     @classmethod

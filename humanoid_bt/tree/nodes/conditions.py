@@ -99,6 +99,10 @@ class Confident(PerceptCondition):
 
     def __init__(self, name: str, **values: Any) -> None:
         super().__init__(name, **values)
+        self.check_values()
+
+    def check_values(self) -> None:
+        """Refuse a hysteresis that reaches below every confidence."""
         if 0 < self.above <= self.hysteresis:
             raise ValueError(f"'hysteresis' ({self.hysteresis:g}) must be less than 'above' ({self.above:g})")
 

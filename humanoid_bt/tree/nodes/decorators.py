@@ -64,8 +64,12 @@ class Retry(Decorator):
 
     def __init__(self, name: str, child: Behaviour, **values: Any) -> None:
         super().__init__(name, child, **values)
-        _not_zero("attempts", self.attempts)
+        self.check_values()
         self._failures = 0
+
+    def check_values(self) -> None:
+        """Refuse no attempt at all."""
+        _not_zero("attempts", self.attempts)
 
     @classmethod
     def possible_results(cls, values: Mapping[str, Any], below: Below) -> Results:
@@ -90,7 +94,7 @@ class Retry(Decorator):
             return status
         self._failures += 1
         self.feedback_message = f"attempt {_of(self._failures, self.attempts)} failed"
-        return FAILURE if self._failures == self.attempts else RUNNING
+        return FAILURE if _reached(self._failures, self.attempts) else RUNNING
 
 
 class Repeat(Decorator):
@@ -100,8 +104,12 @@ class Repeat(Decorator):
 
     def __init__(self, name: str, child: Behaviour, **values: Any) -> None:
         super().__init__(name, child, **values)
-        _not_zero("times", self.times)
+        self.check_values()
         self._successes = 0
+
+    def check_values(self) -> None:
+        """Refuse no run at all."""
+        _not_zero("times", self.times)
 
     @classmethod
     def possible_results(cls, values: Mapping[str, Any], below: Below) -> Results:
@@ -124,7 +132,7 @@ class Repeat(Decorator):
             return status
         self._successes += 1
         self.feedback_message = f"done {_of(self._successes, self.times)}"
-        return SUCCESS if self._successes == self.times else RUNNING
+        return SUCCESS if _reached(self._successes, self.times) else RUNNING
 
 
 class Timeout(Decorator):
@@ -178,5 +186,9 @@ def _not_zero(name: str, count: int) -> None:
         raise ValueError(f"{name!r} must be at least 1, or -1 for ever")
 
 
+def _reached(count: int, limit: int) -> bool:
+    return 0 < limit <= count  # a limit that was set while the node runs may be behind
+
+
 def _of(count: int, limit: int) -> str:
-    return str(count) if limit == -1 else f"{count} of {limit}"
+    return f"{count} of {limit}" if count <= limit else str(count)

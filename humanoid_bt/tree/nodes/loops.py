@@ -29,9 +29,15 @@ class ForEach(Decorator):
 
     def __init__(self, name: str, child: Behaviour, **values: Any) -> None:
         super().__init__(name, child, **values)
+        self._items = self.items  # of this run
         self._index = 0
         if isinstance(self.item, list):
             self.item = [Key(part) if isinstance(part, str) else part for part in self.item]
+        self.check_values()
+
+    def check_values(self) -> None:
+        """Refuse items without a part for the keys, or with more parts than there are keys."""
+        if isinstance(self.item, list):
             _check_parts(self.items, [key.name for key in self.item])
 
     @classmethod
@@ -47,22 +53,22 @@ class ForEach(Decorator):
         return below.child if len(values["items"]) == 1 else below.child - {SUCCESS}
 
     def initialise(self) -> None:
-        """Begin with the first item."""
-        self._index = 0
+        """Begin with the first item of those that there are now."""
+        self._items, self._index = self.items, 0
 
     def advance(self, seen: Seen) -> Status:
         """Tick the child with the item whose turn it is."""
-        if self._index == len(self.items):
+        if self._index == len(self._items):
             return SUCCESS
         if self.decorated.status is not RUNNING:
-            self._hand_out(self.items[self._index])
+            self._hand_out(self._items[self._index])
         status = tick(self.decorated, seen)
         names = self.item.name if isinstance(self.item, Key) else ", ".join(key.name for key in self.item)
-        self.feedback_message = f"{names} {self._index + 1} of {len(self.items)}: {readable(self.items[self._index])}"
+        self.feedback_message = f"{names} {self._index + 1} of {len(self._items)}: {readable(self._items[self._index])}"
         if status is not SUCCESS:
             return status
         self._index += 1
-        return SUCCESS if self._index == len(self.items) else RUNNING
+        return SUCCESS if self._index == len(self._items) else RUNNING
 
     def _hand_out(self, item: Any) -> None:
         if isinstance(self.item, Key):

@@ -33,9 +33,15 @@ class Parallel(Branch, py_trees.composites.Parallel):
         children = children_of(type(self), name, children)
         super().__init__(name, policy=ParallelPolicy.SuccessOnAll(synchronise=True), children=children)
         assign(self, values)
-        self._successes_needed = self._checked("success", self.success)
-        self._failures_needed = self._checked("failure", self.failure)
+        self.check_values()
         self._ended: set[Behaviour] = set()
+
+    def check_values(self) -> None:
+        """Refuse a threshold beyond the number of children."""
+        count = len(self.children)
+        for what, threshold in (("success", self.success), ("failure", self.failure)):
+            if isinstance(threshold, int) and threshold > count:
+                raise ValueError(f"{what!r} needs {threshold} of {count} children")
 
     @classmethod
     def possible_results(cls, values: Mapping[str, Any], below: Below) -> Results:
@@ -73,14 +79,15 @@ class Parallel(Branch, py_trees.composites.Parallel):
         succeeded = sum(child.status is SUCCESS for child in ended)
         failed = len(ended) - succeeded
         self.current_child = children[-1]
-        if failed >= self._failures_needed:
+        needed = number_of(self.success, len(children))
+        if failed >= number_of(self.failure, len(children)):
             self.feedback_message = f"{failed} of {len(children)} failed"
             status = FAILURE
-        elif succeeded >= self._successes_needed:
+        elif succeeded >= needed:
             self.feedback_message = f"{succeeded} of {len(children)} succeeded"
             status = SUCCESS
         elif len(ended) == len(children):
-            self.feedback_message = f"all ended, {succeeded} of {self._successes_needed} needed succeeded"
+            self.feedback_message = f"all ended, {succeeded} of {needed} needed succeeded"
             status = FAILURE
         else:
             return RUNNING
@@ -89,13 +96,6 @@ class Parallel(Branch, py_trees.composites.Parallel):
                 halt(child, f"{self.name!r} {'succeeded' if status is SUCCESS else 'failed'}", seen)
         self.current_child = next(child for child in reversed(children) if child.status is status)
         return status
-
-    def _checked(self, what: str, threshold: Threshold) -> int:
-        count = len(self.children)
-        number = number_of(threshold, count)
-        if number > count:
-            raise ValueError(f"{what!r} needs {threshold} of {count} children")
-        return number
 
 
 def number_of(threshold: Threshold, count: int) -> int:
