@@ -154,8 +154,13 @@ class Key:
 
 def are_keys(value: Any) -> bool:
     """Return whether a parameter's value is a list of keys, or a mapping to some."""
-    parts = value.values() if isinstance(value, dict) else value if isinstance(value, list) else ()
-    return bool(parts) and all(isinstance(part, Key) for part in parts)
+    return not isinstance(value, Key) and bool(keys_in(value))
+
+
+def keys_in(value: Any) -> list[Key]:
+    """Return the keys that a parameter's value is: one, a list of some, or a mapping to some."""
+    parts = [value] if isinstance(value, Key) else list(value.values()) if isinstance(value, dict) else value
+    return parts if isinstance(parts, list) and all(isinstance(part, Key) for part in parts) else []
 
 
 def exchanged(keys: Any, of: Callable[[Key], Key]) -> Any:

@@ -17,7 +17,7 @@ from humanoid_bt.tree.expressions.expression import Expression
 from humanoid_bt.tree.expressions.linking import Unseen
 from humanoid_bt.tree.expressions.quantities import number, read_quantity, type_of
 from humanoid_bt.tree.nodes import other_libraries
-from humanoid_bt.tree.nodes.family import children_of
+from humanoid_bt.tree.nodes.family import cases_of, children_of
 from humanoid_bt.tree.results import Below, Results
 from humanoid_bt.tree.slots import Slot, Takes
 from humanoid_bt.tree.ticking.tick import FAILURE, INVALID, RUNNING, SUCCESS, Branch, Seen, halt, tick
@@ -151,14 +151,18 @@ class _Switch(Choice):
     value: Expression = param(doc="What decides.")
 
     def __init__(
-        self, name: str, cases: Mapping[str, Behaviour], default: Behaviour | None = None, **values: Any
+        self,
+        name: str,
+        cases: Mapping[str | bool | float, Behaviour],
+        default: Behaviour | None = None,
+        **values: Any,
     ) -> None:
-        super().__init__(name, [*cases.values(), *([default] if default else [])], **values)
-        self.cases = cases
+        self.cases = cases_of(type(self), name, cases)
+        super().__init__(name, [*self.cases.values(), *([default] if default else [])], **values)
         self.default = default
-        self._truths = {_TRUTHS[text]: branch for text, branch in cases.items() if text in _TRUTHS}
+        self._truths = {_TRUTHS[text]: branch for text, branch in self.cases.items() if text in _TRUTHS}
         self._numbers: dict[float, Behaviour] = {}
-        for text, branch in cases.items():
+        for text, branch in self.cases.items():
             value = self._number(text)
             if value is not None and self._numbers.setdefault(value, branch) is not branch:
                 raise ValueError(f"two of its cases are the number {value:g}")

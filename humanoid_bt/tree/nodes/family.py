@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import json
+from collections.abc import Iterable, Mapping
 
 from py_trees.behaviour import Behaviour
 
@@ -39,6 +40,29 @@ def child_of(parent: type, name: object, child: object) -> Behaviour:
         UserError: it is no node.
     """
     return _node(child, f"the child of {_called(parent, name)}")
+
+
+def cases_of(parent: type, name: object, cases: object) -> dict[str, Behaviour]:
+    """Return the cases of a node that is being made, as a file would write their values: ``true``, ``2``.
+
+    Raises:
+        UserError: they are no mapping of values to nodes.
+    """
+    what = _called(parent, name)
+    if not isinstance(cases, Mapping):
+        hint = f'{parent.__name__}("name", {{value: node}}, value="...")'
+        message = f"the cases of {what} must be a mapping of values to nodes, not {_kind(cases)}"
+        raise UserError(message, None, hint, _CODE)
+    found: dict[str, Behaviour] = {}
+    for case, node in cases.items():
+        if not isinstance(case, (str, bool, int, float)):
+            hint = "a text, a boolean or a number"
+            raise UserError(f"{_kind(case)} cannot be a case of {what}", None, hint, _CODE)
+        written = case if isinstance(case, str) else json.dumps(case)
+        if written in found:
+            raise UserError(f"two cases of {what} are {written}", None, "one node for each value", _CODE)
+        found[written] = node
+    return found
 
 
 def _called(parent: type, name: object) -> str:

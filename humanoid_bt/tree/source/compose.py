@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import copy
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from os import PathLike
 from pathlib import Path
@@ -14,10 +14,10 @@ from py_trees.behaviour import Behaviour
 
 from humanoid_bt.core.errors import Place, Problem, UserError, relative
 from humanoid_bt.core.items import Item, item_of
-from humanoid_bt.core.params import Param
+from humanoid_bt.core.params import Param, params_of
 from humanoid_bt.core.reading import convert
 from humanoid_bt.decision.assign import keys_read
-from humanoid_bt.decision.blackboard import Key, are_keys, exchanged
+from humanoid_bt.decision.blackboard import Key, are_keys, exchanged, keys_in
 from humanoid_bt.decision.overridden import not_made
 from humanoid_bt.decision.skill import node_type_name
 from humanoid_bt.files.workspace import Workspace
@@ -31,11 +31,12 @@ from humanoid_bt.tree.source.build import collect, make
 from humanoid_bt.tree.source.file import check_name
 from humanoid_bt.tree.source.given import plain_item
 from humanoid_bt.tree.source.load import Loader
-from humanoid_bt.tree.source.parameters import Parameters
+from humanoid_bt.tree.source.parameters import Parameters, declarations
 from humanoid_bt.tree.source.read import Reader
 from humanoid_bt.tree.source.scope import Scope
 from humanoid_bt.tree.ticking.tick import Branch
 from humanoid_bt.tree.tree import Tree
+from humanoid_bt.tree.write import written
 
 
 def make_tree(
@@ -50,7 +51,8 @@ def make_tree(
     """Return a tree of nodes that were made in Python.
 
     Keys of the blackboard are one key wherever they have one name: ``Key("place")``, or ``"place"`` for a parameter
-    that names one. Messages name the line that calls this function.
+    that names one; one with an initial value has it each time the tree starts. Messages name the line that calls this
+    function.
 
     Args:
         root: the root node, of :mod:`humanoid_bt.tree.nodes`.
@@ -73,29 +75,39 @@ def make_tree(
         raise UserError([problem])
     _check_name(name, place, problems)
     workspace = workspace if isinstance(workspace, Workspace) else Workspace(workspace)
+    header = {"name": name, "description": description, "robot": robot, "scene": scene}
+    try:
+        return _composed(root, workspace, header, place, problems)
+    except RecursionError:
+        message, hint = "the nodes of the tree are nested too deeply", "put nodes side by side, below a sequence"
+        raise UserError(message, place, hint, "too-large") from None
+
+
+def _composed(
+    root: Behaviour, workspace: Workspace, header: dict[str, Any], place: Place, problems: list[Problem]
+) -> Tree:
     registry = Registry.of(workspace)
-    scope = Scope(Parameters({}, {}, problems), {}, {}, {}, problems)
+    blackboard = _initial_values(root, place)
+    scope = Scope(Parameters({}, {}, problems), declarations(blackboard, "key", problems), {}, {}, problems)
     loader = Loader(workspace, problems)
     composer = _Composer(registry, scope, loader, place, problems)
     draft = composer.draft(root)
     scope.finish()
-    named = item_of({"robot": robot, "scene": scene}, place)
-    problems += check(draft, World.of(workspace, named, problems))
+    problems += check(draft, World.of(workspace, item_of(header, place), problems))
     _raise_if_wrong(problems)
     composer.fill()
     _raise_if_wrong(problems)
-    header = {"name": name, "description": description, "robot": robot, "scene": scene}
     tree = Tree(
-        name=name,
-        description=description,
+        name=header["name"],
+        description=header["description"],
         path=Path(place.file),
-        robot=robot,
-        scene=scene,
+        robot=header["robot"],
+        scene=header["scene"],
         parameters={},
         source="",
-        nodes=collect(draft, name, composer.made),
+        nodes=collect(draft, header["name"], composer.made),
         keys=tuple(scope.own_keys),
-        header=header,
+        header={**header, "blackboard": blackboard.plain()},
         files=loader.files,
         workspace=workspace,
         warnings=tuple(problems),
@@ -211,24 +223,33 @@ class _Composer:
         value: Any = getattr(behaviour, name, None)
         if like and expressions_of(value):
             value = copy.deepcopy(value)
-        if isinstance(value, Key):
-            value = self._scope.write(value.name)
+        try:
+            value = self._value(value, spec)
+        except UserError as error:
+            of = f" of {behaviour.name!r}"
+            self._problems += [Problem(f"{p.message}{of}", p.place, p.hint, p.code) for p in error.problems]
+            draft.sound = False
+            return
+        for expression in expressions_of(value):
+            expression.place = self._place
+            self._scope.add(expression)
+        if not like:
             setattr(behaviour, name, value)
-        elif are_keys(value):
-            value = exchanged(value, lambda part: self._scope.write(part.name))
-            setattr(behaviour, name, value)
-        elif expressions := expressions_of(value):
-            for expression in expressions:
-                expression.place = self._place
-                self._scope.add(expression)
-        elif not (value is None and not spec.required and spec.default is None):
-            try:
-                value = convert(spec, item_of(value, self._place))
-            except UserError as error:
-                of = f" of {behaviour.name!r}"
-                self._problems += [Problem(f"{p.message}{of}", p.place, p.hint, p.code) for p in error.problems]
-                draft.sound = False
         draft.values[name] = value
+
+    def _value(self, value: Any, spec: Param) -> Any:
+        """Return a parameter's value as if a file had given it: text with a unit as a number, a key as the tree's own.
+
+        Raises:
+            UserError: it takes no such value.
+        """
+        if isinstance(value, Key):
+            return self._scope.write(value.name)
+        if are_keys(value):
+            return exchanged(value, lambda part: self._scope.write(part.name))
+        if expressions_of(value) or (value is None and not spec.required and spec.default is None):
+            return value
+        return convert(spec, item_of(value, self._place))
 
     def _problem(self, message: str, hint: str, code: str = "invalid-node") -> None:
         self._problems.append(Problem(message, self._place, hint, code))
@@ -292,6 +313,37 @@ class _MixedReader(Reader):
     def node(self, item: Item, where: str) -> Draft | None:
         """Read a node, or take one that was made."""
         return self.made(item.value) if isinstance(item.value, Behaviour) else super().node(item, where)
+
+
+def _initial_values(root: Behaviour, place: Place) -> Item:
+    """Return the keys of a tree that have an initial value, as a file declares them.
+
+    Raises:
+        UserError: one has two, or one that no file could hold.
+    """
+    found: dict[str, Item] = {}
+    for key in _keys(root):
+        if not key.has_initial:
+            continue
+        default = item_of(written(plain_item(key.name, key.initial, place).plain()), place)
+        item = Item({"default": default}, place, {"default": place})
+        if found.setdefault(key.name, item) != item:
+            message = f"the key {key.name!r} has two initial values"
+            raise UserError(message, place, "give it one, or make one Key for all nodes", "taken-name")
+    return Item(found, place, dict.fromkeys(found, place))
+
+
+def _keys(root: Behaviour) -> Iterator[Key]:
+    """Return every key that nodes are given; one may come more than once."""
+    for node in root.iterate():
+        values = [getattr(node, name, None) for name in params_of(type(node))]
+        values += keys_read(node).values()
+        values += node.arguments.values() if isinstance(node, SubTree) else ()
+        for value in values:
+            if isinstance(value, Behaviour):
+                yield from _keys(value)
+            else:
+                yield from keys_in(value)
 
 
 def _raise_if_wrong(problems: list[Problem]) -> None:

@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import pytest
+from py_trees.behaviour import Behaviour
 
 import humanoid_bt as hbt
 from humanoid_bt.core.errors import UserError
-from humanoid_bt.tree.nodes import If, Log, Parallel, Selector, Sequence, Timeout, Wait
+from humanoid_bt.tree.nodes import If, Inverter, Log, Parallel, Selector, Sequence, Switch, Timeout, Wait
 from humanoid_bt.tree.show import svg_tree
 
 
@@ -19,6 +20,13 @@ def wait() -> Wait:
 def twice() -> None:
     node = wait()
     Sequence("s", [Sequence("a", [node]), Selector("b", [node])])
+
+
+def deep() -> Behaviour:
+    node: Behaviour = wait()
+    for number in range(2000):
+        node = Inverter(f"i{number}", node)
+    return node
 
 
 MISTAKES: list[tuple[Callable[[], object], str]] = [
@@ -32,6 +40,13 @@ MISTAKES: list[tuple[Callable[[], object], str]] = [
     (lambda: Timeout("t", None, duration=1.0), "the child of Timeout 't' must be a node, not None"),
     (lambda: Timeout("t", [wait()], duration=1.0), "the child of Timeout 't' must be a node, not a list"),
     (lambda: If("i", condition=wait(), then=Wait), "a child of If 'i' must be a node, not the class Wait"),
+    (
+        lambda: Switch("s", [wait()], value="n"),
+        "the cases of Switch 's' must be a mapping of values to nodes, not a list",
+    ),
+    (lambda: Switch("s", {None: wait()}, value="n"), "None cannot be a case of Switch 's'"),
+    (lambda: Switch("s", {True: wait(), "true": wait()}, value="n"), "two cases of Switch 's' are true"),
+    (lambda: hbt.make_tree(deep()), "the nodes of the tree are nested too deeply"),
     (lambda: hbt.make_tree(Wait), "the root of a tree must be a node, not the class Wait"),
     (lambda: hbt.make_tree(3), "the root of a tree must be a node, not 3"),
     (lambda: hbt.load("stand").node(3), "a node is named by its path, not by 3"),

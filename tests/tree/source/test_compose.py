@@ -20,12 +20,15 @@ from humanoid_bt.tree.nodes import (
     EmergencyStop,
     ForEach,
     If,
+    Log,
+    Parallel,
     Repeat,
     Retry,
     Selector,
     Sequence,
     SetBlackboard,
     Switch,
+    Timeout,
     Wait,
     Watchdog,
     Within,
@@ -236,6 +239,55 @@ def test_text_that_begins_with_a_dollar_is_written_with_two(workspace: Workspace
     assert [text for *_, text in run.events] == ["$5 for $k"]
 
 
+def test_values_may_be_written_as_in_a_file(workspace: Workspace, again: Callable[[Tree], Tree]) -> None:
+    made = make_tree(
+        Sequence(
+            "s",
+            [
+                Wait("w", duration="100 ms"),
+                Timeout("t", Wait("v", duration=1), duration="2 min"),
+                Log("l", text=5),
+                Condition("c", expression=True),
+            ],
+        ),
+        workspace,
+    )
+    values = [node.values for node in made.nodes]
+    assert (values[1]["duration"], values[2]["duration"], values[3]["duration"]) == (0.1, 120.0, 1.0)
+    assert shape(again(made)) == shape(made)
+    run = Run(make_tree(Sequence("s", [Wait("w", duration="100 ms"), Log("l", text=5)]), workspace))
+    assert (run.ticks(2), run.events) == ("rs", [("tree/s/l", "info", "5")])
+
+
+def test_a_key_begins_with_its_initial_value(workspace: Workspace, again: Callable[[Tree], Tree]) -> None:
+    made = make_tree(
+        ForEach(
+            "each",
+            Sequence("s", [Log("l", text="{n}"), SetBlackboard("b", key=Key("n", 5), expression="n + 1")]),
+            item="i",
+            items=[1],
+        ),
+        workspace,
+    )
+    for tree in (made, again(made)):
+        run = Run(tree)
+        assert run.ticks(2) == "ss"
+        assert [text for _, _, text in run.events] == ["5", "5"]
+
+
+def test_an_initial_value_may_begin_with_a_dollar(workspace: Workspace, again: Callable[[Tree], Tree]) -> None:
+    made = make_tree(Sequence("s", [SetBlackboard("b", key=Key("k", "$x"), value="y"), Log("l", text="{k}")]), workspace)
+    assert [key.initial for key in again(made).keys] == [key.initial for key in made.keys] == ["$x"]
+
+
+def test_a_case_may_be_what_the_value_is(workspace: Workspace, again: Callable[[Tree], Tree]) -> None:
+    cases: list[tuple[str, Any]] = [("1 < 2", True), ("1 + 1", 2), ("0.5", 0.5), ("'a'", "a")]
+    made = make_tree(
+        Sequence("s", [Switch(value, {case: Wait("w", duration=0)}, value=value) for value, case in cases]), workspace
+    )
+    assert Run(made).ticks(1) == Run(again(made)).ticks(1) == "s"
+
+
 def test_a_child_that_is_called_like_a_parameter_is_written_as_child(workspace: Workspace) -> None:
     tree = load(workspace, "root: {inverter: {name: x, child: {condition: true}}}")
     assert tree.nodes[1].type_name == "condition"
@@ -258,6 +310,13 @@ def test_texts_that_yaml_would_take_for_something_else_are_quoted(
         (lambda s: Retry("r", s["act"](), attempts=2.5), "'attempts' must be a whole number", ""),
         (lambda s: Wait("w", duration=-1.0), "'duration' must be >= 0", ""),
         (lambda s: Condition("c", expression="count > 1"), "unknown name 'count'", "expression"),
+        (lambda s: Parallel("p", [s["act"](), s["act"]()], success="2"), "'success' must be all | one or whole", ""),
+        (
+            lambda s: Sequence("s", [SetBlackboard("a", key=Key("n", value), value=1) for value in (2, 3)]),
+            "the key 'n' has two initial values",
+            "taken-name",
+        ),
+        (lambda s: s["act"](script=Key("what", {1})), "'what' cannot be {1}", "wrong-type"),
         (lambda s: s["act"](script=Key("what")), "unknown parameter or key '$what'", "unknown-reference"),
         (lambda s: Sequence("a/b", [s["act"]()]), "'a/b' cannot be a name", "bad-name"),
     ],
