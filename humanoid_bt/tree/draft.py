@@ -31,6 +31,7 @@ class Draft:
         children: its children.
         branches: other sub-trees by key (a watchdog's ``on_stale``, an ``if``'s ``then``).
         keys: of a sub-tree: the keys that begin anew with it.
+        taken: of a sub-tree: what its parameters are in it that were given a key, and that key of the caller.
         sound: whether it can be made: no mistake in it, its children left aside.
     """
 
@@ -47,6 +48,7 @@ class Draft:
     children: list[Draft] = field(default_factory=list)
     branches: dict[str, Draft | dict[str, Draft]] = field(default_factory=dict)
     keys: list[Key] = field(default_factory=list)
+    taken: dict[Key, Key] = field(default_factory=dict)
     sound: bool = True
     word: str = ""
 

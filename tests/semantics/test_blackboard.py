@@ -140,6 +140,18 @@ def test_a_parameter_is_read_at_the_start(workspace: Workspace) -> None:
     assert vars(patient)["ticks"] == 6
 
 
+@shows("key-at-start")
+def test_a_parameter_of_a_sub_tree_stays_until_its_next_start(workspace: Workspace) -> None:
+    said = "{log: '{at}'}, {sequence: [{wait: 0.1 s}, {log: '{at} still'}]}"
+    write(workspace, "inner", f"subtree: true\nparameters: {{at: {{type: number}}}}\nroot: {{sequence: [{said}]}}\n")
+    within = "{subtree: {tree: inner, at: $at}}"
+    write(workspace, "outer", f"subtree: true\nparameters: {{at: {{type: number}}}}\nroot: {within}\n")
+    root = f"{{repeat: {{parallel: [{{subtree: {{tree: outer, at: $n}}}}, {COUNT}]}}}}"
+    keyed = Run(load(workspace, f"blackboard: {{n: 1}}\nroot: {root}\n"))
+    assert keyed.ticks(4) == "rrrr"
+    assert told(keyed) == ["1", "1 still", "2", "2 still"]
+
+
 @shows("key-unset", "key-clear")
 def test_a_key_without_a_value(workspace: Workspace) -> None:
     cleared = "{set_blackboard: {key: k, value: 3}}, {clear_blackboard: k}"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar
 
 from py_trees.behaviour import Behaviour
@@ -41,18 +41,20 @@ class SubTree(Decorator):
         """
         super().__init__(name, Dummy(f"what is in {tree}"), tree=tree)
         self.arguments = arguments
-        self.keys: list[Key] = []  # those that begin anew with it
+        self.keys: Sequence[Key] = ()  # those that begin anew with it
+        self._taken: Mapping[Key, Key] = {}
 
-    def fill(self, child: Behaviour, keys: list[Key]) -> None:
+    def fill(self, child: Behaviour, keys: Sequence[Key], taken: Mapping[Key, Key]) -> None:
         """Take what its file holds, once that has been read.
 
         Args:
             child: the root of the file's nodes.
             keys: the keys that begin anew with it.
+            taken: those of its parameters that take the value of a key of the caller when it starts, and that key.
         """
         self.children[:] = [child]
         self.decorated, child.parent = child, self
-        self.keys = keys
+        self.keys, self._taken = keys, taken
 
     @classmethod
     def possible_results(cls, _values: Mapping[str, Any], below: Below) -> Results:
@@ -60,9 +62,11 @@ class SubTree(Decorator):
         return below.child
 
     def initialise(self) -> None:
-        """Give the tree's own keys their initial values."""
+        """Give the tree's own keys their initial values, and its parameters the values of keys they were given."""
         for key in self.keys:
             key.reset()
+        for parameter, key in self._taken.items():
+            parameter.set(key.value)
 
     def advance(self, seen: Seen) -> Status:
         """Tick the tree."""

@@ -104,7 +104,7 @@ def make(draft: Draft, made: dict[int, Behaviour], problems: list[Problem]) -> B
             behaviour = draft.type.factory(draft.name, children[0], **arguments)
         elif draft.type.cls is SubTree:
             behaviour = SubTree(draft.name, tree=draft.values["tree"])
-            behaviour.fill(made[id(draft.children[0])], draft.keys)
+            behaviour.fill(made[id(draft.children[0])], draft.keys, draft.taken)
         else:
             behaviour = draft.type.factory(name=draft.name, **arguments)
     except Exception as error:  # a skill's constructor is the user's code

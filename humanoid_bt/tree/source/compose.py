@@ -178,7 +178,7 @@ class _Composer:
         for subtree, draft in self._unfilled:
             child = make(draft.children[0], self.made, self._problems)
             if child is not None:
-                subtree.fill(child, draft.keys)
+                subtree.fill(child, draft.keys, draft.taken)
 
     def _type(self, behaviour: Behaviour) -> NodeType:
         cls = type(behaviour)

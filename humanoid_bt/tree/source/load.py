@@ -214,7 +214,12 @@ class Loader:
                         Problem(message, draft.place, f"{name}: {declared.spec.doc}", "missing-parameter")
                     )
             elif name in draft.values:
-                found[name] = Argument(draft.values[name], draft.value_places[name], written=draft.written.get(name))
+                value = draft.values[name]
+                if isinstance(value, Key):  # in the sub-tree, a key of its own
+                    own = Key(name)
+                    own.spec = declared.spec
+                    draft.taken[own], value = value, own
+                found[name] = Argument(value, draft.value_places[name], written=draft.written.get(name))
         return found
 
     def _find(self, item: Item) -> Path:
