@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
@@ -10,19 +10,31 @@ from humanoid_bt.core.errors import Place, Problem, UserError, also_at
 from humanoid_bt.core.items import Item
 from humanoid_bt.core.params import Param, PerceptName
 from humanoid_bt.core.reading import convert
+from humanoid_bt.core.units import base_unit
 from humanoid_bt.decision.blackboard import KEY_NAME, Key
 from humanoid_bt.tree.expressions.expression import Expression
 from humanoid_bt.tree.expressions.grammar import names
-from humanoid_bt.tree.expressions.quantities import ANYTHING, NUMBER, TEXT, TRUTH, Type, number
+from humanoid_bt.tree.expressions.quantities import ANYTHING, NUMBER, TEXT, TRUTH, Type, number, type_of
 from humanoid_bt.tree.source.parameters import Declaration, Parameters, meant
 
 
 class _Written(NamedTuple):
-    """What a node writes, where it names the key, and what that is for messages."""
+    """What a node writes, and where it names the key."""
 
-    kind: Type
     place: Place | None
-    what: str
+    output: Param | None = None  # how a sub-tree declares it
+    literals: Sequence[Item] = ()  # as it stands in the file
+
+    @property
+    def kind(self) -> Type:
+        """Its type, if all of it has one; of quantities it is text, as nothing says that it is a number."""
+        if self.output is not None:
+            return declared_type(self.output)
+        values = [item.plain() for item in self.literals if item.value is not None]
+        kinds = {type_of(value) for value in values}
+        if kinds == {TEXT, NUMBER} and all(base_unit(value) for value in values if isinstance(value, str)):
+            return TEXT
+        return kinds.pop() if len(kinds) == 1 else ANYTHING
 
 
 @dataclass
@@ -31,11 +43,16 @@ class _Known:
 
     key: Key
     place: Place | None = None  # where it is declared
-    type: Type | None = None
+    declared: Param | None = None
     written: list[_Written] = field(default_factory=list)
     read_at: list[tuple[Place, Param | None]] = field(default_factory=list)  # where, and for which parameter
     own: bool = True  # False: the caller's, handed in
     broken: bool = False  # whether its declaration has a mistake, which is enough to tell
+
+    @property
+    def spec(self) -> Param | None:
+        """What it takes: as declared, else as the first output says that it gets."""
+        return self.declared or self.key.spec
 
 
 class Scope:
@@ -71,7 +88,7 @@ class Scope:
             self._keys[name] = _Known(
                 key or _declared(name, declaration.spec),
                 declaration.place,
-                declared_type(declaration.spec),
+                declaration.spec,
                 own=key is None,
             )
         for name, declaration in blackboard.items():
@@ -82,17 +99,19 @@ class Scope:
         """The keys that belong to this use of the file, and begin anew whenever it starts."""
         return [known.key for known in self._keys.values() if known.own]
 
-    def write(self, name: str, kind: Type = ANYTHING, place: Place | None = None, output: Param | None = None) -> Key:
+    def write(
+        self, name: str, place: Place | None = None, output: Param | None = None, literals: Sequence[Item] = ()
+    ) -> Key:
         """Return the key of a name for a node that writes it.
 
         Args:
             name: the key's.
-            kind: what is written.
             place: where the node names it.
             output: how a sub-tree declares what is written.
+            literals: what is written, if that stands in the file.
         """
         known = self._keys.setdefault(name, _Known(Key(name)))
-        known.written.append(_Written(kind, place, f"the output {output.name!r}" if output else "what is written"))
+        known.written.append(_Written(place, output, literals))
         if known.key.spec is None and output is not None:
             known.key.spec = replace(output, name=name)
         return known.key
@@ -200,7 +219,7 @@ class Scope:
             message = f"the name {name!r} is declared twice in one tree"
             self._problems.append(Problem(message, declaration.place, "rename one of them", "taken-name"))
             return
-        self._keys[name] = _Known(key, declaration.place, declared_type(declaration.spec), broken=declaration.broken)
+        self._keys[name] = _Known(key, declaration.place, declaration.spec, broken=declaration.broken)
 
     def _judge(self, name: str, known: _Known) -> None:
         if known.broken:
@@ -218,7 +237,7 @@ class Scope:
         kind = _of(known)
         self._problems += _misfits(name, known)
         for place, spec in known.read_at:
-            if spec is not None and not kind.goes_with(wanted := declared_type(spec)):
+            if spec is not None and not kind.goes_with(wanted := declared_type(spec)) and not _read_as(known, spec):
                 message = f"{spec.name!r} must be {wanted}, and the key {name!r} is {kind}"
                 self._problems.append(Problem(message, place, spec.doc, _mismatch(kind, wanted)))
         if name in self._outputs and not known.written:
@@ -231,29 +250,43 @@ class Scope:
 
 def _of(known: _Known) -> Type:
     """Return the type of a key: as declared, else what all that writes it agrees on."""
-    if known.type is not None and known.type.kind != "anything":
-        return known.type
+    declared = ANYTHING if known.spec is None else declared_type(known.spec)
+    if declared.kind != "anything":
+        return declared
     kinds = {written.kind for written in known.written}
-    united = {kind for kind in kinds if kind.kind == "number" and kind.unit}
-    if len(united) == 1 and kinds <= united | {NUMBER}:  # a plain number goes with every unit
-        return united.pop()
     return kinds.pop() if len(kinds) == 1 else ANYTHING
+
+
+def _read_as(known: _Known, spec: Param) -> bool:
+    """Return whether a parameter takes all that may be in a key, as it stands in the file: text such as 50 cm."""
+    if known.spec is not None or not all(written.literals for written in known.written):
+        return False
+    try:
+        for written in known.written:
+            for item in written.literals:
+                convert(spec, item)
+    except UserError:
+        return False
+    return True
 
 
 def _misfits(name: str, known: _Known) -> Iterator[Problem]:
     """Return what is written to a key and does not go with its declaration, or with the first output that it gets."""
-    first = next((written for written in known.written if written.kind.unit), None)
-    if known.type is not None:
-        wanted, hint = known.type, f"{name!r} is declared at {known.place}"
-    elif first is not None:
-        wanted, hint = first.kind, f"it is written at {first.place}"
-    else:
-        return
-    for kind, place, what in known.written:
-        if not kind.goes_with(wanted):
-            message = f"{what} is {kind}, and the key {name!r} is {wanted}"
-            quantity = "; a quantity is written as expression: 50 cm" if (kind, wanted.kind) == (TEXT, "number") else ""
-            yield Problem(message, place, hint + quantity, _mismatch(kind, wanted))
+    taker = Key(name)  # as the run's takes what is written
+    taker.spec = known.spec
+    wanted = ANYTHING if known.spec is None else declared_type(known.spec)
+    first = next((written.place for written in known.written if written.output), None)
+    hint = f"{name!r} is declared at {known.place}" if known.declared else f"it is written at {first}" if first else ""
+    for written in known.written:
+        for item in written.literals:
+            try:
+                taker.taken(item.plain(), item.place)
+            except UserError as error:
+                for problem in error.problems:
+                    yield replace(problem, hint="; ".join(filter(None, [problem.hint, hint])))
+        if written.output is not None and not written.kind.goes_with(wanted):
+            message = f"the output {written.output.name!r} is {written.kind}, and the key {name!r} is {wanted}"
+            yield Problem(message, written.place, hint, _mismatch(written.kind, wanted))
 
 
 def _mismatch(kind: Type, wanted: Type) -> str:

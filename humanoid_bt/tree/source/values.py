@@ -3,23 +3,21 @@
 from __future__ import annotations
 
 import typing
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from humanoid_bt.core.errors import Problem, UserError, any_of, nearest
 from humanoid_bt.core.items import Item
 from humanoid_bt.core.params import Param
 from humanoid_bt.core.reading import needed, read_values
-from humanoid_bt.decision.blackboard import Key, are_keys, exchanged
+from humanoid_bt.decision.blackboard import Key, are_keys, exchanged, keys_in
 from humanoid_bt.tree.draft import Draft
-from humanoid_bt.tree.expressions.expression import Expression
 from humanoid_bt.tree.expressions.holding import expressions_of, holds_expressions
-from humanoid_bt.tree.expressions.quantities import ANYTHING, Type, type_of
-from humanoid_bt.tree.node_type import names_percepts
+from humanoid_bt.tree.node_type import NodeType, names_percepts
 from humanoid_bt.tree.nodes import other_libraries
 from humanoid_bt.tree.source.file import check_name
 from humanoid_bt.tree.source.parameters import Parameter, reference, references
-from humanoid_bt.tree.source.scope import Scope, declared_type
+from humanoid_bt.tree.source.scope import Scope
 
 
 class ValueReader:
@@ -65,13 +63,15 @@ class ValueReader:
         values, problems = read_values(wanted, Item(given, draft.place), repr(draft.word))
         self._problems += [self._scope.parameters.explain(problem) for problem in problems]
         draft.written = {key: plain for key, plain in plainly.items() if _in_another_form(values.get(key), plain)}
+        literals = _literals(node_type, values, given)
         for key, value in values.items():
             if isinstance(value, Key):
-                output = node_type.outputs.get(key)
-                kind = declared_type(output) if output else _written_type(values)
-                draft.values[key] = self._scope.write(value.name, kind, draft.value_places[key], output)
+                place, output = draft.value_places[key], node_type.outputs.get(key)
+                draft.values[key] = self._scope.write(value.name, place, output, literals.get(value.name, ()))
             elif are_keys(value):
-                draft.values[key] = exchanged(value, lambda part: self._scope.write(part.name))
+                draft.values[key] = exchanged(
+                    value, lambda part: self._scope.write(part.name, literals=literals.get(part.name, ()))
+                )
             else:
                 draft.values[key] = value
                 for expression in expressions_of(value):
@@ -179,9 +179,18 @@ def _in_another_form(value: Any, plain: Any) -> bool:
     return bool(plain != (list(value) if isinstance(value, tuple) else value))
 
 
-def _written_type(values: dict[str, Any]) -> Type:
-    """Return the type of what a node writes, if its parameters tell: a ``value``, or ``items`` of one type."""
-    if "value" in values and not isinstance(values["value"], Expression):
-        return type_of(values["value"])
-    kinds = {type_of(item) for item in values.get("items") or ()}
-    return kinds.pop() if len(kinds) == 1 else ANYTHING
+def _literals(node_type: NodeType, values: Mapping[str, Any], given: Mapping[str, Item]) -> dict[str, list[Item]]:
+    """Return what a node writes as it stands in its file, a ``value`` or ``items``, by the name of the key."""
+    found: dict[str, list[Item]] = {}
+    if node_type.kind == "skill":
+        return found  # what it writes is its own
+    key, item = values.get("key"), values.get("item")
+    if "value" in given and isinstance(key, Key):
+        found[key.name] = [given["value"]]
+    if "items" in values and isinstance(item, Key):
+        found[item.name] = given["items"].value
+    elif "items" in values:
+        rows = [row.value for row in given["items"].value if isinstance(row.value, list)]
+        for index, part in enumerate(keys_in(item)):
+            found[part.name] = [row[index] for row in rows if index < len(row) and row[index].value is not None]
+    return found

@@ -323,6 +323,68 @@ def test_a_key_of_the_wrong_type_is_found_before_the_run(
     assert problem.code == code
 
 
+LENGTH = "blackboard: {x: {type: number, unit: m}}\n"
+TOLD = "subtree: true\noutputs: {ok: {type: boolean}}\nroot: {set_blackboard: {key: ok, value: true}}\n"
+
+
+@pytest.mark.parametrize(
+    ("declared", "nodes", "found"),
+    [
+        (
+            "",
+            "for_each: {item: [x, y], items: [[1 m, 0]], condition: x < 2 m}",
+            "'x < 2 m': text and a number in m cannot be compared",
+        ),
+        ("", "for_each: {item: x, items: [1 m, 3], condition: x < 2 m}", "text and a number in m cannot be compared"),
+        ("", "for_each: {item: [x], items: [[1 m]], wait: $x}", "'duration' must be a number in s, and the key 'x' is"),
+        ("", "for_each: {item: [x], items: [[1 s], [2]], wait: $x}", None),
+        ("", "for_each: {item: x, items: [1 s, 2 min], wait: $x}", None),
+        ("", "for_each: {item: [x, y], items: [[a], [b, 2]], log: '{x} {y}'}", None),
+        ("", "for_each: {item: x, items: [1, .inf], log: '{x}'}", "'x' must be finite, not inf"),
+        (LENGTH, "for_each: {item: [x], items: [[5 cm], [0.2]], condition: x < 2 m}", None),
+        (LENGTH, "for_each: {item: [x], items: [[5 cm], [5 s]], condition: x < 2 m}", "'x' has the unit 's'"),
+        (
+            "blackboard: {x: {type: integer}}\n",
+            "sequence: [{set_blackboard: {key: x, value: 2.5}}, {condition: x < 2}]",
+            "'x' must be a whole number, not a number 2.5",
+        ),
+        (
+            "blackboard: {x: {type: text}}\n",
+            "for_each: {item: x, items: [a, ~], condition: x == 'a'}",
+            "'x' must be text, not nothing",
+        ),
+        (
+            "",
+            "sequence: [{subtree: {tree: told, ok: x}}, {set_blackboard: {key: x, value: 5}}, {condition: x}]",
+            "'x' must be true or false, not a number 5",
+        ),
+        (
+            "",
+            "sequence: [{subtree: {tree: told, ok: x}}, {subtree: {tree: near, gone: x}}, {condition: x}]",
+            "the output 'gone' is a number in m, and the key 'x' is true or false",
+        ),
+    ],
+)
+def test_what_is_written_as_it_stands_in_the_file_goes_with_its_key(
+    workspace: Workspace, declared: str, nodes: str, found: str | None
+) -> None:
+    write(workspace, "told", TOLD)
+    write(workspace, "near", NEAR)
+    text = f"{declared}root: {{{nodes}}}"
+    if found is None:
+        load(workspace, text)
+    else:
+        (problem,) = problems(workspace, text)
+        assert found in problem.message
+
+
+def test_a_quantity_is_a_number_in_a_key_that_is_declared(workspace: Workspace) -> None:
+    text = f"{LENGTH}root: {{sequence: [{{set_blackboard: {{key: x, value: 46 cm}}}}, {{condition: x < 0.5 m}}]}}"
+    run = Run(load(workspace, text))
+    assert run.ticks(1) == "s"
+    assert [key.value for key in run.tree.keys] == [0.46]
+
+
 def test_a_key_of_the_wrong_unit_is_found_before_the_run(workspace: Workspace) -> None:
     text = "blackboard: {far: {unit: m, default: 1}}\nroot: {wait: $far}"
     (problem,) = problems(workspace, text)
@@ -376,17 +438,17 @@ root: {set_blackboard: {key: gone, value: 0.46}}
             "the output 'time' is a number in s, and the key 'd' is a number in m",
         ),
         (
-            "root: {sequence: [{subtree: {tree: near, gone: d}}, {set_blackboard: {key: d, value: 46 cm}}, "
+            "root: {sequence: [{subtree: {tree: near, gone: d}}, {set_blackboard: {key: d, value: 46 ms}}, "
             "{condition: d < 1}]}",
-            "2:76",
-            "wrong-type",
-            "what is written is text, and the key 'd' is a number in m",
+            "2:86",
+            "wrong-unit",
+            "'d' has the unit 'ms'",
         ),
         (
             "outputs: {d: {type: number, unit: m}}\nroot: {set_blackboard: {key: d, value: far}}",
-            "3:30",
+            "3:40",
             "wrong-type",
-            "what is written is text, and the key 'd' is a number in m",
+            "'d' must be a number, not text 'far'",
         ),
     ],
 )
