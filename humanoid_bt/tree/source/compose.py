@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import copy
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from os import PathLike
 from pathlib import Path
@@ -34,6 +34,7 @@ from humanoid_bt.tree.source.load import Loader
 from humanoid_bt.tree.source.parameters import Parameters, declarations
 from humanoid_bt.tree.source.read import Reader
 from humanoid_bt.tree.source.scope import Scope
+from humanoid_bt.tree.source.values import literals_of
 from humanoid_bt.tree.ticking.tick import Branch
 from humanoid_bt.tree.tree import Tree
 from humanoid_bt.tree.write import written
@@ -156,8 +157,11 @@ class _Composer:
                 self._unfilled.append((behaviour, draft))
             return draft
         _check_name(behaviour.name, self._place, self._problems)
-        for name, spec in node_type.params.items():
-            self._parameter(draft, behaviour, name, spec, like)
+        values = {name: value for name in node_type.params if (value := getattr(behaviour, name, None)) is not None}
+        given = {name: item_of(value, self._place) for name, value in values.items()}
+        literals = literals_of(node_type, values, given)
+        for spec in node_type.params.values():
+            self._parameter(draft, behaviour, spec, literals, like)
         draft.children = [self.draft(child, like) for child in _children(node_type, behaviour)]
         if node_type.takes == "many" and not draft.children:
             message = f"{node_type.type_name!r} {behaviour.name!r} needs at least one child"
@@ -211,7 +215,10 @@ class _Composer:
     def _stands_twice(self, behaviour: Behaviour) -> None:
         self._problem(f"the node {behaviour.name!r} stands in the tree twice", "make one for each place")
 
-    def _parameter(self, draft: Draft, behaviour: Behaviour, name: str, spec: Param, like: bool) -> None:
+    def _parameter(
+        self, draft: Draft, behaviour: Behaviour, spec: Param, literals: Mapping[str, Sequence[Item]], like: bool
+    ) -> None:
+        name = spec.name
         dynamic = keys_read(behaviour).get(name)
         if dynamic is not None:
             key = self._scope.read(dynamic.name, self._place, spec)
@@ -224,7 +231,7 @@ class _Composer:
         if like and expressions_of(value):
             value = copy.deepcopy(value)
         try:
-            value = self._value(value, spec)
+            value = self._value(value, spec, literals)
         except UserError as error:
             of = f" of {behaviour.name!r}"
             self._problems += [Problem(f"{p.message}{of}", p.place, p.hint, p.code) for p in error.problems]
@@ -237,16 +244,16 @@ class _Composer:
             setattr(behaviour, name, value)
         draft.values[name] = value
 
-    def _value(self, value: Any, spec: Param) -> Any:
+    def _value(self, value: Any, spec: Param, literals: Mapping[str, Sequence[Item]]) -> Any:
         """Return a parameter's value as if a file had given it: text with a unit as a number, a key as the tree's own.
 
         Raises:
             UserError: it takes no such value.
         """
         if isinstance(value, Key):
-            return self._scope.write(value.name)
+            return self._scope.write(value.name, self._place, literals=literals.get(value.name, ()))
         if are_keys(value):
-            return exchanged(value, lambda part: self._scope.write(part.name))
+            return exchanged(value, lambda part: self._value(part, spec, literals))
         if expressions_of(value) or (value is None and not spec.required and spec.default is None):
             return value
         return convert(spec, item_of(value, self._place))

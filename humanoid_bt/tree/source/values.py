@@ -63,7 +63,7 @@ class ValueReader:
         values, problems = read_values(wanted, Item(given, draft.place), repr(draft.word))
         self._problems += [self._scope.parameters.explain(problem) for problem in problems]
         draft.written = {key: plain for key, plain in plainly.items() if _in_another_form(values.get(key), plain)}
-        literals = _literals(node_type, values, given)
+        literals = literals_of(node_type, values, given)
         for key, value in values.items():
             if isinstance(value, Key):
                 place, output = draft.value_places[key], node_type.outputs.get(key)
@@ -179,18 +179,25 @@ def _in_another_form(value: Any, plain: Any) -> bool:
     return bool(plain != (list(value) if isinstance(value, tuple) else value))
 
 
-def _literals(node_type: NodeType, values: Mapping[str, Any], given: Mapping[str, Item]) -> dict[str, list[Item]]:
-    """Return what a node writes as it stands in its file, a ``value`` or ``items``, by the name of the key."""
+def literals_of(node_type: NodeType, values: Mapping[str, Any], given: Mapping[str, Item]) -> dict[str, list[Item]]:
+    """Return what a node writes as it stands in its file, a ``value`` or ``items``, by the name of the key.
+
+    Args:
+        node_type: the node's type.
+        values: its parameters, converted.
+        given: those that it was given, as they are written.
+    """
     found: dict[str, list[Item]] = {}
     if node_type.kind == "skill":
         return found  # what it writes is its own
     key, item = values.get("key"), values.get("item")
     if "value" in given and isinstance(key, Key):
         found[key.name] = [given["value"]]
-    if "items" in values and isinstance(item, Key):
-        found[item.name] = given["items"].value
-    elif "items" in values:
-        rows = [row.value for row in given["items"].value if isinstance(row.value, list)]
+    items = given["items"].value if "items" in given else None
+    if isinstance(items, list) and isinstance(item, Key):
+        found[item.name] = items
+    elif isinstance(items, list):
+        rows = [row.value for row in items if isinstance(row.value, list)]
         for index, part in enumerate(keys_in(item)):
             found[part.name] = [row[index] for row in rows if index < len(row) and row[index].value is not None]
     return found

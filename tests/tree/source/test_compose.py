@@ -276,7 +276,9 @@ def test_a_key_begins_with_its_initial_value(workspace: Workspace, again: Callab
 
 
 def test_an_initial_value_may_begin_with_a_dollar(workspace: Workspace, again: Callable[[Tree], Tree]) -> None:
-    made = make_tree(Sequence("s", [SetBlackboard("b", key=Key("k", "$x"), value="y"), Log("l", text="{k}")]), workspace)
+    made = make_tree(
+        Sequence("s", [SetBlackboard("b", key=Key("k", "$x"), value="y"), Log("l", text="{k}")]), workspace
+    )
     assert [key.initial for key in again(made).keys] == [key.initial for key in made.keys] == ["$x"]
 
 
@@ -315,6 +317,21 @@ def test_texts_that_yaml_would_take_for_something_else_are_quoted(
             lambda s: Sequence("s", [SetBlackboard("a", key=Key("n", value), value=1) for value in (2, 3)]),
             "the key 'n' has two initial values",
             "taken-name",
+        ),
+        (
+            lambda s: ForEach("f", s["act"](script=Key("n")), item="n", items="ab"),
+            "'items' must be a list, not text",
+            "",
+        ),
+        (
+            lambda s: ForEach("f", s["act"](script=Key("n")), item="n", items=[1, 2]),
+            "'script' must be text, and the key 'n' is a plain number",
+            "wrong-type",
+        ),
+        (
+            lambda s: Sequence("s", [SetBlackboard("b", key=Key("n", 2), value="x"), Log("l", text="{n}")]),
+            "'n' must be a number, not text 'x'",
+            "wrong-type",
         ),
         (lambda s: s["act"](script=Key("what", {1})), "'what' cannot be {1}", "wrong-type"),
         (lambda s: s["act"](script=Key("what")), "unknown parameter or key '$what'", "unknown-reference"),
