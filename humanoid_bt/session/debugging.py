@@ -41,7 +41,8 @@ class Debugging:
         Args:
             what: a node, by its path or the end of it: when it starts; ``reach=FAILURE``: when it gets that status,
                 RUNNING, SUCCESS, FAILURE or HALTED; or an expression as in a condition: when it becomes true. A node
-                that ends in the tick in which it starts counts when its result is another than the last time.
+                that is no skill and ends in the tick in which it starts counts when its result is another than the
+                last time.
 
         Raises:
             UserError: it names no node of the tree, and is no expression either.
