@@ -30,8 +30,10 @@ from humanoid_bt.record.parts import is_recording, parts_of
 from humanoid_bt.record.rrd import RrdFile
 from humanoid_bt.record.tick import Tick, percepts_of
 
+AT = 1e-7
+"""Engine times [s] that differ by less are the same: they are sums of floats."""
+
 _ENTITY, _TIMELINE = "/flight", "sim_time"
-_AT = 1e-7  # s; engine times are sums of floats
 _SHAPES = {"layout": shape.LAYOUT, "setup": shape.SETUP}  # of what is said once
 _BLOCKS = ("plans", "cycles", "ticks", "news")
 _BUNDLED = ("ticks", "news")
@@ -123,12 +125,12 @@ class FlightLog:
             except (BlockError, zlib.error):
                 damaged += 1
                 continue
-            if len(part) and part[0, 0] * SERVO_PERIOD > end + _AT:
+            if len(part) and part[0, 0] * SERVO_PERIOD > end + AT:
                 break
             parts.append(part)
         rows = np.concatenate(parts)
         time = rows[:, 0] * SERVO_PERIOD
-        inside = (time >= begin - _AT) & (time <= end + _AT)
+        inside = (time >= begin - AT) & (time <= end + AT)
         rows, time = (rows, time) if inside.all() else (rows[inside], time[inside])
         split = kept.split(rows if only is None else rows[:, 1:])
         return Cycles(time, split, {column.name: column for column in kept.columns}, damaged)
@@ -157,15 +159,15 @@ class FlightLog:
             except WireError:
                 self.damaged += 1
                 continue
-            if tick.state.time > end + _AT:
+            if tick.state.time > end + AT:
                 return
-            if tick.state.time >= begin - _AT:
+            if tick.state.time >= begin - AT:
                 yield tick
 
     def seen_before(self, time: float) -> Iterator[Percept]:
         """Yield percepts that came up to an engine time [s], the latest first."""
         blocks, until = self.blocks["ticks"], self.until["ticks"]
-        first = bisect_left(until, time - _AT) + 1  # a tick may stand in the block after the cycles of its time
+        first = bisect_left(until, time - AT) + 1  # a tick may stand in the block after the cycles of its time
         for number in range(min(first, len(blocks) - 1), -1, -1):
             try:
                 messages = unbundle(blocks[number])
@@ -173,7 +175,7 @@ class FlightLog:
             except (BlockError, WireError, zlib.error):
                 self.damaged += 1
                 continue
-            yield from (percept for percept in reversed(percepts) if percept.stamp <= time + _AT)
+            yield from (percept for percept in reversed(percepts) if percept.stamp <= time + AT)
 
     @cached_property
     def news(self) -> list[News]:
@@ -198,7 +200,7 @@ class FlightLog:
             except (ValueError, TypeError, RecursionError):
                 self.damaged += 1
                 continue
-            if begin - _AT <= found.time <= end + _AT:
+            if begin - AT <= found.time <= end + AT:
                 yield found
 
     @property
@@ -224,7 +226,7 @@ class FlightLog:
 
     def _blocks(self, name: str, begin: float, last: int | None = None) -> list[bytes]:
         """Return the blocks, up to a number, in which something may be from a time [s] on."""
-        return self.blocks[name][bisect_left(self.until[name], begin - _AT) : last]
+        return self.blocks[name][bisect_left(self.until[name], begin - AT) : last]
 
     def _messages(self, name: str, begin: float = -math.inf, last: int | None = None) -> Iterator[bytes]:
         for block in self._blocks(name, begin, last):

@@ -8,6 +8,7 @@ from collections.abc import Iterable, Iterator
 from itertools import groupby
 from typing import Any, NamedTuple
 
+from humanoid_bt.record.reading import AT
 from humanoid_bt.review.drawing import Drawing, read_drawing
 from humanoid_bt.review.export import Wanted
 from humanoid_bt.review.happened import Row
@@ -63,11 +64,11 @@ TOPICS = {
 def _scene(drawing: Drawing, wanted: Wanted) -> Iterator[Message]:
     """Yield robot and scene, with bodies fixed to their frames."""
     begin, end = wanted.between or (-math.inf, math.inf)
-    latest = {part: shapes for time, part, shapes in drawing.parts() if time <= begin}
+    latest = {part: shapes for time, part, shapes in drawing.parts() if time <= begin + AT}
     for part, shapes in latest.items():
         yield Message(begin, f"/{part}", SCENE, scene_update(shapes, _stamp(begin)))
     for time, part, shapes in drawing.parts():
-        if begin < time <= end:
+        if begin + AT < time <= end + AT:
             yield Message(time, f"/{part}", SCENE, scene_update(shapes, _stamp(time)))
 
 
@@ -77,7 +78,7 @@ def _bodies(drawing: Drawing, wanted: Wanted) -> Iterator[Message]:
     for times, frames, positions, quaternions in drawing.poses:
         rows = zip(times.tolist(), frames, positions.tolist(), quaternions.tolist(), strict=True)
         for time, some in groupby(rows, key=lambda row: row[0]):
-            if begin <= time <= end:
+            if begin - AT <= time <= end + AT:
                 stamp = _stamp(time)
                 moved = [_transform(stamp, frame, position, turn) for _, frame, position, turn in some]
                 yield Message(time, "/tf", FRAMES, {"transforms": moved})

@@ -14,7 +14,7 @@ from typing import Any
 import pyarrow as pa
 
 from humanoid_bt.core.errors import UserError, nearest, relative
-from humanoid_bt.record.reading import FlightLog, read_flight
+from humanoid_bt.record.reading import AT, FlightLog, read_flight
 from humanoid_bt.record.tick import Tick
 from humanoid_bt.review import samples, setup
 from humanoid_bt.review import ticks as ticking
@@ -300,7 +300,7 @@ def _times(between: Between | None) -> Between:
 def _is_between(row: Row, begin: float, end: float) -> bool:
     first: float = row["time"]
     last: float = row.get("ended", first)
-    return first <= end and last >= begin
+    return first <= end + AT and last >= begin - AT
 
 
 def _whole(value: Any) -> Any:

@@ -14,7 +14,7 @@ from humanoid_bt.control.cycle_log import NONE
 from humanoid_bt.core.clock import SERVO_PERIOD
 from humanoid_bt.core.errors import UserError
 from humanoid_bt.core.messages import SIDES, Array
-from humanoid_bt.record.reading import Cycles, FlightLog
+from humanoid_bt.record.reading import AT, Cycles, FlightLog
 
 Places = NDArray[np.intp]
 
@@ -24,10 +24,9 @@ RATE = 200.0
 FULL_RATE = round(1 / SERVO_PERIOD)
 """Rate at which samples are recorded [Hz]."""
 
-_WINDOW = 5.0  # s that are unpacked at once
+_WINDOW = 5000  # servo cycles that are unpacked at once
 _HELD = 1.0  # s for which a plan is looked for before a window
 _LONGEST_BLOCK = 60.0  # s; the recorder writes one every second at least
-_QUARTER = 0.25 * SERVO_PERIOD
 
 
 def step_of(rate: float) -> int:
@@ -96,18 +95,20 @@ def _windows(log: FlightLog, begin: float, end: float, step: int) -> Iterator[tu
     """
     first, last = log.span
     last = min(last, first + _LONGEST_BLOCK * len(log.blocks["cycles"]))  # a damaged number is no reason to wait
-    at, end = max(begin, first), min(end, last)
-    while at <= end + _QUARTER and math.isfinite(at):
-        until = min(at + _WINDOW, end + SERVO_PERIOD)
-        cycles = log.cycles("cycles", at - _QUARTER, until - 3 * _QUARTER)
-        plans = log.cycles("plans", at - _HELD, until)
+    begin, end = max(begin, first), min(end, last)
+    if not (begin <= end + AT and math.isfinite(begin) and math.isfinite(end)):
+        return
+    since, until = math.ceil((begin - AT) / SERVO_PERIOD), math.floor((end + AT) / SERVO_PERIOD)
+    for at in range(since, until + 1, _WINDOW):
+        window = at * SERVO_PERIOD, min(at + _WINDOW - 1, until) * SERVO_PERIOD
+        cycles = log.cycles("cycles", *window)
+        plans = log.cycles("plans", window[0] - _HELD, window[1])
         chosen = np.round(cycles.time / SERVO_PERIOD).astype(np.int64) % step == 0
         kept = {name: numbers[chosen] for name, numbers in cycles.columns.items()}
         found = Cycles(cycles.time[chosen], kept, cycles.described, cycles.damaged)
-        latest = np.searchsorted(plans.time, found.time + _QUARTER, side="right") - 1
+        latest = np.searchsorted(plans.time, found.time + AT, side="right") - 1
         if len(found.time):
             yield found, plans, latest
-        at = until
 
 
 def _held(numbers: Array, latest: Places) -> Array:

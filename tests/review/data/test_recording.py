@@ -14,6 +14,7 @@ import pytest
 import humanoid_bt as hbt
 from humanoid_bt.core.errors import UserError
 from humanoid_bt.record.reading import read_flight
+from humanoid_bt.review import samples
 from humanoid_bt.review.columns import TABLES
 from humanoid_bt.review.recording import Recording
 from humanoid_bt.session.run import run
@@ -62,6 +63,19 @@ def test_a_window_at_a_rate_is_cut_out_of_the_whole(recording: Recording) -> Non
     assert recording.body(rate=1000, between=(1, 2)).combine_chunks().equals(inside.combine_chunks())
     times = np.asarray(recording.body(rate=50, between=(1, 2))["time"])
     np.testing.assert_allclose(times, np.arange(1.0, 2.001, 0.02))
+
+
+def test_windows_join_wherever_they_begin(recording: Recording, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(samples, "_WINDOW", 100)
+    times = np.asarray(recording.body(rate=1000, between=(1.0054, 2.0))["time"])
+    np.testing.assert_allclose(times, np.arange(1006, 2001) / 1000)
+
+
+@pytest.mark.parametrize("name", ["ticks", "commands", "body"])
+def test_a_window_includes_its_ends(name: str, recording: Recording) -> None:
+    odd = next(at for at in recording.ticks()["time"].to_pylist() if at != round(at, 6))  # 0.7000000000000001
+    for at in (round(odd, 6), odd):
+        assert set(recording.table(name, between=(at, at))["time"].to_pylist()) == {odd}
 
 
 def test_ticks_tell_what_ran(recording: Recording) -> None:
