@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
@@ -33,8 +34,8 @@ def turn_left(frame: Array, orientation: Array | Pointing) -> float:
 
 def in_world(target: HandTarget, origin: Array, frame: Array) -> HandTarget:
     """Return a target that is relative to a palm, place shape (3,) and frame shape (3, 3), as one of the world."""
-    orientation = turned_with(frame, target.orientation)
-    return HandTarget(origin + frame @ target.position, orientation, relative=False, speed=target.speed)
+    position, orientation = origin + frame @ target.position, turned_with(frame, target.orientation)
+    return replace(target, position=position, orientation=orientation, relative=False)
 
 
 def turned_with(frame: Array, orientation: Array | Pointing | None) -> Array | Pointing | None:

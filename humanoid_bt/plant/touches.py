@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -9,12 +10,15 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from humanoid_bt.core.messages import Array, HandTarget
+from humanoid_bt.core.messages import SIDES, Array, HandTarget, Side
+from humanoid_bt.core.palm import in_world, other_side
 from humanoid_bt.robot.config import RobotConfig
-from humanoid_bt.robot.model import carriers
+from humanoid_bt.robot.model import carriers, palm_site
+from humanoid_bt.robot.palm import palm_axes
 
 _LOOK_AGAIN = 9  # moments in which as many contacts as before are taken for the same ones
 _SENT = 0.15  # m from a palm's target within which the hand touches what it was sent to; fingers are as long
+_PARTED = 0.1  # s without a touch after which a hand and a thing have parted; one that is let go may bounce
 
 
 @dataclass(frozen=True)
@@ -25,7 +29,8 @@ class Touch:
         time: engine time [s].
         thing: name of the object of the scene, also where it was the object's stand.
         link: the body of the robot.
-        meant: whether it was a hand that was sent there: to press on something, or to a place that near.
+        meant: whether it was a hand that was sent there: to press on something, or to a place that near; or that still
+            touches what it was sent to.
     """
 
     time: float
@@ -54,11 +59,14 @@ class Touches:
 
     def __init__(self, model: mujoco.MjModel, config: RobotConfig) -> None:
         self._model = model
-        self._hands = {model.body(hand.body).id: f"{side}_hand" for side, hand in config.hands.items()}
+        sides = [side for side in SIDES if side in config.hands]
+        self._hands: dict[int, Side] = {model.body(config.hands[side].body).id: side for side in sides}
+        self._palms = {side: (model.site(palm_site(side)).id, palm_axes(config, side)) for side in sides}
         self._things = np.array([_thing(model, body) for body in model.geom_bodyid])
         self.possible = bool((self._things >= 0).any())
         self.all: list[Touch] = []
         self._known: set[tuple[str, str, bool]] = set()
+        self._meant: dict[tuple[Side, str], float] = {}  # when a hand touched last what it was sent to
         self.targets: Mapping[str, Any] = {}
         self._harmless = -1  # contacts when it was last looked, if none of them was with a thing
         self._passed = 0  # moments since then
@@ -67,6 +75,7 @@ class Touches:
         """Forget all of them."""
         self.all.clear()
         self._known.clear()
+        self._meant.clear()
         self._harmless = -1
         self.targets = {}
 
@@ -87,17 +96,29 @@ class Touches:
             first, second = things[number].tolist()
             link = int(model.geom_bodyid[geoms[number, 1 if first >= 0 else 0]])
             thing = model.body(max(first, second)).name.split("_", 1)[1]
-            touch = Touch(time, thing, model.body(link).name, self._is_meant(link, data.contact.pos[number]))
+            hand = next((self._hands[body] for body in carriers(model, link) if body in self._hands), None)
+            meant = hand is not None and self._is_meant(hand, thing, data.contact.pos[number], data, time)
+            touch = Touch(time, thing, model.body(link).name, meant)
             if (known := (touch.thing, touch.link, touch.meant)) not in self._known:
                 self._known.add(known)
                 self.all.append(touch)
 
-    def _is_meant(self, link: int, place: Array) -> bool:
-        resource = next((self._hands[body] for body in carriers(self._model, link) if body in self._hands), "")
-        target = self.targets.get(resource)
+    def _is_meant(self, hand: Side, thing: str, place: Array, data: mujoco.MjData, time: float) -> bool:
+        parted = time - self._meant.get((hand, thing), -math.inf) > _PARTED
+        if parted and not self._is_sent(hand, place, data):
+            return False
+        self._meant[hand, thing] = time
+        return True
+
+    def _is_sent(self, hand: Side, place: Array, data: mujoco.MjData) -> bool:
+        """Return whether a hand is to press, or to come near a place, shape (3,), world frame [m]."""
+        target = self.targets.get(f"{hand}_hand")
         if not isinstance(target, HandTarget):
             return False
-        return target.press > 0 or (not target.relative and bool(np.linalg.norm(target.position - place) < _SENT))
+        if target.relative:
+            site, axes = self._palms[other_side(hand)]
+            target = in_world(target, data.site_xpos[site], data.site_xmat[site].reshape(3, 3) @ axes)
+        return target.press > 0 or bool(np.linalg.norm(target.position - place) < _SENT)
 
 
 def _thing(model: mujoco.MjModel, body: int) -> int:

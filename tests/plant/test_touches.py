@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from humanoid_bt.core.errors import UserError
+from humanoid_bt.core.messages import HandTarget
 from humanoid_bt.plant.mujoco_plant import MujocoPlant
 from humanoid_bt.plant.scene import Scene
 from humanoid_bt.plant.scene_config import load_scene
@@ -24,6 +25,7 @@ name: wall
 objects:
   wall: {shape: box, size: [0.2, 1.0, 1.0], position: [1.0, 0.0, 0.5], solid: true}
 """
+AWAY = np.array([9.0, 0.0, 1.0])
 MOMENTS = 10  # in which a touch must be noticed that comes just as another contact ends
 
 
@@ -48,7 +50,10 @@ def contacts(plant: MujocoPlant, *bodies: str) -> Any:
     geom = {plant.model.body(int(body)).name: number for number, body in enumerate(plant.model.geom_bodyid)}
     hand = geom[plant.robot.config.hands["left"].body]
     pairs = np.array([[geom[body], hand] for body in bodies], dtype=np.int32).reshape(-1, 2)
-    return SimpleNamespace(ncon=len(pairs), contact=SimpleNamespace(geom=pairs, pos=np.zeros((len(pairs), 3))))
+    contact = SimpleNamespace(geom=pairs, pos=np.zeros((len(pairs), 3)))
+    sites = plant.model.nsite
+    turned = np.tile(np.eye(3).ravel(), (sites, 1))
+    return SimpleNamespace(ncon=len(pairs), contact=contact, site_xpos=np.zeros((sites, 3)), site_xmat=turned)
 
 
 def test_a_touch_besides_the_other_contacts_is_noticed_at_once(plant: MujocoPlant, touches: Touches) -> None:
@@ -84,3 +89,24 @@ def test_a_link_is_no_thing_whatever_its_name_is(tmp_path: Path) -> None:
 def test_a_link_cannot_have_the_name_of_a_thing(plant: MujocoPlant, tmp_path: Path) -> None:
     with pytest.raises(UserError, match=r"wall\.yaml: error: the scene does not compile: .* 'object_wall' in body"):
         MujocoPlant(robot_with("object_wall", tmp_path), plant.scene)
+
+
+def test_a_hand_still_touches_what_it_was_sent_to_until_they_part(plant: MujocoPlant, touches: Touches) -> None:
+    touches.targets = {"left_hand": HandTarget(AWAY, press=10.0)}
+    touches.note(contacts(plant, "world", "object_wall"), 0.0)
+    touches.targets = {"left_hand": HandTarget(AWAY)}
+    for moment in range(1, 1000):
+        touches.note(contacts(plant, *(() if moment % 50 else ("object_wall",))), 0.001 * moment)  # it bounces
+    assert [touch.meant for touch in touches.all] == [True]
+    touches.note(contacts(plant, "object_wall"), 2.0)
+    assert [touch.meant for touch in touches.all] == [True, False]
+
+
+@pytest.mark.parametrize(("distance", "meant"), [(0.05, True), (0.5, False)])
+def test_a_hand_that_is_led_by_the_other_is_sent_somewhere_too(
+    plant: MujocoPlant, touches: Touches, distance: float, meant: bool
+) -> None:
+    led = HandTarget(np.array([0.0, 0.0, distance]), relative=True)
+    touches.targets = {"right_hand": HandTarget(AWAY), "left_hand": led}
+    touches.note(contacts(plant, "world", "object_wall"), 0.0)
+    assert [touch.meant for touch in touches.all] == [meant]
