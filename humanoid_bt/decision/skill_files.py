@@ -9,6 +9,7 @@ from pathlib import Path
 from py_trees.behaviour import Behaviour
 from py_trees.behaviours import Dummy
 
+from humanoid_bt.core.declared import wrong_parameters
 from humanoid_bt.core.errors import Place, Problem, UserError
 from humanoid_bt.core.messages import RESOURCES
 from humanoid_bt.core.params import params_of
@@ -87,6 +88,7 @@ def _mistakes(name: str, cls: type[Behaviour], place: Place) -> list[Problem]:
             if parameter in _TAKEN:
                 message = f"{name!r} declares the parameter {parameter!r}, which every node has already"
                 problems.append(Problem(message, place, "rename it", code="taken-name"))
+        problems += wrong_parameters(name, declared, place, "broken-skill")
         problems += _wrong_results(name, cls, place, declared)
     return problems
 

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from humanoid_bt.core.clock import DECISION_PERIOD
+from humanoid_bt.core.declared import wrong_parameters
 from humanoid_bt.core.errors import Place, Problem, UserError, relative
 from humanoid_bt.core.params import params_of
 from humanoid_bt.core.sources import Sources
@@ -96,3 +97,4 @@ def _mistakes(name: str, cls: type[PerceptSource], place: Place) -> Iterator[Pro
         if parameter in _TAKEN:
             message = f"{name!r} declares the parameter {parameter!r}, which every source has already"
             yield Problem(message, place, "rename it", "taken-name")
+    yield from wrong_parameters(name, declared, place, _CODE)

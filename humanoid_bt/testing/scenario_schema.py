@@ -83,7 +83,7 @@ def _object(cls: type) -> Schema:
 def _value(spec: Param) -> Schema:
     form = _form(spec.type, spec)
     if form is None:
-        return value_schema(spec, plain=True)
+        return value_schema(spec, literal=True)
     unit = f" [{spec.unit}]" if spec.unit else ""
     return {**form, "description": f"{spec.doc}{unit}"}
 
@@ -115,7 +115,7 @@ def _fault(kind: type[Fault]) -> Schema:
     params = params_of(kind)
     if set(params) == {"values"}:  # a mapping of any names
         return {"type": "object", "minProperties": 1}
-    main = [value_schema(params[kind.main], plain=True)] if kind.main else []
+    main = [value_schema(params[kind.main], literal=True)] if kind.main else []
     empty = [] if any(spec.required for spec in params.values()) else [{"type": "null"}]
     return {"anyOf": [_object(kind), *main, *empty]}
 

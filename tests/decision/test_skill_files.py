@@ -11,6 +11,20 @@ from humanoid_bt.files.class_files import class_file, class_place
 from humanoid_bt.files.workspace import Workspace
 
 HEAD = "from humanoid_bt.decision.skill import Skill, Status\nfrom humanoid_bt.core.params import param\n"
+TYPES = """
+import enum
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+class M(enum.Enum):
+    A = 1
+
+@dataclass
+class D:
+    x: int = 1
+
+"""
 WAVE = HEAD + "class WaveHand(Skill):\n    'Wave.'\n    def update(self): return Status.SUCCESS\n"
 
 
@@ -120,6 +134,43 @@ def test_a_bad_file_is_answered_with_its_line(workspace: Workspace, text: str, m
     write(workspace, "bad.py", text)
     with pytest.raises(UserError, match=message):
         load_skills(workspace)
+
+
+@pytest.mark.parametrize(
+    ("declared", "message"),
+    [
+        ("M = param(M.A, doc='')", "the parameter 'x' of 'wave_hand' cannot be M"),
+        ("D = param(D(), doc='')", "the parameter 'x' of 'wave_hand' cannot be D"),
+        ("list = param([], doc='')", "the parameter 'x' of 'wave_hand' cannot be list"),
+        ("Sequence[float] = param((), doc='')", "cannot be collections.abc.Sequence"),
+        ("list[M] | None = param(None, doc='')", "the parameter 'x' of 'wave_hand' cannot be list"),
+        ("float = param('5 cm', unit='m', doc='')", "the default of 'x' must be 0.05, not '5 cm'"),
+        ("float = param('5 s', unit='m', doc='')", "the default of 'x' has the unit 's'"),
+        ("float = param(-1.0, minimum=0, doc='')", "the default of 'x' must be >= 0, not -1"),
+        ("float = param(float('nan'), doc='')", "the default of 'x' must be finite"),
+        ("Literal['left', 'right'] = param('lft', doc='')", "the default of 'x' cannot be 'lft'"),
+        ("int = param(2.5, doc='')", "the default of 'x' must be a whole number"),
+    ],
+)
+def test_what_no_file_could_write_is_no_parameter(workspace: Workspace, declared: str, message: str) -> None:
+    write(workspace, "bad.py", TYPES + WAVE.replace("    'Wave.'", f"    x: {declared}"))
+    with pytest.raises(UserError, match=f"bad.py:16:1: error: .*{message}") as caught:
+        load_skills(workspace)
+    assert [problem.code for problem in caught.value.problems] == ["broken-skill"]
+
+
+@pytest.mark.parametrize(
+    "declared",
+    [
+        "tuple[float, ...] | None = param([1, 2], doc='')",
+        "dict[str, list[int]] = param({'a': [1]}, doc='')",
+        "Literal['all'] | int = param(3, doc='')",
+        "float | None = param(doc='')",
+    ],
+)
+def test_what_a_file_can_write_is_a_parameter(workspace: Workspace, declared: str) -> None:
+    write(workspace, "good.py", TYPES + WAVE.replace("    'Wave.'", f"    x: {declared}"))
+    assert "wave_hand" in load_skills(workspace)
 
 
 def test_all_bad_files_are_answered_at_once(workspace: Workspace) -> None:

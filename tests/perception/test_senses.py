@@ -198,6 +198,10 @@ def test_wrong_names_and_parameters_are_told(workspace: Workspace, sources: Any,
             "class A(PerceptSource):\n    rate: float = param(5.0, doc='x')\n    def look(self, now): pass\n",
             "'a' declares the parameter 'rate', which every source has already",
         ),
+        (
+            "class A(PerceptSource):\n    far: float = param('5 m', unit='m', doc='')\n    def look(self, now): pass\n",
+            r"in 'a', the default of 'far' must be 5.0, not '5 m' \[broken-source\]",
+        ),
     ],
 )
 def test_mistakes_in_a_file_are_told_with_their_place(workspace: Workspace, text: str, message: str) -> None:

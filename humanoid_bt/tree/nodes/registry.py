@@ -13,6 +13,7 @@ from typing import Any
 
 from py_trees.behaviour import Behaviour
 
+from humanoid_bt.core.declared import is_readable
 from humanoid_bt.core.errors import Place, Problem, UserError, any_of, nearest
 from humanoid_bt.core.params import Param, params_of
 from humanoid_bt.decision.skill import node_type_name
@@ -154,6 +155,7 @@ def _signature(cls: type) -> dict[str, Param]:
     for name, argument in list(inspect.signature(constructor).parameters.items())[1:]:
         if name == "name" or argument.kind in (argument.VAR_POSITIONAL, argument.VAR_KEYWORD):
             continue
-        spec = Param(name, hints.get(name, Any))
+        kind = hints.get(name, Any)
+        spec = Param(name, kind if is_readable(kind) else Any)
         found[name] = spec if argument.default is argument.empty else Param(name, spec.type, argument.default)
     return found

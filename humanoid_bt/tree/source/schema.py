@@ -14,6 +14,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from humanoid_bt.core.params import Param, params_of
+from humanoid_bt.core.plain import plain
 from humanoid_bt.core.sources import Sources
 from humanoid_bt.core.units import UNITS, factors
 from humanoid_bt.decision.blackboard import KEY_NAME, Key
@@ -153,8 +154,7 @@ def _branch(slot: Slot) -> Schema:
 def _described(node_type: NodeType) -> Schema:
     doc = inspect.cleandoc(vars(node_type.cls).get("__doc__") or "")
     commands = f"\n\nCommands: {', '.join(node_type.resources)}." if node_type.resources else ""
-    plain = re.sub(r"`+", "", doc)
-    return {"description": plain + commands, "markdownDescription": re.sub(r"``", "`", doc) + commands}
+    return {"description": re.sub(r"`+", "", doc) + commands, "markdownDescription": re.sub(r"``", "`", doc) + commands}
 
 
 def _pattern_key() -> Schema:
@@ -164,21 +164,21 @@ def _pattern_key() -> Schema:
 
 def _declaration() -> Schema:
     """Return the schema of a parameter, a key or an output: its default, or its declaration in full."""
-    properties = {name: value_schema(spec, plain=True) for name, spec in params_of(LongForm).items()}
+    properties = {name: value_schema(spec, literal=True) for name, spec in params_of(LongForm).items()}
     properties["unit"] = {**properties["unit"], "enum": ["", *UNITS]}
     full = {"type": "object", "properties": properties, "additionalProperties": False}
     return {"anyOf": [{"type": ["string", "number", "boolean", "array", "null"]}, full]}
 
 
-def value_schema(spec: Param, plain: bool = False) -> Schema:
-    """Return the schema of a parameter's value; unless ``plain`` it may also be a reference."""
+def value_schema(spec: Param, literal: bool = False) -> Schema:
+    """Return the schema of a parameter's value; unless ``literal`` it may also be a reference."""
     schema = _type(spec.type, spec)
-    if not plain and schema and "string" not in (schema.get("type"), *_types(schema)):
+    if not literal and schema and "string" not in (schema.get("type"), *_types(schema)):
         schema = {"anyOf": [schema, _REFERENCE]}
     unit = f" [{spec.unit}]" if spec.unit else ""
     schema = {**schema, "description": f"{spec.doc}{unit}"}
     if not spec.required and spec.default is not None and not dataclasses.is_dataclass(spec.default):
-        schema["default"] = list(spec.default) if isinstance(spec.default, tuple) else spec.default
+        schema["default"] = plain(spec.default)
     return schema
 
 
@@ -212,10 +212,10 @@ def _type(kind: Any, spec: Param) -> Schema:  # noqa: PLR0911 (a table of cases)
 
 def _number(kind: Any, spec: Param) -> Schema:
     bounds = {"minimum": spec.minimum, "exclusiveMinimum": spec.above, "maximum": spec.maximum}
-    plain = {"type": "integer" if kind is int else "number", **{k: v for k, v in bounds.items() if v is not None}}
+    number = {"type": "integer" if kind is int else "number", **{k: v for k, v in bounds.items() if v is not None}}
     units = "|".join(map(re.escape, factors(spec.unit)))
     unit = rf"\s*({units})" if units else ""
     behind = f"({unit})?" if unit else ""
     written = {"type": "string", "pattern": rf"^\s*{_NUMBER}{behind}\s*$"}
     valid = f"A number; units: {', '.join(factors(spec.unit))}." if units else "A number without a unit."
-    return {"anyOf": [{**written, "patternErrorMessage": valid}, plain]}
+    return {"anyOf": [{**written, "patternErrorMessage": valid}, number]}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -18,6 +19,13 @@ from humanoid_bt.tree.source.schema import tree_schema
 from tests.tree.helpers import make_workspace
 
 BUILTIN = Workspace(builtin_root())
+MANY = """\
+from collections.abc import Sequence
+import py_trees
+class Many(py_trees.behaviours.Success):
+    def __init__(self, name, numbers: Sequence[float] = (), how: py_trees.common.Access = py_trees.common.Access.READ):
+        super().__init__(name)
+"""
 
 
 def schema_of(workspace: Workspace) -> dict[str, Any]:
@@ -36,6 +44,14 @@ def mistakes(schema: Mapping[str, Any], document: object) -> list[str]:
 
 def test_it_is_a_schema(schema: dict[str, Any]) -> None:
     jsonschema.Draft7Validator.check_schema(schema)
+
+
+def test_a_behaviour_of_py_trees_may_take_anything(tmp_path: Path) -> None:
+    (tmp_path / "skills").mkdir()
+    (tmp_path / "skills" / "many.py").write_text(MANY)
+    schema = schema_of(Workspace(tmp_path))
+    jsonschema.Draft7Validator.check_schema(json.loads(json.dumps(schema)))
+    assert not mistakes(schema, {"format": 1, "root": {"many": {"numbers": [1, 2], "how": 3}}})
 
 
 @pytest.mark.parametrize("name", BUILTIN.trees())
