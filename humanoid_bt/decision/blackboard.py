@@ -9,6 +9,7 @@ from __future__ import annotations
 import re
 import typing
 from collections.abc import Callable
+from enum import Enum
 from typing import Any, ClassVar
 
 import numpy as np
@@ -21,8 +22,16 @@ from humanoid_bt.core.reading import convert, is_finite
 KEY_NAME = re.compile(r"^[A-Za-z_]\w*$")
 """How keys and parameters of trees are called."""
 
-_UNSET: Any = object()
 _NOWHERE = Place("")
+
+
+class _Nothing(Enum):
+    """The value of a key that has none; a copy of it is itself."""
+
+    UNSET = 0
+
+
+_UNSET: Any = _Nothing.UNSET
 
 
 class KeyNotSet(HumanoidBtError):  # noqa: N818 (the name says it)
@@ -56,7 +65,7 @@ class Key:
         self.name = name
         self.initial = initial
         self.spec: Param | None = None
-        self._value = initial
+        self.reset()
 
     @property
     def is_set(self) -> bool:
@@ -83,7 +92,8 @@ class Key:
         """Give it a value, seen by every node that is ticked after this one.
 
         Args:
-            value: it. A key that is declared takes what a file could write for it, and numbers of numpy.
+            value: it; of a list, mapping or array the key gets a copy. A key that is declared takes what a file could
+                write for it, and numbers of numpy.
 
         Raises:
             ValueError: it does not go with the key's declaration, or is a number that is not finite.
@@ -129,7 +139,7 @@ class Key:
             return convert(self.spec, item_of(value, place))
         if isinstance(value, (int, float)) and not is_finite(value):
             raise UserError(f"{self.name!r} must be finite, not {value}", place, code="out-of-range")
-        return own(value)
+        return value.copy() if isinstance(value, np.ndarray) else own(value)
 
     def __str__(self) -> str:
         return self.name

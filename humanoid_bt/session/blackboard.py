@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterable, Iterator, MutableMapping
 from typing import Any
 
 from humanoid_bt.core.errors import HumanoidBtError, Place, UserError, nearest
+from humanoid_bt.core.params import own
 from humanoid_bt.decision.blackboard import Key
 from humanoid_bt.perception.track import Track
 
@@ -56,7 +57,7 @@ class Blackboard(MutableMapping[str, Any]):
         value = key.taken(value, Place(f"the blackboard's {name!r}"))
         key.put(value)
         if not self._begun:
-            key.initial = value
+            key.initial = own(value)
         if self._tell is not None:
             self._tell(name, value)
 

@@ -41,7 +41,9 @@ class Changes:
             self._tree, self._keys = tree, [(name, key, _UNSET) for name, key in _all_keys(tree)]
         for index, (name, key, before) in enumerate(self._keys):
             now = key.value if key.is_set else _UNSET
-            if now is not before:
+            if in_place := isinstance(now, (list, dict)):  # it may also be changed where it is
+                now = plain(now)
+            if now is not before and not (in_place and now == before):
                 self._keys[index] = (name, key, now)
                 yield "key", [name, *([plain(now)] if key.is_set else [])]
         if self._engine.unseen != self._unseen:

@@ -13,6 +13,7 @@ from py_trees.common import Status
 
 from humanoid_bt.checking.check import load_checked
 from humanoid_bt.core.errors import UserError, nearest
+from humanoid_bt.core.params import own
 from humanoid_bt.core.sources import Sources
 from humanoid_bt.decision.result import results_of
 from humanoid_bt.files.workspace import Workspace
@@ -272,7 +273,7 @@ def _sample(drive: Drive, engine: Staged, listener: _Changes) -> Sample | None:
     for path, skill in drive.runner.reporting:
         if skill.status is Status.RUNNING:
             results[path] = dict(results_of(skill))
-    keys = {key.name: key.value for key in drive.runner.tree.keys if key.is_set}
+    keys = {key.name: own(key.value) for key in drive.runner.tree.keys if key.is_set}
     touched = tuple(dict.fromkeys(touch.thing for touch in engine.touches))
     bumped = tuple(dict.fromkeys(touch.thing for touch in engine.touches if not touch.meant))
     given = command if command.stamp == state.time else None

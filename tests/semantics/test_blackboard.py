@@ -116,6 +116,35 @@ def test_numbers_of_numpy_are_plain_ones(workspace: Workspace, declared: str, wh
     assert type(keyed.tree.keys[0].value) is type(value)
 
 
+COLLECT = """
+from humanoid_bt import Key, Skill, param
+
+class Collect(Skill):
+    key: Key = param(doc="Where to.")
+    how: str = param(doc="In Python.")
+    def initialise(self):
+        self.all = []
+    def update(self):
+        self.all.append(len(self.all))
+        eval(self.how)
+        return self.succeed("") if len(self.all) == 3 else self.running("")
+"""
+
+
+@shows("key-initial")
+@pytest.mark.parametrize("declared", ["[7]", "{type: list, default: [7]}"])
+@pytest.mark.parametrize("how", ["self.key.value.append(1)", "self.key.set(self.all)"])
+def test_a_list_belongs_to_its_key_alone(workspace: Workspace, declared: str, how: str) -> None:
+    (workspace.root / "skills" / "collect.py").write_text(COLLECT, encoding="utf-8")
+    keyed = Run(load(workspace, f"blackboard: {{k: {declared}}}\nroot: {{collect: {{key: k, how: {how!r}}}}}\n"))
+    (key,) = keyed.tree.keys
+    assert key.value == [7]
+    for _ in range(2):
+        assert keyed.ticks(3) == "rrs"
+        assert key.value == ([7, 1, 1, 1] if "append" in how else [0, 1, 2])
+    assert key.initial == [7]
+
+
 @shows("key-declared")
 def test_what_is_computed_is_finite_and_no_part_of_an_item_is_none(workspace: Workspace) -> None:
     big = "{sequence: [{set_blackboard: {key: k, expression: 1e308 * (10 + n)}}, {condition: k > 0}]}"

@@ -1,4 +1,4 @@
-"""Skills that break one rule of the contract each, and one that keeps them all."""
+"""Skills that break one rule of the contract each, and some that keep them all."""
 
 SKILLS = '''
 import random
@@ -7,7 +7,7 @@ import time
 
 import numpy as np
 
-from humanoid_bt import PerceptName, Skill, Status, param, result
+from humanoid_bt import Key, PerceptName, Skill, Status, param, result
 
 
 class Good(Skill):
@@ -36,6 +36,18 @@ class Good(Skill):
 
     def place(self):
         return self.robot.state.hands["right"] + np.array([0.0, 0.0, 0.1])
+
+
+class Tally(Skill):
+    """Add one to a key."""
+
+    runs = False
+
+    into: Key = param(doc="Key that counts.")
+
+    def update(self) -> Status:
+        self.into.set((self.into.value if self.into.is_set else 0) + 1)
+        return self.succeed("counted 1 more")
 
 
 class Exceptions(Good):

@@ -113,6 +113,10 @@ def test_a_good_skill_keeps_all(rig: hbt.Rig) -> None:
     assert rig.time < 0.2, "the robot stands at its start afterwards"
 
 
+def test_a_key_has_no_value_as_each_life_begins(rig: hbt.Rig) -> None:
+    rig.check_skill("tally", into="count").assert_passed()
+
+
 @pytest.mark.parametrize("skill", BROKEN)
 def test_a_broken_skill_is_caught_by_its_rule_alone(rig: hbt.Rig, skill: str) -> None:
     caught(rig, skill, *BROKEN[skill])

@@ -7,7 +7,8 @@ import json
 import pytest
 
 import humanoid_bt as hbt
-from humanoid_bt import UserError, explain, open_recording
+from humanoid_bt import Stage, UserError, Workspace, explain, open_recording
+from tests.review.direct import recorded_directly
 
 LINES = [
     "dry: without physics, the robot is at once where it is told to be",
@@ -46,6 +47,43 @@ def test_the_recording_says_what_was_staged(recorded):
         (0.1, "staged: lose (percept target)"),
         (0.34, f"staged: never happened: {LATE}"),
     ]
+
+
+COLLECT = """
+from humanoid_bt import Key, Skill, param
+
+class Collect(Skill):
+    \"\"\"Collect numbers in two keys.\"\"\"
+
+    bounded = True
+    one: Key = param(doc="In place.")
+    two: Key = param(doc="Anew.")
+
+    def initialise(self):
+        self.all = []
+
+    def update(self):
+        self.all.append(len(self.all))
+        self.one.value.append(len(self.all))
+        self.two.set(self.all)
+        return self.running("on") if len(self.all) < 3 else self.succeed("collected 3")
+"""
+
+
+def test_each_tick_has_the_lists_of_its_own_time(tmp_path):
+    for folder, file, text in [
+        ("skills", "collect.py", COLLECT),
+        ("trees", "t.yaml", "format: 1\nscene: empty\nblackboard: {one: []}\nroot: {collect: {one: one, two: two}}\n"),
+    ]:
+        (tmp_path / folder).mkdir()
+        (tmp_path / folder / file).write_text(text)
+    with recorded_directly():
+        run = Stage(Workspace(tmp_path), dry=True).run("t", record=tmp_path / "t.rrd")
+    one, two = [[1], [1, 2], [1, 2, 3]], [[0], [0, 1], [0, 1, 2]]
+    assert [(sample.keys["one"], sample.keys["two"]) for sample in run.samples][:3] == list(zip(one, two, strict=True))
+    board = open_recording(tmp_path / "t.rrd").blackboard().to_pylist()
+    for name, values in (("one", one), ("two", two)):
+        assert [json.loads(row["value"]) for row in board if row["key"] == name] == values
 
 
 def test_an_explanation_names_what_was_staged(recorded):
