@@ -29,7 +29,7 @@ class Steady:
         self._stamp = -math.inf
 
     def update(self, position: Array, stamp: float) -> Array:
-        """Return the steady position.
+        """Return the steady position, a copy of it.
 
         Args:
             position: observed, shape (3,) [m].
@@ -41,7 +41,7 @@ class Steady:
             elapsed = stamp - self._stamp
             self._position = self._position + (position - self._position) * (elapsed / (elapsed + self._time))
         self._stamp = max(self._stamp, stamp)
-        return self._position
+        return self._position.copy()
 
 
 class Lasting:

@@ -13,7 +13,8 @@ from humanoid_bt.core.messages import Array, Percept, State
 class Track:
     """The latest percept of one thing, placed in the world, as it was at the start of a tick.
 
-    What depends on where the robot stands is worked out when it is read.
+    What depends on where the robot stands is worked out when it is read. All nodes of a tick see the same one: nothing
+    of it can be set.
 
     Attributes:
         name: the percept's name.
@@ -33,7 +34,7 @@ class Track:
         deviation: standard deviation of its position in the direction in which that is largest [m]; None likewise.
     """
 
-    __slots__ = ("_percept", "_state", "_turn", "age", "heading_world", "position_world")
+    __slots__ = ("_age", "_heading", "_percept", "_position", "_state", "_turn")
 
     def __init__(
         self,
@@ -48,9 +49,9 @@ class Track:
         self._percept = percept
         self._state = state
         self._turn = turn  # of the base when it was seen, wxyz; None where the percept is given in the world
-        self.age = age
-        self.position_world = position_world
-        self.heading_world = heading_world
+        self._age = age
+        self._position = position_world
+        self._heading = heading_world
 
     def __repr__(self) -> str:
         return (
@@ -64,6 +65,18 @@ class Track:
     @property
     def stamp(self) -> float:  # noqa: D102 (as name)
         return self._percept.stamp
+
+    @property
+    def age(self) -> float:  # noqa: D102 (as name)
+        return self._age
+
+    @property
+    def position_world(self) -> Array:  # noqa: D102 (as name)
+        return self._position
+
+    @property
+    def heading_world(self) -> float:  # noqa: D102 (as name)
+        return self._heading
 
     @property
     def confidence(self) -> float:  # noqa: D102 (as name)
@@ -102,7 +115,7 @@ class Track:
     @property
     def position_base(self) -> Array:  # noqa: D102 (as name)
         state = self._state
-        return rotation_matrix(state.base_quaternion).T @ (self.position_world - state.base_position)
+        return rotation_matrix(state.base_quaternion).T @ (self._position - state.base_position)
 
     @property
     def distance(self) -> float:  # noqa: D102 (as name)
@@ -115,6 +128,6 @@ class Track:
         return (bearing + math.pi) % (2 * math.pi) - math.pi
 
     def _offset(self) -> tuple[float, float]:
-        x, y, _ = self.position_world.tolist()
+        x, y, _ = self._position.tolist()
         stance_x, stance_y, _ = self._state.stance.tolist()
         return x - stance_x, y - stance_y

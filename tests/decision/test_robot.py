@@ -46,6 +46,13 @@ def test_a_track_is_of_the_start_of_the_tick_however_late_it_is_read(robot: Robo
     assert later is not None and (later.age, later.distance) == pytest.approx((0.24, 0.5))
 
 
+@pytest.mark.parametrize("name", ["age", "position_world", "heading_world", "confidence"])
+def test_no_node_changes_a_track_for_others(robot: Robot, name: str) -> None:
+    robot.begin_tick(make_state(0.3), seen(0.1, distance=1.0))
+    with pytest.raises(AttributeError):
+        setattr(robot.track("target"), name, 1.0)
+
+
 def test_a_track_says_where_the_thing_is(robot: Robot) -> None:
     state = standing(1.0, 2.0, math.pi / 2)
     robot.begin_tick(state, {"ball": Percept("ball", 0.0, np.array([2.0, 2.0, -0.3]), 0.7)})

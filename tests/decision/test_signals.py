@@ -37,6 +37,14 @@ def test_what_is_given_is_not_kept() -> None:
     assert steady.update(np.zeros(3), 0.0)[0] == 0
 
 
+def test_what_is_returned_is_not_kept_either() -> None:
+    steady = Steady(time=0.1)
+    for _ in range(3):
+        aim = steady.update(np.zeros(3), 0.0)
+        aim += 0.01
+    assert aim[0] == pytest.approx(0.01)
+
+
 def test_lasting_begins_again_after_a_break() -> None:
     lasting = Lasting(0.5)
     assert [lasting.update(True, t) for t in (0.0, 0.3)] == [False, False]
