@@ -46,9 +46,9 @@ class Touch(Skill):
     patience: float = param(4.0, unit="s", above=0, doc="Fails when it has not pressed as it should for this long.")
 
     pressed: float = result(unit="N", doc="How hard the palm presses.")
-    x: float = result(unit="m", doc="Where the palm touches it, in the world.")
-    y: float = result(unit="m", doc="Where the palm touches it, in the world.")
-    z: float = result(unit="m", doc="Where the palm touches it, above the floor.")
+    x: float = result(unit="m", doc="Where the palm's middle is as it presses, in the world.")
+    y: float = result(unit="m", doc="Where the palm's middle is as it presses, in the world.")
+    z: float = result(unit="m", doc="Where the palm's middle is as it presses, above the floor.")
 
     @classmethod
     def resources_for(cls, values: Mapping[str, Any]) -> tuple[str, ...]:
