@@ -94,7 +94,7 @@ class History:
         damage: what of the recording was changed since it was written, a text each.
         stops: every stop that decision was told of.
         end: how the run ended, empty if the recording does not say.
-        begin, until: engine times of the first and last servo cycle in it [s].
+        begin, until: engine times of the first and last servo cycle in it, or tick if it has none [s].
         ticked_from: engine time of the first tick [s]; in realtime mode control has run for a while by then.
     """
 
@@ -110,6 +110,8 @@ class History:
         self._nodes = [(since, {node["path"]: node for node in tree["nodes"]}) for since, tree in self._trees]
         self._sights: dict[float, list[Sight]] = {}
         self.begin, self.until = log.span
+        if not self.until and (last := self.last_tick) is not None:  # a dry run has no servo cycles
+            self.begin, self.until = next(log.ticks()).state.time, last.state.time
         self.ticked_from = self.changes[0].time if self.changes else self.begin
 
     # ---- nodes ------------------------------------------------------------------------------------------------------

@@ -35,17 +35,16 @@ def moment_explained(history: History, time: float) -> Explanation:
     if not (isinstance(time, (int, float)) and math.isfinite(time) and begin - 1e-3 <= time <= until + 1e-3):
         raise UserError(f"the recording has nothing of {time} s", hint=f"valid: {begin:.2f} to {until:.2f} s")
     acting = history.acting(time)
-    mode = history.modes(time - 0.05, time + 0.001)
-    now = mode[-1].mode.replace("_", " ") if mode else "unknown"
+    tick, modes = history.tick(time), history.modes(time - 0.05, time + 0.001)
+    mode = modes[-1].mode if modes else tick.state.mode.value if tick else ""
     who = f"{doing(acting)} ran" if acting else "no node ran"
     if (silent := history.silent_since(time)) is not None:
         who = f"decision's last tick was at {when(silent)}, in which {who}"
-    tick = history.tick(time)
     why = f" ({tick.state.stop_reason})" if tick and tick.state.stop_reason else ""
     return Explanation(
         recording=relative(history.log.path),
         kind="moment",
-        headline=f"at {when(time)}: {who}, mode {now}{why}",
+        headline=f"at {when(time)}: {who}, mode {mode.replace('_', ' ') or 'unknown'}{why}",
         time=time,
         node=acting[-1].path if acting else "",
         place=history.place(acting[-1].path, time) if acting else "",
@@ -53,7 +52,7 @@ def moment_explained(history: History, time: float) -> Explanation:
         title="around it",
         moments=chosen(before(history, time - _AROUND, min(time + _AROUND, until)), _MOST),
         data={
-            "mode": mode[-1].mode if mode else "",
+            "mode": mode,
             "gait": tick.state.gait.value if tick else "",
             "running": list(history.running(time)),
             "command": tick.state.command_sequence if tick else -1,

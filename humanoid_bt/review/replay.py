@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import tempfile
 import time
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import asdict, dataclass, field
 from os import PathLike
 from pathlib import Path
 from typing import Any, Literal, get_args
 
 from humanoid_bt.checking.check import load_checked
-from humanoid_bt.core.errors import UserError, nearest, relative
+from humanoid_bt.core.errors import UserError, nearest, relative, resolved
 from humanoid_bt.core.plain import plain
 from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.record.reading import FlightLog, read_flight
@@ -20,6 +21,7 @@ from humanoid_bt.review.compare_run import Parting
 from humanoid_bt.review.decision_replay import decide_again
 from humanoid_bt.review.recorded_files import RecordedFiles, lay_out, started_with
 from humanoid_bt.review.recorded_run import recorded_run
+from humanoid_bt.tree.ticking.executor import NodeError
 from humanoid_bt.tree.tree import Tree
 
 Files = Literal["recorded", "current"]
@@ -115,7 +117,7 @@ def replay(
     log = read_flight(recording)
     run = recorded_run(log)
     _refuse_staged(log)
-    with tempfile.TemporaryDirectory(prefix="humanoid-bt-replay-") as folder:
+    with tempfile.TemporaryDirectory(prefix="humanoid-bt-replay-") as folder, _only_recorded(resolved(Path(folder))):
         now = tree is not None or files == "current"
         found = _current(log, workspace) if now else lay_out(log.setup, Path(folder))
         whole = run.mode == "lockstep" and tree is None and not parameters
@@ -144,6 +146,23 @@ def replay(
         recorded_reason=run.reason,
         notes=[*done.notes, *damaged],
     )
+
+
+@contextmanager
+def _only_recorded(folder: Path) -> Iterator[None]:
+    """Say of a node that does not find a file where those of the recording are laid out that it is none of them.
+
+    Raises:
+        UserError: a node asked for such a file in ``setup``.
+    """
+    try:
+        yield
+    except NodeError as error:
+        name = getattr(error.error, "filename", None)
+        if not (isinstance(error.error, FileNotFoundError) and name and Path(name).is_relative_to(folder)):
+            raise
+        message = f"the node {error.path!r} reads {str(Path(name).relative_to(folder))!r}, which is not recorded"
+        raise UserError(message, hint="replay it with the files that are there now: --current") from error
 
 
 def _refuse_staged(log: FlightLog) -> None:

@@ -66,6 +66,12 @@ def raising(project: Path) -> Path:
     return file
 
 
+READING = """
+    def setup(self, **kwargs):
+        super().setup(**kwargs)
+        self.speeds = open(__file__.rpartition("/")[0] + "/speeds.txt").read()
+"""
+
 KEYED = """\
 format: 1
 blackboard: { go: { type: integer, default: 0 }, seen: { type: integer, default: 3 } }
@@ -266,6 +272,11 @@ def test_what_is_missing_is_told(raising: Path, project: Path, monkeypatch: pyte
     mesh = {"role": "model", "name": "sim/other/arm.stl", "sha256": "0"}
     log.setup["files"].append(mesh)
     with pytest.raises(UserError, match="1 files of the run are not in the recording"):
+        replay(raising)
+    log.setup["files"].remove(mesh)
+    skills = next(file for file in log.setup["files"] if "class Walk" in file.get("text", ""))
+    skills["text"] = skills["text"].replace("    def initialise", f"{READING}\n    def initialise", 1)
+    with pytest.raises(UserError, match=r"pause' reads 'skills/speeds.txt', which is not recorded\n.*--current"):
         replay(raising)
     with pytest.raises(UserError, match="'files' cannot be 'curent'\n    did you mean 'current'"):
         replay(raising, files="curent")

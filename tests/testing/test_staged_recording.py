@@ -94,6 +94,14 @@ def test_an_explanation_names_what_was_staged(recorded):
     assert ("", f"{LATE}, which never happened") in explanation.rows
 
 
+def test_a_moment_without_servo_cycles_is_explained_by_its_tick(recorded):
+    explanation = explain(recorded.recording, at=0.2)
+    assert explanation.headline == "at 0.200 s: 'reach' ran, mode run"
+    assert explanation.data["command"] == 9
+    with pytest.raises(UserError, match=r"valid: 0.00 to 0.\d\d s"):
+        explain(recorded.recording, at=2.0)
+
+
 def test_a_staged_run_is_not_replayed_as_if_nothing_had_been_done_to_it(recorded):
     with pytest.raises(UserError, match="a test that staged what happened, which a replay cannot do: dry") as error:
         hbt.replay(recorded.recording)
