@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from humanoid_bt.control.body.standing import load_robot
+from humanoid_bt.core.clock import DECISION_PERIOD
 from humanoid_bt.core.errors import UserError
 from humanoid_bt.core.geometry import rotation_matrix
 from humanoid_bt.core.messages import Percept, State
@@ -19,6 +20,7 @@ from humanoid_bt.perception.choice import choose, written
 from humanoid_bt.perception.eyes import Eyes
 from humanoid_bt.perception.picture import Picture
 from humanoid_bt.perception.source import Moment, PerceptSource
+from humanoid_bt.perception.source_files import whole_ticks
 from humanoid_bt.perception.worker import checked
 from humanoid_bt.plant.scene import Scene, load_scene, random_stream
 from humanoid_bt.review.recording import open_recording
@@ -176,7 +178,7 @@ class SourceTrial:
 
     def watch(self, moments: Iterable[Moment]) -> list[Percept]:
         """Return everything that the source sees in moments, of which it looks at those that are due."""
-        period, due, found = 1 / self.source.rate, -np.inf, list[Percept]()
+        period, due, found = whole_ticks(self.source.rate) * DECISION_PERIOD, -np.inf, list[Percept]()
         for now in moments:
             if now.time >= due - 1e-9:
                 due = now.time + period

@@ -16,10 +16,12 @@ from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.perception.choice import choose, written
 from humanoid_bt.perception.senses import Senses, new_perception
 from humanoid_bt.perception.simulated import SimulatedPerception
+from humanoid_bt.perception.source import Moment, PerceptSource
 from humanoid_bt.perception.worker import PerceptError, checked
 from humanoid_bt.plant.scene import Scene, load_scene
 from humanoid_bt.robot.config import load_robot_config
 from humanoid_bt.robot.model import RobotModel
+from humanoid_bt.testing.source_rig import SourceTrial
 from tests.perception.sources import BAD, SIGN, write
 
 
@@ -224,3 +226,14 @@ def test_a_users_source_wins_over_a_built_in_one(workspace: Workspace, robot: Ro
     write(workspace.root, "color_blob.py", SIGN.replace("DoorSign", "ColorBlob"))
     config = load_scene(workspace.find_scene("ball_on_stand"))
     assert choose(written("color_blob"), workspace, config)[0].names == ("sign",)
+
+
+@pytest.mark.parametrize(("rate", "ticks"), [(50.0, 1), (16.66, 3), (8.33, 6), (7.143, 7)])
+def test_a_source_under_test_looks_when_it_does_in_a_run(rate: float, ticks: int) -> None:
+    class Rated(PerceptSource):
+        def look(self, now: Moment) -> list[Percept]:
+            return [Percept("sign", now.time, np.zeros(3), 0.9)]
+
+    Rated.rate, Rated.names = rate, ("sign",)
+    looks = SourceTrial(Rated(), "rated").watch(Moment(0.02 * tick) for tick in range(50))
+    assert [round(percept.stamp / 0.02) for percept in looks] == list(range(0, 50, ticks))
