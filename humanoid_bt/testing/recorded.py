@@ -25,10 +25,10 @@ def recorded(file: Path, path: str) -> Iterator[dict[str, Any]]:
         ran = {change["node"] for change in happened.nodes}
         raise UserError(f"{path!r} does not run in the recording {str(file)!r}", hint=nearest(path, ran))
     reported: dict[float, list[Reported]] = {}
-    for row in happened.results:
-        if row["node"] == path:
-            value = row["value"] if row["text"] is None else row["text"]
-            reported.setdefault(row["time"], []).append(Reported(row["result"], value, row["unit"]))
+    for told in log.news_of("results"):
+        node, results = told.value
+        if node == path:
+            reported.setdefault(told.time, []).extend(Reported(*result) for result in results)
     began: float | None = None
     for change in changes:
         time, status = change["time"], change["status"]

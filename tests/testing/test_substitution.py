@@ -6,8 +6,9 @@ import pytest
 from py_trees.common import Status
 
 import humanoid_bt as hbt
-from humanoid_bt import Replacement, Stage, UserError
+from humanoid_bt import Replacement, Stage, UserError, Workspace
 from humanoid_bt.testing.substitution import Answer
+from tests.review.direct import recorded_directly
 
 HERE = [{"at": 0, "see": {"percept": "target", "position": [0.42, 0.2, 0.9]}}]
 
@@ -89,6 +90,38 @@ def test_what_a_node_did_in_a_recording_stands_in_for_it(dry, recorded):
     assert now[-1].time - now[0].time == pytest.approx(was[-1].time - was[0].time)
     assert [(one.name, one.unit) for one in now[-1].results] == [("hand_error", "m")]
     assert now[-1].feedback == was[-1].feedback
+
+
+COUNT = """
+from humanoid_bt import Skill, result
+
+class Count(Skill):
+    \"\"\"Report all sorts.\"\"\"
+
+    bounded = True
+    many: int = result(doc="How many.")
+    whole: bool = result(doc="Whether that is all.")
+    gap: float = result(unit="m", doc="Still to go.")
+
+    def update(self):
+        self.many, self.whole, self.gap = 2**53 + 1, True, 0.0123456789
+        return self.succeed("good")
+"""
+
+
+def test_results_of_a_recording_are_what_they_were(tmp_path):
+    for folder, file, text in [
+        ("skills", "count.py", COUNT),
+        ("trees", "t.yaml", "format: 1\nscene: empty\nroot: {sequence: [{wait: 0.1}, count]}\n"),
+    ]:
+        (tmp_path / folder).mkdir()
+        (tmp_path / folder / file).write_text(text)
+    stage, file = Stage(Workspace(tmp_path), dry=True), tmp_path / "t.rrd"
+    with recorded_directly():
+        was = stage.run("t", record=file)
+    now = stage.run("t", replace={"count": {"recorded": str(file)}})
+    assert now.report.results == was.report.results
+    assert now.changes[-2].feedback == was.changes[-2].feedback == "good"
 
 
 @pytest.mark.parametrize(
