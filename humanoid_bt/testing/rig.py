@@ -192,7 +192,8 @@ class Rig:
         executor.setup()
         states: list[State] = []
         commands: list[Command] = []
-        begin = self.time
+        begin, ordered = self.time, self._lockstep.controller.supervisor.stops
+        before = ordered.total
         behaviour = tree.root
         while True:
             state, command = self._tick(executor)
@@ -204,8 +205,7 @@ class Rig:
             self._advance(command)
         if status is Status.RUNNING:
             executor.halt("the test's time is up")
-        stops = list(self._lockstep.controller.supervisor.stops)
-        results = dict(results_of(behaviour))
+        results, stops = dict(results_of(behaviour)), list(ordered.since(before))
         return RigResult(status, feedback, self.time - begin, results, states, commands, changes, stops)
 
     def check_skill(self, skill: str, *, timeout: float | str = 10.0, **values: Any) -> SkillCheck:

@@ -25,7 +25,7 @@ class RigResult:
         states: the state at every tick.
         commands: the command of every tick.
         changes: every change of the skill's status.
-        stops: every stop the supervisor ordered.
+        stops: every stop the supervisor ordered meanwhile.
     """
 
     status: Status

@@ -248,6 +248,13 @@ def test_what_was_shown_before_is_seen_in_every_life(rig: hbt.Rig) -> None:
     rig.check_skill("good", target="ball").assert_passed()
 
 
+def test_a_run_tells_of_the_stops_that_came_while_it_ran(rig: hbt.Rig) -> None:
+    rig.reset()
+    rig.at(0.04, rig.raise_estop)
+    assert len(rig.run("good", target=BALL, timeout=0.2).stops) == 1
+    assert not rig.run("good", target=BALL, timeout=0.2).stops
+
+
 def test_a_narrow_terminal_wraps(rig: hbt.Rig) -> None:
     text = rig.check_skill("reasons", target=BALL).text(40)
     assert max(map(len, text.splitlines())) <= 40
