@@ -143,7 +143,7 @@ class Stage:
                 perception=self._perception,
                 parameters=parameters or {},
                 seed=seed,
-                on_estop=on_estop or ("wait" if any(event.reset for event in staging.script) else "end"),
+                on_estop=on_estop or ("wait" if any(event.reset for event in staging.script) else None),
                 duration=None if duration is None else limits.DURATION.take(duration, "duration"),
                 sinks=Sinks(file=_recording(record)),
                 staged=staging.told(),

@@ -9,7 +9,9 @@ from py_trees.common import Status
 
 import humanoid_bt as hbt
 from humanoid_bt import Conditions, Stage, UserError, Workspace
+from humanoid_bt.cli import main
 from humanoid_bt.testing.engines import Engines
+from tests.review.direct import recorded_directly
 
 SHORT = {"duration": 0.2}
 
@@ -31,6 +33,14 @@ def test_runs_a_tree_to_the_bit_as_the_command_line_does(near):
         assert run.trace == alone.trace_hash
         assert run.report.timeline == alone.timeline
         assert run.report.staged is None
+
+
+def test_its_recording_is_that_of_the_command_line(near, tmp_path):
+    alone, staged = tmp_path / "alone.rrd", tmp_path / "staged.rrd"
+    with recorded_directly():
+        hbt.run("stand", scene=near, record=alone, camera=False, duration=0.1)
+        Stage(scene=near).run("stand", record=staged, duration=0.1)
+    assert main(["diff", str(alone), str(staged)]) == 0
 
 
 def test_things_placed_by_chance_stand_where_the_seed_says():
