@@ -27,9 +27,10 @@ class Recorded:
     Attributes:
         first: its file, or the first of its parts; it may be missing.
         tree: what ran.
-        began: when, as the name says.
+        began: when, as the name says: by the clock on the wall where the run was.
+        written: when its files were written last, by which recordings are in order [ns since 1970].
         parts: the files of the recording that are there, in order.
-        beside: other files of the same name: the log of control, the report.
+        beside: what the run left beside it: the log of control, the report.
         size: bytes of all of them.
         kept: whether somebody wants to keep it.
     """
@@ -37,6 +38,7 @@ class Recorded:
     first: Path
     tree: str
     began: datetime
+    written: int
     parts: tuple[Path, ...]
     beside: tuple[Path, ...]
     size: int
@@ -75,6 +77,11 @@ class Recorded:
             path.unlink(missing_ok=True)
 
 
+def log_beside(recording: Path) -> Path:
+    """Return where control notes what happens in a recorded run, in realtime mode."""
+    return recording.with_suffix(".control.log")
+
+
 def report_beside(recording: Path) -> Path:
     """Return where the report of a recorded run is."""
     return recording.with_suffix(".json")
@@ -86,23 +93,34 @@ def stem_of(name: str) -> str:
     return match["stem"] if match else name
 
 
+def files_in(folder: Path) -> list[Path]:
+    """Return what is in a folder of recordings, nothing if it is not there.
+
+    Raises:
+        UserError: it cannot be read.
+    """
+    try:
+        return list(folder.iterdir())
+    except FileNotFoundError:
+        return []
+    except OSError as error:
+        raise UserError(f"the folder {relative(folder)!r} cannot be read: {error.strerror}") from error
+
+
 def recordings_in(folder: Path) -> list[Recorded]:
-    """Return the recordings of a folder whose names come from their runs, newest first; nothing else is looked at.
+    """Return the recordings of a folder whose names come from their runs, those written last first.
+
+    Nothing else is looked at.
 
     Raises:
         UserError: the folder cannot be read.
     """
     groups: dict[str, list[Path]] = {}
-    try:
-        for path in folder.iterdir():
-            if match := _OURS.fullmatch(path.name):
-                groups.setdefault(match["stem"], []).append(path)
-    except FileNotFoundError:
-        return []
-    except OSError as error:
-        raise UserError(f"the folder {relative(folder)!r} cannot be read: {error.strerror}") from error
+    for path in files_in(folder):
+        if match := _OURS.fullmatch(path.name):
+            groups.setdefault(match["stem"], []).append(path)
     found = [recorded for stem, files in groups.items() for recorded in _recorded(folder / f"{stem}{SUFFIX}", files)]
-    return sorted(found, key=lambda recorded: (recorded.began, recorded.first.name), reverse=True)
+    return sorted(found, key=lambda recorded: (recorded.written, recorded.first.name), reverse=True)
 
 
 def make_room(folder: Path, limits: FolderLimits) -> str:
@@ -144,19 +162,19 @@ def _recorded(first: Path, files: list[Path]) -> Iterator[Recorded]:
     """Yield the recording that has these files, if one of them is a recording."""
     parts: list[Path] = []
     beside: list[Path] = []
-    size, kept = 0, False
+    kept = False
     for path in sorted(files):
         if path.name == first.with_suffix(_KEEP).name:
             kept = True
         elif path.suffix == SUFFIX and first_of(path) == first and is_recording(path):
             parts.append(path)
-        elif path.suffix != SUFFIX and path.is_file() and not path.is_symlink():
+        elif path in (log_beside(first), report_beside(first)) and path.is_file() and not path.is_symlink():
             beside.append(path)
-    for path in (*parts, *beside):
-        try:
-            size += path.stat().st_size
-        except OSError:  # it was removed meanwhile
-            return
+    try:
+        size = sum(path.stat().st_size for path in (*parts, *beside))
+        written = max((path.stat().st_mtime_ns for path in parts), default=0)
+    except OSError:  # one was removed meanwhile
+        return
     match = _OURS.fullmatch(first.name)
     try:
         began = datetime.strptime(match["began"] if match else "", "%Y%m%d-%H%M%S")
@@ -164,4 +182,4 @@ def _recorded(first: Path, files: list[Path]) -> Iterator[Recorded]:
         return
     if parts and match:
         parts.sort(key=lambda part: (len(part.name), part.name))
-        yield Recorded(first, match["tree"], began, tuple(parts), tuple(beside), size, kept)
+        yield Recorded(first, match["tree"], began, written, tuple(parts), tuple(beside), size, kept)

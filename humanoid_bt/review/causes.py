@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 from humanoid_bt.core.clock import DECISION_PERIOD
 from humanoid_bt.core.units import readable
+from humanoid_bt.record.folder import log_beside
 from humanoid_bt.review import failures
 from humanoid_bt.review.body import Motion
 from humanoid_bt.review.cause import Cause
@@ -356,7 +357,7 @@ def _notices(history: History, time: float) -> list[tuple[str, str]]:
 
 def control_log(history: History) -> Path:
     """Return the file in which control notes what happens, in realtime mode."""
-    return history.log.path.with_suffix(".control.log")
+    return log_beside(history.log.path)
 
 
 def _noted(history: History) -> list[tuple[str, str]]:

@@ -12,10 +12,11 @@ from typing import Any, Literal, get_args
 
 from humanoid_bt.cable.address import read_address, read_key
 from humanoid_bt.core.clock import HOLD_TIME
-from humanoid_bt.core.errors import Problem, UserError, nearest
+from humanoid_bt.core.errors import Problem, UserError, nearest, resolved
 from humanoid_bt.core.sizes import VALID, read_size, shown_size
 from humanoid_bt.core.sources import Sources
 from humanoid_bt.perception.choice import written
+from humanoid_bt.record.folder import log_beside
 from humanoid_bt.record.folder_limits import load_limits
 from humanoid_bt.record.parts import PART_SIZE, SMALLEST_PART
 from humanoid_bt.record.sinks import Sinks, has_display
@@ -173,7 +174,7 @@ class RunOptions:
     @property
     def log(self) -> Path | None:
         """File in which control notes what happens, beside the recording; None without one."""
-        return self.sinks.file.with_suffix(".control.log") if self.sinks.file else None
+        return log_beside(self.sinks.file) if self.sinks.file else None
 
     def waits(self, watched: bool) -> bool:
         """Return whether the run waits for the reset of an emergency stop, or ends with it.
@@ -305,4 +306,4 @@ def make_folder() -> None:
         RUNS.mkdir(exist_ok=True)
     except OSError as error:
         hint = "give another place with --record FILE (record=FILE in Python), or --no-record"
-        raise UserError(f"the folder {str(RUNS.absolute())!r} cannot be made: {error.strerror}", hint=hint) from error
+        raise UserError(f"the folder {str(resolved(RUNS))!r} cannot be made: {error.strerror}", hint=hint) from error

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import fcntl
+import os
 from pathlib import Path
 
 import pytest
@@ -14,10 +15,11 @@ from humanoid_bt.record.folder_limits import FolderLimits, load_limits
 from humanoid_bt.record.parts import MAGIC
 
 
-def put(folder: Path, name: str, size: int = 1000) -> Path:
-    """Put a file there that begins as a recording does."""
+def put(folder: Path, name: str, size: int = 1000, written: float = 0.0) -> Path:
+    """Put a file there that begins as a recording does, and was written last so many seconds after 1970."""
     path = folder / name
     path.write_bytes(MAGIC + bytes(size - len(MAGIC)))
+    os.utime(path, (written, written))
     return path
 
 
@@ -30,12 +32,12 @@ def folder(tmp_path: Path) -> Path:
     """Return a folder of four recordings, a second apart: with parts, a log and a report, a number, a dotted name."""
     put(tmp_path, "fetch-20260101-120000.rrd")
     put(tmp_path, "fetch-20260101-120000.part002.rrd")
-    put(tmp_path, "fetch-20260101-120000.part010.rrd")
+    put(tmp_path, "fetch-20260101-120000.part010.rrd", written=1)
     (tmp_path / "fetch-20260101-120000.control.log").write_text("x" * 10)
     (tmp_path / "fetch-20260101-120000.json").write_text("{}")
-    put(tmp_path, "walk-20260101-120001.rrd")
-    put(tmp_path, "fetch-20260101-120001-2.rrd")
-    put(tmp_path, "my.tree-20260101-120002.rrd")
+    put(tmp_path, "walk-20260101-120001.rrd", written=2)
+    put(tmp_path, "fetch-20260101-120001-2.rrd", written=2)
+    put(tmp_path, "my.tree-20260101-120002.rrd", written=3)
     return tmp_path
 
 
@@ -70,6 +72,22 @@ def test_no_more_than_so_many_stay(folder: Path) -> None:
     told = make_room(folder, FolderLimits(recordings=1))
     assert told.startswith("3 old recordings were removed, 5.0 kB: fetch-20260101-120000.rrd, fetch-20260101-120001-2")
     assert names(folder) == ["my.tree-20260101-120002.rrd"]
+
+
+def test_the_oldest_is_what_was_written_first_whatever_the_clock_there_said(folder: Path) -> None:
+    put(folder, "far_west-20260101-060000.rrd", written=4)
+    assert recordings_in(folder)[0].tree == "far_west"
+    make_room(folder, FolderLimits(recordings=1))
+    assert names(folder) == ["far_west-20260101-060000.rrd"]
+
+
+@pytest.mark.parametrize("suffix", ["mcap", "mp4", "notes.md", "mine.json", "keep.txt"])
+def test_what_somebody_made_of_a_recording_stays(folder: Path, suffix: str) -> None:
+    made = folder / f"fetch-20260101-120000.{suffix}"
+    made.write_text("x" * 5000)
+    told = make_room(folder, FolderLimits(recordings=3))
+    assert told == "1 old recording was removed, 3.0 kB: fetch-20260101-120000.rrd"
+    assert [name for name in names(folder) if name.startswith("fetch-20260101-120000")] == [made.name]
 
 
 def test_what_is_kept_stays_and_does_not_count(folder: Path) -> None:
