@@ -93,7 +93,7 @@ def planned(campaign: CampaignFile, workspace: Workspace, script: Sequence[Any] 
         tuple(campaign.fail_on),
         campaign.description,
         {**{_called(file, workspace): digest(file) for file in sorted(used)}, "humanoid-bt": versions()["humanoid-bt"]},
-        "" if workspace.root == Path.cwd() else relative(workspace.root),
+        "" if (root := relative(workspace.root)) == "." else root,
     )
     return Planned(plan, tuple(_all(partial(Requirement, one, reported) for one in campaign.require)))
 

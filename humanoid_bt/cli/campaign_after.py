@@ -45,7 +45,7 @@ def rerun(arguments: argparse.Namespace) -> int:
     row = trial_of(table, name)
     file = recording_of(folder, row)
     plan = table.plan
-    run = make(Setup.of(plan, str(arguments.workspace or plan.workspace or Path.cwd())))
+    run = make(Setup.of(plan, str(arguments.workspace or plan.workspace or ".")))
     result, explained, _ = run(Task(row.trial, file))
     given = ", ".join(f"{name} {value}" for name, value in row.trial.given.items())
     print(

@@ -14,7 +14,7 @@ from humanoid_bt.testing.coverage_page import page
 
 def coverage(arguments: argparse.Namespace) -> int:
     """Show what was tried, and write it if asked to; return the exit code."""
-    files = tree_files(arguments.trees, arguments.workspace or Path.cwd())
+    files = tree_files(arguments.trees, arguments.workspace or Path())
     report = tree_coverage(coverage_in(*arguments.data), files)
     print(report.text(width()))
     if arguments.html is not None:

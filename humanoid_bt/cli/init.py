@@ -9,7 +9,7 @@ import shutil
 from pathlib import Path
 
 from humanoid_bt.cli.schema import schema_text
-from humanoid_bt.core.errors import UserError
+from humanoid_bt.core.errors import UserError, relative
 from humanoid_bt.files.workspace import Workspace, builtin_root
 from humanoid_bt.session.report import ExitCode
 
@@ -45,7 +45,7 @@ def init(arguments: argparse.Namespace) -> int:
     except OSError as error:
         raise UserError(f"{error.filename or str(folder)!r} cannot be written: {error.strerror}") from error
     print(f"{folder}: a workspace with {len(files) + len(SCHEMAS)} files. What to do next:")
-    if folder.resolve() != Path.cwd():
+    if relative(folder) != ".":
         print(f"  cd {shlex.quote(str(folder))}")
     print(_NEXT)
     return ExitCode.SUCCESS

@@ -137,8 +137,17 @@ def relative(path: Path) -> str:
 
 
 def resolved(path: Path) -> Path:
-    """Return an absolute path without links; as it is where these lead in a circle, or nobody can follow it."""
+    """Return an absolute path without links; as it is where these lead in a circle, or nobody can follow it.
+
+    Raises:
+        UserError: it is relative to a working directory that is gone.
+    """
     try:
         return path.resolve()
     except (RuntimeError, OSError, ValueError):
+        pass
+    try:
         return path.absolute()
+    except FileNotFoundError:
+        hint = "cd to a folder that is there"
+        raise UserError("the working directory is gone", hint=hint, code="no-file") from None

@@ -72,14 +72,14 @@ class Workspace:
         root: the user's folder; the working directory if None. It may lack any of the folders.
 
     Raises:
-        UserError: ``root`` is not a folder.
+        UserError: ``root`` is not a folder, or the working directory is gone.
     """
 
     def __init__(self, root: str | PathLike[str] | None = None) -> None:
         if root is not None and not isinstance(root, (str, PathLike)):
             message, hint = f"a workspace is a folder, not {root!r}", "valid: its path, as text or a Path"
             raise UserError(message, hint=hint, code="wrong-type")
-        self.root = resolved(Path(root or Path.cwd()))
+        self.root = resolved(Path(root or "."))
         if not is_folder(self.root):
             raise UserError(f"the workspace {relative(self.root)!r} is not a folder", code="no-file")
         self.layers = list(dict.fromkeys((self.root, builtin_root())))

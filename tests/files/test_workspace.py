@@ -72,6 +72,20 @@ def test_a_workspace_is_a_folder(project: Path) -> None:
         Workspace(project / "none")
 
 
+@pytest.mark.parametrize("root", [None, "here", Path("here")])
+def test_without_a_working_directory_nothing_is_found_from_it(
+    root: str | Path | None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    gone = tmp_path / "gone"
+    gone.mkdir()
+    monkeypatch.chdir(gone)
+    gone.rmdir()
+    with pytest.raises(UserError, match="the working directory is gone") as raised:
+        Workspace(root)
+    assert raised.value.problems[0].hint == "cd to a folder that is there"
+    assert Workspace(tmp_path).root == tmp_path
+
+
 def test_a_folder_gives_its_own_kinds_of_files_and_nobody_elses(tmp_path: Path) -> None:
     ours = ("trees/a.yaml", "trees/deep/b.yaml", "sim/scenes/c.yaml", "sim/robot/robot.yaml")
     others = ("sim/robot/meshes/d.yaml", "charts/e.yaml", "f.yaml", "trees/g.txt")
