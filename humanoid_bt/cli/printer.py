@@ -15,6 +15,7 @@ from rich.text import Text
 
 from humanoid_bt.cli.output import hanging, make_safe
 from humanoid_bt.cli.styles import STATUS_STYLES
+from humanoid_bt.core.errors import relative
 from humanoid_bt.core.messages import Level
 from humanoid_bt.core.texts import one_line, printable
 from humanoid_bt.session.listener import Listener
@@ -194,10 +195,7 @@ def _viewer_command() -> str:
     beside = Path(sys.executable).parent / "rerun"
     if shutil.which("rerun") or not beside.exists():
         return "rerun"
-    try:
-        return str(beside.relative_to(Path.cwd()))
-    except ValueError:
-        return str(beside)
+    return relative(beside)
 
 
 def _wall() -> float:

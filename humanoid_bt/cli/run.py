@@ -52,10 +52,9 @@ def run(arguments: argparse.Namespace) -> int:
         report = _report(session, attended)
     if report.traceback and report.reason.startswith("internal error"):
         print(report.traceback, file=sys.stderr)
+    lost = arguments.report and not _written(report, arguments.report)
     print_summary(console, report)
-    if arguments.report and not _written(report, arguments.report):
-        return report.exit_code or ExitCode.ERROR
-    return report.exit_code
+    return report.exit_code or (ExitCode.ERROR if lost else ExitCode.SUCCESS)
 
 
 def _session(arguments: argparse.Namespace, printer: Printer) -> Session:

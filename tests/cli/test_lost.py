@@ -94,6 +94,35 @@ def test_without_its_recording_a_run_has_its_report(tmp_path: Path, capsys: pyte
     assert "open it" not in printed
 
 
+def test_without_its_working_directory_a_run_has_its_report(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    gone, recording, report = (tmp_path / name for name in ("gone", "run.rrd", "report.json"))
+    gone.mkdir()
+    monkeypatch.chdir(gone)
+    monkeypatch.setenv("PATH", "")  # on which no viewer is
+    given = ["--workspace", str(tmp_path), "--set", f"folder={gone}", "--no-view", "--camera", "off"]
+    assert main(["run", "lose", *given, "--record", str(recording), "--report", str(report)]) == 0
+    assert json.loads(report.read_text(encoding="utf-8"))["outcome"] == "success"
+    assert f"rerun {recording}" in " ".join(capsys.readouterr().out.split())
+
+
+@pytest.mark.parametrize(
+    "command",
+    [["check"], ["show", "wait"], ["run", "TREE", "--no-view"], ["coverage", "data"]],
+    ids=lambda command: command[0],
+)
+def test_where_the_working_directory_is_gone_that_is_told(
+    command: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    gone = tmp_path / "gone"
+    gone.mkdir()
+    monkeypatch.chdir(gone)
+    gone.rmdir()
+    assert main([str(tmp_path / "trees" / "wait.yaml") if word == "TREE" else word for word in command]) == 2
+    assert "error: the working directory is gone" in capsys.readouterr().err
+
+
 @pytest.mark.trials
 def test_a_run_that_is_killed_leaves_no_report(tmp_path: Path) -> None:
     report = tmp_path / "report.json"
