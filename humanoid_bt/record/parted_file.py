@@ -5,9 +5,10 @@ from __future__ import annotations
 import math
 import threading
 from collections.abc import Callable
+from concurrent.futures import Future
 from contextlib import suppress
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from humanoid_bt.core.errors import UserError, relative
 from humanoid_bt.core.messages import Level
@@ -15,6 +16,8 @@ from humanoid_bt.record.feed import Feed
 from humanoid_bt.record.parts import part_of, remove_further
 from humanoid_bt.record.recording_file import RecordingFile
 from humanoid_bt.record.viewers import FLUSH_TIMEOUT
+
+_T = TypeVar("_T")
 
 Tell = Callable[[Level, str], None]
 """Is told what becomes of a recording: how bad it is, and a line of text."""
@@ -76,7 +79,7 @@ class PartedFile:
         """
         got = False
         for _ in range(_LOOKS):
-            written = bool(self.trouble) or self._flush(FLUSH_TIMEOUT / _LOOKS)
+            written = bool(self.trouble) or _flush(self._stream, FLUSH_TIMEOUT / _LOOKS)
             got = self._parts[-1].check() or got
             if written:
                 break
@@ -99,9 +102,9 @@ class PartedFile:
             return False
         self._feed.remove(stream)
         self._feed.add(self._stream, time)
-        self._flush()  # from now on it can be read, whatever happens
+        _flush(self._stream)  # from now on it can be read, whatever happens
         self.began = time
-        _disconnect(stream, FLUSH_TIMEOUT)
+        _close(stream, FLUSH_TIMEOUT)
         before.check_end()
         if before.trouble:
             self._tell("error", before.trouble)
@@ -111,28 +114,27 @@ class PartedFile:
     def close(self) -> bool:
         """Write out everything and close; return whether the file has got something since the last time."""
         if not self.trouble:
-            self._flush()
-        _disconnect(self._stream, _LOST if self.trouble else None)
+            _flush(self._stream)
+        _close(self._stream, _LOST if self.trouble else None)
         whole = self._parts[-1].check_end()
         for part in self._parts:
             part.close()
         return whole
 
-    def _flush(self, patience: float = FLUSH_TIMEOUT) -> bool:
-        """Return whether the library has written everything within some time [s]."""
-        try:
-            self._stream.flush(timeout_sec=patience)
-        except RuntimeError:  # the file tells why
-            return False
-        return True
-
     def _begin(self, path: Path) -> Any:
+        """Return a stream into a new part, in which its beginning stands.
+
+        That a file has no room shows as it is opened, or only as it is written, or by neither ever coming to an end:
+        it depends on the library's threads.
+        """
         file = RecordingFile(path)
         try:
-            stream = self._open_stream(path)
+            stream = _within(FLUSH_TIMEOUT, lambda: self._open_stream(path))
+            if not _flush(stream) and file.refusal():
+                raise UserError("the recording cannot be begun")
         except BaseException as error:
-            why = file.give_up()
-            if why and isinstance(error, UserError):
+            why = file.give_up() or ("nothing can be written there" if isinstance(error, TimeoutError) else "")
+            if why and isinstance(error, (UserError, TimeoutError)):
                 hint = "free its disk, or give another file with --record FILE (record=FILE in Python)"
                 raise UserError(f"the recording {relative(path)!r} cannot be written: {why}", hint=hint) from error
             raise
@@ -140,13 +142,34 @@ class PartedFile:
         return stream
 
 
-def _disconnect(stream: Any, patience: float | None) -> None:
-    """Close a stream; where its file could not be written the library may never come back, and is left [s]."""
+def _flush(stream: Any, patience: float = FLUSH_TIMEOUT) -> bool:
+    """Return whether the library has written everything within some time [s]."""
+    try:
+        stream.flush(timeout_sec=patience)
+    except RuntimeError:  # the file tells why
+        return False
+    return True
 
-    def close() -> None:
-        with suppress(RuntimeError):
-            stream.disconnect()
 
-    closing = threading.Thread(target=close, name="closing", daemon=True)
-    closing.start()
-    closing.join(patience)
+def _close(stream: Any, patience: float | None) -> None:
+    """Close a stream, which may take some time [s]."""
+    with suppress(RuntimeError, TimeoutError):
+        _within(patience, stream.disconnect)
+
+
+def _within(patience: float | None, call: Callable[[], _T]) -> _T:
+    """Return what the library answers; where a file takes nothing it may never come back, and is left.
+
+    Raises:
+        TimeoutError: it did not come back within some time [s].
+    """
+    answer: Future[_T] = Future()
+
+    def ask() -> None:
+        try:
+            answer.set_result(call())
+        except BaseException as error:
+            answer.set_exception(error)
+
+    threading.Thread(target=ask, name="library", daemon=True).start()
+    return answer.result(patience)

@@ -53,7 +53,7 @@ class RecordingFile:
         if not status.st_nlink:
             self.deleted = True
             self.trouble = self.trouble or f"the recording {self._shown!r} was deleted while it was written"
-        elif not grown and not self.trouble and (reason := self._refusal()):
+        elif not grown and not self.trouble and (reason := self.refusal()):
             self.trouble = f"the recording {self._shown!r} is cut short: {reason}"
         return grown and not self.deleted
 
@@ -61,7 +61,7 @@ class RecordingFile:
         """Return what :meth:`check` does, of a file to which nothing more will come."""
         grown = self.check()
         if not self.trouble and _FOOTER not in os.pread(self._descriptor, _TAIL, max(0, self.size - _TAIL)):
-            self.trouble = f"the recording {self._shown!r} has no proper end: {self._refusal() or 'nobody knows why'}"
+            self.trouble = f"the recording {self._shown!r} has no proper end: {self.refusal() or 'nobody knows why'}"
         return grown
 
     def close(self) -> None:
@@ -69,17 +69,16 @@ class RecordingFile:
         os.close(self._descriptor)
 
     def give_up(self) -> str:
-        """Let go of it, and remove it if it is empty; return why the system lets nobody write, "" if it does."""
-        why = self._refusal()
-        if not os.fstat(self._descriptor).st_size:
-            self.path.unlink(missing_ok=True)
+        """Let go of it and remove it; return why the system lets nobody write, "" if it does."""
+        why = self.refusal()
+        self.path.unlink(missing_ok=True)
         self.close()
         return why
 
-    def _refusal(self) -> str:
+    def refusal(self) -> str:
         """Return why the system lets nobody write, "" if it does."""
         limit, _ = resource.getrlimit(resource.RLIMIT_FSIZE)
-        if limit != resource.RLIM_INFINITY and self.size + _BLOCK > limit:
+        if limit != resource.RLIM_INFINITY and os.fstat(self._descriptor).st_size + _BLOCK > limit:
             return f"files may have {limit} bytes at most here (ulimit -f)"
         try:
             with tempfile.TemporaryFile(dir=self.path.parent) as probe:

@@ -5,6 +5,8 @@ from __future__ import annotations
 import shutil
 from collections.abc import Callable
 from pathlib import Path
+from threading import Event
+from typing import Any, NoReturn
 
 import numpy as np
 import pytest
@@ -13,10 +15,11 @@ import rerun as rr
 from humanoid_bt.control.cycle_log import Layout
 from humanoid_bt.core.errors import UserError
 from humanoid_bt.core.messages import FootPose, Level
+from humanoid_bt.record import parted_file
 from humanoid_bt.record import recorder as recorder_module
 from humanoid_bt.record.feed import Feed
 from humanoid_bt.record.parted_file import PartedFile
-from humanoid_bt.record.parts import first_of, is_recording, part_of, parts_of
+from humanoid_bt.record.parts import MAGIC, first_of, is_recording, part_of, parts_of
 from humanoid_bt.record.reading import read_cycles
 from humanoid_bt.record.recorder import Recorder
 from humanoid_bt.record.recording_file import RecordingFile
@@ -176,17 +179,85 @@ def test_a_part_that_cannot_be_opened_is_told_once_and_the_recording_goes_on(rec
     assert len(read_cycles(file).time) == 3200
 
 
-def test_a_file_for_which_the_disk_has_no_room_is_told_and_not_left_empty(
-    file: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def refused(path: Path) -> None:
-        raise UserError("the recording cannot be opened: Failed to encode LogMsg")
+def refused(_path: Path) -> NoReturn:
+    raise UserError("the recording cannot be opened: Failed to encode LogMsg")
 
-    monkeypatch.setattr(RecordingFile, "_refusal", lambda _: "No space left on device")
+
+def never_back(_path: Path) -> None:
+    Event().wait()
+
+
+class Written:
+    """A stream whose beginning stands in its file."""
+
+    def __init__(self, path: Path) -> None:
+        path.write_bytes(MAGIC)
+
+    def flush(self, timeout_sec: float) -> None:
+        pass
+
+
+class Unwritten:
+    """A stream whose beginning does not come into its file."""
+
+    def __init__(self, _path: Path) -> None:
+        pass
+
+    def flush(self, timeout_sec: float) -> NoReturn:
+        raise RuntimeError("Flush timed out - not all log messages were sent")
+
+
+NO_ROOM = pytest.mark.parametrize("library", [refused, never_back, Unwritten])
+
+
+def fill_the_disk(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Leave no room, and the library little time."""
+    monkeypatch.setattr(RecordingFile, "refusal", lambda _: "No space left on device")
+    monkeypatch.setattr(parted_file, "FLUSH_TIMEOUT", 0.05)
+
+
+@NO_ROOM
+def test_a_file_for_which_the_disk_has_no_room_is_told_and_not_left(
+    library: Callable[[Path], Any], file: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    fill_the_disk(monkeypatch)
     with pytest.raises(UserError) as raised:
-        PartedFile(file, 1e9, Feed(), refused)
+        PartedFile(file, 1e9, Feed(), library)
     assert raised.value.problems[0].message == f"the recording '{file}' cannot be written: No space left on device"
     assert not file.exists()
+
+
+@NO_ROOM
+def test_where_the_next_part_has_no_room_this_one_goes_on(
+    library: Callable[[Path], Any], file: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    told: list[str] = []
+    parts = PartedFile(
+        file,
+        1.0,
+        Feed(),
+        lambda path: (Written if path == file else library)(path),
+        lambda _, text: told.append(text),
+    )
+    parts.settle()
+    fill_the_disk(monkeypatch)
+    assert not parts.go_on(1.0)
+    second = part_of(file, 2)
+    assert told == [
+        f"the recording '{second}' cannot be written: No space left on device: '{file}' becomes larger instead"
+    ]
+    assert not second.exists()
+    assert not parts.trouble
+
+
+def test_a_slow_disk_keeps_nobody_from_recording(file: Path) -> None:
+    assert not PartedFile(file, 1e9, Feed(), Unwritten).trouble
+
+
+def test_a_file_that_is_never_opened_is_not_waited_for(file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(parted_file, "FLUSH_TIMEOUT", 0.05)
+    with pytest.raises(UserError, match="cannot be written: nothing can be written there"):
+        PartedFile(file, 1e9, Feed(), never_back)
 
 
 def test_a_part_that_is_deleted_loses_what_was_in_it(record: Maker, file: Path) -> None:
