@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import zlib
 from pathlib import Path
 
@@ -26,6 +27,12 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
         mine = [item for item in items if not item.get_closest_marker("trials") or _part(item, parts) == number % parts]
         config.hook.pytest_deselected(items=list(set(items) - set(mine)))
         items[:] = mine
+
+
+def pytest_collection_finish() -> None:
+    """Let the garbage collector leave aside what lives as long as all tests do, and what they import."""
+    gc.collect()
+    gc.freeze()
 
 
 def _part(item: pytest.Item, parts: int) -> int:

@@ -86,6 +86,7 @@ def test_a_short_bench_measures_everything_and_leaves_nothing(monkeypatch: pytes
     assert folders() <= before
 
 
+@pytest.mark.trials
 @pytest.mark.realtime
 def test_interrupting_the_bench_ends_what_it_started() -> None:
     before = folders()

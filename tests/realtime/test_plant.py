@@ -103,6 +103,7 @@ def test_a_second_run_at_one_plant_is_refused(
     assert "plant" not in run.state.stop_reason  # decision may be late: another run has just begun
 
 
+@pytest.mark.trials
 def test_control_that_dies_leaves_a_plant_in_its_safe_state(
     serve: Callable[..., Served], live: Callable[..., Live], port: int
 ) -> None:

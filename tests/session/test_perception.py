@@ -186,6 +186,7 @@ def test_a_source_that_keeps_the_lock_is_off_and_the_others_see_again(project: P
     assert re.fullmatch(held, told)
 
 
+@pytest.mark.trials
 @pytest.mark.realtime
 def test_in_realtime_a_source_that_cannot_begin_is_told(project: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("MUJOCO_GL", "disabled")
