@@ -44,7 +44,7 @@ class TermConfig:
     )
     history: int | None = param(None, minimum=1, doc="How many of its latest values; default: the observation's.")
     axes: list[Axis] = param(["vx", "vy", "wz"], doc="Of a command: which numbers, in which order.")
-    joints: list[str] | None = param(None, doc="Of joints: only these, by name or pattern; default: all.")
+    joints: list[str] | None = param(None, doc="Of joints: only these, ordered as those of the action; default: all.")
     value: list[float] = param([], doc="Of a constant: its numbers.")
 
 
@@ -68,7 +68,11 @@ class ActionConfig:
     """What the network's answer means: position targets of joints, offset + scale x answer."""
 
     output: str = param("", doc="The model's output; default: the only one that is no state.")
-    joints: list[str] | None = param(None, doc="The joints that it moves, by name or pattern; default: all of them.")
+    joints: list[str] | None = param(
+        None,
+        doc="The joints that it moves, in the order of the answer, by name; with patterns among them, in the order of "
+        "the policy's joints. Default: all of them.",
+    )
     scale: PerJoint | None = param(None, doc="[rad]; default: action_scale of the model's metadata.")
     offset: Angles | None = param(None, doc="[rad]; default: the default pose.")
     clip: float | None = param(None, above=0, doc="The answer is clipped to this first, on either side.")

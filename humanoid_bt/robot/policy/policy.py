@@ -206,7 +206,7 @@ class Policy:
         return np.zeros(len(names)) if found is None else found
 
     def _chosen(self, patterns: list[str] | None, keys: tuple[str | int, ...], names: Sequence[str]) -> Indices:
-        """Return which joints are chosen, in the order in which they are written."""
+        """Return which joints are chosen: names in the order in which they are written, with patterns in that of all."""
         if patterns is None:
             return np.arange(len(names))
         found: list[int] = []
@@ -216,7 +216,7 @@ class Policy:
                 message, hint = f"no joint of the policy matches {pattern!r}", nearest(pattern, names)
                 raise UserError(message, self.place(*keys, number), hint, code="unknown-joint")
             found += [index for index in matching if index not in found]
-        return np.array(found, dtype=np.intp)
+        return np.array(found if set(patterns) <= set(names) else sorted(found), dtype=np.intp)
 
     def _terms(self) -> Iterator[Term]:
         observation = self.config.observation

@@ -225,6 +225,27 @@ def test_numbers_of_joints_that_are_not_moved_are_left_out(tmp_path: Path) -> No
     assert (policy.stiffness.tolist(), policy.damping.tolist()) == ([30, 10], [3, 1])
 
 
+@pytest.mark.parametrize(
+    ("joints", "chosen"),
+    [
+        ("[c_knee, b_hip]", ["c_knee", "b_hip"]),
+        ('["*_knee", "*_hip"]', ["a_hip", "b_hip", "c_knee"]),
+        ('[c_knee, "a_*"]', ["a_hip", "c_knee"]),
+    ],
+)
+def test_names_count_in_their_order_and_patterns_in_that_of_the_policy(
+    tmp_path: Path, joints: str, chosen: list[str]
+) -> None:
+    text = DESCRIPTION.replace("clip: 2", f"clip: 2, joints: {joints}")
+    text = text.replace("{term: joint_pos_rel}", f"{{term: joint_pos_rel, joints: {joints}}}")
+    count = len(chosen)
+    path = write_walker(tmp_path, text)
+    write_affine(tmp_path / "walk.onnx", np.zeros((5 + 2 * count, count)), np.zeros(count), METADATA)
+    policy = load_policy(path)
+    assert [JOINTS[index] for index in policy.moves] == chosen
+    assert [JOINTS[index] for index in policy.terms[2].joints] == chosen
+
+
 def test_a_size_that_is_left_open_is_told(tmp_path: Path) -> None:
     path = write_walker(tmp_path)
     write_affine(tmp_path / "walk.onnx", np.zeros((11, 3)), np.zeros(3), METADATA, batch="n", numbers="m")
