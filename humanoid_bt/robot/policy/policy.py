@@ -5,7 +5,7 @@ from __future__ import annotations
 import fnmatch
 import functools
 import glob
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -206,7 +206,7 @@ class Policy:
         return np.zeros(len(names)) if found is None else found
 
     def _chosen(self, patterns: list[str] | None, keys: tuple[str | int, ...], names: Sequence[str]) -> Indices:
-        """Return which joints are chosen: names in the order in which they are written, with patterns in that of all."""
+        """Return which joints are chosen: by names alone as these are written, with patterns in the order of all."""
         if patterns is None:
             return np.arange(len(names))
         found: list[int] = []
@@ -267,8 +267,10 @@ class Policy:
     def _judge_tensors(self) -> tuple[str, str]:
         network, config = self.network, self.config
         for number, state in enumerate(config.state):
-            self._named(state.input, network.inputs, "input", "state", number, "input")
-            self._named(state.output, network.outputs, "output", "state", number, "output")
+            for end, known in (("input", network.inputs), ("output", network.outputs)):
+                name = getattr(state, end)
+                taken = [getattr(other, end) for other in config.state[:number]]
+                self._named(name, [one for one in known if one not in taken], known, end, "state", number, end)
             ends = network.inputs.get(state.input), network.outputs.get(state.output)
             if None not in ends and size(ends[0] or ()) != size(ends[1] or ()):
                 self._wrong(f"the state's input has the shape {ends[0]}, its output {ends[1]}", "state", number)
@@ -304,15 +306,18 @@ class Policy:
             )
         return given, answer
 
-    def _named(self, name: str, known: dict[str, Any], what: str, *keys: str | int) -> bool:
+    def _named(self, name: str, free: list[str], known: Iterable[str], what: str, *keys: str | int) -> bool:
         if name not in known:
             self._wrong(f"the model has no {what} {name!r}", *keys, hint=nearest(name, known))
-        return name in known
+        elif name not in free:
+            hint = f"free: {', '.join(free)}" if free else ""
+            self._wrong(f"the model's {what} {name!r} is a state's already", *keys, hint=hint)
+        return name in free
 
-    def _only(self, name: str, free: list[str], known: dict[str, Any], what: str, key: str) -> str:
+    def _only(self, name: str, free: list[str], known: Iterable[str], what: str, key: str) -> str:
         """Return the name that is given, or the only one there is; "" if neither."""
         if name:
-            return name if self._named(name, known, what, key, what) else ""
+            return name if self._named(name, free, known, what, key, what) else ""
         if len(free) == 1:
             return free[0]
         self._wrong(f"the model has {len(free)} {what}s: say which", key, hint=f"{what}: {' or '.join(free)}")

@@ -147,6 +147,21 @@ def test_a_memory_must_be_named(tmp_path: Path) -> None:
     assert (policy.input, policy.states) == ("obs", {"h_in": "h_out"})
 
 
+@pytest.mark.parametrize(
+    ("old", "new", "line", "told"),
+    [
+        ("  terms:", "  input: h_in\n  terms:", 6, "input 'h_in' is a state's already [policy]\n    free: obs"),
+        ("clip: 2", "clip: 2, output: h_out", 4, "the model's output 'h_out' is a state's already"),
+        ("state: [", "state: [{input: h_in, output: action}, ", 12, "the model's input 'h_in' is a state's already"),
+        ("state: [", "state: [{input: obs, output: h_out}, ", 12, "the model's output 'h_out' is a state's already"),
+    ],
+)
+def test_a_tensor_has_one_use(tmp_path: Path, old: str, new: str, line: int, told: str) -> None:
+    text = (DESCRIPTION + "state: [{input: h_in, output: h_out}]\n").replace(old, new)
+    messages = refused(write_walker(tmp_path, text, state=4))
+    assert any(told in message and f"walk.policy.yaml:{line}:" in message for message in messages), messages
+
+
 def test_a_file_that_is_no_model_is_refused(tmp_path: Path) -> None:
     path = write_walker(tmp_path)
     (tmp_path / "walk.onnx").write_bytes(b"no model")
