@@ -119,17 +119,19 @@ class PerJoint:
             names: of the joints, in their order.
             metadata: of the model.
             others: of a joint that no pattern names; None if each must be named.
-            known: all joints of the model, of which metadata may have the numbers; these if None.
+            known: all joints of the policy, of which metadata may have the numbers; these if None.
 
         Raises:
             UserError: there is not one for each joint.
         """
+        known = known or names
         value, source, everyone = self.value, "", names
         if isinstance(value, FromModel):
-            everyone, source = known or names, f" in {value.key!r} of the model's metadata"
+            everyone, source = known, f" in {value.key!r} of the model's metadata"
             value = value.read(metadata)
         if isinstance(value, dict):
-            numbers = self._named(value, names, everyone, source, others)
+            whose = "of the policy" if len(everyone) == len(known) else "that the policy moves"
+            numbers = self._named(value, names, everyone, whose, source, others)
         else:
             numbers = self._listed(value, source)
             if numbers.size == 1 and numbers.ndim <= 1:
@@ -152,7 +154,13 @@ class PerJoint:
             raise UserError(message, self.item.place, code="policy") from None
 
     def _named(
-        self, value: dict[str, Any], names: Sequence[str], everyone: Sequence[str], source: str, others: float | None
+        self,
+        value: dict[str, Any],
+        names: Sequence[str],
+        everyone: Sequence[str],
+        whose: str,
+        source: str,
+        others: float | None,
     ) -> Array:
         problems: list[Problem] = []
         found: list[float] = []
@@ -160,7 +168,7 @@ class PerJoint:
             if not fnmatch.filter(everyone, pattern):
                 where = self.item.key_places.get(pattern, self.item.place)
                 hint = nearest(pattern, everyone)
-                message = f"no joint of the policy matches {pattern!r}{source}"
+                message = f"no joint {whose} matches {pattern!r}{source}"
                 problems.append(Problem(message, where, hint, "unknown-joint"))
         for name in names:
             key = next((one for one in value if fnmatch.fnmatchcase(name, one)), None)

@@ -261,6 +261,12 @@ def test_names_count_in_their_order_and_patterns_in_that_of_the_policy(
     assert [JOINTS[index] for index in policy.terms[2].joints] == chosen
 
 
+def test_numbers_by_patterns_are_of_joints_that_are_moved(tmp_path: Path) -> None:
+    text = DESCRIPTION.replace("clip: 2", 'clip: 2, joints: ["*_hip"]') + "stiffness: {a_hip: 1, b_hip: 2, c_knee: 3}\n"
+    messages = refused(write_walker(tmp_path, text))
+    assert any("12:33: error: no joint that the policy moves matches 'c_knee'" in message for message in messages)
+
+
 def test_a_size_that_is_left_open_is_told(tmp_path: Path) -> None:
     path = write_walker(tmp_path)
     write_affine(tmp_path / "walk.onnx", np.zeros((11, 3)), np.zeros(3), METADATA, batch="n", numbers="m")
