@@ -42,8 +42,8 @@ format: 1
 model: stand.onnx
 action: {{scale: 1}}
 default_pose: {{{pose}}}
-stiffness: {{"*": 500, "*ankle*": 200, "*shoulder*": 120, "*elbow*": 80, "*wrist*": 30, "neck_*": 30, "waist*": 400}}
-damping: {{"*": 20, "*ankle*": 8, "*shoulder*": 6, "*elbow*": 4, "*wrist*": 1.5, "neck_*": 1.5, "waist*": 16}}
+stiffness: 500
+damping: 20
 observation: {{terms: [{{term: projected_gravity}}, {{term: command}}, {{term: joint_pos_rel}}]}}
 command: {{vx: [-1, 1], vy: [-1, 1], wz: [-1, 1]}}
 """

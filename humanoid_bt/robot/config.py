@@ -318,8 +318,12 @@ class RobotConfig:
     gaze: GazeConfig = param(doc="The eyes, x ahead.")
     neck: NeckConfig | None = param(None, doc="Neck joints, if it has any.")
     drives: list[DriveConfig] = param(doc="Drives of all joints; the first group that matches a joint counts.")
-    home: dict[str, float] = param({}, unit="rad", doc="Home posture: joint pattern to angle; others 0.")
-    groups: dict[str, list[str]] = param({}, doc="Joint groups for plots: name to joint patterns.")
+    home: dict[str, float] = param(
+        {}, unit="rad", doc="Home posture: joint pattern to angle, the first that matches counts; others 0."
+    )
+    groups: dict[str, list[str]] = param(
+        {}, doc="Joint groups for plots: name to joint patterns, the first that matches counts."
+    )
     soft_limit_margin: float = param(
         0.02,
         minimum=0,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import fnmatch
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import mujoco
 import numpy as np
@@ -15,6 +15,7 @@ from humanoid_bt.core.messages import SIDES, Array, Side
 from humanoid_bt.files.reading import is_file
 from humanoid_bt.robot import mujoco_warnings
 from humanoid_bt.robot.config import FrameConfig, RobotConfig, SiteConfig
+from humanoid_bt.robot.overruled import overruled
 from humanoid_bt.robot.palm import palm_axes
 from humanoid_bt.robot.policy.policy import Policy, load_policy
 from humanoid_bt.robot.published import model_problems, read_model
@@ -91,6 +92,8 @@ class RobotModel:
         model = self.model
         self.joint_names = tuple(model.joint(j).name for j in range(1, model.njnt))
         if self.policy and (problems := list(self.policy.problems_with(self.joint_names))):
+            raise UserError(problems)
+        if problems := list(_overruled(config, self.joint_names)):
             raise UserError(problems)
         self.config = config = _standing_as_learned(config, self.policy)
         drives = [config.drive(name) for name in self.joint_names]
@@ -285,6 +288,13 @@ def _joint_patterns(config: RobotConfig) -> Iterator[_Reference]:
     for name, patterns in config.groups.items():
         for k, pattern in enumerate(patterns):
             yield ("groups", name, k), pattern
+
+
+def _overruled(config: RobotConfig, joints: Sequence[str]) -> Iterator[Problem]:
+    """Yield the patterns that count for no joint, as what is wrong."""
+    for table in ("drives", "home", "groups"):
+        written = [(keys, pattern) for keys, pattern in _joint_patterns(config) if keys[0] == table]
+        yield from overruled(((pattern, keys[:2], config.place(*keys)) for keys, pattern in written), joints)
 
 
 def _add_drives(spec: mujoco.MjSpec, config: RobotConfig) -> None:

@@ -173,6 +173,31 @@ def test_an_unknown_name_is_answered_with_its_place_and_the_nearest_one(
 
 
 @pytest.mark.parametrize(
+    ("old", "new", "pattern"),
+    [
+        ('"*_knee": 0.70', '"*_knee*": 0.2\n  "*_knee": 0.70', '"*_knee": 0.70'),
+        ("drives:  ", "drives:\n  - {joints: ['*_k*'], stiffness: 1, damping: 1, torque: 9}\n#", '"*_knee"], stiff'),
+        ("groups:\n", "groups:\n  legs: ['*_hip_*', '*_knee', '*_ankle_*']\n", '"left_hip_*"'),
+    ],
+)
+def test_a_pattern_that_counts_for_no_joint_is_refused(
+    *, tmp_path: Path, edit: Edit, old: str, new: str, pattern: str
+) -> None:
+    edit("robot.yaml", old, new)
+    with pytest.raises(UserError) as error:
+        load(tmp_path)
+    problem = error.value.problems[0]
+    assert "counts for no joint: what is before it matches all of these" in problem.message
+    line = place_of(tmp_path, "robot.yaml", pattern).rsplit(":", 1)[0]
+    assert str(problem.place).startswith(line + ":")
+
+
+def test_patterns_of_one_group_may_match_the_same_joints(tmp_path: Path, edit: Edit) -> None:
+    edit("robot.yaml", '{joints: ["*_knee"],', '{joints: ["*_knee", left_knee],')
+    load(tmp_path)
+
+
+@pytest.mark.parametrize(
     ("old", "new", "body"),
     [("left: {body: left_hand,", "left: {body: torso,", "torso"), ("torso: torso", "torso: left_hand", "left_hand")],
 )

@@ -14,6 +14,7 @@ from humanoid_bt.core.items import Item
 from humanoid_bt.core.messages import Array
 from humanoid_bt.core.params import Param
 from humanoid_bt.core.reading import convert
+from humanoid_bt.robot.overruled import overruled
 from humanoid_bt.robot.policy.network import Metadata
 
 _KEY = "metadata"
@@ -164,12 +165,14 @@ class PerJoint:
     ) -> Array:
         problems: list[Problem] = []
         found: list[float] = []
+        places = self.item.key_places
         for pattern in value:
             if not fnmatch.filter(everyone, pattern):
-                where = self.item.key_places.get(pattern, self.item.place)
+                where = places.get(pattern, self.item.place)
                 hint = nearest(pattern, everyone)
                 message = f"no joint {whose} matches {pattern!r}{source}"
                 problems.append(Problem(message, where, hint, "unknown-joint"))
+        problems += overruled(((one, one, places.get(one, self.item.place)) for one in value), everyone, source)
         for name in names:
             key = next((one for one in value if fnmatch.fnmatchcase(name, one)), None)
             if key is None and others is None:
