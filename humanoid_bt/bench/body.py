@@ -72,7 +72,7 @@ class Withstood:
             "row": self.row.name,
             "what": self.row.what,
             "body": self.body,
-            "reached" if self.row.walks else "on_feet": self.good.count,
+            "reached" if self.row.walks else "withstood": self.good.count,
             "on_feet": self.on_feet.count,
             "of": self.good.of,
             "interval": list(self.good.interval),

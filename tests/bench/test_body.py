@@ -18,9 +18,10 @@ from humanoid_bt import Conditions, Stage, UserError, Workspace
 from humanoid_bt.bench.body import Withstood, chosen, measure_body
 from humanoid_bt.bench.body_rows import ROWS, Row
 from humanoid_bt.bench.body_trial import judged
-from humanoid_bt.campaign.result import Result
+from humanoid_bt.campaign.result import Cost, Result
 from humanoid_bt.campaign.stage_trials import pushes
-from humanoid_bt.campaign.trial import CONDITION, SET, Trial
+from humanoid_bt.campaign.trial import CONDITION, SET, Task, Trial
+from humanoid_bt.campaign.workers import Done
 from humanoid_bt.control.body.standing import load_robot
 from humanoid_bt.core.messages import Gait
 from humanoid_bt.files.workspace import builtin_root
@@ -184,6 +185,15 @@ def test_trials_are_the_same_in_any_number_of_processes_and_recorded_or_not(tmp_
     assert (gentle.good.count, gentle.on_feet.count, gentle.verdict, gentle.failed) == (1, 1, "ok", [])
     assert gentle.trials[0].result.trace != hard.trials[0].result.trace
     assert hard.good.count == hard.on_feet.count == 1 - len(hard.failed)
+
+
+@pytest.mark.parametrize(("name", "good"), [("goals", "reached"), ("push-standing-60", "withstood")])
+def test_what_was_withstood_and_who_stayed_on_their_feet_are_two_counts(name: str, good: str) -> None:
+    one = row(name)
+    results = [Result("success", ""), Result("failure", "drifted"), Result("fell", "", fell=True)]
+    trials = [Done(Task(one.trial(seed, "mine", seed), ""), result, Cost()) for seed, result in enumerate(results)]
+    told = Withstood(one, trials).to_dict()
+    assert (told[good], told["on_feet"], told["of"]) == (1, 2, 3)
 
 
 @pytest.mark.trials
