@@ -354,7 +354,7 @@ def _patterns(names: Sequence[str], known: Sequence[str]) -> list[str]:
         pattern = _SIDE.sub("*", name, count=1)
         matched = [other for other in known if fnmatch.fnmatchcase(other, pattern)]
         fits = len(matched) > 1 and set(matched) <= set(names)
-        if (pattern if fits else name) not in found:
+        if not any(fnmatch.fnmatchcase(name, one) for one in found):
             found.append(pattern if fits else name)
     return found
 

@@ -162,6 +162,15 @@ def test_names_that_yaml_takes_for_something_else_are_quoted(spec: mujoco.MjSpec
     assert formatted(description.text, "robot.yaml") == description.text
 
 
+def test_a_pattern_that_another_one_holds_is_not_written(spec: mujoco.MjSpec, adopt: Adopt) -> None:
+    for side in SIDES:
+        spec.joint(f"{side}_hip_pitch").name = f"{side}_bend"
+        spec.joint(f"{side}_ankle_pitch").name = f"{side}_ankle_bend"
+    _, found = adopt(spec)
+    assert [pattern for pattern in found.home if "bend" in pattern] == ["*_bend"]
+    RobotModel(found)
+
+
 def test_the_posture_bends_the_knees_and_lets_the_arms_hang_clear(spec: mujoco.MjSpec, adopt: Adopt) -> None:
     for side, way in (("left", 1), ("right", -1)):  # a reference posture with the arms stretched out to the sides
         shoulder = spec.body(f"{side}_shoulder_pitch_link")
