@@ -22,6 +22,6 @@ def overruled(
     for pattern, entry, place in patterns:
         given = [entries.setdefault(joint, entry) for joint in fnmatch.filter(joints, pattern)]
         if given and entry not in given:
-            message = f"{pattern!r} counts for no joint: what is before it matches all of these{source}"
+            message = f"{pattern!r} counts for no joint: earlier ones match all that it matches{source}"
             hint = "the first that matches a joint counts: write it further up"
             yield Problem(message, place, hint, code="misplaced-key")

@@ -187,7 +187,7 @@ def test_a_pattern_that_counts_for_no_joint_is_refused(
     with pytest.raises(UserError) as error:
         load(tmp_path)
     problem = error.value.problems[0]
-    assert "counts for no joint: what is before it matches all of these" in problem.message
+    assert "counts for no joint: earlier ones match all that it matches" in problem.message
     line = place_of(tmp_path, "robot.yaml", pattern).rsplit(":", 1)[0]
     assert str(problem.place).startswith(line + ":")
 

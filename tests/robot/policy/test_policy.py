@@ -103,7 +103,7 @@ def test_terms_that_have_a_history_are_not_asked_for_one(tmp_path: Path) -> None
             4,
             "it moves 1 joints, the model's output 'action' has 3 numbers",
         ),
-        ("[0.1, 0.2, 0.3]", "{'*': 1, '*_hip': 2}", 3, "'*_hip' counts for no joint: what is before it matches all"),
+        ("[0.1, 0.2, 0.3]", "{'*': 1, '*_hip': 2}", 3, "'*_hip' counts for no joint: earlier ones match all that it"),
         ("format: 1\n", "format: 1\nrate: 30\n", 2, "200 must be a whole multiple of it"),
         ("scale: 0.25", "scale: [1, 2]", 7, "the scale of base_ang_vel must have 3 numbers, not 2"),
         ("{term: joint_pos_rel}", "{term: joint_pos_rel, joints: [knee]}", 9, "no joint of the policy matches 'knee'"),
@@ -210,7 +210,7 @@ RANGES = {"lin_vel_x": [-1, 1], "lin_vel_y": [-1, 1], "ang_vel_yaw": [-1, 1]}
     ("known", "told"),
     [
         ({"kp": {"*": "hard"}}, "there must be numbers, not ['hard', 'hard', 'hard'] in 'kp' of the model's metadata"),
-        ({"kp": {"*": 1, "a_hip": 2}}, "matches all of these in 'kp' of the model's metadata"),
+        ({"kp": {"*": 1, "a_hip": 2}}, "match all that it matches in 'kp' of the model's metadata"),
         ({"kp": {"*": float("nan")}}, "a number is not finite in 'kp' of the model's metadata"),
         ({"kp": [[1, 2, 3]]}, "must be 3 numbers, one for each joint, not a list of lists of 3 in 'kp'"),
         ({"kp": [1, 2]}, "must be 3 numbers, one for each joint, not 2 in 'kp' of the model's metadata"),
