@@ -6,20 +6,33 @@ from typing import Any, Literal
 
 import numpy as np
 
-from humanoid_bt import Improving, Lasting, PerceptName, Side, Skill, Status, Steady, of_gaze, of_hand, param, result
+from humanoid_bt import (
+    Improving,
+    Lasting,
+    PerceptName,
+    Side,
+    Skill,
+    Status,
+    Steady,
+    Track,
+    of_gaze,
+    of_hand,
+    param,
+    result,
+)
 
 _STRETCHED = 0.9  # of the arm's length: a bit less than all, or it could not follow a target
 _NEAREST = 0.5  # of it: for what is nearer, the arm would have to fold up
-_CLEAR = 0.1  # m at least between the palm and what it points at
+_CLEAR = 0.1  # m at least between the palm and the side of what it points at
 _THERE = 0.05  # m from its place at which the palm counts as there: only where it points is judged closely
 
 
 class PointAt(Skill):
     """Stretch an arm toward the target, its fingers along the line from the shoulder, and keep it so for a moment.
 
-    Waits for a steady base before it moves a hand, and follows a target that moves. Fails if the target was never seen,
-    is gone or too near, or if the hand does not come to point at it: it does not turn or walk. Then it says what keeps
-    it.
+    Waits for a steady base before it moves a hand, follows a target that moves, and stays clear of the side of a solid
+    one. Fails if the target was never seen, is gone or too near, or if the hand does not come to point at it: it does
+    not turn or walk. Then it says what keeps it.
     """
 
     resources = ("left_hand", "right_hand", "gaze")
@@ -67,12 +80,12 @@ class PointAt(Skill):
             self._shoulder = self._from_stance(self.robot.pose(f"{hand}_shoulder").position)
         target = self._place.update(track.position_world, track.stamp)
         shoulder = self._in_world(self._shoulder)
-        way = target - shoulder
-        distance, length = float(np.linalg.norm(way)), self.robot.arm_length(self._hand)
+        ahead, length = _towards(target, shoulder), self.robot.arm_length(self._hand)
+        distance = math.dist(target, shoulder) - _half(track, ahead)
         if distance - _CLEAR < _NEAREST * length:
-            return self.fail(f"{self.target} is too near to point at: {distance * 100:.0f} cm from the shoulder")
-        out = min(_STRETCHED * length, distance - _CLEAR)
-        return self._point(self._hand, shoulder + way * (out / distance), target)
+            away = f"{max(0.0, distance) * 100:.0f} cm from the shoulder"
+            return self.fail(f"{self.target} is too near to point at: {away}")
+        return self._point(self._hand, shoulder + min(_STRETCHED * length, distance - _CLEAR) * ahead, target)
 
     def _point(self, hand: Side, aim: np.ndarray, target: np.ndarray) -> Status:
         self.robot.move_hand(hand, aim, direction=_towards(target, aim), speed=self.speed)
@@ -112,6 +125,14 @@ def _towards(target: np.ndarray, place: np.ndarray) -> np.ndarray:
     """Return the direction from a place to a target, shape (3,) each."""
     way: np.ndarray = target - place
     return way / max(float(np.linalg.norm(way)), 1e-9)
+
+
+def _half(track: Track, way: np.ndarray) -> float:
+    """Return how far a thing reaches from its middle along a way, a unit vector, shape (3,): 0 if it is not solid."""
+    if track.size is None:
+        return 0.0
+    along = np.abs(_turned(way, -track.heading_world))
+    return float(np.min(track.size / 2 / np.maximum(along, 1e-9)))
 
 
 def _turned(place: np.ndarray, angle: float) -> np.ndarray:

@@ -80,6 +80,14 @@ def test_follows_a_target_that_moves(rig: Rig) -> None:
     assert off(rig, "left", (1.2, 0.2, 1.3)) < CLOSE
 
 
+def test_stays_clear_of_the_side_of_something_solid(rig: Rig) -> None:
+    rig.see("wall", (0.9, 0.1, 0.8), size=(0.8, 1.8, 1.6))
+    result = rig.run("point_at", target="wall", hold="0.1 s")
+    assert result.succeeded, result.feedback
+    assert off(rig, "left", (0.9, 0.1, 0.8)) < CLOSE
+    assert max(state.hands["left"][0] for state in result.states) < 0.45, "its side is at 0.5"
+
+
 def test_gives_up_at_once_when_something_touches_its_arm(rig: Rig) -> None:
     rig.at(1.0, lambda: rig.push((-60.0, 0.0, 0.0), 0.2, "right_hand"))
     result = rig.run("point_at", target=(2.0, -0.5, 0.9), hand="right", hold="3 s")
@@ -88,10 +96,14 @@ def test_gives_up_at_once_when_something_touches_its_arm(rig: Rig) -> None:
     assert result.states[-1].time < 1.5
 
 
-def test_says_that_something_is_too_near(rig: Rig) -> None:
-    result = rig.run("point_at", target=(0.3, 0.2, 0.9))
+@pytest.mark.parametrize(("target", "size"), [((0.3, 0.2, 0.9), None), ((1.1, 0.2, 0.9), (1.6, 1.6, 1.6))])
+def test_says_that_something_is_too_near(
+    rig: Rig, target: tuple[float, float, float], size: tuple[float, float, float] | None
+) -> None:
+    rig.see("target", target, size=size)
+    result = rig.run("point_at", target="target")
     assert result.failed
-    assert result.feedback.startswith("target is too near to point at: 3")
+    assert re.match("target is too near to point at: [34]", result.feedback), result.feedback
 
 
 @pytest.mark.trials
