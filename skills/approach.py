@@ -29,7 +29,11 @@ class Approach(Skill):
 
     target: PerceptName = param(doc="Percept to walk up to.")
     distance: float | None = param(
-        None, unit="m", above=0, doc="Stop with the target this far ahead; default: within the robot's reach."
+        None,
+        unit="m",
+        above=0,
+        maximum=10,
+        doc="Stop with the target this far ahead; default: within the robot's reach.",
     )
     tolerance: float = param(0.06, unit="m", above=0, doc="Arrived when this close to the place to stand at.")
     angle_tolerance: float = param(0.12, unit="rad", above=0, doc="Arrived when the target is ahead to this angle.")

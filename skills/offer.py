@@ -40,7 +40,9 @@ class Offer(Skill):
     distance: float | None = param(
         None, unit="m", above=0, doc="Palm this far from the middle between the feet; default: the robot's reach."
     )
-    height: float | None = param(None, unit="m", above=0, doc="Palm this far above the floor; default: the chest.")
+    height: float | None = param(
+        None, unit="m", above=0, maximum=10, doc="Palm this far above the floor; default: the chest."
+    )
     clearance: float = param(0.2, unit="m", above=0, doc="Least distance of the palm from the target, seen from above.")
     tolerance: float = param(0.03, unit="m", above=0, doc="There when the palm is this close.")
     hold: float = param(2.0, unit="s", minimum=0, doc="How long to hold it there.")

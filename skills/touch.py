@@ -37,9 +37,13 @@ class Touch(Skill):
     hand: Literal["left", "right"] = param("right", doc="Which hand.")
     direction: Literal["ahead", "left", "right", "up", "down"] = param("ahead", doc="Where to, as the robot stands.")
     height: float | None = param(
-        None, unit="m", above=0, doc="Palm this far above the floor as it begins; default: three quarters of the eyes'."
+        None,
+        unit="m",
+        above=0,
+        maximum=10,
+        doc="Palm this far above the floor as it begins; default: three quarters of the eyes'.",
     )
-    distance: float = param(0.25, unit="m", above=0, doc="Farthest that the palm moves.")
+    distance: float = param(0.25, unit="m", above=0, maximum=10, doc="Farthest that the palm moves.")
     force: float = param(10.0, unit="N", minimum=5, maximum=50, doc="How hard to press.")
     tolerance: float = param(2.0, unit="N", above=0, doc="Pressed when the force is this close.")
     hold: float = param(1.0, unit="s", minimum=0, doc="How long to press.")

@@ -39,7 +39,7 @@ class TouchWithBoth(Skill):
 
     target: PerceptName = param(doc="Percept in the middle between the palms.")
     width: float = param(unit="m", above=0, maximum=0.6, doc="How wide the thing is, from side to side.")
-    clearance: float = param(0.03, unit="m", minimum=0, doc="Of each palm's middle from the side.")
+    clearance: float = param(0.03, unit="m", minimum=0, maximum=10, doc="Of each palm's middle from the side.")
     tolerance: float = param(0.01, unit="m", above=0, doc="There when both palms are this close.")
     turn_tolerance: float = param(0.05, unit="rad", above=0, doc="There when both are turned this close.")
     hold: float = param(0.5, unit="s", minimum=0, doc="How long they must stay there.")

@@ -13,7 +13,6 @@ from humanoid_bt.core.errors import HumanoidBtError
 from humanoid_bt.core.messages import (
     HEIGHT_OFFSET,
     MOST_PRESS,
-    WORKSPACE,
     ArmTarget,
     Array,
     BaseTarget,
@@ -135,12 +134,13 @@ class RobotHandle:
 
         Args:
             position: shape (2,), middle between the feet, world frame [m]; at most 1000.
-            heading: world frame [rad].
+            heading: world frame [rad]; a full turn more or less is the same.
 
         Raises:
-            ValueError: a number is not finite, or out of range.
+            ValueError: a number is not finite, or the place is out of the world.
         """
-        self._set("base", BaseTarget(place(position, 2), number(heading, "heading", WORKSPACE, "rad")))
+        facing = math.remainder(number(heading, "heading", math.inf, "rad"), math.tau)
+        self._set("base", BaseTarget(place(position, 2), facing))
 
     def show_route(self, points: Any) -> None:
         """Show people, in the recording, the way that the base is to take: shape (n, 2), world frame [m]."""

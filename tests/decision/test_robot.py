@@ -129,7 +129,7 @@ def test_a_target_must_have_its_shape_and_be_finite(robot: Robot, point: list[fl
         (lambda handle: handle.set_height(-1), "a target's height must be from -0.5 to 0.5 m, not -1"),
         (lambda handle: handle.look_at((1e300, 0, 0)), "a target's position must be within 1000 m of the origin"),
         (lambda handle: handle.walk_to((0, -1001), 0.0), "a target's position must be within 1000 m of the origin"),
-        (lambda handle: handle.walk_to((0, 0), 2000), "a target's heading must be from -1000 to 1000 rad, not 2000"),
+        (lambda handle: handle.walk_to((0, 0), math.inf), "a target must be finite, not inf"),
         (lambda handle: handle.move_hand("left", (0, 0, 1e4)), "must be within 1000 m of the origin"),
         (lambda handle: handle.move_hand("left", (0, 0, 1), press=60), "press must be from 0 to 50 N, not 60"),
         (lambda handle: handle.move_hand("left", (0, 0, 1), press=-1), "press must be from 0 to 50 N, not -1"),
@@ -143,6 +143,13 @@ def test_what_control_would_refuse_is_refused_where_it_is_asked_for(
     with pytest.raises(ValueError, match=said):
         ask(handle)
     assert not robot.commit().targets
+
+
+@pytest.mark.parametrize("turns", [-1, 1, 200])
+def test_a_heading_is_the_same_after_full_turns(robot: Robot, turns: int) -> None:
+    robot.begin_tick(make_state(), {})
+    RobotHandle(robot, "t/walk", ("base",)).walk_to((0, 0), 0.5 + turns * math.tau)
+    assert robot.commit().targets["base"].heading == pytest.approx(0.5)
 
 
 def test_there_is_no_state_before_the_first_tick(robot: Robot) -> None:

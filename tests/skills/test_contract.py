@@ -4,7 +4,7 @@ from typing import Any
 
 import pytest
 
-from humanoid_bt import Rig
+from humanoid_bt import Rig, UserError
 
 CASES: dict[str, dict[str, Any]] = {
     "approach": {"target": (0.9, 0.2, 1.0)},
@@ -32,6 +32,21 @@ ELSEWHERE = ("touch",)
 )
 def test_keeps_the_contract(rig: Rig, skill: str) -> None:
     rig.check_skill(skill, **CASES[skill]).assert_passed()
+
+
+@pytest.mark.parametrize(
+    ("skill", "parameter"),
+    [
+        ("approach", "distance"),
+        ("offer", "height"),
+        ("touch", "height"),
+        ("touch", "distance"),
+        ("touch_with_both", "clearance"),
+    ],
+)
+def test_no_place_is_out_of_the_world(rig: Rig, skill: str, parameter: str) -> None:
+    with pytest.raises(UserError, match=f"'{parameter}' must be .* <= 10, not 1500"):
+        rig.run(skill, **CASES.get(skill, {}) | {parameter: 1500.0})
 
 
 def test_none_is_left_out(rig: Rig) -> None:
