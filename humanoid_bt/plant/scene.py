@@ -127,12 +127,13 @@ class Scene:
             body = spec.worldbody.add_body(name=f"object_{name}", pos=position, quat=turned)
             for part in parts(thing):
                 body.add_geom(
-                    name=f"object_{name}:{part.name}" if part.name else f"object_{name}",
+                    name=f"{part.name} of {name}" if part.name else f"object_{name}",
                     type=part.kind,
                     size=part.size,
                     pos=part.position,
                     fromto=part.ends or [math.nan] * 6,
                     rgba=[*part.color, 1.0],
+                    mass=0.0,  # it is static, and the inertia of a very small one would be none
                     contype=int(thing.solid),
                     conaffinity=int(thing.solid),
                 )

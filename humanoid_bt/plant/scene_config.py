@@ -65,7 +65,7 @@ class ObjectConfig:
 
     shape: Shape = param(doc="Its shape; a person looks at where the robot starts.")
     size: list[float] = param(
-        above=0,
+        minimum=1e-4,
         unit="m",
         doc="Full lengths. Ball: diameter; box: length, width, height; cylinder: diameter, height; person: height.",
     )

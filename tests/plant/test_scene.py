@@ -185,7 +185,7 @@ def test_a_person_stands_on_the_floor_as_tall_as_asked_for_and_faces_the_robot(t
     half = np.einsum("nij,nj->ni", np.abs(data.geom_xmat[geoms].reshape(-1, 3, 3)), boxes[:, 3:])
     assert (data.geom_xpos[geoms] - half)[:, 2].min() == pytest.approx(0, abs=0.01)
     assert (data.geom_xpos[geoms] + half)[:, 2].max() == pytest.approx(1.6, abs=0.02)
-    hair, eye = data.geom("object_one:hair").xpos, data.geom("object_one:left eye").xpos
+    hair, eye = data.geom("hair of one").xpos, data.geom("left eye of one").xpos
     assert eye[1] < hair[1]  # toward the robot
     assert eye[0] > hair[0]  # its left is the robot's right
 
@@ -277,7 +277,7 @@ events:
         ("4:100", "unknown key 'baring' of 'random'"),
         ("4:81", "the key 'height' of 'random' is missing"),
         ("5:8", "this object has no position"),
-        ("5:29", "'size' must be > 0, not 0"),
+        ("5:29", "'size' must be >= 0.0001, not 0"),
         ("5:40", "'solid' must be true or false"),
         ("7:22", "unknown key 'nois' of the percept 'cup'"),
         ("7:43", "'drop_out' must be >= 0 and <= 1, not 2"),
@@ -296,7 +296,7 @@ events:
     assert told.count("scene.yaml:") == len(expected)
     assert "\n    a number from 0 to 1" in told
     assert "\n    a number from 0, in s" in told
-    assert "\n    a number above 0, in m" in told
+    assert "\n    a number from 0.0001, in m" in told
 
 
 def test_a_solid_object_is_not_hidden_behind_a_percept_of_its_name(tmp_path: Path) -> None:
@@ -330,10 +330,16 @@ def test_the_box_around_a_person_holds_every_part_of_it(tmp_path: Path) -> None:
     target.add_to(spec)
     model = spec.compile()
     assert box is not None
-    for geom in range(model.ngeom):
-        if model.geom(geom).name.startswith("object_guest"):
-            middle = model.geom_pos[geom]
-            assert np.all(np.abs(middle) < box.size / 2), model.geom(geom).name
+    for geom in np.flatnonzero(model.geom_bodyid == model.body("object_guest").id):
+        assert np.all(np.abs(model.geom_pos[geom]) < box.size / 2), model.geom(geom).name
+
+
+def test_an_object_may_be_named_like_a_part_of_a_person(tmp_path: Path) -> None:
+    ball = f"{{{BALL}, position: [1, 0, 1]}}"
+    person = "{shape: person, size: [0.1 mm], position: [2, 0, 0.85]}"
+    body = f'objects: {{p: {person}, "p:head": {ball}, head: {ball}, "head of p": {ball}, "object_p:head": {ball}}}\n'
+    scene(tmp_path, body).add_to(spec := mujoco.MjSpec())
+    assert spec.compile().body("object_p:head").geomnum == 1
 
 
 def test_scenes_of_one_name_are_told_apart_by_what_is_in_them(tmp_path: Path) -> None:
