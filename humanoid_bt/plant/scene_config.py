@@ -11,6 +11,7 @@ from typing import Any, Literal
 
 from humanoid_bt.core.errors import Problem, UserError, nearest
 from humanoid_bt.core.items import Item
+from humanoid_bt.core.messages import WORKSPACE
 from humanoid_bt.core.params import param, params_of
 from humanoid_bt.core.reading import read, unexplained
 from humanoid_bt.core.sources import Sources
@@ -25,6 +26,7 @@ ACTIONS = ("hide", "show", "move")
 MAX_THINGS = 1000
 """Most objects, and most percepts, of a scene."""
 
+_FARTHEST = 0.9 * WORKSPACE  # m from the origin, along each axis: there is room to walk on, and to look beyond
 _LONGEST_NAME = 200  # characters
 _SIZES: dict[Shape, str] = {
     "ball": "[diameter]",
@@ -38,7 +40,13 @@ _SIZES: dict[Shape, str] = {
 class StartConfig:
     """Where the robot stands at the beginning."""
 
-    position: tuple[float, float] = param((0.0, 0.0), unit="m", doc="Middle between its feet, x y in the world.")
+    position: tuple[float, float] = param(
+        (0.0, 0.0),
+        minimum=-_FARTHEST,
+        maximum=_FARTHEST,
+        unit="m",
+        doc="Middle between its feet, x y in the world.",
+    )
     heading: float = param(0.0, unit="rad", doc="Where it faces; 0 is the world's x, left is positive.")
 
 
@@ -46,9 +54,11 @@ class StartConfig:
 class RandomPlaceConfig:
     """A place drawn from the seed, each number between a low and a high end."""
 
-    distance: tuple[float, float] = param(minimum=0, unit="m", doc="Horizontal distance from the robot's start.")
+    distance: tuple[float, float] = param(
+        minimum=0, maximum=50, unit="m", doc="Horizontal distance from the robot's start."
+    )
     bearing: tuple[float, float] = param(unit="rad", doc="Direction from the robot's start heading, left positive.")
-    height: tuple[float, float] = param(unit="m", doc="Above the floor.")
+    height: tuple[float, float] = param(minimum=-_FARTHEST, maximum=_FARTHEST, unit="m", doc="Above the floor.")
 
     @staticmethod
     def mistakes(item: Item, values: Mapping[str, Any]) -> Iterator[Problem]:
@@ -70,7 +80,9 @@ class ObjectConfig:
         doc="Full lengths. Ball: diameter; box: length, width, height; cylinder: diameter, height; person: height.",
     )
     color: Color = param("orange", doc="Its colour; a person's clothes.")
-    position: tuple[float, float, float] | None = param(None, unit="m", doc="Its centre in the world, x y z.")
+    position: tuple[float, float, float] | None = param(
+        None, minimum=-_FARTHEST, maximum=_FARTHEST, unit="m", doc="Its centre in the world, x y z."
+    )
     random: RandomPlaceConfig | None = param(None, doc="Draws its centre from the seed.")
     stand: bool = param(False, doc="A thin pole with a flat base stands under it; both can be bumped into.")
     solid: bool = param(
@@ -98,9 +110,9 @@ class PerceptConfig:
     """What simulated perception makes of one object, 10 times a second."""
 
     object: str = param(doc="The object that is seen.")
-    noise: float = param(0.003, minimum=0, unit="m", doc="Standard deviation of each coordinate at 0 m.")
-    noise_per_meter: float = param(0.004, minimum=0, doc="Growth of that deviation with distance [m/m].")
-    range: float = param(4.0, above=0, unit="m", doc="Farther away it is not seen.")
+    noise: float = param(0.003, minimum=0, maximum=10, unit="m", doc="Standard deviation of each coordinate at 0 m.")
+    noise_per_meter: float = param(0.004, minimum=0, maximum=1, doc="Growth of that deviation with distance [m/m].")
+    range: float = param(4.0, above=0, maximum=WORKSPACE, unit="m", doc="Farther away it is not seen.")
     field_of_view: float = param(1.745, above=0, maximum=6.2832, unit="rad", doc="Full horizontal angle (100 deg).")
     vertical_field_of_view: float = param(1.396, above=0, maximum=3.1416, unit="rad", doc="Full angle (80 deg).")
     drop_out: float = param(0.02, minimum=0, maximum=1, doc="Probability that an observation publishes nothing.")
@@ -114,7 +126,9 @@ class EventConfig:
     hide: str | None = param(None, doc="The object that perception no longer sees; it stays where it is.")
     show: str | None = param(None, doc="The object that perception sees again.")
     move: str | None = param(None, doc="The object that moves; its stand stays.")
-    to: tuple[float, float, float] | None = param(None, unit="m", doc="Where its centre moves, in the world.")
+    to: tuple[float, float, float] | None = param(
+        None, minimum=-_FARTHEST, maximum=_FARTHEST, unit="m", doc="Where its centre moves, in the world."
+    )
     over: float = param(0.0, minimum=0, unit="s", doc="How long the move takes; 0 is a jump.")
 
     @staticmethod

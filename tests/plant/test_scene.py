@@ -342,6 +342,28 @@ def test_an_object_may_be_named_like_a_part_of_a_person(tmp_path: Path) -> None:
     assert spec.compile().body("object_p:head").geomnum == 1
 
 
+@pytest.mark.parametrize(
+    ("body", "place", "message"),
+    [
+        ("robot: {position: [5000, 0]}", "3:20", "'position' must be >= -900 and <= 900, not 5000"),
+        (f"objects: {{ball: {{{BALL}, position: [0, -1.0e+9, 1]}}}}", "3:59", "'position' must be >= -900 and <= 900"),
+        (f"objects: {{ball: {{{BALL}, random: {{distance: [1, 2000], bearing: [0, 1], height: [0, 5000]}}}}}}",
+         "3:68", "'distance' must be >= 0 and <= 50, not 2000"),
+        (f"objects: {{ball: {{{BALL}, random: {{distance: [1, 2], bearing: [0, 1], height: [0, 5000]}}}}}}",
+         "3:101", "'height' must be >= -900 and <= 900, not 5000"),
+        (f"objects: {{ball: {{{BALL}, position: [0, 0, 1]}}}}\nevents: [{{at: 1, move: ball, to: [1.0e+308, 0, 0]}}]",
+         "4:35", "'to' must be >= -900 and <= 900"),
+        (f"objects: {{ball: {{{BALL}, position: [0, 0, 1]}}}}\npercepts: {{ball: {{object: ball, noise: 1.0e+308}}}}",
+         "4:40", "'noise' must be >= 0 and <= 10"),
+        (f"objects: {{ball: {{{BALL}, position: [0, 0, 1]}}}}\npercepts: {{ball: {{object: ball, range: 10000}}}}",
+         "4:40", "'range' must be > 0 and <= 1000, not 10000"),
+        ("objects: {one: {shape: person, size: [1.0e-9], position: [0, 0, 1]}}", "3:39", "'size' must be >= 0.0001"),
+    ],
+)  # fmt: skip
+def test_nothing_is_where_the_robot_cannot_look(tmp_path: Path, body: str, place: str, message: str) -> None:
+    assert f"scene.yaml:{place}: error: {message}" in problems(tmp_path, body + "\n")
+
+
 def test_scenes_of_one_name_are_told_apart_by_what_is_in_them(tmp_path: Path) -> None:
     text = "format: 1\nname: mine\nobjects:\n  ball: {shape: ball, size: [8 cm], position: [1, 0, 0.85]}\n"
     digests = []
