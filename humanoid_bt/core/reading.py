@@ -140,15 +140,17 @@ def _choice(item: Item) -> str:
 
 
 def with_article(noun: str) -> str:
-    """Return a noun with its article: ``a number``; some take none."""
+    """Return a noun with its article: ``a number``; some take none, and no noun is a value."""
+    if not noun:
+        return "a value"
     if noun.startswith(("text", "true")) or "|" in noun:
         return noun
     return ("an " if noun[0] in "aeiou" else "a ") + noun
 
 
 def _one(many: str) -> str:
-    """Return a plural's singular: push of pushes, event of events."""
-    return re.sub(r"(?<=sh|ch|ss)es$|s$", "", many)
+    """Return a plural's singular: push of pushes, event of events; what would leave nothing is a word of its own."""
+    return re.sub(r"(?<=sh|ch|ss)es$|(?<=.)s$", "", many)
 
 
 def _convert(kind: Any, item: Item, spec: Param, what: str = "") -> Any:  # noqa: PLR0911 (a table of cases)

@@ -57,6 +57,13 @@ def test_a_foot_that_no_joint_rolls_bears_along_its_middle_line(config: RobotCon
     assert load_robot_config(file).sole.bears[1] == pytest.approx(0.005)
 
 
+@pytest.mark.parametrize("name", ["s", '""', "legs"])
+def test_a_group_may_have_any_name(name: str, tmp_path: Path) -> None:
+    file = _copied(tmp_path)
+    file.write_text(file.read_text().replace("  left_leg: [", f"  {name}: ["))
+    assert load_robot_config(file).group("left_knee") == name.strip('"')
+
+
 def _copied(folder: Path, *without: str) -> Path:
     """Return a copy of the built-in robot's file without some lines, beside a copy of its model."""
     text = FILE.read_text()
