@@ -20,7 +20,8 @@ def read_model(path: Path) -> mujoco.MjSpec:
 
     The robot is the body of the world with the most hinges. What else the world has is left out: floors, things,
     lights, cameras, and what names them. Geoms that a pair lets touch a floor can touch any, then. A model without a
-    free joint, as those that a simulator adds one to, gets it at its root.
+    free joint, as those that a simulator adds one to, gets it at its root. The base is upright above the origin, however
+    the file has it in the world.
 
     Meshes of a ROS package, as `package://my_robot/meshes/foot.stl`, are looked for in the folder of that name that the
     model is in, or that lies beside one of those.
@@ -40,6 +41,7 @@ def read_model(path: Path) -> mujoco.MjSpec:
     _touch_any_floor(spec, beside)
     _leave_out(spec, beside)
     _free_base(spec)
+    _put_upright(spec)
     return spec
 
 
@@ -114,6 +116,16 @@ def _free_base(spec: mujoco.MjSpec) -> None:
         roots[0].add_freejoint()
 
 
+def _put_upright(spec: mujoco.MjSpec) -> None:
+    """Turn what floats so that its frame is the world's: a model may lie, for a simulation that lets it get up."""
+    for joint in spec.joints:
+        if joint.type == mujoco.mjtJoint.mjJNT_FREE:
+            base = joint.parent
+            base.pos, base.quat, base.alt.type = [0.0, 0.0, base.pos[2]], [1.0, 0.0, 0.0, 0.0], _BY_QUAT
+            if base.frame:
+                base.set_frame(spec.worldbody.add_frame())
+
+
 def model_problems(spec: mujoco.MjSpec, where: Place) -> Iterator[Problem]:
     """Yield what a model has that no robot here can have.
 
@@ -160,4 +172,5 @@ _FREE_JOINTS = (
     " are, keep the joints that tilt the foot and take the rods out; of coupled fingers drive each (in a URDF,"
     " take their <mimic> out)"
 )
+_BY_QUAT = mujoco.mjtOrientation.mjORIENTATION_QUAT
 _ROBOT_JOINTS = (mujoco.mjtJoint.mjJNT_FREE, mujoco.mjtJoint.mjJNT_HINGE)

@@ -492,6 +492,19 @@ def test_a_robot_that_lies_in_its_frame_is_refused(spec: mujoco.MjSpec) -> None:
         describe(spec.compile(), "found", "model.xml")
 
 
+@pytest.mark.parametrize("place", ['pos="1 2 0.2" euler="0 1.5708 0.3"', 'pos="0 0 0.2" quat="1 0 0.3 0"'])
+@pytest.mark.parametrize("frame", ['<frame euler="0.9 0 0" pos="3 0 0">', "<frame>"])
+def test_how_a_base_is_turned_in_the_world_says_nothing(tmp_path: Path, place: str, frame: str) -> None:
+    text = (BUILTIN / "humanoid.xml").read_text()
+    own = describe(read_model(BUILTIN / "humanoid.xml").compile(), "found", "model.xml")
+    assert 'pos="0 0 0.71"' in text
+    text = text.replace('pos="0 0 0.71"', place).replace("<worldbody>", f"<worldbody>{frame}")
+    (tmp_path / "model.xml").write_text(text.replace("</worldbody>", "</frame></worldbody>"))
+    lying = read_model(tmp_path / "model.xml").compile()
+    assert describe(lying, "found", "model.xml") == own
+    np.testing.assert_array_equal(lying.qpos0[[0, 1, 3, 4, 5, 6]], [0, 0, 1, 0, 0, 0])
+
+
 @pytest.mark.parametrize(("axis", "angle"), [((0, 1, 0), np.pi / 2), ((0, 1, 0), -np.pi / 2), ((1, 0, 0), np.pi)])
 def test_a_robot_whose_arms_are_lowest_in_its_frame_is_refused(
     spec: mujoco.MjSpec, axis: tuple[float, ...], angle: float
