@@ -221,9 +221,9 @@ def _one_line(error: ValueError) -> str:
 
 def _check_names(spec: mujoco.MjSpec, config: RobotConfig) -> None:
     """Refuse a ``robot.yaml`` that does not fit its model."""
-    bodies = [body.name for body in spec.bodies]
+    bodies = [body.name for body in spec.bodies if body.name]
     free = [joint for joint in spec.joints if joint.type == mujoco.mjtJoint.mjJNT_FREE]
-    hinges = [joint.name for joint in spec.joints if joint.type != mujoco.mjtJoint.mjJNT_FREE]
+    hinges = [joint.name for joint in spec.joints if joint.name and joint.type != mujoco.mjtJoint.mjJNT_FREE]
     problems: list[Problem] = []
     for keys, name in _named_bodies(config):
         if name not in bodies:

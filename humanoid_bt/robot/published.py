@@ -133,6 +133,12 @@ def model_problems(spec: mujoco.MjSpec, where: Place) -> Iterator[Problem]:
         spec: the model.
         where: its file.
     """
+    for kind, parts in (("body", spec.bodies), ("joint", spec.joints)):
+        for part in parts:
+            if not part.name and getattr(part, "type", None) != mujoco.mjtJoint.mjJNT_FREE:
+                message = f"the model has a {kind} without a name, on {part.parent.name!r}"
+                hint = "give it one: robot.yaml, recordings and messages say by their names which they mean"
+                yield Problem(message, _line(part.info, where), hint, code="model")
     sliding = [joint for joint in spec.joints if joint.type not in _ROBOT_JOINTS]
     if sliding:
         message = f"only hinges can be driven; these joints are none: {', '.join(joint.name for joint in sliding)}"

@@ -303,6 +303,32 @@ def test_many_equality_constraints_are_one_mistake(tmp_path: Path, edit: Edit) -
     assert len(error.value.problems) == 1
 
 
+@pytest.mark.parametrize(
+    ("old", "new", "what"),
+    [
+        ('<body name="left_hip_roll_link">', "<body>", "body"),
+        ('<body name="torso"', "<body", "body"),
+        ('<body name="left_foot"', "<body", "body"),
+        ('<body name="pelvis"', "<body", "body"),
+        ('<joint name="left_hip_yaw"', "<joint", "joint"),
+    ],
+)
+def test_what_has_no_name_is_answered_with_its_line(
+    *, tmp_path: Path, edit: Edit, old: str, new: str, what: str
+) -> None:
+    for line in (FOLDER / "humanoid.xml").read_text().splitlines():
+        if "<exclude" in line:
+            edit("humanoid.xml", line, "")
+    place = place_of(tmp_path, "humanoid.xml", old)
+    edit("humanoid.xml", old, new)
+    with pytest.raises(UserError) as error:
+        load(tmp_path)
+    (problem,) = (problem for problem in error.value.problems if "without a name" in problem.message)
+    assert not [other for other in error.value.problems if "''" in other.message]
+    assert problem.message.startswith(f"the model has a {what} without a name, on ")
+    assert str(problem.place).rsplit(":", 1)[0] == place.rsplit(":", 1)[0]
+
+
 TABLE = '<body name="table"><geom name="top" size="0.1"/><site name="edge"/></body>'
 
 
