@@ -252,7 +252,7 @@ class _Writer:
 
     def _posture(self) -> Iterator[str]:
         yield f"home:    # {self._guess('the posture in which it stands')}"
-        angles = {self._joint(joint): angle for joint, angle in self._home.items()}
+        angles = {self._joint(joint): angle for joint, angle in self._home.items() if angle}
         for angle in dict.fromkeys(angles.values()):
             for pattern in _patterns([name for name, other in angles.items() if other == angle], self._hinges):
                 yield f"  {_quoted(pattern)}: {angle:g}"
@@ -302,7 +302,8 @@ class _Writer:
         """Return by how much a step may turn: each hip by half of what it can, the rest is for pushes [rad]."""
         model, surveyor = self._model, self._surveyor
         turning = [j for leg in self._limbs.legs.values() for j in leg.joints if surveyor.turns_about(j, 2)]
-        limits = [float(np.abs(model.jnt_range[joint]).min()) for joint in turning if model.jnt_limited[joint]]
+        ranges = {joint: model.jnt_range[joint] - self._home[joint] for joint in turning if model.jnt_limited[joint]}
+        limits = [float(np.abs(both).min()) for both in ranges.values()]
         return min(limits, default=math.inf)
 
     def _separation(self, stands: float) -> float:

@@ -28,7 +28,7 @@ _LEVEL = 0.05  # rad, ...a sole is flat: inverse kinematics does the rest
 def home(
     surveyor: Surveyor, limbs: Limbs, palms: Mapping[Side, Array], soles: Mapping[Side, Array]
 ) -> dict[int, float]:
-    """Return the angles of a posture to stand in, joint -> rad; those of 0 are left out.
+    """Return the angles of a posture to stand in, joint -> rad; what neither legs nor arms have is as the model rests.
 
     Args:
         surveyor: of the model.
@@ -47,7 +47,15 @@ def home(
         angles = {joint: round(angle, _ROUNDED) for joint, angle in angles.items()}
         if not _touches(surveyor, limbs, angles):
             break
-    return {joint: angle for joint, angle in angles.items() if angle}
+    return angles | {joint: angle for joint, angle in _resting(surveyor).items() if joint not in angles}
+
+
+def _resting(surveyor: Surveyor) -> dict[int, float]:
+    """Return the angles of the reference posture, inside the joints' limits; what is 0 there stays 0."""
+    model = surveyor.model
+    hinges = [j for j in range(model.njnt) if model.jnt_type[j] == mujoco.mjtJoint.mjJNT_HINGE]
+    angles = {joint: _at_rest(model, joint) for joint in hinges}
+    return {joint: round(_inside(model, joint, angle), _ROUNDED) if angle else 0.0 for joint, angle in angles.items()}
 
 
 def overlapping(model: mujoco.MjModel, qpos: Array) -> dict[int, list[int]]:
@@ -93,7 +101,7 @@ def _bent(surveyor: Surveyor, leg: Limb) -> dict[int, float]:
     bends = zip((pitches[0], pitches[1], pitches[-1]), (-_BEND, 2 * _BEND, -_BEND), strict=True)
     wanted = {joint: bend * float(np.sign(surveyor.axis(joint)[1])) for joint, bend in bends}
     share = min(_share(surveyor.model, joint, angle) for joint, angle in wanted.items())
-    return {joint: angle * share for joint, angle in wanted.items()}
+    return {joint: _at_rest(surveyor.model, joint) + angle * share for joint, angle in wanted.items()}
 
 
 def _flat(surveyor: Surveyor, leg: Limb, up: Array, angles: dict[int, float]) -> dict[int, float]:
@@ -116,15 +124,14 @@ def _flat(surveyor: Surveyor, leg: Limb, up: Array, angles: dict[int, float]) ->
         if np.linalg.norm(tilt) < _LEVEL or not ankles:
             break
         for joint, angle in zip(ankles, np.linalg.lstsq(data.xaxis[ankles].T, tilt)[0].tolist(), strict=True):
-            low, high = _limits(model, joint)
-            angles[joint] = min(max(angles.get(joint, 0.0) + angle, low), high)
+            angles[joint] = _inside(model, joint, angles.get(joint, _at_rest(model, joint)) + angle)
     return angles
 
 
 def _share(model: mujoco.MjModel, joint: int, angle: float) -> float:
-    """Return how much of an angle the limits of a joint allow."""
+    """Return how much of an angle the limits of a joint allow that it turns from where it rests."""
     low, high = _limits(model, joint)
-    return max(0.0, min(1.0, (high if angle > 0 else low) / angle))
+    return max(0.0, min(1.0, ((high if angle > 0 else low) - _at_rest(model, joint)) / angle))
 
 
 def _hanging(surveyor: Surveyor, side: Side, arm: Limb, palm: Array, spread: float) -> dict[int, float]:
@@ -142,7 +149,7 @@ def _hanging(surveyor: Surveyor, side: Side, arm: Limb, palm: Array, spread: flo
     goals = [points[0] + turn @ (_spread(goal, spread) * outward * length) for _, _, goal, _ in ends]
     dofs, places = model.jnt_dofadr[list(arm.joints)], model.jnt_qposadr[list(arm.joints)]
     low, high = np.array([_limits(model, joint) for joint in arm.joints]).T
-    rest: Array = np.clip(np.zeros(len(dofs)), low, high)
+    rest: Array = np.clip(model.qpos0[places], low, high)
     jacobian = np.zeros((3, model.nv))
     for _ in range(_STEPS):
         mujoco.mj_kinematics(model, data)
@@ -167,6 +174,17 @@ def _spread(goal: Array, angle: float) -> Array:
 def _point(data: mujoco.MjData, body: int, offset: Array) -> Array:
     """Return a point of a body in the world, shape (3,) [m]."""
     return np.asarray(data.xpos[body] + data.xmat[body].reshape(3, 3) @ offset)
+
+
+def _at_rest(model: mujoco.MjModel, joint: int) -> float:
+    """Return a joint's angle in the reference posture, which is 0 if MJCF has no ``ref`` [rad]."""
+    return float(model.qpos0[model.jnt_qposadr[joint]])
+
+
+def _inside(model: mujoco.MjModel, joint: int, angle: float) -> float:
+    """Return the home angle of a joint that is nearest to an angle [rad]."""
+    low, high = _limits(model, joint)
+    return min(max(angle, low), high)
 
 
 def _limits(model: mujoco.MjModel, joint: int) -> tuple[float, float]:

@@ -195,6 +195,19 @@ def test_the_posture_bends_the_knees_and_lets_the_arms_hang_clear(spec: mujoco.M
         assert abs(sole[0] - data.body("pelvis").xpos[0]) < 0.1
 
 
+@pytest.mark.parametrize("ref", [0.5, -1.2])
+def test_joints_count_from_where_the_model_has_their_zero(spec: mujoco.MjSpec, adopt: Adopt, ref: float) -> None:
+    straight = adopt(spec)[1]
+    wanted = poses(RobotModel(straight))
+    for joint in spec.joints[1:]:
+        joint.ref, joint.range = ref, joint.range + ref
+    found = adopt(spec)[1]
+    assert found.gait == straight.gait
+    for joint in spec.joints[1:]:
+        assert found.home_angle(joint.name) == pytest.approx(straight.home_angle(joint.name) + ref, abs=0.011)
+    np.testing.assert_allclose(poses(RobotModel(found)), wanted, atol=0.01)
+
+
 def test_a_robot_with_one_arm_has_one_hand(spec: mujoco.MjSpec, adopt: Adopt) -> None:
     spec.delete(spec.body("right_shoulder_pitch_link"))
     description, found = adopt(spec)
