@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import fnmatch
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -13,6 +12,7 @@ from humanoid_bt.core.errors import Place, Problem, UserError, relative
 from humanoid_bt.core.items import Item
 from humanoid_bt.core.messages import RESOURCES, SIDES
 from humanoid_bt.core.params import param
+from humanoid_bt.core.patterns import matches
 from humanoid_bt.core.reading import read
 from humanoid_bt.files import document
 from humanoid_bt.files.reading import read_bytes
@@ -388,13 +388,13 @@ class RobotConfig:
     def drive(self, joint: str) -> DriveConfig | None:
         """Return the drive of a joint, None if no group names it."""
         for drive in self.drives:
-            if any(fnmatch.fnmatchcase(joint, pattern) for pattern in drive.joints):
+            if any(matches(joint, pattern) for pattern in drive.joints):
                 return drive
         return None
 
     def home_key(self, joint: str) -> str | None:
         """Return the pattern in ``home`` that says a joint's angle, None if none does."""
-        return next((pattern for pattern in self.home if fnmatch.fnmatchcase(joint, pattern)), None)
+        return next((pattern for pattern in self.home if matches(joint, pattern)), None)
 
     def home_angle(self, joint: str) -> float:
         """Return a joint's angle in the home posture [rad]."""
@@ -404,7 +404,7 @@ class RobotConfig:
     def group(self, joint: str) -> str:
         """Return the plot group of a joint, ``other`` if none names it."""
         for name, patterns in self.groups.items():
-            if any(fnmatch.fnmatchcase(joint, pattern) for pattern in patterns):
+            if any(matches(joint, pattern) for pattern in patterns):
                 return name
         return "other"
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import fnmatch
 import math
 from collections.abc import Iterator, Sequence
 
@@ -12,6 +11,7 @@ import numpy as np
 
 from humanoid_bt.core.errors import Place, Problem, UserError, nearest, relative
 from humanoid_bt.core.messages import SIDES, Array, Side
+from humanoid_bt.core.patterns import matching
 from humanoid_bt.files.reading import is_file
 from humanoid_bt.robot import mujoco_warnings
 from humanoid_bt.robot.config import FrameConfig, RobotConfig, SiteConfig
@@ -234,7 +234,7 @@ def _check_names(spec: mujoco.MjSpec, config: RobotConfig) -> None:
             hint, place = nearest(name, hinges), config.place(*keys)
             problems.append(Problem(f"the model has no joint {name!r}", place, hint, code="unknown-joint"))
     for keys, pattern in _joint_patterns(config):
-        if not fnmatch.filter(hinges, pattern):
+        if not matching(hinges, pattern):
             hint, place = nearest(pattern, hinges), config.place(*keys)
             problems.append(Problem(f"no joint of the model matches {pattern!r}", place, hint, code="unknown-joint"))
     if len(free) != 1 or free[0].parent.name != config.base or spec.joints[0].type != mujoco.mjtJoint.mjJNT_FREE:

@@ -20,8 +20,8 @@ def read_model(path: Path) -> mujoco.MjSpec:
 
     The robot is the body of the world with the most hinges. What else the world has is left out: floors, things,
     lights, cameras, and what names them. Geoms that a pair lets touch a floor can touch any, then. A model without a
-    free joint, as those that a simulator adds one to, gets it at its root. The base is upright above the origin, however
-    the file has it in the world.
+    free joint, as those that a simulator adds one to, gets it at its root. The base is upright above the origin,
+    however the file has it in the world.
 
     Meshes of a ROS package, as `package://my_robot/meshes/foot.stl`, are looked for in the folder of that name that the
     model is in, or that lies beside one of those.

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import fnmatch
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -15,6 +14,7 @@ from humanoid_bt.core.geometry import heading_of, rotation_matrix
 from humanoid_bt.core.items import Item
 from humanoid_bt.core.messages import Array, Percept, State
 from humanoid_bt.core.params import param
+from humanoid_bt.core.patterns import matching
 from humanoid_bt.plant.sensor_failures import SensorFailure
 from humanoid_bt.session.setting import setting
 from humanoid_bt.testing.fault import Acting, Fault, Known, Misnamed
@@ -77,14 +77,14 @@ class Weaken(Fault):
     def misnamed(self, known: Known) -> Iterator[Misnamed]:
         """Yield which joints there are not."""
         for index, pattern in enumerate(self.joints):
-            if not fnmatch.filter(known.joints, pattern):
+            if not matching(known.joints, pattern):
                 hint = nearest(pattern, known.joints)
                 problem = Problem(f"the robot has no joint {pattern!r}", hint=hint, code="unknown-joint")
                 yield Misnamed(problem, ("joints", index))
 
     def strength(self, joints: Sequence[str]) -> Array:
         """Return what each drive still gives."""
-        weak = {name for pattern in self.joints for name in fnmatch.filter(joints, pattern)}
+        weak = {name for pattern in self.joints for name in matching(joints, pattern)}
         return np.array([self.to if name in weak else 1.0 for name in joints])
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import fnmatch
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar, Self
@@ -13,6 +12,7 @@ from humanoid_bt.core.errors import Problem, UserError, nearest
 from humanoid_bt.core.items import Item
 from humanoid_bt.core.messages import Array
 from humanoid_bt.core.params import Param
+from humanoid_bt.core.patterns import matches, matching
 from humanoid_bt.core.reading import convert
 from humanoid_bt.robot.overruled import overruled
 from humanoid_bt.robot.policy.network import Metadata
@@ -167,14 +167,14 @@ class PerJoint:
         found: list[float] = []
         places = self.item.key_places
         for pattern in value:
-            if not fnmatch.filter(everyone, pattern):
+            if not matching(everyone, pattern):
                 where = places.get(pattern, self.item.place)
                 hint = nearest(pattern, everyone)
                 message = f"no joint {whose} matches {pattern!r}{source}"
                 problems.append(Problem(message, where, hint, "unknown-joint"))
         problems += overruled(((one, one, places.get(one, self.item.place)) for one in value), everyone, source)
         for name in names:
-            key = next((one for one in value if fnmatch.fnmatchcase(name, one)), None)
+            key = next((one for one in value if matches(name, one)), None)
             if key is None and others is None:
                 problems.append(
                     Problem(f"nothing here matches the joint {name!r}{source}", self.item.place, code="policy")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import fnmatch
 import functools
 import glob
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -18,6 +17,7 @@ from humanoid_bt.core.clock import ESTIMATE_PERIOD
 from humanoid_bt.core.errors import Place, Problem, UserError, nearest
 from humanoid_bt.core.items import Item
 from humanoid_bt.core.messages import Array
+from humanoid_bt.core.patterns import matches, matching
 from humanoid_bt.core.units import readable
 from humanoid_bt.robot.policy.commands import RANGE_KEYS, command_problems, command_range
 from humanoid_bt.robot.policy.config import PolicyConfig, TermConfig, load_policy_config
@@ -141,7 +141,7 @@ class Policy:
         lend = self.config.lend
         for key, patterns in (("joints", lend.joints), ("waist", lend.waist)):
             for number, pattern in enumerate(patterns or ()):
-                if not fnmatch.filter(self.joints, pattern):
+                if not matching(self.joints, pattern):
                     hint, where = nearest(pattern, self.joints), self.place("lend", key, number)
                     yield Problem(f"no joint of the policy matches {pattern!r}", where, hint, code="unknown-joint")
 
@@ -211,7 +211,7 @@ class Policy:
             return np.arange(len(names))
         found: list[int] = []
         for number, pattern in enumerate(patterns):
-            matching = [index for index, name in enumerate(names) if fnmatch.fnmatchcase(name, pattern)]
+            matching = [index for index, name in enumerate(names) if matches(name, pattern)]
             if not matching:
                 message, hint = f"no joint of the policy matches {pattern!r}", nearest(pattern, names)
                 raise UserError(message, self.place(*keys, number), hint, code="unknown-joint")

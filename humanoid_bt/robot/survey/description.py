@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import fnmatch
-import json
 import math
 import re
 from collections.abc import Iterator, Sequence
@@ -14,6 +12,7 @@ import numpy as np
 import yaml
 
 from humanoid_bt.core.messages import SIDES, Array, Side
+from humanoid_bt.core.patterns import matching
 from humanoid_bt.core.texts import listed
 from humanoid_bt.files.formatting import formatted
 from humanoid_bt.robot.config import GaitConfig, RobotConfig
@@ -353,7 +352,7 @@ def _patterns(names: Sequence[str], known: Sequence[str]) -> list[str]:
     found: list[str] = []
     for name in names:
         pattern = _SIDE.sub("*", name, count=1)
-        matched = [other for other in known if fnmatch.fnmatchcase(other, pattern)]
+        matched = matching(known, pattern)
         fits = len(matched) > 1 and set(matched) <= set(names)
         if not any(fnmatch.fnmatchcase(name, one) for one in found):
             found.append(pattern if fits else name)
@@ -362,7 +361,12 @@ def _patterns(names: Sequence[str], known: Sequence[str]) -> list[str]:
 
 def _quoted(name: str) -> str:
     """Return a name as YAML reads it as that text, also ``no``, ``12`` and what has blanks and colons."""
-    return name if re.fullmatch(r"[\w./-]+", name) and yaml.safe_load(name) == name else json.dumps(name)
+    return name if re.fullmatch(r"[\w./-]+", name) and yaml.safe_load(name) == name else _in_quotes(name)
+
+
+def _in_quotes(name: str) -> str:
+    written: str = yaml.safe_dump(name, default_style='"', allow_unicode=True, width=math.inf)
+    return written.rstrip("\n")
 
 
 def _turned(axes: Array) -> str:

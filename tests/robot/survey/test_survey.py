@@ -154,11 +154,14 @@ def test_names_that_yaml_takes_for_something_else_are_quoted(spec: mujoco.MjSpec
     names = {"pelvis": "no", "head": "12", "left_foot": 'foot: left, "l"', "left_hand": "*hand #1"}
     for before, name in names.items():
         spec.body(before).name = name
-    spec.joint("left_knee").name = "null"
+    spec.body("right_foot").name = "foot😀"
+    spec.joint("left_knee").name, spec.joint("right_knee").name = "null", "knee[right]"
     description, found = adopt(spec)
     assert (found.base, found.gaze.body) == ("no", "12")
     assert (found.legs["left"].sole.body, found.hands["left"].body) == (names["left_foot"], names["left_hand"])
-    assert found.drive("null") is not None
+    assert found.legs["right"].sole.body == "foot😀"
+    robot = RobotModel(found)
+    assert {robot.home_qpos[7 + robot.joint(name)] for name in ("null", "knee[right]")} == {0.7}
     assert formatted(description.text, "robot.yaml") == description.text
 
 

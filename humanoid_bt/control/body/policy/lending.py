@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import fnmatch
 from collections.abc import Iterable, Mapping
 
 import numpy as np
@@ -10,6 +9,7 @@ from numpy.typing import NDArray
 
 from humanoid_bt.control.body.references import approach
 from humanoid_bt.core.messages import SIDES, Array
+from humanoid_bt.core.patterns import matches
 from humanoid_bt.robot.model import RobotModel
 from humanoid_bt.robot.policy.policy import Indices, Policy
 
@@ -111,4 +111,4 @@ def rolls(axes: Array) -> NDArray[np.bool_]:
 
 
 def _matches(name: str, patterns: Iterable[str]) -> bool:
-    return any(fnmatch.fnmatchcase(name, pattern) for pattern in patterns)
+    return any(matches(name, pattern) for pattern in patterns)
