@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import mujoco
 
+from humanoid_bt.core.messages import Array
 from humanoid_bt.core.texts import listed
 from humanoid_bt.robot.model import LEAST_DAMPING
 from humanoid_bt.robot.survey.limbs import Limbs, Surveyor, roles
@@ -17,6 +18,7 @@ _LIMP = 0.15  # of what a joint has that carries a robot: with less nothing stan
 _USUAL_TORQUE = 0.2  # rad, times the stiffness: likewise of joints that carry the robot
 _NAMED = 4  # joints at most; more are counted
 _GRAVITY = 9.81
+_AT_JOINT = mujoco.mjtTrn.mjTRN_JOINT, mujoco.mjtTrn.mjTRN_JOINTINPARENT  # the same for a hinge
 _BIAS = 1, 2  # numbers of an actuator's bias that are stiffness and damping
 # of the weight times the height of the centre of mass, which is how stiff a support must be not to buckle
 _HIP_OR_KNEE, _ANKLE, _TRUNK = 2.4, 1.3, 1.5
@@ -73,6 +75,8 @@ def without_limits(model: mujoco.MjModel) -> str:
 def drive(model: mujoco.MjModel, joint: int, usual: float | None, falls: float) -> Drive:
     """Return what the model says of a joint's drive, and guesses for what it does not.
 
+    Actuators of one joint add up; one without a limit of its own is held to those of the others.
+
     Args:
         model: of the robot.
         joint: of it.
@@ -82,16 +86,17 @@ def drive(model: mujoco.MjModel, joint: int, usual: float | None, falls: float) 
     actuators = [
         a
         for a in range(model.nu)
-        if model.actuator_trntype[a] == mujoco.mjtTrn.mjTRN_JOINT and model.actuator_trnid[a, 0] == joint
+        if mujoco.mjtTrn(model.actuator_trntype[a]) in _AT_JOINT and model.actuator_trnid[a, 0] == joint
     ]
     guessed: list[str] = []
-    torque = min([_torque(model, a) for a in actuators] or [math.inf])
+    torques = [torque for a in actuators if (torque := _torque(model, a)) < math.inf]
+    torque = sum(torques) if torques else math.inf
     if model.jnt_actfrclimited[joint]:
-        torque = min(torque, float(model.jnt_actfrcrange[joint, 1]))
+        torque = min(torque, _both_ways(model.jnt_actfrcrange[joint]))
     if not 0 < torque < _PLACEHOLDER * falls:
         torque = _TORQUE if usual is None else _rounded(_USUAL_TORQUE * usual)
         guessed.append("torque")
-    stiffness, damping = (max((_gain(model, a, of) for a in actuators), default=0.0) for of in _BIAS)
+    stiffness, damping = (sum(_gain(model, a, of) for a in actuators) for of in _BIAS)
     own = float(model.dof_damping[model.jnt_dofadr[joint]].max())
     if stiffness > 0 and damping <= 0 and own > LEAST_DAMPING:
         damping = own  # which stands for the actuator's
@@ -108,11 +113,15 @@ def drive(model: mujoco.MjModel, joint: int, usual: float | None, falls: float) 
 def _gain(model: mujoco.MjModel, actuator: int, of: int) -> float:
     """Return a gain of an actuator at its joint, which its gear multiplies twice: as it turns, and as it pulls.
 
+    Only an affine bias has gains: MuJoCo ignores the numbers of another one.
+
     Args:
         model: of the robot.
         actuator: of it.
         of: one of :data:`_BIAS`.
     """
+    if model.actuator_biastype[actuator] != mujoco.mjtBias.mjBIAS_AFFINE:
+        return 0.0
     return -float(model.actuator_biasprm[actuator, of]) * float(model.actuator_gear[actuator, 0]) ** 2
 
 
@@ -121,10 +130,15 @@ def _torque(model: mujoco.MjModel, actuator: int) -> float:
     gear = abs(float(model.actuator_gear[actuator, 0]))
     limits = [math.inf]
     if model.actuator_forcelimited[actuator]:
-        limits.append(float(model.actuator_forcerange[actuator, 1]))
+        limits.append(_both_ways(model.actuator_forcerange[actuator]))
     if model.actuator_ctrllimited[actuator] and model.actuator_biastype[actuator] == mujoco.mjtBias.mjBIAS_NONE:
-        limits.append(float(model.actuator_ctrlrange[actuator, 1] * model.actuator_gainprm[actuator, 0]))
+        limits.append(_both_ways(model.actuator_ctrlrange[actuator]) * abs(float(model.actuator_gainprm[actuator, 0])))
     return gear * min(limits)
+
+
+def _both_ways(limits: Array) -> float:
+    """Return how large what has a lower and an upper limit may be either way, shape (2,)."""
+    return float(min(-limits[0], limits[1]))
 
 
 def _rounded(value: float) -> float:

@@ -271,6 +271,29 @@ def test_drives_are_those_of_the_models_actuators(spec: mujoco.MjSpec, adopt: Ad
     assert right.torque == 60
 
 
+JOINT = 'joint="left_elbow"'
+
+
+@pytest.mark.parametrize(
+    ("actuators", "stiffness", "torque"),
+    [
+        ('<position jointinparent="left_elbow" kp="333" kv="11" forcerange="-77 77"/>', 333, 77),
+        (f'<position {JOINT} kp="333" kv="11" forcerange="-60 140"/>', 333, 60),
+        (f'<motor {JOINT} ctrlrange="-30 90"/>', 120, 30),
+        (f'<general {JOINT} biastype="none" gainprm="77" biasprm="0 -200 -5" ctrlrange="-1 1"/>', 310, 77),
+        (f'<motor {JOINT} ctrlrange="-40 40"/><motor {JOINT} ctrlrange="-40 40"/>', 320, 80),
+        (f'<position {JOINT} kp="300" forcerange="-50 50"/><velocity {JOINT} kv="9"/>', 300, 50),
+    ],
+)
+def test_actuators_are_read_as_mujoco_does(tmp_path: Path, actuators: str, stiffness: float, torque: float) -> None:
+    text = (BUILTIN / "humanoid.xml").read_text()
+    (tmp_path / "model.xml").write_text(text.replace("</mujoco>", f"<actuator>{actuators}</actuator></mujoco>"))
+    (tmp_path / "robot.yaml").write_text(describe(read_model(tmp_path / "model.xml").compile(), "x", "model.xml").text)
+    drive = load_robot_config(tmp_path / "robot.yaml").drive("left_elbow")
+    assert drive is not None
+    assert (drive.stiffness, drive.torque) == (stiffness, torque)
+
+
 def test_fingers_are_told_from_arms(spec: mujoco.MjSpec, adopt: Adopt) -> None:
     for side in SIDES:
         hand = spec.body(f"{side}_hand")
