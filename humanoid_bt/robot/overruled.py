@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import fnmatch
 from collections.abc import Hashable, Iterable, Iterator, Sequence
 
 from humanoid_bt.core.errors import Place, Problem
+from humanoid_bt.core.patterns import matching
 
 
 def overruled(
@@ -20,7 +20,7 @@ def overruled(
     """
     entries: dict[str, Hashable] = {}
     for pattern, entry, place in patterns:
-        given = [entries.setdefault(joint, entry) for joint in fnmatch.filter(joints, pattern)]
+        given = [entries.setdefault(joint, entry) for joint in matching(joints, pattern)]
         if given and entry not in given:
             message = f"{pattern!r} counts for no joint: earlier ones match all that it matches{source}"
             hint = "the first that matches a joint counts: write it further up"

@@ -12,7 +12,7 @@ import numpy as np
 import yaml
 
 from humanoid_bt.core.messages import SIDES, Array, Side
-from humanoid_bt.core.patterns import matching
+from humanoid_bt.core.patterns import matches, matching
 from humanoid_bt.core.texts import listed
 from humanoid_bt.files.formatting import formatted
 from humanoid_bt.robot.config import GaitConfig, RobotConfig
@@ -354,7 +354,7 @@ def _patterns(names: Sequence[str], known: Sequence[str]) -> list[str]:
         pattern = _SIDE.sub("*", name, count=1)
         matched = matching(known, pattern)
         fits = len(matched) > 1 and set(matched) <= set(names)
-        if not any(fnmatch.fnmatchcase(name, one) for one in found):
+        if not any(matches(name, one) for one in found):
             found.append(pattern if fits else name)
     return found
 
