@@ -5,9 +5,13 @@ The types say nothing against a wrong value before it is sent, and sending one c
 
 from __future__ import annotations
 
+import math
 import re
+import sys
 from collections.abc import Mapping, Sequence
 from typing import Any
+
+import numpy as np
 
 from humanoid_bt.core.errors import HumanoidBtError, nearest
 from humanoid_bt.decision.calls import UNKNOWN
@@ -15,7 +19,7 @@ from humanoid_bt.gateway.types import interface
 
 _BITS = re.compile(r"(u?)int(8|16|32|64)")
 _SEQUENCE = re.compile(r"sequence<(?P<of>.+?)(?:, (?P<most>\d+))?>|(?P<item>.+)\[(?P<count>\d+)\]")
-_NUMBERS = {"float", "double"}
+_LARGEST = {"float": 3.402823466e38, "double": sys.float_info.max}  # the first as messages of ROS 2 have it
 
 
 class FieldMistake(HumanoidBtError):  # noqa: N818 (the name says it)
@@ -58,7 +62,7 @@ def type_at(kind: Any, path: str) -> str:
     """Return the type of a field of a type of messages, as ROS 2 writes it.
 
     Raises:
-        FieldMistake: there is none, or it is a message of its own.
+        FieldMistake: there is none, or it is a message of its own, or a list of them.
     """
     of, parts, held = kind, path.split("."), ""
     for index, part in enumerate(parts):
@@ -71,8 +75,10 @@ def type_at(kind: Any, path: str) -> str:
             held = types[part]
         of = interface(held) if _is_message(held) else None
     if of is not None:
-        fields = ", ".join(f"{path}.{name}" for name in of.get_fields_and_field_types())
-        raise FieldMistake(path, f"{path!r} is a message of its own, {held}", f"one of its fields: {fields}")
+        raise FieldMistake(path, f"{path!r} is a message of its own, {held}", f"one of its fields: {_below(path, of)}")
+    if (sequence := _SEQUENCE.fullmatch(held)) and _is_message(item := sequence["of"] or sequence["item"]):
+        fields = _below(f"{path}.0", interface(item))
+        raise FieldMistake(path, f"{path!r} is a list of messages, {held}", f"a field of one of them: {fields}")
     return held
 
 
@@ -88,15 +94,22 @@ def value_of(message: Any, path: str) -> Any:
             value = value[int(part)] if part.isdigit() else getattr(value, part)
         except (AttributeError, IndexError, TypeError):
             raise FieldMistake(path, f"there is nothing at {path!r}", code="unknown-key") from None
-    return _plain(value)
+    return plain(value)
 
 
-def _plain(value: Any) -> Any:
+def plain(value: Any) -> Any:
+    """Return what a field or a parameter of ROS 2 holds as plain data."""
+    if isinstance(value, (np.ndarray, np.generic)):
+        return value.tolist()
     if isinstance(value, (bytes, bytearray)):
         return value[0] if len(value) == 1 else list(value)
     if isinstance(value, (bool, int, float, str)):
         return value
-    return [_plain(part) for part in value]
+    return [plain(part) for part in value]
+
+
+def _below(path: str, kind: Any) -> str:
+    return ", ".join(f"{path}.{name}" for name in kind.get_fields_and_field_types())
 
 
 def _unknown(path: str, name: str, types: Mapping[str, str]) -> FieldMistake:
@@ -116,18 +129,20 @@ def _held(kind: str, value: Any, now: Any, path: str) -> Any:
         if not isinstance(value, Mapping):
             raise _wrong(path, kind, value, "a mapping of its fields")
         return fill(now, value, path)
+    number = isinstance(value, (int, float)) and not isinstance(value, bool)
     if kind == "boolean":
         fits = isinstance(value, bool)
-    elif kind in _NUMBERS:
-        fits = isinstance(value, (int, float)) and not isinstance(value, bool)
+    elif largest := _LARGEST.get(kind):
+        fits = number
+        if number and largest < abs(value) < math.inf:
+            raise _too_large(path, kind, value)
         value = float(value) if fits else value
     elif (bits := _BITS.fullmatch(kind)) or kind in ("octet", "char"):
         signed, width = (not bits[1], int(bits[2])) if bits else (False, 8)
         low, high = (-(1 << width - 1), (1 << width - 1) - 1) if signed else (0, (1 << width) - 1)
-        whole = isinstance(value, (int, float)) and not isinstance(value, bool) and float(value).is_integer()
-        fits = whole and low <= value <= high
-        if whole and not fits:
-            raise FieldMistake(path, f"{path!r} cannot be {int(value)}: it is of type {kind}", code="out-of-range")
+        fits = number and (isinstance(value, int) or value.is_integer())
+        if fits and not low <= value <= high:
+            raise _too_large(path, kind, int(value))
         value = bytes([int(value)]) if fits and kind == "octet" else int(value) if fits else value
     else:  # a text, perhaps not longer than so many characters
         most = re.fullmatch(r"w?string<(\d+)>", kind)
@@ -147,6 +162,10 @@ def _items(kind: str, sequence: re.Match[str], value: Any, path: str) -> list[An
     new = interface(of) if _is_message(of) else None
     parts = [(part, f"{path}.{index}") for index, part in enumerate(value) if part is not UNKNOWN]
     return [_held(of, part, new() if new else None, below) for part, below in parts]
+
+
+def _too_large(path: str, kind: str, value: float) -> FieldMistake:
+    return FieldMistake(path, f"{path!r} cannot be {value}: it is of type {kind}", code="out-of-range")
 
 
 def _wrong(path: str, kind: str, value: Any, hint: str) -> FieldMistake:

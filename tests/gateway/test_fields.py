@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+import json
+import math
+from collections.abc import Sequence
 from typing import Any, ClassVar
 
+import numpy as np
 import pytest
 
 from humanoid_bt.gateway.fields import FieldMistake, fill, type_at, value_of
+from humanoid_bt.gateway.types import interface
 
 
 class Point:
@@ -33,7 +38,8 @@ class Lift(Point):
 
     def __init__(self) -> None:
         self.up, self.floor, self.place, self.note = False, 0, Point(), ""
-        self.words, self.box, self.raw = [], [0.0, 0.0], b"\0"
+        self.words, self.raw = list[str](), b"\0"
+        self.box: Sequence[float] | np.ndarray[Any, Any] = [0.0, 0.0]
 
 
 def test_values_are_written_as_the_fields_hold_them() -> None:
@@ -67,6 +73,9 @@ def test_values_are_written_as_the_fields_hold_them() -> None:
         ({"words": ["a", "b", "c"]}, "words", "'words' cannot have 3 values", ""),
         ({"words": ["longer"]}, "words.0", "'words.0' cannot be text 'longer': it is of type string<4>", ""),
         ({"note": 3}, "note", "'note' cannot be a number: it is of type string", ""),
+        ({"floor": 10**400}, "floor", "'floor' cannot be 10000", ""),
+        ({"place": {"x": -(10**400)}}, "place.x", "'place.x' cannot be -10000", ""),
+        ({"place": {"y": 1e39}}, "place.y", "'place.y' cannot be 1e+39: it is of type float", ""),
         ({"raw": 300}, "raw", "'raw' cannot be 300: it is of type octet", ""),
     ],
 )
@@ -76,6 +85,19 @@ def test_what_a_field_does_not_hold_is_refused(values: dict[str, Any], path: str
     assert told.value.path == path
     assert message in told.value.message
     assert hint in told.value.hint
+
+
+def test_infinity_and_nan_are_numbers() -> None:
+    point = fill(Point(), {"x": math.inf, "y": -math.inf})
+    assert (point.x, point.y) == (math.inf, -math.inf)
+    assert math.isnan(fill(Point(), {"y": math.nan}).y)
+
+
+@pytest.mark.parametrize("kind", [np.uint8, np.int64, np.float32, np.float64])
+def test_arrays_are_read_as_plain_data(kind: type[np.generic]) -> None:
+    lift = Lift()
+    lift.box = np.array([1, 2], dtype=kind)
+    assert json.dumps([value_of(lift, "box"), value_of(lift, "box.1")]) in ("[[1, 2], 2]", "[[1.0, 2.0], 2.0]")
 
 
 def test_what_is_not_known_yet_is_left_out_and_its_field_must_be_there() -> None:
@@ -96,3 +118,10 @@ def test_types_are_found_by_paths() -> None:
             type_at(Lift, path)
     with pytest.raises(FieldMistake, match=r"there is nothing at 'box\.7'"):
         value_of(Lift(), "box.7")
+
+
+@pytest.mark.ros
+def test_fields_of_real_messages() -> None:
+    assert value_of(interface("unique_identifier_msgs/UUID")(), "uuid") == [0] * 16
+    with pytest.raises(FieldMistake, match=r"list of messages, .*points\.0\.x, points\.0\.y"):
+        type_at(interface("geometry_msgs/Polygon"), "points")
