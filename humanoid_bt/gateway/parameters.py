@@ -10,9 +10,11 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from humanoid_bt.core.clock import DECISION_PERIOD
+from humanoid_bt.gateway.fields import plain
 from humanoid_bt.gateway.node import Ears
 from humanoid_bt.gateway.types import interface
 from humanoid_bt.link.ring import RingReader
+from humanoid_bt.link.segment import LinkError
 
 PREFIX = "tree."
 """What the names of the tree's parameters have before them: the node has some of its own."""
@@ -118,9 +120,12 @@ class TreeParameters:
         if time.monotonic() < self._silent_until:
             return "the tree's process does not answer"
         self._number += 1
-        number, plain = self._number, value if isinstance(value, (bool, int, float, str)) else list(value)
-        wanted = {"number": number, "name": name, "value": plain, "source": SOURCE, "at": time.monotonic()}
-        self._ask(json.dumps(wanted).encode())
+        number = self._number
+        wanted = {"number": number, "name": name, "value": plain(value), "source": SOURCE, "at": time.monotonic()}
+        try:
+            self._ask(json.dumps(wanted).encode())
+        except LinkError as error:
+            return f"the value is too long: {error}"
         with self._answered:
             if not self._answered.wait_for(lambda: number in self._answers, _PATIENCE):
                 self._silent_until = time.monotonic() + _SILENCE
@@ -129,7 +134,12 @@ class TreeParameters:
 
 
 def _as_parameter(value: Any) -> Any:
-    """Return a value as a parameter of ROS 2 can have it: a list of unlike things as text."""
-    if isinstance(value, list) and (not value or len({type(part) for part in value}) > 1):
-        return json.dumps(value)
-    return json.dumps(value) if isinstance(value, dict) else value
+    """Return a value as a parameter of ROS 2 can have it: what there is no type for as JSON."""
+    parts = value if isinstance(value, list) else [value]
+    kinds = {type(part) for part in parts}
+    held = len(kinds) == 1 and (kinds <= {bool, float, str} or (kinds == {int} and all(map(_fits, parts))))
+    return value if held else json.dumps(value)
+
+
+def _fits(number: int) -> bool:
+    return -(1 << 63) <= number < 1 << 63

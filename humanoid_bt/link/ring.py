@@ -77,7 +77,7 @@ class RingWriter:
         """
         length = payload.nbytes if isinstance(payload, memoryview) else len(payload)
         if length > self.slot_size:
-            raise LinkError(f"{length} bytes do not fit into a slot of {self.slot_size} bytes of {self._segment.path}")
+            raise LinkError(f"{length} bytes do not fit into a slot of {self.slot_size} bytes")
         words = self._words
         sequence = self.sequence + 1
         start = _FIRST_SLOT + sequence % self._slots * self._stride

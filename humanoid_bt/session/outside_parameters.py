@@ -8,6 +8,7 @@ from typing import Any
 
 from humanoid_bt.core.errors import UserError
 from humanoid_bt.core.plain import plain
+from humanoid_bt.core.texts import shortened
 from humanoid_bt.session.debugger import Debugger
 from humanoid_bt.session.engine import Engine
 from humanoid_bt.session.setting import checked, uses_of
@@ -17,6 +18,8 @@ from humanoid_bt.tree.tree import Tree
 
 PATIENCE = 0.5
 """How long somebody who sets a parameter waits for the answer [s]."""
+
+_LONGEST = 300  # characters of why one is not set, each up to 12 bytes: a message that is too long would not arrive
 
 
 class OutsideParameters:
@@ -59,7 +62,7 @@ class OutsideParameters:
         except UserError as error:
             why = "; ".join(f"{one.message} ({one.hint})" if one.hint else one.message for one in error.problems)
         now = self._engine.clock.now()
-        self._engine.announce("setting", {"time": now, "number": wanted["number"], "why": why})
+        self._engine.announce("setting", {"time": now, "number": wanted["number"], "why": shortened(why, _LONGEST)})
 
 
 class Described:

@@ -18,7 +18,13 @@ format: 1
 parameters:
   patience: {default: 60 s, doc: How long it is patient.}
   level: 2
-root: {sequence: [{condition: level > 1}, {timeout: {duration: $patience, wait_until: state.time > 1000 s}}]}
+  places: [[1 m, 0 m], [2 m, 0 m]]
+  many: {type: integer, default: 99999999999999999999}
+root:
+  sequence:
+    - condition: level > 1 and many > 1
+    - for_each: {item: [x, y], items: $places, log: "{x} {y}"}
+    - timeout: {duration: $patience, wait_until: state.time > 1000 s}
 """
 
 
@@ -77,6 +83,9 @@ def test_parameters_are_shown_and_set_while_the_tree_runs(live: Callable[..., Li
     assert "must be known before the run" in remote.set("tree.level", 3)
     assert remote.set("tree.patience", -1.0)
     assert "'duration' must be" in remote.set("tree.patience", "soon")
+    assert "'duration' must be" in remote.set("tree.patience", "🤖" * 300)
+    assert remote.set("tree.patience", "y" * 5000).startswith("patience is not set: the value is too long: ")
+    assert "'duration' must be" in remote.set("tree.patience", [b"\1"])
     assert remote.get(*names) == [60.0, 2]
     assert remote.set("tree.patience", 50) == ""
     until("it is told", lambda: "set patience = 50 s by ROS 2" in run.output)
@@ -93,4 +102,5 @@ def test_parameters_that_are_only_shown_are_not_set(live: Callable[..., Live], p
     remote = Remote(peer)
     until("they are shown", lambda: remote.shows("tree.patience", 60.0))
     assert remote.set("tree.patience", 1.0) == "patience is not set: the gateway's file says 'parameters: read'"
-    assert remote.get("tree.patience") == [60.0]
+    shown = remote.get("tree.patience", "tree.places", "tree.many")
+    assert shown == [60.0, '[["1 m", "0 m"], ["2 m", "0 m"]]', "99999999999999999999"]

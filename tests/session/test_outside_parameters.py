@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import time
 from collections import deque
 from collections.abc import Mapping, Sequence
@@ -117,3 +118,13 @@ def test_what_cannot_be_is_refused_with_the_reason_and_what_comes_late_is_left(
     assert "must be a number" in no_number
     assert "must be known before the run" in fixed
     assert len(counter.shown) == 1
+
+
+def test_the_reason_has_room_whatever_was_asked(counter: Counter, session: hbt.Session) -> None:
+    with session:
+        session.step()
+        counter.ask("patience", "🤖" * 1000)
+        session.step()
+    ((_, why),) = counter.answers
+    assert "'duration' must be" in why
+    assert len(json.dumps(why)) < 4000
