@@ -14,11 +14,10 @@ from humanoid_bt.gateway.node import Ears
 from humanoid_bt.gateway.percepts import Malformed, value_at
 from humanoid_bt.gateway.snapshot import Snapshot
 from humanoid_bt.gateway.types import interface
+from humanoid_bt.link.ring import RingWriter
 
 _FEEDBACK_PERIOD = 0.2  # s
-
-Order = Callable[[bytes], object]
-"""Writes to decision: {"order": "start", "goal": ..., "parameters": {...}}, or "cancel"."""
+_NO_GOAL = bytes(16).hex()  # as long as the identity of one
 
 
 class ActionServer:
@@ -27,21 +26,21 @@ class ActionServer:
     Args:
         ears: where it listens.
         config: of the action.
-        order: tells decision what to do.
+        orders: where it writes to decision, as JSON: {"order": "start", "goal": ..., "parameters": {...}}, or "cancel".
         news: is told of goals that are refused.
     """
 
-    def __init__(self, ears: Ears, config: TreeAction, order: Order, news: News) -> None:
+    def __init__(self, ears: Ears, config: TreeAction, orders: RingWriter, news: News) -> None:
         from rclpy import action  # noqa: PLC0415 (part of the extra)
 
-        self._ears, self._config, self._order, self._news = ears, config, order, news
+        self._ears, self._config, self._orders, self._news = ears, config, orders, news
         self._replies = action
         self._type = interface(config.type, "action")
         self._goal = ""  # the identity of the one that is at work
         self._handle: Any = None
         self._done: Any = None
         self._next = 0.0
-        self._give(order="cancel", goal="")  # what a gateway that died has left behind
+        self._orders.write(_cancels(""))  # what a gateway that died has left behind
         self._server = action.ActionServer(
             ears.node,
             self._type,
@@ -65,7 +64,9 @@ class ActionServer:
 
     def _accept(self, goal: Any) -> Any:
         try:
-            self._parameters(goal)
+            length, room = len(self._starts(_NO_GOAL, goal)), self._orders.slot_size
+            if length > room:
+                raise Malformed(f"its parameters are too long: {length} bytes, and {room} have room")
         except Malformed as error:
             self._news("error", f"a goal of {self._config.name} is refused: {error}")
             return self._replies.GoalResponse.REJECT
@@ -76,16 +77,18 @@ class ActionServer:
         return self._replies.GoalResponse.ACCEPT
 
     def _cancel(self, handle: Any) -> Any:
-        self._give(order="cancel", goal=_identity(handle))
+        self._orders.write(_cancels(_identity(handle)))
         return self._replies.CancelResponse.ACCEPT
 
     async def _execute(self, handle: Any) -> Any:
         self._goal = _identity(handle)
         self._done, self._handle = self._ears.future(), handle
-        self._give(order="start", goal=self._goal, parameters=self._parameters(handle.request))
-        end: Mapping[str, Any] = await self._done
-        self._handle = self._done = None
-        self._goal = ""
+        try:
+            self._orders.write(self._starts(self._goal, handle.request))
+            end: Mapping[str, Any] = await self._done
+        finally:
+            self._handle = self._done = None
+            self._goal = ""
         if end["outcome"] == "success":
             handle.succeed()
         elif handle.is_cancel_requested:
@@ -94,11 +97,13 @@ class ActionServer:
             handle.abort()
         return _filled(self._type.Result(), self._config.result, {**end, "success": end["outcome"] == "success"})
 
-    def _parameters(self, goal: Any) -> dict[str, Any]:
-        return {name: value_at(goal, path) for name, path in self._config.parameters.items()}
+    def _starts(self, identity: str, goal: Any) -> bytes:
+        parameters = {name: value_at(goal, path) for name, path in self._config.parameters.items()}
+        return json.dumps({"order": "start", "goal": identity, "parameters": parameters}).encode()
 
-    def _give(self, **values: Any) -> None:
-        self._order(json.dumps(values).encode())
+
+def _cancels(identity: str) -> bytes:
+    return json.dumps({"order": "cancel", "goal": identity}).encode()
 
 
 def _identity(handle: Any) -> str:

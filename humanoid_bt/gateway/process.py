@@ -71,7 +71,7 @@ class Gateway:
         self._action: ActionServer | None = None
         if config.action is not None:
             orders = channels.writer(folder, "gateway_order")
-            self._action = ActionServer(ears, config.action, orders.write, self._note)
+            self._action = ActionServer(ears, config.action, orders, self._note)
         calls, answers = channels.reader(folder, "gateway_call"), channels.writer(folder, "gateway_answer")
         self._caller = Caller(ears, calls, answers, str(folder.path("spec.json")), self._note)
         self._parameters: TreeParameters | None = None
