@@ -67,7 +67,7 @@ def ran(project: Path, asks: Callable[[str], str], tmp_path: Path) -> Callable[.
 
 def test_services_are_called_and_what_went_wrong_is_told(peer: Peer, ran: Callable[..., dict[str, Any]]) -> None:
     from std_srvs.srv import SetBool, Trigger
-    from test_msgs.srv import BasicTypes
+    from test_msgs.srv import Arrays, BasicTypes
 
     asked: list[Any] = []
 
@@ -81,6 +81,7 @@ def test_services_are_called_and_what_went_wrong_is_told(peer: Peer, ran: Callab
         return response
 
     peer.node.create_service(BasicTypes, "/count", answer)
+    peer.node.create_service(Arrays, "/list", lambda _request, response: response)
     peer.node.create_service(Trigger, "/open", refuse)
     peer.node.create_service(SetBool, "/other", refuse)
     fields = '{int32_value: $order, float64_value: "{order / 2}", string_value: "of {order}", bool_value: true}'
@@ -90,6 +91,7 @@ def test_services_are_called_and_what_went_wrong_is_told(peer: Peer, ran: Callab
         count=count % (fields, "{int32_value: n}"),
         read="condition: {expression: n == 7}",
         large=count % ('{int8_value: "{n * 100}"}', "{}"),
+        list="ros_service: {service: /list, type: test_msgs/Arrays, timeout: 20 s, response: {uint8_values: bytes}}",
         open=trigger % ("/open", "20 s"),
         nowhere=trigger % ("/nowhere", "500 ms"),
         other=trigger % ("/other", "500 ms"),
@@ -98,6 +100,7 @@ def test_services_are_called_and_what_went_wrong_is_told(peer: Peer, ran: Callab
         "count": ("SUCCESS", "/count answered: int32_value 7"),
         "read": ("SUCCESS", "n 7 == 7"),
         "large": ("FAILURE", "/count cannot be asked: 'int8_value' cannot be 700: it is of type int8"),
+        "list": ("SUCCESS", "/list answered: uint8_values [0, 0, 0]"),
         "open": ("FAILURE", "/open answered that success is false: it is jammed"),
         "nowhere": ("FAILURE", "not answered within 0.5 s: nobody offers the service /nowhere"),
         "other": (
