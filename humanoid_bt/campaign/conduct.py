@@ -15,7 +15,7 @@ from humanoid_bt.campaign.summary import Summary
 from humanoid_bt.campaign.table import Row, Table
 from humanoid_bt.campaign.trial import Task
 from humanoid_bt.campaign.workers import Done
-from humanoid_bt.core.errors import UserError, relative
+from humanoid_bt.core.errors import UserError
 
 
 class Runners(Protocol):
@@ -106,14 +106,5 @@ def _chosen(cause: Cause, recordings: int) -> tuple[Row, ...]:
 
 
 def recording_of(folder: Path, row: Row) -> str:
-    """Return where a trial of the campaign in a folder is recorded; nothing is there yet.
-
-    Raises:
-        UserError: what is there cannot be removed.
-    """
-    file = folder / RECORDINGS / recorded_as(row.trial)
-    try:
-        file.unlink(missing_ok=True)
-    except OSError as error:
-        raise UserError(f"{relative(file)!r} cannot be recorded anew: {error.strerror}") from error
-    return str(file.absolute())
+    """Return where a trial of the campaign in a folder is recorded; its run overwrites what is there."""
+    return str((folder / RECORDINGS / recorded_as(row.trial)).absolute())
