@@ -88,7 +88,7 @@ class Journal:
             for line in content[:whole].splitlines():
                 entry = json.loads(line)
                 found.setdefault(entry.pop("trial"), entry)
-        except (ValueError, LookupError, AttributeError) as error:
+        except (ValueError, LookupError, TypeError, AttributeError) as error:
             raise UserError(f"{relative(self._path)!r} is no journal of a campaign, or is damaged") from error
         os.ftruncate(self._file, whole)
         return found
@@ -104,7 +104,7 @@ def read_journal(path: Path) -> dict[int, Entry]:
         lines = path.read_bytes().splitlines(keepends=True)
         entries = [json.loads(line) for line in lines if line.endswith(b"\n")]
         return {entry.pop("trial"): entry for entry in reversed(entries)}
-    except (OSError, ValueError, LookupError, AttributeError) as error:
+    except (OSError, ValueError, LookupError, TypeError, AttributeError) as error:
         raise UserError(f"{relative(path)!r} is no journal of a campaign, or is damaged") from error
 
 

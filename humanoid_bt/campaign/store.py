@@ -37,9 +37,11 @@ class Store:
     Attributes:
         folder: it.
         plan: the same as given.
+        results: what came of trials, by number.
+        explained: what recordings of trials show, by number.
 
     Raises:
-        UserError: there is a campaign or something else already, or with ``resume`` another one.
+        UserError: there is a campaign or something else already, or with ``resume`` another one, or a damaged one.
         Unwritable: it cannot be made.
     """
 
@@ -52,7 +54,12 @@ class Store:
         self._stack = contextlib.ExitStack()
         with self._stack as stack:
             self._journal = stack.enter_context(Journal(folder / _JOURNAL))
-            self._explained = stack.enter_context(Journal(folder / _EXPLAINED))
+            self._explanations = stack.enter_context(Journal(folder / _EXPLAINED))
+            self.results = _results(folder, self._journal.entries)
+            with _undamaged(folder / _JOURNAL):
+                self._costs = {number: Cost(**entry["cost"]) for number, entry in self._journal.entries.items()}
+            with _undamaged(folder / _EXPLAINED):
+                self.explained = {number: Explained(**entry) for number, entry in self._explanations.entries.items()}
             if not self._journal.entries:
                 self.write(_ABOUT, f"{json.dumps(plan.to_dict(), indent=1)}\n".encode())
             self._stack = stack.pop_all()
@@ -67,19 +74,9 @@ class Store:
         """Where recordings of failures are."""
         return self.folder / RECORDINGS
 
-    @property
-    def results(self) -> Mapping[int, Result]:
-        """What came of trials, by number."""
-        return {number: _result(entry) for number, entry in self._journal.entries.items()}
-
-    @property
-    def explained(self) -> Mapping[int, Explained]:
-        """What recordings of trials show, by number."""
-        return {number: Explained(**entry) for number, entry in self._explained.entries.items()}
-
     def has(self, number: int) -> bool:
         """Return whether a trial is done."""
-        return number in self._journal.entries
+        return number in self.results
 
     def add(self, done: Done) -> None:
         """Keep what came of a trial.
@@ -87,11 +84,14 @@ class Store:
         Raises:
             Unwritable: it cannot be written.
         """
-        self._journal.add(done.task.trial.number, {"result": done.result.to_dict(), "cost": asdict(done.cost)})
+        number = done.task.trial.number
+        self._journal.add(number, {"result": done.result.to_dict(), "cost": asdict(done.cost)})
+        self.results[number], self._costs[number] = done.result, done.cost
 
     def explain(self, number: int, explained: Explained) -> None:
         """Keep what the recording of a trial shows; raises as :meth:`add`."""
-        self._explained.add(number, asdict(explained))
+        self._explanations.add(number, asdict(explained))
+        self.explained[number] = explained
 
     def write(self, name: str, content: bytes) -> None:
         """Write a file of the folder, whole or not at all.
@@ -105,18 +105,16 @@ class Store:
     def write_tables(self) -> Table:
         """Write and return the table of all results so far, and what they took on the wall clock; raises as write."""
         table = Table.of(self.plan, self.results)
-        costs = {number: Cost(**entry["cost"]) for number, entry in self._journal.entries.items()}
         self.write(RESULTS, table.csv())
         self.write("results.parquet", table.parquet())
-        self.write(COSTS, costs_csv(self.plan, costs))
+        self.write(COSTS, costs_csv(self.plan, self._costs))
         return table
 
     @property
     def share_simulating(self) -> float:
         """Share of the time of all trials in which a robot was simulated, from 0 to 1."""
-        costs = [entry["cost"] for entry in self._journal.entries.values()]
-        wall = sum(cost["wall"] for cost in costs)
-        return sum(cost["simulating"] for cost in costs) / wall if wall else 0.0
+        wall = sum(cost.wall for cost in self._costs.values())
+        return sum(cost.simulating for cost in self._costs.values()) / wall if wall else 0.0
 
     def __enter__(self) -> Self:
         return self
@@ -144,13 +142,13 @@ def read_results(folder: Path) -> Table:
     """Return what came of a campaign so far.
 
     Raises:
-        UserError: there is none in the folder.
+        UserError: there is none in the folder, or it is damaged.
     """
     plan = _plan(folder)
     if plan is None:
         hint = "valid: the folder of a campaign, which has campaign.json"
         raise UserError(f"there is no campaign in {relative(folder)!r}", hint=hint)
-    return Table.of(plan, {number: _result(entry) for number, entry in read_journal(folder / _JOURNAL).items()})
+    return Table.of(plan, _results(folder, read_journal(folder / _JOURNAL)))
 
 
 def _refuse(folder: Path, plan: Plan, resume: bool) -> None:
@@ -185,14 +183,24 @@ def _plan(folder: Path) -> Plan | None:
     """Return what the campaign of a folder runs, None if there is none."""
     path = folder / _ABOUT
     try:
-        return Plan.from_dict(json.loads(path.read_bytes()))
+        with _undamaged(path):
+            return Plan.from_dict(json.loads(path.read_bytes()))
     except (FileNotFoundError, NotADirectoryError):
         return None
     except OSError as error:
         raise UserError(f"{relative(path)!r} cannot be read: {error.strerror}") from error
+
+
+def _results(folder: Path, entries: Mapping[int, Entry]) -> dict[int, Result]:
+    """Return what the journal of a folder says came of trials, by number."""
+    with _undamaged(folder / _JOURNAL):
+        return {number: Result(**entry["result"]) for number, entry in entries.items()}
+
+
+@contextlib.contextmanager
+def _undamaged(path: Path) -> Iterator[None]:
+    """Tell a file by name from which nothing can be made."""
+    try:
+        yield
     except (ValueError, LookupError, TypeError) as error:
         raise UserError(f"{relative(path)!r} is damaged, or of another version") from error
-
-
-def _result(entry: Entry) -> Result:
-    return Result(**entry["result"])

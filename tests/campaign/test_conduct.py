@@ -171,6 +171,31 @@ def test_another_campaign_does_not_go_on_in_its_folder(campaign: Conduct, tmp_pa
         assert len(store.results) == 4
 
 
+@pytest.mark.parametrize(
+    ("file", "written", "other"),
+    [
+        ("campaign.json", '"seeds"', '"seed"'),
+        ("journal.jsonl", '"outcome"', '"later":1,"outcome"'),
+        ("journal.jsonl", '"result"', '"results"'),
+        ("journal.jsonl", '"wall"', '"later"'),
+        ("journal.jsonl", '"cost":{', '"cost":1,"costs":{'),
+        ("explained.jsonl", '"kind"', '"later"'),
+    ],
+)
+def test_a_damaged_campaign_does_not_go_on(
+    campaign: Conduct, tmp_path: Path, file: str, written: str, other: str
+) -> None:
+    campaign(plan_of("3"))
+    path = tmp_path / "out" / file
+    path.write_text(path.read_text().replace(written, other))
+    told = rf"{file}' is damaged, or of another version"
+    with pytest.raises(UserError, match=told):
+        Store(tmp_path / "out", plan_of("3"), resume=True)
+    if other not in ('"later"', '"cost":1,"costs":{'):  # what the results are not made of
+        with pytest.raises(UserError, match=told):
+            read_results(tmp_path / "out")
+
+
 def test_a_campaign_that_never_came_to_a_trial_is_begun_anew(campaign: Conduct, tmp_path: Path) -> None:
     with Store(tmp_path / "out", plan_of("0-3"), resume=False):
         pass

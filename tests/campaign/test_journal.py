@@ -49,11 +49,13 @@ def test_two_do_not_write_at_once(tmp_path: Path) -> None:
     Journal(tmp_path / "j").close()
 
 
-def test_another_file_is_no_journal(tmp_path: Path) -> None:
-    (tmp_path / "j").write_text("what\nelse\n")
-    with pytest.raises(UserError, match="no journal"):
-        Journal(tmp_path / "j")
-    assert (tmp_path / "j").read_text() == "what\nelse\n"
+@pytest.mark.parametrize("text", ["what\nelse\n", "[]\n", "1\n", '{"trial":[]}\n', '{"number":1}\n'])
+def test_another_file_is_no_journal(tmp_path: Path, text: str) -> None:
+    (tmp_path / "j").write_text(text)
+    for read in (Journal, read_journal):
+        with pytest.raises(UserError, match="no journal"):
+            read(tmp_path / "j")
+    assert (tmp_path / "j").read_text() == text
 
 
 def test_what_is_no_json_is_not_written(tmp_path: Path) -> None:
