@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import hashlib
 import itertools
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from functools import cached_property
-from pathlib import Path
 from typing import Any, NamedTuple
 
 from humanoid_bt.campaign.trial import Trial
@@ -131,11 +129,3 @@ class Plan:
             "fail_on": tuple(data.get("fail_on", ())),
         }
         return cls(**{**data, **made})
-
-
-def digest(path: Path) -> str:
-    """Return a digest of what a file holds, "" if it cannot be read."""
-    try:
-        return hashlib.sha256(path.read_bytes()).hexdigest()[:16]
-    except OSError:
-        return ""

@@ -8,13 +8,14 @@ from functools import partial
 from pathlib import Path
 from typing import Any, NoReturn, TypeVar
 
+from humanoid_bt.campaign.digests import called, digests
 from humanoid_bt.campaign.file import CampaignFile, PushVariation, load_campaign
-from humanoid_bt.campaign.plan import Plan, Setting, digest
+from humanoid_bt.campaign.plan import Plan, Setting
 from humanoid_bt.campaign.requirement import Requirement
 from humanoid_bt.campaign.trial import CONDITION, PUSH, SET
 from humanoid_bt.campaign.variation import Factor, Variation
 from humanoid_bt.checking.check import load_checked
-from humanoid_bt.core.errors import Place, Problem, UserError, nearest, relative, resolved
+from humanoid_bt.core.errors import Place, Problem, UserError, nearest, relative
 from humanoid_bt.core.items import Item
 from humanoid_bt.core.params import Param, params_of
 from humanoid_bt.core.plain import plain
@@ -24,7 +25,6 @@ from humanoid_bt.perception.source_files import files_of
 from humanoid_bt.plant.scene_config import load_scene
 from humanoid_bt.robot.config import load_robot_config
 from humanoid_bt.session.loader import DEFAULT_ROBOT, DEFAULT_SCENE, used_files
-from humanoid_bt.session.report import versions
 from humanoid_bt.testing.conditions import NOISE, Conditions, unsimulated
 from humanoid_bt.tree.source.file import read_file
 from humanoid_bt.tree.source.parameters import NodeItem
@@ -43,10 +43,12 @@ class Planned:
     Attributes:
         plan: it.
         requirements: what has to come of it.
+        files: every file that what is run depends on, by what it is called.
     """
 
     plan: Plan
     requirements: tuple[Requirement, ...]
+    files: Mapping[str, Path]
 
 
 def planned(campaign: CampaignFile, workspace: Workspace, script: Sequence[Any] = ()) -> Planned:
@@ -61,8 +63,7 @@ def planned(campaign: CampaignFile, workspace: Workspace, script: Sequence[Any] 
         UserError: with every mistake that can be found without running a trial.
     """
     names = _all(_names(campaign, workspace))
-    files = [file for kind, _, file in names if kind == "tree"]
-    factors = _all(_factors(campaign, files))
+    factors = _all(_factors(campaign, [file for kind, _, file in names if kind == "tree"]))
     first = {
         factor.name.removeprefix(f"{SET}."): _example(factor) for factor in factors if factor.name.startswith(f"{SET}.")
     }
@@ -81,6 +82,7 @@ def planned(campaign: CampaignFile, workspace: Workspace, script: Sequence[Any] 
                 used |= {*used_files(tree), workspace.find_scene(scene), *_of_robot(workspace.find_robot(robot))}
                 used |= _seeing(campaign, workspace, tree, scene, noise)
     reported = {name: spec.unit for tree in trees for node in tree.nodes for name, spec in node.type.results.items()}
+    files = {called(file, workspace): file for file in sorted(used)}
     plan = Plan(
         campaign.name,
         tuple(settings),
@@ -92,10 +94,10 @@ def planned(campaign: CampaignFile, workspace: Workspace, script: Sequence[Any] 
         tuple(script),
         tuple(campaign.fail_on),
         campaign.description,
-        {**{_called(file, workspace): digest(file) for file in sorted(used)}, "humanoid-bt": versions()["humanoid-bt"]},
+        digests(files),
         "" if (root := relative(workspace.root)) == "." else root,
     )
-    return Planned(plan, tuple(_all(partial(Requirement, one, reported) for one in campaign.require)))
+    return Planned(plan, tuple(_all(partial(Requirement, one, reported) for one in campaign.require)), files)
 
 
 def checked_campaign(path: Path, workspace: Workspace) -> Planned:
@@ -125,12 +127,6 @@ def _found(find: Callable[[str], Path], item: Item) -> Path:
 def _of_robot(path: Path) -> tuple[Path, Path]:
     """Return the files of a robot, but for what its model includes."""
     return path, load_robot_config(path).model_file
-
-
-def _called(file: Path, workspace: Workspace) -> str:
-    """Return what a file is called, seen from the workspace that it is in."""
-    roots = (resolved(root) for root in workspace.layers)
-    return next((str(file.relative_to(root)) for root in roots if file.is_relative_to(root)), relative(file))
 
 
 def _chosen(names: Sequence[Named], kind: str) -> list[str]:

@@ -10,6 +10,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
 
+from humanoid_bt.campaign.digests import changes
 from humanoid_bt.campaign.journal import Entry, Journal, Unwritable, read_journal
 from humanoid_bt.campaign.plan import Plan
 from humanoid_bt.campaign.result import Cost, Explained, Result
@@ -173,8 +174,7 @@ def _changes(before: dict[str, Any], after: dict[str, Any]) -> Iterator[str]:
     """Yield in which respects two plans differ, but for what is only said."""
     for name, value in before.items():
         if name == "files":
-            changed = {path for path in (*value, *after[name]) if value.get(path) != after[name].get(path)}
-            yield from (f"{path} has changed" for path in sorted(changed))
+            yield from (f"{path} has changed" for path in changes(value, after[name]))
         elif name not in ("name", "description", "workspace") and value != after[name]:
             yield f"its {name} are others" if name.endswith("s") else f"its {name} is another"
 

@@ -23,6 +23,7 @@ from humanoid_bt.campaign.stage_trials import Setup, make
 from humanoid_bt.campaign.statistics import Rate
 from humanoid_bt.campaign.store import Store
 from humanoid_bt.campaign.summary import Summary
+from humanoid_bt.campaign.unchanged import Unchanged
 from humanoid_bt.campaign.words import counts, figures, headline, told
 from humanoid_bt.campaign.workers import Workers
 from humanoid_bt.cli.campaign_given import campaign_given, is_named, workspace_given
@@ -71,7 +72,7 @@ def _run(arguments: argparse.Namespace) -> int:
         try:
             try:
                 with (
-                    closing(_runners(arguments, given.time_limit, store, workspace)) as runners,
+                    closing(_runners(arguments, given.time_limit, found, store, workspace)) as runners,
                     _interruptions(),
                     _progress(console, arguments, store) as progress,
                 ):
@@ -87,16 +88,19 @@ def _run(arguments: argparse.Namespace) -> int:
     return ExitCode.INTERRUPTED if interrupted else code
 
 
-def _runners(arguments: argparse.Namespace, time_limit: float, store: Store, workspace: Workspace) -> Runners:
+def _runners(
+    arguments: argparse.Namespace, time_limit: float, found: Planned, store: Store, workspace: Workspace
+) -> Runners:
     """Return who runs the trials: processes of this machine, or those of a cluster."""
-    plan, memory = store.plan, arguments.memory
+    plan, memory = found.plan, arguments.memory
     if arguments.cluster is not None:
         from humanoid_bt.campaign.ray_cluster import RayCluster, Ways, see_that_it_is_shipped
 
         see_that_it_is_shipped(plan, workspace)
         return RayCluster(arguments.cluster, workspace.root, Ways(make, (Setup.of(plan, "."),), time_limit, memory))
     setup = (Setup.of(plan, str(workspace.root)),)
-    return Workers(make, setup, count=arguments.workers, time_limit=time_limit, memory=memory, logs=store.logs)
+    workers = Workers(make, setup, count=arguments.workers, time_limit=time_limit, memory=memory, logs=store.logs)
+    return Unchanged(workers, found.files, plan.files)  # a cluster has been shipped all of them
 
 
 def _progress(console: SafeConsole, arguments: argparse.Namespace, store: Store) -> CampaignProgress:

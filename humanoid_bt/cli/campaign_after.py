@@ -10,7 +10,10 @@ from pathlib import Path
 from humanoid_bt.campaign.compare import Comparison, Pair
 from humanoid_bt.campaign.compare import compare as compared
 from humanoid_bt.campaign.conduct import recording_of, trial_of
+from humanoid_bt.campaign.digests import changes, digests, find
+from humanoid_bt.campaign.plan import Plan
 from humanoid_bt.campaign.report_markdown import comparison_markdown
+from humanoid_bt.campaign.result import Result
 from humanoid_bt.campaign.stage_trials import Setup, make
 from humanoid_bt.campaign.store import read_results
 from humanoid_bt.campaign.summary import between, percent
@@ -18,6 +21,7 @@ from humanoid_bt.campaign.trial import Task
 from humanoid_bt.campaign.words import chance, changed, verdict
 from humanoid_bt.cli.output import columns, print_lines
 from humanoid_bt.core.errors import UserError, relative
+from humanoid_bt.files.workspace import Workspace
 from humanoid_bt.session.report import OUTCOMES, ExitCode, aligned
 
 _MOST = 12  # seeds that are listed
@@ -45,7 +49,8 @@ def rerun(arguments: argparse.Namespace) -> int:
     row = trial_of(table, name)
     file = recording_of(folder, row)
     plan = table.plan
-    run = make(Setup.of(plan, str(arguments.workspace or plan.workspace or ".")))
+    workspace = Workspace(arguments.workspace or plan.workspace or None)
+    run = make(Setup.of(plan, str(workspace.root)))
     result, explained, _ = run(Task(row.trial, file))
     given = ", ".join(f"{name} {value}" for name, value in row.trial.given.items())
     print(
@@ -53,12 +58,27 @@ def rerun(arguments: argparse.Namespace) -> int:
         + f", {given}" * bool(given)
     )
     print(f"{result.outcome}: {result.reason}")
-    same = "as it was, bit for bit" if result == row.result else f"it was another way before: {row.result.outcome}"
-    rows = [("again", same), ("recording", relative(Path(file)))]
+    rows = [("again", _again(row.result, result)), ("recording", relative(Path(file)))]
+    if result != row.result and (names := _changed(plan, workspace)):
+        rows.insert(1, ("changed", ", ".join(names)))
     if explained is not None and not result.succeeded:
         rows.insert(0, ("cause", explained.headline))
     print_lines(aligned(rows))
     return OUTCOMES.get(result.outcome, ExitCode.FAILURE)
+
+
+def _again(before: Result, after: Result) -> str:
+    """Return how a trial went when it was run again."""
+    if after == before:
+        return "as it was, bit for bit"
+    if after.outcome == before.outcome:
+        return "not bit for bit as it was"
+    return f"it was another way before: {before.outcome}"
+
+
+def _changed(plan: Plan, workspace: Workspace) -> list[str]:
+    """Return which files hold something else than when a campaign began."""
+    return changes(plan.files, digests(find(plan.files, workspace)))
 
 
 def _print(found: Comparison, folders: Sequence[str]) -> None:
