@@ -220,5 +220,6 @@ def _how(code: int, log: Path, lingers: bool) -> str:
         return f"its process answered no more and did not end each time{last}"
     if code == -signal.SIGKILL:
         return f"its process was killed from outside each time: most likely it was out of memory{last}"
-    how = f"signal {signal.Signals(-code).name}" if code < 0 else f"exit code {code}"
+    named = {number.value: number.name for number in signal.Signals}  # real-time signals have no names but two
+    how = f"signal {named.get(-code, -code)}" if code < 0 else f"exit code {code}"
     return f"its process ended with {how} each time{last}"

@@ -60,13 +60,13 @@ def test_an_exception_of_ours_is_told_with_its_last_words(begun: Path) -> None:
 class Process:
     """One that ends so long after it said its last."""
 
-    def __init__(self, after: float) -> None:
-        self.after, self.code = after, None if after else 1
+    def __init__(self, after: float, code: int = 1) -> None:
+        self.after, self.code, self.ends_with = after, None if after else code, code
 
     def wait(self, patience: float = math.inf) -> int | None:
         if self.code is None and patience < self.after:
             raise subprocess.TimeoutExpired("worker", patience)
-        self.code = 1 if self.code is None else self.code
+        self.code = self.ends_with if self.code is None else self.code
         return self.code
 
     def poll(self) -> int | None:
@@ -77,18 +77,21 @@ class Process:
 
 
 @pytest.mark.parametrize(
-    ("after", "how"),
+    ("after", "code", "how"),
     [
-        (5.0, "its process ended with exit code 1 each time: KeyError: 'oops'"),
-        (1e9, "its process answered no more and did not end each time: KeyError: 'oops'"),
+        (5.0, 1, "its process ended with exit code 1 each time: KeyError: 'oops'"),
+        (5.0, -6, "its process ended with signal SIGABRT each time: KeyError: 'oops'"),
+        (5.0, -35, "its process ended with signal 35 each time: KeyError: 'oops'"),  # of those without a name
+        (1e9, 1, "its process answered no more and did not end each time: KeyError: 'oops'"),
     ],
 )
-def test_what_is_ended_from_here_was_not_killed_from_outside(begun: Path, after: float, how: str) -> None:
+def test_what_is_ended_from_here_was_not_killed_from_outside(begun: Path, after: float, code: int, how: str) -> None:
     log = begun / "worker.log"
     log.write_text("Traceback:\nKeyError: 'oops'\n")
     here, there = Pipe()
     there.close()
-    worker = _Worker("worker-1", Process(after), here, task=Task(Trial(0, "fetch", "humanoid", "empty", 0)), log=log)  # type: ignore[arg-type]  # what is asked of a process
+    task = Task(Trial(0, "fetch", "humanoid", "empty", 0))
+    worker = _Worker("worker-1", Process(after, code), here, task=task, log=log)  # type: ignore[arg-type]  # what is asked of a process
     workers = Workers(make, (begun,), count=1, time_limit=60.0, memory=None, logs=begun)
     workers._workers.append(worker)
     worker.attempts = 3
