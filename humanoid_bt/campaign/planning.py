@@ -24,6 +24,7 @@ from humanoid_bt.perception.choice import choose, refuse_blind, sources_of
 from humanoid_bt.perception.source_files import files_of
 from humanoid_bt.plant.scene_config import load_scene
 from humanoid_bt.robot.config import load_robot_config
+from humanoid_bt.robot.files import files_of as robot_files
 from humanoid_bt.session.loader import DEFAULT_ROBOT, DEFAULT_SCENE, used_files
 from humanoid_bt.testing.conditions import NOISE, Conditions, unsimulated
 from humanoid_bt.tree.source.file import read_file
@@ -79,7 +80,8 @@ def planned(campaign: CampaignFile, workspace: Workspace, script: Sequence[Any] 
                 tree = _loaded(campaign, workspace, file, first, setting)
                 settings.append(setting)
                 trees.append(tree)
-                used |= {*used_files(tree), workspace.find_scene(scene), *_of_robot(workspace.find_robot(robot))}
+                used |= {*used_files(tree), workspace.find_scene(scene)}
+                used |= robot_files(load_robot_config(workspace.find_robot(robot)))
                 used |= _seeing(campaign, workspace, tree, scene, noise)
     reported = {name: spec.unit for tree in trees for node in tree.nodes for name, spec in node.type.results.items()}
     files = {called(file, workspace): file for file in sorted(used)}
@@ -122,11 +124,6 @@ def _found(find: Callable[[str], Path], item: Item) -> Path:
         return find(item.value)
     except UserError as error:
         raise UserError([replace(problem, place=problem.place or item.place) for problem in error.problems]) from error
-
-
-def _of_robot(path: Path) -> tuple[Path, Path]:
-    """Return the files of a robot, but for what its model includes."""
-    return path, load_robot_config(path).model_file
 
 
 def _chosen(names: Sequence[Named], kind: str) -> list[str]:

@@ -330,10 +330,18 @@ def load_policy(path: Path) -> Policy:
     Raises:
         UserError: the description has mistakes, or does not fit its model; with the place of each.
     """
-    model = path.parent / load_policy_config(path).model
-    # weights may be in files of their own, which exporters name after the model
-    files = [path, *sorted(model.parent.glob(f"{glob.escape(model.stem)}*"))]
+    files = policy_files(path)
     return _loaded(path, tuple((str(file), file.stat().st_mtime_ns, file.stat().st_size) for file in files))
+
+
+def policy_files(path: Path) -> list[Path]:
+    """Return the files of a policy: its description, its model, and weights in files of their own.
+
+    Raises:
+        UserError: the description has mistakes.
+    """
+    model = path.parent / load_policy_config(path).model
+    return [path, *sorted(model.parent.glob(f"{glob.escape(model.stem)}*"))]  # exporters name them after the model
 
 
 @functools.lru_cache(maxsize=8)
