@@ -26,7 +26,7 @@ class Pushed(NamedTuple):
 def hardest_push(history: History, motion: Motion, begin: float, end: float) -> Pushed | None:
     """Return the push between two times [s] of which the robot most likely fell, None if there was none.
 
-    One after which it was in balance again is none.
+    One after which it was in balance again is none, nor is one that found it out of balance.
     """
     hardest, most = None, _JOLT * float(history.setup["robot"]["mass"] or 0.0)
     for _, _, (time, kind, value) in history.log.news_of("input"):
@@ -34,7 +34,7 @@ def hardest_push(history: History, motion: Motion, begin: float, end: float) -> 
             continue
         _, (x, y, _), duration = value
         force = math.hypot(x, y)
-        if not motion.may_explain(time + duration):
+        if not motion.may_explain(time, time + duration):
             continue
         if (impulse := force * min(duration, end - time)) >= most:
             most = impulse

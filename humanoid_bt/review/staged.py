@@ -38,11 +38,12 @@ def staged_before(history: History, cause: Cause) -> str:
     """Return the last that a test did up to a cause, as the end of its headline; "" if nothing was staged."""
     if not told(history.setup):
         return ""
+    until = cause.began if cause.kind == "fall" and cause.began is not None else cause.time  # later made no robot fall
     faults = [
         event
         for event in history.events
         if event.text.startswith(PREFIX)
-        and AT < event.time <= cause.time + AT
+        and AT < event.time <= until + AT
         and not event.text.removeprefix(PREFIX).startswith((_OVER, _NEVER))
     ]
     if cause.kind == "push" and any(abs(event.time - (cause.began or 0.0)) < AT for event in faults):

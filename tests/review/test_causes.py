@@ -22,7 +22,8 @@ from humanoid_bt.record.reading import read_flight
 from humanoid_bt.review.cause import Cause
 from humanoid_bt.review.causes import _and_raised, first_stop
 from humanoid_bt.review.explain import explain
-from humanoid_bt.review.history import Span, Stopped
+from humanoid_bt.review.history import Happened, Span, Stopped
+from humanoid_bt.review.staged import staged_before
 from humanoid_bt.session.session import Session
 from humanoid_bt.testing.scripted_perception import ScriptedPerception
 from humanoid_bt.testing.stage import Stage
@@ -584,3 +585,10 @@ def test_a_fall_in_the_servo_cycle_that_the_last_tick_saw_is_what_ended_the_run(
     assert first_stop(history, 2.0) is fall
     history.end = {"outcome": "unfinished"}
     assert first_stop(history, 2.0) is None
+
+
+@pytest.mark.parametrize(("kind", "told"), [("fall", "5.000 s: weaken"), ("percept_lost", "7.100 s: push")])
+def test_what_a_test_did_after_balance_was_lost_is_not_told_beside_the_cause_of_a_fall(kind: str, told: str) -> None:
+    staged = [Happened(5.0, "warning", "staged: weaken"), Happened(7.1, "warning", "staged: push")]
+    history: Any = SimpleNamespace(setup={"staged": {"told": ["both"], "dry": False}}, events=staged)
+    assert staged_before(history, Cause(kind, "why", 7.2, began=6.5)) == f"; a test staged at {told}"

@@ -19,6 +19,7 @@ from humanoid_bt.review.explain import modes_told
 from humanoid_bt.review.history import History, Span
 from humanoid_bt.review.life import life_explained
 from humanoid_bt.review.moment import moment_explained
+from humanoid_bt.review.pushed import hardest_push
 from humanoid_bt.session.session import Session
 
 Play = Callable[..., Path]
@@ -80,15 +81,15 @@ def test_a_push_is_found_where_it_was_and_steps_are_none(fallen: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("pushed", "lost", "is_it"),
+    ("pushed", "lost", "is_seen", "is_known"),
     [
-        (1.5, 1.7, True),
-        (0.07, 0.2, False),  # nobody knows yet what steps do
-        (0.6, 2.5, False),  # it walked on for long after that
-        (1.9, 1.7, False),  # it fell already
+        (1.5, 1.7, True, True),
+        (0.07, 0.2, False, True),  # nobody knows yet what steps do, nor when it lost its balance
+        (0.6, 2.5, False, False),  # it walked on for long after that
+        (1.9, 1.7, False, False),  # it fell already
     ],
 )
-def test_a_push_is_one_if_balance_is_lost_by_it(pushed: float, lost: float, is_it: bool) -> None:
+def test_a_push_is_one_if_balance_is_lost_by_it(pushed: float, lost: float, is_seen: bool, is_known: bool) -> None:
     time = np.arange(3000) * 1e-3
     velocity = np.zeros((3000, 3))
     velocity[:, 0] = np.clip(time - pushed, 0.0, 0.2) * 8.0
@@ -105,9 +106,17 @@ def test_a_push_is_one_if_balance_is_lost_by_it(pushed: float, lost: float, is_i
     motion = Motion(log, 0.0, 3.0)
     assert motion.lost == pytest.approx(lost if lost > 0.5 else 0.0, abs=0.002)
     push = motion.push()
-    assert (push is not None) == is_it
+    assert (push is not None) == is_seen
     if push is not None:
         assert push.begin == pytest.approx(pushed, abs=0.02)
+    asked = (pushed, "push", ("torso", (50.0, 0.0, 0.0), 0.2))
+    history: Any = SimpleNamespace(
+        setup={"robot": {"mass": 30.0}}, log=SimpleNamespace(news_of=lambda _: [(pushed, "input", asked)])
+    )
+    known = hardest_push(history, motion, 0.0, 3.0)
+    assert (known is not None) == is_known
+    if known is not None:
+        assert str(known) == f"50 N forward for 0.2 s, from {pushed:.3f} s on"
 
 
 @pytest.mark.trials
