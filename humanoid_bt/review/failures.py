@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import re
 from dataclasses import replace
 
 from humanoid_bt.core.clock import DECISION_PERIOD
@@ -22,6 +23,8 @@ _WARNINGS = 3  # that are told
 _SCENE = 1.0  # s around the last sight in which perception or the scene's script explains that nothing followed
 _NEVER = "was never seen"  # is said of a percept that never came
 _BLIND = ("the perception process ended", "the percept source")  # what is told when perception fails
+_STILL_RAN = re.compile(r"the tree still ran after .* s at '(?P<path>.*?)' \((?!running\))(?P<said>.*)\); ", re.DOTALL)
+"""How a run's end tells what a node said that still ran; "running" is that of one that said nothing."""
 
 
 def failed(history: History, time: float) -> Cause:
@@ -101,19 +104,26 @@ def _timed_out(history: History, change: Change) -> Cause:
     before = [one for one in acting if one.path.startswith(change.path + "/")]
     still = ""
     if before:
-        still = f" while {doing(before)} still ran ({cut(_said_last(history, before[-1].path, change.time))})"
+        still = f" while {doing(before)} still ran{_said_last(history, before[-1], change.time)}"
     said = cut(change.said.replace("timed out", "ran out of time"))
     text = f"'{last(change.path)}' {said} at {when(change.time)}{still}"
     rows: list[Row] = stale_rows(history, change.time - DECISION_PERIOD)
     return Cause("timeout", text, change.time, before[-1].path if before else change.path, rows)
 
 
-def _said_last(history: History, path: str, time: float) -> str:
-    """Return what a node said last while it ran, from its change or its results."""
-    results = [found for _, found in history.results(path, time - 0.1, time)]
+def _said_last(history: History, acting: Change, time: float) -> str:
+    """Return what a node said last that ran until a time [s], as it follows its name; "" if it said nothing.
+
+    That is what it reported, or what the run's end says of it; if neither, what it said as it began to run.
+    """
+    results = [found for _, found in history.results(acting.path, time - 0.1, time)]
     if results and results[-1]:
-        return ", ".join(f"{name.replace('_', ' ')} {readable(value, unit)}" for name, value, unit in results[-1][:2])
-    return next((change.said for change in reversed(history.changes) if change.path == path and change.time < time), "")
+        said = ", ".join(f"{name.replace('_', ' ')} {readable(value, unit)}" for name, value, unit in results[-1][:2])
+    elif (told := _STILL_RAN.match(history.end["reason"])) and told["path"] == acting.path:
+        said = told["said"]
+    else:
+        said = f"at first: {acting.said}" if acting.said else ""
+    return f" ({cut(said)})" if said else ""
 
 
 def _lost(history: History, change: Change) -> Cause:
@@ -170,8 +180,7 @@ def without_result(history: History, time: float, outcome: str, reason: str) -> 
     if outcome == "interrupted":
         return Cause("interrupted", f"the run was ended at {when(time)}{during}: {cut(reason)}", time, actor, rows)
     limit = history.setup["duration"]
-    told = cut(_said_last(history, actor, time)) if actor else ""
-    said = f" ({told})" if told else ""
+    said = _said_last(history, acting[-1], time) if acting else ""
     up = f"its {limit:g} s were up" if limit else "its time was up"
     return Cause("unfinished", f"the run was ended at {when(time)}, {up}{during}{said}", time, actor, rows)
 
