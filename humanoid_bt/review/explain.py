@@ -143,12 +143,12 @@ def _after(history: History, cause: Cause) -> Iterator[Row]:
             yield "", f"and {len(history.stops) - _STOPS} more"
     file = shlex.quote(relative(history.log.path))
     yield "look", f"rerun {file}"
-    yield "", f"and put the cursor of sim_time at {cause.time:.2f} s"
+    yield "", f"and put the cursor of sim_time at {when(cause.time)}"
     log = control_log(history)
     hints = [hint for hint in HINTS.get(cause.kind, ()) if log.is_file() or CONTROL_LOG not in hint]
     for number, hint in enumerate(hints):
         yield "helps" if number == 0 else "", hint.replace(CONTROL_LOG, relative(log))
-    yield "more", f"humanoid-bt explain --at {cause.time:.2f} {file}"
+    yield "more", f"humanoid-bt explain --at {cause.time:.3f} {file}"
     yield "", PAGE
 
 

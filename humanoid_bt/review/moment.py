@@ -33,7 +33,7 @@ def moment_explained(history: History, time: float) -> Explanation:
     """
     begin, until = history.begin, history.until
     if not (isinstance(time, (int, float)) and math.isfinite(time) and begin - 1e-3 <= time <= until + 1e-3):
-        raise UserError(f"the recording has nothing of {time} s", hint=f"valid: {begin:.2f} to {until:.2f} s")
+        raise UserError(f"the recording has nothing of {time} s", hint=f"valid: {begin:.3f} to {when(until)}")
     acting = history.acting(time)
     tick, modes = history.tick(time), history.modes(time - 0.05, time + 0.001)
     mode = modes[-1].mode if modes else tick.state.mode.value if tick else ""
