@@ -35,6 +35,7 @@ STOPS = (
 )
 """Kinds of causes that are stops."""
 
+_COMMANDED = ("run", "paused")  # modes in which nothing stops the robot
 _LATCHED = ("state", "fall", "push", "estop", "estop_node")
 _LOOK_BACK = 4.0  # s before a fall in which its reason is looked for
 _SENSOR, _PLANT = "a sensor failed: ", "the plant "
@@ -90,17 +91,17 @@ def _and_fell(history: History, stop: Stopped, cause: Cause) -> Cause:
 
 
 def first_stop(history: History, time: float) -> Stopped | None:
-    """Return the stop with which the robot ceased to run, if it did not run at a time [s]; the first of its chain."""
+    """Return the stop that still held the robot at a time [s], None if none did; the first of its chain."""
     chain: Stopped | None = None
     until = time
     now = history.modes(time - 0.05, time)
     ended_by_it = history.end.get("outcome") == "stopped"  # perhaps in the very servo cycle that the last tick saw
-    if now and now[-1].mode == "run" and not ended_by_it:
+    if now and now[-1].mode in _COMMANDED and not ended_by_it:
         return None
     for stop in reversed(history.stops):
         if stop.time > time + AT:
             continue
-        if any(span.mode == "run" for span in history.modes(stop.time + 2e-3, until)):
+        if any(span.mode in _COMMANDED for span in history.modes(stop.time + 2e-3, until)):
             break
         chain, until = stop, stop.time
     return chain
@@ -134,7 +135,7 @@ def _without_end(history: History) -> Cause:
     during = f" while {acting} ran" if acting else ""
     if any(event.text == _GONE for event in history.events):
         rows = [("shown by", f"the last tick is of {when(ticked)}, servo cycles go on until {when(history.until)}")]
-        stop = next((span for span in history.modes(ticked, ticked + 1.0) if span.mode != "run"), None)
+        stop = next((span for span in history.modes(ticked, ticked + 1.0) if span.mode not in _COMMANDED), None)
         then = f"; control stopped the robot at {when(stop.begin)}" if stop else ""
         text = f"the program that runs the tree was killed after its tick of {when(ticked)}{during}{then}"
         return Cause("killed", text, ticked, _actor(history, ticked), [*rows, *_noted(history)])

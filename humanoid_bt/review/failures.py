@@ -23,7 +23,8 @@ _WARNINGS = 3  # that are told
 _SCENE = 1.0  # s around the last sight in which perception or the scene's script explains that nothing followed
 _NEVER = "was never seen"  # is said of a percept that never came
 _BLIND = ("the perception process ended", "the percept source")  # what is told when perception fails
-_STILL_RAN = re.compile(r"the tree still ran after .* s at '(?P<path>.*?)' \((?!running\))(?P<said>.*)\); ", re.DOTALL)
+_TIME_UP = "the tree still ran after "  # is why a run ends whose time is up
+_STILL_RAN = re.compile(_TIME_UP + r".* s at '(?P<path>.*?)' \((?!running\))(?P<said>.*)\); ", re.DOTALL)
 """How a run's end tells what a node said that still ran; "running" is that of one that said nothing."""
 
 
@@ -177,8 +178,9 @@ def without_result(history: History, time: float, outcome: str, reason: str) -> 
         return replace(cause, headline=f"{cause.headline}; {ran}")
     during = f" while {doing(acting)} ran" if acting else ""
     rows = warned(history)
-    if outcome == "interrupted":
-        return Cause("interrupted", f"the run was ended at {when(time)}{during}: {cut(reason)}", time, actor, rows)
+    if not reason.startswith(_TIME_UP):
+        kind = "interrupted" if outcome == "interrupted" else "unfinished"
+        return Cause(kind, f"the run was ended at {when(time)}{during}: {cut(reason)}", time, actor, rows)
     limit = history.setup["duration"]
     said = _said_last(history, acting[-1], time) if acting else ""
     up = f"its {limit:g} s were up" if limit else "its time was up"

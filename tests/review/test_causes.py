@@ -341,6 +341,12 @@ CASES: dict[str, tuple[str, str, dict[str, Any], str]] = {
         {"duration": 0.1},
         r"the run was ended at 0\.100 s, its 0\.1 s were up while 'pause' ran \(waiting\)",
     ),
+    "the session is left": (
+        "wait",
+        "unfinished",
+        {"do": Session.close},
+        r"the run was ended at 0\.000 s while 'pause' ran: the session was left while the tree was running",
+    ),
     "time is up long after a branch was halted": (
         "gives_way",
         "unfinished",
@@ -410,6 +416,7 @@ TELLING = (
     "refused for seconds",
     "two owners",
     "time-out",
+    "the session is left",
     "time is up long after a branch was halted",
     "percept lost",
     "failure behind one that did no harm",
@@ -435,6 +442,10 @@ def test_the_first_line_says_what_stopped_the_robot(play: Play, name: str) -> No
     assert " after -" not in dict(found.rows).get("run", "")
     assert (("", "and 2 more") in found.after) == (len(found.data["stops"]) == 7)  # of which five are listed
     assert (("", "0.800 s the same") in found.after) == (name in {"refused", "refused for seconds"})
+    for more in (text for name, text in found.after if name == "more"):
+        at = float(more.split()[3])
+        assert at == pytest.approx(found.time, abs=6e-4)
+        assert explain(found.recording, at=at).kind == "moment"
     for width in (60, 80):
         lines = found.text(width).splitlines()
         assert len(lines) <= (30 if width == 80 else 45), found.text(width)
@@ -574,11 +585,12 @@ def test_an_estop_outlasts_the_protective_stop_in_which_it_was_raised(
         assert why is cause
 
 
-def test_a_fall_in_the_servo_cycle_that_the_last_tick_saw_is_what_ended_the_run() -> None:
+@pytest.mark.parametrize("recovered", ["run", "paused"])
+def test_a_fall_in_the_servo_cycle_that_the_last_tick_saw_is_what_ended_the_run(recovered: str) -> None:
     silent, fall = (
         Stopped(time, mode, "why", "supervisor", {}) for time, mode in ((1.0, "protective_stop"), (2.0, "damp"))
     )
-    spans = [Span(1.0, 1.5, "protective_stop"), Span(1.5, 2.0, "run"), Span(2.0, 9.0, "damp")]
+    spans = [Span(1.0, 1.5, "protective_stop"), Span(1.5, 2.0, recovered), Span(2.0, 9.0, "damp")]
     history: Any = SimpleNamespace(
         stops=[silent, fall],
         end={"outcome": "stopped"},
