@@ -126,8 +126,8 @@ def _damaged(history: History) -> Iterator[Row]:
 
 def _lasted(history: History) -> float:
     ended = history.end.get("tree_ended")
-    lasted = (history.until if ended is None else float(ended)) - history.begin
-    return max(lasted, 0.0)  # the first tick is before the first servo cycle
+    lasted = (history.until if ended is None else float(ended)) - history.ticked_from
+    return max(lasted, 0.0)  # where control was lost, its last servo cycles may be, too
 
 
 def _after(history: History, cause: Cause) -> Iterator[Row]:

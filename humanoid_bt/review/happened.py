@@ -67,6 +67,11 @@ class Happened:
         return [{"time": time, "kind": kind, "value": json.dumps(value)} for time, kind, value in found]
 
     @cached_property
+    def first(self) -> float:
+        """The engine time [s] of the tree's first tick; in realtime mode control has run for a while by then."""
+        return next((news.time for news in self._of("node")), 0.0)
+
+    @cached_property
     def last(self) -> float:
         """The engine time [s] of the last that was told."""
         return max((news.time for news in self._log.news), default=0.0)

@@ -244,8 +244,8 @@ class Recording:
     def title(self) -> str:
         """What was run and how it ended, in a line."""
         named = [self.setup[key]["name"] or "?" for key in ("tree", "robot", "scene")]
-        end = self.outcome or "no end"
-        return f"{named[0]} on {named[1]} in {named[2]}, seed {self.setup['seed']}: {end} after {self.ended:.2f} s"
+        end, lasted = self.outcome or "no end", self.ended - self.happened.first
+        return f"{named[0]} on {named[1]} in {named[2]}, seed {self.setup['seed']}: {end} after {lasted:.2f} s"
 
 
 def open_recording(path: str | PathLike[str]) -> Recording:

@@ -14,6 +14,7 @@ import pytest
 import humanoid_bt as hbt
 from humanoid_bt.core.errors import UserError
 from humanoid_bt.record.reading import read_flight
+from humanoid_bt.review import explain as explaining
 from humanoid_bt.review import samples
 from humanoid_bt.review.columns import TABLES
 from humanoid_bt.review.recording import Recording
@@ -135,3 +136,13 @@ def test_long_runs_pass_in_small_parts(recording: Recording) -> None:
     assert len(parts) == math.ceil(recording.duration / 5)
     assert max(part.num_rows for part in parts) <= 5000 * recording.limits().num_rows
     assert sum(part.num_rows for part in parts) == recording.joints(rate=1000).num_rows
+
+
+def test_a_run_lasts_from_its_first_tick(file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    log = read_flight(file)
+    news_of = log.news_of
+    monkeypatch.setattr(explaining, "read_flight", lambda _: log)
+    monkeypatch.setattr(log, "news_of", lambda *kinds, **of: (n for n in news_of(*kinds, **of) if n.time >= 0.5))
+    began = next(news_of("node", begin=0.5)).time
+    assert Recording(log).title.endswith(f": unfinished after {2.3 - began:.2f} s")
+    assert f": unfinished after {2.3 - began:.2f} s" in dict(explaining.explain(file).rows)["run"]
