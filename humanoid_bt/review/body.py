@@ -119,21 +119,22 @@ class Motion:
         return int(self.time.searchsorted(time).clip(0, len(self.time) - 1))
 
     @cached_property
-    def _settled(self) -> list[tuple[int, int]]:
+    def settled(self) -> list[tuple[int, int]]:
         """Where it was in balance for a while: the first servo cycle, and the one after the last."""
         return stretches(self.tilt < _STEADY, _SETTLED)
 
     @cached_property
     def lost(self) -> float:
         """When balance was lost that had been in order for a while; the first time if it never was [s]."""
-        return float(self.time[self._settled[-1][1] - 1 if self._settled else 0])
+        return float(self.time[self.settled[-1][1] - 1 if self.settled else 0])
 
-    def may_explain(self, begin: float, end: float) -> bool:
-        """Return whether what lasted from one time to another [s] may be the reason for the loss of balance.
+    def is_late(self, time: float) -> bool:
+        """Return whether balance had been lost by a time [s]; nobody knows when if the robot never was in it."""
+        return bool(self.settled) and time > self.lost
 
-        It had begun by then, and was not over for long. Nobody knows when that was of a robot never seen in balance.
-        """
-        return end >= self.lost - _FROM_PUSH and (begin <= self.lost or not self._settled)
+    def may_explain(self, time: float) -> bool:
+        """Return whether what ended at a time [s] was near enough to the loss of balance to be its reason."""
+        return time >= self.lost - _FROM_PUSH
 
     def limited(self) -> list[Limited]:
         """Return the joints that were at their torque limit, or else whose setpoints were clamped, in order of time."""

@@ -289,19 +289,23 @@ def _fall(history: History, stop: Stopped) -> Cause:
         return Cause("fall", f"{stop.reason}, at {when(stop.time)}{during}", stop.time, commander)
     height = f"its base was {motion.height[-1]:.2f} m high, tilted by {readable(float(motion.tilt[-1]), 'rad')}"
     rows = [("shown by", height)]
-    if known := hardest_push(history, motion, begin, stop.time):
+    known = hardest_push(history, motion, begin, stop.time)
+    if known and not known.late:
         rows.insert(0, ("pushed", str(known)))
-        text = f"{fell}: it was pushed {known.direction} with {known.force:.0f} N at {when(known.begin)}{during}"
-        return Cause("push", text, stop.time, commander, rows, known.begin)
+        return Cause("push", f"{fell}: {known.what}{during}", stop.time, commander, rows, known.begin)
     if push := motion.push():
         rows.insert(0, ("shown by", str(push)))
         text = f"{fell}: something pushed it {push.direction} at {push.begin:.2f} s{during}"
         return Cause("push", text, stop.time, commander, rows, push.begin)
-    if way := gave_way(history.log, begin, motion.lost, stop.time):
+    way = gave_way(history.log, begin, motion.lost, stop.time)
+    if way and not way.late:
         rows.insert(0, ("shown by", str(way)))
         return Cause("fall", f"{fell}: {way.what}{during}", stop.time, commander, rows, way.begin)
-    text = f"{fell}{during}: {height}; no push and no joint that gave way is seen before it"
-    return Cause("fall", text, stop.time, commander, rows)
+    lost = f"it lost its balance at {when(motion.lost)}" if motion.settled else "it lost its balance"
+    text = f"{fell}{during}: {height}; no push and no joint that gave way is seen before {lost}"
+    after = sorted((of for of in (known, way) if of), key=lambda of: of.begin)
+    rows += [("then", str(of)) for of in after]
+    return Cause("fall", "; then ".join([text, *(of.what for of in after[:1])]), stop.time, commander, rows)
 
 
 # ---- what is told beside --------------------------------------------------------------------------------------------

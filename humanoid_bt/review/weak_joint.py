@@ -22,7 +22,7 @@ _BEFORE = 1.0  # s before balance was lost until which joints show how far they 
 _STILL = 0.5  # s before balance was lost until which it must have lasted
 _NOTHING = 0.02  # share of its torque limit that a drive must exceed to be one: noise and friction are less
 _IDLE_FOR = 100  # servo cycles in all that it must be off its setpoint meanwhile
-_WITH = 0.05  # s after it, until which it must have begun: later is what comes of it
+_WITH = 0.05  # s after it, until which it must have begun: later may be what comes of it
 
 
 class GaveWay(NamedTuple):
@@ -33,8 +33,9 @@ class GaveWay(NamedTuple):
         begin, end: when [s].
         full: whether it was at its torque limit meanwhile.
         off: how far it was from its setpoint at most [rad].
-        dead: whether its drive gave nothing all the time, however far it was from its setpoint.
         torque, limit: the largest it gave, and what it should be able to give [Nm]; the latter 0 if it has no limit.
+        late: whether balance had been lost before, so that it may be what came of that.
+        dead: whether its drive gave nothing all the time, however far it was from its setpoint.
     """
 
     joint: str
@@ -44,6 +45,7 @@ class GaveWay(NamedTuple):
     off: float
     torque: float
     limit: float
+    late: bool = False
     dead: bool = False
 
     @property
@@ -61,7 +63,7 @@ class GaveWay(NamedTuple):
 
 
 def gave_way(log: FlightLog, begin: float, lost: float, end: float) -> GaveWay | None:
-    """Return the joint that gave way first as balance was lost, None if none did.
+    """Return the joint that gave way first as balance was lost or after that, None if none did.
 
     Args:
         log: the recording.
@@ -85,11 +87,11 @@ def gave_way(log: FlightLog, begin: float, lost: float, end: float) -> GaveWay |
         spans = [*stretches(full, _FULL_FOR), *stretches(off[:, number] > usual[number] + _OFF, _OFF_FOR)]
         for first, after in spans:
             began, ended = float(cycles.time[first]), float(cycles.time[after - 1])
-            if began > lost + _WITH or ended < lost - _STILL:
+            if ended < lost - _STILL:
                 continue
             is_full = int(full[first:after].sum()) >= _FULL_MEANWHILE
             angle, given = float(off[first:after, number].max()), float(torque[first:after, number].max())
-            found.append(GaveWay(joint, began, ended, is_full, angle, given, limit))
+            found.append(GaveWay(joint, began, ended, is_full, angle, given, limit, began > lost + _WITH))
     balanced = int(cycles.time.searchsorted(lost))
     found += _dead(log, cycles.time[:balanced], off[:balanced], torque[:balanced])
     return min(found, key=lambda of: of.begin, default=None)

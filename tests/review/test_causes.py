@@ -255,7 +255,8 @@ CASES: dict[str, tuple[str, str, dict[str, Any], str]] = {
         "late",
         "timeout",
         {},
-        r"'timeout' ran out of time after 0\.5 s \(limit 0\.5 s\) at 0\.500 s while 'walk' still ran \(at first: walking\)",
+        r"'timeout' ran out of time after 0\.5 s \(limit 0\.5 s\) at 0\.500 s "
+        r"while 'walk' still ran \(at first: walking\)",
     ),
     "percept lost": (
         "fails_when_lost",
@@ -459,7 +460,7 @@ def test_who_loses_the_footing_was_not_pushed(stage: Path, tmp_path: Path, condi
         run = Stage(stage).run("walk", conditions=conditions, duration=2.0, record=tmp_path / "run.rrd")
     found = explain(run.recording)
     assert found.kind == "fall"
-    assert "no push and no joint that gave way is seen before it" in found.headline
+    assert "no push and no joint that gave way is seen before it lost its balance" in found.headline
 
 
 @pytest.mark.trials

@@ -81,15 +81,15 @@ def test_a_push_is_found_where_it_was_and_steps_are_none(fallen: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("pushed", "lost", "is_seen", "is_known"),
+    ("pushed", "lost", "is_seen", "known"),
     [
-        (1.5, 1.7, True, True),
-        (0.07, 0.2, False, True),  # nobody knows yet what steps do, nor when it lost its balance
-        (0.6, 2.5, False, False),  # it walked on for long after that
-        (1.9, 1.7, False, False),  # it fell already
+        (1.5, 1.7, True, "in time"),
+        (0.07, 0.2, False, "in time"),  # nobody knows yet what steps do, nor when it lost its balance
+        (0.6, 2.5, False, ""),  # it walked on for long after that
+        (1.9, 1.7, False, "late"),  # it fell already
     ],
 )
-def test_a_push_is_one_if_balance_is_lost_by_it(pushed: float, lost: float, is_seen: bool, is_known: bool) -> None:
+def test_a_push_is_one_if_balance_is_lost_by_it(pushed: float, lost: float, is_seen: bool, known: str) -> None:
     time = np.arange(3000) * 1e-3
     velocity = np.zeros((3000, 3))
     velocity[:, 0] = np.clip(time - pushed, 0.0, 0.2) * 8.0
@@ -113,10 +113,23 @@ def test_a_push_is_one_if_balance_is_lost_by_it(pushed: float, lost: float, is_s
     history: Any = SimpleNamespace(
         setup={"robot": {"mass": 30.0}}, log=SimpleNamespace(news_of=lambda _: [(pushed, "input", asked)])
     )
-    known = hardest_push(history, motion, 0.0, 3.0)
-    assert (known is not None) == is_known
-    if known is not None:
-        assert str(known) == f"50 N forward for 0.2 s, from {pushed:.3f} s on"
+    found = hardest_push(history, motion, 0.0, 3.0)
+    assert ("" if found is None else "late" if found.late else "in time") == known
+    if found is not None:
+        assert found.what == f"it was pushed forward with 50 N at {pushed:.3f} s"
+        assert str(found) == f"50 N forward for 0.2 s, from {pushed:.3f} s on"
+
+
+def test_a_push_that_came_too_late_is_not_told_for_a_weaker_one_before() -> None:
+    asked = [
+        (time, "push", ("torso", (force, 0.0, 0.0), 0.2)) for time, force in ((1.5, 40.0), (1.6, 50.0), (1.9, 90.0))
+    ]
+    history: Any = SimpleNamespace(
+        setup={"robot": {"mass": 30.0}}, log=SimpleNamespace(news_of=lambda _: [(of[0], "input", of) for of in asked])
+    )
+    motion: Any = SimpleNamespace(is_late=lambda at: at > 1.7, may_explain=lambda _: True, heading=lambda _: 0.0)
+    found = hardest_push(history, motion, 0.0, 3.0)
+    assert found is not None and found.force == 50.0
 
 
 @pytest.mark.trials

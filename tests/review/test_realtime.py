@@ -113,7 +113,8 @@ CASES: dict[str, tuple[str, str, dict[str, Any], str]] = {
         "late",
         "timeout",
         {},
-        r"'timeout' ran out of time after 0\.5\d* s \(limit 0\.5 s\) at \d\.\d+ s while 'walk' still ran \(at first: walking\)",
+        r"'timeout' ran out of time after 0\.5\d* s \(limit 0\.5 s\) at \d\.\d+ s "
+        r"while 'walk' still ran \(at first: walking\)",
     ),
     "two owners": (
         "thieves",

@@ -52,3 +52,10 @@ def test_a_joint_that_was_dead_for_long_is_named() -> None:
 )
 def test_a_joint_that_bears_little_is_not_blamed(torque: float, off: float, joint: str) -> None:
     assert gave_way(recorded(torque, off, joint), 5.0, 9.5, 9.9) is None
+
+
+@pytest.mark.parametrize(("lost", "late"), [(1.0, False), (0.8, True)])
+def test_a_joint_that_gave_way_after_balance_was_lost_is_late(lost: float, late: bool) -> None:
+    found = gave_way(recorded(50.0, 0.0, "left_ankle"), 0.0, lost, 9.9)
+    assert found is not None
+    assert (found.what, found.late) == ("left_ankle was at its torque limit at 1.00 s", late)
