@@ -98,6 +98,15 @@ def command_parting(time: float, before: Command | None, after: Command | None) 
     return None if found is None else Parting(time, *found)
 
 
+def node_parting(time: float, before: tuple[str, str] | None, after: tuple[str, str] | None) -> Parting:
+    """Return that nodes, path and status of each, did not change alike at an engine time [s]; None if none did."""
+    path = (before or after or ("",))[0]
+    texts = [
+        "no change" if one is None else one[1] if one[0] == path else f"{one[0]} {one[1]}" for one in (before, after)
+    ]
+    return Parting(time, f"node {path}", *texts)
+
+
 def node_shifts(one: Sequence[Row], other: Sequence[Row], tolerance: float) -> list[NodeShift]:
     """Return for each node the first change that differs, in the order of time.
 

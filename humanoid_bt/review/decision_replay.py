@@ -16,7 +16,7 @@ from humanoid_bt.decision.robot import Robot
 from humanoid_bt.realtime.remote_supervisor import StateClock
 from humanoid_bt.record.reading import FlightLog, News
 from humanoid_bt.record.tick import Tick
-from humanoid_bt.review.compare_run import Parting, command_parting
+from humanoid_bt.review.compare_run import Parting, command_parting, node_parting
 from humanoid_bt.review.recorded_calls import RecordedCalls
 from humanoid_bt.review.recorded_run import RecordedRun
 from humanoid_bt.robot.config import load_robot_config
@@ -173,12 +173,5 @@ def _nodes_differ(now: float, news: list[News], changes: list[NodeChange], last:
         one = before[index] if index < len(before) else None
         other = after[index] if index < len(after) else None
         if one != other:
-            return Parting(now, f"node {(one or other or ('',))[0]}", _status(one, other), _status(other, one))
+            return node_parting(now, one, other)
     return None
-
-
-def _status(own: tuple[str, str] | None, other: tuple[str, str] | None) -> str:
-    """Return what is told of a node: its status, with its path if the other is about another node."""
-    if own is None:
-        return "no change"
-    return own[1] if other is None or own[0] == other[0] else f"{own[0]} {own[1]}"

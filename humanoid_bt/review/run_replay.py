@@ -20,7 +20,7 @@ from humanoid_bt.perception.track import Track
 from humanoid_bt.record.reading import FlightLog
 from humanoid_bt.record.subject import TreeView
 from humanoid_bt.record.tick import Tick
-from humanoid_bt.review.compare_run import Parting, tick_parting
+from humanoid_bt.review.compare_run import Parting, node_parting, tick_parting
 from humanoid_bt.review.decision_replay import Done, is_paused, set_again
 from humanoid_bt.review.recorded_files import RecordedFiles
 from humanoid_bt.review.recorded_run import RecordedRun
@@ -174,6 +174,7 @@ class Comparison:
         self, tick: Tick, _tracks: Mapping[str, Track], _objects: Mapping[str, Array], _hidden: Iterable[str] = ()
     ) -> None:
         """Compare a tick."""
+        self._miss(tick.state.time)
         recorded = self._next
         if recorded is None:
             if self._whole:
@@ -187,20 +188,28 @@ class Comparison:
 
     def node_changed(self, time: float, path: str, status: str, feedback: str) -> None:
         """Compare a node's change of status."""
-        if not self._nodes:
-            if self._whole:
-                self._note(Parting(time, f"node {path}", "no change", status))
-            return
-        at, known, was, said = self._nodes.popleft()
-        if (at, known, was) != (time, path, status):
-            self._note(Parting(time, f"node {path}", f"{known} {was} at {at:.3f} s", status))
-        elif said != feedback:
-            self._note(Parting(time, f"node {path} says", said, feedback))
+        self._miss(time)
+        if self._nodes and self._nodes[0][0] == time:
+            _, known, was, said = self._nodes.popleft()
+            if (known, was) != (path, status):
+                self._note(node_parting(time, (known, was), (path, status)))
+            elif said != feedback:
+                self._note(Parting(time, f"node {path} says", said, feedback))
+        elif self._nodes or self._whole:
+            self._note(node_parting(time, None, (path, status)))
 
     def finish(self) -> None:
         """Note what was recorded and did not come again."""
-        if self._whole and self._next is not None:
-            self._note(Parting(self._next.state.time, "the run", "went on", "ended"))
+        if self._whole:
+            self._miss(math.inf if self._next is None else self._next.state.time)
+            if self._next is not None:
+                self._note(Parting(self._next.state.time, "the run", "went on", "ended"))
+
+    def _miss(self, before: float) -> None:
+        """Note the first change of a node that should have come before an engine time [s], and did not."""
+        if self._nodes and self._nodes[0][0] < before:
+            at, path, status, _ = self._nodes[0]
+            self._note(node_parting(at, (path, status), None))
 
     def _note(self, difference: Parting | None) -> None:
         self.difference = self.difference or difference

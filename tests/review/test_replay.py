@@ -8,12 +8,13 @@ import random
 import runpy
 import shutil
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from humanoid_bt.cli import main
 from humanoid_bt.core.errors import UserError
-from humanoid_bt.record.reading import read_flight
+from humanoid_bt.record.reading import News, read_flight
 from humanoid_bt.record.shape import SETUP
 from humanoid_bt.review.explain import explain
 from humanoid_bt.review.recording import open_recording
@@ -202,6 +203,32 @@ def test_without_its_inputs_it_is_another_run(disturbed: Path, monkeypatch: pyte
     assert again.difference.time == pytest.approx(0.52)  # the tick after the push
     assert "base_" in again.difference.quantity or "joint_" in again.difference.quantity
     assert f"first difference  at 0.520 s {again.difference.quantity}: " in str(again)
+
+
+PAUSE, WALK = (f"late/emergency_stop/sequence/{name}" for name in ("pause", "walk"))
+
+
+@pytest.mark.parametrize(
+    ("recorded", "told"),
+    [
+        ([0.1, [PAUSE, "SUCCESS", "waited"]], (0.1, f"node {PAUSE}", "SUCCESS", "no change")),
+        ([0.2, ["late/odd", "SUCCESS", ""]], (0.2, "node late/odd", "SUCCESS", f"{PAUSE} SUCCESS")),
+        (None, (0.2, f"node {WALK}", "RUNNING", f"{PAUSE} SUCCESS")),
+    ],
+)
+def test_a_node_that_changes_otherwise_is_told_with_the_tick_in_which_it_does(
+    raising: Path, monkeypatch: pytest.MonkeyPatch, recorded: list[Any] | None, told: tuple[float, str, str, str]
+) -> None:
+    log = read_flight(raising)
+    index = next(i for i, news in enumerate(log.news) if news.kind == "node" and news.value[1] == "SUCCESS")
+    if recorded is None:
+        del log.news[index]
+    else:
+        log.news.insert(index, News(recorded[0], "node", recorded[1]))
+    monkeypatch.setattr("humanoid_bt.review.replay.read_flight", lambda _: log)
+    found = replay(raising).difference
+    assert found is not None
+    assert (round(found.time, 6), *found[1:]) == told
 
 
 def test_decision_alone_decides_the_same(raising: Path) -> None:
