@@ -239,11 +239,13 @@ def _key(data: Any) -> Any:
 
 
 _PUSH = row(time, one_of("push"), row(text, row(number, number, number), number))
-_SET = row(time, one_of("key"), _key)
+_KEY = row(time, one_of("key"), _key)
+_SET = row(time, one_of("set"), row(text, anything))
+_FORCE = row(time, one_of("force"), row(text, one_of("SUCCESS", "FAILURE"), text))
 _RESET = row(time, one_of("reset", "reset_after_tick"), text)
 _ANSWERED = parts({"state": one_of("success", "failure"), "text": text, "values": named(anything)})
 _ANSWER = row(time, one_of("answer"), row(whole, _ANSWERED))
-_INPUTS = {"push": _PUSH, "key": _SET, "answer": _ANSWER}
+_INPUTS = {"push": _PUSH, "key": _KEY, "set": _SET, "force": _FORCE, "answer": _ANSWER}
 
 
 def _input(data: Any) -> Any:

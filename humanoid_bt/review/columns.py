@@ -252,8 +252,8 @@ TABLES: dict[str, TableSpec] = {
         ),
     ),
     "inputs": TableSpec(
-        "Something came from outside that is not sensed: a push, a reset, a key that was set, an answer to a call.",
-        (_TIME, Column("kind", "text", "push, reset, key or answer"), Column("value", "text", _JSON)),
+        "Something came from outside that is not sensed: a push, a reset, what was set or forced, an answer to a call.",
+        (_TIME, Column("kind", "text", "push, reset, key, set, force or answer"), Column("value", "text", _JSON)),
     ),
     "limits": TableSpec(
         "A joint's limits; null where it has none.",

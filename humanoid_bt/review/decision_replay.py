@@ -18,11 +18,13 @@ from humanoid_bt.record.reading import FlightLog, News
 from humanoid_bt.record.tick import Tick
 from humanoid_bt.review.compare_run import Parting, command_parting, node_parting
 from humanoid_bt.review.recorded_calls import RecordedCalls
-from humanoid_bt.review.recorded_run import RecordedRun
+from humanoid_bt.review.recorded_run import TO_TREE, RecordedRun
 from humanoid_bt.robot.config import load_robot_config
 from humanoid_bt.session.blackboard import Blackboard
+from humanoid_bt.session.setting import setting
 from humanoid_bt.tree.ticking.deciding import reason_of
 from humanoid_bt.tree.ticking.executor import Executor, NodeChange
+from humanoid_bt.tree.ticking.forcing import force
 from humanoid_bt.tree.tree import Tree
 
 _AT = 1e-9  # s; engine times are sums of floats
@@ -79,8 +81,8 @@ def decide_again(log: FlightLog, run: RecordedRun, tree: Tree, robot: Path) -> D
             if one.kind == "unseen":
                 unseen.clear()
                 unseen.update(one.value)
-            if one.kind == "input" and one.value[1] == "key":
-                set_again(tree, one.value[2], begun=done.ticks > 1)
+            if one.kind == "input" and one.value[1] in TO_TREE:
+                do_again(tree, one.value[1], one.value[2], begun=done.ticks > 1)
             if one.kind == "input" and one.value[1] == "answer":
                 calls.hear(one.value[2])
         changes.clear()
@@ -109,21 +111,25 @@ def is_paused(tick: Tick) -> bool:
     return tick.state.mode is Mode.PAUSED or (tick.command is not None and tick.command.pause is not None)
 
 
-def set_again(tree: Tree, told: list[Any], begun: bool) -> None:
-    """Set, or delete, a key of the blackboard as a program did.
+def do_again(tree: Tree, kind: str, told: list[Any], begun: bool) -> None:
+    """Do to a tree what was done to it from outside; what it has no key, parameter or node for is left alone.
 
     Args:
-        tree: its tree; a key that it does not have is left alone.
-        told: the key's name, and its value if it has one.
+        tree: the tree.
+        kind: one of ``TO_TREE``.
+        told: what was done, as an input has it.
         begun: whether the tree has been ticked.
     """
-    name, *value = told
-    keys = Blackboard(tree.keys, begun)
     with suppress(UserError):
-        if value:
-            keys[name] = value[0]
-        else:
-            del keys[name]
+        match kind, told:
+            case "key", [name]:
+                del Blackboard(tree.keys, begun)[name]
+            case "key", [name, value]:
+                Blackboard(tree.keys, begun)[name] = value
+            case "set", [name, value]:
+                setting(tree, name, value).apply()
+            case "force", [path, status, why]:
+                force(tree.node(path).behaviour, Status[status], why)
 
 
 class _Recorded:

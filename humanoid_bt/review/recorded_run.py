@@ -14,6 +14,9 @@ from humanoid_bt.review.setup import parameters
 from humanoid_bt.robot.config import Walk
 from humanoid_bt.session.engine import Input
 
+TO_TREE = ("key", "set", "force")
+"""Kinds of inputs that do something to the tree: its next tick is the first that knows."""
+
 
 @dataclass(frozen=True)
 class RecordedRun:
@@ -32,7 +35,7 @@ class RecordedRun:
         tree_ended: engine time at which the tree ended [s], infinity if that is not known.
         edited: engine time of the first edit of the tree [s], infinity for none.
         estops: servo cycle, source and reason of every emergency stop.
-        inputs: what else came from outside.
+        inputs: what else came from outside; what was done to the tree has the time of the tick that it was done before.
         nodes: time, path, status and feedback of every change of a node's status.
     """
 
@@ -77,7 +80,12 @@ def recorded_run(log: FlightLog) -> RecordedRun:
             for stop in stops
             if stop["mode"] == Mode.EMERGENCY_STOP.name.lower()
         ),
-        inputs=tuple(Input(*one.value) for one in news if one.kind == "input"),
+        inputs=tuple(
+            given._replace(time=one.time) if given.kind in TO_TREE else given
+            for one in news
+            if one.kind == "input"
+            for given in [Input(*one.value)]
+        ),
         nodes=tuple((one.time, *one.value) for one in news if one.kind == "node"),
     )
 

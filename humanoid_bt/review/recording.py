@@ -143,7 +143,7 @@ class Recording:
         return self.table("stops", between=between)
 
     def inputs(self, *, between: Between | None = None) -> Any:
-        """Return pushes and resets, which came from outside."""
+        """Return what came from outside and is not sensed, as pushes, resets, and what was set or forced."""
         return self.table("inputs", between=between)
 
     def limits(self) -> Any:

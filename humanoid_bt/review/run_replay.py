@@ -21,9 +21,9 @@ from humanoid_bt.record.reading import FlightLog
 from humanoid_bt.record.subject import TreeView
 from humanoid_bt.record.tick import Tick
 from humanoid_bt.review.compare_run import Parting, node_parting, tick_parting
-from humanoid_bt.review.decision_replay import Done, is_paused, set_again
+from humanoid_bt.review.decision_replay import Done, do_again, is_paused
 from humanoid_bt.review.recorded_files import RecordedFiles
-from humanoid_bt.review.recorded_run import RecordedRun
+from humanoid_bt.review.recorded_run import TO_TREE, RecordedRun
 from humanoid_bt.session.drive import Drive
 from humanoid_bt.session.listener import Listener
 from humanoid_bt.session.lockstep import Lockstep
@@ -31,7 +31,7 @@ from humanoid_bt.session.options import RunOptions
 
 _FOREVER = 1e9  # s
 _AT = 1e-9  # s; engine times are sums of floats
-_LEAD = {"reset": DECISION_PERIOD}  # s by which an input is given before it counts: a reset waits for the next tick
+_LEAD = dict.fromkeys(("reset", *TO_TREE), DECISION_PERIOD)  # s by which what waits for the next tick is given before
 
 
 def run_again(log: FlightLog, run: RecordedRun, files: RecordedFiles) -> Done:
@@ -132,8 +132,8 @@ class _Outside:
                     self._engine.request_reset(value)
                 case "reset_after_tick":
                     self._supervisor.reset()
-                case "key":
-                    set_again(self._drive.runner.tree, value, begun=self._drive.loop.state is not None)
+                case _ if kind in TO_TREE:
+                    do_again(self._drive.runner.tree, kind, value, begun=self._drive.loop.state is not None)
 
 
 class Comparison:

@@ -10,6 +10,7 @@ from py_trees.common import Status
 
 from humanoid_bt.core.errors import UserError
 from humanoid_bt.core.messages import Pause
+from humanoid_bt.core.plain import plain
 from humanoid_bt.core.texts import shortened
 from humanoid_bt.session.breakpoints import Breakpoint, breakpoint_at
 from humanoid_bt.session.setting import setting
@@ -87,6 +88,7 @@ class Debugger:
     def assign(self, tree: Tree, name: str, value: Any, source: str) -> None:
         """Set a key or a parameter, between two ticks; raises as :func:`setting`."""
         self._news.append(f"set {setting(tree, name, value).apply()} by {source}")
+        self.teller.given("set", [name, plain(value)])
 
     def force(self, tree: Tree, path: str, status: Status | str, source: str) -> None:
         """Let the next tick of a node give a result; between two ticks.
@@ -98,8 +100,9 @@ class Debugger:
         if (result := _RESULTS.get(str(getattr(status, "name", status)).upper())) is None:
             message = f"the result of a node cannot be {status!r}"
             raise UserError(message, hint=f"valid: {', '.join(_RESULTS)}", code="wrong-choice")
-        force(node.behaviour, result, f"forced to {result.name} by {source}")
+        force(node.behaviour, result, why := f"forced to {result.name} by {source}")
         self._news.append(f"forced {node.path} to {result.name} by {source}")
+        self.teller.given("force", [node.path, result.name, why])
 
     def break_at(self, text: str, tree: Tree, percepts: Collection[str]) -> None:
         """Add a breakpoint; raises as :func:`breakpoint_at`."""

@@ -23,7 +23,7 @@ from humanoid_bt.record.folder import report_beside
 from humanoid_bt.session.debugger import Debugger
 from humanoid_bt.session.edits import Edits
 from humanoid_bt.session.ending import Ending
-from humanoid_bt.session.engine import Engine, Input
+from humanoid_bt.session.engine import Engine
 from humanoid_bt.session.goals import Goals, GoalTrees
 from humanoid_bt.session.interrupt import WholeTick
 from humanoid_bt.session.listener import Guarded, Listener
@@ -210,7 +210,7 @@ class Drive:
 
     def keep_key(self, name: str, *value: Any) -> None:
         """Keep for a replay that a program set a key of the blackboard, or without a value that it deleted it."""
-        self.engine.inputs.append(Input(self.engine.clock.now(), "key", [name, *map(plain, value)]))
+        self._teller.given("key", [name, *map(plain, value)])
 
     def leave(self, outcome: str, reason: str) -> None:
         """End the run between two ticks, unless it has ended."""

@@ -16,7 +16,7 @@ from humanoid_bt.core.texts import shortened
 from humanoid_bt.decision.result import reported
 from humanoid_bt.record.tick import Tick
 from humanoid_bt.session.changes import Changes
-from humanoid_bt.session.engine import Engine
+from humanoid_bt.session.engine import Engine, Input
 from humanoid_bt.session.happenings import Happenings
 from humanoid_bt.session.listener import Listener
 from humanoid_bt.session.outcome import End
@@ -81,6 +81,10 @@ class Teller:
         self._engine.announce("event", {"time": now, "level": level, "text": text})
         if self.recorder is not None:
             self.recorder.event(now, level, text)
+
+    def given(self, kind: str, value: Any) -> None:
+        """Keep for a replay what was done to the tree from outside, now: kind and value of an :class:`Input`."""
+        self._engine.inputs.append(Input(self.now, kind, value))
 
     def tree_ended(self, outcome: str, more: str = "") -> None:
         """Tell that the tree ended."""

@@ -102,6 +102,21 @@ def test_what_a_program_sets_on_the_blackboard_comes_again(project: Path, alone:
     assert again.identical
 
 
+@pytest.mark.parametrize("alone", [False, True])
+def test_what_a_program_sets_or_forces_comes_again(project: Path, alone: bool) -> None:
+    file = project / f"forced-{alone}.rrd"
+    with recorded_directly(), Session("late", workspace=project, record=file, camera=False) as session:
+        session.set("stay", "0.2 s")
+        session.run_until(0.1)
+        session.between_ticks(lambda: session.set("walk.raise_after", "5 s"))
+        session.run_until(0.4)
+        session.force("walk", "SUCCESS")
+        assert session.run().outcome == "success"
+    again = replay(file, **({"tree": "late", "workspace": project} if alone else {}))
+    assert (again.whole, again.outcome, again.difference) == (not alone, "success", None)
+    assert {row["kind"] for row in open_recording(file).inputs().to_pylist()} == {"set", "force"}
+
+
 @pytest.mark.parametrize("alone", [False, pytest.param(True, marks=pytest.mark.trials)])
 def test_a_run_that_was_paused_is_compared_up_to_that(project: Path, alone: bool) -> None:
     file = project / f"paused-{alone}.rrd"
