@@ -227,7 +227,7 @@ def flapping(history: History, time: float) -> Cause | None:
     found: dict[str, list[Change]] = {}
     for change in history.changes:
         recent = time - _FLAPPING <= change.time <= time + AT and change.status in ("SUCCESS", "FAILURE")
-        if recent and history.kind(change.path).get("kind") == "condition":
+        if recent and history.kind(change.path, change.time).get("kind") == "condition":
             found.setdefault(change.path, []).append(change)
     path, changes = max(found.items(), key=lambda item: len(item[1]), default=("", []))
     flips = sum(one.status != other.status for one, other in itertools.pairwise(changes))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Iterable, Iterator
 from functools import cached_property
 from typing import Any
@@ -23,11 +24,15 @@ class Happened:
     def __init__(self, log: FlightLog) -> None:
         self._log = log
 
+    def known(self, path: str, time: float) -> setup.NodeInfo:
+        """Return what a node was in the tree that ran at a time [s]."""
+        return setup.ran_at(self._nodes, time).get(path, setup.NodeInfo(path))
+
     @cached_property
-    def known(self) -> dict[str, setup.NodeInfo]:
-        """Every node of every tree that ran, by path."""
-        trees = [self._log.setup["tree"], *(news.value for news in self._of("tree"))]
-        return {path: node for tree in trees for path, node in setup.nodes(tree).items()}
+    def _nodes(self) -> list[tuple[float, dict[str, setup.NodeInfo]]]:
+        """Since when each tree ran, with its nodes by path."""
+        trees = [(-math.inf, self._log.setup["tree"]), *((news.time, news.value) for news in self._of("tree"))]
+        return [(since, setup.nodes(tree)) for since, tree in trees]
 
     @cached_property
     def end(self) -> Row:
@@ -97,7 +102,7 @@ class Happened:
         return found
 
     def _node(self, time: float, path: str, status: str, said: str) -> Row:
-        known = self.known.get(path, setup.NodeInfo(path))
+        known = self.known(path, time)
         name = path.rsplit("/", 1)[-1]
         return {
             "time": time,

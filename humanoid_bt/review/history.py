@@ -15,6 +15,7 @@ from humanoid_bt.core.errors import UserError, nearest
 from humanoid_bt.core.messages import Percept
 from humanoid_bt.record.reading import FlightLog
 from humanoid_bt.record.tick import Tick
+from humanoid_bt.review.setup import ran_at
 from humanoid_bt.tree.ticking.deciding import deciding
 from humanoid_bt.tree.ticking.executor import NodeChange
 
@@ -118,14 +119,14 @@ class History:
 
     def tree(self, time: float = math.inf) -> Mapping[str, Any]:
         """Return what is kept of the tree that ran at a time [s]."""
-        return next((tree for since, tree in reversed(self._trees) if since <= time + AT), {})
+        return ran_at(self._trees, time)
 
     def nodes(self, time: float = math.inf) -> dict[str, Mapping[str, Any]]:
         """Return what is kept of the nodes of the tree that ran at a time [s], by path."""
-        return next((nodes for since, nodes in reversed(self._nodes) if since <= time + AT), {})
+        return ran_at(self._nodes, time)
 
     def kind(self, path: str, time: float = math.inf) -> Mapping[str, Any]:
-        """Return what is kept of a node, nothing if it is unknown."""
+        """Return what is kept of a node of the tree that ran at a time [s], nothing if it is unknown."""
         return self.nodes(time).get(path, {})
 
     def place(self, path: str, time: float = math.inf) -> str:
@@ -138,10 +139,10 @@ class History:
         Raises:
             UserError: no node is named so.
         """
-        types = {path: node["type"] for _, nodes in self._nodes for path, node in nodes.items()}
-        known = list(types)
+        types = [(path, node["type"]) for _, nodes in self._nodes for path, node in nodes.items()]
+        known = list(dict.fromkeys(path for path, _ in types))
         found = [path for path in known if path == name or path.endswith("/" + name)]
-        found = found or [path for path in known if types[path] == name]
+        found = found or list(dict.fromkeys(path for path, of in types if of == name))
         if not found:
             names = {path.rsplit("/", 1)[-1] for path in known}
             raise UserError(f"no node of {self.tree()['name']!r} is named {name!r}", hint=nearest(name, names))

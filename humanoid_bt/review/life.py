@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from typing import Any, NamedTuple
 
@@ -42,7 +43,7 @@ def life_explained(history: History, name: str) -> Explanation:
         headline=f"{title} {_summary(history, lives)}",
         time=(final.end.time if final.end else history.until) if final else None,
         node=paths[0],
-        place=history.place(paths[0]),
+        place=history.place(paths[0], _last_of(lives, paths[0])),
         rows=list(_rows(history, paths, lives)),
         title="its life" if len(lives) <= _MOST else f"its life, the last {_MOST} times of {len(lives)}",
         moments=[moment for life in lives[-_MOST:] for moment in _told(life, len(paths) > 1)],
@@ -93,14 +94,20 @@ def _ended(change: Change) -> str:
 
 def _rows(history: History, paths: list[str], lives: list[Life]) -> Iterator[Row]:
     for number, path in enumerate(paths[:3]):
-        yield "node" if number == 0 else "", f"{path}  {history.place(path)}"
-    kind = history.kind(paths[0])
-    values = {name: shown_quantity(history.value(value)) for name, value in kind.get("values", {}).items()}
+        yield "node" if number == 0 else "", f"{path}  {history.place(path, _last_of(lives, path))}"
+    time = _last_of(lives, paths[0])
+    kind = history.kind(paths[0], time)
+    values = {name: shown_quantity(history.value(value, time)) for name, value in kind.get("values", {}).items()}
     yield "type", ", ".join([kind.get("type", "?"), *(f"{name}: {value}" for name, value in values.items())])
     if lives:
         yield from _commanded(history, lives[-1])
         for number, (name, value, unit) in enumerate(lives[-1].results[:4]):
             yield "results" if number == 0 else "", f"{name.replace('_', ' ')} {readable(value, unit)}"
+
+
+def _last_of(lives: list[Life], path: str) -> float:
+    """Return when the last life of a node began [s], infinity if it had none: the tree of that time has it."""
+    return max((life.begin for life in lives if life.path == path), default=math.inf)
 
 
 def _commanded(history: History, life: Life) -> Iterator[Row]:

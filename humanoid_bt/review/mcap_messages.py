@@ -129,12 +129,11 @@ def _upright(heading: float) -> dict[str, float]:
 
 
 def _logs(recording: Recording, wanted: Wanted, name: str) -> Iterator[Message]:
-    places = {path: node.place for path, node in recording.happened.known.items()}
     for row in _rows(recording, wanted, name):
         node = row.get("node", "")
         level = _LEVELS.get(row["level"], 0) if name == "events" else _STATUS_LEVELS.get(row["status"], 2)
         text = row["text"] if name == "events" else f"{row['status']} {row['text']}".strip()
-        file, line = _file_and_line(places.get(node, ""))
+        file, line = _file_and_line(recording.happened.known(node, row["time"]).place)
         value = {"timestamp": _stamp(row["time"]), "level": level, "message": text, "name": node}
         yield Message(row["time"], f"/{name}", LOG, {**value, "file": file, "line": line})
 

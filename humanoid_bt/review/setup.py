@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, TypeVar
+
+T = TypeVar("T")
+
+_AT = 1e-6  # s; engine times that differ by less are the same
 
 
 @dataclass(frozen=True)
@@ -43,6 +47,16 @@ class ParameterInfo:
     def given(self) -> bool:
         """Whether it was given from outside."""
         return self.origin.startswith("given")
+
+
+def ran_at(one_by_one: Sequence[tuple[float, T]], time: float) -> T:
+    """Return what is kept of the tree that ran at a time [s]; the tree that takes its place then runs later.
+
+    Args:
+        one_by_one: since when [s], and what is kept, of each tree that ran; the first since ever.
+        time: engine time [s].
+    """
+    return next((kept for since, kept in reversed(one_by_one) if since < time - _AT), one_by_one[0][1])
 
 
 def nodes(tree: Mapping[str, Any]) -> dict[str, NodeInfo]:

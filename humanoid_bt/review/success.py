@@ -40,10 +40,11 @@ def _lost(history: History) -> Iterator[Row]:
     found: dict[str, list[float]] = {}
     before: dict[str, str] = {}
     for change in history.changes:
-        kind = history.kind(change.path).get("type")
-        gave_up = kind == "watchdog" and change.status == "FAILURE" and change.said
-        doubtful = kind == "confident" and change.status == "FAILURE" and before.get(change.path) == "SUCCESS"
-        stale = history.kind(change.path).get("branch") == "on_stale" and change.status == "RUNNING"
+        node, failed = history.kind(change.path, change.time), change.status == "FAILURE"
+        kind = node.get("type")
+        gave_up = kind == "watchdog" and failed and change.said
+        doubtful = kind == "confident" and failed and before.get(change.path) == "SUCCESS"
+        stale = node.get("branch") == "on_stale" and change.status == "RUNNING"
         if gave_up or doubtful or stale:
             found.setdefault(change.path, []).append(change.time)
         before[change.path] = change.status

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import json
 from collections.abc import Callable
 from pathlib import Path
@@ -13,9 +14,10 @@ import pytest
 
 import humanoid_bt as hbt
 from humanoid_bt.cli import main
-from humanoid_bt.record.reading import Cycles, read_flight
+from humanoid_bt.record.reading import Cycles, News, read_flight
 from humanoid_bt.review.body import Motion
 from humanoid_bt.review.explain import modes_told
+from humanoid_bt.review.happened import Happened
 from humanoid_bt.review.history import History, Span
 from humanoid_bt.review.life import life_explained
 from humanoid_bt.review.moment import moment_explained
@@ -183,6 +185,21 @@ def test_the_life_of_a_node(seen: Path) -> None:
     rows = dict(found.rows)
     assert "base to" in rows["first"] and "base to" in rows["at last"]
     assert rows["type"] == "approach, target: target"
+
+
+@pytest.mark.parametrize("gone", [False, True])
+def test_a_node_is_told_as_it_was_in_the_tree_in_which_it_ran(seen: Path, gone: bool) -> None:
+    log = read_flight(seen)
+    edited = copy.deepcopy(log.setup["tree"])
+    for node in edited["nodes"]:
+        node |= {"type": "wait", "kind": "action", "place": "new.yaml:1:1"}
+        node["path"] += "/new" * gone
+    log.news.append(News(0.4, "tree", edited))  # in the tick in which it was halted
+    found = life_explained(History(log), "approach")
+    rows = dict(found.rows)
+    assert rows["type"] == "approach, target: target"
+    assert found.place.startswith("trees/doubtful.yaml:") and found.place in rows["node"]
+    assert {row["type"] for row in Happened(log).nodes if row["name"] == "approach"} == {"approach"}
 
 
 def test_a_node_that_never_had_its_turn(play: Play) -> None:
