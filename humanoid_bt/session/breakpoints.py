@@ -63,7 +63,7 @@ class NodeBreak:
 
     def find(self, tree: Tree) -> None:
         """Find the nodes; raises UserError if there are none."""
-        self._paths = frozenset(node.path for node in tree.nodes if f"/{node.path}".endswith(f"/{self._end}"))
+        self._paths = _ending(tree, self._end)
         if not self._paths:
             tree.node(self._end)
 
@@ -71,8 +71,10 @@ class NodeBreak:
         """Pause when one of them starts, or gets the status."""
         if change.path not in self._paths:
             return None
-        starts = change.status is not Status.INVALID and before is not Status.RUNNING
-        if not starts if self._status is None else change.status is not self._status:
+        ran, halted = before is Status.RUNNING, change.status is Status.INVALID
+        if halted and not ran:
+            return None  # what it had answered is forgotten
+        if ran if self._status is None else change.status is not self._status:
             return None
         says = change.feedback if change.status is Status.INVALID else f"{change.status.name}: {change.feedback}"
         return Pause(f"break at {change.path}", says.removesuffix(": ") or "halted")
@@ -147,19 +149,23 @@ _EXAMPLES = "like reach, reach=FAILURE or 'distance(target) < 0.5 m'"
 
 
 def _breakpoint(text: str, tree: Tree, percepts: Collection[str]) -> Breakpoint:
+    if _ending(tree, text):
+        return NodeBreak(text, text, None)
     at_status = _AT_STATUS.fullmatch(text)
-    if at_status is not None and _NODE.fullmatch(at_status["node"]):
+    if at_status is not None and (_NODE.fullmatch(at_status["node"]) or _ending(tree, at_status["node"].strip())):
         status = at_status["status"].upper()
         if status not in STATUSES:
             message = f"{text!r} pauses at no status of a node: {at_status['status']!r}"
             raise UserError(message, hint=nearest(status, STATUSES), code="wrong-choice")
         return NodeBreak(text, at_status["node"].strip(), STATUSES[status])
-    names = NamesOf(tree)
-    if any(f"/{node.path}".endswith(f"/{text}") for node in tree.nodes):
-        return NodeBreak(text, text, None)
-    if _NODE.fullmatch(text) and not set(re.findall(r"\w+", text)) & {"and", "or", "not", *names.known}:
+    if _NODE.fullmatch(text) and not set(re.findall(r"\w+", text)) & {"and", "or", "not", *NamesOf(tree).known}:
         return NodeBreak(text, text, None)
     return ExpressionBreak(text, percepts)
+
+
+def _ending(tree: Tree, end: str) -> frozenset[str]:
+    """Return the paths of nodes that end so."""
+    return frozenset(node.path for node in tree.nodes if f"/{node.path}".endswith(f"/{end}"))
 
 
 def _place() -> Place:

@@ -298,6 +298,28 @@ def test_a_halt_is_a_breakpoint_but_not_that_of_the_end() -> None:
     assert ends.paused is None
 
 
+REPEATED = """\
+format: 1
+root:
+  repeat: {times: 2, sequence: [{pause: {name: step (v1.2), duration: 20 ms}}]}
+"""
+
+
+@pytest.mark.parametrize(
+    ("where", "found"),
+    [
+        ("step (v1.2)", ["RUNNING: waiting", "RUNNING: waiting"]),
+        ("step (v1.2)=SUCCESS", ["SUCCESS: waited", "SUCCESS: waited"]),
+        ("step (v1.2)=HALTED", []),  # that its parent starts anew halts nothing
+    ],
+)
+def test_a_breakpoint_is_at_a_node_whatever_its_name(project: Path, where: str, found: list[str]) -> None:
+    (project / "trees" / "repeated.yaml").write_text(REPEATED, encoding="utf-8")
+    with hbt.Session("repeated") as session:
+        session.break_at(where)
+        assert [reason for _, reason in stops(session)] == found
+
+
 @pytest.mark.parametrize(
     ("where", "said"),
     [
