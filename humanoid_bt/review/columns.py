@@ -154,7 +154,7 @@ TABLES: dict[str, TableSpec] = {
         ),
     ),
     "spans": TableSpec(
-        "A node ran, from its first tick to its end.",
+        "A node ran, from its first tick to its end; of nodes that ended in their first tick, only skills.",
         (
             _TIME,
             Column("ended", "number", "engine time of its end, or of the tree's", "s"),

@@ -82,7 +82,7 @@ class Happened:
         return max((news.time for news in self._log.news), default=0.0)
 
     def spans(self, until: float) -> list[Row]:
-        """Return when nodes ran, in the order in which they began.
+        """Return when nodes ran, in the order in which they began; a skill also when it ended in its first tick.
 
         Args:
             until: engine time [s] of the tree's end, for those that still ran then.
@@ -97,6 +97,8 @@ class Happened:
             elif path in running:
                 span = running.pop(path)
                 span |= {"ended": change["time"], "status": status, "text": change["text"]}
+            elif change["kind"] == "skill" and status != "INVALID":
+                found.append({**change, "ended": change["time"]})
         for span in found:
             span["duration"] = max(span["ended"] - span["time"], 0.0)
         return found

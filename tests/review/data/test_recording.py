@@ -13,10 +13,11 @@ import pytest
 
 import humanoid_bt as hbt
 from humanoid_bt.core.errors import UserError
-from humanoid_bt.record.reading import read_flight
+from humanoid_bt.record.reading import News, read_flight
 from humanoid_bt.review import explain as explaining
 from humanoid_bt.review import samples
 from humanoid_bt.review.columns import TABLES
+from humanoid_bt.review.happened import Happened
 from humanoid_bt.review.recording import Recording
 from humanoid_bt.session.run import run
 
@@ -94,6 +95,15 @@ def test_spans_follow_from_changes(recording: Recording) -> None:
     assert spans["approach"]["status"] == "INVALID" and "preempted" in spans["approach"]["text"]
     assert spans["idle"]["duration"] == pytest.approx(0.3)
     assert recording.spans(between=(2.2, 2.3)).num_rows < recording.spans().num_rows
+
+
+def test_a_skill_that_ends_in_its_first_tick_has_a_span(file: Path) -> None:
+    log = read_flight(file)
+    path = next(node["path"] for node in log.setup["tree"]["nodes"] if node["kind"] == "skill")
+    log.news[:] = [News(1.0, "node", [path, status, ""]) for status in ("SUCCESS", "INVALID", "FAILURE")]
+    spans = Happened(log).spans(2.0)
+    assert [(s["node"], s["time"], s["ended"], s["duration"]) for s in spans] == 2 * [(path, 1.0, 1.0, 0.0)]
+    assert [s["status"] for s in spans] == ["SUCCESS", "FAILURE"]
 
 
 def test_limits_are_those_of_the_robot(recording: Recording) -> None:
