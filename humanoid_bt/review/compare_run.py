@@ -52,10 +52,16 @@ class NodeShift(NamedTuple):
     before: tuple[str, float] | None
     after: tuple[str, float] | None
 
+    @property
+    def time(self) -> float:
+        """The engine time of the earlier of the two [s]."""
+        return min(at[1] for at in (self.before, self.after) if at is not None)
+
 
 def first_parting(
-    one: tuple[Iterator[Tick], Sequence[Row]],
-    other: tuple[Iterator[Tick], Sequence[Row]],
+    one: Iterator[Tick],
+    other: Iterator[Tick],
+    shifts: Sequence[NodeShift],
     joints: Sequence[str],
     tolerance: float = 0.0,
     gaps: bool = False,
@@ -63,13 +69,14 @@ def first_parting(
     """Return the first moment in which two runs part, None if they never do.
 
     Args:
-        one, other: the ticks, and the changes of nodes.
+        one, other: the ticks.
+        shifts: the first changes of nodes that differ, as :func:`node_shifts` has them.
         joints: names of the robot's joints.
         tolerance: numbers that differ by no more are the same, whatever their unit.
         gaps: whether ticks may be missing in one of them: only those are compared then that are in both.
     """
-    found = _of_ticks((_in_both if gaps else zip_longest)(one[0], other[0]), joints, tolerance)
-    node = _of_nodes(one[1], other[1])
+    found = _of_ticks((_in_both if gaps else zip_longest)(one, other), joints, tolerance)
+    node = _of_node(shifts[0]) if shifts else None
     if found is None or node is None:
         return found or node
     sees = not found.quantity.startswith("command")  # what a tick sees comes before what nodes make of it
@@ -122,7 +129,7 @@ def node_shifts(one: Sequence[Row], other: Sequence[Row], tolerance: float) -> l
             if before is None or after is None or before[0] != after[0] or abs(before[1] - after[1]) > tolerance + 1e-9:
                 found.append(NodeShift(node, before, after))
                 break
-    return sorted(found, key=lambda shift: min(at[1] for at in (shift.before, shift.after) if at is not None))
+    return sorted(found, key=lambda shift: shift.time)
 
 
 def result_changes(one: Sequence[Row], other: Sequence[Row], tolerance: float) -> Iterator[Change]:
@@ -196,19 +203,12 @@ def _of_ticks(
     return None
 
 
-def _of_nodes(one: Sequence[Row], other: Sequence[Row]) -> Parting | None:
-    for before, after in zip_longest(one, other):
-        keys = [None if row is None else (_below(row["node"]), row["status"], row["time"]) for row in (before, after)]
-        if keys[0] != keys[1]:
-            time = min(row["time"] for row in (before, after) if row is not None)
-            texts = [_at(row, time) for row in (before, after)]
-            return Parting(time, "node", *texts)
-    return None
-
-
-def _at(row: Row | None, time: float) -> str:
-    """Return what a node did at a time [s], if it did anything then."""
-    return f"{_below(row['node'])} {row['status']}" if row is not None and row["time"] == time else "nothing"
+def _of_node(shift: NodeShift) -> Parting:
+    texts = [
+        "nothing" if at is None or at[1] != shift.time else f"{shift.node} {at[0]}"  # what it did at that time
+        for at in (shift.before, shift.after)
+    ]
+    return Parting(shift.time, "node", *texts)
 
 
 def _by_name(tick: Tick) -> dict[str, Any]:

@@ -14,9 +14,6 @@ from humanoid_bt.review.compare_setup import Change, setup_changes
 from humanoid_bt.review.happened import Row
 from humanoid_bt.review.recording import Recording
 
-TICK = 0.02
-"""Times of nodes that differ by no more [s] are the same, unless another tolerance is asked for."""
-
 _GAP = 5 * DECISION_PERIOD  # s without a tick that are damage
 
 
@@ -49,34 +46,48 @@ class Difference:
         }
 
 
-def difference(one: Recording, other: Recording, tolerance: float = 0.0, within: float = TICK) -> Difference:
+def difference(one: Recording, other: Recording, tolerance: float = 0.0, within: float | None = None) -> Difference:
     """Return how two runs differ.
+
+    In realtime mode no two runs see and command the same in each tick: ticks are not compared there, and times of nodes
+    count from the first tick.
 
     Args:
         one, other: their recordings.
         tolerance: numbers of states, percepts, commands and results that differ by no more are the same.
-        within: times of nodes that differ by no more [s] are the same.
+        within: times of nodes that differ by no more [s] are the same; None for a tick in realtime mode, else 0.
 
     Raises:
         UserError: a tolerance is negative.
     """
+    realtime = any(map(_is_realtime, (one, other)))
+    if within is None:
+        within = DECISION_PERIOD if realtime else 0.0
     if not (tolerance >= 0 and within >= 0):
         raise UserError(f"a tolerance must be a number, 0 or more, not {min(tolerance, within)}")
     joints = [row["joint"] for row in setup.joints(one.setup)]
     changes = list(setup_changes(one.setup, other.setup))
     until = min(_whole_until(one), _whole_until(other))
     changes += result_changes(_up_to(until, one.happened.results), _up_to(until, other.happened.results), tolerance)
-    nodes = _up_to(until, one.happened.nodes), _up_to(until, other.happened.nodes)
+    nodes = [_from_first_tick(run, _up_to(until, run.happened.nodes)) for run in (one, other)]
+    shifts = node_shifts(nodes[0], nodes[1], within)
+    ticks = [iter(()) if realtime else run.every_tick() for run in (one, other)]
     for name, before, after in (("outcome", one.outcome, other.outcome), ("reason", one.reason, other.reason)):
         if before != after:
             changes.append(Change("outcome", name, before or None, after or None))
-    return Difference(
-        changes,
-        first_parting(
-            (one.every_tick(), nodes[0]), (other.every_tick(), nodes[1]), joints, tolerance, until < math.inf
-        ),
-        node_shifts(nodes[0], nodes[1], within),
-    )
+    return Difference(changes, first_parting(ticks[0], ticks[1], shifts, joints, tolerance, until < math.inf), shifts)
+
+
+def _is_realtime(recording: Recording) -> bool:
+    return bool(recording.setup["mode"] == "realtime")
+
+
+def _from_first_tick(recording: Recording, rows: list[Row]) -> list[Row]:
+    """Return what happened with times from the first tick on: in realtime mode control has run for a while by then."""
+    if not _is_realtime(recording):
+        return rows
+    began = next((tick.state.time for tick in recording.every_tick()), 0.0)
+    return [{**row, "time": row["time"] - began} for row in rows]
 
 
 def _up_to(until: float, rows: list[Row]) -> list[Row]:

@@ -44,9 +44,8 @@ def add_diff(commands: Commands) -> None:
     diff.add_argument(
         "--within",
         type=number(_TIME),
-        default=0.02,
         metavar="S",
-        help="times of nodes that differ by no more [s] are the same; default 0.02, a tick",
+        help="times of nodes that differ by no more [s] are the same; default 0.02, a tick, in realtime mode, else 0",
     )
     how = diff.add_mutually_exclusive_group()
     how.add_argument("--json", action="store_true", help="for programs: everything, as one object")

@@ -16,6 +16,7 @@ import pytest
 
 from humanoid_bt.cli import main
 from humanoid_bt.core.messages import Command, HandTarget, Pointing
+from humanoid_bt.record.reading import News, read_flight
 from humanoid_bt.record.rrd import RrdFile
 from humanoid_bt.record.shape import SETUP
 from humanoid_bt.record.tick import Tick
@@ -63,7 +64,7 @@ def ticks(recording: Recording) -> list[Tick]:
 
 
 def parting(one: list[Tick], other: list[Tick], tolerance: float = 0.0) -> tuple[float, str, str, str] | None:
-    return first_parting((iter(one), []), (iter(other), []), ["hip", "knee"], tolerance)
+    return first_parting(iter(one), iter(other), [], ["hip", "knee"], tolerance)
 
 
 def bent(tick: Tick, angle: float) -> Tick:
@@ -91,9 +92,9 @@ def test_ticks_that_one_recording_lacks_are_no_difference(recording: Recording) 
     one, joints = ticks(recording), ["hip", "knee"]
     for kept in ([*one[:5], *one[9:]], one[3:]):
         for pair in ((one, kept), (kept, one)):
-            assert first_parting(*((iter(of), []) for of in pair), joints, gaps=True) is None  # type: ignore[misc]  # a pair of generators
+            assert first_parting(iter(pair[0]), iter(pair[1]), [], joints, gaps=True) is None
     other = [*one[:5], *one[9:12], bent(one[12], 0.25), *one[13:]]
-    found = first_parting((iter(one), []), (iter(other), []), joints, gaps=True)
+    found = first_parting(iter(one), iter(other), [], joints, gaps=True)
     assert found is not None and found[:2] == (one[12].state.time, "joint_positions 3")
 
 
@@ -105,6 +106,22 @@ def test_what_a_cut_recording_lacks_is_no_difference(file: Path, tmp_path: Path)
     assert found.parting is not None and found.parting.quantity == "the recording"
     assert found.nodes == []
     assert {change.part for change in found.changes} == {"outcome"}
+
+
+def test_runs_in_realtime_mode_are_compared_from_their_first_ticks(file: Path) -> None:
+    logs = [read_flight(file) for _ in range(2)]
+    for log, late in zip(logs, (1.167, 1.717), strict=True):
+        log.setup["mode"] = "realtime"
+        log.news[:] = [News(news.time + late, *news[1:]) for news in log.news]
+        found = [replace(tick, state=replace(tick.state, time=tick.state.time + late)) for tick in log.ticks(0.0, 0.1)]
+        log.ticks = lambda *_, found=found: iter(found)  # type: ignore[method-assign]  # of this log
+    one, other = map(Recording, logs)
+    assert difference(one, other).is_none
+    logs[1].news[:] = [News(news.time + 0.05, *news[1:]) for news in logs[1].news]
+    again = Recording(logs[1])
+    assert difference(one, again, within=0.06).is_none
+    shifted = difference(one, again)
+    assert shifted.parting is not None and shifted.parting[:2] == (pytest.approx(0.0), "node")
 
 
 def change(node: str, status: str, time: float) -> dict[str, Any]:
@@ -132,8 +149,8 @@ def test_what_a_node_does_parts_runs_before_the_command(recording: Recording) ->
     command = one[0].command
     assert command is not None
     other = [replace(one[0], command=replace(command, stamp=9.0)), *one[1:]]
-    changes = [change("a", "RUNNING", 0.0)], [change("a", "FAILURE", 0.0)]
-    found = first_parting((iter(one), changes[0]), (iter(other), changes[1]), [])
+    shifts = node_shifts([change("a", "RUNNING", 0.0)], [change("a", "FAILURE", 0.0)], 0.0)
+    found = first_parting(iter(one), iter(other), shifts, [])
     assert found == (0.0, "node", "a RUNNING", "a FAILURE")
 
 
