@@ -98,7 +98,7 @@ def test_a_moment_without_servo_cycles_is_explained_by_its_tick(recorded):
     explanation = explain(recorded.recording, at=0.2)
     assert explanation.headline == "at 0.200 s: 'reach' ran, mode run"
     assert explanation.data["command"] == 9
-    with pytest.raises(UserError, match=r"valid: 0.00 to 0.\d\d s"):
+    with pytest.raises(UserError, match=r"valid: 0.000 to 0.\d\d\d s"):
         explain(recorded.recording, at=2.0)
 
 
