@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from humanoid_bt import Gait, Improving, PerceptName, Route, Skill, Status, of_gaze, param, result
+from humanoid_bt import Gait, Improving, PerceptName, Route, Skill, Status, Track, of_gaze, param, result
 
 _SIDES = np.radians(np.arange(0, 360, 15))  # of the target, at which it may stand; the first is the one it comes from
-_FARTHER = np.arange(0, 1.01, 0.05)  # m farther away than asked for, where it cannot stand nearer
+_FARTHER, _STEP = 1.01, 0.05  # m farther away than asked for, besides the target's own size, if it cannot stand nearer
 _WORTH = 10.0  # m of way that it goes to stand a metre nearer
 _STAY = 1.0  # m of way that it saves to stay where it stands, once it does: what it sees is never quite the same
 
@@ -18,9 +18,9 @@ class Approach(Skill):
     """Walk until the target is straight ahead at a distance, round everything solid that was seen.
 
     Succeeds once the robot stands there; follows a target that moves. If something stands in that place, as a table
-    does below a cup, it stands at another side of the target, or as near as it can. Waits while something moves in its
-    way. Fails if the target was never seen or is gone; with what is in the way, if there is no way to it; and if it
-    stands and makes no step, as for a tolerance that is too small.
+    does below a cup, or the target itself reaches there, it stands at another side of the target, or as near as it can.
+    Waits while something moves in its way. Fails if the target was never seen or is gone; with what is in the way, if
+    there is no way to it; and if it stands and makes no step, as for a tolerance that is too small.
     """
 
     resources = ("base", "gaze")
@@ -65,7 +65,7 @@ class Approach(Skill):
         if track is None or track.gone:
             return self.fail(self.robot.why_unseen(self.target))
         stance, target = self.robot.state.stance, track.position_world[:2]
-        self._goal = self._place(target, stance[:2])
+        self._goal = self._place(track, stance[:2])
 
         self.target_distance, self.bearing_error = track.distance, track.bearing
         to_go = math.dist(self._goal, stance[:2])
@@ -95,8 +95,9 @@ class Approach(Skill):
             return self.fail(f"comes no nearer: {to_go:.2f} m and {turn:.0f} deg to go{stands}")
         return self.running(f"{to_go:.2f} m to go to {self.target}")
 
-    def _place(self, target: np.ndarray, here: np.ndarray) -> np.ndarray:
+    def _place(self, track: Track, here: np.ndarray) -> np.ndarray:
         """Return where to stand: straight before the target if nothing is in the way, else where there is a way to."""
+        target = track.position_world[:2]
         stop_at = self.robot.config.reach_distance if self.distance is None else self.distance
         heading = math.atan2(*(target - here)[::-1])
         goal = target - stop_at * np.array([math.cos(heading), math.sin(heading)])
@@ -107,16 +108,23 @@ class Approach(Skill):
             if moved < noise and self._route.free([self._goal], [self.target])[0]:
                 return self._goal
         self._goal_of, self._straight = target, straight
-        return goal if straight else self._beside(target, heading, stop_at, goal)
+        return goal if straight else self._beside(track, heading, stop_at, goal)
 
-    def _beside(self, target: np.ndarray, heading: float, stop_at: float, goal: np.ndarray) -> np.ndarray:
-        """Return the best place to stand beside a target among obstacles; the one straight ahead if there is none."""
+    def _beside(self, track: Track, heading: float, stop_at: float, goal: np.ndarray) -> np.ndarray:
+        """Return the best place to stand beside a target among obstacles; the one straight ahead if there is none.
+
+        Only where it comes to straight on, and faces the target, does it stand so near to that that it could not turn.
+        """
+        reach = 0.0 if track.size is None else math.hypot(*track.size[:2]) / 2
+        farther = np.arange(0.0, _FARTHER + reach, _STEP)
         directions = np.stack([np.cos(heading + _SIDES), np.sin(heading + _SIDES)], 1)
-        places = target - (stop_at + _FARTHER)[:, None, None] * directions  # (farther, sides, 2)
-        free = np.reshape(self._route.free(places.reshape(-1, 2), [self.target]), places.shape[:2])
+        places = track.position_world[:2] - (stop_at + farther)[:, None, None] * directions  # (farther, sides, 2)
+        free = np.reshape(self._route.free(places.reshape(-1, 2)), places.shape[:2])
+        if self._route.is_straight(goal):
+            free[:, 0] = self._route.free(places[:, 0], [self.target])
         sides = np.flatnonzero(free.any(axis=0))
         nearest = free.argmax(axis=0)[sides]
-        costs = _WORTH * _FARTHER[nearest]
+        costs = _WORTH * farther[nearest]
         at = np.linalg.norm(places[nearest, sides] - self.robot.state.stance[:2], axis=1) < self.tolerance
         best = self._route.nearest(places[nearest, sides], costs - _STAY * at, [self.target])
         return goal if best is None else np.asarray(places[nearest[best], sides[best]])

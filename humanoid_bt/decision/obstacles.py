@@ -60,6 +60,12 @@ class Obstacles:
         """Return how far points, shape (m, 2), are from each rectangle: shape (m, n) [m], negative inside."""
         return np.asarray(self.beyond(points).max(axis=2))
 
+    def toward(self, points: Array) -> Array:
+        """Return how far a metre from points, shape (m, 2), to each middle goes in each direction: shape (m, n, 8)."""
+        ways = self.middles - points[:, None]
+        ways /= np.maximum(np.linalg.norm(ways, axis=2, keepdims=True), _TINY)
+        return np.asarray(np.einsum("mnx,nkx->mnk", ways, self._normals).clip(-1.0, 1.0))
+
     def straight(self, start: Array, ends: Array, room: float) -> NDArray[np.bool_]:
         """Return which straight ways from one place keep a distance from everything, shape (m,).
 

@@ -19,6 +19,7 @@ from humanoid_bt.decision.signals import Lasting
 from humanoid_bt.decision.surroundings import REMEMBERED, Surroundings
 
 _LEAST = 0.02  # m beyond its radius that the robot keeps away where there is no more room
+_TOES = 0.05  # m beyond the tips of its feet that it keeps away from what it walks up to
 _TURNING = 0.02  # m by which a robot that turns on the spot keeps within its radius
 _CUT = 0.4  # share of the clearance by which it may cut a corner
 _SPACING = 0.05  # m between points of the way that are looked at
@@ -61,6 +62,7 @@ class Route:
         self._least = robot.config.walking_radius + _LEAST
         self._wide = max(robot.config.walking_radius + clearance, self._least)
         self._narrow = max(self._wide - _CUT * clearance, self._least)  # between corners
+        self._front = robot.config.sole.half_length + _TOES
         self._giving_way = GivingWay(self._around, robot.config.gait, self._least)
         self._waits, self._stuck = Lasting(patience), Lasting(_NO_WAY_TIME)
         self._plan: Plan | None = None
@@ -77,7 +79,7 @@ class Route:
         Args:
             place: where to stand, shape (2,), middle between the feet, world frame [m].
             heading: where to face there, world frame [rad].
-            ignore: obstacles beside which the place may be as near as it likes, such as what the robot walks up to.
+            ignore: obstacles that the robot walks up to and faces there: it may stand as near to them as its feet can.
         """
         goal = np.array(place, dtype=float)
         here = self._robot.state.stance[:2]
@@ -165,10 +167,11 @@ class Route:
         """Return what is too near to each place, by name."""
         if not len(around):
             return [[] for _ in places]
-        near = (around.distances(places) < self._least).tolist()
-        names = [name for name in around.names if name not in ignore]
-        beside = [dict(zip(around.names, row, strict=True)) for row in near]
-        return [[name for name in names if row[name]] for row in beside]
+        along = around.toward(places)
+        facing = np.hypot(self._front * along, self._least * np.sqrt(1.0 - along**2))  # an ellipse, seen from above
+        ignored = np.array([[name in ignore] for name in around.names])
+        near = np.all(around.beyond(places) < np.where(ignored, facing, self._least), axis=2).tolist()
+        return [[name for name, one in zip(around.names, row, strict=True) if one] for row in near]
 
     def _outdated(self, here: Array, goal: Array) -> bool:
         now = self._robot.clock.now()

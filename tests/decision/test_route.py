@@ -1,4 +1,4 @@
-"""How long a way is, and how far it turns."""
+"""How long a way is, how far it turns, and where it may end."""
 
 from __future__ import annotations
 
@@ -8,8 +8,12 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from humanoid_bt.core.clock import CycleClock
+from humanoid_bt.core.messages import Percept
+from humanoid_bt.decision.robot_handle import RobotHandle
 from humanoid_bt.decision.route import Route
 from humanoid_bt.robot.config import GaitConfig
+from tests.tree.helpers import make_robot, make_state
 
 
 @pytest.mark.parametrize(
@@ -24,9 +28,33 @@ from humanoid_bt.robot.config import GaitConfig
 def test_a_way_is_as_long_as_its_parts_and_turns_with_them(
     points: list[list[float]], heading: float, length: float, turns: float
 ) -> None:
-    config = SimpleNamespace(gait=GaitConfig(), walking_radius=0.3)
+    config = SimpleNamespace(gait=GaitConfig(), walking_radius=0.3, sole=SimpleNamespace(half_length=0.1))
     robot = SimpleNamespace(config=config, state=SimpleNamespace(stance=np.zeros(3)))
     route = Route(robot)  # type: ignore[arg-type]  # all that it asks a robot for to measure a way
     route._measure(np.array(points, dtype=float), heading)
     assert route.to_go == pytest.approx(length)
     assert route.turns_to_go == pytest.approx(turns)
+
+
+@pytest.mark.parametrize(
+    ("place", "up_to", "past"),
+    [
+        ((2.0, 0.0), False, False),  # in it
+        ((1.75, 0.0), False, False),  # its toes would be
+        ((1.65, 0.0), True, False),  # facing its long side
+        ((2.0, -1.2), True, False),  # facing its end
+        ((1.6, 0.8), False, False),  # facing its middle from there, a shoulder would be in it
+        ((1.4, 0.0), True, True),
+    ],
+)
+def test_what_it_walks_up_to_leaves_room_for_a_robot_that_faces_it(
+    place: tuple[float, float], up_to: bool, past: bool
+) -> None:
+    robot = make_robot(CycleClock())
+    route = Route(RobotHandle(robot, "walk", ("base",)))
+    bench = Percept("bench", 0.0, np.array([2.0, 0.0, -0.4]), 0.9, np.array([0.3, 2.0, 0.7]))
+    robot.begin_tick(make_state(), {"bench": bench})
+    assert route.free([place], ignore=["bench"]) == [up_to]
+    assert route.free([place]) == [past]
+    assert route.nearest([place], ignore=["bench"]) == (0 if up_to else None)
+    assert route.follow(place, heading=0.0, ignore=["bench"]) == up_to

@@ -84,6 +84,25 @@ def test_stands_as_near_as_it_can(rig: Rig) -> None:
     assert 0.8 - rig.state.stance[0] == pytest.approx(0.4, abs=0.08)  # its walking_radius and 2 cm
 
 
+@pytest.mark.parametrize("length", [0.6, 3.0], ids=["box", "stage"])
+def test_stands_as_near_as_it_can_to_a_large_target(rig: Rig, length: float) -> None:
+    rig.settle(0.5)
+    rig.see("target", (0.2 + length / 2, 0.0, 0.35), size=(length, length, 0.7))
+    result = rig.run("approach", target="target", distance=0.4)
+    assert result.succeeded, result.feedback
+    assert {state.gait for state in result.states} == {Gait.STAND}
+
+
+def test_walks_round_the_target_to_where_it_comes_nearest(rig: Rig) -> None:
+    rig.see("bench", (1.1, 0.0, 0.35), size=(1.2, 0.3, 0.7))
+    result = rig.run("approach", target="bench", distance=0.4, timeout=20)
+    assert result.succeeded, result.feedback
+    stances = np.array([state.stance[:2] for state in result.states])
+    away = np.linalg.norm(np.maximum(np.abs(stances - [1.1, 0.0]) - [0.6, 0.15], 0.0), axis=1)
+    assert away.min() > 0.15
+    assert result.results["target_distance"] == pytest.approx(0.4, abs=0.07)
+
+
 def test_says_what_is_in_the_way(rig: Rig) -> None:
     rig.see("hall", (3.0, 0.0, 0.35), size=(5.0, 5.0, 0.7))
     result = rig.run("approach", target=(3.0, 0.0, 0.9))
