@@ -132,7 +132,7 @@ class PartedFile:
             stream = _within(FLUSH_TIMEOUT, lambda: self._open_stream(path))
             if not _flush(stream) and file.refusal():
                 raise UserError("the recording cannot be begun")
-        except BaseException as error:
+        except BaseException as error:  # whatever ends it, also Ctrl-C, leaves no file behind
             why = file.give_up() or ("nothing can be written there" if isinstance(error, TimeoutError) else "")
             if why and isinstance(error, (UserError, TimeoutError)):
                 hint = "free its disk, or give another file with --record FILE (record=FILE in Python)"
@@ -168,7 +168,7 @@ def _within(patience: float | None, call: Callable[[], _T]) -> _T:
     def ask() -> None:
         try:
             answer.set_result(call())
-        except BaseException as error:
+        except BaseException as error:  # for who waits, as what was answered is
             answer.set_exception(error)
 
     threading.Thread(target=ask, name="library", daemon=True).start()
