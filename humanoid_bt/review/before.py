@@ -7,9 +7,10 @@ from collections.abc import Iterator
 import numpy as np
 
 from humanoid_bt.core.units import readable
+from humanoid_bt.record.reading import AT
 from humanoid_bt.review.body import Motion
 from humanoid_bt.review.explanation import Moment
-from humanoid_bt.review.history import AT, OVER, History
+from humanoid_bt.review.history import OVER, History
 from humanoid_bt.review.words import changed, cut
 
 _LEANS = 0.2  # rad of tilt that no robot that walks has

@@ -11,10 +11,11 @@ from typing import NamedTuple
 from humanoid_bt.core.clock import DECISION_PERIOD
 from humanoid_bt.core.units import readable
 from humanoid_bt.record.folder import log_beside
+from humanoid_bt.record.reading import AT
 from humanoid_bt.review import failures
 from humanoid_bt.review.body import Motion
 from humanoid_bt.review.cause import Cause
-from humanoid_bt.review.history import AT, Happened, History, Stopped
+from humanoid_bt.review.history import Happened, History, Stopped
 from humanoid_bt.review.pushed import hardest_push
 from humanoid_bt.review.weak_joint import gave_way, labouring
 from humanoid_bt.review.words import cut, doing, last, line_of, when

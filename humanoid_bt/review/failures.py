@@ -8,10 +8,11 @@ from dataclasses import replace
 
 from humanoid_bt.core.clock import DECISION_PERIOD
 from humanoid_bt.core.units import readable
+from humanoid_bt.record.reading import AT
 from humanoid_bt.review import instead
 from humanoid_bt.review.body import Motion
 from humanoid_bt.review.cause import Cause, Row
-from humanoid_bt.review.history import AT, Change, History
+from humanoid_bt.review.history import Change, History
 from humanoid_bt.review.staged import PREFIX
 from humanoid_bt.review.words import cut, doing, last, line_of, when
 

@@ -13,7 +13,7 @@ from py_trees.common import Status
 from humanoid_bt.core.clock import SERVO_PERIOD
 from humanoid_bt.core.errors import UserError, nearest
 from humanoid_bt.core.messages import Percept
-from humanoid_bt.record.reading import FlightLog
+from humanoid_bt.record.reading import AT, FlightLog
 from humanoid_bt.record.tick import Tick
 from humanoid_bt.review.setup import ran_at
 from humanoid_bt.tree.ticking.deciding import deciding
@@ -22,8 +22,6 @@ from humanoid_bt.tree.ticking.executor import NodeChange
 _TICKS = (0.5, 10.0, math.inf)  # s before a moment in which its last tick is looked for, one after the other
 _SILENT = 0.1  # s without a tick after which nobody knows that a node still ran
 _SIGHTS = 60.0  # s for which percepts are looked for
-AT = 1e-6
-"""Times [s] that differ by less are the same."""
 
 HALTED = "halted: "
 """How begins what a node says that was halted while it ran."""

@@ -8,9 +8,10 @@ from typing import Any, NamedTuple
 
 from humanoid_bt.core.errors import relative
 from humanoid_bt.core.units import readable, shown_quantity
+from humanoid_bt.record.reading import AT
 from humanoid_bt.review.cause import Row
 from humanoid_bt.review.explanation import Explanation, Moment
-from humanoid_bt.review.history import AT, HALTED, Change, History
+from humanoid_bt.review.history import HALTED, Change, History
 from humanoid_bt.review.words import SIGNS, cut, last, target, when
 
 _MOST = 12  # lives that are told

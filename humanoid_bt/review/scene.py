@@ -8,10 +8,11 @@ from typing import Any
 import numpy as np
 
 from humanoid_bt.core.units import readable
+from humanoid_bt.record.reading import AT
 from humanoid_bt.record.tick import Tick
 from humanoid_bt.review.body import Motion
 from humanoid_bt.review.cause import Row
-from humanoid_bt.review.history import AT, History
+from humanoid_bt.review.history import History
 from humanoid_bt.review.words import command, cut, sight
 
 _MOST = 3  # percepts, joints that are told

@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from humanoid_bt.record.reading import AT
 from humanoid_bt.review.cause import Cause, Row
-from humanoid_bt.review.history import AT, History
+from humanoid_bt.review.history import History
 from humanoid_bt.review.words import cut, when
 
 PREFIX = "staged: "
