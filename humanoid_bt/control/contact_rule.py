@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from humanoid_bt.core.clock import cycles
-from humanoid_bt.core.messages import SIDES, TORSO, Array, BaseTarget, Command, Contact, HandTarget, Side, Target
+from humanoid_bt.core.messages import SIDES, TORSO, Array, BaseTarget, Command, Contact, HandTarget, Side
 from humanoid_bt.robot.config import ContactConfig
 
 _ENDS = 0.6  # share of the force that begins a contact up to which it ends (hysteresis)
@@ -72,6 +72,8 @@ class ContactRule:
         self._touches: dict[str, float] = {}  # largest force so far [N], by group
         self._yields: dict[str, _Yield] = {}  # by group
         self._forces: Mapping[str, Array] = {}
+        self._command: Command | None = None
+        self._pressing: dict[str, float] = {}  # with which force each arm is to press [N], by group
         self.yielding: frozenset[Side] = frozenset()
         self.homeward: frozenset[Side] = frozenset()
         self.pressed: frozenset[str] = frozenset()
@@ -95,9 +97,9 @@ class ContactRule:
             place: where the base is, shape (2,) [m].
         """
         self._forces = forces
-        pressing: dict[str, float] = {}
-        if command:
-            pressing = {arm: press for _, arm, hand in _ARMS if (press := _press(command.targets.get(hand)))}
+        if command is not self._command:
+            self._command, self._pressing = command, _pressing(command)
+        pressing = self._pressing
         for group, force in forces.items():
             begins = self._config.torso if group == TORSO else self._config.notice
             if group in pressing:
@@ -186,6 +188,7 @@ def _opposes(force: Array, way: Array) -> bool:
     return float(force @ way) < _AGAINST * math.sqrt(float(force @ force) * float(way @ way))
 
 
-def _press(target: Target | None) -> float:
-    """Return with which force a hand is to press [N]."""
-    return target.press if isinstance(target, HandTarget) else 0.0
+def _pressing(command: Command | None) -> dict[str, float]:
+    """Return the arms whose hands are to press, and with which force [N]."""
+    targets = {arm: command.targets.get(hand) for _, arm, hand in _ARMS} if command else {}
+    return {arm: hand.press for arm, hand in targets.items() if isinstance(hand, HandTarget) and hand.press}

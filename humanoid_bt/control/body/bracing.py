@@ -28,7 +28,7 @@ class Bracing:
     """
 
     def __init__(self, mass: float, dynamics: RobotDynamics, dt: float) -> None:
-        self._weight, self._dynamics = mass * GRAVITY, dynamics
+        self._weight, self._dynamics, self._sides = mass * GRAVITY, dynamics, tuple(dynamics.hands)
         self._share = min(1.0, dt / _TIME)
         self.reset()
 
@@ -54,7 +54,7 @@ class Bracing:
             ground: its height [m].
         """
         moment: Array = np.zeros(2)
-        for side in self._dynamics.hands:
+        for side in self._sides:
             target = targets.get(f"{side}_hand")
             if isinstance(target, HandTarget) and target.press and side not in yielding:
                 palm, force = self._dynamics.palm(side), forces[f"{side}_arm"]

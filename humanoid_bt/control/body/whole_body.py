@@ -255,7 +255,8 @@ class WholeBody:
         self, targets: Mapping[str, Target], hold: bool, tilt: tuple[float, float, float, float]
     ) -> BodyTargets:
         walker = self.walker
-        heading = float(walker.stance[2])
+        stance = walker.stance
+        heading = float(stance[2])
         hands, palms = self._hand_goals(targets, hold)
         gaze = targets.get("gaze")
         point = gaze.point if isinstance(gaze, GazeTarget) else None
@@ -272,7 +273,7 @@ class WholeBody:
         self.arms.keep(self._posture.joints, self._home_joints, hold)
         held = (side for side, arm in self._arms.items() if arm.joints)
         busy = {*hands, *held, *self.arms.sides, *self.arms.homeward}
-        self._arm_swing.update(walker.stance, walker.foot_reference, busy)
+        self._arm_swing.update(stance, walker.foot_reference, busy)
         x, y = self._stabilizer.com_reference
         wanted = walker.ground + self._home_height + self._height - self._lean.crouch
         height = self._com_height.update(wanted, float(self.dynamics.com[2]), steps=walker.gait is Gait.STEP)

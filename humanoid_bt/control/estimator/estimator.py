@@ -184,10 +184,10 @@ class Estimator:
         _believe(
             estimate.qpos, qvel, estimate.joint_torque, self._velocity_before,
             belief.position, belief.quaternion, belief.velocity, belief.gyro_bias,
-            imu[3:] if doubtful else reading.gyro, reading.values, reading.joint_torque,
+            imu[3:] if doubtful else reading.gyro, reading.values, reading.joint_torque, time, self._acceleration,
         )  # fmt: skip
         if watch.any_bad:
-            self._stand_in(setpoint)
+            self._stand_in(setpoint, time)
         dynamics.update(estimate)
         if missed:
             self._retake_velocity(reading)
@@ -210,14 +210,11 @@ class Estimator:
 
     def _note_forces(self, reading: Reading, doubtful: bool, time: float) -> None:
         """Note what touches the ground and the robot, by what accelerated it for a time [s]."""
-        belief, qvel, imu, acceleration = self._filter, self.estimate.qvel, self._imu, self._acceleration
-        np.subtract(qvel, self._velocity_before, out=acceleration)
-        acceleration /= time
-        felt = belief.acceleration(imu[:3])
+        acceleration, felt = self._acceleration, self._filter.acceleration(self._imu[:3])
         if self._feels and not self.watch.bad_feet:
             self.load.sensed(reading.foot_force)
         else:
-            self.load.explain(qvel, acceleration, self._torque, felt.item(2))
+            self.load.explain(self.estimate.qvel, acceleration, self._torque, felt.item(2))
         if doubtful or self.watch.any_bad or self._gap > _LONGEST_GAP:
             self.contact.forget()
         else:
@@ -282,11 +279,13 @@ class Estimator:
             moves = self._dynamics.sole_velocity(leg)
             self._filter.slow(moves * (share * min(1.0, most / max(math.hypot(*moves.tolist()), 1e-9))))
 
-    def _stand_in(self, setpoint: Array) -> None:
+    def _stand_in(self, setpoint: Array, time: float) -> None:
         """Believe of joints whose sensors failed that they are where the servo has them."""
         bad = self.watch.bad_joints
         self._joints[bad], self._speeds[bad], self.estimate.joint_torque[bad] = setpoint[:, bad]
         self._torque[bad] = setpoint[2, bad]
+        np.subtract(self.estimate.qvel, self._velocity_before, out=self._acceleration)
+        self._acceleration /= time
 
     def _dated(self, time: float) -> Estimate:
         """Return the estimate as one of a time [s]: ``replace`` takes as long as a small matrix product."""
@@ -321,9 +320,8 @@ class Estimator:
         self._upright = self._upright + time if upright > _SURELY_UPRIGHT else 0.0
         self._still = self._still + time if all(standing) else 0.0
         self._lost = 0.0 if any(standing) else self._lost + time
-        self._stands_for = [
-            before + time if stands else 0.0 for before, stands in zip(self._stands_for, standing, strict=True)
-        ]
+        (left, right), (before_left, before_right) = standing, self._stands_for
+        self._stands_for = [before_left + time if left else 0.0, before_right + time if right else 0.0]
 
     def _rest(self, reading: Reading) -> None:
         """Take the tilt from the IMU's own filter and the height from the legs: no foot says more."""
@@ -395,7 +393,10 @@ class Estimator:
         self.heard = 0
 
 
-@compiled("void(f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1])")
+@compiled(
+    "void(f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8,"
+    " f8[::1])"
+)
 def _believe(
     qpos: Array,
     qvel: Array,
@@ -408,8 +409,10 @@ def _believe(
     rate: Array,
     values: Array,
     torque: Array,
+    time: float,
+    acceleration: Array,
 ) -> None:
-    """Write what is believed of base and joints, and before that, what was believed of their velocities.
+    """Write what is believed of base and joints, what was believed of their velocities, and how these change.
 
     Args:
         qpos, qvel, joint_torque: of the estimate.
@@ -418,6 +421,8 @@ def _believe(
         rate: what a gyroscope says, shape (3,) [rad/s].
         values: of the reading.
         torque: of its joints.
+        time: since the last estimate [s].
+        acceleration: is written: how much qvel has changed in it, per second.
     """
     before[:] = qvel
     qpos[:3], qpos[3:7], qvel[:3] = position, quaternion, velocity
@@ -426,6 +431,8 @@ def _believe(
     joints = len(torque)
     qpos[7:], qvel[6:] = values[6 : 6 + joints], values[12 + joints : 12 + 2 * joints]
     joint_torque[:] = torque
+    for dof in range(len(qvel)):
+        acceleration[dof] = (qvel[dof] - before[dof]) / time
 
 
 def _turned(quaternion: Array, yaw: float) -> Array:

@@ -54,7 +54,7 @@ class SensorWatch:
         self.suspicious = False
         self._turned: Array = np.zeros(3)  # by what the gyro says, since the orientation was compared with it
         self._turned_looks = 0
-        self._compared = self._before.orientation.tolist()
+        self._compared: Array = np.zeros(4)  # the orientation then
         self.bad_joints = np.zeros(joints, dtype=bool)
         self.any_bad = self.bad_feet = False
         self.failed: set[str] = set()
@@ -148,9 +148,7 @@ class SensorWatch:
 
     def _turned_so(self, reading: Reading, rates: Array, time: float) -> bool:
         """Return whether the orientation has turned since the last look as the gyro says."""
-        turned = _turn(self._before.orientation.tolist(), reading.orientation.tolist())
-        said = rates[3:6].tolist()
-        return all(abs(way - rate * time) < self._limits.same for way, rate in zip(turned, said, strict=True))
+        return _disagreement(self._before.orientation, reading.orientation, rates[3:6] * time) < self._limits.same
 
     def _compare(self, reading: Reading, upright: bool) -> None:
         """Compare now and then how the orientation has turned with what the gyro says."""
@@ -158,8 +156,7 @@ class SensorWatch:
         if self._turned_looks < _COMPARED_EVERY:
             return
         if upright and not self.failed:
-            turned = _turn(self._compared, reading.orientation.tolist())
-            off = max(abs(one - other) for one, other in zip(turned, self._turned.tolist(), strict=True))
+            off = _disagreement(self._compared, reading.orientation, self._turned)
             how = "says something else than the orientation"
             self._count(self.failed, "gyro", how, off > self._limits.drift, _DRIFTS_AFTER)
         self._compare_from(reading)
@@ -167,7 +164,7 @@ class SensorWatch:
     def _compare_from(self, reading: Reading) -> None:
         self._turned[:] = 0.0
         self._turned_looks = 0
-        self._compared = reading.orientation.tolist()
+        self._compared[:] = reading.orientation
 
     def _count(self, failed: set[str], name: str, how: str, seen: bool, most: float) -> None:
         """Count the looks in which something was seen, half as many others off; it has failed if that is much."""
@@ -286,11 +283,22 @@ def _together(found: list[str]) -> str:
     return ", ".join(found[:_MOST_NAMED]) + (f", and {more} more" if more > 0 else "")
 
 
-def _turn(before: list[float], after: list[float]) -> list[float]:
-    """Return the rotation vector from one quaternion to another, in the body's frame, for small turns [rad]."""
-    w, x, y, z = before
-    a, b, c, d = after
-    length = math.hypot(*before) * math.hypot(*after) or 1.0
-    share = math.copysign(2.0, w * a + x * b + y * c + z * d) / length
+@compiled("f8(f8[::1], f8[::1], f8[::1])")
+def _disagreement(before: Array, after: Array, said: Array) -> float:
+    """Return by how much two orientations are turned otherwise than somebody says, about the worst axis [rad].
+
+    Args:
+        before, after: quaternions, for small turns, shape (4,).
+        said: rotation vector from one to the other, in the body's frame, shape (3,) [rad].
+    """
+    w, x, y, z = before[0], before[1], before[2], before[3]
+    a, b, c, d = after[0], after[1], after[2], after[3]
+    length = math.sqrt((w * w + x * x + y * y + z * z) * (a * a + b * b + c * c + d * d))
+    share = math.copysign(2.0, w * a + x * b + y * c + z * d) / (length if length else 1.0)
     turn = (w * b - x * a - y * d + z * c, w * c + x * d - y * a - z * b, w * d - x * c + y * b - z * a)
-    return [share * part for part in turn]
+    most = 0.0
+    for axis in range(3):
+        off = abs(share * turn[axis] - said[axis])
+        if off > most or not math.isfinite(off):
+            most = off
+    return most
