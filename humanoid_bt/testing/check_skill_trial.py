@@ -108,7 +108,7 @@ class Trial:
     """
 
     def __init__(self, subject: Subject, timeout: float) -> None:
-        self._subject, self._ticks = subject, round(timeout / DECISION_PERIOD)
+        self._subject, self._ticks = subject, max(1, round(timeout / DECISION_PERIOD))
         self.seen = Evidence()
 
     def run(self) -> Evidence:

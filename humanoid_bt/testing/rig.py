@@ -211,9 +211,9 @@ class Rig:
     def check_skill(self, skill: str, *, timeout: float | str = 10.0, **values: Any) -> SkillCheck:
         """Try a skill against the contract, rule by rule; raise nothing for what it breaks.
 
-        It lives many times, each time from the start of the robot, which then stands there again: undisturbed,
-        started anew, halted in many ticks, with an emergency stop, without the percepts it asks for. What the robot
-        has been shown it sees in all of them.
+        It lives many times, each time from the start of the robot: undisturbed, started anew, halted in many ticks,
+        with an emergency stop, without the percepts it asks for. What the robot has been shown it sees in all of them,
+        and afterwards, when it stands at its start again.
 
         Args:
             skill: its name in trees.
@@ -223,7 +223,11 @@ class Rig:
         Raises:
             UserError: there is no such skill or parameter, or a value has the wrong type.
         """
-        return tried(_Tried(self, skill, values), _time(timeout, "timeout"))
+        longest, subject = limits.HOLD.take(timeout, "timeout"), _Tried(self, skill, values)
+        try:
+            return tried(subject, longest)
+        finally:
+            subject.begin()
 
     def run_tree(
         self,

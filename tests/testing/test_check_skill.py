@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from typing import Any, cast
 
@@ -246,6 +247,24 @@ def test_what_was_shown_before_is_seen_in_every_life(rig: hbt.Rig) -> None:
     rig.reset()
     rig.see("ball", BALL)
     rig.check_skill("good", target="ball").assert_passed()
+
+
+@pytest.mark.parametrize(("skill", "values"), [("good", {"target": "ball"}), ("tally", {"into": "count"})])
+def test_afterwards_the_robot_stands_at_its_start_and_sees_what_it_was_shown(
+    rig: hbt.Rig, skill: str, values: dict[str, str]
+) -> None:
+    rig.reset()
+    rig.see("ball", BALL)
+    rig.check_skill(skill, **values)
+    assert rig.time < 0.1
+    assert rig.run("good", target="ball").succeeded
+
+
+def test_a_life_has_at_least_a_tick_and_comes_to_an_end(rig: hbt.Rig) -> None:
+    check = rig.check_skill("good", target=BALL, timeout=0.005)
+    assert check.rules["ending"].evidence.startswith("still ran after 0.00 s")
+    with pytest.raises(hbt.UserError, match="'timeout' must be a number above 0, not inf"):
+        rig.check_skill("good", target=BALL, timeout=math.inf)
 
 
 def test_a_run_tells_of_the_stops_that_came_while_it_ran(rig: hbt.Rig) -> None:
