@@ -7,9 +7,8 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from humanoid_bt.core.errors import Place, Problem, UserError
-from humanoid_bt.core.items import Item, item_of
+from humanoid_bt.core.items import Item
 from humanoid_bt.core.params import param, written
-from humanoid_bt.core.plain import plain
 from humanoid_bt.core.reading import read
 from humanoid_bt.testing.claim import Claim, RunNames
 from humanoid_bt.testing.course import Course
@@ -28,6 +27,7 @@ from humanoid_bt.testing.faults import (
     Silence,
     Weaken,
 )
+from humanoid_bt.tree.source.given import plain_item
 
 _MOMENTS = ("at", "when")
 _WITH = (*_MOMENTS, "optional")  # what an event says beside its fault
@@ -88,8 +88,10 @@ class Event:
     @property
     def plain(self) -> dict[str, Any]:
         """The event as data for JSON, as a file would say it."""
-        moment = {"at": self.at} if self.when is None else {"when": self.when.text}
-        return {**moment, self.name: plain(self.fault), **({"optional": True} if self.optional else {})}
+        given = {name: getattr(self, name) for name in (*_MOMENTS, *_FIELDS, "optional")}
+        return {
+            written(name): _said(value) for name, value in given.items() if value is not None and value is not False
+        }
 
     def __str__(self) -> str:
         return f"{self.moment} {self.fault}"
@@ -110,6 +112,11 @@ class Event:
         return faults[0]
 
 
+def _said(value: Any) -> Any:
+    """Return a moment or a fault as data for JSON, as a file would say it."""
+    return value.text if isinstance(value, Claim) else value.plain if isinstance(value, Fault) else value
+
+
 def _filled(item: Item) -> Item:
     """Return an event's mapping with ``estop:`` for ``estop: {}``, and without a moment that is none."""
     if not isinstance(item.value, dict):
@@ -125,27 +132,31 @@ FAULTS = tuple(map(written, _FIELDS))
 
 
 def script_of(script: Iterable[Event | Mapping[str, Any]]) -> tuple[Event, ...]:
-    """Return the events of a script, some of which may be written as in YAML.
+    """Return the events of a script, which may be made in Python or written as in YAML; both are read alike.
 
     Raises:
         UserError: with everything that is wrong with them.
     """
-    if isinstance(script, (str, Mapping)):
+    if isinstance(script, (str, Mapping)) or not isinstance(script, Iterable):
         raise UserError(f"a script is a list of events, not {script!r}", hint='like [{"at": "1 s", "lose": "target"}]')
     events: list[Event] = []
     problems: list[Problem] = []
     for number, event in enumerate(script, 1):
-        place = Place(f"event {number} of the script")
-        if isinstance(event, Event):
-            events.append(event if event.place else replace(event, place=place))
-            continue
+        place = getattr(event, "place", None) or Place(f"event {number} of the script")
         try:
-            events.append(Event.from_item(item_of(event, place)))
+            events.append(_event(event, place))
         except UserError as error:
             problems += [replace(problem, place=problem.place or place) for problem in error.problems]
     if problems:
         raise UserError(problems)
     return tuple(events)
+
+
+def _event(given: Event | Mapping[str, Any], place: Place) -> Event:
+    """Return an event of a script; raises UserError with everything that is wrong with it."""
+    if isinstance(given, Event):
+        return given if given.item is not None else Event.from_item(plain_item("event", given.plain, place))
+    return Event.from_item(plain_item("event", given, place))
 
 
 def mistakes(events: Sequence[Event], known: Known) -> Iterator[Problem]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Sequence
-from typing import ClassVar, NamedTuple, Protocol, Self
+from typing import Any, ClassVar, NamedTuple, Protocol, Self
 
 import numpy as np
 
@@ -11,6 +11,7 @@ from humanoid_bt.core.errors import Problem
 from humanoid_bt.core.items import Item
 from humanoid_bt.core.messages import Array, Percept, State
 from humanoid_bt.core.params import params_of
+from humanoid_bt.core.plain import plain
 from humanoid_bt.core.reading import read
 from humanoid_bt.core.units import readable
 from humanoid_bt.tree.tree import Tree
@@ -103,6 +104,11 @@ class Fault:
             item = Item({cls.main: item}, item.place, {cls.main: item.place})
         fault: Self = read(cls, item, repr(name))
         return fault
+
+    @property
+    def plain(self) -> Any:
+        """The fault as data for JSON, as a file would say it."""
+        return plain(self)
 
     def misnamed(self, known: Known) -> Iterator[Misnamed]:
         """Yield what it names and is not there."""

@@ -15,6 +15,7 @@ from humanoid_bt.core.items import Item
 from humanoid_bt.core.messages import Array, Percept, State
 from humanoid_bt.core.params import param
 from humanoid_bt.core.patterns import matching
+from humanoid_bt.core.plain import plain
 from humanoid_bt.plant.sensor_failures import SensorFailure
 from humanoid_bt.session.setting import setting
 from humanoid_bt.testing.fault import Acting, Fault, Known, Misnamed
@@ -304,6 +305,11 @@ class Set(Fault):
             hint = "like {attempts: 3}"
             raise UserError(f"{name!r} must be a mapping of names to values", item.place, hint, "wrong-type")
         return cls(values=item.plain())
+
+    @property
+    def plain(self) -> Any:
+        """The fault as data for JSON, as a file would say it."""
+        return plain(self.values)
 
     def misnamed(self, known: Known) -> Iterator[Misnamed]:
         """Yield what cannot be set so."""

@@ -9,7 +9,9 @@ import pytest
 
 from humanoid_bt import Event, UserError
 from humanoid_bt.control.body.standing import load_robot
-from humanoid_bt.testing.faults import Push
+from humanoid_bt.core.errors import Place
+from humanoid_bt.testing.claim import Claim
+from humanoid_bt.testing.faults import EStop, Lose, Push, Set, Silence
 
 HERE = {"at": 0, "see": {"percept": "target", "position": [0.42, 0.2, 0.9]}}  # seen wherever the robot looks
 
@@ -230,9 +232,38 @@ def test_events_are_written_as_in_files_or_made_in_python(stage):
     )
 
 
+def test_what_a_file_can_say_events_made_in_python_can_too(dry):
+    made = [
+        Event(at="0.1 s", lose="target"),
+        Event(when="approach runs", silence=Silence(duration="40 ms"), optional=True),
+        Event(when=Claim.parse("reach runs", Place("")), set=Set(values={"reach.hold": "1 s"})),
+        {"at": np.int64(1), "see": {"percept": "target", "position": np.float32([0.5, 0, 1])}},
+    ]
+    see = {"size": None, "confidence": 0.95, "duration": None}
+    written = [
+        {"at": 0.1, "lose": {"percept": "target", "duration": None}},
+        {"when": "approach runs", "optional": True, "silence": {"duration": 0.04}},
+        {"when": "reach runs", "set": {"reach.hold": "1 s"}},
+        {"at": 1, "see": {"percept": "target", "position": [0.5, 0, 1], **see}},
+    ]
+    run = dry.run("fetch", script=made)
+    assert run.trace == dry.run("fetch", script=written).trace
+    assert run.report.staged["script"] == written
+
+
 @pytest.mark.parametrize(
     ("event", "message"),
     [
+        (Event(at=1), "event 1 of the script: error: this event does nothing"),
+        (Event(estop=EStop()), "at a time or when something becomes true"),
+        (Event(at=1, when="reach runs", estop=EStop()), "not both"),
+        (Event(at=1, estop=EStop(), lose=Lose(percept="target")), "one fault, not estop and lose"),
+        (Event(at=-1, estop=EStop()), "'at' must be >= 0, not -1"),
+        (Event(at=math.nan, estop=EStop()), "'at' must be"),
+        (Event(at=1, silence=Silence(duration=0)), "'duration' must be > 0"),
+        (Event(at=1, silence=EStop()), "unknown key 'reason' of 'silence'"),
+        (Event(at=1, estop=EStop), "'estop' cannot be <class"),
+        ({"at": object()}, "'at' cannot be <object"),
         ({"at": 1}, r"event 1 of the script: error: this event does nothing.*\n.*valid: push, estop, reset"),
         ({"estop": {}}, "at a time or when something becomes true"),
         ({"at": 1, "when": "true", "estop": {}}, "not both"),
@@ -256,6 +287,12 @@ def test_events_are_written_as_in_files_or_made_in_python(stage):
 def test_what_a_script_cannot_mean_is_said_before_anything_moves(stage, event, message):
     with pytest.raises(UserError, match=message):
         stage.run("fetch", script=[event])
+
+
+@pytest.mark.parametrize("script", ["estop", {"at": 1, "estop": {}}, Event(at=1, estop=EStop()), None])
+def test_a_script_is_a_list(dry, script):
+    with pytest.raises(UserError, match="a script is a list of events"):
+        dry.run("fetch", script=script)
 
 
 def test_a_moment_may_ask_what_nodes_do(dry):

@@ -6,6 +6,7 @@ import difflib
 import textwrap
 from collections.abc import Collection, Mapping
 from dataclasses import replace
+from os import PathLike
 from typing import Any
 
 from humanoid_bt.core.errors import Place, Problem, UserError, nearest
@@ -97,7 +98,7 @@ def plain_item(name: str, value: Any, place: Place) -> Item:
 
     Args:
         name: of what it is given for.
-        value: a number, text, a boolean, or a list or mapping of them; numpy's are taken too.
+        value: a number, text, a boolean, or a list or mapping of them; numpy's are taken too, and paths as text.
         place: where it is given.
 
     Raises:
@@ -110,10 +111,10 @@ def _plain(name: str, value: Any, place: Place) -> Any:
     if hasattr(value, "tolist"):  # numpy's numbers and arrays
         value = value.tolist()
     if isinstance(value, Mapping):
-        return {key: _plain(name, part, place) for key, part in value.items()}
+        return {key: _plain(str(key), part, place) for key, part in value.items()}
     if isinstance(value, (list, tuple)):
         return [_plain(name, part, place) for part in value]
-    if value is None or isinstance(value, (bool, int, float, str)):
+    if value is None or isinstance(value, (bool, int, float, str, PathLike)):
         return value
     hint = "a number, text, a boolean, or a list or mapping of them"
     raise UserError(f"{name!r} cannot be {value!r}", place, f"valid: {hint}", "wrong-type")
