@@ -64,9 +64,14 @@ class Item:
 
 
 def item_of(value: Any, place: Place) -> Item:
-    """Wrap a plain Python value (a default, a ``--set`` argument) as an item with one place; a path is its text."""
+    """Wrap a plain Python value (a default, a ``--set`` argument) as an item with one place.
+
+    A path is its text, a number of numpy is one of Python.
+    """
     if isinstance(value, dict):
         return Item({key: item_of(child, place) for key, child in value.items()}, place)
     if isinstance(value, (list, tuple)):
         return Item([item_of(child, place) for child in value], place)
+    if getattr(value, "shape", None) == ():  # a number of numpy, which takes too long to import for a file alone
+        value = value.item()
     return Item(os.fspath(value) if isinstance(value, PathLike) else value, place)

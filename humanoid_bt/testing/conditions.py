@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 
 from humanoid_bt.core.errors import Place, Problem
-from humanoid_bt.core.items import item_of
 from humanoid_bt.core.messages import Array
 from humanoid_bt.core.params import param, params_of
 from humanoid_bt.core.reading import read
@@ -19,6 +18,7 @@ from humanoid_bt.plant.floor import Floor
 from humanoid_bt.plant.scene import random_stream
 from humanoid_bt.plant.scene_config import SceneConfig
 from humanoid_bt.robot.model import RobotModel
+from humanoid_bt.tree.source.given import plain_item
 
 NOISE = "perception_noise"
 """The one condition that is not of a body, or of what it stands on: the one that a dry run can have."""
@@ -72,11 +72,14 @@ class Conditions:
 
     @classmethod
     def of(cls, given: Conditions | Mapping[str, Any] | None) -> Conditions:
-        """Return conditions that may be written as in YAML; raises UserError."""
-        if isinstance(given, Conditions):
-            return given
-        written = dict(given) if isinstance(given, Mapping) else {} if given is None else given
-        conditions: Conditions = read(cls, item_of(written, Place("conditions")), "the conditions")
+        """Return conditions that may be made in Python or written as in YAML; both are read alike.
+
+        Raises:
+            UserError: with everything that is wrong with them.
+        """
+        written = vars(given) if isinstance(given, Conditions) else {} if given is None else given
+        place = Place("conditions")
+        conditions: Conditions = read(cls, plain_item("conditions", written, place), "the conditions")
         return conditions
 
     @property

@@ -41,7 +41,7 @@ from humanoid_bt.testing.tree_run import TreeRun, Watcher
 from humanoid_bt.tree.node import Node
 from humanoid_bt.tree.node_type import NodeType
 from humanoid_bt.tree.nodes.registry import Registry
-from humanoid_bt.tree.source.given import given
+from humanoid_bt.tree.source.given import given, plain_item
 from humanoid_bt.tree.ticking.executor import Executor, NodeChange
 from humanoid_bt.tree.tree import Tree
 
@@ -345,7 +345,8 @@ class Rig:
                 self._wait_for_perception()
                 converted[name] = name
             else:
-                converted[name] = convert(spec, item_of(value, _PLACE))
+                written = value.tolist() if isinstance(value, np.ndarray) else value
+                converted[name] = convert(spec, item_of(written, _PLACE))
         return converted
 
     def _wait_for_perception(self) -> None:
@@ -363,9 +364,8 @@ def _time(duration: float | str, name: str = "duration") -> float:
 
 def _seen(name: str, position: Any) -> Event:
     """Return the event with which a thing is seen at a position from the beginning; raises UserError if it is none."""
-    written = position.tolist() if isinstance(position, np.ndarray) else position
-    place = Place(f"the percept {name!r}")
-    return Event.from_item(item_of({"at": 0, "see": {"percept": name, "position": written}}, place))
+    see = {"percept": name, "position": position}
+    return Event.from_item(plain_item("event", {"at": 0, "see": see}, Place(f"the percept {name!r}")))
 
 
 class _Tried:

@@ -4,9 +4,11 @@ import math
 from dataclasses import dataclass
 from typing import Any, Literal
 
+import numpy as np
 import pytest
 
-from humanoid_bt.core.errors import UserError
+from humanoid_bt.core.errors import Place, UserError
+from humanoid_bt.core.items import item_of
 from humanoid_bt.core.params import PerceptName, param, params_of
 from humanoid_bt.core.reading import read
 from humanoid_bt.core.units import base_unit
@@ -105,6 +107,12 @@ def test_mistakes(name: str, text: str, message: str) -> None:
         read(Example, document.parse(f"{name}: {text}", "f"), "it")
     assert message in str(caught.value)
     assert all(problem.place for problem in caught.value.problems)
+
+
+def test_numbers_of_numpy_are_numbers() -> None:
+    written = item_of({"count": np.int64(3), "length": np.float32(0.5), "point": (np.float32(1), 2)}, Place("f"))
+    assert read(Example, written) == Example(count=3, length=0.5, point=(1.0, 2.0))
+    assert type(read(Example, written).count) is int
 
 
 def test_the_blanks_in_what_is_no_number_are_read_once() -> None:

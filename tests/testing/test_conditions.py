@@ -17,6 +17,7 @@ from humanoid_bt.core.messages import SIDES, JointCommand
 from humanoid_bt.plant.mujoco_plant import MujocoPlant
 from humanoid_bt.plant.scene import Scene, load_scene
 from humanoid_bt.robot.model import sole_site
+from humanoid_bt.testing.conditions import Conditions
 
 WALK = Path(humanoid_bt.__file__).with_name("bench") / "walk.yaml"
 
@@ -248,3 +249,21 @@ def test_noise_that_nobody_sees_is_refused(stage, tmp_path, perception, why):
 def test_noise_of_no_percepts_is_refused(dry):
     with pytest.raises(UserError, match="and here there are no percepts"):
         dry.run("stand", conditions={"perception_noise": 2})
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        (Conditions(friction=-1), "'friction' must be >= 0 and <= 10, not -1"),
+        ({"payload": object()}, "'payload' cannot be <object"),
+        ("slope", "the conditions must be a mapping, not text"),
+    ],
+)
+def test_conditions_that_no_file_could_say_are_refused_in_python(given, message):
+    with pytest.raises(UserError, match=message):
+        Conditions.of(given)
+
+
+@pytest.mark.parametrize("given", [Conditions(payload="2 kg"), {"payload": np.int64(2)}, {"payload": np.float32(2)}])
+def test_conditions_made_in_python_are_those_of_a_file(given):
+    assert Conditions.of(given) == Conditions.of({"payload": 2.0})
