@@ -66,6 +66,7 @@ class Limit:
 
 
 DURATION = Limit(float, "a number above 0", lambda value: value > 0, "s")
+MOMENT = Limit(float, "a number, 0 or more", lambda value: value >= 0, "s")
 HOLD = Limit(float, "a number above 0", lambda value: 0 < value < math.inf, "s")
 POSITIVE = Limit(float, "a number above 0", lambda value: 0 < value < math.inf)
 FORCE = Limit(float, "at most 10000 N in each direction", lambda value: abs(value) <= 10_000)

@@ -18,9 +18,9 @@ from humanoid_bt.core.clock import PERCEPTION_PERIOD, cycles
 from humanoid_bt.core.errors import Place, UserError, nearest, relative
 from humanoid_bt.core.geometry import turn_of_axis
 from humanoid_bt.core.items import item_of
-from humanoid_bt.core.messages import Command, PalmAxis, Percept, Pose, Side, State
+from humanoid_bt.core.messages import Array, Command, PalmAxis, Percept, Pose, Side, State
 from humanoid_bt.core.palm import axis_of
-from humanoid_bt.core.params import PerceptName
+from humanoid_bt.core.params import Param, PerceptName
 from humanoid_bt.core.reading import convert, needed
 from humanoid_bt.decision.overridden import not_made
 from humanoid_bt.decision.result import results_of
@@ -34,6 +34,7 @@ from humanoid_bt.testing.check_skill_result import SkillCheck
 from humanoid_bt.testing.check_skill_rules import tried
 from humanoid_bt.testing.conditions import Conditions
 from humanoid_bt.testing.events import Event, script_of
+from humanoid_bt.testing.faults import Push, See
 from humanoid_bt.testing.rig_result import RigResult
 from humanoid_bt.testing.scripted_perception import ScriptedPerception
 from humanoid_bt.testing.stage import Stage
@@ -103,14 +104,14 @@ class Rig:
         """Return how far a palm is from a position, shape (3,), world frame [m].
 
         Raises:
-            UserError: there is no such side, or the robot has no hand there.
+            UserError: there is no such side, the robot has no hand there, or the position is none.
         """
         if side not in get_args(Side):
             raise UserError(f"'side' cannot be {side!r}", hint=nearest(str(side), get_args(Side)))
         hands = self.state.hands
         if side not in hands:
             raise UserError(f"the robot has no {side} hand")
-        return float(np.linalg.norm(hands[side] - np.asarray(position, dtype=float)))
+        return float(np.linalg.norm(hands[side] - _vector(position, "position")))
 
     def pose(self, name: str) -> Pose:
         """Return where a body or a site of the robot is, as ``self.robot.pose`` of a skill does.
@@ -129,13 +130,13 @@ class Rig:
             axis: "fingers", or "facing": where the palm faces.
 
         Raises:
-            UserError: there is no such side or axis, or the direction is zero.
+            UserError: there is no such side or axis, or the direction is none, or zero.
         """
         for what, name, valid in (("side", side, get_args(Side)), ("axis", axis, get_args(PalmAxis))):
             if name not in valid:
                 raise UserError(f"{what!r} cannot be {name!r}", hint=nearest(str(name), valid))
-        wanted = np.asarray(direction, dtype=float)
-        if wanted.shape != (3,) or not (length := float(np.linalg.norm(wanted))) > 0:
+        wanted = _vector(direction, "direction")
+        if not (length := float(np.linalg.norm(wanted))) > 0:
             raise UserError(f"'direction' cannot be {direction!r}", hint="three numbers, not all of them zero")
         pointed = axis_of(self.pose(f"{side}_palm").rotation, axis)
         return float(np.linalg.norm(turn_of_axis(pointed, wanted / length)))
@@ -146,16 +147,26 @@ class Rig:
         """Let the robot see a thing at a position, shape (3,), world frame [m], from now on.
 
         A thing with a size, shape (3,): length, width, height [m], is an obstacle, but nothing to bump into.
+
+        Raises:
+            UserError: these are none.
         """
-        self._perception.see(name, position, confidence, size)
+        seen = _see(name, position, confidence=confidence, size=size)
+        self._perception.see(seen.percept, seen.position, seen.confidence, seen.size)
 
     def lose(self, name: str) -> None:
         """Let perception of a thing end: its last percept grows old."""
         self._perception.lose(name)
 
     def push(self, force: Any, duration: float | str = 0.1, body: str = "") -> None:
-        """Push a body (default: the torso) with a force, shape (3,), world frame [N], for a time [s]."""
-        self._lockstep.plant.push(body or self._model.config.torso, np.asarray(force, dtype=float), _time(duration))
+        """Push a body (default: the torso) with a force, shape (3,), world frame [N], for a time [s].
+
+        Raises:
+            UserError: there is no such body, or these are no force and time.
+        """
+        given = {"force": force, "duration": duration, "body": body}
+        push = Push.from_item(plain_item("push", given, Place("rig.push")), "push")
+        self._lockstep.plant.push(push.body or self._model.config.torso, np.array(push.force), push.duration)
 
     def raise_estop(self, reason: str = "raised by the test") -> None:
         """Raise the emergency stop."""
@@ -165,9 +176,15 @@ class Rig:
         """Let no command reach control for a time [s], as if decision were stuck."""
         self._silent_until = self.time + _time(duration)
 
-    def at(self, time: float, action: Callable[[], None]) -> None:
-        """Do something at an engine time [s], such as ``rig.at(1.0, lambda: rig.lose("target"))``."""
-        self._script.append((time, action))
+    def at(self, time: float | str, action: Callable[[], None]) -> None:
+        """Do something at an engine time [s], such as ``rig.at(1.0, lambda: rig.lose("target"))``.
+
+        Raises:
+            UserError: the time is none, or the action nothing that can be called.
+        """
+        if not callable(action):
+            raise UserError(f"'action' cannot be {action!r}", hint='what can be called: lambda: rig.lose("target")')
+        self._script.append((limits.MOMENT.take(time, "time"), action))
 
     # ---- running ----------------------------------------------------------------------------------------------------
 
@@ -279,7 +296,7 @@ class Rig:
         if stage is None:
             stage = Stage(self.workspace, self._robot_name, where, dry, perception=perception)
             self._stages[key] = stage
-        seen = [_seen(name, position) for name, position in (percepts or {}).items()]
+        seen = [Event(at=0, see=_see(name, where), place=_percept(name)) for name, where in (percepts or {}).items()]
         return stage.run(
             tree,
             seed=seed,
@@ -340,7 +357,7 @@ class Rig:
             names_one = (
                 PerceptName in (spec.type, *typing.get_args(spec.type)) and typing.get_origin(spec.type) is not list
             )
-            if names_one and not isinstance(value, str):
+            if names_one and value is not None and not isinstance(value, str):
                 self.see(name, value)
                 self._wait_for_perception()
                 converted[name] = name
@@ -362,10 +379,20 @@ def _time(duration: float | str, name: str = "duration") -> float:
     return limits.DURATION.take(duration, name)
 
 
-def _seen(name: str, position: Any) -> Event:
-    """Return the event with which a thing is seen at a position from the beginning; raises UserError if it is none."""
-    see = {"percept": name, "position": position}
-    return Event.from_item(plain_item("event", {"at": 0, "see": see}, Place(f"the percept {name!r}")))
+def _vector(value: Any, name: str) -> Array:
+    """Return three numbers, shape (3,); raises UserError if they are none."""
+    spec = Param(name, tuple[float, float, float])
+    return np.array(convert(spec, plain_item(name, value, Place("the test"))))
+
+
+def _see(name: str, position: Any, **further: Any) -> See:
+    """Return what lets a thing be seen at a position; raises UserError if that is none."""
+    given = {"percept": name, "position": position, **further}
+    return See.from_item(plain_item("see", given, _percept(name)), "see")
+
+
+def _percept(name: str) -> Place:
+    return Place(f"the percept {name!r}")
 
 
 class _Tried:

@@ -107,9 +107,12 @@ class SourceRig:
         Raises:
             UserError: these are no such arrays.
         """
-        pixels = np.array(color, dtype=np.uint8)
-        if pixels.ndim != 3 or pixels.shape[2] != 3:
-            raise UserError(f"'color' has the shape {pixels.shape}", hint="height x width x 3: red, green, blue")
+        colors = np.asarray(color)
+        if colors.ndim != 3 or colors.shape[2] != 3:
+            raise UserError(f"'color' has the shape {colors.shape}", hint="height x width x 3: red, green, blue")
+        if not ((colors >= 0) & (colors <= 255)).all():
+            raise UserError(f"'color' goes from {colors.min()} to {colors.max()}", hint="valid: from 0 to 255")
+        pixels = colors.astype(np.uint8)
         try:
             depths = np.broadcast_to(np.asarray(depth, dtype=np.float32), pixels.shape[:2])
         except ValueError:

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import humanoid_bt as hbt
-from humanoid_bt import Moment, Percept, SourceRig
+from humanoid_bt import Moment, Percept, SourceRig, UserError
 from humanoid_bt.core.geometry import rotation_matrix
 from tests.perception.opengl import opengl
 
@@ -71,6 +71,11 @@ def test_confidence_falls_with_pixels_edge_cover_and_colour(source_rig: SourceRi
     red[100:120, 150:170] = (247, 80, 20)
     off = seen(source_rig, source_rig.drawn(red, 1.5))
     assert off is None or off.confidence < 0.75 * large
+
+
+def test_a_picture_is_drawn_in_whole_bytes(source_rig: SourceRig) -> None:
+    with pytest.raises(UserError, match="'color' goes from 0 to 300\n    valid: from 0 to 255"):
+        source_rig.drawn([[[300, 0, 0]]], 1.0)
 
 
 def test_other_colours_and_grey_are_not_it(source_rig: SourceRig) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
 import pytest
 from py_trees.common import Status
 
@@ -280,3 +281,39 @@ def test_the_rig_runs_whole_trees(rig):
     with pytest.raises(UserError, match="event 1 of the script: error: no percept source publishes 'targt'"):
         rig.run_tree("fetch", percepts={"target": (0.4, 0, 1)}, dry=True, script=[{"at": 1, "lose": "targt"}])
     assert rig.run_tree("fetch", scene="ball_on_stand", dry=True, replace={"reach": "success"}).succeeded
+
+
+@pytest.mark.parametrize(
+    ("dictate", "message"),
+    [
+        (
+            lambda rig: rig.run("reach", target=(0.4, 0.15)),
+            "the percept 'target': error: 'position' must have 3 values",
+        ),
+        (lambda rig: rig.run("reach", target={"x": 1}), "'position' must be a list of 3 numbers, not a mapping"),
+        (lambda rig: rig.run("reach", target=None), "'target' must be a percept, not nothing"),
+        (lambda rig: rig.see("ball", (0.4, math.nan, 1)), "'position' must be finite"),
+        (lambda rig: rig.see("ball", (0.4, 0, 1), size=(0.1, 0.1)), "'size' must have 3 values, not 2"),
+        (lambda rig: rig.see("ball", (0.4, 0, 1), confidence=5), "'confidence' must be >= 0 and <= 1, not 5"),
+        (lambda rig: rig.push((0, 60)), "rig.push: error: 'force' must have 3 values, not 2"),
+        (lambda rig: rig.push((0, 60, 0), body="trso"), "no body 'trso'"),
+        (lambda rig: rig.at("1 m", rig.raise_estop), "'time' must be a number, 0 or more, not '1 m'"),
+        (lambda rig: rig.at(1.0, rig.raise_estop()), "'action' cannot be None"),
+        (lambda rig: rig.hand_distance("left", (1, 0)), "'position' must have 3 values, not 2"),
+        (lambda rig: rig.hand_turned("left", (1, 0, "x")), "'direction' must be"),
+    ],
+)
+def test_what_the_rig_cannot_do_is_said_at_once(rig, dictate, message):
+    with pytest.raises(UserError, match=message):
+        dictate(rig)
+
+
+def test_the_rig_takes_what_files_can_say(rig):
+    rig.at("40 ms", lambda: rig.push(np.array([0, 60, 0]), "20 ms"))
+    rig.see("ball", ("40 cm", 0, np.float32(1)))
+    assert rig.run("idle", timeout=0.1).states[-1].com_velocity[1] > 0.005
+
+
+def test_a_percept_that_is_none_is_none_for_the_skill(rig):
+    assert rig.run("wave", target=None, timeout=0.02).commands
+    assert "'target' was never seen" in rig.run("look_at", target="target", timeout=0.5).feedback
