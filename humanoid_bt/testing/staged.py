@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -22,6 +22,7 @@ from humanoid_bt.testing.claim import RunNames
 from humanoid_bt.testing.course import Course, Missed, View
 from humanoid_bt.testing.events import Event
 from humanoid_bt.testing.fault import Fault, Known
+from humanoid_bt.testing.faults import Noise
 from humanoid_bt.tree.ticking.tick import Branch
 from humanoid_bt.tree.tree import Tree
 
@@ -68,7 +69,8 @@ class Staged:
         self._sensory = any(event.fault.sensory for event in script)
         self._plant = plant
         self._lasting: list[_Lasting] = []
-        self._known: Mapping[str, Percept] = {}  # what would have been seen
+        self._known: Mapping[str, Percept] = {}  # what perception gives
+        self._shown: dict[str, None] = {}  # what that or the script has shown, given to decision or not
         self._coming: list[tuple[float, Percept]] = []  # when it arrives [s]
         self._late: list[tuple[float, Command]] = []  # when it reaches control [s]
 
@@ -122,7 +124,7 @@ class Staged:
     @property
     def unseen(self) -> Mapping[str, str]:
         """The percepts that decision was never given, and why."""
-        kept = {name: "kept from it by the test" for name in self._known if name not in self.percepts}
+        kept = {name: "kept from it by the test" for name in self._shown if name not in self.percepts}
         return {**self.engine.unseen, **kept} if kept else self.engine.unseen
 
     def sense(self) -> tuple[State, Mapping[str, Percept]]:
@@ -191,6 +193,9 @@ class Staged:
             until = math.inf if fault.duration is None else now + fault.duration
             if fault.duration != 0.0:
                 self._lasting.append(_Lasting(fault, until, numbers))
+        self._lasting.sort(
+            key=lambda lasting: isinstance(lasting.fault, Noise)
+        )  # of what is seen, whatever began first
         self._weaken()
 
     def _is_due(self, event: Event, now: float) -> bool:
@@ -216,17 +221,28 @@ class Staged:
         for name in dict.fromkeys([*new, *self._dictated()]):
             percept, delay = new.get(name), 0.0
             for fault, _, numbers in self._lasting:
+                if percept is not None:
+                    self._shown[name] = None
                 percept = fault.seen(name, percept, state, due, numbers)
                 delay += fault.delay if fault.concerns(name) else 0.0
             if percept is not None:
                 self._coming.append((state.time + delay, percept))
-        arrived = {percept.name: percept for at, percept in self._coming if at <= state.time + _AT}
+        arrived = [percept for at, percept in self._coming if at <= state.time + _AT]
         self._coming = [(at, percept) for at, percept in self._coming if at > state.time + _AT]
-        return {**self.percepts, **arrived} if arrived else self.percepts
+        return _latest([*self.percepts.values(), *arrived]) if arrived else self.percepts
 
     def _dictated(self) -> Iterator[str]:
         """Yield the percepts that faults may bring about by themselves."""
         return (name for lasting in self._lasting if (name := getattr(lasting.fault, "percept", "")))
+
+
+def _latest(percepts: Iterable[Percept]) -> dict[str, Percept]:
+    """Return the latest percept of each name; of some of one moment the last."""
+    latest: dict[str, Percept] = {}
+    for percept in percepts:
+        if percept.name not in latest or percept.stamp >= latest[percept.name].stamp:
+            latest[percept.name] = percept
+    return latest
 
 
 def _ticked(node: Behaviour) -> str:

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from humanoid_bt import Event, UserError
+from humanoid_bt import Event, Stage, UserError
 from humanoid_bt.control.body.standing import load_robot
 from humanoid_bt.core.errors import Place
 from humanoid_bt.testing.claim import Claim
@@ -126,6 +126,25 @@ def test_noise_drops_moves_doubts_and_delays_what_is_seen(dry):
 def test_noise_without_a_name_is_about_everything_that_is_seen(dry):
     run = dry.run("stand", duration=0.1, script=[HERE, {"at": 0, "noise": {"confidence": 0.1}}])
     assert tracks(run)[-1][1].confidence == pytest.approx(0.095)
+
+
+@pytest.mark.parametrize("at", [0, 0.05])
+def test_noise_is_of_what_is_seen_later_too(dry, at):
+    noise, there = {"at": 0, "noise": {"percept": "target", "confidence": 0.1}}, {**HERE, "at": at}
+    assert tracks(dry.run("stand", duration=0.2, script=[noise, there]))[-1][1].confidence == pytest.approx(0.095)
+
+
+@pytest.mark.parametrize("fault", [{"noise": {"drop_out": 1}}, {"lose": "target"}, {"noise": {"delay": "9 s"}}])
+def test_what_the_script_shows_and_takes_away_is_kept_from_the_robot(fault):
+    run = Stage(scene="empty", dry=True).run("fetch", duration=0.2, script=[HERE, {"at": 0, **fault}])
+    assert run.report.unseen == {"target": "kept from it by the test"}
+
+
+def test_what_arrives_late_is_not_taken_for_what_was_seen_since(dry):
+    late = {"percept": "target", "delay": "0.25 s", "duration": "0.5 s"}
+    run = dry.run("stand", duration=1, script=[HERE, {"at": 0, "noise": late}])
+    stamps = [sample.percepts["target"].stamp for sample in run.samples if sample.percepts]
+    assert stamps == sorted(stamps)
 
 
 # ---- what it is told ------------------------------------------------------------------------------------------------
