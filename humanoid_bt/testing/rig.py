@@ -261,7 +261,7 @@ class Rig:
         conditions: Conditions | Mapping[str, Any] | None = None,
         replace: Mapping[str, Any] | None = None,
         record: str | PathLike[str] | None = None,
-        watchers: Sequence[Watcher] = (),
+        watchers: Iterable[Watcher] | Watcher = (),
         parameters: Mapping[str, Any] | None = None,
         **values: Any,
     ) -> TreeRun:
@@ -282,7 +282,7 @@ class Rig:
             conditions: what is different from the beginning.
             replace: what stands in a node's place, by the node's path, the end of it, or by type.
             record: file of the recording; none is made if None.
-            watchers: who looks on.
+            watchers: who looks on, or the only one who does.
             parameters: values for the tree's parameters, for names that are those of arguments too.
             values: values for the tree's parameters: 0.45, or text as after ``--set``, "45 cm".
 

@@ -91,7 +91,7 @@ class Stage:
         conditions: Conditions | Mapping[str, Any] | None = None,
         replace: Mapping[str, Replacement | Any] | None = None,
         record: str | PathLike[str] | None = None,
-        watchers: Sequence[Watcher] = (),
+        watchers: Iterable[Watcher] | Watcher = (),
     ) -> TreeRun:
         """Run a tree to its end, and let the robot come to a stand.
 
@@ -106,7 +106,7 @@ class Stage:
             conditions: what is different from the beginning.
             replace: what stands in a node's place, by the node's path, the end of it, or by type.
             record: file of the recording; none is made if None.
-            watchers: who looks on.
+            watchers: who looks on, or the only one who does.
 
         Raises:
             UserError: an argument, the tree, robot, scene or a skill has mistakes, or the recording cannot be opened.
@@ -119,7 +119,8 @@ class Stage:
         for name, value in {"parameters": parameters, "replace": replace}.items():
             if not isinstance(value, (Mapping, type(None))):
                 raise UserError(f"{name!r} must be a mapping of names to values, not {value!r}", code="wrong-type")
-        for watcher in watchers if isinstance(watchers, Iterable) else [watchers]:
+        looking = tuple(watchers) if isinstance(watchers, Iterable) else (watchers,)
+        for watcher in looking:
             if lacking := [name for name in ("tick", "end") if not callable(getattr(watcher, name, None))]:
                 hint = "a watcher is an object with tick(view), called after every tick, and end(run)"
                 raise UserError(f"the watcher {watcher!r} has no {' and no '.join(lacking)}", hint=hint)
@@ -151,7 +152,7 @@ class Stage:
             listener = _Changes()
             drive = Drive(options, self.workspace, listener, engine=cast(Engine, engine), looks=not self.dry)
             engine.enter(_known(loaded, drive.runner.tree, staging, ready), drive.runner.robot, staging.lines)
-            return _run(drive, engine, listener, watchers, staging)
+            return _run(drive, engine, listener, looking, staging)
         finally:
             for key, initial in initials:
                 key.initial = initial

@@ -134,6 +134,13 @@ def test_a_watcher_sees_every_tick_and_the_same_when_it_looks_later(dry):
     assert vars(later) == {**vars(live), "ended": None}
 
 
+@pytest.mark.parametrize("given", [lambda one: one, lambda one: iter([one])], ids=["alone", "iterator"])
+def test_watchers_may_be_one_or_come_from_an_iterator(dry, given):
+    looker = Looker()
+    assert dry.run("fetch", watchers=given(looker)) is looker.ended
+    assert looker.times
+
+
 def test_a_view_answers_for_a_node_by_the_end_of_its_path(dry):
     class Asks(Looker):
         def tick(self, view):
