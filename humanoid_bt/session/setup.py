@@ -31,6 +31,7 @@ from humanoid_bt.session.engine import Engine
 from humanoid_bt.session.options import RunOptions
 from humanoid_bt.session.report import versions
 from humanoid_bt.tree.tree import Tree
+from humanoid_bt.tree.write import written
 
 _MOST_TEXT = 1 << 20  # bytes of a file that is kept whole; of a larger one the hash is
 _ENDINGS = (".yaml", ".yml", ".xml", ".mjcf", ".urdf", ".py")  # of files that are text
@@ -97,7 +98,7 @@ def tree_setup(tree: Tree, given: Mapping[str, Any]) -> dict[str, Any]:
                 "place": str(node.place),
                 "parent": node.parent,
                 "branch": node.branch,
-                "values": plain({**node.values, **node.written}),
+                "values": plain(written({**node.values, **node.written})),
             }
             for node in tree.nodes
         ],
@@ -109,11 +110,11 @@ def _parameters(tree: Tree, given: Mapping[str, Any]) -> Iterator[tuple[str, dic
     declared = tree.header.get("parameters") or {}
     places = _places(tree)
     for name, value in tree.parameters.items():
-        written = declared.get(name)
-        if isinstance(written, dict):
-            written = written.get("default")
+        default = declared.get(name)
+        if isinstance(default, dict):
+            default = default.get("default")
         origin = _origin(given[name]) if name in given else places.get(name, "")
-        yield name, {"value": plain(value), "written": plain(written), "from": origin}
+        yield name, {"value": plain(value), "written": plain(default), "from": origin}
 
 
 def _origin(given: Any) -> str:

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+import humanoid_bt as hbt
 from humanoid_bt.cli import main
 from humanoid_bt.core.messages import Command, HandTarget, Pointing
 from humanoid_bt.record.reading import News, read_flight
@@ -24,6 +25,7 @@ from humanoid_bt.review.compare_run import NodeShift, command_parting, first_par
 from humanoid_bt.review.compare_setup import setup_changes
 from humanoid_bt.review.difference import difference
 from humanoid_bt.review.recording import Recording, open_recording
+from humanoid_bt.session.setup import tree_setup
 
 
 @pytest.mark.trials
@@ -185,6 +187,33 @@ def test_trees_are_compared_by_their_nodes() -> None:
         ("wait d: 2 s", None),
         ("repeat times: 2", None),
         ("turn", None),
+    ]
+
+
+ASKING = """\
+format: 1
+blackboard: { count: 3 }
+root:
+  emergency_stop:
+    sequence:
+      - condition: count == 3
+      - log: { text: "$$5 for {count}" }
+      - set_blackboard: { key: next, expression: count + 1 }
+"""
+
+
+def test_expressions_are_compared_as_they_are_written(tmp_path: Path) -> None:
+    def loaded(text: str) -> dict[str, Any]:
+        file = tmp_path / "asking.yaml"
+        file.write_text(text, encoding="utf-8")
+        return dict(SETUP({"tree": tree_setup(hbt.load(file), {})}))
+
+    one = loaded(ASKING)
+    assert changes(one, loaded("# says more\n" + ASKING)) == []
+    assert changes(one, loaded(ASKING.replace("== 3", "> 3").replace("$$5", "6").replace("+ 1", "+ 2"))) == [
+        ("emergency_stop/sequence/condition expression", "count == 3", "count > 3"),
+        ("emergency_stop/sequence/log text", "$$5 for {count}", "6 for {count}"),
+        ("emergency_stop/sequence/set_blackboard expression", "count + 1", "count + 2"),
     ]
 
 
