@@ -121,8 +121,9 @@ class _Outside:
 
     def act(self) -> None:
         """Do what comes before the next tick."""
-        now = self._engine.clock.now()
-        while self._inputs and self._inputs[0].time - _LEAD.get(self._inputs[0].kind, 0.0) <= now + _AT:
+        now, begun = self._engine.clock.now(), self._drive.loop.state is not None
+        lead = _LEAD if begun else {}  # the first tick is at once
+        while self._inputs and self._inputs[0].time - lead.get(self._inputs[0].kind, 0.0) <= now + _AT:
             _, kind, value = self._inputs.popleft()
             match kind:
                 case "push":
@@ -133,7 +134,7 @@ class _Outside:
                 case "reset_after_tick":
                     self._supervisor.reset()
                 case _ if kind in TO_TREE:
-                    do_again(self._drive.runner.tree, kind, value, begun=self._drive.loop.state is not None)
+                    do_again(self._drive.runner.tree, kind, value, begun)
 
 
 class Comparison:

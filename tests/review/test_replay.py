@@ -7,6 +7,7 @@ import math
 import random
 import runpy
 import shutil
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -115,6 +116,26 @@ def test_what_a_program_sets_or_forces_comes_again(project: Path, alone: bool) -
     again = replay(file, **({"tree": "late", "workspace": project} if alone else {}))
     assert (again.whole, again.outcome, again.difference) == (not alone, "success", None)
     assert {row["kind"] for row in open_recording(file).inputs().to_pylist()} == {"set", "force"}
+
+
+@pytest.mark.parametrize(
+    "act",
+    [
+        lambda session: session.force("pause", "SUCCESS"),
+        lambda session: (session.raise_estop("by hand"), session.request_reset()),
+    ],
+    ids=["force", "reset"],
+)
+def test_what_comes_between_the_first_two_ticks_comes_there_again(
+    project: Path, tmp_path: Path, act: Callable[[Session], object]
+) -> None:
+    options: Any = {"workspace": project, "camera": False, "on_estop": "wait", "duration": 0.1}
+    with recorded_directly(), Session("late", record=tmp_path / "run.rrd", **options) as session:
+        session.step()
+        act(session)
+        session.run()
+    again = replay(tmp_path / "run.rrd")
+    assert (again.whole, again.outcome, again.difference) == (True, session.report.outcome, None)
 
 
 @pytest.mark.parametrize("alone", [False, pytest.param(True, marks=pytest.mark.trials)])
