@@ -8,6 +8,7 @@ from pathlib import Path
 
 from humanoid_bt.cli.overrides import overrides
 from humanoid_bt.core.errors import UserError
+from humanoid_bt.files.workspace import workspace_above
 from humanoid_bt.review.newest import newest_recording
 from humanoid_bt.review.replay import replay as replay_recording
 from humanoid_bt.review.replay_test import write_test
@@ -18,18 +19,20 @@ def replay(arguments: argparse.Namespace) -> int:
     """Run a recording again; return the exit code."""
     if arguments.to_test and (arguments.tree or arguments.overrides):
         raise UserError("--to-test does not go with --tree or --set", hint="a test runs the tree that was recorded")
-    current = arguments.current or bool(arguments.to_test)
+    test = Path(arguments.to_test) if arguments.to_test else None
+    workspace = arguments.workspace
+    if test is not None and workspace is None:
+        workspace = workspace_above(test.absolute().parent) or Path.cwd()
     done = replay_recording(
         arguments.recording or newest_recording(),
         tree=arguments.tree,
         parameters=overrides(arguments.overrides),
-        files="current" if current else "recorded",
-        workspace=arguments.workspace,
+        files="current" if arguments.current or test is not None else "recorded",
+        workspace=workspace,
     )
     print(json.dumps(done.to_dict(), indent=2) if arguments.json else done)
-    if arguments.to_test:
-        path = Path(arguments.to_test)
-        write_test(done, path)
+    if test is not None:
+        write_test(done, test, workspace)
         now = "passes already" if done.passes else "fails now, until what went wrong is mended"
-        print(f"{path} {now}; it needs the recording, which 'humanoid-bt keep {done.recording}' keeps")
+        print(f"{test} {now}; it needs the recording, which 'humanoid-bt keep {done.recording}' keeps")
     return ExitCode.SUCCESS if done.identical else ExitCode.FAILURE

@@ -22,20 +22,22 @@ from pathlib import Path
 import humanoid_bt as hbt
 
 RECORDING = Path(__file__).parent / {recording}
+WORKSPACE = Path(__file__).parent / {workspace}
 
 
 def test_{name}() -> None:
-    again = hbt.replay(RECORDING, files="current")
+    again = hbt.replay(RECORDING, files="current", workspace=WORKSPACE)
     assert again.passes, again
 '''
 
 
-def write_test(replay: Replay, path: Path) -> None:
+def write_test(replay: Replay, path: Path, workspace: Path) -> None:
     """Write a test that runs a recorded run again.
 
     Args:
         replay: of it.
         path: the test's file.
+        workspace: where the test looks up what the run was made of.
 
     Raises:
         UserError: the file exists, or cannot be written, or is none that pytest finds.
@@ -43,12 +45,12 @@ def write_test(replay: Replay, path: Path) -> None:
     shown = relative(path)
     if not re.fullmatch(r"test_\w+\.py", path.name):
         raise UserError(f"pytest does not find {shown!r}", hint="valid: test_NAME.py")
-    recording = os.path.relpath(Path(replay.recording).absolute(), path.absolute().parent)
     recorded = " ".join(f"{replay.recorded_outcome}: {replay.recorded_reason}".split()).replace('"""', "'''")
     text = _TEXT.format(
         title=f"A run of {Path(replay.recording).stem} that ended with: {replay.recorded_outcome or 'no end'}.",
         recorded=recorded.replace("\\", "/"),
-        recording=json.dumps(recording),
+        recording=_from(path, Path(replay.recording)),
+        workspace=_from(path, workspace),
         name=path.stem.removeprefix("test_"),
     )
     try:
@@ -58,3 +60,8 @@ def write_test(replay: Replay, path: Path) -> None:
         raise UserError(f"{shown!r} exists", hint="give another name") from None
     except OSError as error:
         raise UserError(f"{shown!r} cannot be written: {error.strerror}") from error
+
+
+def _from(test: Path, file: Path) -> str:
+    """Return the path of a file from a test's folder, as Python writes it."""
+    return json.dumps(os.path.relpath(file.absolute(), test.absolute().parent))

@@ -290,23 +290,23 @@ def test_a_parameter_that_was_given_is_given_again(raising: Path) -> None:
     }
 
 
-def test_a_recording_becomes_a_test_that_fails_until_it_is_mended(
-    raising: Path, project: Path, capsys: pytest.CaptureFixture[str]
+def test_a_recording_becomes_a_test_that_fails_until_it_is_mended_where_the_test_stands(
+    raising: Path, project: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    test = project / "test_late.py"
+    elsewhere = tmp_path / "elsewhere"
+    shutil.copytree(project, elsewhere, ignore=shutil.ignore_patterns("*.rrd"))
+    (elsewhere / "tests").mkdir()
+    test = elsewhere / "tests/test_late.py"
     assert main(["replay", str(raising), "--to-test", str(test)]) == 0
     assert "fails now, until what went wrong is mended" in capsys.readouterr().out
     assert not passes(test)
     skills, before = next(
         (file, text)
-        for file in (project / "skills").glob("*.py")
+        for file in (elsewhere / "skills").glob("*.py")
         if 'raise KeyError("missing")' in (text := file.read_text(encoding="utf-8"))
     )
     skills.write_text(before.replace('raise KeyError("missing")', 'return self.succeed("there")'), encoding="utf-8")
-    try:
-        assert passes(test)
-    finally:
-        skills.write_text(before, encoding="utf-8")
+    assert passes(test)
     assert main(["replay", str(raising), "--to-test", str(test)]) == 2
     assert "exists" in capsys.readouterr().err
 
