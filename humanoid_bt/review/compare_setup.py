@@ -12,6 +12,7 @@ from humanoid_bt.review.parameters import changed_parameters, same, shown
 from humanoid_bt.review.setup import NodeInfo
 
 _SETTINGS = ("mode", "body", "seed", "duration", "on_estop", "watch", "perception")
+_STAGED = ("dry", "conditions", "replace", "script")
 _HASH = 12  # digits of a file's hash that are shown
 
 
@@ -50,7 +51,8 @@ def setup_changes(one: Mapping[str, Any], other: Mapping[str, Any]) -> Iterator[
 
 def _settings(run: Mapping[str, Any]) -> dict[str, Any]:
     names = {key: run[key]["name"] for key in ("tree", "robot", "scene")}
-    return {**names, **{key: run.get(key) for key in _SETTINGS}}
+    staged = {f"staged {key}": run["staged"][key] for key in _STAGED if run["staged"].get(key)}
+    return {**names, **{key: run.get(key) for key in _SETTINGS}, **staged}
 
 
 def _files(run: Mapping[str, Any]) -> dict[str, str]:

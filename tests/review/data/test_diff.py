@@ -22,10 +22,13 @@ from humanoid_bt.record.rrd import RrdFile
 from humanoid_bt.record.shape import SETUP
 from humanoid_bt.record.tick import Tick
 from humanoid_bt.review.compare_run import NodeShift, command_parting, first_parting, node_shifts
-from humanoid_bt.review.compare_setup import setup_changes
+from humanoid_bt.review.compare_setup import Change, setup_changes
 from humanoid_bt.review.difference import difference
 from humanoid_bt.review.recording import Recording, open_recording
 from humanoid_bt.session.setup import tree_setup
+from humanoid_bt.testing.conditions import Conditions
+from humanoid_bt.testing.events import script_of
+from humanoid_bt.testing.staging import Staging
 
 
 @pytest.mark.trials
@@ -227,6 +230,19 @@ def test_files_and_versions_are_compared(recording: Recording) -> None:
         ("settings", "seed", "7"),
         ("files", "tree trees/fetch.yaml", "0" * 12),
         ("versions", "mujoco", "3.0"),
+    ]
+
+
+def test_what_a_test_staged_is_compared() -> None:
+    def staged(friction: float, script: list[dict[str, Any]]) -> dict[str, Any]:
+        return dict(SETUP({"staged": Staging(False, Conditions(friction=friction), {}, script_of(script)).told()}))
+
+    plain, slippery, other = staged(1.0, []), staged(0.4, []), staged(0.4001, [{"at": "30 s", "lose": "ball"}])
+    assert list(setup_changes(slippery, slippery)) == []
+    assert list(setup_changes(plain, slippery)) == [Change("settings", "staged conditions", None, '{"friction": 0.4}')]
+    assert [(c.part, c.name, c.before) for c in setup_changes(slippery, other)] == [
+        ("settings", "staged conditions", '{"friction": 0.4}'),
+        ("settings", "staged script", None),
     ]
 
 
