@@ -6,6 +6,7 @@ import hashlib
 
 from humanoid_bt.core.kept import Kept
 from humanoid_bt.core.messages import Command, Level, State
+from humanoid_bt.link.wire.targets import pack_targets
 from humanoid_bt.session.report import Reload
 from humanoid_bt.tree.ticking.deciding import reason_of
 from humanoid_bt.tree.ticking.executor import NodeChange
@@ -49,4 +50,5 @@ class Trace:
         """Take what one tick saw and commanded."""
         for values in (state.joint_positions, state.joint_velocities, state.setpoint_positions, state.base_position):
             self._hash.update(values.tobytes())
+        self._hash.update(pack_targets(command.targets))
         self._hash.update(f"{state.cycle} {state.mode.value} {sorted(command.sources.items())}".encode())

@@ -97,6 +97,12 @@ def test_it_is_deterministic_and_seeded(dry):
     assert dry.run("fetch", seed=1).trace == one != dry.run("fetch", seed=2).trace
 
 
+def test_another_command_is_another_run_even_if_nothing_has_followed_from_it_yet(dry):
+    one, other = (dry.run("fetch", duration=0.01, parameters={"stop_distance": near}) for near in (0.4, 0.35))
+    assert len(one.commands) == 1
+    assert one.trace != other.trace
+
+
 def test_a_stopped_robot_does_not_do_what_it_is_told(dry):
     run = dry.run("fetch", script=[{"at": 0, "estop": {}}, {"at": 0.3, "reset": {}}])
     assert run.states[5].mode is Mode.EMERGENCY_STOP
