@@ -97,8 +97,13 @@ def changed_parameters(before: dict[str, ParameterInfo], after: dict[str, Parame
     """Yield the parameters that have different values, or are only on one side."""
     for name in dict.fromkeys((*before, *after)):
         one, other = before.get(name), after.get(name)
-        if one is None or other is None or not same(one.value, other.value):
+        if one is None or other is None or not _alike(one, other):
             yield ParameterChange(name, one, other)
+
+
+def _alike(one: ParameterInfo, other: ParameterInfo) -> bool:
+    """Return whether two parameters are the same; a file does not say whether "5 s" is a quantity or a text."""
+    return same(one.value, other.value) or same(one.value, other.written) or same(one.written, other.value)
 
 
 def same(one: Any, other: Any) -> bool:
@@ -118,8 +123,15 @@ def shown(parameter: ParameterInfo | None) -> str:
     """Return a parameter's value as people write it."""
     if parameter is None:
         return "-"
-    value = _written(parameter)
+    value = as_written(parameter)
     return one_line(value if isinstance(value, str) else json.dumps(value))
+
+
+def as_written(parameter: ParameterInfo) -> Any:
+    """Return a value as it was written, with its unit, if that says the same: in a tree's file ``$$`` stands for $."""
+    if parameter.written is not None and same(_in_si_units(parameter.written), parameter.value):
+        return parameter.written
+    return parameter.value
 
 
 def _of_recording(recording: Recording) -> dict[str, ParameterInfo]:
@@ -141,14 +153,7 @@ def _items(path: Path) -> dict[str, Item]:
 
 def _line(name: str, parameter: ParameterInfo) -> str:
     """Return a parameter as YAML, on one line."""
-    return f"{document.as_line(name)}: {document.as_line(_written(parameter))}"
-
-
-def _written(parameter: ParameterInfo) -> Any:
-    """Return a value as it was written, with its unit, if that says the same."""
-    if isinstance(parameter.written, str) and same(_in_si_units(parameter.written), parameter.value):
-        return parameter.written
-    return parameter.value
+    return f"{document.as_line(name)}: {document.as_line(as_written(parameter))}"
 
 
 def _in_si_units(value: Any) -> Any:

@@ -10,6 +10,7 @@ from typing import Any
 from humanoid_bt.core.clock import cycles
 from humanoid_bt.core.messages import Mode
 from humanoid_bt.record.reading import FlightLog, News
+from humanoid_bt.review.parameters import as_written
 from humanoid_bt.review.setup import parameters
 from humanoid_bt.robot.config import Walk
 from humanoid_bt.session.engine import Input
@@ -66,7 +67,7 @@ def recorded_run(log: FlightLog) -> RecordedRun:
         mode=log.setup["mode"],
         seed=log.setup["seed"],
         joints=tuple(log.setup["robot"]["joints"]),
-        given={name: found.written for name, found in parameters(log.setup["tree"]).items() if found.given},
+        given={name: as_written(found) for name, found in parameters(log.setup["tree"]).items() if found.given},
         duration=math.inf if duration is None else duration,
         waits=limits is not None and limits["waits"],
         body=log.setup.get("body", "dcm"),

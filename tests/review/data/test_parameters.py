@@ -5,12 +5,15 @@ from __future__ import annotations
 import json
 import math
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
 import yaml
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+import humanoid_bt as hbt
 from humanoid_bt.cli import main
 from humanoid_bt.core.items import Item
 from humanoid_bt.files import document
@@ -20,6 +23,7 @@ from humanoid_bt.review import parameters
 from humanoid_bt.review.recorded_run import recorded_run
 from humanoid_bt.review.recording import open_recording
 from humanoid_bt.review.setup import ParameterInfo
+from humanoid_bt.session.setup import tree_setup
 
 
 @pytest.fixture
@@ -87,6 +91,36 @@ def test_differences_are_those_that_matter(
     *names, line = capsys.readouterr().out.splitlines()
     assert names == [f"A  {file}", f"B  {other}"]
     assert line.startswith("   stop_distance  0.4 m → 35 cm") and line.endswith(" → given")
+
+
+DECLARED = {"text": "no", "dollar": "no", "two": "no", "many": ["a"], "long": "1 m", "bare": 1.5}
+GIVEN = {"text": "5 s", "dollar": "$5", "two": "$$", "many": ["1 m", "$x"], "long": "50 cm", "bare": "2 min"}
+
+
+@pytest.fixture
+def texts(tmp_path: Path) -> Any:
+    """What there is of the recording of a run that was given values of every kind."""
+    file = tmp_path / "texts.yaml"
+    told = {"log": {"text": "{one} {text} {dollar} {two} {long} {bare}"}}
+    root = {"for_each": {"items": "$many", "item": "one", **told}}
+    file.write_text(json.dumps({"format": 1, "parameters": DECLARED, "root": root}), encoding="utf-8")
+    setup = SETUP({"tree": tree_setup(hbt.load(file, parameters=GIVEN), GIVEN)})
+    return SimpleNamespace(setup=setup, title="a run", path=tmp_path / "a.rrd", news=[])
+
+
+def test_what_was_given_is_given_again_as_it_was(texts: Any) -> None:
+    assert recorded_run(texts).given == GIVEN
+
+
+def test_a_text_is_the_same_in_the_file_that_was_made_of_it(
+    texts: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(parameters, "open_recording", lambda _: texts)
+    (tmp_path / "a.yaml").write_text(parameters.as_yaml(texts), encoding="utf-8")
+    run, file = (parameters.known_parameters(tmp_path / name) for name in ("a.rrd", "a.yaml"))
+    assert list(parameters.changed_parameters(run, file)) == list(parameters.changed_parameters(file, run)) == []
+    file["text"] = ParameterInfo(5.1, "5.1 s")
+    assert [change.name for change in parameters.changed_parameters(run, file)] == ["text"]
 
 
 def test_the_newest_recording_is_meant(
