@@ -6,6 +6,7 @@ Names are looked up in the current workspace first, then in the built-in one.
 from __future__ import annotations
 
 import os
+from collections.abc import Sequence
 from os import PathLike
 from pathlib import Path
 from typing import Literal
@@ -17,6 +18,7 @@ _PACKAGE = Path(__file__).resolve().parents[1]
 _TREES, _SCENES, _ROBOTS, _SKILLS = "trees/*.yaml", "sim/scenes/*.yaml", "sim/*/robot.yaml", "skills/*.py"
 _SCENARIOS, _CAMPAIGNS, _GATEWAYS = "scenarios/*.yaml", "campaigns/*.yaml", "gateways/*.yaml"
 _DEEP = ("trees", "scenarios", "campaigns")  # folders in which files may lie at any depth
+_KINDS = ("trees", "sim", "scenarios", "campaigns")
 _Thing = Literal["tree", "scene", "robot", "scenario", "gateway"]
 
 
@@ -34,22 +36,27 @@ def workspace_above(folder: Path) -> Path | None:
     return next((place for place in (folder, *folder.parents) if _is_workspace(place)), None)
 
 
-def yaml_files(folder: Path) -> list[Path]:
+def yaml_files(folder: Path, kinds: Sequence[str] = _KINDS) -> list[Path]:
     """Return the trees, scenes, robots, scenarios and campaigns of a folder.
 
-    Of a workspace those in its folders for them, of a folder of trees, scenarios or campaigns all below it,
-    of ``sim/`` the scenes and robots. Of any other folder what lies directly in it: below it, there may be
-    anybody's files.
+    Of a folder of trees, scenarios or campaigns all below it, however its folders are called; of ``sim/`` the scenes
+    and robots, of a workspace those in its folders for them. Of any other folder what lies directly in it: below it,
+    there may be anybody's files.
+
+    Args:
+        folder: it.
+        kinds: the folders of a workspace in which such files are looked for.
     """
-    parts = [part for name in ("trees", "sim", "scenarios", "campaigns") if (part := folder / name).is_dir()]
-    if parts:
-        return [path for part in parts for path in yaml_files(part)]
     whole = resolved(folder)
+    if (deep := _deep(whole)) is not None:
+        return sorted(folder.rglob("*.yaml")) if deep.name in kinds else []
+    if any((folder / name).is_dir() for name in _KINDS):
+        return [path for name in kinds if (folder / name).is_dir() for path in yaml_files(folder / name, kinds)]
     if whole.name == "sim":
         robots = (path / "robot.yaml" for path in folder.glob("*/"))
-        return sorted([*folder.glob("scenes/*.yaml"), *filter(os.path.lexists, robots)])  # a broken link is told of
-    deep = set(_DEEP) & set(whole.parts)
-    return sorted(folder.rglob("*.yaml") if deep else folder.glob("*.yaml"))
+        found = [*folder.glob("scenes/*.yaml"), *filter(os.path.lexists, robots)]  # a broken link is told of
+        return sorted(found) if "sim" in kinds else []
+    return sorted(folder.glob("*.yaml"))
 
 
 def source_files(folder: Path) -> list[Path]:
@@ -57,6 +64,21 @@ def source_files(folder: Path) -> list[Path]:
     if (folder / "__init__.py").exists():
         return []
     return [path for path in sorted(folder.glob("*.py")) if not path.name.startswith("_")]
+
+
+def _deep(folder: Path) -> Path | None:
+    """Return the folder of trees, scenarios or campaigns that a folder is or lies in: the outermost of its workspace.
+
+    Outside of a workspace the nearest, and None if there is none.
+    """
+    found: list[Path] = []
+    for place in (folder, *folder.parents):
+        named_so = place.name in _DEEP
+        if _is_workspace(place) and not (named_so and _is_workspace(place.parent)):
+            return found[-1] if found else None
+        if named_so:
+            found.append(place)
+    return found[0] if found else None
 
 
 def _is_workspace(folder: Path) -> bool:
@@ -95,9 +117,8 @@ class Workspace:
         ``skills/`` or ``sim/``, else the current one.
         """
         folder = resolved(path).parent
-        for parent in (folder, *folder.parents):
-            if parent.name in _DEEP:
-                return cls(parent.parent)
+        if (deep := _deep(folder)) is not None:
+            return cls(deep.parent)
         return cls(folder if (folder / "skills").is_dir() or (folder / "sim").is_dir() else None)
 
     @classmethod

@@ -21,7 +21,6 @@ from humanoid_bt.tree.coverage import Coverage, FileCoverage, NodeCoverage, dige
 from humanoid_bt.tree.source.load import load_tree
 
 _NARROW = 40  # columns, at least
-_OTHERS = frozenset({"sim", "scenarios", "campaigns"})  # folders of a workspace that hold no trees
 
 
 @contextmanager
@@ -165,18 +164,12 @@ def tree_files(paths: Sequence[str], root: Path) -> list[Path]:
         if paths and not folder.is_dir():
             found[resolved(workspace.find_tree(name))] = None
             continue
-        inside = _trees_in(folder)
+        inside = yaml_files(folder, ["trees"])
         if not inside:
             hint = "valid: a tree's file or name, or a folder with trees"
             raise UserError(f"there are no tree files in {relative(folder)!r}", hint=hint, code="no-file")
         found |= dict.fromkeys(map(resolved, inside))
     return sorted(found)
-
-
-def _trees_in(folder: Path) -> list[Path]:
-    """Return the trees of a workspace, or of any other folder: no scenes, scenarios and campaigns."""
-    base = trees if (trees := resolved(folder) / "trees").is_dir() else resolved(folder)
-    return [path for path in yaml_files(base) if _OTHERS.isdisjoint(path.relative_to(base.parent).parts)]
 
 
 def tree_coverage(counted: Coverage, paths: Iterable[Path]) -> TreeCoverage:

@@ -169,8 +169,7 @@ def _files(names: Sequence[str], workspace: Workspace) -> list[Path]:
 
 def _in_folder(folder: Path) -> list[Path]:
     """Return the scenarios of a workspace, or of a folder of scenarios; raises UserError."""
-    scenarios = folder / "scenarios"
-    if not (found := yaml_files(scenarios if is_folder(scenarios) else folder)):
+    if not (found := yaml_files(folder, ["scenarios"])):
         raise UserError(f"no scenarios in {str(folder)!r}", hint="they end in .yaml", code="no-file")
     return found
 

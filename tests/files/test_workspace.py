@@ -105,3 +105,27 @@ def test_a_folder_gives_its_own_kinds_of_files_and_nobody_elses(tmp_path: Path) 
     (tmp_path / "trees").rename(tmp_path / "charts/trees_of_another_kind")
     (tmp_path / "sim").rename(tmp_path / "charts/sim_of_another_kind")
     assert found(".") == {"f.yaml"}
+
+
+@pytest.mark.parametrize("inner", ["sim", "trees", "scenarios", "campaigns"])
+@pytest.mark.parametrize("kind", ["trees", "scenarios", "campaigns"])
+def test_folders_below_one_of_trees_may_have_any_name(tmp_path: Path, kind: str, inner: str) -> None:
+    ours = [tmp_path / kind / name for name in ("a.yaml", f"{inner}/b.yaml", f"{inner}/deep/c.yaml")]
+    other = tmp_path / "sim/scenes/d.yaml"
+    for path in (*ours, other):
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.touch()
+    assert set(yaml_files(tmp_path)) == {*ours, other}
+    assert yaml_files(tmp_path / kind) == yaml_files(tmp_path, [kind]) == ours
+    assert yaml_files(tmp_path / kind / inner, [kind]) == ours[1:]
+    assert {Workspace.of_tree(path).root for path in ours} == {tmp_path}
+    assert yaml_files(tmp_path / kind, ["sim"]) == []
+
+
+def test_a_workspace_may_be_called_like_a_folder_of_trees(tmp_path: Path) -> None:
+    ours, other = tmp_path / "trees/trees/a.yaml", tmp_path / "trees/charts/b.yaml"
+    for path in (ours, other):
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.touch()
+    assert yaml_files(tmp_path / "trees") == [ours]
+    assert yaml_files(other.parent) == [other]
