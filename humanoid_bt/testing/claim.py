@@ -70,7 +70,7 @@ CONTAINS = "contains"
 """``contains(reason, 'never seen')``: whether a text stands in another."""
 
 FEEDBACK = "feedback"
-"""``reach.feedback``: what a node said last."""
+"""``reach.feedback``: what a node said as it began or ended, of several the one that runs or ended last."""
 
 _RESULT_TYPES = {bool: TRUTH, str: TEXT}
 
@@ -142,7 +142,7 @@ class _RunLinker(Linker):
     def _of_node(self, node: str, name: str) -> tuple[Type, Evaluate]:
         lives = self._lives(node)
         if name == FEEDBACK:
-            return TEXT, lambda _robot: lives[0].feedback
+            return TEXT, lambda _robot: self._run.course.feedback(lives)
         found = self._run.result(name, lives)
         if found is None:
             known = {result for life in lives for result in life.node.type.results}

@@ -122,16 +122,16 @@ class Life:
         ran: whether it ever had its turn.
         begins: whether its turn began in this tick.
         ended: how it ended last: succeeded, failed, halted; "" before that, and while it runs.
-        ended_at: when that was [s], -1 before.
-        feedback: what it said when its status changed last.
+        feedback: what it said as it began, or ended, whichever came last.
+        changed_at: when that was: the time [s], and its place among the changes of the tick.
         results: what it has reported since it began last.
     """
 
     def __init__(self, node: Node) -> None:
         self.node = node
         self.ran = self.begins = False
-        self.ended, self.ended_at = "", -1.0
-        self.feedback = ""
+        self.ended = self.feedback = ""
+        self.changed_at = (-1.0, 0)
         self.results: Mapping[str, ResultValue] = {}
         self._status = Status.INVALID
 
@@ -151,7 +151,8 @@ class Life:
         path = self.node.path
         before, now = self._status, view.statuses[path]
         self._status = now
-        told = next((change for change in reversed(view.changes) if change.path == path), None)
+        own = [(index, change) for index, change in enumerate(view.changes) if change.path == path]
+        index, told = own[-1] if own else (0, None)
         changed = now is not before or (told is not None and now is not Status.INVALID)  # or once more the same
         self.begins = changed and now is not Status.INVALID and before is not Status.RUNNING
         if self.begins:
@@ -160,11 +161,10 @@ class Life:
         if not changed:
             return
         self.ran = self.ran or now is not Status.INVALID
-        if now is Status.RUNNING:
-            self.ended = ""
-        elif now is not Status.INVALID or before is Status.RUNNING:  # else it had ended before, and is only reset
-            self.ended, self.ended_at = _ENDS.get(now, "halted"), view.time
-            self.feedback = told.feedback if told is not None else ""
+        if now is Status.INVALID and before is not Status.RUNNING:
+            return  # it had ended before, and is only reset
+        self.ended = "" if now is Status.RUNNING else _ENDS.get(now, "halted")
+        self.feedback, self.changed_at = told.feedback if told is not None else "", (view.time, index)
 
 
 class Course:
@@ -265,7 +265,11 @@ class Course:
         having = [life for life in lives if name in life.results]
         if not having:
             raise NoValue(f"nothing has reported {name!r} yet")
-        return max(having, key=lambda life: (life.runs, life.ended_at)).results[name]
+        return _latest(having).results[name]
+
+    def feedback(self, lives: Sequence[Life]) -> str:
+        """Return what the node said that runs, else what the one said that ended last."""
+        return _latest(lives).feedback
 
     def reporting(self, name: str) -> list[Node]:
         """Return the nodes that declare a result."""
@@ -276,3 +280,8 @@ class Course:
         """The name of every result that a node declares, for hints."""
         for node in self.tree.nodes:
             yield from node.type.results
+
+
+def _latest(lives: Sequence[Life]) -> Life:
+    """Return the one that runs, of several the one that began last, else the one that ended last."""
+    return max(lives, key=lambda life: (life.runs, life.changed_at))

@@ -234,6 +234,9 @@ def test_a_run_is_judged_as_if_it_were_the_first(run: TreeRun, short: TreeRun) -
         "never: 'for a while' failed while 'for a while' runs",
         "always: level < 1.5 cm while time > 0.93 s and time < 0.96 s",  # what runs has it, not what ended
         "level > 2.5 cm",  # what ended last has it
+        "order: [fill.feedback == 'looking for the cup', fill succeeded, fill.feedback == 'looking for the cup']",
+        "never: contains(wait.feedback, '0.2 s') while 'for a while' runs",  # what runs says it, not what ended
+        "contains(wait.feedback, '0.3 s')",  # what ended last said it
     ],
 )
 def test_what_begins_again_and_what_there_is_more_than_one_of(again: TreeRun, text: str) -> None:
