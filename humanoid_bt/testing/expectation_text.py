@@ -122,7 +122,7 @@ def expectations_in(item: Item, name: str) -> list[Expectation]:
         if len(found) > MOST:
             raise UserError(f"more than {MOST:,} expectations", item.place, code="too-large")
     if not found and not problems:
-        raise UserError(f"{name!r} expects nothing", item.place, EXAMPLES, "wrong-type")
+        raise _nothing(name, item)
     if problems:
         raise UserError(problems)
     return found
@@ -141,6 +141,8 @@ class _Entry(NamedTuple):
         if _kind(self.key) == "order" and isinstance(self.value.value, list):
             steps = [_text(step, "a step") for step in self.value.value]
             return _of_kind(self.key, _Text(f"[{', '.join(step.text for step in steps)}]", *self.key[1:]), steps)
+        if self.value.value == []:
+            raise _nothing(self.key.text, self.value)
         value = _text(self.value, self.key.text)
         return _of_kind(self.key, value, list(_steps(value)))
 
@@ -153,9 +155,14 @@ def _entries(item: Item, name: str) -> Iterator[_Entry]:
         for key, value in item.value.items():
             head = _Text(key, item.key_places[key], 0).part(0)
             several = isinstance(value.value, list) and not key.strip().startswith("order")
-            yield from (_Entry(head, part, name) for part in (value.value if several else (value,)))
+            parts = value.value if several else ()
+            yield from (_Entry(head, part, name) for part in parts or (value,))
     else:
         yield _Entry(None, item, name)
+
+
+def _nothing(name: str, item: Item) -> UserError:
+    return UserError(f"{name!r} expects nothing", item.place, EXAMPLES, "wrong-type")
 
 
 def _text(item: Item, what: str) -> _Text:

@@ -158,6 +158,7 @@ MISTAKES = {
     "a claim": ("- hand_error < 2 cm", "- hand_error << 2 cm", "19:17: error: 'hand_error << 2 cm' is no", ""),
     "a list as a claim": ("- hand_error < 2 cm", "- [hand_error]", "19:5: error: 'expect' must be an expression", ""),
     "a list of claims": ("[fell, estop]", "[fell, {a: 1}]", "17:19: error: 'never' must be an expression", ""),
+    "no claims": ("[fell, estop]", "[]", "17:12: error: 'never' expects nothing", "like within 20 s"),
     "no YAML": ("expect:", "expect: {", "", ""),
 }
 
@@ -220,10 +221,12 @@ def test_what_an_event_lacks_is_told(folder: Path, event: str, message: str) -> 
     assert message in str(raised.value)
 
 
-def test_files_are_looked_for_beside_it(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    (folder / "odd").mkdir()
-    (folder / "odd" / "tree.yaml").write_text("format: 1\nroot: {emergency_stop: idle}\n", encoding="utf-8")
-    path = write(folder, "format: 1\ntree: ../odd/tree.yaml\nexpect: idle runs\n")
+@pytest.mark.parametrize("tree", ["../odd/tree.yaml", "tree.yaml"])
+def test_files_are_looked_for_beside_it(folder: Path, tree: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = write(folder, f"format: 1\ntree: {tree}\nexpect: idle runs\n")
+    file = path.parent / tree
+    file.parent.mkdir(exist_ok=True)
+    file.write_text("format: 1\nroot: {emergency_stop: idle}\n", encoding="utf-8")
     monkeypatch.chdir(folder.parent)
     checked_scenario(path, Workspace(folder))
 
