@@ -59,6 +59,11 @@ def yaml_files(folder: Path, kinds: Sequence[str] = _KINDS) -> list[Path]:
     return sorted(folder.glob("*.yaml"))
 
 
+def is_path(name: str) -> bool:
+    """Return whether a name is the path of a file, not what a file in a workspace is called."""
+    return "/" in name or name.endswith((".yaml", ".yml"))
+
+
 def source_files(folder: Path) -> list[Path]:
     """Return the files of a folder of percept sources; none of a Python package, which is something else."""
     if (folder / "__init__.py").exists():
@@ -220,7 +225,7 @@ class Workspace:
         path = Path(name)
         if is_folder(path):
             raise UserError(f"{name!r} is a folder, not a {what}", hint=nearest(name, known), code=f"unknown-{what}")
-        if path.suffix in {".yaml", ".yml"} or "/" in name:
+        if is_path(name):
             if is_file(path):
                 return path
             raise UserError(f"no {what} {kind} {name!r}", hint=nearest(path.stem, known), code=f"unknown-{what}")

@@ -16,7 +16,7 @@ def recorded(file: Path, path: str) -> Iterator[dict[str, Any]]:
     """Yield what a node did in a recording each time it was started, as the values of an answer.
 
     Raises:
-        UserError: it is no recording, or the node never ran in it.
+        UserError: it is no recording, or the node never ran in it, or only raised exceptions.
     """
     log = read_flight(file)
     happened = Happened(log)

@@ -15,6 +15,7 @@ from humanoid_bt.core.reading import convert, read
 from humanoid_bt.core.sources import Sources
 from humanoid_bt.files import document
 from humanoid_bt.files.reading import is_file
+from humanoid_bt.files.workspace import is_path
 from humanoid_bt.testing.conditions import Conditions
 from humanoid_bt.testing.events import Event, too_late
 from humanoid_bt.testing.expectation import Within
@@ -144,7 +145,7 @@ def _located(scenario: Scenario, path: Path, item: Item) -> Scenario:
 def _file(path: Path, name: str | None) -> str | None:
     """Return the file that a path in a scenario's file names, beside that one if there is one, else the name."""
     beside = path.parent / (name or "")
-    return str(beside) if name and "/" in name and is_file(beside) else name
+    return str(beside) if name and is_path(name) and is_file(beside) else name
 
 
 def _beside(path: Path, stand_in: Replacement) -> Replacement:

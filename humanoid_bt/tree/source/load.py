@@ -14,7 +14,7 @@ from humanoid_bt.core.params import Param
 from humanoid_bt.core.sources import Sources
 from humanoid_bt.decision.blackboard import Key
 from humanoid_bt.files.reading import is_file
-from humanoid_bt.files.workspace import Workspace
+from humanoid_bt.files.workspace import Workspace, is_path
 from humanoid_bt.tree.checks import World, check
 from humanoid_bt.tree.draft import Draft
 from humanoid_bt.tree.node import Node
@@ -225,7 +225,7 @@ class Loader:
     def _find(self, item: Item) -> Path:
         """Return the file of a sub-tree: beside the file that uses it, links followed, if a path; else by its name."""
         name: str = item.value
-        if "/" in name or name.endswith((".yaml", ".yml")):
+        if is_path(name):
             beside = resolved(Path(item.place.file)).parent / name
             if is_file(beside):
                 return beside
