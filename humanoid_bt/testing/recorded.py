@@ -2,21 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from humanoid_bt.core.errors import UserError, nearest
 from humanoid_bt.decision.result import Reported
 from humanoid_bt.record.reading import read_flight
-from humanoid_bt.review.happened import Happened
+from humanoid_bt.review.happened import Happened, Row
 
 
-def recorded(file: Path, path: str) -> Iterator[dict[str, Any]]:
-    """Yield what a node did in a recording each time it was started, as the values of an answer.
+def recorded(file: Path, path: str) -> list[dict[str, Any]]:
+    """Return what a node did in a recording each time it was started, as the values of an answer.
 
     Raises:
-        UserError: it is no recording, or the node never ran in it, or only raised exceptions.
+        UserError: it is no recording, or the node never ran in it, or only raised an exception.
     """
     log = read_flight(file)
     happened = Happened(log)
@@ -29,6 +29,13 @@ def recorded(file: Path, path: str) -> Iterator[dict[str, Any]]:
         node, results = told.value
         if node == path:
             reported.setdefault(told.time, []).extend(Reported(*result) for result in results)
+    answers = list(_answers(changes, reported))
+    if not answers:
+        raise UserError(f"{path!r} did nothing in the recording {str(file)!r} but raise an exception")
+    return answers
+
+
+def _answers(changes: Iterable[Row], reported: Mapping[float, Sequence[Reported]]) -> Iterator[dict[str, Any]]:
     began: float | None = None
     for change in changes:
         time, status = change["time"], change["status"]

@@ -149,6 +149,14 @@ def test_a_recording_without_the_node_says_so(dry, recorded):
         dry.run("fetch", replace={"turn": {"recorded": str(recorded.recording)}})
 
 
+def test_a_recording_in_which_the_node_only_raised_says_so(dry, tmp_path):
+    file = tmp_path / "raised.rrd"
+    with recorded_directly():
+        dry.run("stand", script=[{"at": 0, "raise": "idle"}], record=file)
+    with pytest.raises(UserError, match=r"'stand/.*/idle' did nothing in the recording '.*' but raise an exception"):
+        dry.run("stand", replace={"idle": {"recorded": file}})
+
+
 def test_answers_can_be_made_in_python(dry):
     with pytest.raises(UserError, match="'status' cannot be 'sucess'\n    did you mean 'success'"):
         Answer(status="sucess")
