@@ -9,7 +9,7 @@ from humanoid_bt.testing.claim import VERBS, Claim, RunNames
 from humanoid_bt.testing.course import Course, Life
 from humanoid_bt.tree.expressions.linking import CODE, within
 
-_NAME = re.compile(r"[^<>=!()+*.'\"]+")  # no claim but a node's name or path
+_NAME = re.compile(r"[^<>=!()+*.'\"]+")  # no claim but a node's name or path; so is all that is in quotes
 
 
 class Step:
@@ -28,14 +28,11 @@ class Step:
         quoted = len(text) > 2 and text[0] == text[-1] and text[0] in "'\"" and text.count(text[0]) == 2
         self.text = text[1:-1] if quoted else text
         self._place, self._text_at = place, text_at
+        words = {"and", "or", "not", *VERBS}.intersection(re.findall(r"\w+", self.text))
+        self._is_name = quoted or (bool(_NAME.fullmatch(self.text)) and not words)
         self._claim: Claim | None = None if self._is_name else self._parsed
         self._lives: list[Life] = []
         self._held = False
-
-    @property
-    def _is_name(self) -> bool:
-        words = re.findall(r"\w+", self.text)
-        return bool(_NAME.fullmatch(self.text)) and not {"and", "or", "not", *VERBS}.intersection(words)
 
     @property
     def is_claim(self) -> bool:
@@ -53,7 +50,7 @@ class Step:
             UserError: there is no such node, or a name of the claim means nothing.
         """
         course = names.course
-        found = course.nodes(self.text) if self._is_name else []
+        found = course.nodes(self.text)
         self._held, self._lives = False, course.lives(found)
         if found:
             self._claim = None

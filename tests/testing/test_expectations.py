@@ -210,6 +210,26 @@ def test_what_is_not_so_is_told_with_the_moment_and_the_values(
     assert values.items() <= dict(failure.values).items()
 
 
+NAMED = """
+format: 1
+root:
+  emergency_stop: {sequence: [{success: {name: look and wait}}, {wait: {name: step 1.5, duration: 0.1 s}}, success]}
+"""
+
+
+@pytest.mark.parametrize(
+    ("text", "why"),
+    [
+        ("order: ['look and wait', 'step 1.5', success]", ""),
+        ("order: [look and wait, 'step 1.5']", ""),
+        ("order: [success, 'step 1.5']", "'step 1.5' came before 'success'"),
+    ],
+)
+def test_a_step_is_any_name_of_a_node(kitchen: Stage, text: str, why: str) -> None:
+    (kitchen.workspace.root / "trees" / "named.yaml").write_text(NAMED, encoding="utf-8")
+    assert [failure.why for failure in failures(kitchen.run("named"), text)] == [why] * bool(why)
+
+
 def test_the_time_of_a_run_goes_on_until_it_ends(short: TreeRun) -> None:
     assert not failures(short, "time >= 0.1 s")
 
@@ -292,6 +312,7 @@ def test_what_was_before_does_not_count_again(again: TreeRun, text: str, why: st
         ("order: [first]", 8, "an order has at least two steps", "order: [approach, reach]"),
         ("order: [first, , fill]", 16, "a step of the order is missing", "order: [approach, reach]"),
         ("order: [first, fil]", 16, "the tree 'tea' has no node 'fil'", "did you mean 'fill'?"),
+        ("order: [first, 'fil and 1.5']", 16, "the tree 'tea' has no node 'fil and 1.5'", "valid: "),
         ("order: [first, level > 3 s]", 22, "a number in m and a number in s cannot be compared", ""),
     ],
 )
