@@ -133,7 +133,7 @@ class TreeCoverage:
         for name, file in zip(names, self.files, strict=True):
             short = name if len(name) <= column else f"…{name[1 - column :]}"
             yield _row(short, column, file.seen, file.possible)
-            if file.nodes and not file.seen:
+            if file.nodes and not any(node.ticked for node in file.ordered):
                 yield "         never run"
                 continue
             for node in file.ordered:
@@ -199,7 +199,7 @@ def percent(seen: int, possible: int) -> float:
 
 def never(node: NodeCoverage) -> str:
     """Return what a node never did, for people."""
-    if not node.seen:
+    if not node.ticked:
         return "never ticked"
     *others, last = node.missing
     return "never " + (f"{', '.join(others)} or {last}" if others else last)

@@ -48,9 +48,10 @@ class Tally:
         if node is not None and before is not status:
             self._before[behaviour] = status
             deed = DEED_OF.get(status) or _halted(behaviour, before)
-            if deed and deed not in node.seen:
-                node.seen.add(deed)
-                self._recorder.changed = True
+            if not node.ticked or (deed and deed not in node.seen):
+                node.ticked = self._recorder.changed = True
+                if deed:
+                    node.seen.add(deed)
         if behaviour is self._root and status is not Status.RUNNING:
             self._recorder.save()
 

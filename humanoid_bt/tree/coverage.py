@@ -38,6 +38,7 @@ class NodeCoverage:
         type: its type.
         possible: what it can do, of :data:`DEEDS`.
         seen: what it did.
+        ticked: whether it was ticked at all; one that raised an exception may have done nothing else.
     """
 
     line: int
@@ -46,6 +47,7 @@ class NodeCoverage:
     type: str
     possible: set[str] = field(default_factory=set)
     seen: set[str] = field(default_factory=set)
+    ticked: bool = False
 
     @property
     def counted(self) -> tuple[str, ...]:
@@ -93,6 +95,7 @@ class FileCoverage:
             mine = self.nodes.setdefault(place, NodeCoverage(*place, node.name, node.type))
             mine.possible |= node.possible
             mine.seen |= node.seen
+            mine.ticked |= node.ticked
 
 
 class Coverage:
@@ -153,8 +156,9 @@ class Coverage:
                 file = FileCoverage(resolved(Path(entry["file"])), entry["digest"])
                 for node in entry["nodes"]:
                     place = node["line"], node["column"]
-                    sets = (set(DEEDS) & set(node[what]) for what in ("possible", "seen"))
-                    file.nodes[place] = NodeCoverage(*place, node["name"], node["type"], *sets)
+                    possible, seen = (set(DEEDS) & set(node[what]) for what in ("possible", "seen"))
+                    ticked = node["ticked"] is True
+                    file.nodes[place] = NodeCoverage(*place, node["name"], node["type"], possible, seen, ticked)
                 found.files[file.path, file.digest] = file
         except OSError as error:
             raise UserError(f"{relative(path)!r} cannot be read: {error.strerror}", code="unreadable") from error
@@ -207,6 +211,7 @@ def _plain(file: FileCoverage) -> dict[str, Any]:
             "type": node.type,
             "possible": list(node.counted),
             "seen": [deed for deed in DEEDS if deed in node.seen],
+            "ticked": node.ticked,
         }
         for node in file.ordered
     ]

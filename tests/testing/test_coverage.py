@@ -178,7 +178,7 @@ def test_what_was_counted_apart_is_merged(halted: Path, capsys: pytest.CaptureFi
 
 def report_of(*seen: set[str]) -> TreeCoverage:
     """Return what there is to say of nodes that can do all and did this."""
-    nodes = {(line, 1): NodeCoverage(line, 1, "n", "act", set(DEEDS), did) for line, did in enumerate(seen, 1)}
+    nodes = {(line, 1): NodeCoverage(line, 1, "n", "act", set(DEEDS), did, True) for line, did in enumerate(seen, 1)}
     return TreeCoverage((FileCoverage(Path("t.yaml"), "", nodes),))
 
 
@@ -193,6 +193,10 @@ def test_nearly_all_is_not_all() -> None:
     nearly = report_of(*[set(DEEDS)] * 499, {"success", "failure", "running"})  # 99.95 %
     assert nearly.shown == "99.9"
     assert nearly.text(100).splitlines() == ["t.yaml  1999/2000   99 %", "    500  n: never halted"]
+
+
+def test_what_was_ticked_and_did_nothing_was_ticked() -> None:
+    assert report_of(set()).text(100).splitlines()[1:] == ["      1  n: never success, failure, running or halted"]
 
 
 def test_what_a_node_did_and_should_not_be_able_to_is_counted() -> None:

@@ -135,6 +135,17 @@ def test_what_raised_was_not_halted(workspace: Workspace, counted: Counted) -> N
     assert missing(counted()) == {"act": ("success", "failure", "halted")}
 
 
+def test_what_raised_at_once_was_ticked(workspace: Workspace, counted: Counted) -> None:
+    life = run(workspace, "{sequence: [{on_error: {act: {script: x}}}, {act: {name: other, script: s}}]}")
+    life.tick()
+    assert {node.name: node.ticked for node in only(counted()).ordered} == {
+        "sequence": True,
+        "on_error": True,
+        "act": True,
+        "other": False,
+    }
+
+
 def test_a_run_that_is_halted_is_written_too(workspace: Workspace, counted: Counted) -> None:
     life = run(workspace, "{emergency_stop: idle}")
     life.tick()
